@@ -1,0 +1,2 @@
+//! What ironout is tested on: a simulated world, simulated chips and bus, and the emulated board.
+#![forbid(unsafe_code)]

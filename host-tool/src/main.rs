@@ -1,0 +1,2 @@
+//! The command line tool `ironout`.
+fn main() {}

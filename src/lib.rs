@@ -1,0 +1,3 @@
+//! `ironout` — magnetometer calibration.
+#![no_std]
+#![forbid(unsafe_code)]
