@@ -1,0 +1,53 @@
+//! The one error type of the magnetometer drivers.
+
+use core::fmt;
+
+/// Why a driver could not do what it was asked. `E` is the error of the bus.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Error<E> {
+    /// The bus failed: no acknowledge, arbitration lost, line held down. The transaction may be repeated.
+    Bus(E),
+    /// A chip answered at the address, but with another identity than this driver's chip.
+    NotFound {
+        /// The identification bytes of the chip this driver is for.
+        expected: [u8; 3],
+        /// The bytes that were read.
+        found: [u8; 3],
+    },
+    /// A configuration register does not hold what was written to it: the chip was reset meanwhile, or it is
+    /// not the chip it claims to be.
+    NotKept {
+        /// Address of the register.
+        register: u8,
+        /// The byte written to it.
+        written: u8,
+        /// The byte read back.
+        read: u8,
+    },
+    /// The configuration asks for something the chip cannot do; the text says what.
+    InvalidConfig(&'static str),
+}
+
+impl<E> From<E> for Error<E> {
+    fn from(error: E) -> Self {
+        Error::Bus(error)
+    }
+}
+
+impl<E: fmt::Debug> fmt::Display for Error<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::Bus(error) => write!(f, "bus error {error:?}"),
+            Error::NotFound { expected, found } => {
+                write!(f, "identity {found:02x?} where {expected:02x?} is expected")
+            }
+            Error::NotKept { register, written, read } => {
+                write!(f, "register {register:#04x} holds {read:#04x} after {written:#04x} was written")
+            }
+            Error::InvalidConfig(what) => write!(f, "invalid configuration: {what}"),
+        }
+    }
+}
+
+impl<E: fmt::Debug> core::error::Error for Error<E> {}

@@ -1,0 +1,65 @@
+//! Output registers, their order, scale and overflow.
+
+use embedded_hal::i2c::ErrorKind;
+use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
+use ironout_drivers::lsm303dlhc::register::ADDRESS as MAG;
+use ironout_drivers::lsm303dlhc::{Config, Lsm303dlhc, Range};
+use ironout_drivers::{Error, Magnetometer, Reading};
+
+fn read(bytes: [u8; 6]) -> Reading {
+    let bus = Mock::new(&[Transaction::write_read(MAG, vec![0x03], bytes.to_vec())]);
+    let mut sensor = Lsm303dlhc::new(bus, Config::default());
+    let reading = sensor.read().unwrap();
+    sensor.destroy().done();
+    reading
+}
+
+#[test]
+fn the_registers_stand_in_the_order_x_z_y_high_byte_first() {
+    let reading = read([0x01, 0x02, 0xfe, 0xd4, 0x00, 0x07]);
+    assert_eq!(reading.counts, [258, 7, -300]);
+    assert!(!reading.saturated());
+}
+
+#[test]
+fn minus_4096_is_an_overflow_of_that_axis_and_the_extremes_are_not() {
+    let reading = read([0x07, 0xff, 0xf0, 0x00, 0xf8, 0x00]);
+    assert_eq!(reading.counts, [2047, -2048, -4096]);
+    assert_eq!(reading.overflow, [false, false, true]);
+    assert!(reading.saturated());
+}
+
+#[test]
+fn z_has_its_own_scale_at_every_range() {
+    for range in Range::ALL {
+        let config = Config { range, ..Config::default() };
+        let scale = Lsm303dlhc::new(Mock::new(&[]), config);
+        let [x, y, z] = scale.ut_per_count();
+        scale.destroy().done();
+        assert_eq!(x, y);
+        assert!(z > 1.1 * x && z < 1.14 * x, "{range:?}: {x} {z}");
+    }
+    assert_eq!(Range::Gauss1_9.ut_per_count(), [100.0 / 855.0, 100.0 / 855.0, 100.0 / 760.0]);
+}
+
+#[test]
+fn data_ready_is_bit_0_of_the_status_alone() {
+    let bus = Mock::new(&[
+        Transaction::write_read(MAG, vec![0x09], vec![0x02]),
+        Transaction::write_read(MAG, vec![0x09], vec![0x03]),
+    ]);
+    let mut sensor = Lsm303dlhc::new(bus, Config::default());
+    assert_eq!(sensor.data_ready(), Ok(false));
+    assert_eq!(sensor.data_ready(), Ok(true));
+    sensor.destroy().done();
+}
+
+#[test]
+fn a_bus_error_is_passed_on() {
+    let bus = Mock::new(&[
+        Transaction::write_read(MAG, vec![0x03], vec![0; 6]).with_error(ErrorKind::ArbitrationLoss)
+    ]);
+    let mut sensor = Lsm303dlhc::new(bus, Config::default());
+    assert_eq!(sensor.read(), Err(Error::Bus(ErrorKind::ArbitrationLoss)));
+    sensor.destroy().done();
+}
