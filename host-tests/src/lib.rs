@@ -1,2 +1,4 @@
 //! What ironout is tested on: a simulated world, simulated chips and bus, and the emulated board.
 #![forbid(unsafe_code)]
+
+pub mod world;

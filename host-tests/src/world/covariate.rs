@@ -1,0 +1,91 @@
+//! Histories of the logged covariates, as functions of time.
+
+use super::{Temperature, WorldOptions};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use std::f64::consts::TAU;
+
+/// A sum of slow sinusoids: `(amplitude, period in s, phase)` each.
+type Wander = [(f64, f64, f64); 3];
+
+/// One burst of current: start, end and height.
+type Burst = (f64, f64, f64);
+
+/// The drawn histories.
+#[derive(Clone, Debug)]
+pub(super) struct Covariates {
+    temperature: Temperature,
+    seconds: f64,
+    seed: u64,
+    start_c: f64,
+    rise_c: f64,
+    warm_s: f64,
+    wander_c: Wander,
+    bursts: Vec<Burst>,
+}
+
+fn draw_wander(rng: &mut ChaCha8Rng, periods: core::ops::Range<f64>) -> Wander {
+    core::array::from_fn(|_| {
+        (rng.random_range(0.6..1.2), rng.random_range(periods.clone()), rng.random_range(0.0..TAU))
+    })
+}
+
+fn wander_at(wander: &Wander, t: f64) -> f64 {
+    wander.iter().map(|(amplitude, period, phase)| amplitude * (TAU * t / period + phase).sin()).sum()
+}
+
+/// A switch that takes about 0.1 s.
+fn edge(t: f64) -> f64 {
+    0.5 + 0.5 * (t / 0.03).tanh()
+}
+
+impl Covariates {
+    pub(super) fn draw(options: &WorldOptions, rng: &mut ChaCha8Rng) -> Covariates {
+        let mut bursts = Vec::new();
+        let mut t = rng.random_range(0.0..3.0);
+        while t < options.seconds {
+            let length = rng.random_range(1.0..5.0);
+            bursts.push((t, t + length, rng.random_range(3.0..10.0)));
+            t += length + rng.random_range(1.5..6.0);
+        }
+        Covariates {
+            temperature: options.temperature,
+            seconds: options.seconds,
+            seed: rng.random(),
+            start_c: rng.random_range(18.0..26.0),
+            rise_c: rng.random_range(5.0..10.0),
+            warm_s: options.seconds * rng.random_range(0.2..0.4),
+            wander_c: draw_wander(rng, 11.0..45.0),
+            bursts,
+        }
+    }
+
+    /// The named covariate at time `t`. `temp_c` warms up, a current comes in bursts, every other name wanders.
+    pub(super) fn at(&self, name: &str, t: f64) -> f64 {
+        if name == "temp_c" {
+            return match self.temperature {
+                Temperature::Ramp => self.start_c + self.rise_c * t / self.seconds,
+                Temperature::WarmUp => {
+                    self.start_c
+                        + self.rise_c * (1.0 - (-t / self.warm_s).exp())
+                        + 0.8 * wander_at(&self.wander_c, t)
+                }
+            };
+        }
+        if name == "current_a" {
+            let now = self.bursts.partition_point(|burst| burst.0 < t);
+            let near = &self.bursts[now.saturating_sub(2)..(now + 1).min(self.bursts.len())];
+            return 0.4
+                + near
+                    .iter()
+                    .map(|(from, to, height)| height * (edge(t - from) - edge(t - to)))
+                    .sum::<f64>();
+        }
+        // A name's history must not depend on which other names are asked for, so it is drawn from the name.
+        let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        });
+        let wander = draw_wander(&mut ChaCha8Rng::seed_from_u64(self.seed ^ hash), 4.0..40.0);
+        wander_at(&wander, t)
+    }
+}
