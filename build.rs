@@ -1,0 +1,104 @@
+//! Writes the memory map of the chosen board and the linker arguments of the firmware.
+//!
+//! `memory.x` at the root is the single line `INCLUDE board.x`: the linker looks for it in the working directory
+//! first, so a full map there would shadow the one written here. Nothing happens for a host target, where the
+//! firmware is not built.
+
+use std::{env, fs, path::PathBuf};
+
+/// What the linker has to know of a board.
+struct Map {
+    /// The feature that chooses the board.
+    feature: &'static str,
+    flash_origin: u32,
+    flash_kib: u32,
+    ram_origin: u32,
+    ram_kib: u32,
+    /// The part of RAM given to the stack.
+    stack_kib: u32,
+    /// Whether the board module brings its own interrupt table and weak handlers, or a vendor's crate does.
+    own_vectors: bool,
+}
+
+/// The boards, by feature. The sizes of `mps2` are those of a real board of its class, not the emulator's 4 MiB: a
+/// firmware that fits here fits there.
+const MAPS: &[Map] = &[Map {
+    feature: "board-mps2",
+    flash_origin: 0x0000_0000,
+    flash_kib: 512,
+    ram_origin: 0x2000_0000,
+    ram_kib: 128,
+    stack_kib: 48,
+    own_vectors: true,
+}];
+
+/// Bytes at the top of RAM that no start-up code touches: the trace of the last fault.
+const TRACE_BYTES: u32 = 256;
+
+fn main() {
+    println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-changed=memory.x");
+    if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
+        return;
+    }
+    let chosen: Vec<&Map> = MAPS.iter().filter(|map| has_feature(map.feature)).collect();
+    match chosen[..] {
+        // Only the library is built: it needs no map.
+        [] if !has_feature("firmware") => {}
+        [map] => write(map),
+        _ => {
+            let known: Vec<&str> = MAPS.iter().map(|map| map.feature).collect();
+            let given: Vec<&str> = chosen.iter().map(|map| map.feature).collect();
+            println!(
+                "cargo::error=the firmware is built for exactly one board: choose one of the features {}; given: {}",
+                known.join(", "),
+                if given.is_empty() { "none".to_owned() } else { given.join(", ") }
+            );
+        }
+    }
+}
+
+fn has_feature(name: &str) -> bool {
+    env::var_os(format!("CARGO_FEATURE_{}", name.to_uppercase().replace('-', "_"))).is_some()
+}
+
+fn write(map: &Map) {
+    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
+    // The stack lies at the bottom of RAM, below the statics: an overflow runs into unmapped addresses and faults at
+    // once, where the usual layout would let it overwrite the statics unnoticed.
+    // The trace has a region of its own rather than an `.uninit` section: loaders, QEMU's among them, clear every
+    // section of the ELF at reset, and the trace has to outlive one.
+    let stack_bytes = map.stack_kib * 1024;
+    let ram_end = map.ram_origin + map.ram_kib * 1024;
+    let text = format!(
+        "/* {feature}: written by build.rs */
+MEMORY
+{{
+  FLASH (rx)  : ORIGIN = {flash:#010x}, LENGTH = {flash_kib}K
+  STACK (rw)  : ORIGIN = {stack:#010x}, LENGTH = {stack_bytes}
+  RAM   (rw)  : ORIGIN = {ram:#010x}, LENGTH = {ram_bytes}
+  TRACE (rw)  : ORIGIN = {trace:#010x}, LENGTH = {TRACE_BYTES}
+}}
+_stack_start = ORIGIN(STACK) + LENGTH(STACK);
+_stack_end = ORIGIN(STACK);
+_fault_trace = ORIGIN(TRACE);
+",
+        feature = map.feature,
+        flash = map.flash_origin,
+        flash_kib = map.flash_kib,
+        stack = map.ram_origin,
+        ram = map.ram_origin + stack_bytes,
+        ram_bytes = ram_end - TRACE_BYTES - map.ram_origin - stack_bytes,
+        trace = ram_end - TRACE_BYTES,
+    );
+    fs::write(out.join("board.x"), text).expect("OUT_DIR is writable");
+    if map.own_vectors {
+        // cortex-m-rt's `device` feature includes this file; the table itself is in the board module.
+        fs::write(out.join("device.x"), "/* no weak handlers: the board names every one */\n")
+            .expect("OUT_DIR is writable");
+    }
+    println!("cargo:rustc-link-search={}", out.display());
+    for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
+        println!("cargo:rustc-link-arg-bin=firmware={argument}");
+    }
+}
