@@ -1,0 +1,202 @@
+//! What can be asked of the board.
+
+use crate::fit::Method;
+
+/// What is sent unasked, one line a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum StreamMode {
+    /// Nothing.
+    #[default]
+    Off,
+    /// `R,t_ms,x,y,z` in counts.
+    Raw,
+    /// `C,t_ms,x_ut,y_ut,z_ut,norm_ut,residual_ut` with the calibration in use.
+    Calibrated,
+    /// `Raw:0,0,0,0,0,0,mx,my,mz` in 0.1 µT, as the program MotionCal reads it.
+    MotionCal,
+}
+
+/// A command, read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Command {
+    /// `help`
+    Help,
+    /// `version`
+    Version,
+    /// `status`
+    Status,
+    /// `cal start`
+    CalStart,
+    /// `cal stop`
+    CalStop,
+    /// `cal accept`
+    CalAccept,
+    /// `cal cancel`
+    CalCancel,
+    /// `cal show`
+    CalShow,
+    /// `cal clear`
+    CalClear,
+    /// `cal method adjusted|trace|constant`
+    CalMethod(Method),
+    /// `stream off|raw|cal|motioncal`
+    Stream(StreamMode),
+    /// `field UT`: the expected magnitude in µT.
+    Field(f64),
+}
+
+/// Why a line is no command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ParseError {
+    /// Its first word is not known.
+    Unknown,
+    /// A word of the contract that this firmware does not have yet.
+    NotBuilt(&'static str),
+    /// The command is known and not written like that; the text says how it is.
+    Usage(&'static str),
+}
+
+/// The magnitudes that `field` takes, µT: the Earth's is 22 to 67, a coil's may be more.
+const FIELD_UT: core::ops::RangeInclusive<f64> = 1.0..=1000.0;
+
+/// Reads one line. Words are separated by spaces; upper and lower case differ.
+///
+/// # Errors
+/// [`ParseError`], with how to write the command.
+pub fn parse(line: &str) -> Result<Command, ParseError> {
+    let mut words = line.split(' ').filter(|word| !word.is_empty());
+    let first = words.next().ok_or(ParseError::Usage("an empty command; try help"))?;
+    let (second, third) = (words.next(), words.next());
+    if matches!(first, "effect" | "why" | "cov") {
+        return Err(ParseError::NotBuilt(match first {
+            "effect" => "effect",
+            "why" => "why",
+            _ => "cov",
+        }));
+    }
+    let too_many = words.next().is_some();
+    let (command, usage) = match first {
+        "help" => (plain(second, Command::Help), "help takes no argument"),
+        "version" => (plain(second, Command::Version), "version takes no argument"),
+        "status" => (plain(second, Command::Status), "status takes no argument"),
+        "cal" => (
+            cal(second, third),
+            "cal start|stop|accept|cancel|show|clear, or cal method adjusted|trace|constant",
+        ),
+        "stream" => (third.is_none().then(|| stream(second)).flatten(), "stream off|raw|cal|motioncal"),
+        "field" => (
+            third.is_none().then(|| field(second)).flatten(),
+            "field UT, the expected magnitude, 1 to 1000 microtesla",
+        ),
+        _ => return Err(ParseError::Unknown),
+    };
+    command.filter(|_| !too_many).ok_or(ParseError::Usage(usage))
+}
+
+fn plain(argument: Option<&str>, command: Command) -> Option<Command> {
+    argument.is_none().then_some(command)
+}
+
+fn cal(verb: Option<&str>, argument: Option<&str>) -> Option<Command> {
+    let command = match (verb?, argument) {
+        ("start", None) => Command::CalStart,
+        ("stop", None) => Command::CalStop,
+        ("accept", None) => Command::CalAccept,
+        ("cancel", None) => Command::CalCancel,
+        ("show", None) => Command::CalShow,
+        ("clear", None) => Command::CalClear,
+        ("method", Some(word)) => Command::CalMethod(Method::parse(word)?),
+        _ => return None,
+    };
+    Some(command)
+}
+
+fn stream(mode: Option<&str>) -> Option<Command> {
+    let mode = match mode? {
+        "off" => StreamMode::Off,
+        "raw" => StreamMode::Raw,
+        "cal" => StreamMode::Calibrated,
+        "motioncal" => StreamMode::MotionCal,
+        _ => return None,
+    };
+    Some(Command::Stream(mode))
+}
+
+fn field(value: Option<&str>) -> Option<Command> {
+    let ut: f64 = value?.parse().ok()?;
+    FIELD_UT.contains(&ut).then_some(Command::Field(ut))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Command, ParseError, StreamMode, parse};
+    use crate::fit::Method;
+
+    #[test]
+    fn every_command_of_the_contract() {
+        for (line, command) in [
+            ("help", Command::Help),
+            ("version", Command::Version),
+            ("status", Command::Status),
+            ("cal start", Command::CalStart),
+            ("cal stop", Command::CalStop),
+            ("cal accept", Command::CalAccept),
+            ("cal cancel", Command::CalCancel),
+            ("cal show", Command::CalShow),
+            ("cal clear", Command::CalClear),
+            ("cal method adjusted", Command::CalMethod(Method::Adjusted)),
+            ("cal method trace", Command::CalMethod(Method::Trace)),
+            ("cal method constant", Command::CalMethod(Method::Constant)),
+            ("stream off", Command::Stream(StreamMode::Off)),
+            ("stream raw", Command::Stream(StreamMode::Raw)),
+            ("stream cal", Command::Stream(StreamMode::Calibrated)),
+            ("stream motioncal", Command::Stream(StreamMode::MotionCal)),
+            ("field 48.5", Command::Field(48.5)),
+            ("  cal   start ", Command::CalStart),
+        ] {
+            assert_eq!(parse(line), Ok(command), "{line}");
+        }
+    }
+
+    #[test]
+    fn a_known_command_written_wrongly_says_how_it_is_written() {
+        for line in [
+            "help me",
+            "status now please thanks",
+            "cal",
+            "cal begin",
+            "cal start now",
+            "cal start a b",
+            "cal method",
+            "cal method magic",
+            "cal method trace x",
+            "stream",
+            "stream fast",
+            "stream raw cal",
+            "field",
+            "field north",
+            "field nan",
+            "field inf",
+            "field -48",
+            "field 0",
+            "field 1e9",
+            "field 48 uT",
+            "   ",
+        ] {
+            assert!(matches!(parse(line), Err(ParseError::Usage(_))), "{line}");
+        }
+    }
+
+    #[test]
+    fn other_words_are_unknown_and_those_to_come_say_so() {
+        for line in ["hlep", "HELP", "Cal start", "calibrate", "calstart"] {
+            assert_eq!(parse(line), Err(ParseError::Unknown), "{line}");
+        }
+        for (line, word) in
+            [("effect list", "effect"), ("effect add lag", "effect"), ("why", "why"), ("cov a_b=1 2 3 4", "cov")]
+        {
+            assert_eq!(parse(line), Err(ParseError::NotBuilt(word)), "{line}");
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Bytes of a serial line into command lines.
+
+use heapless::Vec;
+
+/// The most characters a line may have, its end not counted.
+pub const MAX_LINE: usize = 80;
+
+/// A line that has ended. Empty lines are not reported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Line<'a> {
+    /// Printable ASCII.
+    Text(&'a str),
+    /// It had more than [`MAX_LINE`] characters; none of it is kept.
+    TooLong,
+    /// It held a byte outside 0x20–0x7e.
+    NotText,
+}
+
+/// Collects bytes up to the end of a line. However long or broken the input, it needs 80 bytes, and the next
+/// line starts afresh.
+#[derive(Debug, Default)]
+pub struct LineSplitter {
+    buffer: Vec<u8, MAX_LINE>,
+    /// The line that was reported last is still in `buffer`.
+    ended: bool,
+    /// A `\r` came: fine before `\n`, not text anywhere else.
+    carriage_return: bool,
+    too_long: bool,
+    not_text: bool,
+}
+
+impl LineSplitter {
+    /// At the beginning of a line.
+    pub const fn new() -> Self {
+        Self { buffer: Vec::new(), ended: false, carriage_return: false, too_long: false, not_text: false }
+    }
+
+    /// Takes one byte; returns the line that it ends.
+    pub fn push(&mut self, byte: u8) -> Option<Line<'_>> {
+        if self.ended {
+            *self = Self::new();
+        }
+        match byte {
+            b'\n' => {
+                self.ended = true;
+                return self.line();
+            }
+            b'\r' if !self.carriage_return => self.carriage_return = true,
+            0x20..=0x7e => {
+                self.not_text |= self.carriage_return;
+                self.too_long |= self.buffer.push(byte).is_err();
+            }
+            _ => {
+                self.not_text = true;
+                // It counts as a character, so that an endless run of such bytes is too long as well.
+                self.too_long |= self.buffer.push(b'?').is_err();
+            }
+        }
+        None
+    }
+
+    fn line(&self) -> Option<Line<'_>> {
+        if self.too_long {
+            Some(Line::TooLong)
+        } else if self.not_text {
+            Some(Line::NotText)
+        } else if self.buffer.is_empty() {
+            None
+        } else {
+            // Only ASCII was pushed, so this cannot fail; it need not panic either.
+            Some(core::str::from_utf8(&self.buffer).map_or(Line::NotText, Line::Text))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::{Line, LineSplitter};
+    use std::string::{String, ToString};
+    use std::vec::Vec;
+
+    /// Every line that `bytes` contain, texts as they are, others by name.
+    fn lines(bytes: &[u8]) -> Vec<String> {
+        let mut splitter = LineSplitter::new();
+        let mut found = Vec::new();
+        for &byte in bytes {
+            match splitter.push(byte) {
+                Some(Line::Text(text)) => found.push(text.to_string()),
+                Some(Line::TooLong) => found.push("TOO LONG".to_string()),
+                Some(Line::NotText) => found.push("NOT TEXT".to_string()),
+                None => {}
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn both_line_ends_and_no_line_for_nothing() {
+        assert_eq!(lines(b"status\ncal start\r\n\n\r\nhelp\nunfinished"), ["status", "cal start", "help"]);
+    }
+
+    #[test]
+    fn eighty_characters_are_a_line_and_eighty_one_are_too_long() {
+        let eighty = [b'x'; 80];
+        assert_eq!(lines(&[&eighty[..], b"\r\n"].concat()), [String::from_utf8(eighty.to_vec()).unwrap()]);
+        assert_eq!(lines(&[&eighty[..], b"x\nhelp\n"].concat()), ["TOO LONG", "help"]);
+        assert_eq!(lines(&[&[b'y'; 100_000][..], b"\nhelp\n"].concat()), ["TOO LONG", "help"]);
+    }
+
+    #[test]
+    fn bytes_that_are_no_text_spoil_their_line_only() {
+        assert_eq!(lines(b"sta\x00tus\nhelp\n"), ["NOT TEXT", "help"]);
+        assert_eq!(lines(b"\x7f\n\xc3\xa9\n\t\nhelp\n"), ["NOT TEXT", "NOT TEXT", "NOT TEXT", "help"]);
+        assert_eq!(lines(b"sta\rtus\n\r\r\nhelp\n"), ["NOT TEXT", "NOT TEXT", "help"]);
+        assert_eq!(lines(&[&[0xff; 81][..], b"\nhelp\n"].concat()), ["TOO LONG", "help"]);
+    }
+}

@@ -1,0 +1,13 @@
+//! The console's language: lines in, commands out, replies back. No I/O and no state of the board in here.
+//!
+//! One command a line, at most [`MAX_LINE`] characters, ended by `\n` or `\r\n`. Each line that is not empty is
+//! answered by any number of lines that begin with `+ ` and then exactly one that is `ok …` or
+//! `err CODE text`.
+
+mod command;
+mod line;
+mod reply;
+
+pub use command::{Command, ParseError, StreamMode, parse};
+pub use line::{Line, LineSplitter, MAX_LINE};
+pub use reply::{Answered, Code, Opt, Reply};
