@@ -7,5 +7,8 @@ pub mod fit;
 pub mod math;
 pub mod moments;
 pub mod monomial;
+pub mod protocol;
 mod quadric;
+pub mod record;
 pub mod scatter;
+pub mod store;

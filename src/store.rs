@@ -199,13 +199,24 @@ impl Slots {
         })
     }
 
+    /// Where to write: never over the record in use, and rather over nothing than over a torn record.
+    fn target(&self, in_use: Option<Slot>) -> Slot {
+        if let Some(slot) = in_use.or(self.current().map(|(slot, _)| slot)) {
+            return slot.other();
+        }
+        let empty = |slot: &Slot| {
+            matches!(self.states.get(slot.index()), Some(SlotState::Unusable(RecordError::Empty)))
+        };
+        Slot::BOTH.into_iter().find(empty).unwrap_or(Slot::A)
+    }
+
     /// The newest sequence number in either slot, of unusable records too.
     fn newest_sequence(&self) -> Option<u32> {
         let sequence = |state: &SlotState| match state {
             SlotState::Current(record) | SlotState::Stale(record) => Some(record.sequence),
-            SlotState::Unusable(RecordError::Unsupported { sequence, .. } | RecordError::Unsound { sequence }) => {
-                Some(*sequence)
-            }
+            SlotState::Unusable(
+                RecordError::Unsupported { sequence, .. } | RecordError::Unsound { sequence },
+            ) => Some(*sequence),
             _ => None,
         };
         self.states.iter().filter_map(sequence).reduce(|a, b| if is_newer(b, a) { b } else { a })
@@ -233,18 +244,23 @@ fn read(store: &mut impl Store, slot: Slot) -> SlotState {
 }
 
 /// Writes `record` with the next sequence number into the slot that is not in use, reads it back, and returns
-/// it as stored. When this fails, the record that was current still is, except where the memory took the
-/// bytes and only failed to read them back.
+/// it as stored. `in_use` is the slot of the record in use, where the caller knows it: it is not touched, even
+/// if it cannot be read properly now. When this fails, the record that was current still is, except where the
+/// memory took the bytes and only failed to read them back.
 ///
 /// # Errors
 /// [`StoreError`], after three attempts. A slot that cannot be read before is an error too: without knowing
 /// what it holds, the slot in use might be the one overwritten.
-pub fn save(store: &mut impl Store, mut record: Record) -> Result<(Slot, Record), StoreError> {
+pub fn save(
+    store: &mut impl Store,
+    in_use: Option<Slot>,
+    mut record: Record,
+) -> Result<(Slot, Record), StoreError> {
     let slots = Slots::inspect(store);
     if let Some(slot) = slots.unreadable() {
         return Err(StoreError::Read(slot));
     }
-    let target = slots.current().map_or(Slot::A, |(slot, _)| slot.other());
+    let target = slots.target(in_use);
     record.sequence = slots.newest_sequence().map_or(1, |newest| newest.wrapping_add(1));
     write_confirmed(store, target, &record.encode())?;
     Ok((target, record))
@@ -271,9 +287,10 @@ fn write_confirmed(
     let mut result = Err(StoreError::Write(slot));
     for _ in 0..ATTEMPTS {
         let mut found = [0; RECORD_BYTES];
-        result = store.write_slot(slot, wanted).and_then(|()| store.read_slot(slot, &mut found)).and_then(|()| {
-            if found == *wanted { Ok(()) } else { Err(StoreError::NotConfirmed(slot)) }
-        });
+        result = store
+            .write_slot(slot, wanted)
+            .and_then(|()| store.read_slot(slot, &mut found))
+            .and_then(|()| if found == *wanted { Ok(()) } else { Err(StoreError::NotConfirmed(slot)) });
         if result.is_ok() {
             break;
         }

@@ -193,9 +193,12 @@ mod tests {
         for line in ["hlep", "HELP", "Cal start", "calibrate", "calstart"] {
             assert_eq!(parse(line), Err(ParseError::Unknown), "{line}");
         }
-        for (line, word) in
-            [("effect list", "effect"), ("effect add lag", "effect"), ("why", "why"), ("cov a_b=1 2 3 4", "cov")]
-        {
+        for (line, word) in [
+            ("effect list", "effect"),
+            ("effect add lag", "effect"),
+            ("why", "why"),
+            ("cov a_b=1 2 3 4", "cov"),
+        ] {
             assert_eq!(parse(line), Err(ParseError::NotBuilt(word)), "{line}");
         }
     }

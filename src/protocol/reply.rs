@@ -94,7 +94,8 @@ impl<'a, W: fmt::Write> Reply<'a, W> {
     fn put(&mut self, start: &str, text: fmt::Arguments<'_>) {
         if self.result.is_ok() {
             let mut line = OneLine(&mut *self.out);
-            self.result = fmt::write(&mut line, format_args!("{start}{text}")).and_then(|()| self.out.write_char('\n'));
+            self.result =
+                fmt::write(&mut line, format_args!("{start}{text}")).and_then(|()| self.out.write_char('\n'));
         }
     }
 }

@@ -1,0 +1,242 @@
+//! The stored record and its two slots, in a memory that can be torn, flipped and broken.
+
+use ironout::calibration::Calibration;
+use ironout::fit::{Method, Model};
+use ironout::record::{MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, is_newer};
+use ironout::store::{self, Slot, SlotState, Slots, Store, StoreError};
+
+fn record(offset_x_ut: f64) -> Record {
+    Record {
+        sequence: 0,
+        calibration: Calibration {
+            offset_ut: [offset_x_ut, -1.0 / 3.0, 1e-17],
+            matrix: [[1.01, 0.02, -0.03], [0.0, 0.97, 0.1], [0.0, 0.0, 1.1]],
+            field_ut: 48.123_456_789,
+        },
+        method: Method::Adjusted,
+        model: Model::Ellipsoid,
+        samples: 3000,
+        noise_ut: 0.25,
+        rms_ut: 0.26,
+    }
+}
+
+/// 1024 bytes, of which the next `writes_left` may still be written; then the power is gone.
+struct Memory {
+    bytes: [u8; 2 * MAX_RECORD_BYTES],
+    writes_left: usize,
+    reads_fail: bool,
+}
+
+impl Memory {
+    fn new() -> Self {
+        Self { bytes: [0xff; 2 * MAX_RECORD_BYTES], writes_left: usize::MAX, reads_fail: false }
+    }
+}
+
+impl Store for Memory {
+    fn read_slot(&mut self, slot: Slot, bytes: &mut [u8]) -> Result<(), StoreError> {
+        if self.reads_fail {
+            return Err(StoreError::Read(slot));
+        }
+        let at = slot.index() * MAX_RECORD_BYTES;
+        bytes.copy_from_slice(&self.bytes[at..at + bytes.len()]);
+        Ok(())
+    }
+
+    fn write_slot(&mut self, slot: Slot, bytes: &[u8]) -> Result<(), StoreError> {
+        for (i, &byte) in bytes.iter().enumerate() {
+            if self.writes_left == 0 {
+                return Err(StoreError::Write(slot));
+            }
+            self.writes_left -= 1;
+            self.bytes[slot.index() * MAX_RECORD_BYTES + i] = byte;
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn a_record_reads_back_to_the_same_bits() {
+    let written = Record { sequence: 7, ..record(93.25) };
+    let read = Record::decode(&written.encode()).unwrap();
+    assert_eq!(read, written);
+    assert_eq!(read.calibration.offset_ut[1].to_bits(), (-1.0_f64 / 3.0).to_bits());
+    for method in [Method::Adjusted, Method::Trace, Method::Constant] {
+        for model in [Model::Ellipsoid, Model::AxisAligned, Model::Sphere] {
+            let written = Record { method, model, ..written };
+            assert_eq!(Record::decode(&written.encode()), Ok(written));
+        }
+    }
+}
+
+#[test]
+fn every_single_flipped_bit_is_noticed() {
+    let good = record(93.25).encode();
+    for bit in 0..RECORD_BYTES * 8 {
+        let mut bad = good;
+        bad[bit / 8] ^= 1 << (bit % 8);
+        assert_eq!(Record::decode(&bad), Err(RecordError::Torn), "bit {bit}");
+    }
+}
+
+#[test]
+fn a_record_cut_short_is_torn_and_nothing_is_empty() {
+    let good = record(93.25).encode();
+    for length in 1..RECORD_BYTES {
+        assert_eq!(Record::decode(&good[..length]), Err(RecordError::Torn), "{length} bytes");
+        let mut half = [0xff; MAX_RECORD_BYTES];
+        half[..length].copy_from_slice(&good[..length]);
+        assert_eq!(Record::decode(&half), Err(RecordError::Torn), "{length} bytes in erased memory");
+    }
+    for blank in [0x00, 0xff] {
+        assert_eq!(Record::decode(&[blank; MAX_RECORD_BYTES]), Err(RecordError::Empty));
+    }
+}
+
+fn with_crc(mut bytes: Vec<u8>) -> Vec<u8> {
+    let body = bytes.len() - 4;
+    let crc = bytes[..body].iter().fold(!0_u32, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| (crc >> 1) ^ (0xedb8_8320 & 0_u32.wrapping_sub(crc & 1)))
+    });
+    bytes[body..].copy_from_slice(&(!crc).to_le_bytes());
+    bytes
+}
+
+#[test]
+fn a_newer_layout_is_told_from_damage_and_unsound_numbers_are_refused() {
+    let good = Record { sequence: 9, ..record(1.0) }.encode().to_vec();
+    assert_eq!(with_crc(good.clone()), good, "the test's own checksum agrees with the record's");
+
+    let mut longer = good.clone();
+    longer.splice(144..144, [7; 88]);
+    (longer[4], longer[7]) = (2, 1);
+    longer[12..14].copy_from_slice(&236_u16.to_le_bytes());
+    let newer = RecordError::Unsupported { version: 2, sequence: 9 };
+    assert_eq!(Record::decode(&with_crc(longer)), Err(newer));
+
+    for (at, value) in [(16, f64::NAN), (16, -48.0), (24, f64::INFINITY), (48, 0.0), (128, f64::NAN)] {
+        let mut bad = good.clone();
+        bad[at..at + 8].copy_from_slice(&value.to_le_bytes());
+        assert_eq!(
+            Record::decode(&with_crc(bad)),
+            Err(RecordError::Unsound { sequence: 9 }),
+            "{value} at {at}"
+        );
+    }
+    let mut bad = good;
+    bad[5] = 99;
+    assert_eq!(Record::decode(&with_crc(bad)), Err(RecordError::Unsound { sequence: 9 }));
+}
+
+#[test]
+fn sequence_numbers_are_compared_on_the_circle() {
+    assert!(is_newer(2, 1) && !is_newer(1, 2) && !is_newer(1, 1));
+    assert!(is_newer(0, u32::MAX) && !is_newer(u32::MAX, 0));
+}
+
+#[test]
+fn records_alternate_between_the_slots_and_the_newer_is_current() {
+    let mut memory = Memory::new();
+    assert_eq!(Slots::inspect(&mut memory).states, [SlotState::Unusable(RecordError::Empty); 2]);
+    for n in 1..=5_u32 {
+        let (slot, stored) = store::save(&mut memory, None, record(f64::from(n))).unwrap();
+        assert_eq!(slot, if n % 2 == 1 { Slot::A } else { Slot::B });
+        assert_eq!(stored.sequence, n);
+        let slots = Slots::inspect(&mut memory);
+        assert_eq!(slots.current(), Some((slot, &stored)));
+        if n > 1 {
+            let SlotState::Stale(old) = slots.states[slot.other().index()] else { panic!("{slots:?}") };
+            assert_eq!(old.sequence, n - 1);
+        }
+    }
+}
+
+#[test]
+fn power_lost_at_any_byte_of_a_write_leaves_the_record_before_it() {
+    let mut memory = Memory::new();
+    let (_, first) = store::save(&mut memory, None, record(1.0)).unwrap();
+    let (_, second) = store::save(&mut memory, None, record(2.0)).unwrap();
+    let before = memory.bytes;
+    for cut in 0..RECORD_BYTES {
+        memory = Memory { bytes: before, writes_left: cut, reads_fail: false };
+        assert_eq!(
+            store::save(&mut memory, None, record(3.0)),
+            Err(StoreError::Write(Slot::A)),
+            "cut at {cut}"
+        );
+        memory.writes_left = usize::MAX;
+        let slots = Slots::inspect(&mut memory);
+        assert_eq!(slots.current(), Some((Slot::B, &second)), "cut at {cut}");
+        match slots.states[0] {
+            // Up to the first byte that differs, the old record is whole.
+            SlotState::Stale(old) => assert!(old == first && cut <= 8, "cut at {cut}"),
+            SlotState::Unusable(RecordError::Torn) => assert!(cut > 8, "cut at {cut}"),
+            state => panic!("cut at {cut}: {state:?}"),
+        }
+        let (slot, third) = store::save(&mut memory, None, record(3.0)).unwrap();
+        assert_eq!((slot, third.sequence), (Slot::A, 3), "the next write repairs the torn slot");
+    }
+}
+
+#[test]
+fn power_lost_while_erasing_never_brings_an_older_record_back() {
+    let mut memory = Memory::new();
+    store::save(&mut memory, None, record(1.0)).unwrap();
+    let (_, second) = store::save(&mut memory, None, record(2.0)).unwrap();
+    let before = memory.bytes;
+    for cut in 0..2 * RECORD_BYTES {
+        memory = Memory { bytes: before, writes_left: cut, reads_fail: false };
+        assert!(store::erase(&mut memory).is_err());
+        let current = Slots::inspect(&mut memory).current().map(|(_, record)| *record);
+        assert!(current.is_none() || current == Some(second), "cut at {cut}: {current:?}");
+    }
+    memory = Memory { bytes: before, writes_left: usize::MAX, reads_fail: false };
+    store::erase(&mut memory).unwrap();
+    assert_eq!(Slots::inspect(&mut memory).states, [SlotState::Unusable(RecordError::Empty); 2]);
+}
+
+#[test]
+fn nothing_is_written_into_a_memory_that_cannot_be_read() {
+    let mut memory = Memory::new();
+    store::save(&mut memory, None, record(1.0)).unwrap();
+    let before = memory.bytes;
+    memory.reads_fail = true;
+    assert_eq!(store::save(&mut memory, None, record(2.0)), Err(StoreError::Read(Slot::A)));
+    assert_eq!(memory.bytes, before);
+    assert_eq!(Slots::inspect(&mut memory).states, [SlotState::Unreadable; 2]);
+}
+
+/// Flips one bit of the first `flips` reads, as a disturbed bus does.
+struct Flipping<'a> {
+    memory: &'a mut Memory,
+    flips: usize,
+}
+
+impl Store for Flipping<'_> {
+    fn read_slot(&mut self, slot: Slot, bytes: &mut [u8]) -> Result<(), StoreError> {
+        self.memory.read_slot(slot, bytes)?;
+        if self.flips > 0 {
+            self.flips -= 1;
+            bytes[40] ^= 4;
+        }
+        Ok(())
+    }
+    fn write_slot(&mut self, slot: Slot, bytes: &[u8]) -> Result<(), StoreError> {
+        self.memory.write_slot(slot, bytes)
+    }
+}
+
+#[test]
+fn a_bit_flipped_on_the_bus_does_not_make_the_record_in_use_look_torn() {
+    let mut memory = Memory::new();
+    let (_, stored) = store::save(&mut memory, None, record(1.0)).unwrap();
+    let mut flipping = Flipping { memory: &mut memory, flips: 2 };
+    assert_eq!(Slots::inspect(&mut flipping).current(), Some((Slot::A, &stored)));
+    flipping.flips = usize::MAX;
+    assert!(matches!(store::save(&mut flipping, None, record(2.0)), Err(StoreError::NotConfirmed(Slot::B))));
+    assert!(matches!(
+        store::save(&mut flipping, Some(Slot::B), record(2.0)),
+        Err(StoreError::NotConfirmed(Slot::A))
+    ));
+}
