@@ -1,0 +1,156 @@
+//! The verdict on a calibration, with reasons a user can act on.
+
+use crate::coverage::Coverage;
+use crate::fit::{FitError, FitReport, MAX_PREDICTED_ERROR, MIN_SAMPLES};
+use core::fmt;
+use heapless::Vec;
+
+/// Largest residual rms of an accepted calibration, over the field.
+pub const MAX_RESIDUAL: f64 = 0.05;
+/// Largest fraction of samples at the sensor's limits.
+pub const MAX_SATURATED: f64 = 0.01;
+/// A measured magnitude that differs from the expected field by more than this is noted.
+const FIELD_TOLERANCE: f64 = 0.2;
+
+/// One reason of a verdict.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reason {
+    /// The fit itself gave no answer.
+    Fit(FitError),
+    /// The predicted 1σ error of the corrected vector is too large.
+    ErrorTooLarge {
+        /// In percent of the field.
+        percent: f64,
+        /// The side of the board to turn to the field, where the coverage is known.
+        missing_side: Option<&'static str>,
+    },
+    /// The residual is too large: something disturbs.
+    ResidualTooLarge {
+        /// Rms in percent of the field.
+        percent: f64,
+    },
+    /// Too many samples were at the sensor's limits.
+    Saturated {
+        /// In percent of the samples.
+        percent: f64,
+    },
+    /// The measured magnitude is far from the expected field. A note, not a refusal: the matrix scales it.
+    FieldMismatch {
+        /// Magnitude measured, µT.
+        measured_ut: f64,
+        /// Magnitude expected, µT.
+        expected_ut: f64,
+    },
+}
+
+impl Reason {
+    /// Whether this reason alone refuses the calibration.
+    pub const fn refuses(&self) -> bool {
+        !matches!(self, Self::FieldMismatch { .. })
+    }
+
+    /// A short word for programs.
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::Fit(error) => error.code(),
+            Self::ErrorTooLarge { .. } => "error-too-large",
+            Self::ResidualTooLarge { .. } => "residual-too-large",
+            Self::Saturated { .. } => "saturated",
+            Self::FieldMismatch { .. } => "field-mismatch",
+        }
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fit(error) => error.fmt(f),
+            Self::ErrorTooLarge { percent, missing_side } => {
+                write!(
+                    f,
+                    "the predicted error of the corrected vector is {percent:.1} % of the field, more than {:.0} %: ",
+                    MAX_PREDICTED_ERROR * 100.0
+                )?;
+                match missing_side {
+                    Some(side) => {
+                        write!(f, "keep turning, and point the {side} side along the field (north and down)")
+                    }
+                    None => write!(f, "turn through more directions"),
+                }
+            }
+            Self::ResidualTooLarge { percent } => write!(
+                f,
+                "the residual is {percent:.1} % of the field, more than {:.0} %: keep away from moving iron and currents, or \
+                 look for a missing effect",
+                MAX_RESIDUAL * 100.0
+            ),
+            Self::Saturated { percent } => write!(
+                f,
+                "{percent:.1} % of the samples are at the sensor's limits: choose a wider range, or remove the magnet"
+            ),
+            Self::FieldMismatch { measured_ut, expected_ut } => write!(
+                f,
+                "note: the sensor measures {measured_ut:.1} uT where {expected_ut:.1} uT are expected; the matrix makes up for it"
+            ),
+        }
+    }
+}
+
+/// Accepted or refused, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// Whether the calibration may be used.
+    pub accepted: bool,
+    /// Reasons and notes, the refusing ones first.
+    pub reasons: Vec<Reason, 6>,
+}
+
+impl Verdict {
+    /// The verdict on a fit that gave no answer.
+    pub fn of_error(error: FitError) -> Self {
+        let mut reasons = Vec::new();
+        // Capacity six, one element.
+        let _ = reasons.push(Reason::Fit(error));
+        Self { accepted: false, reasons }
+    }
+}
+
+/// Judges a calibration: the predicted error, the residual, the sensor's limits (design: "Accepting"; the gates on the
+/// quadric itself are in the fit).
+pub fn judge(
+    report: &FitReport,
+    coverage: Option<&Coverage>,
+    saturated: u64,
+    expected_field_ut: Option<f64>,
+) -> Verdict {
+    let mut reasons: Vec<Reason, 6> = Vec::new();
+    // There are five kinds of reasons and each is given at most once, so six places are enough.
+    let mut give = |reason| {
+        let _ = reasons.push(reason);
+    };
+    let field = report.calibration.field_ut;
+    if report.samples < MIN_SAMPLES {
+        give(Reason::Fit(FitError::TooFewSamples { samples: report.samples }));
+    }
+    // Negated comparisons refuse a NaN too.
+    let error = report.predicted_error_ut / field;
+    if !(error <= MAX_PREDICTED_ERROR) {
+        let missing_side = coverage.map(Coverage::missing_side);
+        give(Reason::ErrorTooLarge { percent: error * 100.0, missing_side });
+    }
+    let residual = report.rms_ut / field;
+    if !(residual <= MAX_RESIDUAL) {
+        give(Reason::ResidualTooLarge { percent: residual * 100.0 });
+    }
+    let share = saturated as f64 / (saturated + report.samples).max(1) as f64;
+    if share > MAX_SATURATED {
+        give(Reason::Saturated { percent: share * 100.0 });
+    }
+    if let Some(expected_ut) = expected_field_ut {
+        if !(crate::math::abs(report.measured_field_ut / expected_ut - 1.0) <= FIELD_TOLERANCE) {
+            give(Reason::FieldMismatch { measured_ut: report.measured_field_ut, expected_ut });
+        }
+    }
+    let accepted = !reasons.iter().any(Reason::refuses) && report.calibration.is_sound();
+    Verdict { accepted, reasons }
+}

@@ -1,0 +1,313 @@
+//! A calibration from start to verdict: Idle → Collecting → Solved | Refused. No I/O.
+//!
+//! The session owns the accumulator, the rest gate and the sketch of directions; whoever owns the sensor pushes
+//! counts, whoever talks to the user asks for the status.
+
+use crate::calibration::Calibration;
+use crate::coverage::{Coverage, Sketch};
+use crate::fit::{FitError, FitOptions, FitReport, MAX_PREDICTED_ERROR, Method, fit};
+use crate::gate::{Gated, RestGate};
+use crate::moments::Moments;
+use crate::quality::{Verdict, judge};
+use crate::scatter::Scatter;
+use core::fmt;
+
+/// Where a session stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Nothing is collected.
+    Idle,
+    /// Samples are collected.
+    Collecting,
+    /// A calibration was found and may be accepted.
+    Solved,
+    /// The data do not support a calibration.
+    Refused,
+}
+
+impl State {
+    /// The word of the console: `idle`, `collecting`, `solved`, `refused`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Idle => "idle",
+            Self::Collecting => "collecting",
+            Self::Solved => "solved",
+            Self::Refused => "refused",
+        }
+    }
+}
+
+/// What a session needs to know of the sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SessionConfig {
+    /// Scale of each axis, µT per count.
+    pub ut_per_count: [f64; 3],
+    /// The expected magnitude of the field, µT; `None` keeps the mean magnitude.
+    pub field_ut: Option<f64>,
+    /// The method.
+    pub method: Method,
+    /// Samples in a block of the rest gate; see [`crate::gate::block_samples`].
+    pub samples_per_block: u16,
+}
+
+/// A request that does not fit the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StateError {
+    /// The state it came in.
+    pub state: State,
+}
+
+impl fmt::Display for StateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.state {
+            State::Idle => write!(f, "nothing is collected: start a calibration first"),
+            State::Collecting => write!(f, "still collecting: stop first"),
+            State::Solved => write!(f, "a solution waits: accept or cancel it first"),
+            State::Refused => write!(f, "the last data were refused: start again"),
+        }
+    }
+}
+
+impl core::error::Error for StateError {}
+
+/// What to do next, in words.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hint {
+    /// Start a calibration.
+    Start,
+    /// Turn the board: nothing has moved yet.
+    Move,
+    /// Point a side of the board along the field.
+    Point {
+        /// The side, for example `front-left`.
+        side: &'static str,
+    },
+    /// The data carry a calibration: stop.
+    Stop,
+    /// Accept the solution.
+    Accept,
+    /// Start again.
+    Again,
+}
+
+impl fmt::Display for Hint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Start => write!(f, "start a calibration with: cal start"),
+            Self::Move => write!(f, "turn the board slowly in all directions"),
+            Self::Point { side } => write!(f, "keep turning; point the {side} side to the ground and north"),
+            Self::Stop => write!(f, "enough directions seen; solve with: cal stop"),
+            Self::Accept => write!(f, "store and apply the solution with: cal accept"),
+            Self::Again => write!(f, "the data were refused; begin again with: cal start"),
+        }
+    }
+}
+
+/// A snapshot of a session.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Status {
+    /// Where it stands.
+    pub state: State,
+    /// Samples in motion, in the sums.
+    pub n: u64,
+    /// Samples left out: at rest or saturated.
+    pub skipped: u64,
+    /// Of those, samples at the sensor's limits.
+    pub saturated: u64,
+    /// Fraction of directions seen, 0 … 1.
+    pub coverage: f32,
+    /// Largest gap in the directions, degrees.
+    pub gap_deg: f32,
+    /// Residual rms of the fit so far, µT.
+    pub rms_ut: Option<f64>,
+    /// Noise of the sensor, σ per axis, µT.
+    pub noise_ut: Option<f64>,
+    /// Predicted 1σ error of the corrected vector, over the field.
+    pub predicted_error: Option<f64>,
+    /// What to do next.
+    pub hint: Hint,
+}
+
+/// The outcome of [`Session::stop`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Accepted or refused, with reasons.
+    pub verdict: Verdict,
+    /// The fit, where there was one; also of a refused calibration.
+    pub report: Option<FitReport>,
+    /// The directions seen.
+    pub coverage: Coverage,
+}
+
+/// The state machine.
+#[derive(Clone, Debug)]
+pub struct Session {
+    config: SessionConfig,
+    state: State,
+    moments: Moments,
+    gate: RestGate,
+    sketch: Sketch,
+    at_rest: u64,
+    saturated: u64,
+    outcome: Option<Outcome>,
+}
+
+impl Session {
+    /// An idle session.
+    pub fn new(config: SessionConfig) -> Self {
+        Self {
+            config,
+            state: State::Idle,
+            moments: Moments::new(),
+            gate: RestGate::new(config.ut_per_count, config.samples_per_block),
+            sketch: Sketch::new(config.ut_per_count.map(|v| v as f32)),
+            at_rest: 0,
+            saturated: 0,
+            outcome: None,
+        }
+    }
+
+    /// The configuration.
+    pub fn config(&self) -> &SessionConfig {
+        &self.config
+    }
+
+    /// Changes the method of the next solve.
+    pub fn set_method(&mut self, method: Method) {
+        self.config.method = method;
+    }
+
+    /// Changes the expected magnitude; `false`, and nothing changed, unless it is positive and finite or `None`.
+    pub fn set_field_ut(&mut self, field_ut: Option<f64>) -> bool {
+        let sound = field_ut.is_none_or(|v| v.is_finite() && v > 0.0);
+        if sound {
+            self.config.field_ut = field_ut;
+        }
+        sound
+    }
+
+    /// Where the session stands.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Starts collecting, from nothing. Whatever was collected or solved before is forgotten.
+    pub fn start(&mut self) {
+        *self = Self { state: State::Collecting, ..Self::new(self.config) };
+    }
+
+    /// Gives up; idle again.
+    pub fn cancel(&mut self) {
+        *self = Self::new(self.config);
+    }
+
+    /// Takes one sample, in any state: outside of `Collecting` it is left alone. A sample that is `saturated`, or at the
+    /// ends of the 16-bit range, is counted but not used.
+    pub fn push(&mut self, counts: [i16; 3], saturated: bool) {
+        if self.state != State::Collecting {
+            return;
+        }
+        if saturated || counts.iter().any(|c| *c == i16::MIN || *c == i16::MAX) {
+            self.saturated += 1;
+            return;
+        }
+        self.sketch.add(counts);
+        if let Gated::Dropped(n) = self.gate.push(counts, &mut self.moments) {
+            self.at_rest += n;
+        }
+    }
+
+    fn fit(&self) -> Result<FitReport, FitError> {
+        let scatter = Scatter::from_moments(&self.moments, self.config.ut_per_count)?;
+        let options =
+            FitOptions { method: self.config.method, field_ut: self.config.field_ut, ..Default::default() };
+        fit(&scatter, &options)
+    }
+
+    fn coverage(&self, report: Option<&FitReport>) -> Coverage {
+        match report {
+            Some(report) => self.sketch.coverage(&report.calibration.cast()),
+            None => self.sketch.coverage_about_middle(),
+        }
+    }
+
+    /// Solves for the calibration and judges it.
+    ///
+    /// # Errors
+    /// [`StateError`] unless collecting.
+    pub fn stop(&mut self) -> Result<&Outcome, StateError> {
+        if self.state != State::Collecting {
+            return Err(StateError { state: self.state });
+        }
+        if let Gated::Dropped(n) = self.gate.flush(&mut self.moments) {
+            self.at_rest += n;
+        }
+        let fitted = self.fit();
+        let coverage = self.coverage(fitted.as_ref().ok());
+        let (verdict, report) = match fitted {
+            Ok(report) => {
+                (judge(&report, Some(&coverage), self.saturated, self.config.field_ut), Some(report))
+            }
+            Err(error) => (Verdict::of_error(error), None),
+        };
+        self.state = if verdict.accepted { State::Solved } else { State::Refused };
+        Ok(self.outcome.insert(Outcome { verdict, report, coverage }))
+    }
+
+    /// The outcome of the last [`Self::stop`], until the next start or cancel.
+    pub fn outcome(&self) -> Option<&Outcome> {
+        self.outcome.as_ref()
+    }
+
+    /// The accepted solution that waits for [`Self::accept`].
+    pub fn solution(&self) -> Option<&FitReport> {
+        if self.state == State::Solved { self.outcome.as_ref().and_then(|o| o.report.as_ref()) } else { None }
+    }
+
+    /// Hands the solution over; idle again.
+    ///
+    /// # Errors
+    /// [`StateError`] unless solved.
+    pub fn accept(&mut self) -> Result<Calibration<f64>, StateError> {
+        let calibration = self.solution().map(|report| report.calibration);
+        let error = StateError { state: self.state };
+        let calibration = calibration.ok_or(error)?;
+        self.cancel();
+        Ok(calibration)
+    }
+
+    /// A snapshot; while collecting it solves the data so far to tell what they carry.
+    pub fn status(&self) -> Status {
+        let live = if self.state == State::Collecting { self.fit().ok() } else { None };
+        let report = live.as_ref().or(self.outcome.as_ref().and_then(|o| o.report.as_ref()));
+        let coverage = match &self.outcome {
+            Some(outcome) => outcome.coverage,
+            None => self.coverage(report),
+        };
+        let predicted_error = report.map(|r| r.predicted_error_ut / r.calibration.field_ut);
+        let hint = match self.state {
+            State::Idle => Hint::Start,
+            State::Solved => Hint::Accept,
+            State::Refused => Hint::Again,
+            State::Collecting if self.sketch.points().len() < 3 => Hint::Move,
+            // Half the limit: a little more than enough, so that the verdict at the stop is not a surprise.
+            State::Collecting if predicted_error.is_some_and(|e| e <= 0.5 * MAX_PREDICTED_ERROR) => {
+                Hint::Stop
+            }
+            State::Collecting => Hint::Point { side: coverage.missing_side() },
+        };
+        let empty = self.sketch.points().is_empty();
+        Status {
+            state: self.state,
+            n: self.moments.count() + self.gate.pending(),
+            skipped: self.at_rest + self.saturated,
+            saturated: self.saturated,
+            coverage: if empty { 0.0 } else { coverage.fraction },
+            gap_deg: if empty { 180.0 } else { coverage.gap_deg },
+            rms_ut: report.map(|r| r.rms_ut),
+            noise_ut: report.map(|r| r.noise_ut),
+            predicted_error,
+            hint,
+        }
+    }
+}
