@@ -1,6 +1,8 @@
 //! What ironout is tested on: a simulated world, simulated chips and bus, and the emulated board.
 #![forbid(unsafe_code)]
 
+#[cfg(unix)]
+pub mod qemu;
 pub mod world;
 
 pub mod paper;

@@ -26,7 +26,7 @@ struct Trace {
     /// Where it happened, and the return address there.
     pc: u32,
     lr: u32,
-    /// SCB's configurable fault status, and the address of a bus or memory fault.
+    /// SCB's configurable fault status, and the address of a precise bus fault (0 for any other).
     cfsr: u32,
     address: u32,
     message_len: u32,
@@ -34,6 +34,9 @@ struct Trace {
     /// Over all of the above.
     check: u32,
 }
+
+/// The bit of CFSR that says that BFAR holds the faulting address.
+const BFAR_VALID: u32 = 1 << 15;
 
 const KIND_PANIC: u32 = 1;
 const KIND_HARD_FAULT: u32 = 2;
@@ -203,12 +206,13 @@ extern "C" fn on_hard_fault(stack: u32) -> ! {
     };
     // SAFETY: reading the fault registers has no side effect, and nothing else runs.
     let scb = unsafe { &*cortex_m::peripheral::SCB::PTR };
+    let cfsr = scb.cfsr.read();
     let trace = Trace {
         kind: if stack < bottom { KIND_STACK_OVERFLOW } else { KIND_HARD_FAULT },
         pc: frame(6),
         lr: frame(5),
-        cfsr: scb.cfsr.read(),
-        address: scb.bfar.read(),
+        cfsr,
+        address: if cfsr & BFAR_VALID != 0 { scb.bfar.read() } else { 0 },
         message_len: 0,
         message: [0; MESSAGE_BYTES],
         ..load()

@@ -1,0 +1,265 @@
+//! QEMU as a board on the bench: power, field, console.
+
+use super::{Console, Debugger, Error, Firmware, PROGRAM, qmp::Qmp};
+use serde_json::json;
+use std::fs::File;
+use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// The largest field per axis that the emulated sensor takes. Below zero it takes none.
+pub const MAX_FIELD_UT: f64 = 186.0;
+
+/// Bytes of the EEPROM.
+const EEPROM_BYTES: usize = 4096;
+
+/// How long QEMU may take to open its sockets; it usually takes some 20 ms.
+const START_LIMIT: Duration = Duration::from_secs(15);
+
+/// The names of the files in the board's own directory.
+const UART: &str = "UART";
+const QMP: &str = "QMP";
+const GDB: &str = "GDB";
+const EEPROM: &str = "eeprom.bin";
+const LOG: &str = "defmt.bin";
+const STDERR: &str = "qemu.err";
+
+/// How the board is put together.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Whether the sensor is on the bus.
+    pub sensor: bool,
+    /// Whether the EEPROM is on the bus.
+    pub eeprom: bool,
+    /// Whether a debugger can be attached ([`Emulator::debugger`]).
+    pub debugger: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { sensor: true, eeprom: true, debugger: false }
+    }
+}
+
+/// What outlives a power cut: the board's directory with the EEPROM in it, and the firmware.
+struct Bench {
+    dir: TempDir,
+    firmware: Firmware,
+    options: Options,
+}
+
+impl Bench {
+    fn file(&self, name: &str) -> PathBuf {
+        self.dir.path().join(name)
+    }
+
+    fn read(&self, name: &str) -> Result<Vec<u8>, Error> {
+        std::fs::read(self.file(name)).map_err(Error::io(format!("read the board's {name}")))
+    }
+}
+
+/// A board without power.
+pub struct PoweredOff {
+    bench: Bench,
+}
+
+impl PoweredOff {
+    /// A new board, its EEPROM erased.
+    pub fn new(firmware: &Firmware, options: &Options) -> Result<Self, Error> {
+        let dir = tempfile::Builder::new()
+            .prefix("ironout-")
+            .tempdir()
+            .map_err(Error::io("make a temporary directory"))?;
+        let off = Self { bench: Bench { dir, firmware: firmware.clone(), options: *options } };
+        off.set_eeprom(&[0xFF; EEPROM_BYTES])?;
+        Ok(off)
+    }
+
+    /// What the EEPROM holds.
+    pub fn eeprom(&self) -> Result<Vec<u8>, Error> {
+        self.bench.read(EEPROM)
+    }
+
+    /// Replaces what the EEPROM holds, as a torn write or decay would.
+    pub fn set_eeprom(&self, image: &[u8]) -> Result<(), Error> {
+        std::fs::write(self.bench.file(EEPROM), image).map_err(Error::io("write the EEPROM's image"))
+    }
+
+    /// Puts the sensor on the bus, or takes it off.
+    pub fn with_sensor(mut self, sensor: bool) -> Self {
+        self.bench.options.sensor = sensor;
+        self
+    }
+
+    /// Puts the power on and lets the firmware run.
+    pub fn start(self) -> Result<Emulator, Error> {
+        let bench = self.bench;
+        for socket in [UART, QMP, GDB] {
+            match std::fs::remove_file(bench.file(socket)) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(Error::io("remove an old socket")(error));
+                }
+                _ => {}
+            }
+        }
+        let create = |name| File::create(bench.file(name)).map_err(Error::io(format!("create {name}")));
+        // QEMU runs in the board's directory, and everything is named relative to it: a comma or a blank in the
+        // directory's name would end an option.
+        let mut command = Command::new(PROGRAM);
+        command
+            .current_dir(bench.dir.path())
+            .stdin(Stdio::null())
+            .stdout(create(LOG)?)
+            .stderr(create(STDERR)?);
+        command.args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"]);
+        command.args(["-semihosting-config", "enable=on,target=native"]);
+        command.args(["-chardev", &format!("socket,id=u0,path={UART},server=on,wait=off")]);
+        command.args(["-serial", "chardev:u0", "-qmp", &format!("unix:{QMP},server=on,wait=off")]);
+        command.arg("-kernel").arg(bench.firmware.path()).arg("-S");
+        if bench.options.sensor {
+            command.args(["-device", "lsm303dlhc_mag,id=mag,address=0x1e"]);
+        }
+        command.args(["-device", "tmp105,id=tmp,address=0x48"]);
+        if bench.options.eeprom {
+            command.args(["-drive", &format!("if=none,id=eed,format=raw,file={EEPROM}")]);
+            command.args([
+                "-device",
+                &format!("at24c-eeprom,id=ee,address=0x50,rom-size={EEPROM_BYTES},drive=eed"),
+            ]);
+        }
+        if bench.options.debugger {
+            command.args(["-gdb", &format!("unix:{GDB},server=on,wait=off")]);
+        }
+        let child = command.spawn().map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => Error::NotInstalled,
+            _ => Error::io("start qemu-system-arm")(error),
+        })?;
+        let mut process = Process { child };
+        // The console is connected before the first instruction runs, so that nothing of it is lost.
+        let console = process.connect(&bench, UART, "its console was being connected")?;
+        let qmp = process.connect(&bench, QMP, "its machine protocol was being connected")?;
+        let mut emulator = Emulator { console: Console::new(console), qmp: Qmp::new(qmp)?, process, bench };
+        emulator.resume()?;
+        Ok(emulator)
+    }
+}
+
+/// The child process; it ends with this value.
+struct Process {
+    child: Child,
+}
+
+impl Process {
+    /// Connects to one of QEMU's sockets, which appear a moment after its start.
+    fn connect(&mut self, bench: &Bench, socket: &str, during: &'static str) -> Result<UnixStream, Error> {
+        let path = bench.file(socket);
+        let started = Instant::now();
+        loop {
+            match UnixStream::connect(&path) {
+                Ok(stream) => return Ok(stream),
+                Err(error) if started.elapsed() > START_LIMIT => {
+                    return Err(Error::io(format!("connect to QEMU's {socket} socket"))(error));
+                }
+                Err(_) => {}
+            }
+            if let Ok(Some(status)) = self.child.try_wait() {
+                let said = String::from_utf8_lossy(&bench.read(STDERR)?).trim().to_owned();
+                return Err(Error::Exited { status: status.to_string(), during, said });
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Ends QEMU as a power cut does: at once, at whatever it is doing.
+    fn kill(&mut self) -> std::io::Result<()> {
+        self.child.kill()?;
+        self.child.wait().map(drop)
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended already; then there is nothing left to do.
+        let _ = self.kill();
+    }
+}
+
+/// A board with power on.
+pub struct Emulator {
+    /// The board's console.
+    pub console: Console,
+    qmp: Qmp,
+    // Declared before the bench: the process has to end before its directory goes.
+    process: Process,
+    bench: Bench,
+}
+
+impl Emulator {
+    /// A new board, its EEPROM erased, with power on.
+    pub fn start(firmware: &Firmware, options: &Options) -> Result<Self, Error> {
+        PoweredOff::new(firmware, options)?.start()
+    }
+
+    /// Sets the field at the sensor, chip axes, in µT. The machine stands still meanwhile, so that no sample sees one axis of
+    /// the old field and two of the new one.
+    ///
+    /// # Errors
+    /// [`Error::Field`] for an axis outside 0 to [`MAX_FIELD_UT`], which the emulated sensor refuses.
+    pub fn set_field_ut(&mut self, field_ut: [f64; 3]) -> Result<(), Error> {
+        if !field_ut.iter().all(|axis| (0.0..=MAX_FIELD_UT).contains(axis)) {
+            return Err(Error::Field { given: field_ut });
+        }
+        self.pause()?;
+        for (property, axis_ut) in ["mag-x", "mag-y", "mag-z"].into_iter().zip(field_ut) {
+            self.qmp.set("/machine/peripheral/mag", property, (axis_ut * 1_000.0).round() as i64)?;
+        }
+        self.resume()
+    }
+
+    /// Sets the sensor's temperature.
+    pub fn set_temperature_c(&mut self, temperature_c: f64) -> Result<(), Error> {
+        self.qmp.set("/machine/peripheral/mag", "temperature", (temperature_c * 1_000.0).round() as i64)
+    }
+
+    /// Stops the machine's time.
+    pub fn pause(&mut self) -> Result<(), Error> {
+        self.qmp.execute("stop", json!({})).map(drop)
+    }
+
+    /// Lets the machine's time go on.
+    pub fn resume(&mut self) -> Result<(), Error> {
+        self.qmp.execute("cont", json!({})).map(drop)
+    }
+
+    /// Resets the machine, as its reset button does: memory keeps what it holds.
+    pub fn reset(&mut self) -> Result<(), Error> {
+        self.qmp.execute("system_reset", json!({})).map(drop)
+    }
+
+    /// Attaches a debugger; the machine stops until it is dropped or lets it go.
+    ///
+    /// # Errors
+    /// Without [`Options::debugger`].
+    pub fn debugger(&mut self) -> Result<Debugger, Error> {
+        let socket = self.process.connect(&self.bench, GDB, "its debugger was being connected")?;
+        Debugger::new(socket)
+    }
+
+    /// What the firmware has logged so far: defmt's frames, to be decoded with the texts in the ELF.
+    pub fn log(&self) -> Result<Vec<u8>, Error> {
+        self.bench.read(LOG)
+    }
+
+    /// The directory with everything of this board: sockets, EEPROM image, logs.
+    pub fn directory(&self) -> &Path {
+        self.bench.dir.path()
+    }
+
+    /// Cuts the power (`kill -9`).
+    pub fn power_cut(mut self) -> Result<PoweredOff, Error> {
+        self.process.kill().map_err(Error::io("kill QEMU"))?;
+        Ok(PoweredOff { bench: self.bench })
+    }
+}
