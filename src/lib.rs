@@ -16,3 +16,4 @@ pub mod record;
 pub mod scatter;
 pub mod session;
 pub mod store;
+pub mod whiteness;

@@ -10,6 +10,7 @@ use crate::gate::{Gated, RestGate};
 use crate::moments::Moments;
 use crate::quality::{Verdict, judge};
 use crate::scatter::Scatter;
+use crate::whiteness::{SecondDifferences, independent_share};
 use core::fmt;
 
 /// Where a session stands.
@@ -147,6 +148,7 @@ pub struct Session {
     moments: Moments,
     gate: RestGate,
     sketch: Sketch,
+    differences: SecondDifferences,
     at_rest: u64,
     saturated: u64,
     outcome: Option<Outcome>,
@@ -161,6 +163,7 @@ impl Session {
             moments: Moments::new(),
             gate: RestGate::new(config.ut_per_count, config.samples_per_block),
             sketch: Sketch::new(config.ut_per_count.map(|v| v as f32)),
+            differences: SecondDifferences::new(config.ut_per_count.map(|v| v as f32)),
             at_rest: 0,
             saturated: 0,
             outcome: None,
@@ -212,16 +215,27 @@ impl Session {
             return;
         }
         self.sketch.add(counts);
-        if let Gated::Dropped(n) = self.gate.push(counts, &mut self.moments) {
+        self.differences.push(counts);
+        let gated = self.gate.push(counts, &mut self.moments);
+        self.take_note(gated);
+    }
+
+    fn take_note(&mut self, gated: Gated) {
+        if let Gated::Dropped(n) = gated {
             self.at_rest += n;
         }
+        self.differences.close(gated);
     }
 
     fn fit(&self) -> Result<FitReport, FitError> {
         let scatter = Scatter::from_moments(&self.moments, self.config.ut_per_count)?;
         let options =
             FitOptions { method: self.config.method, field_ut: self.config.field_ut, ..Default::default() };
-        fit(&scatter, &options)
+        let report = fit(&scatter, &options)?;
+        let Some(white) = self.differences.variance_ut2() else { return Ok(report) };
+        let share = independent_share(white.max(scatter.quantisation_ut2), report.noise_ut * report.noise_ut);
+        let effective_samples = Some((report.samples as f64 * share).max(1.0));
+        fit(&scatter, &FitOptions { effective_samples, ..options })
     }
 
     fn coverage(&self, report: Option<&FitReport>) -> Coverage {
@@ -239,9 +253,8 @@ impl Session {
         if self.state != State::Collecting {
             return Err(StateError { state: self.state });
         }
-        if let Gated::Dropped(n) = self.gate.flush(&mut self.moments) {
-            self.at_rest += n;
-        }
+        let gated = self.gate.flush(&mut self.moments);
+        self.take_note(gated);
         let fitted = self.fit();
         let coverage = self.coverage(fitted.as_ref().ok());
         let (verdict, report) = match fitted {

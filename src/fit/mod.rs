@@ -128,6 +128,8 @@ pub struct FitReport {
     pub measured_field_ut: f64,
     /// Samples used.
     pub samples: u64,
+    /// Of those, how many count as independent: what the standard errors rest on.
+    pub effective_samples: f64,
     /// The method.
     pub method: Method,
     /// Which parameters the data carried.
@@ -204,7 +206,7 @@ impl FitReport {
 
     /// Bayesian information criterion, up to a constant of the data.
     fn bic(&self) -> f64 {
-        let n = self.samples as f64;
+        let n = self.effective_samples;
         // The noise in the sensor's own units: a lower order must not look better by a smaller matrix.
         n * math::ln(self.noise_ut * self.noise_ut) + self.model.parameters() as f64 * math::ln(n)
     }
@@ -339,6 +341,7 @@ fn report(
         axis_ratio: ellipsoid.axis_ratio(),
         measured_field_ut,
         samples: scatter.samples,
+        effective_samples: effective,
         method: options.method,
         model: *model,
         condition_number: fitted.condition_number,
