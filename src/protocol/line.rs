@@ -18,7 +18,7 @@ pub enum Line<'a> {
 
 /// Collects bytes up to the end of a line. However long or broken the input, it needs 80 bytes, and the next
 /// line starts afresh.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct LineSplitter {
     buffer: Vec<u8, MAX_LINE>,
     /// The line that was reported last is still in `buffer`.

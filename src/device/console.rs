@@ -1,0 +1,127 @@
+//! The commands that are not about a calibration itself, and the choice between all of them.
+
+use core::fmt;
+
+use super::Device;
+use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Reply, StreamMode};
+use crate::store::{Slots, Store};
+
+const HELP: [&str; 7] = [
+    "help | version | status",
+    "cal start | cal stop | cal accept | cal cancel | cal show | cal clear",
+    "cal method adjusted|trace|constant",
+    "stream off | stream raw | stream cal | stream motioncal",
+    "field UT: the expected magnitude, microtesla",
+    "a calibration: cal start, turn the board in all directions, cal stop, cal accept",
+    "status says where to turn next",
+];
+
+impl Device {
+    pub(super) fn answer<W: fmt::Write>(
+        &mut self,
+        line: Line<'_>,
+        out: &mut W,
+        store: &mut impl Store,
+    ) -> Answered {
+        let mut reply = Reply::new(out);
+        let text = match line {
+            Line::Text(text) => text,
+            Line::TooLong => {
+                return reply.err(Code::Long, format_args!("a line has at most {} characters", protocol::MAX_LINE));
+            }
+            Line::NotText => {
+                return reply.err(Code::Usage, format_args!("a line holds printable ASCII characters only"));
+            }
+        };
+        let command = match protocol::parse(text) {
+            Ok(command) => command,
+            Err(ParseError::Unknown) => return reply.err(Code::Unknown, format_args!("no such command; try help")),
+            Err(ParseError::NotBuilt(word)) => {
+                return reply.err(Code::Unknown, format_args!("{word} is not built into this firmware yet"));
+            }
+            Err(ParseError::Usage(usage)) => return reply.err(Code::Usage, format_args!("{usage}")),
+        };
+        match command {
+            Command::Help => {
+                HELP.iter().for_each(|line| reply.line(format_args!("{line}")));
+                reply.done()
+            }
+            Command::Version => self.version(reply, store),
+            Command::Status => self.status(reply),
+            Command::CalStart => self.cal_start(reply),
+            Command::CalStop => self.cal_stop(reply),
+            Command::CalAccept => self.cal_accept(reply, store),
+            Command::CalCancel => self.cal_cancel(reply),
+            Command::CalShow => self.cal_show(reply),
+            Command::CalClear => {
+                let answered = self.cal_clear(reply, store);
+                if self.stream == StreamMode::Calibrated && self.active.is_none() {
+                    // Nothing is left to stream.
+                    self.stream = StreamMode::Off;
+                }
+                answered
+            }
+            Command::CalMethod(method) => {
+                self.session.set_method(method);
+                reply.ok(format_args!("method={}", method.name()))
+            }
+            Command::Stream(mode) => self.set_stream(reply, mode),
+            Command::Field(field_ut) => {
+                if self.session.set_field_ut(Some(field_ut)) {
+                    reply.ok(format_args!("field_ut={field_ut:?}"))
+                } else {
+                    reply.err(Code::Usage, format_args!("field UT, a positive magnitude in microtesla"))
+                }
+            }
+        }
+    }
+
+    fn version<W: fmt::Write>(&self, mut reply: Reply<'_, W>, store: &mut impl Store) -> Answered {
+        let [a, b] = Slots::inspect(store).states;
+        reply.line(format_args!("slots={a},{b}"));
+        reply.ok(format_args!(
+            "ironout={} board={} sensor={}",
+            env!("CARGO_PKG_VERSION"),
+            self.config.board,
+            self.config.sensor
+        ))
+    }
+
+    fn status<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
+        let status = self.session.status();
+        match self.sensor.fault() {
+            Some(fault) => reply.line(format_args!("sensor {} {fault}", self.config.sensor)),
+            None => reply.line(format_args!("hint {}", status.hint)),
+        }
+        // What went wrong while measuring: lost transactions, and samples out of range.
+        let faults = u64::from(self.sensor.faults()).saturating_add(status.saturated);
+        reply.ok(format_args!(
+            "state={} n={} skipped={} coverage={:.3} gap_deg={:.1} rms_ut={:.4} noise_ut={:.4} calibrated={} faults={faults}",
+            status.state.name(),
+            status.n,
+            status.skipped,
+            status.coverage,
+            status.gap_deg,
+            Opt(status.rms_ut),
+            Opt(status.noise_ut),
+            u8::from(self.active.is_some()),
+        ))
+    }
+
+    fn set_stream<W: fmt::Write>(&mut self, reply: Reply<'_, W>, mode: StreamMode) -> Answered {
+        if let (true, Some(fault)) = (mode != StreamMode::Off, self.sensor.fault()) {
+            return self.no_sensor(reply, fault);
+        }
+        let name = match mode {
+            StreamMode::Off => "off",
+            StreamMode::Raw => "raw",
+            StreamMode::Calibrated if self.active.is_none() => {
+                return reply.err(Code::State, format_args!("there is no calibration: cal start begins one"));
+            }
+            StreamMode::Calibrated => "cal",
+            StreamMode::MotionCal => "motioncal",
+        };
+        self.stream = mode;
+        reply.ok(format_args!("stream={name}"))
+    }
+}

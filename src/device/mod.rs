@@ -1,0 +1,246 @@
+//! The board's application without the board: sensor in, console in and out, calibration applied and kept.
+//!
+//! [`Device`] does no I/O of its own. Its owner, a firmware's main loop or a test, gives it
+//! - the time and a way to do what the sensor needs ([`Device::tick`]),
+//! - the bytes that arrive on the console and a place for the answers ([`Device::on_byte`]),
+//! - presses of the button ([`Device::on_button`]),
+//! - memory that survives a restart ([`Store`]),
+//!
+//! and shows [`Device::light`]. What holds whatever goes wrong: a calibration in use is replaced only by one
+//! that was accepted, stored and read back; each line is answered exactly once; a sensor that fails is tried
+//! again for ever.
+//!
+//! ```
+//! use ironout::device::{Device, DeviceConfig, SensorAnswer, SensorTask};
+//! # use ironout::store::{Slot, Store, StoreError};
+//! # struct Rom([[u8; 512]; 2]);
+//! # impl Store for Rom {
+//! #     fn read_slot(&mut self, slot: Slot, bytes: &mut [u8]) -> Result<(), StoreError> {
+//! #         bytes.copy_from_slice(&self.0[slot.index()][..bytes.len()]);
+//! #         Ok(())
+//! #     }
+//! #     fn write_slot(&mut self, slot: Slot, bytes: &[u8]) -> Result<(), StoreError> {
+//! #         self.0[slot.index()][..bytes.len()].copy_from_slice(bytes);
+//! #         Ok(())
+//! #     }
+//! # }
+//! # let mut rom = Rom([[0xff; 512]; 2]);
+//! let mut device = Device::new(DeviceConfig {
+//!     board: "bench",
+//!     sensor: "LSM303DLHC",
+//!     ut_per_count: [0.1, 0.1, 0.11],
+//!     sample_period_ms: 20,
+//! });
+//! device.boot(&mut rom); // applies the stored calibration, if there is one
+//! let mut console = String::new();
+//! for &byte in b"stream raw\n" {
+//!     device.on_byte(byte, &mut console, &mut rom)?;
+//! }
+//! assert!(console.starts_with("err sensor "), "it was not started yet");
+//! for t_ms in 0..30 {
+//!     device.tick(t_ms, &mut console, |task| match task {
+//!         SensorTask::Start => SensorAnswer::Started,
+//!         SensorTask::Sample => SensorAnswer::Sample { counts: [1, 2, 3], saturated: false },
+//!     })?;
+//! }
+//! # Ok::<(), core::fmt::Error>(())
+//! ```
+
+mod calibrate;
+mod console;
+mod light;
+mod sensor;
+mod stream;
+
+use core::fmt;
+use core::mem;
+
+use crate::calibration::Calibration;
+use crate::gate::block_samples;
+use crate::protocol::{Line, LineSplitter, StreamMode};
+use crate::record::Record;
+use crate::session::{Session, SessionConfig, State};
+use crate::store::{Slot, Slots, Store};
+
+pub use calibrate::ButtonEvent;
+pub use light::Light;
+pub use sensor::{SensorAnswer, SensorFault, SensorTask};
+use sensor::SensorWatch;
+
+/// What a device needs to know of its board.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DeviceConfig {
+    /// The board's name, for `version`.
+    pub board: &'static str,
+    /// The sensor's name, for `version` and for messages.
+    pub sensor: &'static str,
+    /// µT per count of each axis.
+    pub ut_per_count: [f32; 3],
+    /// Time between samples.
+    pub sample_period_ms: u32,
+}
+
+/// The calibration in use.
+#[derive(Debug, Clone)]
+struct Active {
+    record: Record,
+    slot: Slot,
+    live: Calibration<f32>,
+}
+
+impl Active {
+    fn new(slot: Slot, record: Record) -> Self {
+        Self { record, slot, live: record.calibration.cast() }
+    }
+}
+
+/// The application: see the [module](self).
+#[derive(Debug, Clone)]
+pub struct Device {
+    config: DeviceConfig,
+    session: Session,
+    active: Option<Active>,
+    sensor: SensorWatch,
+    stream: StreamMode,
+    splitter: LineSplitter,
+    /// A slot could not be read when the store was looked at last.
+    store_unread: bool,
+}
+
+impl Device {
+    /// A device with an idle session, a sensor to be started and no calibration yet; see [`Self::boot`].
+    pub fn new(config: DeviceConfig) -> Self {
+        let rate_hz = 1000.0 / f64::from(config.sample_period_ms.max(1));
+        let session = Session::new(SessionConfig {
+            ut_per_count: config.ut_per_count.map(f64::from),
+            field_ut: None,
+            method: Default::default(),
+            samples_per_block: block_samples(rate_hz),
+        });
+        Self {
+            config,
+            session,
+            active: None,
+            sensor: SensorWatch::new(config.sample_period_ms),
+            stream: StreamMode::Off,
+            splitter: LineSplitter::new(),
+            store_unread: true,
+        }
+    }
+
+    /// Looks for a stored calibration and applies it. Returns what stands in the slots, for a log.
+    ///
+    /// Where a slot does not answer, it is looked at again with the next line on the console.
+    pub fn boot(&mut self, store: &mut impl Store) -> Slots {
+        let slots = Slots::inspect(store);
+        self.store_unread = slots.unreadable().is_some();
+        if let Some((slot, record)) = slots.current() {
+            self.active = Some(Active::new(slot, *record));
+        }
+        slots
+    }
+
+    /// To be called often, with the time since power-up. When something is due, `sensor` is asked to do it; a
+    /// measurement goes into the session and the stream.
+    ///
+    /// # Errors
+    /// That of `out`; the sample was taken all the same.
+    pub fn tick(
+        &mut self,
+        t_ms: u64,
+        out: &mut impl fmt::Write,
+        sensor: impl FnOnce(SensorTask) -> SensorAnswer,
+    ) -> fmt::Result {
+        let Some(task) = self.sensor.task(t_ms) else { return Ok(()) };
+        let answer = sensor(task);
+        self.sensor.answered(answer, t_ms);
+        match answer {
+            SensorAnswer::Sample { counts, saturated } => self.on_sample(counts, saturated, t_ms, out),
+            SensorAnswer::Started | SensorAnswer::NotReady | SensorAnswer::Failed(_) => Ok(()),
+        }
+    }
+
+    /// Takes one measurement. [`Self::tick`] does this; it is here for boards whose sensor has a pace of its own.
+    ///
+    /// # Errors
+    /// That of `out`; the sample was taken all the same.
+    pub fn on_sample(
+        &mut self,
+        counts: [i16; 3],
+        saturated: bool,
+        t_ms: u64,
+        out: &mut impl fmt::Write,
+    ) -> fmt::Result {
+        self.session.push(counts, saturated);
+        if self.stream == StreamMode::Off {
+            return Ok(());
+        }
+        let [x, y, z] = counts.map(f32::from);
+        let [sx, sy, sz] = self.config.ut_per_count;
+        let measured_ut = (!saturated).then_some([x * sx, y * sy, z * sz]);
+        let sample = stream::Sample { t_ms, counts, measured_ut };
+        stream::write_line(out, self.stream, &sample, self.active.as_ref().map(|active| &active.live))
+    }
+
+    /// Takes one byte from the console; where it ends a line, the answer goes to `out`.
+    ///
+    /// # Errors
+    /// That of `out`; the command was done all the same.
+    pub fn on_byte(&mut self, byte: u8, out: &mut impl fmt::Write, store: &mut impl Store) -> fmt::Result {
+        if byte != b'\n' {
+            // Nothing but the end of a line gives a line.
+            let _ = self.splitter.push(byte);
+            return Ok(());
+        }
+        let mut splitter = mem::take(&mut self.splitter);
+        splitter.push(byte).map_or(Ok(()), |line| self.on_line(line, out, store))
+    }
+
+    /// Answers one line: lines that begin with `+ `, then exactly one `ok …` or `err CODE text`.
+    ///
+    /// # Errors
+    /// That of `out`; the command was done all the same.
+    pub fn on_line(
+        &mut self,
+        line: Line<'_>,
+        out: &mut impl fmt::Write,
+        store: &mut impl Store,
+    ) -> fmt::Result {
+        if self.store_unread {
+            self.boot(store);
+        }
+        self.answer(line, out, store).result()
+    }
+
+    /// The calibration in use.
+    pub fn calibration(&self) -> Option<&Calibration<f64>> {
+        self.active.as_ref().map(|active| &active.record.calibration)
+    }
+
+    /// The stored record of the calibration in use.
+    pub fn record(&self) -> Option<&Record> {
+        self.active.as_ref().map(|active| &active.record)
+    }
+
+    /// The session: what is being collected and what came of it.
+    pub const fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// What is wrong with the sensor, if it does not work.
+    pub const fn sensor_fault(&self) -> Option<SensorFault> {
+        self.sensor.fault()
+    }
+
+    /// What the light has to show.
+    pub fn light(&self) -> Light {
+        match self.session.state() {
+            _ if self.sensor.fault().is_some() => Light::SensorFault,
+            State::Collecting => Light::Collecting,
+            State::Solved => Light::Solved,
+            State::Refused => Light::Refused,
+            State::Idle if self.active.is_some() => Light::Calibrated,
+            State::Idle => Light::Uncalibrated,
+        }
+    }
+}

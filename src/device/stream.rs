@@ -1,0 +1,82 @@
+//! The stream's lines: one a sample, of the kind asked for.
+
+use core::fmt;
+
+use crate::calibration::{Calibration, norm};
+use crate::math;
+use crate::protocol::StreamMode;
+
+/// What a stream line is made of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    pub(super) t_ms: u64,
+    pub(super) counts: [i16; 3],
+    /// `None` where an axis was out of range: the counts are no measurement.
+    pub(super) measured_ut: Option<[f32; 3]>,
+}
+
+/// Writes the line of `mode` for one sample.
+pub(super) fn write_line(
+    out: &mut impl fmt::Write,
+    mode: StreamMode,
+    sample: &Sample,
+    calibration: Option<&Calibration<f32>>,
+) -> fmt::Result {
+    match mode {
+        StreamMode::Off => Ok(()),
+        StreamMode::Raw => {
+            let [x, y, z] = sample.counts;
+            writeln!(out, "R,{},{x},{y},{z}", sample.t_ms)
+        }
+        StreamMode::Calibrated => {
+            let corrected = sample.measured_ut.zip(calibration);
+            let Some((ut, cal)) = corrected.map(|(measured, cal)| (cal.apply(measured), cal)) else {
+                return writeln!(out, "C,{},-,-,-,-,-", sample.t_ms);
+            };
+            let ([x, y, z], length, residual) = (ut, norm(ut), cal.residual_ut(ut));
+            writeln!(out, "C,{},{x:.3},{y:.3},{z:.3},{length:.3},{residual:.3}", sample.t_ms)
+        }
+        // MotionCal has no word for an unknown value: a sample out of range is left out.
+        StreamMode::MotionCal => match sample.measured_ut {
+            // `as` saturates, and 0.1 µT is the unit MotionCal wants.
+            Some(ut) => {
+                let [x, y, z] = ut.map(|axis| math::round(f64::from(axis) * 10.0) as i16);
+                writeln!(out, "Raw:0,0,0,0,0,0,{x},{y},{z}")
+            }
+            None => Ok(()),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::{Sample, write_line};
+    use crate::calibration::Calibration;
+    use crate::protocol::StreamMode;
+    use std::string::String;
+
+    fn line(mode: StreamMode, measured_ut: Option<[f32; 3]>) -> String {
+        let calibration = Calibration { offset_ut: [93.0, 0.0, -1.0], ..Calibration::identity(48.0) };
+        let sample = Sample { t_ms: 1260, counts: [-4096, 7, -300], measured_ut };
+        let mut out = String::new();
+        write_line(&mut out, mode, &sample, Some(&calibration)).unwrap();
+        out
+    }
+
+    #[test]
+    fn the_lines_of_the_contract() {
+        let measured = Some([96.0, -4.0, 11.0]);
+        assert_eq!(line(StreamMode::Off, measured), "");
+        assert_eq!(line(StreamMode::Raw, measured), "R,1260,-4096,7,-300\n");
+        assert_eq!(line(StreamMode::Calibrated, measured), "C,1260,3.000,-4.000,12.000,13.000,-35.000\n");
+        assert_eq!(line(StreamMode::MotionCal, measured), "Raw:0,0,0,0,0,0,960,-40,110\n");
+    }
+
+    #[test]
+    fn a_sample_out_of_range_has_no_corrected_value() {
+        assert_eq!(line(StreamMode::Raw, None), "R,1260,-4096,7,-300\n");
+        assert_eq!(line(StreamMode::Calibrated, None), "C,1260,-,-,-,-,-\n");
+        assert_eq!(line(StreamMode::MotionCal, None), "");
+    }
+}
