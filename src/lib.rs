@@ -4,6 +4,7 @@
 
 pub mod calibration;
 pub mod coverage;
+pub mod device;
 pub mod fit;
 pub mod gate;
 pub mod math;

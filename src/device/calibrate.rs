@@ -91,7 +91,9 @@ impl Device {
     pub(super) fn cal_stop<W: fmt::Write>(&mut self, mut reply: Reply<'_, W>) -> Answered {
         let outcome = match self.session.stop() {
             Ok(outcome) => outcome,
-            Err(_) => return reply.err(Code::State, format_args!("nothing is being collected: cal start first")),
+            Err(_) => {
+                return reply.err(Code::State, format_args!("nothing is being collected: cal start first"));
+            }
         };
         let mut reasons = outcome.verdict.reasons.iter();
         if let (true, Some(report)) = (outcome.verdict.accepted, &outcome.report) {
@@ -125,7 +127,9 @@ impl Device {
             Err(NotAccepted::State(error)) => reply.err(Code::State, format_args!("{error}")),
             Err(NotAccepted::Store(error)) => reply.err(
                 Code::Store,
-                format_args!("{error}: the calibration in use is unchanged, the solution waits; cal accept tries again"),
+                format_args!(
+                    "{error}: the calibration in use is unchanged, the solution waits; cal accept tries again"
+                ),
             ),
         }
     }
@@ -138,16 +142,21 @@ impl Device {
         reply.ok(format_args!("state={}", self.session.state().name()))
     }
 
-    pub(super) fn cal_clear<W: fmt::Write>(&mut self, reply: Reply<'_, W>, store: &mut impl Store) -> Answered {
+    pub(super) fn cal_clear<W: fmt::Write>(
+        &mut self,
+        reply: Reply<'_, W>,
+        store: &mut impl Store,
+    ) -> Answered {
         match store::erase(store) {
             Ok(()) => {
                 self.active = None;
                 self.store_unread = false;
                 reply.ok(format_args!("calibrated=0"))
             }
-            Err(error) => {
-                reply.err(Code::Store, format_args!("{error}: the calibration in use stays; cal clear tries again"))
-            }
+            Err(error) => reply.err(
+                Code::Store,
+                format_args!("{error}: the calibration in use stays; cal clear tries again"),
+            ),
         }
     }
 
@@ -183,7 +192,9 @@ impl Device {
 fn refused<W: fmt::Write>(reply: Reply<'_, W>, reason: Option<&Reason>) -> Answered {
     match reason {
         Some(reason) => reply.err(Code::Refused, format_args!("{} {reason}", reason.code())),
-        None => reply.err(Code::Refused, format_args!("not-finite the solution is no calibration: start again")),
+        None => {
+            reply.err(Code::Refused, format_args!("not-finite the solution is no calibration: start again"))
+        }
     }
 }
 

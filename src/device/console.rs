@@ -27,7 +27,8 @@ impl Device {
         let text = match line {
             Line::Text(text) => text,
             Line::TooLong => {
-                return reply.err(Code::Long, format_args!("a line has at most {} characters", protocol::MAX_LINE));
+                return reply
+                    .err(Code::Long, format_args!("a line has at most {} characters", protocol::MAX_LINE));
             }
             Line::NotText => {
                 return reply.err(Code::Usage, format_args!("a line holds printable ASCII characters only"));
@@ -35,7 +36,9 @@ impl Device {
         };
         let command = match protocol::parse(text) {
             Ok(command) => command,
-            Err(ParseError::Unknown) => return reply.err(Code::Unknown, format_args!("no such command; try help")),
+            Err(ParseError::Unknown) => {
+                return reply.err(Code::Unknown, format_args!("no such command; try help"));
+            }
             Err(ParseError::NotBuilt(word)) => {
                 return reply.err(Code::Unknown, format_args!("{word} is not built into this firmware yet"));
             }

@@ -64,8 +64,8 @@ use crate::store::{Slot, Slots, Store};
 
 pub use calibrate::ButtonEvent;
 pub use light::Light;
-pub use sensor::{SensorAnswer, SensorFault, SensorTask};
 use sensor::SensorWatch;
+pub use sensor::{SensorAnswer, SensorFault, SensorTask};
 
 /// What a device needs to know of its board.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -33,7 +33,9 @@ pub enum SensorFault {
 impl fmt::Display for SensorFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            SensorFault::NoAnswer => f.write_str("does not answer on the bus: check power, wiring and address"),
+            SensorFault::NoAnswer => {
+                f.write_str("does not answer on the bus: check power, wiring and address")
+            }
             SensorFault::WrongChip { expected, found } => {
                 write!(f, "is another chip: identity {found:02x?} where {expected:02x?} is expected")
             }
@@ -161,7 +163,12 @@ mod tests {
     const FAILED: SensorAnswer = SensorAnswer::Failed(SensorFault::NoAnswer);
 
     /// The times within `to_ms` at which `task` was due, every task answered by `answer`.
-    fn times(watch: &mut SensorWatch, from_ms: u64, to_ms: u64, answer: SensorAnswer) -> heapless::Vec<u64, 64> {
+    fn times(
+        watch: &mut SensorWatch,
+        from_ms: u64,
+        to_ms: u64,
+        answer: SensorAnswer,
+    ) -> heapless::Vec<u64, 64> {
         let mut times = heapless::Vec::new();
         for t_ms in from_ms..to_ms {
             if watch.task(t_ms).is_some() {
