@@ -1,4 +1,60 @@
-//! `ironout` — magnetometer calibration.
+//! `ironout` — magnetometer calibration that runs on the microcontroller, says how good it is, and finds what is missing.
+//!
+//! # The model in ten lines
+//!
+//! A compass on a board lies. Magnets nearby add a constant (hard iron `b`), steel and uneven, crooked sensor axes bend the
+//! field (soft iron `A`), and there is noise: `measured = A · field + b + noise`. While the board turns, the true field
+//! draws a sphere of radius `F` in the board's axes; the measurements draw a shifted ellipsoid. Fitting that ellipsoid
+//! gives `b` and `C = A⁻¹`, and `corrected = C · (measured − b)` lies on the sphere again. The ellipsoid is a quadric, linear
+//! in nine coefficients, so the fit needs only the 9×9 matrix `DᵀD` and the vector `DᵀĤ²` of Dong, Chou and Fang (2014):
+//! [`moments::Moments`] keeps them exactly, in 376 bytes, while samples stream in. [`fit::fit`] solves for them, by default with
+//! adjusted least squares, which has no bias from noise and estimates the noise itself. From magnitudes alone `C` is known up
+//! to a rotation; an accelerometer tells the rotation too.
+//!
+//! # Calibrating
+//!
+//! ```
+//! use ironout::session::{Session, SessionConfig};
+//! use ironout::fit::Method;
+//!
+//! let mut session = Session::new(SessionConfig {
+//!     ut_per_count: [0.1; 3],     // the sensor's scale
+//!     field_ut: Some(50.0),       // the field where the board is; None keeps the mean magnitude
+//!     method: Method::Adjusted,
+//!     samples_per_block: 16,      // 0.32 s at 50 Hz: what the rest gate looks at
+//! });
+//! session.start();
+//! for i in 0..1500 {
+//!     // On a board: magnetometer.read()?.counts
+//!     let (tilt, turn) = (i as f64 * 0.013, i as f64 * 0.11);
+//!     let field = [tilt.cos() * turn.cos(), tilt.cos() * turn.sin(), tilt.sin()].map(|v| 500.0 * v);
+//!     session.push([field[0] as i16 + 930, field[1] as i16 - 120, (1.1 * field[2]) as i16 + 45], false);
+//! }
+//! let outcome = session.stop()?;
+//! assert!(outcome.verdict.accepted, "{:?}", outcome.verdict.reasons);
+//! let calibration = session.accept()?;
+//! assert!((calibration.offset_ut[0] - 93.0).abs() < 0.1);
+//! // Live, in single precision:
+//! let corrected = calibration.cast::<f32>().apply([143.0, -12.0, 4.5]);
+//! # let _ = corrected;
+//! # Ok::<(), ironout::session::StateError>(())
+//! ```
+//!
+//! # Rooms
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`moments`], [`gate`], [`coverage`], [`whiteness`] | what streams: exact sums, the rest gate, the directions seen, the independence of samples |
+//! | [`scatter`], [`fit`], [`quality`] | what solves: centred moments, the methods, the verdict with reasons |
+//! | [`calibration`] | what is applied |
+//! | [`session`] | the state machine around them |
+//!
+//! Data flow one way: a fit never reads a driver, a driver never knows a calibration, and nothing here names a pin or a bus.
+//!
+//! # What is not promised
+//!
+//! Standard errors are "from noise": an effect that is not in the model (temperature, motor current …) makes them too
+//! small. A low residual alone proves nothing. No function panics; each refusal is a named error.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -146,10 +146,10 @@ pub fn judge(
     if share > MAX_SATURATED {
         give(Reason::Saturated { percent: share * 100.0 });
     }
-    if let Some(expected_ut) = expected_field_ut {
-        if !(crate::math::abs(report.measured_field_ut / expected_ut - 1.0) <= FIELD_TOLERANCE) {
-            give(Reason::FieldMismatch { measured_ut: report.measured_field_ut, expected_ut });
-        }
+    if let Some(expected_ut) = expected_field_ut
+        && !(crate::math::abs(report.measured_field_ut / expected_ut - 1.0) <= FIELD_TOLERANCE)
+    {
+        give(Reason::FieldMismatch { measured_ut: report.measured_field_ut, expected_ut });
     }
     let accepted = !reasons.iter().any(Reason::refuses) && report.calibration.is_sound();
     Verdict { accepted, reasons }

@@ -70,10 +70,10 @@ pub(crate) fn root(p: &[Matrix10; 3], upper: f64, model: Model) -> Result<Root, 
         }
     }
     let mut root = best.ok_or(FitError::NotAnEllipsoid)?;
-    if let Termination::Converged { steps } = root.termination {
-        if steps >= MAX_STEPS {
-            root.termination = Termination::StepLimit;
-        }
+    if let Termination::Converged { steps } = root.termination
+        && steps >= MAX_STEPS
+    {
+        root.termination = Termination::StepLimit;
     }
     Ok(root)
 }

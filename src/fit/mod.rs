@@ -247,12 +247,12 @@ fn fit_constant(scatter: &Scatter, options: &FitOptions) -> Result<FitReport, Fi
     let about_zero = scatter.about_zero()?;
     // How near the ellipsoid comes to the sensor's zero is asked of the reading that has no trouble there.
     let p = psi::hermite(scatter);
-    if let Some((x, _)) = trace::minimise(&psi::to_trace_basis(&p[0]), Model::Ellipsoid) {
-        if let Ok(around) = trace::ellipsoid(&x) {
-            let distance = constant::distance_from_origin(&convert(&around, scatter, &about_zero));
-            if distance < constant::NEAREST_ORIGIN {
-                return Err(FitError::ThroughOrigin { distance });
-            }
+    if let Some((x, _)) = trace::minimise(&psi::to_trace_basis(&p[0]), Model::Ellipsoid)
+        && let Ok(around) = trace::ellipsoid(&x)
+    {
+        let distance = constant::distance_from_origin(&convert(&around, scatter, &about_zero));
+        if distance < constant::NEAREST_ORIGIN {
+            return Err(FitError::ThroughOrigin { distance });
         }
     }
     let (ellipsoid, condition_number) = constant::solve(&about_zero)?;
