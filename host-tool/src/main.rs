@@ -1,2 +1,7 @@
-//! The command line tool `ironout`.
-fn main() {}
+//! The command `ironout`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    ironout_cli::run(std::env::args_os().collect())
+}

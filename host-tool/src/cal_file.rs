@@ -1,0 +1,301 @@
+//! `CAL.json`: what `fit --json` prints, with a version and the information behind it.
+
+use crate::failure::{Failure, Outcome};
+use ironout::calibration::Calibration;
+use nalgebra::SMatrix;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::Path;
+
+/// The version this program writes and reads.
+pub const VERSION: u32 = 1;
+/// A calibration file is a few kilobytes; more is something else.
+const MAX_BYTES: u64 = 4 << 20;
+
+/// Standard errors (1σ) of the parameters, from noise only.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StdErrors {
+    /// Of the offset, µT.
+    pub offset_ut: [f64; 3],
+    /// Of the matrix.
+    pub matrix: [[f64; 3]; 3],
+}
+
+/// One effect in the model beyond offset and matrix.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EffectEntry {
+    /// As `diagnose` names it: `offset:temp_c`.
+    pub id: String,
+    /// In words.
+    pub name: String,
+    /// Columns of the log it needs.
+    pub columns: Vec<String>,
+    /// Coefficients, in `unit`.
+    pub coefficients: Vec<f64>,
+    /// Their standard errors.
+    pub std_errors: Vec<f64>,
+    /// Unit of the coefficients.
+    pub unit: String,
+    /// The value of each column at which the effect is zero.
+    pub reference: BTreeMap<String, f64>,
+    /// `at_s`, `frequency_hz`, `delay_s` where the effect has one.
+    pub parameters: BTreeMap<String, f64>,
+}
+
+/// The object of `fit --json`. Unknown values are null.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs)] // the contract in the README explains each key
+pub struct FitObject {
+    pub method: String,
+    pub samples_used: u64,
+    pub samples_set_aside: u64,
+    pub field_ut: Option<f64>,
+    pub offset_ut: Option<[f64; 3]>,
+    pub matrix: Option<[[f64; 3]; 3]>,
+    pub effects: Vec<EffectEntry>,
+    pub std_errors: Option<StdErrors>,
+    pub rms_ut: Option<f64>,
+    pub holdout_rms_ut: Option<f64>,
+    pub noise_floor_ut: Option<f64>,
+    pub residual_floor_ut: Option<f64>,
+    pub heading_error_deg: Option<f64>,
+    pub coverage: Option<f64>,
+    pub gap_deg: Option<f64>,
+    pub accepted: bool,
+    pub reasons: Vec<String>,
+}
+
+/// The normal matrix behind a calibration: the inverse of the parameters' covariance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Information {
+    /// What each row and column stands for.
+    pub parameters: Vec<String>,
+    /// Symmetric, positive definite; units are the inverse squares of the parameters'.
+    pub matrix: Vec<Vec<f64>>,
+}
+
+/// Names of the nine parameters, in the order of [`Information`].
+pub const PARAMETERS: [&str; 9] = [
+    "offset_ut[0]",
+    "offset_ut[1]",
+    "offset_ut[2]",
+    "matrix[0][0]",
+    "matrix[0][1]",
+    "matrix[0][2]",
+    "matrix[1][1]",
+    "matrix[1][2]",
+    "matrix[2][2]",
+];
+
+/// A calibration file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CalFile {
+    /// [`VERSION`].
+    pub version: u32,
+    /// The fit.
+    #[serde(flatten)]
+    pub fit: FitObject,
+    /// What the fit knows, to build on; null where the fit gave none.
+    pub information: Option<Information>,
+}
+
+impl CalFile {
+    /// Reads and checks a calibration file: every number finite, the matrix invertible, the information
+    /// positive definite, the version known. Errors name file, line and what to do.
+    pub fn read(path: &Path) -> Outcome<Self> {
+        let mut text = String::new();
+        let file = std::fs::File::open(path).map_err(|error| Failure::io("open", path, &error))?;
+        file.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(|error| match error.kind() {
+            std::io::ErrorKind::InvalidData => not_a_calibration("it is not text").in_file(path),
+            _ => Failure::io("read", path, &error),
+        })?;
+        if text.len() as u64 > MAX_BYTES {
+            return Err(not_a_calibration("it is larger than 4 MB").in_file(path));
+        }
+        Self::parse(&text).map_err(|failure| failure.in_file(path))
+    }
+
+    /// [`CalFile::read`] from the text of the file.
+    pub fn parse(text: &str) -> Outcome<Self> {
+        let place = |error: serde_json::Error, what: String| {
+            let failure = not_a_calibration(&what);
+            if error.line() == 0 { failure } else { failure.at_line(error.line() as u64) }
+        };
+        let value: serde_json::Value = serde_json::from_str(text).map_err(|error| {
+            let what = if text.trim().is_empty() { "it is empty".into() } else { format!("{error}") };
+            place(error, what)
+        })?;
+        // The version first: the rest may differ between versions.
+        match value.get("version").and_then(serde_json::Value::as_u64) {
+            Some(version) if version == u64::from(VERSION) => {}
+            Some(version) => {
+                return Err(Failure::usage(format!(
+                    "this calibration has version {version}, this program reads version {VERSION}: use the program \
+                     that wrote it, or fit again"
+                ))
+                .at_column("version"));
+            }
+            None => return Err(not_a_calibration("it has no version").at_column("version")),
+        }
+        let cal: CalFile = serde_json::from_value(value).map_err(|error| {
+            let what = error.to_string();
+            place(error, what)
+        })?;
+        cal.check()?;
+        Ok(cal)
+    }
+
+    /// The calibration in it.
+    pub fn calibration(&self) -> Outcome<Calibration<f64>> {
+        let unknown = |key: &str| not_a_calibration(&format!("{key} is null")).at_column(key);
+        Ok(Calibration {
+            offset_ut: self.fit.offset_ut.ok_or_else(|| unknown("offset_ut"))?,
+            matrix: self.fit.matrix.ok_or_else(|| unknown("matrix"))?,
+            field_ut: self.fit.field_ut.ok_or_else(|| unknown("field_ut"))?,
+        })
+    }
+
+    fn check(&self) -> Outcome<()> {
+        let calibration = self.calibration()?;
+        if !(calibration.field_ut.is_finite() && (0.1..=1e5).contains(&calibration.field_ut)) {
+            return Err(not_a_calibration(&format!(
+                "field_ut is {} and should be a magnitude in microtesla",
+                calibration.field_ut
+            ))
+            .at_column("field_ut"));
+        }
+        if !calibration.is_sound() {
+            return Err(not_a_calibration("the matrix is singular or mirrors the axes").at_column("matrix"));
+        }
+        if calibration.offset_ut.iter().any(|value| value.abs() > 1e6) {
+            return Err(not_a_calibration("the offset is beyond any magnetometer").at_column("offset_ut"));
+        }
+        if calibration.matrix.iter().flatten().any(|value| value.abs() > 1e3) {
+            return Err(not_a_calibration("the matrix is beyond any magnetometer").at_column("matrix"));
+        }
+        if !self.fit.accepted {
+            return Err(not_a_calibration(&format!("the fit was refused ({})", self.fit.reasons.join("; "))));
+        }
+        if let Some(information) = &self.information {
+            information.check()?;
+        }
+        Ok(())
+    }
+}
+
+impl Information {
+    /// The inverse of a covariance; `None` if it has none that is finite and positive definite.
+    pub fn from_covariance(covariance: &[[f64; 9]; 9]) -> Option<Self> {
+        let matrix = SMatrix::<f64, 9, 9>::from_fn(|i, j| (covariance[i][j] + covariance[j][i]) / 2.0);
+        // Offsets are in µT and matrix entries near 1: equal diagonals before inverting keep the digits.
+        let scale = SMatrix::<f64, 9, 1>::from_fn(|i, _| 1.0 / matrix[(i, i)].sqrt());
+        let unit = SMatrix::<f64, 9, 9>::from_fn(|i, j| matrix[(i, j)] * scale[i] * scale[j]);
+        let inverse = unit.cholesky()?.inverse();
+        let matrix: Vec<Vec<f64>> = (0..9)
+            .map(|i| (0..9).map(|j| (inverse[(i, j)] + inverse[(j, i)]) / 2.0 * scale[i] * scale[j]).collect())
+            .collect();
+        matrix
+            .iter()
+            .flatten()
+            .all(|value| value.is_finite())
+            .then(|| Information { parameters: PARAMETERS.map(String::from).to_vec(), matrix })
+    }
+
+    fn check(&self) -> Outcome<()> {
+        let n = self.parameters.len();
+        let bad = |what: &str| Err(not_a_calibration(what).at_column("information"));
+        if n < 9 || n > 64 || self.matrix.len() != n || self.matrix.iter().any(|row| row.len() != n) {
+            return bad("the information matrix has the wrong shape");
+        }
+        let matrix = nalgebra::DMatrix::from_fn(n, n, |i, j| self.matrix[i][j]);
+        let scale: Vec<f64> = (0..n).map(|i| matrix[(i, i)].sqrt()).collect();
+        if scale.iter().any(|value| !value.is_finite() || *value <= 0.0) {
+            return bad("the information matrix is not positive definite");
+        }
+        let unit = nalgebra::DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (scale[i] * scale[j]));
+        if (0..n).any(|i| (0..i).any(|j| (unit[(i, j)] - unit[(j, i)]).abs() > 1e-6)) {
+            return bad("the information matrix is not symmetric");
+        }
+        if unit.cholesky().is_none() {
+            return bad("the information matrix is not positive definite");
+        }
+        Ok(())
+    }
+}
+
+fn not_a_calibration(why: &str) -> Failure {
+    Failure::usage(format!("this is no calibration that can be used: {why}; make one with ironout fit LOG -o CAL.json"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> CalFile {
+        let mut covariance = [[0.0; 9]; 9];
+        for (i, row) in covariance.iter_mut().enumerate() {
+            row[i] = if i < 3 { 1e-4 } else { 1e-8 };
+        }
+        CalFile {
+            version: VERSION,
+            fit: FitObject {
+                method: "adjusted".into(),
+                samples_used: 3000,
+                samples_set_aside: 0,
+                field_ut: Some(48.125),
+                offset_ut: Some([0.1, 1.0 / 3.0, -7.0]),
+                matrix: Some([[1.0, 0.1, 0.0], [0.0, 1.0, 0.2], [0.0, 0.0, 0.9]]),
+                effects: vec![],
+                std_errors: None,
+                rms_ut: Some(0.3),
+                holdout_rms_ut: None,
+                noise_floor_ut: None,
+                residual_floor_ut: None,
+                heading_error_deg: None,
+                coverage: None,
+                gap_deg: None,
+                accepted: true,
+                reasons: vec![],
+            },
+            information: Information::from_covariance(&covariance),
+        }
+    }
+
+    fn reread(change: impl FnOnce(&mut serde_json::Value)) -> Outcome<CalFile> {
+        let mut value = serde_json::to_value(sample()).expect("serialises");
+        change(&mut value);
+        CalFile::parse(&value.to_string())
+    }
+
+    #[test]
+    fn a_file_reads_back_to_the_same_bits() {
+        let cal = sample();
+        assert!(cal.information.is_some());
+        assert_eq!(CalFile::parse(&serde_json::to_string_pretty(&cal).expect("serialises")), Ok(cal));
+    }
+
+    #[test]
+    fn what_is_no_calibration_is_named() {
+        let cases: [(&str, Outcome<CalFile>); 9] = [
+            ("version 7", reread(|v| v["version"] = 7.into())),
+            ("no version", reread(|v| drop(v.as_object_mut().map(|o| o.remove("version"))))),
+            ("singular", reread(|v| v["matrix"][2][2] = 0.0.into())),
+            ("null", reread(|v| v["offset_ut"] = serde_json::Value::Null)),
+            ("length 2", reread(|v| v["offset_ut"] = serde_json::json!([1, 2]))),
+            ("microtesla", reread(|v| v["field_ut"] = (-4.0).into())),
+            ("refused", reread(|v| v["accepted"] = false.into())),
+            ("positive definite", reread(|v| v["information"]["matrix"][4][4] = (-1.0).into())),
+            ("symmetric", reread(|v| v["information"]["matrix"][4][5] = 1e3.into())),
+        ];
+        for (word, outcome) in cases {
+            let failure = outcome.expect_err(word);
+            assert!(failure.message.contains(word), "{word}: {failure}");
+            assert_eq!(failure.exit, 2);
+        }
+        for text in ["", "{", "[]", "null", "{\"version\": 1}", "\u{0}", "{\"version\":1e999}"] {
+            assert!(CalFile::parse(text).is_err(), "{text:?}");
+        }
+        assert_eq!(CalFile::parse("{\n\"a\": 1,\n!").expect_err("broken").line, Some(3));
+    }
+}

@@ -1,0 +1,96 @@
+//! The one error type of the tool: what went wrong, where, and what to do about it.
+
+use std::fmt;
+use std::path::Path;
+
+/// Exit status of a command that did its work.
+pub const EXIT_OK: u8 = 0;
+/// Exit status when the data do not support the answer asked for.
+pub const EXIT_REFUSED: u8 = 1;
+/// Exit status of bad input or usage.
+pub const EXIT_USAGE: u8 = 2;
+
+/// A failure with its place. `message` says what was found, what was expected and what to do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    /// Exit status: [`EXIT_REFUSED`] or [`EXIT_USAGE`].
+    pub exit: u8,
+    /// The file at fault.
+    pub file: Option<String>,
+    /// The line in that file, from 1.
+    pub line: Option<u64>,
+    /// The column's name, or its number from 1 where it has no name.
+    pub column: Option<String>,
+    /// What was found, what was expected, and the remedy.
+    pub message: String,
+}
+
+impl Failure {
+    /// Bad input or usage (exit status 2).
+    pub fn usage(message: impl Into<String>) -> Self {
+        Failure { exit: EXIT_USAGE, file: None, line: None, column: None, message: message.into() }
+    }
+
+    /// The data do not support it (exit status 1).
+    pub fn refused(message: impl Into<String>) -> Self {
+        Failure { exit: EXIT_REFUSED, ..Failure::usage(message) }
+    }
+
+    /// Names the file.
+    pub fn in_file(mut self, path: &Path) -> Self {
+        self.file = Some(path.display().to_string());
+        self
+    }
+
+    /// Names the line (from 1).
+    pub fn at_line(mut self, line: u64) -> Self {
+        self.line = Some(line);
+        self
+    }
+
+    /// Names the column.
+    pub fn at_column(mut self, column: impl Into<String>) -> Self {
+        self.column = Some(column.into());
+        self
+    }
+
+    /// A file that could not be opened, read or written.
+    pub fn io(action: &str, path: &Path, error: &std::io::Error) -> Self {
+        let remedy = match error.kind() {
+            std::io::ErrorKind::NotFound => "no such file or folder: check the path",
+            std::io::ErrorKind::PermissionDenied => "permission denied: check the file's rights",
+            std::io::ErrorKind::IsADirectory => "this is a folder: name a file",
+            _ => "",
+        };
+        let why = if remedy.is_empty() { error.to_string() } else { remedy.to_string() };
+        Failure::usage(format!("cannot {action}: {why}")).in_file(path)
+    }
+
+    /// The error object of `--json`.
+    pub fn to_json(&self) -> serde_json::Value {
+        serde_json::json!({"error": {
+            "file": self.file, "line": self.line, "column": self.column, "message": self.message,
+        }})
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(file) = &self.file {
+            write!(f, "{file}")?;
+            if let Some(line) = self.line {
+                write!(f, ":{line}")?;
+            }
+            write!(f, ": ")?;
+        }
+        if let Some(column) = &self.column {
+            write!(f, "column {column}: ")?;
+        }
+        write!(f, "{}", self.message)
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// The result of everything in this tool.
+pub type Outcome<T> = Result<T, Failure>;

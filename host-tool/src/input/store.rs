@@ -1,0 +1,71 @@
+//! One column while a log is read.
+
+use super::columns::{Column, Role, shorten};
+use super::number;
+use crate::failure::{Failure, Outcome};
+
+/// The values of one column, and what was wrong with them.
+pub struct Store {
+    /// Name and role.
+    pub column: Column,
+    /// The header as it stands in the file.
+    pub header: String,
+    /// One value a row; empty once the column is text or was never wanted.
+    pub values: Vec<f64>,
+    /// Empty cells.
+    pub empty: usize,
+    /// NaN and infinities written out.
+    pub not_finite: usize,
+    /// The first text in a column that may be text: line and cell.
+    pub text: Option<(u64, String)>,
+}
+
+impl Store {
+    /// An empty column with room for `rows`.
+    pub fn new(column: Column, header: String, rows: usize) -> Self {
+        let rows = if column.role == Role::Unnamed { 0 } else { rows };
+        Store { column, header, values: Vec::with_capacity(rows), empty: 0, not_finite: 0, text: None }
+    }
+
+    /// Takes one cell. `strict` columns (time, magnetometer) accept finite numbers only.
+    pub fn push(&mut self, cell: &[u8], strict: bool, line: u64) -> Outcome<()> {
+        if self.text.is_some() || self.column.role == Role::Unnamed {
+            return Ok(());
+        }
+        let value = match number::parse(cell) {
+            Some(value) if value.is_finite() => value,
+            _ if strict => return Err(self.objection(cell, line)),
+            Some(value) => {
+                self.not_finite += 1;
+                value
+            }
+            None if cell.trim_ascii().is_empty() => {
+                self.empty += 1;
+                f64::NAN
+            }
+            None => {
+                self.text = Some((line, shorten(&String::from_utf8_lossy(cell))));
+                self.values = Vec::new();
+                return Ok(());
+            }
+        };
+        self.values.push(value);
+        Ok(())
+    }
+
+    fn objection(&self, cell: &[u8], line: u64) -> Failure {
+        let text = String::from_utf8_lossy(cell.trim_ascii()).into_owned();
+        let what = match self.column.role {
+            Role::Seconds | Role::Microseconds => "time",
+            _ => "the magnetometer",
+        };
+        let message = if text.is_empty() {
+            format!("the cell is empty, and {what} must have a number in every row: remove the row, or repeat the last reading")
+        } else if number::parse(cell).is_some() {
+            format!("\"{text}\" is not a finite number, and {what} must have one in every row: remove the row")
+        } else {
+            format!("\"{}\" is not a number: correct the cell or remove the row", shorten(&text))
+        };
+        Failure::usage(message).at_line(line).at_column(self.header.clone())
+    }
+}
