@@ -8,7 +8,9 @@ use std::path::Path;
 /// Writes `path` through a file beside it that takes its place only when everything has been written: a reader
 /// never sees half a file, and an old one survives any failure.
 pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Outcome<()> {
-    let name = path.file_name().ok_or_else(|| Failure::usage("this is no file name: name a file to write").in_file(path))?;
+    let name = path
+        .file_name()
+        .ok_or_else(|| Failure::usage("this is no file name: name a file to write").in_file(path))?;
     let mut beside = std::ffi::OsString::from(".");
     beside.push(name);
     beside.push(format!(".{}.part", std::process::id()));

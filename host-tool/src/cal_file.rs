@@ -193,7 +193,9 @@ impl Information {
         let unit = SMatrix::<f64, 9, 9>::from_fn(|i, j| matrix[(i, j)] * scale[i] * scale[j]);
         let inverse = unit.cholesky()?.inverse();
         let matrix: Vec<Vec<f64>> = (0..9)
-            .map(|i| (0..9).map(|j| (inverse[(i, j)] + inverse[(j, i)]) / 2.0 * scale[i] * scale[j]).collect())
+            .map(|i| {
+                (0..9).map(|j| (inverse[(i, j)] + inverse[(j, i)]) / 2.0 * scale[i] * scale[j]).collect()
+            })
             .collect();
         matrix
             .iter()
@@ -208,24 +210,43 @@ impl Information {
         if n < 9 || n > 64 || self.matrix.len() != n || self.matrix.iter().any(|row| row.len() != n) {
             return bad("the information matrix has the wrong shape");
         }
-        let matrix = nalgebra::DMatrix::from_fn(n, n, |i, j| self.matrix[i][j]);
-        let scale: Vec<f64> = (0..n).map(|i| matrix[(i, i)].sqrt()).collect();
+        let scale: Vec<f64> = (0..n).map(|i| self.matrix[i][i].sqrt()).collect();
         if scale.iter().any(|value| !value.is_finite() || *value <= 0.0) {
             return bad("the information matrix is not positive definite");
         }
-        let unit = nalgebra::DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] / (scale[i] * scale[j]));
-        if (0..n).any(|i| (0..i).any(|j| (unit[(i, j)] - unit[(j, i)]).abs() > 1e-6)) {
+        let unit: Vec<Vec<f64>> =
+            (0..n).map(|i| (0..n).map(|j| self.matrix[i][j] / (scale[i] * scale[j])).collect()).collect();
+        if (0..n).any(|i| (0..i).any(|j| (unit[i][j] - unit[j][i]).abs() > 1e-6)) {
             return bad("the information matrix is not symmetric");
         }
-        if unit.cholesky().is_none() {
+        if !positive_definite(unit) {
             return bad("the information matrix is not positive definite");
         }
         Ok(())
     }
 }
 
+/// Cholesky's pivots, of any size: a file may carry effects.
+fn positive_definite(mut a: Vec<Vec<f64>>) -> bool {
+    for k in 0..a.len() {
+        let pivot = a[k][k];
+        if !(pivot > 1e-15) {
+            return false;
+        }
+        for i in k + 1..a.len() {
+            let factor = a[i][k] / pivot;
+            for j in k + 1..a.len() {
+                a[i][j] -= factor * a[k][j];
+            }
+        }
+    }
+    true
+}
+
 fn not_a_calibration(why: &str) -> Failure {
-    Failure::usage(format!("this is no calibration that can be used: {why}; make one with ironout fit LOG -o CAL.json"))
+    Failure::usage(format!(
+        "this is no calibration that can be used: {why}; make one with ironout fit LOG -o CAL.json"
+    ))
 }
 
 #[cfg(test)]

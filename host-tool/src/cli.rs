@@ -280,9 +280,15 @@ pub struct SimulateArgs {
     /// Standard deviation of the noise on each axis, microtesla
     #[arg(long, value_name = "UT", default_value_t = 0.25)]
     pub noise: f64,
-    /// Hide an effect in the log (repeatable)
+    /// Hide an effect (or a fault of the data: burst, clipping, stuck, gap …) in the log (repeatable)
     #[arg(long, value_name = "ID[=STRENGTH]")]
     pub effect: Vec<String>,
+    /// Let the temperature rise steadily with time instead of warming up
+    #[arg(long)]
+    pub ramp: bool,
+    /// Leave a column out of the log (repeatable)
+    #[arg(long, value_name = "COLUMN")]
+    pub without: Vec<String>,
 }
 
 /// `demo`.

@@ -25,19 +25,27 @@ const YEARS: &str = "2020-01-01 to 2029-12-31";
 impl EarthField {
     /// Reads `LAT,LON,YYYY-MM-DD`.
     pub fn parse(text: &str) -> Outcome<Self> {
-        let expected =
-            || format!("--at {text}: expected LAT,LON,DATE in degrees and YYYY-MM-DD, as in --at 52.52,13.40,2026-03-01");
+        let expected = || {
+            format!(
+                "--at {text}: expected LAT,LON,DATE in degrees and YYYY-MM-DD, as in --at 52.52,13.40,2026-03-01"
+            )
+        };
         let parts: Vec<&str> = text.split(',').map(str::trim).collect();
         let [latitude, longitude, date] = parts.as_slice() else { return Err(Failure::usage(expected())) };
         let number = |part: &str| part.parse::<f64>().ok().filter(|value| value.is_finite());
-        let (Some(latitude), Some(longitude), Some(date)) = (number(latitude), number(longitude), day(date)) else {
+        let (Some(latitude), Some(longitude), Some(date)) = (number(latitude), number(longitude), day(date))
+        else {
             return Err(Failure::usage(expected()));
         };
         if !(-90.0..=90.0).contains(&latitude) {
-            return Err(Failure::usage(format!("--at {text}: the latitude {latitude} is not between -90 and 90 degrees")));
+            return Err(Failure::usage(format!(
+                "--at {text}: the latitude {latitude} is not between -90 and 90 degrees"
+            )));
         }
         if !(-180.0..=360.0).contains(&longitude) {
-            return Err(Failure::usage(format!("--at {text}: the longitude {longitude} is not between -180 and 360 degrees")));
+            return Err(Failure::usage(format!(
+                "--at {text}: the longitude {longitude} is not between -180 and 360 degrees"
+            )));
         }
         let longitude = if longitude > 180.0 { longitude - 360.0 } else { longitude };
         let field = GeomagneticField::new(
@@ -47,7 +55,9 @@ impl EarthField {
             date,
         )
         .map_err(|error| {
-            Failure::usage(format!("--at {text}: the world magnetic model does not answer ({error:?}); it covers {YEARS}"))
+            Failure::usage(format!(
+                "--at {text}: the world magnetic model does not answer ({error:?}); it covers {YEARS}"
+            ))
         })?;
         Ok(EarthField {
             field_ut: f64::from(field.f().get::<nanotesla>()) / 1000.0,
@@ -85,7 +95,15 @@ mod tests {
 
     #[test]
     fn what_is_no_place_or_day_is_refused_with_the_form() {
-        for text in ["", "52,13", "x,13,2026-01-01", "91,0,2026-01-01", "0,400,2026-01-01", "0,0,2026-13-01", "0,0,1900-01-01"] {
+        for text in [
+            "",
+            "52,13",
+            "x,13,2026-01-01",
+            "91,0,2026-01-01",
+            "0,400,2026-01-01",
+            "0,0,2026-13-01",
+            "0,0,1900-01-01",
+        ] {
             let failure = EarthField::parse(text).expect_err(text);
             assert!(failure.message.starts_with("--at"), "{failure}");
         }

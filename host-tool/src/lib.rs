@@ -10,7 +10,6 @@ pub mod failure;
 pub mod geomag;
 pub mod input;
 pub mod output;
-pub mod pipeline;
 pub mod progress;
 
 use clap::Parser;

@@ -109,7 +109,10 @@ pub fn interpret(header: &[String], map: &[(String, String)], line: u64) -> Outc
     }
     for (name, from) in map {
         if !header.iter().any(|cell| cell == from) {
-            return Err(fail(format!("--map {name}={from}: there is no column \"{from}\"; {}", listing(header))));
+            return Err(fail(format!(
+                "--map {name}={from}: there is no column \"{from}\"; {}",
+                listing(header)
+            )));
         }
     }
     let mut columns: Vec<Column> = Vec::with_capacity(header.len());
@@ -199,7 +202,8 @@ mod tests {
 
     #[test]
     fn roles_follow_the_names() {
-        let columns = interpret(&header("t_s,my_ut,gz_radps,ax_mps2,heading_deg,temp_c,mx"), &[], 1).expect("valid");
+        let columns =
+            interpret(&header("t_s,my_ut,gz_radps,ax_mps2,heading_deg,temp_c,mx"), &[], 1).expect("valid");
         let roles: Vec<Role> = columns.iter().map(|column| column.role).collect();
         assert_eq!(
             roles,

@@ -40,11 +40,13 @@ impl Mounting {
                 Some(("accel", form)) => (&[Sensor::Accelerometer], form),
                 Some(("gyro", form)) => (&[Sensor::Gyroscope], form),
                 Some((other, _)) => {
-                    return Err(Failure::usage(format!("--rotate {argument}: no sensor \"{other}\": use {FORMS}")));
+                    return Err(Failure::usage(format!(
+                        "--rotate {argument}: no sensor \"{other}\": use {FORMS}"
+                    )));
                 }
             };
-            let matrix =
-                matrix(form).ok_or_else(|| Failure::usage(format!("--rotate {argument}: expected {FORMS}")))?;
+            let matrix = matrix(form)
+                .ok_or_else(|| Failure::usage(format!("--rotate {argument}: expected {FORMS}")))?;
             for sensor in sensors {
                 let slot = mounting.slot(*sensor);
                 *slot = Some(slot.map_or(matrix, |before| product(matrix, before)));

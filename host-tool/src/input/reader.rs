@@ -51,7 +51,9 @@ pub fn read_stream(source: impl Read, size_bytes: u64, options: &ReadOptions) ->
         .into_iter()
         .zip(header)
         .enumerate()
-        .map(|(index, (column, header))| (Store::new(column, header, rows_guess), plan.strict.contains(&index)))
+        .map(|(index, (column, header))| {
+            (Store::new(column, header, rows_guess), plan.strict.contains(&index))
+        })
         .collect();
 
     let mut progress = Progress::new("reading", size_bytes, options.progress);
@@ -85,7 +87,9 @@ pub fn read_stream(source: impl Read, size_bytes: u64, options: &ReadOptions) ->
     }
     drop(progress);
     if rows == 0 {
-        return Err(Failure::usage("the log has a header and no rows: nothing was recorded").at_line(header_line));
+        return Err(
+            Failure::usage("the log has a header and no rows: nothing was recorded").at_line(header_line)
+        );
     }
     plan.finish(stores.into_iter().map(|(store, _)| store).collect(), rows, options)
 }
@@ -133,7 +137,9 @@ impl Plan {
         let find = |role: Role| columns.iter().position(|column| column.role == role);
         let (seconds, microseconds) = (find(Role::Seconds), find(Role::Microseconds));
         if seconds.is_some() && microseconds.is_some() {
-            return Err(Failure::usage("both t_s and t_us: name one of them otherwise with --map").at_line(line));
+            return Err(
+                Failure::usage("both t_s and t_us: name one of them otherwise with --map").at_line(line)
+            );
         }
         let whole = |make: fn(usize) -> Role| -> Option<[usize; 3]> {
             let [x, y, z] = columns::triple(columns, make);
@@ -142,7 +148,9 @@ impl Plan {
         let (ut, counts) = (whole(Role::FieldUt), whole(Role::FieldCounts));
         let (field, scale) = match (ut, counts, options.ut_per_count) {
             (Some(_), Some(counts), Some(scale)) => {
-                notices.push("the log has mx_ut and mx_counts; the counts are used (--ut-per-count is given)".into());
+                notices.push(
+                    "the log has mx_ut and mx_counts; the counts are used (--ut-per-count is given)".into(),
+                );
                 (counts, Some(scale))
             }
             (Some(ut), both, scale) => {
@@ -188,14 +196,27 @@ impl Plan {
                 ));
             }
         }
-        Ok(Plan { time, microseconds: microseconds.is_some(), field, scale, accel, gyro, heading, strict, notices })
+        Ok(Plan {
+            time,
+            microseconds: microseconds.is_some(),
+            field,
+            scale,
+            accel,
+            gyro,
+            heading,
+            strict,
+            notices,
+        })
     }
 
     fn finish(self, mut stores: Vec<Store>, rows: usize, options: &ReadOptions) -> Outcome<Log> {
         let mut notices = self.notices;
         for (index, store) in stores.iter().enumerate() {
             if let Some((line, cell)) = &store.text {
-                notices.push(format!("column {} is ignored: it holds text (\"{cell}\" on line {line})", store.header));
+                notices.push(format!(
+                    "column {} is ignored: it holds text (\"{cell}\" on line {line})",
+                    store.header
+                ));
             } else if store.column.role == Role::Unnamed {
                 notices.push(format!("column {} is ignored: it has no name", index + 1));
             }

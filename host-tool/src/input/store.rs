@@ -60,9 +60,13 @@ impl Store {
             _ => "the magnetometer",
         };
         let message = if text.is_empty() {
-            format!("the cell is empty, and {what} must have a number in every row: remove the row, or repeat the last reading")
+            format!(
+                "the cell is empty, and {what} must have a number in every row: remove the row, or repeat the last reading"
+            )
         } else if number::parse(cell).is_some() {
-            format!("\"{text}\" is not a finite number, and {what} must have one in every row: remove the row")
+            format!(
+                "\"{text}\" is not a finite number, and {what} must have one in every row: remove the row"
+            )
         } else {
             format!("\"{}\" is not a number: correct the cell or remove the row", shorten(&text))
         };

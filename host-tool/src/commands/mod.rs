@@ -1,0 +1,19 @@
+//! The commands, one a file. Each gives its exit status, or a failure with its place.
+
+mod later;
+mod simulate;
+
+use crate::cli::{Cli, Command};
+use crate::failure::Outcome;
+
+/// Runs the command.
+pub fn run(cli: &Cli) -> Outcome<u8> {
+    match &cli.command {
+        Command::Simulate(arguments) => simulate::run(arguments, cli.json),
+        Command::Diagnose(_) => later::not_built("diagnose"),
+        Command::Report(_) => later::not_built("report"),
+        Command::Import(_) => later::not_built("import"),
+        Command::Live(_) => later::not_built("live"),
+        _ => later::not_built("this command"),
+    }
+}

@@ -1,0 +1,120 @@
+//! `ironout simulate`: a log whose truth is known.
+
+use crate::cli::SimulateArgs;
+use crate::failure::{Failure, Outcome};
+use crate::{atomic, output};
+use ironout_host_tests::world::{EffectSpec, FaultSpec, Log, Temperature, World, WorldOptions};
+
+/// More rows than this are a slip of the pen, not a log.
+const MAX_ROWS: f64 = 2e7;
+
+/// Writes the log and says what is in it.
+pub fn run(arguments: &SimulateArgs, json: bool) -> Outcome<u8> {
+    let positive = |name: &str, value: f64, most: f64| {
+        if value.is_finite() && value > 0.0 && value <= most {
+            Ok(())
+        } else {
+            Err(Failure::usage(format!("--{name} {value}: expected a number above 0 and at most {most}")))
+        }
+    };
+    positive("seconds", arguments.seconds, 1e7)?;
+    positive("rate", arguments.rate, 1e5)?;
+    if !(arguments.noise.is_finite() && (0.0..=1e3).contains(&arguments.noise)) {
+        return Err(Failure::usage(format!(
+            "--noise {}: expected microtesla, from 0 to 1000",
+            arguments.noise
+        )));
+    }
+    let rows = (arguments.seconds * arguments.rate).round();
+    if !(1.0..=MAX_ROWS).contains(&rows) {
+        return Err(Failure::usage(format!(
+            "--seconds times --rate is {rows} rows: at least 1 and at most {MAX_ROWS} are written"
+        )));
+    }
+    let mut effects = Vec::new();
+    let mut faults = Vec::new();
+    for text in &arguments.effect {
+        match (EffectSpec::parse(text), FaultSpec::parse(text)) {
+            (Ok(effect), _) => effects.push(effect),
+            (_, Ok(fault)) => faults.push(fault),
+            (Err(error), _) => {
+                return Err(Failure::usage(format!(
+                    "--effect {text}: {error}; faults of the data: burst, clipping, stuck, gap, copied-axis, repeats, \
+                     bursty-arrival"
+                )));
+            }
+        }
+    }
+    let temperature = if arguments.ramp { Temperature::Ramp } else { Temperature::WarmUp };
+    let world = World::new(WorldOptions {
+        seed: arguments.seed,
+        seconds: arguments.seconds,
+        rate_hz: arguments.rate,
+        noise_ut: arguments.noise,
+        temperature,
+        effects,
+        faults,
+        ..WorldOptions::default()
+    });
+    let mut log = world.run();
+    for name in &arguments.without {
+        let Some(index) = log.position(name) else {
+            return Err(Failure::usage(format!(
+                "--without {name}: the log has no such column; it has {}",
+                log.names.join(", ")
+            )));
+        };
+        log.names.remove(index);
+        log.columns.remove(index);
+    }
+    let truth = truth(arguments, &log);
+    atomic::write(&arguments.output, |out| log.write_csv(out, &truth))?;
+    if json {
+        output::line(
+            &serde_json::json!({
+                "log": arguments.output.display().to_string(), "rows": log.rows(), "columns": log.names,
+                "truth": {
+                    "offset_ut": log.truth.hard_iron_ut, "soft_iron": log.truth.soft_iron,
+                    "field_ut": log.truth.field_ut, "noise_ut": log.truth.noise_ut,
+                    "effects": arguments.effect,
+                },
+            })
+            .to_string(),
+        );
+    } else {
+        output::line(&format!(
+            "{}: {} rows, columns {}",
+            arguments.output.display(),
+            log.rows(),
+            log.names.join(", ")
+        ));
+        output::line("the truth, also in the log as # comments:");
+        truth.lines().skip(1).for_each(|line| output::line(&format!("  {line}")));
+        output::line(&format!("next: ironout fit {}", arguments.output.display()));
+    }
+    Ok(0)
+}
+
+fn truth(arguments: &SimulateArgs, log: &Log) -> String {
+    let [x, y, z] = log.truth.hard_iron_ut;
+    let mut text = format!(
+        "ironout simulate --seed {} --seconds {} --rate {} --noise {}",
+        arguments.seed, arguments.seconds, arguments.rate, arguments.noise
+    );
+    arguments.effect.iter().for_each(|effect| text.push_str(&format!(" --effect {effect}")));
+    if arguments.ramp {
+        text.push_str(" --ramp");
+    }
+    arguments.without.iter().for_each(|name| text.push_str(&format!(" --without {name}")));
+    text.push_str(&format!("\noffset_ut = {x:.6}, {y:.6}, {z:.6}"));
+    for (row, values) in log.truth.soft_iron.iter().enumerate() {
+        let [a, b, c] = values;
+        text.push_str(&format!("\nsoft_iron[{row}] = {a:.8}, {b:.8}, {c:.8}"));
+    }
+    text.push_str(&format!("\nfield_ut = {}", log.truth.field_ut));
+    text.push_str(&format!("\nnoise_ut = {:.6} per axis, quantisation included", log.truth.noise_ut));
+    for effect in &log.truth.effects {
+        text.push_str(&format!("\neffect {:?} coefficients = {:?}", effect.kind, effect.coefficients));
+    }
+    text
+}
