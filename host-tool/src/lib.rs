@@ -10,6 +10,7 @@ pub mod failure;
 pub mod geomag;
 pub mod input;
 pub mod output;
+pub mod pipeline;
 pub mod progress;
 
 use clap::Parser;

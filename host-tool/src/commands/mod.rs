@@ -1,5 +1,7 @@
 //! The commands, one a file. Each gives its exit status, or a failure with its place.
 
+mod fit;
+mod fit_words;
 mod later;
 mod simulate;
 
@@ -9,6 +11,7 @@ use crate::failure::Outcome;
 /// Runs the command.
 pub fn run(cli: &Cli) -> Outcome<u8> {
     match &cli.command {
+        Command::Fit(arguments) => fit::run(arguments, cli.json),
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
         Command::Diagnose(_) => later::not_built("diagnose"),
         Command::Report(_) => later::not_built("report"),

@@ -1,0 +1,126 @@
+//! What `fit` says to people.
+
+use crate::cli::Expected;
+use crate::input::Log;
+use crate::output::{line, number};
+use crate::pipeline::{FaultKind, Fitted};
+use ironout::fit::{FitReport, Model};
+
+/// Prints the whole report.
+pub fn print(log: &Log, fitted: &Fitted, expected: &Expected) {
+    samples(log, fitted);
+    line("");
+    if let Some(report) = &fitted.report {
+        table(report, expected);
+        line("");
+        errors(fitted, report, expected);
+        line("");
+    }
+    verdict(fitted);
+}
+
+fn samples(log: &Log, fitted: &Fitted) {
+    let seconds = log.time_s.as_ref().and_then(|t| Some(t.last()? - t.first()?));
+    let over = seconds.map_or(" (no time column)".to_string(), |s| format!(" over {s:.1} s"));
+    line(&format!("{}: {} rows{over}", log.path.display(), fitted.rows));
+    let mut parts = vec![format!("{} samples used", fitted.used)];
+    let mut part = |count: usize, what: &str| {
+        if count > 0 {
+            parts.push(format!("{count} {what}"));
+        }
+    };
+    part(fitted.rows - fitted.samples, "repeated rows");
+    part(fitted.samples - fitted.moving, "at rest");
+    for (kind, count) in &fitted.aside {
+        match kind {
+            FaultKind::Clipping { axis } => part(*count, &format!("clipped on {}", ["x", "y", "z"][*axis])),
+            FaultKind::Outlier => part(*count, "set aside as outliers"),
+        }
+    }
+    line(&parts.join(", "));
+    if let Some(count) = fitted.too_many_outliers {
+        line(&format!(
+            "{count} samples lie far from the fit: too many to be faults of single samples, so none was set aside"
+        ));
+    }
+}
+
+fn table(report: &FitReport, expected: &Expected) {
+    let calibration = &report.calibration;
+    let errors = &report.std_errors;
+    line("                     x          y          z");
+    let triple = |v: [f64; 3], decimals: usize| v.map(|v| format!("{v:>11.decimals$}")).concat();
+    line(&format!("offset       {} µT", triple(calibration.offset_ut, 3)));
+    line(&format!("         ±   {}", triple(errors.offset_ut, 3)));
+    for (row, (values, sigma)) in calibration.matrix.iter().zip(&errors.matrix).enumerate() {
+        let label = if row == 0 { "matrix" } else { "" };
+        line(&format!("{label:<13}{}     ±{}", triple(*values, 5), triple(*sigma, 5)));
+    }
+    let source = match expected {
+        Expected { earth: Some(earth), .. } => format!(
+            "world magnetic model; dip {:.1}°, declination {:+.1}°",
+            earth.dip_deg, earth.declination_deg
+        ),
+        Expected { field_ut: Some(_), .. } => "as given by --field".to_string(),
+        _ => "the log's own mean: give --field or --at to scale to the true one".to_string(),
+    };
+    line(&format!("field        {:11.3} µT  ({source})", calibration.field_ut));
+    if report.model != Model::Ellipsoid {
+        line(match report.model {
+            Model::Sphere => "model        one gain for all axes: the attitudes do not carry nine parameters",
+            _ => {
+                "model        a gain an axis, axes at right angles: the attitudes do not carry nine parameters"
+            }
+        });
+    }
+    line("corrected = matrix · (measured − offset)");
+}
+
+fn errors(fitted: &Fitted, report: &FitReport, expected: &Expected) {
+    let field = report.calibration.field_ut;
+    let both = |value: Option<f64>| match value {
+        Some(value) => format!("{value:9.3} µT  {:6.2} %", value / field * 100.0),
+        None => "        -".to_string(),
+    };
+    if let Some((mean, rms)) = fitted.before {
+        line(&format!(
+            "error before        {rms:9.3} µT  {:6.2} %   of the measured magnitude about its mean",
+            rms / mean * 100.0
+        ));
+    }
+    line(&format!("error after         {}   of the corrected magnitude", both(Some(report.rms_ut))));
+    line(&format!(
+        "  on unseen time    {}   each tenth of the log under the fit of the others",
+        both(fitted.holdout_rms_ut)
+    ));
+    line(&format!(
+        "  floor by noise    {}   what the sensor's noise alone would leave",
+        both(fitted.residual_floor_ut)
+    ));
+    line(&format!("sensor noise        {:>9} µT            per axis", number(fitted.noise_floor_ut, 3)));
+    line(&format!(
+        "predicted error     {}   1σ of a corrected vector, worst direction",
+        both(Some(report.predicted_error_ut))
+    ));
+    match fitted.heading_error_deg {
+        Some(degrees) => {
+            line(&format!("heading error       {degrees:9.2} °             1σ of a level reading"))
+        }
+        None if expected.earth.is_none() => {
+            line("heading error               -               needs the dip: give --at LAT,LON,DATE");
+        }
+        None => {}
+    }
+    if let Some(coverage) = fitted.coverage {
+        line(&format!(
+            "coverage            {:9.0} %             of all directions; largest gap {}°",
+            coverage * 100.0,
+            number(fitted.gap_deg, 0)
+        ));
+    }
+}
+
+fn verdict(fitted: &Fitted) {
+    line(if fitted.accepted { "ACCEPTED" } else { "REFUSED" });
+    fitted.reasons.iter().for_each(|reason| line(&format!("  {reason}")));
+}

@@ -1,0 +1,118 @@
+//! The samples of a log and the core's sums of them.
+
+use crate::input::Log;
+use ironout::calibration::{Calibration, norm};
+use ironout::fit::FitError;
+use ironout::moments::Moments;
+use ironout::scatter::{Scatter, ScatterBuilder};
+
+/// Levels are looked for in this many samples.
+const LEVEL_SAMPLES: usize = 20_000;
+
+/// A log as samples: rows with equal triples in a run are one.
+pub struct Data<'a> {
+    /// The log.
+    pub log: &'a Log,
+    /// The row of each sample.
+    pub rows: Vec<u32>,
+    /// The step the values were rounded to on each axis, µT.
+    pub step_ut: [f64; 3],
+    centre_ut: [f64; 3],
+}
+
+/// The core's sums: exact for 16-bit counts, the same as on the board; in f64 for microtesla.
+pub enum Sums {
+    /// Counts.
+    Exact(Box<Moments>),
+    /// Microtesla.
+    Float(Box<ScatterBuilder>),
+}
+
+impl<'a> Data<'a> {
+    /// The samples of `log`.
+    pub fn new(log: &'a Log) -> Self {
+        let rows: Vec<u32> = log.samples().into_iter().map(|row| row as u32).collect();
+        let centre_ut = [0, 1, 2].map(|axis| log.field_ut[axis].iter().sum::<f64>() / log.rows.max(1) as f64);
+        let step_ut = [0, 1, 2].map(|axis| match log.ut_per_count {
+            Some(scale) if log.counts.is_some() => scale[axis],
+            _ => step(&log.field_ut[axis]),
+        });
+        Data { log, rows, step_ut, centre_ut }
+    }
+
+    /// The measured vector of a sample, µT.
+    pub fn field(&self, sample: u32) -> [f64; 3] {
+        self.log.field(self.rows[sample as usize] as usize)
+    }
+
+    /// Empty sums for this data.
+    pub fn sums(&self) -> Sums {
+        match self.log.counts {
+            Some(_) => Sums::Exact(Box::new(Moments::new())),
+            None => Sums::Float(Box::new(ScatterBuilder::new(self.centre_ut))),
+        }
+    }
+
+    /// `‖corrected‖ − F` of these samples, µT.
+    pub fn residual(&self, samples: &[u32], calibration: &Calibration<f64>) -> Vec<f64> {
+        samples.iter().map(|&s| norm(calibration.apply(self.field(s))) - calibration.field_ut).collect()
+    }
+
+    /// The samples that the core's gate lets through: those of a moving board.
+    pub fn moving(&self) -> Vec<u32> {
+        (0..self.rows.len() as u32).collect()
+    }
+}
+
+impl Sums {
+    /// Adds one sample.
+    pub fn push(&mut self, data: &Data, sample: u32) {
+        let row = data.rows[sample as usize] as usize;
+        match self {
+            Sums::Exact(moments) => {
+                if let Some(counts) = data.log.counts.as_ref().and_then(|counts| counts.get(row)) {
+                    moments.push(*counts);
+                }
+            }
+            Sums::Float(builder) => builder.push(data.log.field(row)),
+        }
+    }
+
+    /// Adds the sums of other samples of the same data.
+    pub fn merge(&mut self, other: &Sums) {
+        match (self, other) {
+            (Sums::Exact(mine), Sums::Exact(other)) => {
+                mine.merge(other);
+            }
+            (Sums::Float(mine), Sums::Float(other)) => {
+                mine.merge(other);
+            }
+            // One log has one kind.
+            _ => {}
+        }
+    }
+
+    /// The scatter of the sums.
+    pub fn finish(&self, data: &Data) -> Result<Scatter, FitError> {
+        match self {
+            Sums::Exact(moments) => Scatter::from_moments(moments, data.log.ut_per_count.unwrap_or([1.0; 3])),
+            Sums::Float(builder) => {
+                let mean_square = data.step_ut.iter().map(|step| step * step).sum::<f64>() / 3.0;
+                builder.finish(mean_square.sqrt())
+            }
+        }
+    }
+}
+
+/// The least distance between two values that occur: the sensor's step, or the rounding of the log.
+fn step(values: &[f64]) -> f64 {
+    let stride = values.len() / LEVEL_SAMPLES + 1;
+    let mut levels: Vec<f64> = values.iter().step_by(stride).copied().collect();
+    levels.sort_unstable_by(f64::total_cmp);
+    let gap = levels
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .filter(|gap| *gap > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    if gap.is_finite() { gap } else { 0.0 }
+}

@@ -1,0 +1,176 @@
+//! Samples that no model of the sensor can explain: clipped ones, and gross outliers of the fit.
+//!
+//! They are set aside before anything is concluded, counted, and reported. Structure is not a fault: if more than
+//! [`MOST`] of the samples would go, none goes.
+
+use super::{Data, fit_rows};
+use ironout::fit::{FitOptions, FitReport};
+
+/// Residuals beyond this many robust standard deviations are gross.
+const GROSS: f64 = 6.0;
+/// Of a normal distribution, σ over the median absolute deviation.
+const SIGMA_PER_MAD: f64 = 1.4826;
+/// More than this share is not a fault of single samples.
+const MOST: f64 = 0.15;
+/// Rounds of fit and test.
+const ROUNDS: usize = 12;
+/// A clipped axis sits at its extreme at least this often, …
+const CLIPPED_SAMPLES: usize = 10;
+/// … and this many times as often as at the levels next to it.
+const CLIPPED_RATIO: f64 = 8.0;
+/// Levels next to the extreme that are compared with it.
+const NEXT_LEVELS: f64 = 10.0;
+
+/// Why a sample was set aside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaultKind {
+    /// The axis was at the end of its range.
+    Clipping {
+        /// 0, 1, 2 for x, y, z.
+        axis: usize,
+    },
+    /// The corrected magnitude was far from all others: a magnet passing, a corrupted reading.
+    Outlier,
+}
+
+/// What was set aside, with the reason.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SetAside {
+    /// Samples and reasons, in the order of the samples.
+    pub samples: Vec<(u32, FaultKind)>,
+    /// Set where outliers were so many that they were kept.
+    pub too_many: Option<usize>,
+}
+
+/// Divides `samples` into those to use and those set aside.
+pub fn set_aside(data: &Data, samples: &[u32], options: &FitOptions) -> (Vec<u32>, SetAside) {
+    let clipped = clipped(data, samples);
+    let is_clipped = |sample: &u32| clipped.iter().find(|(at, _)| at == sample);
+    let candidates: Vec<u32> = if clipped.is_empty() { samples.to_vec() } else { without(samples, &clipped) };
+    let (mut used, too_many) = without_outliers(data, &candidates, options);
+    let mut aside = SetAside { samples: Vec::new(), too_many };
+    if !clipped.is_empty() && !clipping_shows(data, &used, &clipped, options) {
+        // The extreme is where the sensor rested longest, not the end of its range.
+        let (all, too_many) = without_outliers(data, samples, options);
+        used = all;
+        aside.too_many = too_many;
+    }
+    let mut kept = used.iter().peekable();
+    for sample in samples {
+        if kept.peek() == Some(&sample) {
+            kept.next();
+        } else {
+            let kind = is_clipped(sample)
+                .map_or(FaultKind::Outlier, |(_, axis)| FaultKind::Clipping { axis: *axis });
+            aside.samples.push((*sample, kind));
+        }
+    }
+    (used, aside)
+}
+
+fn without(samples: &[u32], aside: &[(u32, usize)]) -> Vec<u32> {
+    let mut aside = aside.iter().peekable();
+    let mut kept = Vec::with_capacity(samples.len());
+    for sample in samples {
+        while aside.next_if(|(at, _)| at < sample).is_some() {}
+        if aside.peek().is_none_or(|(at, _)| at != sample) {
+            kept.push(*sample);
+        }
+    }
+    kept
+}
+
+/// Samples at an extreme value of an axis that occurs far more often than its neighbours.
+fn clipped(data: &Data, samples: &[u32]) -> Vec<(u32, usize)> {
+    let mut found = Vec::new();
+    for axis in 0..3 {
+        let value = |sample: &u32| data.field(*sample)[axis];
+        let low = samples.iter().map(value).fold(f64::INFINITY, f64::min);
+        let high = samples.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
+        let band = data.step_ut[axis] * (NEXT_LEVELS + 0.5);
+        for extreme in [low, high] {
+            let at: Vec<u32> = samples.iter().copied().filter(|sample| value(sample) == extreme).collect();
+            let near =
+                samples.iter().filter(|s| value(s) != extreme && (value(s) - extreme).abs() <= band).count();
+            if at.len() >= CLIPPED_SAMPLES && at.len() as f64 > CLIPPED_RATIO * near as f64 / NEXT_LEVELS {
+                found.extend(at.into_iter().map(|sample| (sample, axis)));
+            }
+        }
+    }
+    found.sort_unstable_by_key(|(sample, _)| *sample);
+    found.dedup_by_key(|(sample, _)| *sample);
+    found
+}
+
+/// A clipped reading is shorter than the true one or longer, but off to one side: whether the supposedly clipped
+/// samples disagree with the fit of the others.
+fn clipping_shows(data: &Data, used: &[u32], clipped: &[(u32, usize)], options: &FitOptions) -> bool {
+    let Ok(report) = fit_rows(data, used, options) else { return true };
+    let spread = spread(&mut data.residual(used, &report.calibration)).1;
+    let samples: Vec<u32> = clipped.iter().map(|(sample, _)| *sample).collect();
+    let mut residual = data.residual(&samples, &report.calibration);
+    residual.iter_mut().for_each(|r| *r = r.abs());
+    median(&mut residual) > 2.0 * spread
+}
+
+fn without_outliers(data: &Data, samples: &[u32], options: &FitOptions) -> (Vec<u32>, Option<usize>) {
+    let Some(mut report) = start(data, samples, options) else { return (samples.to_vec(), None) };
+    let step = data.step_ut.iter().copied().fold(0.0, f64::max);
+    let mut used = samples.to_vec();
+    for _ in 0..ROUNDS {
+        let residual = data.residual(samples, &report.calibration);
+        let (middle, sigma) = spread(&mut residual.clone());
+        // A spread below the sensor's step says nothing about single samples.
+        let limit = GROSS * sigma.max(step / 2.0);
+        let kept: Vec<u32> = samples
+            .iter()
+            .zip(&residual)
+            .filter(|(_, r)| (*r - middle).abs() <= limit)
+            .map(|(s, _)| *s)
+            .collect();
+        if (kept.len() as f64) < (1.0 - MOST) * samples.len() as f64 {
+            return (samples.to_vec(), Some(samples.len() - kept.len()));
+        }
+        let settled = kept == used;
+        used = kept;
+        if settled {
+            break;
+        }
+        match fit_rows(data, &used, options) {
+            Ok(better) => report = better,
+            Err(_) => break,
+        }
+    }
+    (used, None)
+}
+
+/// A first fit: of everything, or where that is none, of what lies within a few radii of the middle.
+fn start(data: &Data, samples: &[u32], options: &FitOptions) -> Option<FitReport> {
+    if let Ok(report) = fit_rows(data, samples, options) {
+        return Some(report);
+    }
+    let middle =
+        [0, 1, 2].map(|axis| median(&mut samples.iter().map(|s| data.field(*s)[axis]).collect::<Vec<_>>()));
+    let distance = |sample: u32| {
+        let v = data.field(sample);
+        ironout::calibration::norm([v[0] - middle[0], v[1] - middle[1], v[2] - middle[2]])
+    };
+    let limit = 4.0 * median(&mut samples.iter().map(|s| distance(*s)).collect::<Vec<_>>());
+    let near: Vec<u32> = samples.iter().copied().filter(|s| distance(*s) <= limit).collect();
+    fit_rows(data, &near, options).ok()
+}
+
+/// Median and robust standard deviation.
+fn spread(values: &mut [f64]) -> (f64, f64) {
+    let middle = median(values);
+    values.iter_mut().for_each(|value| *value = (*value - middle).abs());
+    (middle, SIGMA_PER_MAD * median(values))
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let half = values.len() / 2;
+    *values.select_nth_unstable_by(half, f64::total_cmp).1
+}

@@ -1,0 +1,60 @@
+//! From a log to a judged calibration: which samples count, the core's fit of them, and what the fit is worth.
+//!
+//! 1. a triple that repeats is one sample;
+//! 2. faults of the data (clipping, gross outliers) are set aside, by a fit that is repeated without them;
+//! 3. a resting board adds nothing (the core's gate);
+//! 4. the core's fit, with the number of *independent* samples taken from the residual's autocorrelation;
+//! 5. held-out error, noise floor, coverage, and the core's verdict.
+
+mod data;
+mod faults;
+mod floor;
+mod holdout;
+mod result;
+
+pub use data::Data;
+pub use faults::{FaultKind, SetAside};
+pub use result::Fitted;
+
+use crate::cli::Expected;
+use crate::input::Log;
+use ironout::fit::{FitError, FitOptions, FitReport, Method, fit};
+
+/// What to fit and how.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Options {
+    /// The method.
+    pub method: Method,
+    /// What is known of the field.
+    pub expected: Expected,
+}
+
+/// Fits a log. The fit may be refused; the counts of what was used and set aside are there all the same.
+pub fn run(log: &Log, options: &Options) -> Fitted {
+    let data = Data::new(log);
+    let core =
+        FitOptions { method: options.method, field_ut: options.expected.field_ut, ..Default::default() };
+    let moving = data.moving();
+    let (used, aside) = faults::set_aside(&data, &moving, &core);
+    let mut fitted = Fitted::new(&data, moving.len(), &aside);
+    match fit_rows(&data, &used, &core) {
+        Err(error) => fitted.refuse(error),
+        Ok(first) => {
+            let residual = data.residual(&used, &first.calibration);
+            let effective = used.len() as f64 / floor::correlation_samples(&residual);
+            let core = FitOptions { effective_samples: Some(effective), ..core };
+            match fit_rows(&data, &used, &core) {
+                Err(error) => fitted.refuse(error),
+                Ok(report) => fitted.complete(&data, &used, &core, report, options),
+            }
+        }
+    }
+    fitted
+}
+
+/// The core's fit of these samples.
+fn fit_rows(data: &Data, samples: &[u32], options: &FitOptions) -> Result<FitReport, FitError> {
+    let mut sums = data.sums();
+    samples.iter().for_each(|&sample| sums.push(data, sample));
+    fit(&sums.finish(data)?, options)
+}

@@ -1,0 +1,157 @@
+//! What came out of a fit.
+
+use super::{Data, FaultKind, Options, SetAside, floor, holdout};
+use crate::cal_file::{CalFile, FitObject, Information, StdErrors, VERSION};
+use ironout::calibration::norm;
+use ironout::fit::{FitError, FitOptions, FitReport};
+
+/// The outcome of [`super::run`], for words and for JSON.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    /// Rows of the log.
+    pub rows: usize,
+    /// Samples: rows without repeats.
+    pub samples: usize,
+    /// Samples of a moving board.
+    pub moving: usize,
+    /// Samples set aside, by reason.
+    pub aside: Vec<(FaultKind, usize)>,
+    /// Set where outliers were so many that they were kept.
+    pub too_many_outliers: Option<usize>,
+    /// Samples the fit is of.
+    pub used: usize,
+    /// The core's report, where there is one.
+    pub report: Option<FitReport>,
+    /// Rms of `‖measured‖` about its mean, over the mean: the error before any calibration.
+    pub before: Option<(f64, f64)>,
+    /// Independent samples among those used.
+    pub effective_samples: Option<f64>,
+    /// Rms error on held-out blocks of time, µT.
+    pub holdout_rms_ut: Option<f64>,
+    /// Noise of the sensor, σ per axis, µT.
+    pub noise_floor_ut: Option<f64>,
+    /// What that noise makes of the corrected magnitude, rms, µT.
+    pub residual_floor_ut: Option<f64>,
+    /// Predicted 1σ error of the heading of a level reading, degrees; unknown without the dip.
+    pub heading_error_deg: Option<f64>,
+    /// Covered part of the sphere of directions.
+    pub coverage: Option<f64>,
+    /// The largest gap between directions, degrees.
+    pub gap_deg: Option<f64>,
+    /// Whether the calibration may be used.
+    pub accepted: bool,
+    /// Why not, or what to know.
+    pub reasons: Vec<String>,
+}
+
+impl Fitted {
+    pub(super) fn new(data: &Data, moving: usize, aside: &SetAside) -> Self {
+        let mut counts: Vec<(FaultKind, usize)> = Vec::new();
+        for (_, kind) in &aside.samples {
+            match counts.iter_mut().find(|(known, _)| known == kind) {
+                Some((_, count)) => *count += 1,
+                None => counts.push((*kind, 1)),
+            }
+        }
+        Fitted {
+            rows: data.log.rows,
+            samples: data.rows.len(),
+            moving,
+            aside: counts,
+            too_many_outliers: aside.too_many,
+            used: moving - aside.samples.len(),
+            report: None,
+            before: None,
+            effective_samples: None,
+            holdout_rms_ut: None,
+            noise_floor_ut: None,
+            residual_floor_ut: None,
+            heading_error_deg: None,
+            coverage: None,
+            gap_deg: None,
+            accepted: false,
+            reasons: Vec::new(),
+        }
+    }
+
+    pub(super) fn refuse(&mut self, error: FitError) {
+        self.reasons.push(error.to_string());
+    }
+
+    pub(super) fn complete(
+        &mut self,
+        data: &Data,
+        used: &[u32],
+        core: &FitOptions,
+        report: FitReport,
+        options: &Options,
+    ) {
+        let calibration = report.calibration;
+        let residual = data.residual(used, &calibration);
+        let field_ut = calibration.field_ut;
+        self.effective_samples = core.effective_samples;
+        self.before = Some(spread_of_magnitude(used.iter().map(|&sample| norm(data.field(sample)))));
+        self.holdout_rms_ut = holdout::rms_ut(data, used, core, field_ut);
+
+        // rms‖Cᵀu‖: what a unit of noise on each axis makes of the corrected magnitude.
+        let gain = report.residual_floor_ut / report.noise_ut;
+        let fast = floor::second_difference_sigma(used, &residual).map(|sigma| sigma / gain);
+        let noise = fast.map_or(report.noise_ut, |fast| fast.min(report.noise_ut));
+        self.noise_floor_ut = Some(noise);
+        self.residual_floor_ut = Some(noise * gain);
+
+        if let Some(earth) = options.expected.earth {
+            let level_ut = field_ut * earth.dip_deg.to_radians().cos();
+            let error_ut = report.predicted_error_ut.hypot(report.rms_ut);
+            self.heading_error_deg = Some(error_ut.atan2(level_ut.abs()).to_degrees());
+        }
+        self.accepted = report.predicted_error_ut <= 0.01 * field_ut && report.rms_ut <= 0.05 * field_ut;
+        self.report = Some(report);
+    }
+
+    /// Samples set aside in all.
+    pub fn set_aside(&self) -> usize {
+        self.aside.iter().map(|(_, count)| count).sum()
+    }
+
+    /// The object of `fit --json`.
+    pub fn object(&self, method: &str) -> FitObject {
+        let report = self.report.as_ref();
+        FitObject {
+            method: method.to_string(),
+            samples_used: self.used as u64,
+            samples_set_aside: self.set_aside() as u64,
+            field_ut: report.map(|r| r.calibration.field_ut),
+            offset_ut: report.map(|r| r.calibration.offset_ut),
+            matrix: report.map(|r| r.calibration.matrix),
+            effects: Vec::new(),
+            std_errors: report
+                .map(|r| StdErrors { offset_ut: r.std_errors.offset_ut, matrix: r.std_errors.matrix }),
+            rms_ut: report.map(|r| r.rms_ut),
+            holdout_rms_ut: self.holdout_rms_ut,
+            noise_floor_ut: self.noise_floor_ut,
+            residual_floor_ut: self.residual_floor_ut,
+            heading_error_deg: self.heading_error_deg,
+            coverage: self.coverage,
+            gap_deg: self.gap_deg,
+            accepted: self.accepted,
+            reasons: self.reasons.clone(),
+        }
+    }
+
+    /// The calibration file.
+    pub fn cal_file(&self, method: &str) -> CalFile {
+        let information = self.report.as_ref().and_then(|report| {
+            let covariance = std::array::from_fn(|i| std::array::from_fn(|j| report.covariance[(i, j)]));
+            Information::from_covariance(&covariance)
+        });
+        CalFile { version: VERSION, fit: self.object(method), information }
+    }
+}
+
+/// Mean of magnitudes, and their rms about it.
+pub fn spread_of_magnitude(magnitudes: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let n = magnitudes.clone().count().max(1) as f64;
+    let mean = magnitudes.clone().sum::<f64>() / n;
+    (mean, (magnitudes.map(|m| (m - mean) * (m - mean)).sum::<f64>() / n).sqrt())
+}
