@@ -207,7 +207,7 @@ impl Information {
     fn check(&self) -> Outcome<()> {
         let n = self.parameters.len();
         let bad = |what: &str| Err(not_a_calibration(what).at_column("information"));
-        if n < 9 || n > 64 || self.matrix.len() != n || self.matrix.iter().any(|row| row.len() != n) {
+        if !(9..=64).contains(&n) || self.matrix.len() != n || self.matrix.iter().any(|row| row.len() != n) {
             return bad("the information matrix has the wrong shape");
         }
         let scale: Vec<f64> = (0..n).map(|i| self.matrix[i][i].sqrt()).collect();
@@ -229,15 +229,15 @@ impl Information {
 /// Cholesky's pivots, of any size: a file may carry effects.
 fn positive_definite(mut a: Vec<Vec<f64>>) -> bool {
     for k in 0..a.len() {
-        let pivot = a[k][k];
-        if !(pivot > 1e-15) {
+        let (done, rest) = a.split_at_mut(k + 1);
+        let row = &done[k];
+        let pivot = row[k];
+        if pivot.is_nan() || pivot <= 1e-15 {
             return false;
         }
-        for i in k + 1..a.len() {
-            let factor = a[i][k] / pivot;
-            for j in k + 1..a.len() {
-                a[i][j] -= factor * a[k][j];
-            }
+        for below in rest {
+            let factor = below[k] / pivot;
+            below.iter_mut().zip(row).for_each(|(value, above)| *value -= factor * above);
         }
     }
     true

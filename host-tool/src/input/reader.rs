@@ -81,7 +81,7 @@ pub fn read_stream(source: impl Read, size_bytes: u64, options: &ReadOptions) ->
             last_time = time;
         }
         rows += 1;
-        if rows % 4096 == 0 {
+        if rows.is_multiple_of(4096) {
             progress.at(csv.get_ref().bytes());
         }
     }

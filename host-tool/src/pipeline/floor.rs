@@ -29,7 +29,7 @@ pub fn correlation_samples(residual: &[f64]) -> f64 {
     let mean = residual.iter().sum::<f64>() / n as f64;
     let centred: Vec<f64> = residual.iter().map(|r| r - mean).collect();
     let variance: f64 = centred.iter().map(|r| r * r).sum();
-    if !(variance > 0.0) {
+    if variance <= 0.0 || !variance.is_finite() {
         return 1.0;
     }
     let mut time = 1.0;
