@@ -47,6 +47,7 @@
 //! | [`moments`], [`gate`], [`coverage`], [`whiteness`] | what streams: exact sums, the rest gate, the directions seen, the independence of samples |
 //! | [`scatter`], [`fit`], [`quality`] | what solves: centred moments, the methods, the verdict with reasons |
 //! | [`calibration`] | what is applied |
+//! | [`effect`], [`study`] | what the model does not know yet: shapes of physical causes, and the test for them |
 //! | [`session`] | the state machine around them |
 //!
 //! Data flow one way: a fit never reads a driver, a driver never knows a calibration, and nothing here names a pin or a bus.
@@ -61,6 +62,7 @@
 pub mod calibration;
 pub mod coverage;
 pub mod device;
+pub mod effect;
 pub mod fit;
 pub mod gate;
 pub mod math;
@@ -73,4 +75,5 @@ pub mod record;
 pub mod scatter;
 pub mod session;
 pub mod store;
+pub mod study;
 pub mod whiteness;

@@ -129,3 +129,9 @@ pub fn symmetric_eigenvalues_3x3(m: &[[f64; 3]; 3]) -> [f64; 3] {
     let low = mean + 2.0 * p * cos(phi + 2.0 * core::f64::consts::FRAC_PI_3);
     [low, 3.0 * mean - high - low, high]
 }
+
+/// Natural logarithm of the gamma function.
+#[inline]
+pub fn ln_gamma(x: f64) -> f64 {
+    libm::lgamma(x)
+}

@@ -1,0 +1,48 @@
+//! A change of the Earth's field itself.
+
+use super::{Column, Effect, MAX_INPUTS, Quantities, Shape};
+use crate::math::Real;
+use core::fmt;
+
+/// `field:COLUMN`: `Φ = (ĥ − b)·(u − u₀)`: the magnitude F follows place, height or time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AmbientField<'a, T> {
+    /// The column.
+    pub column: &'a str,
+    /// Value of the column at which the effect vanishes.
+    pub reference: T,
+}
+
+impl<T: Real> Effect<T> for AmbientField<'_, T> {
+    fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
+        write!(out, "field:{}", self.column)
+    }
+
+    fn name(&self) -> &str {
+        "ambient field"
+    }
+
+    fn explanation(&self) -> &str {
+        "The Earth's field, or that of a building, is not the same everywhere and always. \
+         Its magnitude follows this column, whatever the attitude."
+    }
+
+    fn columns(&self) -> [Option<Column<'_, T>>; MAX_INPUTS] {
+        [Some(Column::now(self.column)), None]
+    }
+
+    fn coefficients(&self) -> usize {
+        1
+    }
+
+    fn unit(&self) -> &str {
+        "1 per unit"
+    }
+
+    fn shape(&self, at: &Quantities<T>, shape: &mut Shape<T>) {
+        let [input, _] = at.inputs;
+        let value = input - self.reference;
+        let [first, ..] = shape;
+        *first = at.centred_ut.map(|axis| axis * value);
+    }
+}

@@ -1,0 +1,28 @@
+//! The study of what the base model leaves over.
+//!
+//! One pass over a log linearises a residual (magnitude, dip, or at rest the vector) at a fixed [`Model`] and adds each
+//! row to the [`Normal`] matrix of its block of time. From the blocks alone, without the samples, follow
+//!
+//! - the fit and its standard errors ([`Normal::factor`]),
+//! - the error on held-out blocks of time ([`held_out`]),
+//! - the test of a candidate effect ([`Normal::test`], [`f_tail`]),
+//! - which candidates cannot be told apart ([`Normal::canonical_correlations`]).
+//!
+//! The order of columns is: base (nine for the magnitude, four for the dip, three for the vector), effects in the model,
+//! candidates. Residuals are `r(p)`, `J = ∂r/∂p`, `g = Jᵀr`, so a step is `δ = −N⁻¹g`.
+
+mod fdist;
+mod holdout;
+mod model;
+mod normal;
+mod pass;
+mod prior;
+mod schur;
+
+pub use fdist::f_tail;
+pub use holdout::{HeldOut, held_out};
+pub use model::{Model, NotFinite, Reading, Residual, Term};
+pub use normal::{Factor, Normal};
+pub use pass::Study;
+pub use prior::{PhysicalPrior, base_prior};
+pub use schur::{Gain, MIN_EIGENVALUE};

@@ -1,0 +1,181 @@
+//! What a candidate adds beyond the columns before it.
+
+use super::Normal;
+use crate::effect::MAX_COEFFICIENTS;
+use crate::math::Real;
+use core::ops::Range;
+use nalgebra::{SMatrix, SVector, SymmetricEigen};
+
+/// Directions of a candidate whose Schur complement (unit columns) has a smaller eigenvalue are not new.
+pub const MIN_EIGENVALUE: f64 = 1e-3;
+
+type Small<T> = SMatrix<T, MAX_COEFFICIENTS, MAX_COEFFICIENTS>;
+type SmallVector<T> = SVector<T, MAX_COEFFICIENTS>;
+
+/// How much a candidate lowers the squared error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gain<T> {
+    /// Squared error with the base alone, refitted.
+    pub squares_before: T,
+    /// What the candidate takes off it.
+    pub decrease: T,
+    /// Its directions that are new to the base.
+    pub directions: usize,
+}
+
+impl<T: Real> Gain<T> {
+    /// `F*` and its degrees of freedom: `(F, k, n_eff − p − k)` for `p` base columns, `rows` rows and
+    /// `rows_effective` independent ones.
+    pub fn f_statistic(&self, base: usize, rows: f64, rows_effective: f64) -> (f64, f64, f64) {
+        let k = self.directions as f64;
+        let after = (self.squares_before - self.decrease).as_f64();
+        let freedom = rows - base as f64 - k;
+        let f = (self.decrease.as_f64() / k) / (after / freedom) * rows_effective / rows;
+        (f, k, rows_effective - base as f64 - k)
+    }
+}
+
+impl<T: Real, const P: usize> Normal<T, P> {
+    /// Tests the columns `candidate` against those `base`. `None` where the base itself is not determined, or the
+    /// candidate has more than [`MAX_COEFFICIENTS`] columns or is not finite.
+    pub fn test(&self, base: Range<usize>, candidate: Range<usize>) -> Option<Gain<T>> {
+        let k = candidate.len();
+        let (schur, right, squares_before) = self.schur(base, candidate)?;
+        let eigen = SymmetricEigen::try_new(schur, T::default_epsilon(), 200)?;
+        let mut gain = Gain { squares_before, decrease: T::zero(), directions: 0 };
+        for (value, vector) in
+            eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()).take(MAX_COEFFICIENTS)
+        {
+            if *value > T::of(MIN_EIGENVALUE) && gain.directions < k {
+                let along = vector.dot(&right);
+                gain.decrease += along * along / *value;
+                gain.directions += 1;
+            }
+        }
+        Some(gain)
+    }
+
+    /// Schur complement of the candidate's unit columns, their right side, and the squared error of the base.
+    fn schur(&self, base: Range<usize>, candidate: Range<usize>) -> Option<(Small<T>, SmallVector<T>, T)> {
+        let k = candidate.len();
+        if k > MAX_COEFFICIENTS || candidate.end > self.columns {
+            return None;
+        }
+        let p = base.len();
+        let part = self.select_range(base.clone());
+        let factor = part.factor()?;
+        let known = factor.forward(&part.right);
+        let mut squares = self.squares();
+        for value in known.iter().take(p) {
+            squares -= *value * *value;
+        }
+        let mut through = [[T::zero(); P]; MAX_COEFFICIENTS];
+        let mut scale = [T::zero(); MAX_COEFFICIENTS];
+        for ((out, s), column) in through.iter_mut().zip(&mut scale).zip(candidate.clone()) {
+            let norm = self.entry(column, column);
+            // A column of zeros is no direction: its row stays zero and is dropped with the small eigenvalues.
+            if norm > T::zero() {
+                *s = T::one() / norm.root();
+            }
+            let mut cross = [T::zero(); P];
+            for (entry, from) in cross.iter_mut().zip(base.clone()) {
+                *entry = self.entry(from, column);
+            }
+            *out = factor.forward(&cross);
+        }
+        let dot = |a: &[T; P], b: &[T; P]| {
+            let mut sum = T::zero();
+            for (x, y) in a.iter().zip(b).take(p) {
+                sum += *x * *y;
+            }
+            sum
+        };
+        let mut schur = Small::<T>::zeros();
+        let mut right = SmallVector::<T>::zeros();
+        for (i, ((row, s), column)) in through.iter().zip(&scale).zip(candidate.clone()).enumerate() {
+            let value = (self.right(column) - dot(row, &known)) * *s;
+            if let Some(entry) = right.get_mut(i) {
+                *entry = value;
+            }
+            for (j, ((other, t), second)) in through.iter().zip(&scale).zip(candidate.clone()).enumerate() {
+                if let Some(entry) = schur.get_mut((i, j)) {
+                    *entry = (self.entry(column, second) - dot(row, other)) * *s * *t;
+                }
+            }
+        }
+        let finite = schur.iter().chain(right.iter()).all(|value| value.is_finite()) && squares.is_finite();
+        finite.then_some((schur, right, squares))
+    }
+
+    fn select_range(&self, range: Range<usize>) -> Self {
+        let mut keep = [0; P];
+        let n = range.len().min(P);
+        for (slot, column) in keep.iter_mut().zip(range) {
+            *slot = column;
+        }
+        self.select(keep.get(..n).unwrap_or(&[]))
+    }
+
+    /// Canonical correlations between the columns `first` and `second` once `base` is projected out of both, in no
+    /// particular order; as many as the smaller of the two has new directions, zero elsewhere. One of 1 means that
+    /// some combination of the first is also one of the second.
+    pub fn canonical_correlations(
+        &self,
+        base: Range<usize>,
+        first: Range<usize>,
+        second: Range<usize>,
+    ) -> Option<[T; MAX_COEFFICIENTS]> {
+        let (a, _, _) = self.schur(base.clone(), first.clone())?;
+        let (b, _, _) = self.schur(base.clone(), second.clone())?;
+        // The cross block: both candidates as one would be too wide, so it is built like the others, entry by entry.
+        let cross = self.schur_cross(base, first, second)?;
+        let (white_a, white_b) = (inverse_root(a)?, inverse_root(b)?);
+        let coupling = white_a * cross * white_b;
+        let eigen = SymmetricEigen::try_new(coupling.transpose() * coupling, T::default_epsilon(), 200)?;
+        let mut out = [T::zero(); MAX_COEFFICIENTS];
+        for (slot, value) in out.iter_mut().zip(eigen.eigenvalues.iter()) {
+            *slot = value.max(T::zero()).min(T::one()).root();
+        }
+        Some(out)
+    }
+
+    fn schur_cross(&self, base: Range<usize>, first: Range<usize>, second: Range<usize>) -> Option<Small<T>> {
+        let part = self.select_range(base.clone());
+        let factor = part.factor()?;
+        let project = |column: usize| {
+            let mut cross = [T::zero(); P];
+            for (entry, from) in cross.iter_mut().zip(base.clone()) {
+                *entry = self.entry(from, column);
+            }
+            factor.forward(&cross)
+        };
+        let unit = |column: usize| {
+            let norm = self.entry(column, column);
+            if norm > T::zero() { T::one() / norm.root() } else { T::zero() }
+        };
+        let mut out = Small::<T>::zeros();
+        for (i, row) in first.enumerate() {
+            let left = project(row);
+            for (j, column) in second.clone().enumerate() {
+                let mut value = self.entry(row, column);
+                for (x, y) in left.iter().zip(&project(column)).take(base.len()) {
+                    value -= *x * *y;
+                }
+                *out.get_mut((i, j))? = value * unit(row) * unit(column);
+            }
+        }
+        Some(out)
+    }
+}
+
+/// `M^(−1/2)` on the directions above the eigenvalue limit, zero on the rest.
+fn inverse_root<T: Real>(matrix: Small<T>) -> Option<Small<T>> {
+    let eigen = SymmetricEigen::try_new(matrix, T::default_epsilon(), 200)?;
+    let mut out = Small::<T>::zeros();
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        if *value > T::of(MIN_EIGENVALUE) {
+            out += vector * vector.transpose() * (T::one() / value.root());
+        }
+    }
+    Some(out)
+}
