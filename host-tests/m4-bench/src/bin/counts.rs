@@ -1,0 +1,141 @@
+//! Counts instructions on the emulated board and prints `key=value` lines. Ticks are of TIMER0; the host turns them into
+//! instructions.
+#![no_std]
+#![no_main]
+
+use core::fmt::Write;
+use core::hint::black_box;
+use cortex_m_rt::entry;
+use ironout::calibration::Calibration;
+use ironout::fit::{FitOptions, FitReport, Method, fit};
+use ironout::moments::Moments;
+use ironout::scatter::Scatter;
+use ironout_m4_bench::board::{Console, exit, stack_of, start_clock, ticks_of};
+use ironout_m4_bench::samples::{COUNT, UT_PER_COUNT, fill};
+
+#[inline(never)]
+fn push(moments: &mut Moments, counts: [i16; 3]) {
+    moments.push(counts);
+}
+
+#[inline(never)]
+fn push_magcal(solver: &mut magcal::Solver, counts: [i16; 3]) {
+    solver.push_sample(counts);
+}
+
+#[inline(never)]
+fn solve(moments: &Moments, method: Method) -> Option<FitReport> {
+    let scatter = Scatter::from_moments(moments, [UT_PER_COUNT; 3]).ok()?;
+    fit(&scatter, &FitOptions { method, ..FitOptions::default() }).ok()
+}
+
+#[inline(never)]
+fn solve_magcal(solver: &mut magcal::Solver) -> Option<magcal::MagCal> {
+    solver.solve_ellipsoid().ok()
+}
+
+#[inline(never)]
+fn apply(calibration: &Calibration<f32>, measured: [f32; 3]) -> [f32; 3] {
+    calibration.apply(measured)
+}
+
+#[inline(never)]
+fn apply_magcal(calibration: &magcal::MagCal, counts: [i16; 3]) -> [f32; 3] {
+    calibration.apply(counts)
+}
+
+struct Each {
+    total: u32,
+    worst: u32,
+}
+
+fn each(table: &[[i16; 3]], mut work: impl FnMut([i16; 3])) -> Each {
+    let mut result = Each { total: 0, worst: 0 };
+    for counts in table {
+        let ticks = ticks_of(|| work(black_box(*counts)));
+        result.total += ticks;
+        result.worst = result.worst.max(ticks);
+    }
+    result
+}
+
+fn say(key: &str, ticks: u32) {
+    let _ = writeln!(Console, "{key}={ticks}");
+}
+
+#[entry]
+fn main() -> ! {
+    let mut table = [[0i16; 3]; COUNT];
+    fill(&mut table);
+    start_clock();
+
+    let mut moments = Moments::new();
+    say("samples", COUNT as u32);
+    say(
+        "overhead",
+        each(&table, |counts| {
+            black_box(counts);
+        })
+        .total,
+    );
+    let pushed = each(&table, |counts| push(&mut moments, counts));
+    say("push", pushed.total);
+    say("push_worst", pushed.worst);
+    let mut solver = magcal::Solver::new();
+    let pushed = each(&table, |counts| push_magcal(&mut solver, counts));
+    say("magcal_push", pushed.total);
+    say("magcal_push_worst", pushed.worst);
+
+    for (key, method) in [
+        ("trace_solve", Method::Trace),
+        ("adjusted_solve", Method::Adjusted),
+        ("constant_solve", Method::Constant),
+    ] {
+        let mut report = None;
+        say(key, ticks_of(|| report = solve(black_box(&moments), black_box(method))));
+        let Some(report) = report else { exit(false) };
+        let _ = writeln!(
+            Console,
+            "{key}_check={} {} {}",
+            report.calibration.offset_ut[0].to_bits(),
+            report.calibration.matrix[1][2].to_bits(),
+            report.std_errors.matrix[2][2].to_bits()
+        );
+        if method == Method::Adjusted {
+            let calibration = report.calibration.cast::<f32>();
+            let applied = each(&table, |counts| {
+                black_box(apply(&calibration, counts.map(f32::from)));
+            });
+            say("apply_base", applied.total);
+        }
+    }
+    let mut found = None;
+    say("magcal_solve", ticks_of(|| found = solve_magcal(black_box(&mut solver))));
+    let Some(found) = found else { exit(false) };
+    let applied = each(&table, |counts| {
+        black_box(apply_magcal(&found, counts));
+    });
+    say("magcal_apply", applied.total);
+
+    say(
+        "stack_push",
+        stack_of(|| {
+            push(&mut moments, black_box([120, -300, 455]));
+        }),
+    );
+    say(
+        "stack_solve",
+        stack_of(|| {
+            black_box(solve(&moments, black_box(Method::Adjusted)));
+        }),
+    );
+    say(
+        "magcal_stack_solve",
+        stack_of(|| {
+            black_box(solve_magcal(&mut solver));
+        }),
+    );
+    say("state", size_of::<Moments>() as u32);
+    say("magcal_state", size_of::<magcal::Solver>() as u32);
+    exit(true)
+}
