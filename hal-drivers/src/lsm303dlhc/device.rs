@@ -99,7 +99,15 @@ impl<I2C: I2c> Magnetometer for Lsm303dlhc<I2C> {
         if !self.config.temperature {
             return Ok(None);
         }
-        let bytes = self.read_registers(reg::TEMP_OUT_H)?;
-        Ok(Some(self.config.temperature_format.celsius(bytes)))
+        // One register a transaction: behind the outputs the address pointer does not go on to the next one
+        // (it goes to 0). So the two bytes may be of two measurements: where the high one changed meanwhile, the
+        // low one is read again.
+        let [before] = self.read_registers(reg::TEMP_OUT_H)?;
+        let [mut low] = self.read_registers(reg::TEMP_OUT_L)?;
+        let [high] = self.read_registers(reg::TEMP_OUT_H)?;
+        if high != before {
+            [low] = self.read_registers(reg::TEMP_OUT_L)?;
+        }
+        Ok(Some(self.config.temperature_format.celsius([high, low])))
     }
 }

@@ -14,8 +14,10 @@ pub const OUT_X_H: u8 = 0x03;
 pub const SR: u8 = 0x09;
 /// The first of the three identification bytes.
 pub const IRA: u8 = 0x0a;
-/// Temperature, high byte; the low byte follows.
+/// Temperature, high byte.
 pub const TEMP_OUT_H: u8 = 0x31;
+/// Temperature, low byte. The address pointer does not lead from the high byte here.
+pub const TEMP_OUT_L: u8 = 0x32;
 
 /// What the three identification registers hold: "H43".
 pub const IDENTITY: [u8; 3] = *b"H43";

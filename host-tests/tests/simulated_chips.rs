@@ -1,0 +1,215 @@
+//! The drivers against the chips' register models: what the datasheets say, from both sides.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use embedded_hal::i2c::{ErrorKind, I2c, NoAcknowledgeSource};
+use embedded_storage::{ReadStorage, Storage};
+use ironout_drivers::at24c::{At24c, EepromError, Geometry};
+use ironout_drivers::lsm303dlhc::{Config, DataRate, Lsm303dlhc, Range};
+use ironout_drivers::{Error, Magnetometer};
+use ironout_host_tests::bus::{Clock, FaultControl, Faulty, SimBus};
+use ironout_host_tests::chips::{At24cChip, Lsm303dlhcChip, TornPage};
+
+const NOBODY: ErrorKind = ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address);
+
+/// A bus with a magnetometer in a constant field.
+fn magnetometer(
+    field_ut: [f64; 3],
+    config: Config,
+) -> (Clock, Rc<RefCell<Lsm303dlhcChip>>, Lsm303dlhc<SimBus>) {
+    let clock = Clock::default();
+    let bus = SimBus::new(clock.clone());
+    let chip = Rc::new(RefCell::new(Lsm303dlhcChip::new(move |_| field_ut, 0.0, 1)));
+    bus.attach(chip.clone());
+    (clock, chip, Lsm303dlhc::new(bus, config))
+}
+
+fn eeprom() -> (Clock, Rc<RefCell<At24cChip>>, SimBus) {
+    let clock = Clock::default();
+    let bus = SimBus::new(clock.clone());
+    let chip = Rc::new(RefCell::new(At24cChip::new(0x50, 4096, 32)));
+    bus.attach(chip.clone());
+    (clock, chip, bus)
+}
+
+#[test]
+fn the_driver_measures_the_field_at_every_range_to_half_a_count() {
+    let field_ut = [-45.0, 93.25, 20.5];
+    for range in Range::ALL {
+        let (clock, _, mut sensor) = magnetometer(field_ut, Config { range, ..Config::default() });
+        sensor.init().unwrap();
+        clock.advance_to_ms(20);
+        let (counts, scale) = (sensor.read().unwrap().counts, sensor.ut_per_count());
+        for axis in 0..3 {
+            let error_ut = f64::from(f32::from(counts[axis]) * scale[axis]) - field_ut[axis];
+            assert!(error_ut.abs() <= 0.501 * f64::from(scale[axis]), "{range:?} axis {axis}: {error_ut}");
+        }
+    }
+}
+
+#[test]
+fn data_are_ready_once_a_period_and_not_again_before_they_are_new() {
+    let (clock, _, mut sensor) = magnetometer([1.0; 3], Config { rate: DataRate::Hz30, ..Config::default() });
+    sensor.init().unwrap();
+    assert_eq!(sensor.data_ready(), Ok(false), "no conversion is done yet");
+    let mut ready = 0;
+    for ms in 1..=1000 {
+        clock.advance_to_ms(ms);
+        if sensor.data_ready().unwrap() {
+            sensor.read().unwrap();
+            ready += 1;
+        }
+    }
+    assert!((29..=30).contains(&ready), "{ready}");
+}
+
+#[test]
+fn a_field_out_of_range_is_an_overflow_of_its_axis_only() {
+    let (clock, _, mut sensor) = magnetometer([50.0, -700.0, 20.0], Config::default());
+    sensor.init().unwrap();
+    clock.advance_to_ms(20);
+    let reading = sensor.read().unwrap();
+    assert_eq!((reading.counts[1], reading.overflow), (-4096, [false, true, false]));
+    sensor.reconfigure(Config { range: Range::Gauss8_1, ..Config::default() }).unwrap();
+    clock.advance_to_ms(40);
+    assert!(!sensor.read().unwrap().saturated());
+}
+
+#[test]
+fn the_temperature_is_read_although_the_pointer_does_not_go_on_there() {
+    let (clock, chip, mut sensor) = magnetometer([1.0; 3], Config::default());
+    sensor.init().unwrap();
+    for celsius in [-10.25_f32, 0.0, 36.625] {
+        chip.borrow_mut().temperature_c = f64::from(celsius);
+        clock.advance_ns(20_000_000);
+        assert_eq!(sensor.temperature_c(), Ok(Some(celsius)));
+    }
+}
+
+#[test]
+fn registers_that_are_read_only_stay_and_the_pointer_wraps_as_documented() {
+    let (_, _, sensor) = magnetometer([1.0; 3], Config::default());
+    let mut bus = sensor.destroy();
+    bus.write(0x1e, &[0x0a, 0, 0, 0]).unwrap();
+    let mut identity = [0; 5];
+    bus.write_read(0x1e, &[0x0a], &mut identity).unwrap();
+    assert_eq!(identity, [b'H', b'4', b'3', 0x10, 0x20], "12 is followed by 0");
+    let mut wrapped = [0; 12];
+    bus.write_read(0x1e, &[0x03], &mut wrapped).unwrap();
+    assert_eq!(wrapped[..6], wrapped[6..], "8 is followed by 3");
+    let mut beyond = [9; 1];
+    bus.write_read(0x1e, &[0x83], &mut beyond).unwrap();
+    assert_eq!(beyond, [0], "the top bit of the sub-address belongs to the accelerometer half");
+}
+
+#[test]
+fn a_dip_of_the_supply_shows_as_no_more_data() {
+    let (clock, chip, mut sensor) = magnetometer([1.0; 3], Config::default());
+    sensor.init().unwrap();
+    clock.advance_to_ms(20);
+    assert_eq!(sensor.data_ready(), Ok(true));
+    chip.borrow_mut().power_cycle();
+    clock.advance_to_ms(2000);
+    assert_eq!(sensor.data_ready(), Ok(false));
+    sensor.init().unwrap();
+    clock.advance_to_ms(2020);
+    assert_eq!(sensor.data_ready(), Ok(true));
+}
+
+#[test]
+fn an_absent_chip_and_another_chip_are_different_errors() {
+    let (_, chip, mut sensor) = magnetometer([1.0; 3], Config::default());
+    chip.borrow_mut().set_identity(*b"H5\0");
+    assert_eq!(sensor.init(), Err(Error::NotFound { expected: *b"H43", found: *b"H5\0" }));
+    let bus = sensor.destroy();
+    bus.detach(0x1e);
+    assert_eq!(Lsm303dlhc::new(bus, Config::default()).init(), Err(Error::Bus(NOBODY)));
+}
+
+#[test]
+fn a_fault_at_any_byte_of_any_transaction_is_an_error_and_leaves_a_working_bus() {
+    let (clock, _, sensor) = magnetometer([12.0, 34.0, 56.0], Config::default());
+    let control = FaultControl::new();
+    let mut sensor = Lsm303dlhc::new(Faulty::new(sensor.destroy(), control.clone()), Config::default());
+    sensor.init().unwrap();
+    clock.advance_to_ms(20);
+    let good = sensor.read().unwrap();
+    // Address, sub-address, address, six data bytes.
+    for byte in 0..9 {
+        control.nack_at(0, byte);
+        let expected = match byte {
+            0 | 2 => NOBODY,
+            1 => ErrorKind::NoAcknowledge(NoAcknowledgeSource::Data),
+            _ => ErrorKind::ArbitrationLoss,
+        };
+        assert_eq!(sensor.read(), Err(Error::Bus(expected)), "byte {byte}");
+        assert_eq!(sensor.read(), Ok(good), "after byte {byte}");
+    }
+    // Identification, three registers, and their reading back.
+    for (transaction, bytes) in [(0, 6), (1, 3), (2, 3), (3, 3), (4, 6)] {
+        for byte in 0..bytes {
+            control.nack_at(transaction, byte);
+            assert!(matches!(sensor.init(), Err(Error::Bus(_))), "transaction {transaction} byte {byte}");
+            assert_eq!(sensor.init(), Ok(()));
+        }
+    }
+    control.hold_bus();
+    assert_eq!(sensor.read(), Err(Error::Bus(ErrorKind::Bus)));
+    control.clear();
+    assert_eq!(sensor.init(), Ok(()));
+}
+
+#[test]
+fn a_flipped_configuration_byte_is_noticed_when_read_back() {
+    let (_, _, sensor) = magnetometer([1.0; 3], Config::default());
+    let control = FaultControl::new();
+    let mut sensor = Lsm303dlhc::new(Faulty::new(sensor.destroy(), control.clone()), Config::default());
+    // Transaction 2 writes CRB; byte 2 of it is the value.
+    control.flip_at(2, 2, 0x40);
+    assert_eq!(sensor.init(), Err(Error::NotKept { register: 0x01, written: 0x20, read: 0x60 }));
+    assert_eq!(sensor.init(), Ok(()));
+}
+
+#[test]
+fn the_eeprom_driver_writes_any_range_and_the_chip_would_wrap_without_it() {
+    let (_, chip, mut bus) = eeprom();
+    let data: Vec<u8> = (0..200).collect();
+    let mut rom = At24c::new(bus.clone(), Geometry::AT24C32).unwrap();
+    for offset in [0, 1, 31, 32, 1000, 4096 - 200] {
+        rom.write(offset, &data).unwrap();
+        let mut back = vec![0; 200];
+        rom.read(offset, &mut back).unwrap();
+        assert_eq!(back, data, "at {offset}");
+    }
+    // Straight to the chip: 34 bytes from the beginning of a page overwrite its first two.
+    bus.write(0x50, &[&[0x02, 0x00][..], &data[..34]].concat()).unwrap();
+    assert_eq!(chip.borrow().memory[0x200..0x203], [32, 33, 2]);
+}
+
+#[test]
+fn the_driver_waits_for_the_write_time_and_gives_up_on_a_chip_that_is_gone() {
+    let (clock, _, bus) = eeprom();
+    let mut rom = At24c::new(bus.clone(), Geometry::AT24C32).unwrap();
+    rom.write(0, &[1; 64]).unwrap();
+    assert!((10..12).contains(&clock.ms()), "two pages of 5 ms: {} ms", clock.ms());
+    bus.detach(0x50);
+    assert_eq!(rom.write(0, &[1; 64]), Err(EepromError::Bus(NOBODY)));
+}
+
+#[test]
+fn power_lost_in_a_page_leaves_it_torn_in_each_way() {
+    for (torn_page, rest) in [(TornPage::Old, 0x11), (TornPage::Erased, 0xff)] {
+        let (_, chip, bus) = eeprom();
+        let mut rom = At24c::new(bus, Geometry::AT24C32).unwrap();
+        rom.write(0, &[0x11; 64]).unwrap();
+        chip.borrow_mut().torn_page = torn_page;
+        chip.borrow_mut().lose_power_after(40);
+        assert_eq!(rom.write(0, &[0x22; 64]), Err(EepromError::Timeout));
+        chip.borrow_mut().power_cycle();
+        let mut back = [0; 64];
+        rom.read(0, &mut back).unwrap();
+        assert_eq!(back[..40], [0x22; 40]);
+        assert_eq!(back[40..], [rest; 24]);
+    }
+}
