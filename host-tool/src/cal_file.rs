@@ -156,6 +156,18 @@ impl CalFile {
         })
     }
 
+    /// The calibration, where offset and matrix are all of it. A calibration with effects needs their columns too.
+    pub fn plain_calibration(&self) -> Outcome<Calibration<f64>> {
+        match self.fit.effects.first() {
+            None => self.calibration(),
+            Some(effect) => Err(Failure::usage(format!(
+                "this calibration carries the effect {}, which this command does not apply yet",
+                effect.id
+            ))
+            .at_column("effects")),
+        }
+    }
+
     fn check(&self) -> Outcome<()> {
         let calibration = self.calibration()?;
         if !(calibration.field_ut.is_finite() && (0.1..=1e5).contains(&calibration.field_ut)) {

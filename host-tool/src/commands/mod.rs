@@ -1,5 +1,8 @@
 //! The commands, one a file. Each gives its exit status, or a failure with its place.
 
+mod apply;
+mod check;
+mod export;
 mod fit;
 mod fit_words;
 mod later;
@@ -12,6 +15,9 @@ use crate::failure::Outcome;
 pub fn run(cli: &Cli) -> Outcome<u8> {
     match &cli.command {
         Command::Fit(arguments) => fit::run(arguments, cli.json),
+        Command::Apply(arguments) => apply::run(arguments, cli.json),
+        Command::Check(arguments) => check::run(arguments, cli.json),
+        Command::Export(arguments) => export::run(arguments, cli.json),
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
         Command::Diagnose(_) => later::not_built("diagnose"),
         Command::Report(_) => later::not_built("report"),

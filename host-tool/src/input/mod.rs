@@ -5,6 +5,7 @@
 
 mod columns;
 mod guard;
+mod lines;
 mod mount;
 pub mod number;
 mod reader;
@@ -12,6 +13,7 @@ mod store;
 
 pub use columns::parse_map;
 pub use guard::MAX_LINE_BYTES;
+pub use lines::{Lines, plain_lines};
 pub use mount::{FORMS as ROTATE_FORMS, Mounting};
 pub use reader::{read_log, read_stream};
 

@@ -14,7 +14,7 @@ mod result;
 
 pub use data::Data;
 pub use faults::{FaultKind, SetAside};
-pub use result::Fitted;
+pub use result::{Fitted, spread_of_magnitude};
 
 use crate::cli::Expected;
 use crate::input::Log;

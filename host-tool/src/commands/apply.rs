@@ -1,0 +1,127 @@
+//! `ironout apply`: correct a log, and show the error before and after.
+
+use crate::cal_file::CalFile;
+use crate::cli::ApplyArgs;
+use crate::failure::{EXIT_OK, Failure, Outcome};
+use crate::input::{Log, plain_lines};
+use crate::output::{json_number, line};
+use crate::pipeline::spread_of_magnitude;
+use crate::{atomic, progress::Progress};
+use ironout::calibration::{Calibration, norm};
+use std::path::Path;
+
+/// What the corrected log gains.
+const NEW_COLUMNS: [&str; 5] = ["cx_ut", "cy_ut", "cz_ut", "norm_ut", "residual_ut"];
+
+/// Applies the calibration, prints the errors, writes the corrected log if asked.
+pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
+    let cal = CalFile::read(&arguments.cal)?;
+    let calibration = cal.plain_calibration().map_err(|failure| failure.in_file(&arguments.cal))?;
+    let log = arguments.log.read()?;
+    if let Some(output) = &arguments.output {
+        write(&log, &calibration, output)?;
+    }
+    let samples = log.samples();
+    let (mean, before) = spread_of_magnitude(samples.iter().map(|&row| norm(log.field(row))));
+    let residuals = samples.iter().map(|&row| calibration.residual_ut(calibration.apply(log.field(row))));
+    let after = (residuals.clone().map(|r| r * r).sum::<f64>() / samples.len() as f64).sqrt();
+    let worst = residuals.map(f64::abs).fold(0.0, f64::max);
+    let field = calibration.field_ut;
+    if json {
+        line(
+            &serde_json::json!({
+                "log": log.path.display().to_string(), "samples": samples.len(), "field_ut": field,
+                "before": {"mean_ut": json_number(Some(mean)), "rms_ut": json_number(Some(before)),
+                           "rms_percent": json_number(Some(before / mean * 100.0))},
+                "after": {"rms_ut": json_number(Some(after)), "rms_percent": json_number(Some(after / field * 100.0)),
+                          "worst_ut": json_number(Some(worst))},
+                "output": arguments.output.as_ref().map(|path| path.display().to_string()),
+            })
+            .to_string(),
+        );
+        return Ok(EXIT_OK);
+    }
+    line(&format!("{}: {} samples, corrected to {field:.3} µT", log.path.display(), samples.len()));
+    line(&format!(
+        "error before  {before:9.3} µT  {:6.2} %   of the measured magnitude about its mean of {mean:.1} µT",
+        before / mean * 100.0
+    ));
+    line(&format!(
+        "error after   {after:9.3} µT  {:6.2} %   of the corrected magnitude about {field:.1} µT; worst {worst:.2} µT",
+        after / field * 100.0
+    ));
+    if let Some(path) = &arguments.output {
+        line(&format!("wrote {} with {} added", path.display(), NEW_COLUMNS.join(", ")));
+    }
+    Ok(EXIT_OK)
+}
+
+/// Copies the log line by line, comments too, and adds the corrected columns to each.
+fn write(log: &Log, calibration: &Calibration<f64>, output: &Path) -> Outcome<()> {
+    if same_file(&log.path, output) {
+        return Err(
+            Failure::usage("this would replace the log itself: name another file with -o").in_file(output)
+        );
+    }
+    let mut lines = plain_lines(&log.path)?;
+    let total = std::fs::metadata(&log.path).map_or(0, |metadata| metadata.len());
+    let mut progress = Progress::new("writing", total, true);
+    let mut trouble = None;
+    let written = atomic::write(output, |out| {
+        let (mut row, mut done) = (None, 0);
+        while let Some(text) = lines.next_line()? {
+            done += text.len() as u64 + 1;
+            out.write_all(text)?;
+            // As the reader has it: comments and empty lines are no rows, the first other line is the header.
+            if text.is_empty() || text[0] == b'#' {
+                writeln!(out)?;
+                continue;
+            }
+            match row {
+                None => {
+                    let header = String::from_utf8_lossy(text);
+                    trouble =
+                        NEW_COLUMNS.iter().find(|name| header.split(',').any(|cell| cell.trim() == **name));
+                    writeln!(out, ",{}", NEW_COLUMNS.join(","))?;
+                    row = Some(0);
+                }
+                Some(at) => {
+                    if at >= log.rows {
+                        return Err(std::io::Error::other(
+                            "the log grew while it was read: stop the recording first",
+                        ));
+                    }
+                    let corrected = calibration.apply(log.field(at));
+                    let [x, y, z] = corrected;
+                    writeln!(
+                        out,
+                        ",{x:.5},{y:.5},{z:.5},{:.5},{:.5}",
+                        norm(corrected),
+                        calibration.residual_ut(corrected)
+                    )?;
+                    row = Some(at + 1);
+                    progress.at(done);
+                }
+            }
+            if trouble.is_some() {
+                return Err(std::io::Error::other("column twice"));
+            }
+        }
+        Ok(())
+    });
+    match trouble {
+        Some(name) => Err(Failure::usage(
+            "the log has this column already: it was corrected before; take the original log",
+        )
+        .in_file(&log.path)
+        .at_column(*name)),
+        None => written,
+    }
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    }
+}
