@@ -1,8 +1,8 @@
 //! 24-series I²C EEPROM with two-byte addresses (AT24C32 … AT24C512): where a calibration is kept.
 //!
 //! The driver splits writes at page borders, because a chip wraps *within* a page and would overwrite the
-//! page's beginning, and waits out each page's write time by acknowledge polling: while it writes (about
-//! 5 ms), the chip does not answer to its address.
+//! page's beginning, and waits out the write time by acknowledge polling: while it writes (about 5 ms), the chip
+//! does not answer to its address.
 
 use core::fmt;
 
@@ -37,7 +37,7 @@ impl Geometry {
 pub enum EepromError<E> {
     /// The bus failed.
     Bus(E),
-    /// The chip has not answered since the last page was written: it is gone, or its write never ended.
+    /// The chip does not answer, for longer than any page takes to write: it is not there.
     Timeout,
     /// The range reaches beyond the end of the chip.
     OutOfRange {
@@ -54,7 +54,7 @@ impl<E: fmt::Debug> fmt::Display for EepromError<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             EepromError::Bus(error) => write!(f, "bus error {error:?}"),
-            EepromError::Timeout => f.write_str("no answer after a page write"),
+            EepromError::Timeout => f.write_str("no answer"),
             EepromError::OutOfRange { offset, bytes } => {
                 write!(f, "{bytes} bytes at {offset:#06x} reach beyond the end")
             }
@@ -85,12 +85,12 @@ impl<I2C: I2c> At24c<I2C> {
         if geometry.size_bytes == 0 || geometry.size_bytes > 65_536 {
             return Err(EepromError::InvalidConfig("size_bytes is not within 1 to 65536"));
         }
-        // 5 ms of write time are 220 polls at 400 kHz; five times that is a chip that is gone.
-        Ok(Self { i2c, geometry, max_polls: 1000 })
+        // 5 ms of write time are 220 polls at 400 kHz; more than twice that is a chip that is not there.
+        Ok(Self { i2c, geometry, max_polls: 500 })
     }
 
-    /// How often the chip is asked after a page write before [`EepromError::Timeout`]; 1000 at first, five
-    /// times what a 400 kHz bus needs for the usual 5 ms.
+    /// How often a silent chip is asked before [`EepromError::Timeout`]; 500 at first, more than twice what a
+    /// 400 kHz bus needs for the usual 5 ms.
     #[must_use]
     pub fn with_max_polls(mut self, max_polls: u16) -> Self {
         self.max_polls = max_polls;
@@ -111,7 +111,10 @@ impl<I2C: I2c> At24c<I2C> {
         }
     }
 
-    /// Repeats an address-only write until the chip answers again.
+    /// Repeats an address-only write until the chip answers.
+    ///
+    /// Before every access, not only after a page: a transaction that was cut short starts a page write too,
+    /// and so may a restart of the microcontroller find the chip still writing.
     fn wait_for_write(&mut self) -> Result<(), EepromError<I2C::Error>> {
         for _ in 0..self.max_polls {
             match self.i2c.write(self.geometry.address, &[]) {
@@ -132,6 +135,7 @@ impl<I2C: I2c> ReadStorage for At24c<I2C> {
             return Ok(());
         }
         let at = self.word_address(offset, bytes.len())?;
+        self.wait_for_write()?;
         self.i2c.write_read(self.geometry.address, &at.to_be_bytes(), bytes).map_err(EepromError::Bus)
     }
 
@@ -145,6 +149,7 @@ impl<I2C: I2c> Storage for At24c<I2C> {
     /// are not; the page itself holds either.
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
         self.word_address(offset, bytes.len())?;
+        self.wait_for_write()?;
         let page = usize::from(self.geometry.page_bytes);
         let mut frame = [0; 2 + MAX_PAGE_BYTES];
         let (mut at, mut rest) = (offset, bytes);

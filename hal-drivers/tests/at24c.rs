@@ -21,6 +21,7 @@ fn a_write_is_split_at_page_borders_and_each_page_is_waited_for() {
     let data: Vec<u8> = (0..40).collect();
     let frame = |address: [u8; 2], part: &[u8]| Transaction::write(ROM, [&address, part].concat());
     let mut rom = eeprom(&[
+        poll(),
         frame([0x01, 0x1c], &data[..4]),
         poll().with_error(BUSY),
         poll().with_error(BUSY),
@@ -35,8 +36,12 @@ fn a_write_is_split_at_page_borders_and_each_page_is_waited_for() {
 }
 
 #[test]
-fn a_read_is_one_transaction_across_pages() {
-    let mut rom = eeprom(&[Transaction::write_read(ROM, vec![0x0f, 0xfc], vec![1, 2, 3, 4])]);
+fn a_read_waits_for_a_write_under_way_and_is_one_transaction_across_pages() {
+    let mut rom = eeprom(&[
+        poll().with_error(BUSY),
+        poll(),
+        Transaction::write_read(ROM, vec![0x0f, 0xfc], vec![1, 2, 3, 4]),
+    ]);
     let mut bytes = [0; 4];
     rom.read(4092, &mut bytes).unwrap();
     assert_eq!(bytes, [1, 2, 3, 4]);
@@ -54,7 +59,7 @@ fn nothing_is_sent_for_a_range_beyond_the_end() {
 
 #[test]
 fn a_chip_that_never_answers_again_is_a_timeout() {
-    let mut transactions = vec![Transaction::write(ROM, vec![0, 0, 7])];
+    let mut transactions = vec![poll(), Transaction::write(ROM, vec![0, 0, 7])];
     transactions.extend((0..3).map(|_| poll().with_error(BUSY)));
     let mut rom = eeprom(&transactions).with_max_polls(3);
     assert_eq!(rom.write(0, &[7]), Err(EepromError::Timeout));
@@ -63,7 +68,8 @@ fn a_chip_that_never_answers_again_is_a_timeout() {
 
 #[test]
 fn another_bus_error_ends_the_waiting_at_once() {
-    let mut rom = eeprom(&[Transaction::write(ROM, vec![0, 0, 7]), poll().with_error(ErrorKind::Bus)]);
+    let mut rom =
+        eeprom(&[poll(), Transaction::write(ROM, vec![0, 0, 7]), poll().with_error(ErrorKind::Bus)]);
     assert_eq!(rom.write(0, &[7]), Err(EepromError::Bus(ErrorKind::Bus)));
     rom.destroy().done();
 }

@@ -194,7 +194,21 @@ fn the_driver_waits_for_the_write_time_and_gives_up_on_a_chip_that_is_gone() {
     rom.write(0, &[1; 64]).unwrap();
     assert!((10..12).contains(&clock.ms()), "two pages of 5 ms: {} ms", clock.ms());
     bus.detach(0x50);
-    assert_eq!(rom.write(0, &[1; 64]), Err(EepromError::Bus(NOBODY)));
+    assert_eq!(rom.write(0, &[1; 64]), Err(EepromError::Timeout));
+}
+
+#[test]
+fn a_page_write_that_was_cut_short_is_waited_for_by_the_next_access() {
+    let (_, chip, bus) = eeprom();
+    let control = FaultControl::new();
+    let mut rom = At24c::new(Faulty::new(bus, control.clone()), Geometry::AT24C32).unwrap();
+    // Transaction 1 is the page: address, two bytes of word address, data. Three bytes of it pass.
+    control.nack_at(1, 6);
+    assert!(matches!(rom.write(0, &[9; 8]), Err(EepromError::Bus(_))));
+    assert_eq!(chip.borrow().memory[..4], [9, 9, 9, 0xff]);
+    let mut back = [0; 4];
+    rom.read(0, &mut back).unwrap();
+    assert_eq!(back, [9, 9, 9, 0xff]);
 }
 
 #[test]

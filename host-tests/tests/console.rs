@@ -1,0 +1,156 @@
+//! Whatever arrives on the console: every line is answered exactly once, and nothing stops the board.
+
+mod common;
+
+use common::{accepted_board, world_board};
+use ironout_host_tests::board::SimBoard;
+use ironout_host_tests::world::Motion;
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+/// How many lines of `bytes` must be answered: those that end and are not empty.
+fn lines_to_answer(bytes: &[u8]) -> usize {
+    let mut lines: Vec<&[u8]> = bytes.split(|&byte| byte == b'\n').collect();
+    lines.pop();
+    lines.iter().filter(|line| !line.strip_suffix(b"\r").unwrap_or(line).is_empty()).count()
+}
+
+/// Checks the form of everything that was sent, and returns the final lines of the answers.
+fn answers(sent: &[String]) -> Vec<&String> {
+    let codes = ["unknown", "usage", "long", "busy", "state", "refused", "sensor", "store"];
+    for line in sent {
+        assert!(line.bytes().all(|byte| (0x20..=0x7e).contains(&byte)), "{line:?}");
+        let word = line.split([' ', ',', ':']).next().unwrap_or_default();
+        assert!(["+", "ok", "err", "R", "C", "Raw"].contains(&word), "{line:?}");
+        if let Some(rest) = line.strip_prefix("err ") {
+            let (code, text) = rest.split_once(' ').expect("a code and a text");
+            assert!(codes.contains(&code) && !text.is_empty(), "{line:?}");
+        }
+    }
+    sent.iter().filter(|line| line.starts_with("ok") || line.starts_with("err ")).collect()
+}
+
+fn is_alive(board: &mut SimBoard) {
+    board.send(b"\n");
+    let answer = board.command("help");
+    assert_eq!(answer.last().map(String::as_str), Some("ok"), "{answer:?}");
+}
+
+#[test]
+fn the_answers_of_the_contract() {
+    let mut board = world_board(Motion::Sphere, 31);
+    board.run_ms(100);
+    for (line, start) in [
+        ("version", "ok ironout="),
+        ("hlep", "err unknown "),
+        ("effect list", "err unknown effect is not built into this firmware yet"),
+        ("why", "err unknown why is not built"),
+        ("cov current_a=3.2", "err unknown cov is not built"),
+        ("cal begin", "err usage cal start|stop|"),
+        ("field -3", "err usage field UT"),
+        ("stream raw", "ok stream=raw"),
+        ("stream motioncal", "ok stream=motioncal"),
+        ("stream off", "ok stream=off"),
+        ("cal show", "err state there is no calibration"),
+    ] {
+        let answer = common::last(&mut board, line);
+        assert!(answer.starts_with(start), "{line}: {answer}");
+    }
+    board.send(&[&[b'a'; 81][..], b"\r\nhelp me\r\n\r\n\nsta\x01tus\n"].concat());
+    let sent = board.received();
+    let starts: Vec<&str> = answers(&sent).iter().map(|line| line.splitn(3, ' ').nth(1).unwrap()).collect();
+    assert_eq!(starts, ["long", "usage", "usage"]);
+    is_alive(&mut board);
+}
+
+#[test]
+fn the_streams_follow_the_contract() {
+    let mut board = accepted_board(32);
+    for (command, start, fields) in
+        [("stream raw", "R,", 5), ("stream cal", "C,", 7), ("stream motioncal", "Raw:", 9)]
+    {
+        board.command(command);
+        board.run_ms(1000);
+        let lines = board.received();
+        assert!((49..=51).contains(&lines.len()), "{command}: {}", lines.len());
+        for line in &lines {
+            assert!(line.starts_with(start) && line.split(',').count() == fields, "{line}");
+        }
+    }
+    board.command("stream off");
+    board.run_ms(1000);
+    assert_eq!(board.received(), [""; 0]);
+}
+
+/// A line that is likely to mean something.
+fn command() -> impl Strategy<Value = Vec<u8>> {
+    let words = [
+        "help",
+        "version",
+        "status",
+        "cal start",
+        "cal stop",
+        "cal accept",
+        "cal cancel",
+        "cal show",
+        "cal clear",
+        "cal method trace",
+        "cal method constant",
+        "cal method adjusted",
+        "cal",
+        "stream raw",
+        "stream cal",
+        "stream off",
+        "stream motioncal",
+        "field 48",
+        "field 1e300",
+        "field NaN",
+        "effect add lag",
+        "why",
+        "cov a=1",
+        "",
+    ];
+    prop_oneof![
+        8 => proptest::sample::select(words.to_vec()).prop_map(|word| word.as_bytes().to_vec()),
+        1 => vec(any::<u8>(), 0..120),
+        1 => vec(0x20..0x7f_u8, 0..100),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_bytes_are_answered_line_by_line(bytes in vec(prop_oneof![any::<u8>(), Just(b'\n'), Just(b' '), Just(b'c')], 0..600)) {
+        let mut board = world_board(Motion::Sphere, 33);
+        board.send(&bytes);
+        let sent = board.received();
+        prop_assert_eq!(answers(&sent).len(), lines_to_answer(&bytes));
+        is_alive(&mut board);
+    }
+
+    #[test]
+    fn any_sequence_of_commands_with_faults_in_between_is_answered(
+        steps in vec((command(), 0_u64..2000, 0_u8..8), 1..25),
+        seed in any::<u64>(),
+    ) {
+        let mut board = world_board(Motion::Sphere, seed);
+        for (line, run_ms, event) in steps {
+            match event {
+                0 => board.sensor_faults.nack_randomly(seed, 0.1),
+                1 => board.store_faults.nack_randomly(seed, 0.1),
+                2 => board.sensor_faults.clear(),
+                3 => { board.restart(); }
+                4 => { let _ = board.press(); }
+                _ => {}
+            }
+            board.run_ms(run_ms);
+            let _ = board.received();
+            let framed = [&line[..], b"\n"].concat();
+            board.send(&framed);
+            let sent = board.received();
+            prop_assert_eq!(answers(&sent).len(), lines_to_answer(&framed), "{:?}", sent);
+        }
+        is_alive(&mut board);
+    }
+}
