@@ -28,7 +28,7 @@ const MAPS: &[Map] = &[Map {
     flash_kib: 512,
     ram_origin: 0x2000_0000,
     ram_kib: 128,
-    stack_kib: 48,
+    stack_kib: 64,
     own_vectors: true,
 }];
 

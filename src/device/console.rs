@@ -82,6 +82,9 @@ impl Device {
     fn version<W: fmt::Write>(&self, mut reply: Reply<'_, W>, store: &mut impl Store) -> Answered {
         let [a, b] = Slots::inspect(store).states;
         reply.line(format_args!("slots={a},{b}"));
+        if self.restarts.count > 0 {
+            reply.line(format_args!("last_fault={}", self.restarts.last));
+        }
         reply.ok(format_args!(
             "ironout={} board={} sensor={}",
             env!("CARGO_PKG_VERSION"),
@@ -96,8 +99,10 @@ impl Device {
             Some(fault) => reply.line(format_args!("sensor {} {fault}", self.config.sensor)),
             None => reply.line(format_args!("hint {}", status.hint)),
         }
-        // What went wrong while measuring: lost transactions, and samples out of range.
-        let faults = u64::from(self.sensor.faults()).saturating_add(status.saturated);
+        // What went wrong: restarts of the firmware, lost transactions, and samples out of range.
+        let faults = [self.restarts.count, self.sensor.faults()]
+            .into_iter()
+            .fold(status.saturated, |sum, faults| sum.saturating_add(u64::from(faults)));
         reply.ok(format_args!(
             "state={} n={} skipped={} coverage={:.3} gap_deg={:.1} rms_ut={:.4} noise_ut={:.4} calibrated={} faults={faults}",
             status.state.name(),

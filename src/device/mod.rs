@@ -105,6 +105,14 @@ pub struct Device {
     splitter: LineSplitter,
     /// A slot could not be read when the store was looked at last.
     store_unread: bool,
+    restarts: Restarts,
+}
+
+/// Restarts of the board after a fault of its firmware.
+#[derive(Debug, Clone, Copy, Default)]
+struct Restarts {
+    count: u32,
+    last: &'static str,
 }
 
 impl Device {
@@ -125,7 +133,14 @@ impl Device {
             stream: StreamMode::Off,
             splitter: LineSplitter::new(),
             store_unread: true,
+            restarts: Restarts::default(),
         }
+    }
+
+    /// Tells the device that the board restarted `count` times since power-up after a fault of its firmware, and in words
+    /// what the last one was. `status` counts them among its faults, `version` shows the last.
+    pub fn note_restarts(&mut self, count: u32, last: &'static str) {
+        self.restarts = Restarts { count, last };
     }
 
     /// Looks for a stored calibration and applies it. Returns what stands in the slots, for a log.

@@ -18,12 +18,16 @@ const EEPROM_BYTES: usize = 4096;
 /// How long QEMU may take to open its sockets; it usually takes some 20 ms.
 const START_LIMIT: Duration = Duration::from_secs(15);
 
+/// How long a sample may take; it usually takes 20 ms.
+const SAMPLE_LIMIT: Duration = Duration::from_secs(5);
+
 /// The names of the files in the board's own directory.
 const UART: &str = "UART";
 const QMP: &str = "QMP";
 const GDB: &str = "GDB";
 const EEPROM: &str = "eeprom.bin";
 const LOG: &str = "defmt.bin";
+const MEMORY: &str = "memory.bin";
 const STDERR: &str = "qemu.err";
 
 /// How the board is put together.
@@ -218,6 +222,15 @@ impl Emulator {
         self.resume()
     }
 
+    /// Sets the field and waits until the board has sampled it, which takes a stream to be on. Returns the stream's lines
+    /// since the last call, the last of them of the new field.
+    pub fn expose(&mut self, field_ut: [f64; 3]) -> Result<Vec<String>, Error> {
+        let mut lines = self.console.drain(Duration::from_millis(1))?;
+        self.set_field_ut(field_ut)?;
+        lines.push(self.console.next_streamed(SAMPLE_LIMIT)?);
+        Ok(lines)
+    }
+
     /// Sets the sensor's temperature.
     pub fn set_temperature_c(&mut self, temperature_c: f64) -> Result<(), Error> {
         self.qmp.set("/machine/peripheral/mag", "temperature", (temperature_c * 1_000.0).round() as i64)
@@ -250,6 +263,23 @@ impl Emulator {
     /// What the firmware has logged so far: defmt's frames, to be decoded with the texts in the ELF.
     pub fn log(&self) -> Result<Vec<u8>, Error> {
         self.bench.read(LOG)
+    }
+
+    /// Copies `length` bytes of the board's memory from `address` on.
+    pub fn memory(&mut self, address: u64, length: u64) -> Result<Vec<u8>, Error> {
+        let arguments = json!({ "val": address, "size": length, "filename": MEMORY });
+        self.qmp.execute("pmemsave", arguments)?;
+        self.bench.read(MEMORY)
+    }
+
+    /// The most stack used since power-up, in bytes: the emulator's memory starts as zeros, so the lowest word that is not
+    /// zero any more is where the stack has been.
+    pub fn stack_used(&mut self) -> Result<u64, Error> {
+        let bottom = self.bench.firmware.symbol("_stack_end")?;
+        let length = self.bench.firmware.symbol("_stack_start")?.saturating_sub(bottom);
+        let stack = self.memory(bottom, length)?;
+        let untouched = stack.iter().take_while(|&&byte| byte == 0).count();
+        Ok(length - untouched as u64)
     }
 
     /// The directory with everything of this board: sockets, EEPROM image, logs.

@@ -2,7 +2,7 @@
 //!
 //! Both write a trace into memory that start-up does not touch, and restart the board: a compass that answers again
 //! after some milliseconds is worth more than one that stands still, and the trace says afterwards what happened. The
-//! console shows it (`status`: the count; `version`: the last one), and so does the log at the next start. Nothing is
+//! console shows it (`version`), and so does the log at the next start. Nothing is
 //! logged from inside a handler: the fault may have happened in the logger.
 
 use core::fmt::Write;
@@ -14,6 +14,9 @@ const MAGIC: u32 = 0x6661_756c;
 
 /// Bytes of a panic's place and message that are kept.
 const MESSAGE_BYTES: usize = 120;
+
+/// The trace in words.
+type Text = String<200>;
 
 /// The trace as it lies in memory.
 #[repr(C)]
@@ -50,28 +53,31 @@ unsafe extern "C" {
 // The region holds 256 bytes (build.rs).
 const _: () = assert!(size_of::<Trace>() <= 256);
 
-/// The faults since power-up.
-pub struct Faults {
+/// The restarts after a fault, since power-up.
+pub struct Restarts {
     /// How many there were.
     pub count: u32,
-    /// What the last one was, in words; empty if there was none.
-    pub last: String<200>,
+    /// What the last fault was, in words; empty if there was none.
+    pub last: &'static str,
 }
 
-impl Faults {
-    /// Reads the trace.
+impl Restarts {
+    /// Reads the trace. To be called once: the second call has no room for the words any more.
     pub fn read() -> Self {
         let trace = load();
-        let mut last = String::new();
-        if trace.count > 0 {
-            // A text longer than the buffer is cut; there is nothing better to do with it.
-            let _ = describe(&trace, &mut last);
+        if trace.count == 0 {
+            return Self { count: 0, last: "" };
         }
-        Self { count: trace.count, last }
+        let Some(last) = cortex_m::singleton!(: Text = Text::new()) else {
+            return Self { count: trace.count, last: "" };
+        };
+        // A text longer than the buffer is cut; there is nothing better to do with it.
+        let _ = describe(&trace, last);
+        Self { count: trace.count, last: last.as_str() }
     }
 }
 
-fn describe(trace: &Trace, out: &mut String<200>) -> core::fmt::Result {
+fn describe(trace: &Trace, out: &mut Text) -> core::fmt::Result {
     match trace.kind {
         KIND_PANIC => {
             let bytes = trace.message.get(..trace.message_len as usize).unwrap_or(&trace.message);

@@ -1,8 +1,11 @@
-//! The boards: pins, clocks and buses, nothing else. A board is one module with these names:
+//! The boards: pins, clocks, buses and the chips on them, nothing else. A board is one module with these names:
 //!
-//! - `NAME`, `Board::take() -> Option<Board>` with the fields `bus` (embedded-hal [`I2c`](embedded_hal::i2c::I2c)),
-//!   `console` (`read`, `write`, `try_write`), `clock` (`now_ms`, `sample_due`) and `panel` (`light`, `button_pressed`);
-//! - `Delay` (embedded-hal [`DelayNs`](embedded_hal::delay::DelayNs)) and `sleep()`, which waits for an interrupt.
+//! - `NAME` and `Board::take() -> Option<Board>`, whose fields are
+//!   `sensor` ([`Magnetometer`](ironout_drivers::Magnetometer)),
+//!   `store` ([`Store`](ironout::store::Store)),
+//!   `console` (`read() -> Option<u8>` and [`core::fmt::Write`], neither of which waits for long),
+//!   `clock` (`now_ms() -> u64`) and `panel` (`set_light(bool)`, `button_down() -> bool`);
+//! - `sleep()`, which waits for an interrupt, at most a millisecond.
 
 #[cfg(feature = "board-mps2")]
 mod mps2;

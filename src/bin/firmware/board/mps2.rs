@@ -8,12 +8,20 @@ mod sbcon;
 mod time;
 mod uart;
 
+use core::cell::RefCell;
 use defmt_semihosting as _;
+use embedded_hal_bus::i2c::RefCellDevice;
+use ironout::store::StorageSlots;
+use ironout_drivers::at24c::{At24c, Geometry};
+use ironout_drivers::lsm303dlhc::{Config, DataRate, Lsm303dlhc, Range, TemperatureFormat};
 use registers::Register;
+use sbcon::Sbcon;
 
-pub use sbcon::Sbcon as Bus;
-pub use time::{Clock, Delay};
+pub use time::Clock;
 pub use uart::Uart as Console;
+
+/// One user's share of the I²C bus.
+type Bus = RefCellDevice<'static, Sbcon>;
 
 /// The board's name, for the console.
 pub const NAME: &str = "mps2";
@@ -24,13 +32,24 @@ const LEDS: Register = unsafe { Register::new(FPGAIO, 0x0) };
 // SAFETY: the FPGA's register of two buttons on the AN386 image.
 const BUTTONS: Register = unsafe { Register::new(FPGAIO, 0x8) };
 
+/// How the sensor is set up. ±1.9 G: the emulated sensor takes fields from zero up only, so that every axis carries a bias
+/// of some 93 µT, and with the field on top ±1.3 G would be exceeded. The temperature stands where QEMU puts it.
+const SENSOR: Config = Config {
+    range: Range::Gauss1_9,
+    rate: DataRate::Hz75,
+    temperature: true,
+    temperature_format: TemperatureFormat::RightJustified,
+};
+
 /// Everything the firmware uses of the board.
 pub struct Board {
-    /// The I²C bus with the sensor and the EEPROM.
-    pub bus: Bus,
+    /// The magnetometer.
+    pub sensor: Lsm303dlhc<Bus>,
+    /// Where the calibration is kept: the first KiB of the EEPROM.
+    pub store: StorageSlots<At24c<Bus>>,
     /// The serial console.
     pub console: Console,
-    /// The clock that says when to sample.
+    /// The clock.
     pub clock: Clock,
     /// Light and button.
     pub panel: Panel,
@@ -40,7 +59,16 @@ impl Board {
     /// Sets the board up. `None` at the second call: its peripherals exist once.
     pub fn take() -> Option<Self> {
         let console = Console::new()?;
-        let board = Self { bus: Bus::new(), console, clock: Clock::new(), panel: Panel::new() };
+        let bus = cortex_m::singleton!(: RefCell<Sbcon> = RefCell::new(Sbcon::new()))?;
+        let bus: &'static RefCell<Sbcon> = bus;
+        let eeprom = At24c::new(RefCellDevice::new(bus), Geometry::AT24C32).ok()?;
+        let board = Self {
+            sensor: Lsm303dlhc::new(RefCellDevice::new(bus), SENSOR),
+            store: StorageSlots::new(eeprom, 0),
+            console,
+            clock: Clock::new(),
+            panel: Panel::new(),
+        };
         for interrupt in [Interrupt::UartReceive, Interrupt::UartTransmit, Interrupt::Timer0] {
             // SAFETY: everything the handlers use is set up, and no critical section relies on masks.
             unsafe { cortex_m::peripheral::NVIC::unmask(interrupt) };
@@ -49,35 +77,28 @@ impl Board {
     }
 }
 
-/// Sleeps until an interrupt: a byte, room for one, or the sample timer.
+/// Sleeps until an interrupt: a byte, room for one, or the timer's millisecond.
 pub fn sleep() {
     cortex_m::asm::wfi();
 }
 
 /// The light and the button.
-pub struct Panel {
-    /// The button's level at the last two looks.
-    held: [bool; 2],
-}
+pub struct Panel(());
 
 impl Panel {
     fn new() -> Self {
         LEDS.write(0);
-        Self { held: [false; 2] }
+        Self(())
     }
 
-    /// Sets the two lights.
-    pub fn light(&mut self, first: bool, second: bool) {
-        LEDS.write(u32::from(first) | u32::from(second) << 1);
+    /// Switches the light.
+    pub fn set_light(&mut self, on: bool) {
+        LEDS.write(u32::from(on));
     }
 
-    /// Whether the button went down. To be asked once a sample period: a level counts once it has stood for two of them, which
-    /// no bounce does. (The emulator's buttons are never pressed.)
-    pub fn button_pressed(&mut self) -> bool {
-        let down = BUTTONS.read() & 1 != 0;
-        let [before_last, last] = self.held;
-        self.held = [last, down];
-        down && last && !before_last
+    /// Whether the button is down, bounces and all. (The emulator's buttons never are.)
+    pub fn button_down(&self) -> bool {
+        BUTTONS.read() & 1 != 0
     }
 }
 

@@ -110,7 +110,9 @@ impl Sbcon {
         Ok(())
     }
 
-    /// One bit out, and the line's state while the clock is up.
+    /// One bit out, and the line's state while the clock is up. Kept out of line: unrolled eight times over in every
+    /// caller it would be most of the bus's code.
+    #[inline(never)]
     fn bit(&mut self, high: bool) -> Result<bool, Error> {
         if high {
             LINES.write(SDA)

@@ -24,6 +24,7 @@ const RX_FULL: u32 = 1 << 1;
 const RX_OVERRUN: u32 = 1 << 3;
 /// Transmit and receive, each with its interrupt.
 const ENABLE_ALL: u32 = 0b1111;
+const RECEIVE_INTERRUPT: u32 = 1 << 3;
 const INTERRUPT_TX: u32 = 1 << 0;
 const INTERRUPT_RX: u32 = 1 << 1;
 
@@ -32,9 +33,8 @@ const RX_BYTES: usize = 512;
 /// Holds the longest reply, so that printing it does not hold up the samples.
 const TX_BYTES: usize = 2048;
 
-/// How long a reply waits for room, before the rest of it is dropped. A terminal that stopped reading must not stop the
-/// board.
-const WRITE_LIMIT_US: u32 = 500_000;
+/// How long text waits for room. A terminal that stopped reading must not stop the board.
+const WRITE_LIMIT_US: u32 = 200_000;
 
 /// Stands in for bytes that were lost. The console refuses a line that holds it, so that a command with a hole in it is
 /// never carried out as another one.
@@ -52,16 +52,24 @@ static HANDLERS: Mutex<RefCell<Option<Handlers>>> = Mutex::new(RefCell::new(None
 /// is known.
 static RX_LOST: AtomicBool = AtomicBool::new(false);
 
-/// The handler of the receive interrupt.
+/// The handler of the receive interrupt, and what goes on receiving after a pause.
+///
+/// A full buffer pauses it: the byte stays in the port, where it holds up a sender with flow control (the emulator's
+/// socket), and where a real line runs it over, which the port tells.
 pub extern "C" fn on_receive() {
     INTERRUPT.write(INTERRUPT_RX);
     critical_section::with(|section| {
         let mut handlers = HANDLERS.borrow_ref_mut(section);
         let Some(handlers) = handlers.as_mut() else { return };
+        CONTROL.write(ENABLE_ALL);
         while STATE.read() & RX_FULL != 0 {
-            let byte = DATA.read() as u8;
-            if RX_LOST.load(Ordering::Relaxed) || handlers.received.enqueue(byte).is_err() {
-                RX_LOST.store(true, Ordering::Relaxed);
+            if RX_LOST.load(Ordering::Relaxed) {
+                DATA.read();
+            } else if handlers.received.ready() {
+                let _ = handlers.received.enqueue(DATA.read() as u8);
+            } else {
+                CONTROL.write(ENABLE_ALL & !RECEIVE_INTERRUPT);
+                break;
             }
         }
         if STATE.read() & RX_OVERRUN != 0 {
@@ -88,6 +96,18 @@ pub extern "C" fn on_transmit() {
 pub struct Uart {
     received: Consumer<'static, u8>,
     to_send: Producer<'static, u8>,
+    flow: Flow,
+}
+
+/// Whether the other end takes what is sent.
+#[derive(PartialEq, Eq)]
+enum Flow {
+    /// It does.
+    Open,
+    /// It took nothing for [`WRITE_LIMIT_US`]: text is dropped until all that was queued has gone.
+    Stalled,
+    /// It takes again; the rest of the line that was cut is still dropped, so that what follows is whole.
+    SkippingLine,
 }
 
 impl Uart {
@@ -102,7 +122,7 @@ impl Uart {
         });
         BAUD_DIVIDER.write(25_000_000 / 115_200);
         CONTROL.write(ENABLE_ALL);
-        Some(Self { received: rx_out, to_send: tx_in })
+        Some(Self { received: rx_out, to_send: tx_in, flow: Flow::Open })
     }
 
     /// The next byte received; [`LOST`] where some are missing.
@@ -110,35 +130,45 @@ impl Uart {
         if let Some(byte) = self.received.dequeue() {
             return Some(byte);
         }
-        RX_LOST.swap(false, Ordering::Relaxed).then_some(LOST)
+        if RX_LOST.swap(false, Ordering::Relaxed) {
+            return Some(LOST);
+        }
+        on_receive();
+        self.received.dequeue()
     }
 
-    /// Queues all of `bytes`, or nothing and `false` if there is no room: for stream lines, of which a whole one is better
-    /// missing than half of one sent.
-    pub fn try_write(&mut self, bytes: &[u8]) -> bool {
-        if self.to_send.capacity() - self.to_send.len() < bytes.len() {
-            return false;
-        }
-        for &byte in bytes {
-            let _ = self.to_send.enqueue(byte);
-        }
-        on_transmit();
-        true
-    }
-
-    /// Queues all of `bytes`, waiting for room if need be: for replies. `false` if the other end took nothing for
-    /// [`WRITE_LIMIT_US`].
-    pub fn write(&mut self, bytes: &[u8]) -> bool {
-        for &byte in bytes {
-            let since = time::counter();
-            while self.to_send.enqueue(byte).is_err() {
-                on_transmit();
-                if time::counter().wrapping_sub(since) > WRITE_LIMIT_US * time::TICKS_PER_US {
-                    return false;
+    /// Queues a byte, waiting for room if need be.
+    fn put(&mut self, byte: u8) {
+        match self.flow {
+            Flow::Open => {}
+            Flow::Stalled if !self.to_send.is_empty() => return,
+            Flow::Stalled | Flow::SkippingLine => {
+                self.flow = if byte == b'\n' { Flow::Open } else { Flow::SkippingLine };
+                // The cut line gets an end of its own, so that the next one begins a line.
+                if self.flow == Flow::Open {
+                    let _ = self.to_send.enqueue(byte);
                 }
+                return;
             }
         }
+        let since = time::counter();
+        while self.to_send.enqueue(byte).is_err() {
+            on_transmit();
+            if time::counter().wrapping_sub(since) > WRITE_LIMIT_US * time::TICKS_PER_US {
+                self.flow = Flow::Stalled;
+                return;
+            }
+        }
+    }
+}
+
+impl core::fmt::Write for Uart {
+    /// Queues the text. It never fails: text that the other end does not take is lost, whole lines of it.
+    fn write_str(&mut self, text: &str) -> core::fmt::Result {
+        for byte in text.bytes() {
+            self.put(byte);
+        }
         on_transmit();
-        true
+        Ok(())
     }
 }
