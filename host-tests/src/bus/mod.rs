@@ -69,11 +69,13 @@ pub trait Chip {
     fn stop(&mut self, clock: &Clock);
 }
 
+type Chips = Rc<RefCell<Vec<Rc<RefCell<dyn Chip>>>>>;
+
 /// The bus. Clones share the wires, so that several drivers can own one.
 #[derive(Clone, Default)]
 pub struct SimBus {
     clock: Clock,
-    chips: Rc<RefCell<Vec<Rc<RefCell<dyn Chip>>>>>,
+    chips: Chips,
 }
 
 impl SimBus {
