@@ -144,7 +144,13 @@ impl PoweredOff {
         // The console is connected before the first instruction runs, so that nothing of it is lost.
         let console = process.connect(&bench, UART, "its console was being connected")?;
         let qmp = process.connect(&bench, QMP, "its machine protocol was being connected")?;
-        let mut emulator = Emulator { console: Console::new(console), qmp: Qmp::new(qmp)?, process, bench };
+        let mut emulator = Emulator {
+            console: Console::new(console),
+            qmp: Qmp::new(qmp)?,
+            last_values: None,
+            process,
+            bench,
+        };
         emulator.resume()?;
         Ok(emulator)
     }
@@ -195,6 +201,8 @@ pub struct Emulator {
     /// The board's console.
     pub console: Console,
     qmp: Qmp,
+    /// What the last line that [`Emulator::expose`] returned says.
+    last_values: Option<String>,
     // Declared before the bench: the process has to end before its directory goes.
     process: Process,
     bench: Bench,
@@ -212,22 +220,39 @@ impl Emulator {
     /// # Errors
     /// [`Error::Field`] for an axis outside 0 to [`MAX_FIELD_UT`], which the emulated sensor refuses.
     pub fn set_field_ut(&mut self, field_ut: [f64; 3]) -> Result<(), Error> {
-        if !field_ut.iter().all(|axis| (0.0..=MAX_FIELD_UT).contains(axis)) {
-            return Err(Error::Field { given: field_ut });
-        }
+        check(field_ut)?;
         self.pause()?;
+        self.write_field(field_ut)?;
+        self.resume()
+    }
+
+    fn write_field(&mut self, field_ut: [f64; 3]) -> Result<(), Error> {
         for (property, axis_ut) in ["mag-x", "mag-y", "mag-z"].into_iter().zip(field_ut) {
             self.qmp.set("/machine/peripheral/mag", property, (axis_ut * 1_000.0).round() as i64)?;
         }
-        self.resume()
+        Ok(())
     }
 
     /// Sets the field and waits until the board has sampled it, which takes a stream to be on. Returns the stream's lines
     /// since the last call, the last of them of the new field.
     pub fn expose(&mut self, field_ut: [f64; 3]) -> Result<Vec<String>, Error> {
+        check(field_ut)?;
+        self.pause()?;
         let mut lines = self.console.drain(Duration::from_millis(1))?;
-        self.set_field_ut(field_ut)?;
-        lines.push(self.console.next_streamed(SAMPLE_LIMIT)?);
+        self.write_field(field_ut)?;
+        self.resume()?;
+        // Of the next line it is not known whether its sample was taken before the pause. There is no noise, so a line that
+        // says something new is of the new field; after any other the second one is.
+        let before = lines.last().map(|line| values(line)).or(self.last_values.take());
+        let mut line = self.console.next_streamed(SAMPLE_LIMIT)?;
+        let mark = |text: &str| text.split(',').next().map(str::to_owned);
+        let is_new = before.is_some_and(|old| mark(&old) == mark(&line) && old != values(&line));
+        if !is_new {
+            lines.push(line);
+            line = self.console.next_streamed(SAMPLE_LIMIT)?;
+        }
+        self.last_values = Some(values(&line));
+        lines.push(line);
         Ok(lines)
     }
 
@@ -292,4 +317,20 @@ impl Emulator {
         self.process.kill().map_err(Error::io("kill QEMU"))?;
         Ok(PoweredOff { bench: self.bench })
     }
+}
+
+/// Whether the emulated sensor takes this field.
+fn check(field_ut: [f64; 3]) -> Result<(), Error> {
+    if field_ut.iter().all(|axis| (0.0..=MAX_FIELD_UT).contains(axis)) {
+        Ok(())
+    } else {
+        Err(Error::Field { given: field_ut })
+    }
+}
+
+/// A line of a stream without its time: what it says.
+fn values(line: &str) -> String {
+    let mut words = line.splitn(3, ',');
+    let (mark, _time, rest) = (words.next(), words.next(), words.next());
+    format!("{},{}", mark.unwrap_or_default(), rest.unwrap_or_default())
 }
