@@ -4,6 +4,8 @@ use ironout::calibration::Calibration;
 use ironout::fit::{Method, Model};
 use ironout::record::{MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, is_newer};
 use ironout::store::{self, Slot, SlotState, Slots, Store, StoreError};
+use proptest::collection::vec;
+use proptest::prelude::*;
 
 fn record(offset_x_ut: f64) -> Record {
     Record {
@@ -127,6 +129,30 @@ fn a_newer_layout_is_told_from_damage_and_unsound_numbers_are_refused() {
     let mut bad = good;
     bad[5] = 99;
     assert_eq!(Record::decode(&with_crc(bad)), Err(RecordError::Unsound { sequence: 9 }));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_bytes_are_refused_by_name_or_read(
+        bytes in prop_oneof![
+            vec(any::<u8>(), 0..600),
+            // A record with a few bytes changed and its checksum made right again.
+            vec((0..RECORD_BYTES - 4, any::<u8>()), 0..6).prop_map(|changes| {
+                let mut bytes = record(2.0).encode().to_vec();
+                changes.into_iter().for_each(|(at, byte)| bytes[at] = byte);
+                with_crc(bytes)
+            }),
+        ]
+    ) {
+        if let Ok(record) = Record::decode(&bytes) {
+            // The reserved bytes are written as 0 whatever they were.
+            let again = Record::decode(&record.encode());
+            prop_assert_eq!(again, Ok(record));
+            prop_assert!(record.calibration.is_sound());
+        }
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod common;
 
 use common::{accepted_board, calibrate, last, value, world_board};
 use ironout::device::{ButtonEvent, Light, SensorFault};
+use ironout::session::Session;
 use ironout_host_tests::board::SimBoard;
 use ironout_host_tests::world::Motion;
 
@@ -267,6 +268,29 @@ fn the_method_and_the_field_of_the_console_are_those_of_the_fit() {
         let show = last(&mut board, "cal show");
         assert!(show.starts_with(&format!("ok field_ut=41.25 method={method} ")), "{show}");
     }
+}
+
+#[test]
+fn the_raw_stream_calibrates_a_host_to_the_same_bits() {
+    let mut board = world_board(Motion::Hand, 16);
+    board.run_ms(100);
+    board.command("stream raw");
+    last(&mut board, "cal start");
+    board.run_ms(80_000);
+    let streamed = board.received();
+    let mut host = Session::new(*board.device.session().config());
+    host.start();
+    for line in &streamed {
+        let numbers: Vec<i64> = line[2..].split(',').map(|number| number.parse().unwrap()).collect();
+        let counts = [1, 2, 3].map(|place| i16::try_from(numbers[place]).unwrap());
+        host.push(counts, counts.contains(&-4096));
+    }
+    let verdict = last(&mut board, "cal stop");
+    assert!(verdict.starts_with("ok verdict=accepted"), "{verdict}");
+    host.stop().unwrap();
+    assert_eq!(host.solution(), board.device.session().solution());
+    let status = last(&mut board, "status");
+    assert_ne!(value(&status, "skipped"), "0", "a hand rests now and then: {status}");
 }
 
 #[test]
