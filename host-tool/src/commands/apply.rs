@@ -3,7 +3,7 @@
 use crate::cal_file::CalFile;
 use crate::cli::ApplyArgs;
 use crate::failure::{EXIT_OK, Failure, Outcome};
-use crate::input::{Log, plain_lines};
+use crate::input::{Lines, Log};
 use crate::output::{json_number, line};
 use crate::pipeline::spread_of_magnitude;
 use crate::{atomic, progress::Progress};
@@ -63,17 +63,19 @@ fn write(log: &Log, calibration: &Calibration<f64>, output: &Path) -> Outcome<()
             Failure::usage("this would replace the log itself: name another file with -o").in_file(output)
         );
     }
-    let mut lines = plain_lines(&log.path)?;
+    let file = std::fs::File::open(&log.path).map_err(|error| Failure::io("open", &log.path, &error))?;
+    let mut lines = Lines::new(file);
     let total = std::fs::metadata(&log.path).map_or(0, |metadata| metadata.len());
     let mut progress = Progress::new("writing", total, true);
     let mut trouble = None;
     let written = atomic::write(output, |out| {
         let (mut row, mut done) = (None, 0);
-        while let Some(text) = lines.next_line()? {
+        while let Some(line) = lines.next_line().map_err(std::io::Error::other)? {
+            let text = line.text;
             done += text.len() as u64 + 1;
             out.write_all(text)?;
-            // As the reader has it: comments and empty lines are no rows, the first other line is the header.
-            if text.is_empty() || text[0] == b'#' {
+            // The first line that is no comment is the header.
+            if !line.is_row() {
                 writeln!(out)?;
                 continue;
             }

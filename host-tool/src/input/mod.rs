@@ -13,7 +13,7 @@ mod store;
 
 pub use columns::parse_map;
 pub use guard::MAX_LINE_BYTES;
-pub use lines::{Lines, plain_lines};
+pub use lines::Lines;
 pub use mount::{FORMS as ROTATE_FORMS, Mounting};
 pub use reader::{read_log, read_stream};
 

@@ -1,7 +1,7 @@
 //! From the bytes of a CSV file to a [`Log`].
 
 use super::columns::{self, Column, Role};
-use super::guard::{Guard, Stop};
+use super::lines::{Cutter, Lines};
 use super::mount::{determinant, rotate};
 use super::store::Store;
 use super::{Covariate, Log, ReadOptions};
@@ -28,25 +28,22 @@ pub fn read_log(path: &Path, options: &ReadOptions) -> Outcome<Log> {
 
 /// Reads a log from any source of bytes; `size_bytes` (0: unknown) only sizes buffers and the progress bar.
 pub fn read_stream(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Outcome<Log> {
-    let mut csv = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .comment(Some(b'#'))
-        .buffer_capacity(1 << 16)
-        .from_reader(Guard::new(source));
-    let mut record = csv::ByteRecord::new();
-    if !csv.read_byte_record(&mut record).map_err(broken)? {
+    let mut lines = Lines::new(source);
+    let mut cutter = Cutter::new();
+    let Some(first) = lines.next_row()? else {
         return Err(Failure::usage(
             "the file is empty: expected a header line such as t_s,mx_ut,my_ut,mz_ut and one row a sample",
         ));
-    }
-    let header_line = line_of(&record);
-    let header: Vec<String> =
-        record.iter().map(|cell| String::from_utf8_lossy(cell.trim_ascii()).into_owned()).collect();
+    };
+    let header_line = first.number;
+    let rows_guess = (size_bytes / (first.text.len().max(16) as u64)).min(4_000_000) as usize;
+    let cells = cutter.cut(first.text);
+    let header: Vec<String> = (0..cells)
+        .map(|i| String::from_utf8_lossy(cutter.cell(first.text, i).trim_ascii()).into_owned())
+        .collect();
     let columns = columns::interpret(&header, &options.map, header_line)?;
     let plan = Plan::new(&header, &columns, options, header_line)?;
 
-    let rows_guess = (size_bytes / (record.as_slice().len().max(16) as u64)).min(4_000_000) as usize;
     let mut stores: Vec<(Store, bool)> = columns
         .into_iter()
         .zip(header)
@@ -59,14 +56,14 @@ pub fn read_stream(source: impl Read, size_bytes: u64, options: &ReadOptions) ->
     let mut progress = Progress::new("reading", size_bytes, options.progress);
     let mut rows = 0_usize;
     let mut last_time = f64::NEG_INFINITY;
-    while csv.read_byte_record(&mut record).map_err(broken)? {
-        let line = line_of(&record);
-        if record.len() != stores.len() {
-            let at_end = csv.is_done();
-            return Err(ragged(record.len(), stores.len(), line, at_end));
+    while let Some(row) = lines.next_row()? {
+        let (text, line) = (row.text, row.number);
+        let cells = cutter.cut(text);
+        if cells != stores.len() {
+            return Err(ragged(cells, stores.len(), line, !row.ended));
         }
-        for (cell, (store, strict)) in record.iter().zip(&mut stores) {
-            store.push(cell, *strict, line)?;
+        for (index, (store, strict)) in stores.iter_mut().enumerate() {
+            store.push(cutter.cell(text, index), *strict, line)?;
         }
         if let Some((store, _)) = plan.time.and_then(|index| stores.get(index)) {
             let time = store.values.last().copied().unwrap_or(last_time);
@@ -82,7 +79,7 @@ pub fn read_stream(source: impl Read, size_bytes: u64, options: &ReadOptions) ->
         }
         rows += 1;
         if rows.is_multiple_of(4096) {
-            progress.at(csv.get_ref().bytes());
+            progress.at(lines.bytes());
         }
     }
     drop(progress);
@@ -92,20 +89,6 @@ pub fn read_stream(source: impl Read, size_bytes: u64, options: &ReadOptions) ->
         );
     }
     plan.finish(stores.into_iter().map(|(store, _)| store).collect(), rows, options)
-}
-
-fn line_of(record: &csv::ByteRecord) -> u64 {
-    record.position().map_or(0, csv::Position::line)
-}
-
-fn broken(error: csv::Error) -> Failure {
-    if let csv::ErrorKind::Io(io) = error.kind() {
-        if let Some(stop) = io.get_ref().and_then(|inner| inner.downcast_ref::<Stop>()) {
-            return Failure::usage(stop.to_string()).at_line(stop.line);
-        }
-        return Failure::usage(format!("cannot read: {io}"));
-    }
-    Failure::usage(format!("cannot read: {error}"))
 }
 
 fn ragged(found: usize, expected: usize, line: u64, at_end: bool) -> Failure {
