@@ -16,7 +16,7 @@ pub fn print(log: &Log, fitted: &Fitted, expected: &Expected) {
         errors(fitted, report, expected);
         line("");
     }
-    verdict(fitted);
+    verdict(log, fitted);
 }
 
 fn samples(log: &Log, fitted: &Fitted) {
@@ -120,7 +120,21 @@ fn errors(fitted: &Fitted, report: &FitReport, expected: &Expected) {
     }
 }
 
-fn verdict(fitted: &Fitted) {
+/// An error this many times the floor by noise is worth an explanation.
+const UNEXPLAINED: f64 = 1.2;
+
+fn verdict(log: &Log, fitted: &Fitted) {
     line(if fitted.accepted { "ACCEPTED" } else { "REFUSED" });
     fitted.reasons.iter().for_each(|reason| line(&format!("  {reason}")));
+    let path = log.path.display();
+    let beyond = match (&fitted.report, fitted.residual_floor_ut) {
+        (Some(report), Some(floor)) if floor > 0.0 => report.rms_ut / floor,
+        _ => 1.0,
+    };
+    if beyond > UNEXPLAINED {
+        line(&format!(
+            "  the error is {beyond:.1} times what noise leaves: something is missing in the model; \
+             ironout diagnose {path} looks for it"
+        ));
+    }
 }

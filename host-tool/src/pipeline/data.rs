@@ -3,6 +3,7 @@
 use crate::input::Log;
 use ironout::calibration::{Calibration, norm};
 use ironout::fit::FitError;
+use ironout::gate::{RestDetector, block_samples};
 use ironout::moments::Moments;
 use ironout::scatter::{Scatter, ScatterBuilder};
 
@@ -58,9 +59,39 @@ impl<'a> Data<'a> {
         samples.iter().map(|&s| norm(calibration.apply(self.field(s))) - calibration.field_ut).collect()
     }
 
-    /// The samples that the core's gate lets through: those of a moving board.
+    /// The samples that the core's gate lets through: those of a moving board, block by block.
     pub fn moving(&self) -> Vec<u32> {
-        (0..self.rows.len() as u32).collect()
+        let mut detector = RestDetector::new();
+        let mut moving = Vec::with_capacity(self.rows.len());
+        let samples: Vec<u32> = (0..self.rows.len() as u32).collect();
+        for block in samples.chunks(usize::from(block_samples(self.rate_hz()))) {
+            let (mean_ut, variance_ut2) = self.mean_and_variance(block);
+            if detector.is_motion(mean_ut, variance_ut2, block.len() as u64) {
+                moving.extend_from_slice(block);
+            }
+        }
+        moving
+    }
+
+    /// Samples a second, over the whole log; NaN without a time column.
+    pub fn rate_hz(&self) -> f64 {
+        let seconds = self.log.time_s.as_ref().and_then(|time| Some(time.last()? - time.first()?));
+        seconds.map_or(f64::NAN, |seconds| self.rows.len() as f64 / seconds)
+    }
+
+    fn mean_and_variance(&self, block: &[u32]) -> ([f64; 3], f64) {
+        let n = block.len() as f64;
+        let mut sum = [0.0; 3];
+        for &sample in block {
+            self.field(sample).iter().zip(&mut sum).for_each(|(value, sum)| *sum += value);
+        }
+        let mean = sum.map(|sum| sum / n);
+        let squares: f64 = block
+            .iter()
+            .flat_map(|&sample| self.field(sample).into_iter().zip(mean))
+            .map(|(value, mean)| (value - mean) * (value - mean))
+            .sum();
+        (mean, squares / (3.0 * (n - 1.0).max(1.0)))
     }
 }
 

@@ -7,7 +7,7 @@ use super::{Data, fit_rows};
 use ironout::fit::{FitOptions, FitReport};
 
 /// Residuals beyond this many robust standard deviations are gross.
-const GROSS: f64 = 6.0;
+const GROSS: f64 = 5.0;
 /// Of a normal distribution, σ over the median absolute deviation.
 const SIGMA_PER_MAD: f64 = 1.4826;
 /// More than this share is not a fault of single samples.
@@ -113,8 +113,13 @@ fn clipping_shows(data: &Data, used: &[u32], clipped: &[(u32, usize)], options: 
     median(&mut residual) > 2.0 * spread
 }
 
+/// Refits without gross outliers until the same samples remain. Nine parameters where they can be had: a lower order
+/// would call the difference between the axes an outlier.
 fn without_outliers(data: &Data, samples: &[u32], options: &FitOptions) -> (Vec<u32>, Option<usize>) {
-    let Some(mut report) = start(data, samples, options) else { return (samples.to_vec(), None) };
+    let full = FitOptions { lower_orders: false, ..*options };
+    let refit =
+        |samples: &[u32]| fit_rows(data, samples, &full).or_else(|_| fit_rows(data, samples, options)).ok();
+    let Some(mut report) = start(data, samples, refit) else { return (samples.to_vec(), None) };
     let step = data.step_ut.iter().copied().fold(0.0, f64::max);
     let mut used = samples.to_vec();
     for _ in 0..ROUNDS {
@@ -136,17 +141,17 @@ fn without_outliers(data: &Data, samples: &[u32], options: &FitOptions) -> (Vec<
         if settled {
             break;
         }
-        match fit_rows(data, &used, options) {
-            Ok(better) => report = better,
-            Err(_) => break,
+        match refit(&used) {
+            Some(better) => report = better,
+            None => break,
         }
     }
     (used, None)
 }
 
 /// A first fit: of everything, or where that is none, of what lies within a few radii of the middle.
-fn start(data: &Data, samples: &[u32], options: &FitOptions) -> Option<FitReport> {
-    if let Ok(report) = fit_rows(data, samples, options) {
+fn start(data: &Data, samples: &[u32], refit: impl Fn(&[u32]) -> Option<FitReport>) -> Option<FitReport> {
+    if let Some(report) = refit(samples) {
         return Some(report);
     }
     let middle =
@@ -157,7 +162,7 @@ fn start(data: &Data, samples: &[u32], options: &FitOptions) -> Option<FitReport
     };
     let limit = 4.0 * median(&mut samples.iter().map(|s| distance(*s)).collect::<Vec<_>>());
     let near: Vec<u32> = samples.iter().copied().filter(|s| distance(*s) <= limit).collect();
-    fit_rows(data, &near, options).ok()
+    refit(&near)
 }
 
 /// Median and robust standard deviation.

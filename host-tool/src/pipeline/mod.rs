@@ -3,7 +3,7 @@
 //! 1. a triple that repeats is one sample;
 //! 2. faults of the data (clipping, gross outliers) are set aside, by a fit that is repeated without them;
 //! 3. a resting board adds nothing (the core's gate);
-//! 4. the core's fit, with the number of *independent* samples taken from the residual's autocorrelation;
+//! 4. the core's fit, with the number of *independent* samples taken from the residual's second differences;
 //! 5. held-out error, noise floor, coverage, and the core's verdict.
 
 mod data;
@@ -19,6 +19,7 @@ pub use result::{Fitted, spread_of_magnitude};
 use crate::cli::Expected;
 use crate::input::Log;
 use ironout::fit::{FitError, FitOptions, FitReport, Method, fit};
+use ironout::whiteness::independent_share;
 
 /// What to fit and how.
 #[derive(Debug, Clone, Copy, Default)]
@@ -36,16 +37,14 @@ pub fn run(log: &Log, options: &Options) -> Fitted {
         FitOptions { method: options.method, field_ut: options.expected.field_ut, ..Default::default() };
     let moving = data.moving();
     let (used, aside) = faults::set_aside(&data, &moving, &core);
-    let mut fitted = Fitted::new(&data, moving.len(), &aside);
+    let mut fitted = Fitted::new(&data, moving.len(), &aside, options);
     match fit_rows(&data, &used, &core) {
         Err(error) => fitted.refuse(error),
         Ok(first) => {
-            let residual = data.residual(&used, &first.calibration);
-            let effective = used.len() as f64 / floor::correlation_samples(&residual);
-            let core = FitOptions { effective_samples: Some(effective), ..core };
+            let core = FitOptions { effective_samples: effective_samples(&data, &used, &first), ..core };
             match fit_rows(&data, &used, &core) {
                 Err(error) => fitted.refuse(error),
-                Ok(report) => fitted.complete(&data, &used, &core, report, options),
+                Ok(report) => fitted.complete(&data, &used, &core, report),
             }
         }
     }
@@ -57,4 +56,14 @@ fn fit_rows(data: &Data, samples: &[u32], options: &FitOptions) -> Result<FitRep
     let mut sums = data.sums();
     samples.iter().for_each(|&sample| sums.push(data, sample));
     fit(&sums.finish(data)?, options)
+}
+
+/// Independent samples among those fitted: where the residual's second differences are smaller than its noise, the
+/// noise is slow, and averaging removes less of it.
+fn effective_samples(data: &Data, used: &[u32], report: &FitReport) -> Option<f64> {
+    let residual = data.residual(used, &report.calibration);
+    let gain = report.residual_floor_ut / report.noise_ut;
+    let white_ut = floor::second_difference_sigma(used, &residual)? / gain;
+    let share = independent_share(white_ut * white_ut, report.noise_ut * report.noise_ut);
+    Some((used.len() as f64 * share).max(1.0))
 }

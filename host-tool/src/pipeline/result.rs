@@ -2,12 +2,17 @@
 
 use super::{Data, FaultKind, Options, SetAside, floor, holdout};
 use crate::cal_file::{CalFile, FitObject, Information, StdErrors, VERSION};
+use crate::cli::Expected;
 use ironout::calibration::norm;
+use ironout::coverage::CoverageMap;
 use ironout::fit::{FitError, FitOptions, FitReport};
+use ironout::quality::{Reason, Verdict, judge};
 
 /// The outcome of [`super::run`], for words and for JSON.
 #[derive(Debug, Clone)]
 pub struct Fitted {
+    /// What was known of the field.
+    pub expected: Expected,
     /// Rows of the log.
     pub rows: usize,
     /// Samples: rows without repeats.
@@ -45,7 +50,7 @@ pub struct Fitted {
 }
 
 impl Fitted {
-    pub(super) fn new(data: &Data, moving: usize, aside: &SetAside) -> Self {
+    pub(super) fn new(data: &Data, moving: usize, aside: &SetAside, options: &Options) -> Self {
         let mut counts: Vec<(FaultKind, usize)> = Vec::new();
         for (_, kind) in &aside.samples {
             match counts.iter_mut().find(|(known, _)| known == kind) {
@@ -54,6 +59,7 @@ impl Fitted {
             }
         }
         Fitted {
+            expected: options.expected,
             rows: data.log.rows,
             samples: data.rows.len(),
             moving,
@@ -75,17 +81,10 @@ impl Fitted {
     }
 
     pub(super) fn refuse(&mut self, error: FitError) {
-        self.reasons.push(error.to_string());
+        self.reasons = Verdict::of_error(error).reasons.iter().map(Reason::to_string).collect();
     }
 
-    pub(super) fn complete(
-        &mut self,
-        data: &Data,
-        used: &[u32],
-        core: &FitOptions,
-        report: FitReport,
-        options: &Options,
-    ) {
+    pub(super) fn complete(&mut self, data: &Data, used: &[u32], core: &FitOptions, report: FitReport) {
         let calibration = report.calibration;
         let residual = data.residual(used, &calibration);
         let field_ut = calibration.field_ut;
@@ -100,13 +99,28 @@ impl Fitted {
         self.noise_floor_ut = Some(noise);
         self.residual_floor_ut = Some(noise * gain);
 
-        if let Some(earth) = options.expected.earth {
+        if let Some(earth) = self.expected.earth {
             let level_ut = field_ut * earth.dip_deg.to_radians().cos();
             let error_ut = report.predicted_error_ut.hypot(report.rms_ut);
             self.heading_error_deg = Some(error_ut.atan2(level_ut.abs()).to_degrees());
         }
-        self.accepted = report.predicted_error_ut <= 0.01 * field_ut && report.rms_ut <= 0.05 * field_ut;
+        let mut map = CoverageMap::new();
+        for &sample in used {
+            map.add(calibration.apply(data.field(sample)).map(|value| value as f32));
+        }
+        let coverage = map.coverage();
+        self.coverage = Some(f64::from(coverage.fraction));
+        self.gap_deg = Some(f64::from(coverage.gap_deg));
+        let verdict = judge(&report, Some(&coverage), self.clipped(), self.expected.field_ut);
+        self.accepted = verdict.accepted;
+        self.reasons = verdict.reasons.iter().map(Reason::to_string).collect();
         self.report = Some(report);
+    }
+
+    /// Samples at the end of the sensor's range.
+    fn clipped(&self) -> u64 {
+        let clipped = self.aside.iter().filter(|(kind, _)| matches!(kind, FaultKind::Clipping { .. }));
+        clipped.map(|(_, count)| *count as u64).sum()
     }
 
     /// Samples set aside in all.
