@@ -49,6 +49,8 @@
 //! | [`calibration`] | what is applied |
 //! | [`effect`], [`study`] | what the model does not know yet: shapes of physical causes, and the test for them |
 //! | [`session`] | the state machine around them |
+//! | [`record`], [`store`] | what survives a restart: a checked record in two slots |
+//! | [`protocol`], [`device`] | the console's language, and the board's whole application without I/O |
 //!
 //! Data flow one way: a fit never reads a driver, a driver never knows a calibration, and nothing here names a pin or a bus.
 //!

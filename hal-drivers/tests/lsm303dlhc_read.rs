@@ -30,6 +30,12 @@ fn minus_4096_is_an_overflow_of_that_axis_and_the_extremes_are_not() {
 }
 
 #[test]
+fn a_value_beyond_12_bits_is_no_measurement() {
+    let reading = read([0x08, 0x00, 0xf7, 0xff, 0x41, 0x00]);
+    assert_eq!((reading.counts, reading.overflow), ([2048, 16640, -2049], [true; 3]));
+}
+
+#[test]
 fn z_has_its_own_scale_at_every_range() {
     for range in Range::ALL {
         let config = Config { range, ..Config::default() };

@@ -92,7 +92,8 @@ impl<I2C: I2c> Magnetometer for Lsm303dlhc<I2C> {
     fn read(&mut self) -> Result<Reading, Error<I2C::Error>> {
         let [xh, xl, zh, zl, yh, yl] = self.read_registers(reg::OUT_X_H)?;
         let counts = [[xh, xl], [yh, yl], [zh, zl]].map(i16::from_be_bytes);
-        Ok(Reading { counts, overflow: counts.map(|axis| axis == reg::OVERFLOW) })
+        // The chip says −4096; any other value beyond 12 bits was flipped on the bus and is no measurement either.
+        Ok(Reading { counts, overflow: counts.map(|axis| !reg::VALID.contains(&axis)) })
     }
 
     fn temperature_c(&mut self) -> Result<Option<f32>, Error<I2C::Error>> {

@@ -29,5 +29,7 @@ pub const MR_CONTINUOUS: u8 = 0;
 pub const SR_DRDY: u8 = 1 << 0;
 /// What an output register reads when the field on its axis is out of range.
 pub const OVERFLOW: i16 = -4096;
-/// The largest magnitude a valid output has (12 bits, −2048 … 2047).
+/// The values a valid output has: 12 bits.
+pub const VALID: core::ops::RangeInclusive<i16> = -2048..=2047;
+/// The largest magnitude of a valid output of either sign.
 pub const FULL_SCALE: u16 = 2047;
