@@ -85,3 +85,32 @@ fn without_a_sensor_the_console_says_so_and_the_sensor_is_found_later() {
     board.console.next_streamed(Duration::from_secs(5)).unwrap();
     assert_eq!(ok(&mut board, "status").value("faults"), Some("0"));
 }
+
+#[test]
+fn a_terminal_that_stops_reading_does_not_stop_the_board() {
+    if !qemu::available("stalled terminal") {
+        return;
+    }
+    let mut board = board();
+    let help = ok(&mut board, "help").to_string();
+    let whole: Vec<&str> = help.lines().collect();
+    // Answers of far more than every buffer on the way holds, and nobody reads them.
+    board.console.send("help\n".repeat(1_500).as_bytes()).unwrap();
+    std::thread::sleep(Duration::from_secs(1));
+    let mut lines = Vec::new();
+    loop {
+        let more = board.console.drain(Duration::from_millis(500)).unwrap();
+        if more.is_empty() {
+            break;
+        }
+        lines.extend(more);
+    }
+    let broken: Vec<&String> = lines.iter().filter(|line| !whole.contains(&line.as_str())).collect();
+    assert!(lines.len() < 1_500 * whole.len(), "nothing was lost: the terminal never stalled");
+    // Where text was dropped one line is cut, and what follows is whole again.
+    assert!(broken.iter().all(|cut| whole.iter().any(|line| line.starts_with(cut.as_str()))), "{broken:?}");
+    println!("{} lines, {} cut", lines.len(), broken.len());
+    assert!(broken.len() <= 20, "{} lines of {} are broken", broken.len(), lines.len());
+    assert!(ok(&mut board, "version").is_ok());
+    assert_eq!(ok(&mut board, "status").value("faults"), Some("0"));
+}
