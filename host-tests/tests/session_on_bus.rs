@@ -178,9 +178,13 @@ fn a_sensor_that_goes_and_comes_back_is_configured_afresh_while_collecting() {
     board.run_ms(100);
     board.command("cal start");
     board.run_ms(30_000);
-    // A dip of its supply: it answers, asleep, and has nothing new.
+    // A dip of its supply: it answers, asleep, and has nothing new. After a second that is noticed.
     board.mag.borrow_mut().power_cycle();
     board.run_ms(1500);
+    board.command("stream raw");
+    board.run_ms(1000);
+    assert!(board.received().len() >= 49, "it measures again");
+    board.command("stream off");
     // Off the bus, and back with the defaults of power-up.
     board.bus.detach(0x1e);
     board.run_ms(2000);
