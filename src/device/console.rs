@@ -4,6 +4,7 @@ use core::fmt;
 
 use super::Device;
 use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Reply, StreamMode};
+use crate::session::State;
 use crate::store::{Slots, Store};
 
 const HELP: [&str; 7] = [
@@ -97,6 +98,9 @@ impl Device {
         let status = self.session.status();
         match self.sensor.fault() {
             Some(fault) => reply.line(format_args!("sensor {} {fault}", self.config.sensor)),
+            None if status.state == State::Idle && self.active.is_some() => {
+                reply.line(format_args!("hint a calibration is in use; begin another one with: cal start"));
+            }
             None => reply.line(format_args!("hint {}", status.hint)),
         }
         // What went wrong: restarts of the firmware, lost transactions, and samples out of range.
