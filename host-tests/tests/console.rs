@@ -82,6 +82,51 @@ fn the_streams_follow_the_contract() {
     assert_eq!(board.received(), [""; 0]);
 }
 
+/// A line without what may change with the figures: numbers, and the side to turn to.
+fn shape(line: &str) -> String {
+    let words = line.split([' ', ',', '=']).zip(line.matches([' ', ',', '=']).chain([""]));
+    let kept = |word: &str| match word.parse::<f64>() {
+        Err(_) if word != "-" => word.to_owned(),
+        _ => "#".to_owned(),
+    };
+    let text: String = words.map(|(word, end)| kept(word) + end).collect();
+    match text.split_once("point the ") {
+        Some((before, after)) => {
+            format!("{before}point the # {}", after.split_once(' ').map_or("", |(_, rest)| rest))
+        }
+        None => text,
+    }
+}
+
+#[test]
+fn the_documented_session_is_what_the_board_says() {
+    let text = include_str!("../../docs/console.md");
+    let mut documented = text.lines().filter_map(|line| line.strip_prefix("    ")).peekable();
+    let mut board = world_board(Motion::Sphere, 1);
+    board.run_ms(100);
+    let mut seconds = [3, 57].into_iter();
+    let mut commands = 0;
+    while let Some(line) = documented.next() {
+        let command = line.strip_prefix("> ").unwrap_or_else(|| panic!("a command instead of {line:?}"));
+        let mut answer = board.command(command);
+        match command {
+            "cal start" => board.run_ms(1000 * seconds.next().unwrap()),
+            "status" => board.run_ms(1000 * seconds.next().unwrap_or(0)),
+            "stream cal" => board.run_ms(40),
+            _ => {}
+        }
+        answer.extend(board.received());
+        let mut expected = Vec::new();
+        while let Some(line) = documented.next_if(|line| !line.starts_with("> ")) {
+            expected.push(shape(line));
+        }
+        let shapes: Vec<String> = answer.iter().map(|line| shape(line)).collect();
+        assert_eq!(shapes, expected, "{command}: {answer:?}");
+        commands += 1;
+    }
+    assert_eq!(commands, 9);
+}
+
 /// A line that is likely to mean something.
 fn command() -> impl Strategy<Value = Vec<u8>> {
     let words = [
