@@ -134,7 +134,8 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     Ok(if good { EXIT_OK } else { EXIT_REFUSED })
 }
 
-/// Least squares of the residual on a shift of the offset and of the field: `r = −(Cᵀu)·δb + δF`.
+/// Least squares of the residual on a shift of the offset and of the field: `r = (Cᵀu)·δb + δF`: what is
+/// added to every measurement shows along the corrected direction.
 fn shift(data: &Data, samples: &[u32], residual: &[f64], calibration: &Calibration<f64>) -> Option<Shift> {
     let mut normal = SMatrix::<f64, 4, 4>::zeros();
     let mut right = SVector::<f64, 4>::zeros();
@@ -145,7 +146,7 @@ fn shift(data: &Data, samples: &[u32], residual: &[f64], calibration: &Calibrati
             continue;
         }
         let c = &calibration.matrix;
-        let slope = [0, 1, 2].map(|axis| -(0..3).map(|row| c[row][axis] * h[row]).sum::<f64>() / length);
+        let slope = [0, 1, 2].map(|axis| (0..3).map(|row| c[row][axis] * h[row]).sum::<f64>() / length);
         let row = SVector::<f64, 4>::new(slope[0], slope[1], slope[2], 1.0);
         normal += row * row.transpose();
         right += row * r;

@@ -59,13 +59,13 @@ fn rust(calibration: &Calibration<f64>, summary: &str) -> String {
          // corrected = matrix · (measured − offset), microtesla: `CALIBRATION.apply(measured_ut)`.\n\n\
          use ironout::calibration::Calibration;\n\n"
     );
-    let f32_text = |v: f64| format!("{:?}", v as f32);
-    let f64_text = |v: f64| format!("{v:?}");
-    let constants: [(&str, &str, &str, &dyn Fn(f64) -> String); 2] = [
-        ("CALIBRATION", "f32", "In single precision, for the board.", &f32_text),
-        ("CALIBRATION_F64", "f64", "To the last bit, for the host.", &f64_text),
+    let constants = [
+        ("CALIBRATION", "f32", "In single precision, for the board."),
+        ("CALIBRATION_F64", "f64", "To the last bit, for the host."),
     ];
-    for (name, scalar, what, value) in constants {
+    for (name, scalar, what) in constants {
+        // The shortest decimals that read back to the same bits.
+        let value = |v: f64| if scalar == "f32" { format!("{:?}", v as f32) } else { format!("{v:?}") };
         let triple = |v: [f64; 3]| format!("[{}, {}, {}]", value(v[0]), value(v[1]), value(v[2]));
         let [a, b, c] = calibration.matrix.map(triple);
         let _ = write!(

@@ -2,6 +2,8 @@
 
 mod apply;
 mod check;
+mod demo;
+mod diagnose;
 mod export;
 mod fit;
 mod fit_words;
@@ -19,10 +21,10 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Check(arguments) => check::run(arguments, cli.json),
         Command::Export(arguments) => export::run(arguments, cli.json),
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
-        Command::Diagnose(_) => later::not_built("diagnose"),
+        Command::Demo(arguments) => demo::run(arguments, cli.json),
+        Command::Diagnose(arguments) => diagnose::run(arguments, cli.json),
         Command::Report(_) => later::not_built("report"),
         Command::Import(_) => later::not_built("import"),
         Command::Live(_) => later::not_built("live"),
-        _ => later::not_built("this command"),
     }
 }
