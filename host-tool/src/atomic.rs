@@ -29,3 +29,17 @@ pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<(
         fail(error)
     })
 }
+
+/// Whether two paths name the same existing file.
+pub fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// Refuses to write over what is read.
+pub fn not_over(input: &Path, output: &Path) -> Outcome<()> {
+    if same_file(input, output) {
+        return Err(Failure::usage("this would replace the file that is read: name another one with -o")
+            .in_file(output));
+    }
+    Ok(())
+}

@@ -58,11 +58,7 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
 
 /// Copies the log line by line, comments too, and adds the corrected columns to each.
 fn write(log: &Log, calibration: &Calibration<f64>, output: &Path) -> Outcome<()> {
-    if same_file(&log.path, output) {
-        return Err(
-            Failure::usage("this would replace the log itself: name another file with -o").in_file(output)
-        );
-    }
+    atomic::not_over(&log.path, output)?;
     let file = std::fs::File::open(&log.path).map_err(|error| Failure::io("open", &log.path, &error))?;
     let mut lines = Lines::new(file);
     let total = std::fs::metadata(&log.path).map_or(0, |metadata| metadata.len());
@@ -118,12 +114,5 @@ fn write(log: &Log, calibration: &Calibration<f64>, output: &Path) -> Outcome<()
         .in_file(&log.path)
         .at_column(*name)),
         None => written,
-    }
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    match (a.canonicalize(), b.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
     }
 }

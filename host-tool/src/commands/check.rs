@@ -6,6 +6,7 @@ use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
 use crate::output::{json_number, line};
 use crate::pipeline::Data;
 use ironout::calibration::{Calibration, norm};
+use ironout::coverage::CoverageMap;
 use nalgebra::{SMatrix, SVector};
 
 /// Fewer samples say nothing.
@@ -40,7 +41,7 @@ impl Word {
 
     fn explanation(self) -> &'static str {
         match self {
-            Word::Good => "the calibration still holds",
+            Word::Good => "the calibration still holds, as far as the directions seen tell",
             Word::Field => {
                 "the calibration holds; the field's magnitude is another than at the calibration (another place, or iron \
                  around): directions are right, magnitudes are off by that factor"
@@ -95,13 +96,18 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
         Some(_) => Word::Worse,
     };
     let good = matches!(word, Word::Good | Word::Field);
+    let mut map = CoverageMap::new();
+    for &sample in &samples {
+        map.add(calibration.apply(data.field(sample)).map(|value| value as f32));
+    }
+    let coverage = f64::from(map.coverage().fraction);
     let known = shift.as_ref().filter(|shift| shift.known);
     if json {
         line(
             &serde_json::json!({
                 "verdict": word.name(), "good": good, "samples": samples.len(), "field_ut": calibration.field_ut,
                 "rms_ut": json_number(Some(rms_ut)), "limit_ut": limit_ut, "calibration_rms_ut": cal.fit.rms_ut,
-                "mean_residual_ut": json_number(Some(mean_ut)),
+                "mean_residual_ut": json_number(Some(mean_ut)), "coverage": coverage,
                 "offset_shift_ut": known.map(|shift| shift.offset_ut),
                 "offset_shift_std_ut": known.map(|shift| shift.offset_std_ut),
                 "reasons": [word.explanation()],
@@ -129,6 +135,7 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
                 percent(shift.field_ut)
             ));
         }
+        line(&format!("directions seen       {:9.0} %", coverage * 100.0));
         line(&format!("{}: {}", word.name().to_uppercase(), word.explanation()));
     }
     Ok(if good { EXIT_OK } else { EXIT_REFUSED })

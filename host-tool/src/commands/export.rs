@@ -13,6 +13,7 @@ pub fn run(arguments: &ExportArgs, json: bool) -> Outcome<u8> {
     let text = text(&cal, arguments.form).map_err(|failure| failure.in_file(&arguments.cal))?;
     match &arguments.output {
         Some(path) => {
+            atomic::not_over(&arguments.cal, path)?;
             atomic::write(path, |out| out.write_all(text.as_bytes()))?;
             if !json {
                 output::line(&format!("wrote {}", path.display()));

@@ -16,27 +16,33 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         return Err(later::option("--prior"));
     }
     let expected = arguments.field.expected()?;
+    if let Some(path) = &arguments.output {
+        atomic::not_over(&arguments.log.log, path)?;
+    }
     let log = arguments.log.read()?;
     let method = method(arguments.field.method);
     let fitted = pipeline::run(&log, &Options { method, expected });
-    if json {
-        let object = serde_json::to_string(&fitted.object(method.name()))
-            .map_err(|error| Failure::usage(error.to_string()))?;
-        output::line(&object);
-    } else {
-        super::fit_words::print(&log, &fitted, &expected);
-    }
+    let to_text = |error: serde_json::Error| Failure::usage(error.to_string());
+    // Written before anything is printed: a file that cannot be written is an error, and the only answer.
+    let mut written = None;
     if let Some(path) = &arguments.output {
-        if fitted.accepted {
-            let text = serde_json::to_string_pretty(&fitted.cal_file(method.name()))
-                .map_err(|error| Failure::usage(error.to_string()))?;
+        written = Some(if fitted.accepted {
+            let text = serde_json::to_string_pretty(&fitted.cal_file(method.name())).map_err(to_text)?;
             atomic::write(path, |out| writeln!(out, "{text}"))?;
-            eprintln!("wrote {}", path.display());
+            format!("wrote {}", path.display())
         } else if path.exists() {
-            eprintln!("refused: {} is left as it was", path.display());
+            format!("refused: {} is left as it was", path.display())
         } else {
-            eprintln!("refused: {} is not written", path.display());
-        }
+            format!("refused: {} is not written", path.display())
+        });
+    }
+    if json {
+        output::line(&serde_json::to_string(&fitted.object(method.name())).map_err(to_text)?);
+    } else {
+        super::fit_words::print(&log, &fitted, &expected, arguments.output.is_some());
+    }
+    if let Some(text) = written {
+        eprintln!("{text}");
     }
     Ok(if fitted.accepted { EXIT_OK } else { EXIT_REFUSED })
 }

@@ -7,7 +7,7 @@ use crate::pipeline::{FaultKind, Fitted};
 use ironout::fit::{FitReport, Model};
 
 /// Prints the whole report.
-pub fn print(log: &Log, fitted: &Fitted, expected: &Expected) {
+pub fn print(log: &Log, fitted: &Fitted, expected: &Expected, kept: bool) {
     samples(log, fitted);
     line("");
     if let Some(report) = &fitted.report {
@@ -16,7 +16,7 @@ pub fn print(log: &Log, fitted: &Fitted, expected: &Expected) {
         errors(fitted, report, expected);
         line("");
     }
-    verdict(log, fitted);
+    verdict(log, fitted, kept);
 }
 
 fn samples(log: &Log, fitted: &Fitted) {
@@ -103,13 +103,16 @@ fn errors(fitted: &Fitted, report: &FitReport, expected: &Expected) {
         both(Some(report.predicted_error_ut))
     ));
     match fitted.heading_error_deg {
-        Some(degrees) => {
-            line(&format!("heading error       {degrees:9.2} °             1σ of a level reading"))
-        }
-        None if expected.earth.is_none() => {
-            line("heading error               -               needs the dip: give --at LAT,LON,DATE");
-        }
-        None => {}
+        Some(degrees) => line(&format!(
+            "heading error       {degrees:9.2} °             1σ of a level reading at a dip of {}°, {}",
+            number(fitted.dip_deg, 0),
+            if expected.earth.is_some() {
+                "of the world magnetic model"
+            } else {
+                "against the accelerometer"
+            }
+        )),
+        None => line("heading error               -               needs the dip: an accelerometer, or --at"),
     }
     if let Some(coverage) = fitted.coverage {
         line(&format!(
@@ -123,10 +126,13 @@ fn errors(fitted: &Fitted, report: &FitReport, expected: &Expected) {
 /// An error this many times the floor by noise is worth an explanation.
 const UNEXPLAINED: f64 = 1.2;
 
-fn verdict(log: &Log, fitted: &Fitted) {
+fn verdict(log: &Log, fitted: &Fitted, kept: bool) {
     line(if fitted.accepted { "ACCEPTED" } else { "REFUSED" });
     fitted.reasons.iter().for_each(|reason| line(&format!("  {reason}")));
     let path = log.path.display();
+    if fitted.accepted && !kept {
+        line("  keep it with -o cal.json");
+    }
     let beyond = match (&fitted.report, fitted.residual_floor_ut) {
         (Some(report), Some(floor)) if floor > 0.0 => report.rms_ut / floor,
         _ => 1.0,

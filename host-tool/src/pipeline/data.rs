@@ -7,6 +7,8 @@ use ironout::gate::{RestDetector, block_samples};
 use ironout::moments::Moments;
 use ironout::scatter::{Scatter, ScatterBuilder};
 
+/// Standard gravity.
+const GRAVITY_MPS2: f64 = 9.80665;
 /// Levels are looked for in this many samples.
 const LEVEL_SAMPLES: usize = 20_000;
 
@@ -33,7 +35,7 @@ impl<'a> Data<'a> {
     /// The samples of `log`.
     pub fn new(log: &'a Log) -> Self {
         let rows: Vec<u32> = log.samples().into_iter().map(|row| row as u32).collect();
-        let centre_ut = [0, 1, 2].map(|axis| log.field_ut[axis].iter().sum::<f64>() / log.rows.max(1) as f64);
+        let centre_ut = [0, 1, 2].map(|axis| middle(&log.field_ut[axis]));
         let step_ut = [0, 1, 2].map(|axis| match log.ut_per_count {
             Some(scale) if log.counts.is_some() => scale[axis],
             _ => step(&log.field_ut[axis]),
@@ -71,6 +73,27 @@ impl<'a> Data<'a> {
             }
         }
         moving
+    }
+
+    /// Median angle of the corrected field below the horizon that the accelerometer shows, degrees; `None` without one.
+    /// The rotation that magnitudes leave open makes it wrong by a few degrees until the axes are aligned.
+    pub fn dip_deg(&self, samples: &[u32], calibration: &Calibration<f64>) -> Option<f64> {
+        let accel = self.log.accel_mps2.as_ref()?;
+        let mut dips: Vec<f64> = samples
+            .iter()
+            .filter_map(|&sample| {
+                let row = self.rows[sample as usize] as usize;
+                let up = [accel[0][row], accel[1][row], accel[2][row]];
+                let h = calibration.apply(self.field(sample));
+                let lengths = norm(up) * norm(h);
+                // Only where little but gravity acts.
+                let still = (norm(up) - GRAVITY_MPS2).abs() <= 0.1 * GRAVITY_MPS2;
+                let down = -(up[0] * h[0] + up[1] * h[1] + up[2] * h[2]) / lengths;
+                (still && down.is_finite()).then(|| down.clamp(-1.0, 1.0).asin().to_degrees())
+            })
+            .collect();
+        let middle = dips.len() / 2;
+        (dips.len() >= 20).then(|| *dips.select_nth_unstable_by(middle, f64::total_cmp).1)
     }
 
     /// Samples a second, over the whole log; NaN without a time column.
@@ -133,6 +156,14 @@ impl Sums {
             }
         }
     }
+}
+
+/// The median of some of the values: near the data whatever single values are.
+fn middle(values: &[f64]) -> f64 {
+    let stride = values.len() / LEVEL_SAMPLES + 1;
+    let mut some: Vec<f64> = values.iter().step_by(stride).copied().collect();
+    let half = some.len() / 2;
+    if some.is_empty() { 0.0 } else { *some.select_nth_unstable_by(half, f64::total_cmp).1 }
 }
 
 /// The least distance between two values that occur: the sensor's step, or the rounding of the log.

@@ -87,6 +87,10 @@ fn clipped(data: &Data, samples: &[u32]) -> Vec<(u32, usize)> {
         let value = |sample: &u32| data.field(*sample)[axis];
         let low = samples.iter().map(value).fold(f64::INFINITY, f64::min);
         let high = samples.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
+        if low >= high {
+            // Never moved: that is not the end of a range.
+            continue;
+        }
         let band = data.step_ut[axis] * (NEXT_LEVELS + 0.5);
         for extreme in [low, high] {
             let at: Vec<u32> = samples.iter().copied().filter(|sample| value(sample) == extreme).collect();

@@ -37,6 +37,8 @@ pub struct Fitted {
     pub noise_floor_ut: Option<f64>,
     /// What that noise makes of the corrected magnitude, rms, µT.
     pub residual_floor_ut: Option<f64>,
+    /// Dip of the field: of the world magnetic model, or as the accelerometer shows it.
+    pub dip_deg: Option<f64>,
     /// Predicted 1σ error of the heading of a level reading, degrees; unknown without the dip.
     pub heading_error_deg: Option<f64>,
     /// Covered part of the sphere of directions.
@@ -72,6 +74,7 @@ impl Fitted {
             holdout_rms_ut: None,
             noise_floor_ut: None,
             residual_floor_ut: None,
+            dip_deg: None,
             heading_error_deg: None,
             coverage: None,
             gap_deg: None,
@@ -99,8 +102,10 @@ impl Fitted {
         self.noise_floor_ut = Some(noise);
         self.residual_floor_ut = Some(noise * gain);
 
-        if let Some(earth) = self.expected.earth {
-            let level_ut = field_ut * earth.dip_deg.to_radians().cos();
+        self.dip_deg =
+            self.expected.earth.map(|earth| earth.dip_deg).or_else(|| data.dip_deg(used, &calibration));
+        if let Some(dip_deg) = self.dip_deg {
+            let level_ut = field_ut * dip_deg.to_radians().cos();
             let error_ut = report.predicted_error_ut.hypot(report.rms_ut);
             self.heading_error_deg = Some(error_ut.atan2(level_ut.abs()).to_degrees());
         }
