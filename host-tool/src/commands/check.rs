@@ -74,7 +74,7 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     let calibration = cal.plain_calibration().map_err(|failure| failure.in_file(&arguments.cal))?;
     let log = arguments.log.read()?;
     let data = Data::new(&log);
-    let samples = data.moving();
+    let samples = data.moving(1.0);
     let residual = data.residual(&samples, &calibration);
     let rms =
         |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt();

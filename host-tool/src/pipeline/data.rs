@@ -61,14 +61,15 @@ impl<'a> Data<'a> {
         samples.iter().map(|&s| norm(calibration.apply(self.field(s))) - calibration.field_ut).collect()
     }
 
-    /// The samples that the core's gate lets through: those of a moving board, block by block.
-    pub fn moving(&self) -> Vec<u32> {
+    /// The samples that the core's gate lets through: those of a moving board, block by block. The gate knows what rest
+    /// looks like in microtesla; `unit` takes the log's values there (1, unless its scale is not the true one).
+    pub fn moving(&self, unit: f64) -> Vec<u32> {
         let mut detector = RestDetector::new();
         let mut moving = Vec::with_capacity(self.rows.len());
         let samples: Vec<u32> = (0..self.rows.len() as u32).collect();
         for block in samples.chunks(usize::from(block_samples(self.rate_hz()))) {
             let (mean_ut, variance_ut2) = self.mean_and_variance(block);
-            if detector.is_motion(mean_ut, variance_ut2, block.len() as u64) {
+            if detector.is_motion(mean_ut.map(|v| v * unit), variance_ut2 * unit * unit, block.len() as u64) {
                 moving.extend_from_slice(block);
             }
         }

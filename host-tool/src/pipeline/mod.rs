@@ -21,6 +21,11 @@ use crate::input::Log;
 use ironout::fit::{FitError, FitOptions, FitReport, Method, fit};
 use ironout::whiteness::independent_share;
 
+/// Magnitudes that the field has on Earth, with room for indoor iron, µT …
+const EARTH_UT: std::ops::RangeInclusive<f64> = 12.0..=120.0;
+/// … and one in the middle.
+const TYPICAL_UT: f64 = 50.0;
+
 /// What to fit and how.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Options {
@@ -33,18 +38,28 @@ pub struct Options {
 /// Fits a log. The fit may be refused; the counts of what was used and set aside are there all the same.
 pub fn run(log: &Log, options: &Options) -> Fitted {
     let data = Data::new(log);
+    let fitted = run_gated(&data, options, 1.0);
+    let own_field_ut = fitted.report.as_ref().map(|report| report.measured_field_ut);
+    match own_field_ut.filter(|field| !EARTH_UT.contains(field)) {
+        // No field of the Earth: the scale of the counts is not the true one, or --map took another unit.
+        Some(field) => run_gated(&data, options, TYPICAL_UT / field),
+        None => fitted,
+    }
+}
+
+fn run_gated(data: &Data, options: &Options, unit: f64) -> Fitted {
     let core =
         FitOptions { method: options.method, field_ut: options.expected.field_ut, ..Default::default() };
-    let moving = data.moving();
-    let (used, aside) = faults::set_aside(&data, &moving, &core);
-    let mut fitted = Fitted::new(&data, moving.len(), &aside, options);
-    match fit_rows(&data, &used, &core) {
+    let moving = data.moving(unit);
+    let (used, aside) = faults::set_aside(data, &moving, &core);
+    let mut fitted = Fitted::new(data, moving.len(), &aside, options);
+    match fit_rows(data, &used, &core) {
         Err(error) => fitted.refuse(error),
         Ok(first) => {
-            let core = FitOptions { effective_samples: effective_samples(&data, &used, &first), ..core };
-            match fit_rows(&data, &used, &core) {
+            let core = FitOptions { effective_samples: effective_samples(data, &used, &first), ..core };
+            match fit_rows(data, &used, &core) {
                 Err(error) => fitted.refuse(error),
-                Ok(report) => fitted.complete(&data, &used, &core, report),
+                Ok(report) => fitted.complete(data, &used, &core, report),
             }
         }
     }
