@@ -8,19 +8,21 @@ use std::path::PathBuf;
 
 const ABOUT: &str = "Calibrates magnetometers and shows what the calibration leaves over.
 
-A log is a CSV file whose header names its units: t_s,mx_ut,my_ut,mz_ut (microtesla) or
-mx_counts,… with --ut-per-count; other columns (accelerometer ax_mps2,…, gyroscope gx_radps,…,
-temp_c, motor_a, anything) are welcome. Body axes: x forward, y right, z down.";
+A log is a CSV file whose header names its units: t_s,mx_ut,my_ut,mz_ut
+(microtesla) or mx_counts,… with --ut-per-count. Other columns (accelerometer
+ax_mps2,…, gyroscope gx_radps,…, temp_c, motor_a, anything) are welcome.
+Body axes: x forward, y right, z down. docs/command-line.md has all of it.";
 
 const EXAMPLES: &str = "Examples:
-  ironout simulate -o log.csv --seed 1 --seconds 60 --rate 50     a log to try things on
-  ironout fit log.csv -o cal.json                                 calibrate, keep the result
-  ironout apply log.csv --cal cal.json -o corrected.csv           correct a log
-  ironout check later.csv --cal cal.json                          is it still good?
-  ironout export cal.json --as c                                  into your firmware
-  ironout demo                                                    the whole story on an emulated board
+  ironout demo                                 a board calibrates itself
+  ironout simulate -o log.csv --seed 1         a log to try things on
+  ironout fit log.csv -o cal.json              calibrate, keep the result
+  ironout apply log.csv --cal cal.json         error before and after
+  ironout check later.csv --cal cal.json       is it still good?
+  ironout export cal.json --as c               into your firmware
 
-Exit status: 0 done, 1 the data do not support a calibration, 2 bad input or usage.";
+Exit status: 0 done, 1 the data do not support a calibration, 2 bad input or
+usage.";
 
 /// The command line.
 #[derive(Debug, Parser)]
@@ -167,14 +169,15 @@ impl FieldArgs {
 /// `fit`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  ironout fit log.csv                                    look at the calibration
-  ironout fit log.csv -o cal.json                        and keep it, if it is accepted
-  ironout fit raw.csv --ut-per-count 0.0333              counts of a sensor with 0.0333 µT a count
-  ironout fit log.csv --at 52.52,13.40,2026-03-01        scale to the field of Berlin
-  ironout fit other.csv --map mx_ut=MagX,my_ut=MagY,mz_ut=MagZ --rotate roll180
+  ironout fit log.csv                               look at the calibration
+  ironout fit log.csv -o cal.json                   and keep it, if accepted
+  ironout fit raw.csv --ut-per-count 0.0333         counts, 0.0333 µT each
+  ironout fit log.csv --at 52.52,13.40,2026-03-01   scale to Berlin's field
+  ironout fit x.csv --map mx_ut=MagX,my_ut=MagY,mz_ut=MagZ --rotate roll180
 
-Turn the sensor slowly through as many attitudes as you can, away from iron: for example a full turn
-about each of its axes, and once more tilted. Exit status 1: refused, and the reason says what to do.")]
+Turn the sensor slowly through as many attitudes as you can, away from iron:
+for example a full turn about each of its axes, and once more tilted. Exit
+status 1: refused, and the reason says what to do.")]
 pub struct FitArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -199,8 +202,9 @@ pub struct FitArgs {
   ironout apply log.csv --cal cal.json                    error before and after
   ironout apply log.csv --cal cal.json -o corrected.csv   and the corrected log
 
-The corrected log keeps every column and gains cx_ut,cy_ut,cz_ut (corrected vector, body axes),
-norm_ut (its magnitude) and residual_ut (magnitude minus the calibration's field).")]
+The corrected log keeps every column and gains cx_ut,cy_ut,cz_ut (corrected
+vector, body axes), norm_ut (its magnitude) and residual_ut (magnitude minus
+the calibration's field).")]
 pub struct ApplyArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -218,8 +222,10 @@ pub struct ApplyArgs {
 #[command(after_help = "Examples:
   ironout check today.csv --cal cal.json && echo still good
 
-Says good, moved (offset changed: a magnet, a new part, a shock), field (the place's field differs, the
-calibration holds) or worse (errors grew). Exit status 0 where the calibration can be kept, 1 where not.")]
+Says good; field (another magnitude, the calibration holds); moved (another
+offset: a magnet, a new part, a shock); worse (errors grew, and neither
+explains it); or unknown (too few directions). Exit status 0 where the
+calibration can be kept, 1 where not.")]
 pub struct CheckArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -260,10 +266,11 @@ pub struct ExportArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   ironout simulate -o log.csv --seed 1 --seconds 60 --rate 50
-  ironout simulate -o hot.csv --seed 2 --seconds 120 --rate 50 --noise 0.25 --effect offset:temp_c=3
+  ironout simulate -o hot.csv --seconds 120 --effect offset:temp_c=3
 
-The log carries its truth as # comments. The same seed gives the same log. The strength of an effect is the
-rms of its disturbance in multiples of the noise (3 if not given).")]
+The log carries its truth as # comments. The same seed gives the same log. The
+strength of an effect is the rms of its disturbance in multiples of the noise
+(3 if not given).")]
 pub struct SimulateArgs {
     /// Write the log here
     #[arg(short, long, value_name = "LOG")]
@@ -296,7 +303,8 @@ pub struct SimulateArgs {
 #[command(after_help = "Example:
   ironout demo
 
-Needs qemu-system-arm for the emulated board; without it the same session runs on a simulated bus.")]
+Needs qemu-system-arm for the emulated board; without it the same session runs
+on a simulated bus.")]
 pub struct DemoArgs {
     /// Use the simulated bus even where QEMU is installed
     #[arg(long)]
