@@ -87,6 +87,12 @@ pub fn ln(x: f64) -> f64 {
     libm::log(x)
 }
 
+/// Natural logarithm in single precision.
+#[inline]
+pub fn lnf(x: f32) -> f32 {
+    libm::logf(x)
+}
+
 /// Exponential function.
 #[inline]
 pub fn exp(x: f64) -> f64 {
@@ -134,4 +140,64 @@ pub fn symmetric_eigenvalues_3x3(m: &[[f64; 3]; 3]) -> [f64; 3] {
 #[inline]
 pub fn ln_gamma(x: f64) -> f64 {
     libm::lgamma(x)
+}
+
+/// The eigenvalues of a symmetric 3×3 matrix (entries 11, 12, 13, 22, 23, 33) in single precision, ascending, by cyclic
+/// Jacobi rotations: what a gate needs, at a tenth of the price of [`symmetric_eigenvalues_3x3`] where double precision
+/// is emulated. The absolute error is some 1e-6 of the largest eigenvalue; NaN for input that is not finite.
+#[inline(never)]
+pub fn eigenvalues_3x3_f32(m: &[f32; 6]) -> [f32; 3] {
+    let mut d = [m[0], m[3], m[5]];
+    // Off-diagonal entries, each named by the axis it leaves out.
+    let mut off = [m[4], m[2], m[1]];
+    // Four sweeps leave nothing: convergence is cubic.
+    for _ in 0..4 {
+        for out in 0..3usize {
+            let (p, q) = ((out + 1) % 3, (out + 2) % 3);
+            if off[out] == 0.0 {
+                continue;
+            }
+            let theta = (d[q] - d[p]) / (2.0 * off[out]);
+            let magnitude = 1.0 / (theta.abs() + sqrtf(theta * theta + 1.0));
+            let t = if theta < 0.0 { -magnitude } else { magnitude };
+            let c = 1.0 / sqrtf(t * t + 1.0);
+            let s = t * c;
+            d[p] -= t * off[out];
+            d[q] += t * off[out];
+            off[out] = 0.0;
+            // off[q] couples p with `out`, off[p] couples q with `out`.
+            let (a, b) = (off[q], off[p]);
+            off[q] = c * a - s * b;
+            off[p] = s * a + c * b;
+        }
+    }
+    for (low, high) in [(0, 1), (1, 2), (0, 1)] {
+        if d[low] > d[high] {
+            d.swap(low, high);
+        }
+    }
+    d
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_eigenvalue_functions_agree() {
+        for m in [
+            [1.0, 0.0, 0.0, 1.0, 0.0, 1.0],
+            [4.0, 1.0, -0.5, 2.0, 0.3, 0.7],
+            [1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+            [0.3, 0.1, 0.2, 0.5, -0.25, 0.4],
+            [1e-3, 2e-4, 0.0, 5.0, 1e-5, 40.0],
+        ] {
+            let [a, b, c, d, e, f] = m;
+            let exact = symmetric_eigenvalues_3x3(&[[a, b, c], [b, d, e], [c, e, f]]);
+            let single = eigenvalues_3x3_f32(&m.map(|v| v as f32));
+            for (x, y) in exact.iter().zip(single) {
+                assert!((x - f64::from(y)).abs() <= 2e-6 * exact[2], "{exact:?} {single:?}");
+            }
+        }
+    }
 }

@@ -51,27 +51,57 @@ const fn exponents() -> [[u8; 3]; COUNT] {
 /// Moves sums of monomials to another origin: from `Σ xⁱyʲzᵏ` to `Σ (x−a)ⁱ(y−b)ʲ(z−c)ᵏ`, axis by axis, in place.
 ///
 /// Repeated synthetic division (Taylor shift): exact in integers, 105 multiplications by a small number.
+#[inline(never)]
 pub(crate) fn shift<T>(sums: &mut [T; COUNT], centre: [T; 3])
 where
     T: Copy + core::ops::Mul<Output = T> + core::ops::Sub<Output = T>,
 {
-    for (axis, &c) in centre.iter().enumerate() {
-        for p in 0..=4usize {
-            for q in 0..=4 - p {
-                let degree = 4 - p - q;
-                let place = |i: usize| match axis {
-                    0 => at(i, p, q),
-                    1 => at(p, i, q),
-                    _ => at(p, q, i),
-                };
-                for pass in 1..=degree {
-                    for i in (pass..=degree).rev() {
-                        sums[place(i)] = sums[place(i)] - c * sums[place(i - 1)];
-                    }
-                }
-            }
+    for (steps, c) in SHIFT.iter().zip(centre) {
+        for [to, from] in steps {
+            let (to, from) = (usize::from(*to), usize::from(*from));
+            sums[to] = sums[to] - c * sums[from];
         }
     }
+}
+
+/// Steps of [`shift`] on each axis: the place that changes, and the place of the next lower power.
+const SHIFT: [[[u8; 2]; 35]; 3] = shift_steps();
+
+const fn shift_steps() -> [[[u8; 2]; 35]; 3] {
+    let mut table = [[[0; 2]; 35]; 3];
+    let mut axis = 0;
+    while axis < 3 {
+        let mut step = 0;
+        let mut p = 0;
+        while p <= 4 {
+            let mut q = 0;
+            while p + q <= 4 {
+                let degree = 4 - p - q;
+                let mut pass = 1;
+                while pass <= degree {
+                    let mut i = degree;
+                    while i >= pass {
+                        table[axis][step] = [place(axis, i, p, q), place(axis, i - 1, p, q)];
+                        step += 1;
+                        i -= 1;
+                    }
+                    pass += 1;
+                }
+                q += 1;
+            }
+            p += 1;
+        }
+        axis += 1;
+    }
+    table
+}
+
+const fn place(axis: usize, i: usize, p: usize, q: usize) -> u8 {
+    (match axis {
+        0 => at(i, p, q),
+        1 => at(p, i, q),
+        _ => at(p, q, i),
+    }) as u8
 }
 
 #[cfg(test)]

@@ -1,64 +1,137 @@
 //! From a quadric to centre, scale and a positive definite `C`. Every refusal of a shape lives here.
 
 use crate::fit::FitError;
+use crate::fit::Model;
+use crate::fit::dense::{all_finite, dot};
+use crate::fit::gram::{factorise, minimiser};
+use crate::fit::precision::TRIANGLE;
 use crate::math;
-use nalgebra::{Matrix3, Vector3};
 
 /// Largest offset accepted, in fields. Real boards show 7.
-pub const MAX_OFFSET_FIELDS: f64 = 20.0;
+pub const MAX_OFFSET_FIELDS: f32 = 20.0;
 /// Largest ratio of the ellipsoid's semi-axes accepted. Real boards stay under 2; the paper's simulation has 3.3.
-pub const MAX_AXIS_RATIO: f64 = 6.0;
+pub const MAX_AXIS_RATIO: f32 = 6.0;
 
-/// The ellipsoid `‖C(x − b)‖ = 1` in the units of the scatter it was fitted to.
+/// An upper triangular 3×3 matrix: entries 11, 12, 13, 22, 23, 33.
+pub(crate) type Upper = [f64; 6];
+/// A symmetric 3×3 matrix, the same six entries.
+pub(crate) type Symmetric = [f64; 6];
+
+/// The ellipsoid `‖C(x − b)‖ = 1` in the units of the scatter it was fitted to, and the scale of the quadric it came from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ellipsoid {
     /// Centre `b`.
-    pub centre: Vector3<f64>,
+    pub centre: [f64; 3],
     /// `C`, upper triangular with a positive diagonal: the Cholesky factor of `Q = CᵀC` (paper eq. (11), corrected).
-    pub factor: Matrix3<f64>,
+    pub factor: Upper,
+    /// The quadric was `s(‖C(x − b)‖² − 1)`.
+    pub s: f64,
 }
 
 impl Ellipsoid {
-    /// The ellipsoid `(x−b)ᵀM(x−b) = s`. The quotient `M/s` is right also where `M` is negative definite, as it is in
-    /// the constant reading when the origin lies outside the ellipsoid.
+    /// The ellipsoid of `xᵀMx + lᵀx + k = 0`, with `b = −½M⁻¹l` (paper eq. (12)) and `s = bᵀMb − k`, `Q = M/s`. The
+    /// quotient is right also where `M` is negative definite, as it is in the constant reading when the origin lies
+    /// outside the ellipsoid.
     ///
     /// # Errors
     /// [`FitError::NotAnEllipsoid`] unless `M/s` is positive definite.
-    pub fn from_quadric(m: Matrix3<f64>, centre: Vector3<f64>, s: f64) -> Result<Self, FitError> {
-        let q = m / s;
-        if !(q.iter().all(|v| v.is_finite()) && centre.iter().all(|v| v.is_finite())) {
+    pub fn from_quadric(m: &Symmetric, l: [f64; 3], k: f64) -> Result<Self, FitError> {
+        let sign = if m[0] < 0.0 { -1.0 } else { 1.0 };
+        // M = L D Lᵀ with ½l as its right side: that leaves k − ¼ lᵀM⁻¹l = −s of the constant.
+        let mut rows = [[0.0; 10]; 4];
+        for (entry, (c, r)) in m.iter().zip(TRIANGLE) {
+            rows[r][c] = entry * sign;
+        }
+        for (slot, l) in rows[3].iter_mut().zip(l) {
+            *slot = 0.5 * sign * l;
+        }
+        rows[3][3] = k * sign;
+        if !factorise(&mut rows, Model::Ellipsoid) {
             return Err(FitError::NotAnEllipsoid);
         }
-        let factor = q.cholesky().ok_or(FitError::NotAnEllipsoid)?.l().transpose();
-        Ok(Self { centre, factor })
+        let s = -rows[3][3];
+        // Written so that a NaN is refused too.
+        if !(s > 0.0) {
+            return Err(FitError::NotAnEllipsoid);
+        }
+        let [x, y, z, ..] = minimiser(&rows);
+        // C = (D/s)^½ Lᵀ.
+        let mut factor = [0.0; 6];
+        let mut root = 0.0;
+        for (slot, (r, c)) in factor.iter_mut().zip(TRIANGLE) {
+            if r == c {
+                root = math::sqrt(rows[r][r] / s);
+                *slot = root;
+            } else {
+                *slot = root * rows[c][r];
+            }
+        }
+        let ellipsoid = Self { centre: [x, y, z], factor, s: s * sign };
+        if !all_finite(&ellipsoid.centre) || !all_finite(&ellipsoid.factor) {
+            return Err(FitError::NotAnEllipsoid);
+        }
+        Ok(ellipsoid)
     }
 
     /// `Q = CᵀC`.
-    pub fn q(&self) -> Matrix3<f64> {
-        self.factor.transpose() * self.factor
+    pub fn q(&self) -> Symmetric {
+        let [c11, c12, c13, c22, c23, c33] = self.factor;
+        let columns = [[c11, 0.0, 0.0], [c12, c22, 0.0], [c13, c23, c33]];
+        TRIANGLE.map(|(r, c)| dot(&columns[r][..=r], &columns[c]))
     }
 
-    /// Longest over shortest semi-axis.
-    pub fn axis_ratio(&self) -> f64 {
-        let q = self.q();
-        let rows = core::array::from_fn(|r| core::array::from_fn(|c| q[(r, c)]));
-        let [low, _, high] = math::symmetric_eigenvalues_3x3(&rows);
-        if low > 0.0 { math::sqrt(high / low) } else { f64::INFINITY }
+    /// Longest over shortest semi-axis, to single precision.
+    fn axis_ratio(&self) -> f32 {
+        let [low, _, high] = math::eigenvalues_3x3_f32(&self.q().map(|v| v as f32));
+        if low > 0.0 { math::sqrtf(high / low) } else { f32::INFINITY }
     }
 
     /// Refuses offsets and shapes that no magnetometer has. `offset_fields` is the offset over the field magnitude.
+    /// Returns the axis ratio.
     ///
     /// # Errors
     /// [`FitError::OffsetTooLarge`], [`FitError::AxisRatio`].
-    pub fn check_plausible(&self, offset_fields: f64) -> Result<(), FitError> {
+    pub fn check_plausible(&self, offset_fields: f32) -> Result<f32, FitError> {
         // Written so that a NaN is refused too.
         if !(offset_fields <= MAX_OFFSET_FIELDS) {
-            return Err(FitError::OffsetTooLarge { fields: offset_fields });
+            return Err(FitError::OffsetTooLarge { fields: offset_fields.into() });
         }
         let ratio = self.axis_ratio();
         if !(ratio <= MAX_AXIS_RATIO) {
-            return Err(FitError::AxisRatio { ratio });
+            return Err(FitError::AxisRatio { ratio: ratio.into() });
         }
-        Ok(())
+        Ok(ratio)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quadric_and_its_negative_are_the_same_ellipsoid() {
+        // (x−1)²/4 + (y+2)² + (z−3)²·4 + 0.2 xy-shear, written out from C and b.
+        let truth = Ellipsoid { centre: [1.0, -2.0, 3.0], factor: [0.5, 0.1, -0.05, 1.0, 0.2, 2.0], s: 1.0 };
+        let q = truth.q();
+        let row = [
+            q[0] * 1.0 + q[1] * -2.0 + q[2] * 3.0,
+            q[1] * 1.0 + q[3] * -2.0 + q[4] * 3.0,
+            q[2] * 1.0 + q[4] * -2.0 + q[5] * 3.0,
+        ];
+        let k = row[0] - 2.0 * row[1] + 3.0 * row[2] - 1.0;
+        for factor in [3.0, -0.25] {
+            let found =
+                Ellipsoid::from_quadric(&q.map(|v| v * factor), row.map(|v| -2.0 * v * factor), k * factor)
+                    .unwrap();
+            for (a, b) in
+                found.centre.iter().chain(&found.factor).zip(truth.centre.iter().chain(&truth.factor))
+            {
+                assert!((a - b).abs() < 1e-12, "{found:?}");
+            }
+            assert!((found.s - factor).abs() < 1e-12);
+        }
+        assert!(Ellipsoid::from_quadric(&[1.0, 0.0, 0.0, 1.0, 0.0, -1.0], [0.0; 3], -1.0).is_err());
+        assert!(Ellipsoid::from_quadric(&[1.0, 0.0, 0.0, 1.0, 0.0, 1.0], [0.0; 3], 1.0).is_err());
+        assert!(Ellipsoid::from_quadric(&[f64::NAN; 6], [0.0; 3], 1.0).is_err());
     }
 }

@@ -5,6 +5,7 @@
 //! and scaled it is 6 … 13.
 
 use crate::fit::FitError;
+use crate::fit::dense::all_finite;
 use crate::math;
 use crate::moments::Moments;
 use crate::monomial::{self, COUNT, EXPONENTS, at};
@@ -18,6 +19,8 @@ pub struct Scatter {
     pub centre_ut: [f64; 3],
     /// Unit of the moments: the rms distance of the samples from `centre_ut`, µT.
     pub scale_ut: f64,
+    /// Covariance of the samples about their mean in units of `scale_ut²`: xx, xy, xz, yy, yz, zz.
+    pub(crate) covariance: [f64; 6],
     /// Number of samples.
     pub samples: u64,
     /// Variance of the quantisation (LSB²/12, mean over the axes), µT²; 0 for float data.
@@ -30,8 +33,9 @@ impl Scatter {
     /// # Errors
     /// [`FitError::NotFinite`] for a scale that is not positive and finite; [`FitError::TooFewSamples`] without
     /// samples; [`FitError::StuckAxis`] if no axis ever moved.
+    #[inline(never)]
     pub fn from_moments(moments: &Moments, ut_per_count: [f64; 3]) -> Result<Self, FitError> {
-        if ut_per_count.iter().any(|scale| !scale.is_finite() || *scale <= 0.0) {
+        if !all_finite(&ut_per_count) || ut_per_count.iter().any(|scale| *scale <= 0.0) {
             return Err(FitError::NotFinite);
         }
         if moments.count() == 0 {
@@ -39,71 +43,90 @@ impl Scatter {
         }
         let n = moments.count() as f64;
         let mut sums = moments.sums();
-        let centre: [i128; 3] = core::array::from_fn(|a| math::round(sums[a + 1] as f64 / n) as i64 as i128);
+        // Any integer near the mean will do.
+        let centre: [i128; 3] = core::array::from_fn(|a| i128::from((sums[a + 1] as f64 / n) as i32));
         monomial::shift(&mut sums, centre);
-        let mut out = [0.0; COUNT];
-        for ((slot, sum), e) in out.iter_mut().zip(sums).zip(EXPONENTS) {
-            let unit: f64 = (0..3).map(|a| powi(ut_per_count[a], e[a])).product();
-            *slot = sum as f64 / n * unit;
-        }
         let lsb2: f64 = ut_per_count.iter().map(|s| s * s).sum::<f64>() / 3.0;
         Self::scaled(
-            out,
+            sums.map(|sum| sum as f64),
+            ut_per_count,
             core::array::from_fn(|a| centre[a] as f64 * ut_per_count[a]),
             moments.count(),
             lsb2 / 12.0,
         )
     }
 
+    /// From sums about `centre_ut` in units of `unit_ut` on each axis.
     fn scaled(
-        mut moments: [f64; COUNT],
+        sums: [f64; COUNT],
+        unit_ut: [f64; 3],
         centre_ut: [f64; 3],
         samples: u64,
         quantisation_ut2: f64,
     ) -> Result<Self, FitError> {
-        let spread = moments[at(2, 0, 0)] + moments[at(0, 2, 0)] + moments[at(0, 0, 2)];
-        if !spread.is_finite() {
+        let per_sample = 1.0 / samples as f64;
+        let square = |a: usize, position: usize| sums[position] * unit_ut[a] * unit_ut[a];
+        let spread = (square(0, at(2, 0, 0)) + square(1, at(0, 2, 0)) + square(2, at(0, 0, 2))) * per_sample;
+        // A product of four must neither overflow nor vanish.
+        if !(spread < 1e60) || !all_finite(&centre_ut) {
             return Err(FitError::NotFinite);
         }
-        let scale_ut = math::sqrt(spread);
-        if scale_ut <= 0.0 {
+        if !(spread > 1e-60) {
             return Err(FitError::StuckAxis { axis: 0 });
         }
-        for (slot, e) in moments.iter_mut().zip(EXPONENTS) {
-            *slot /= powi(scale_ut, e[0] + e[1] + e[2]);
+        let scale_ut = math::sqrt(spread);
+        let mut powers = [[1.0; 5]; 3];
+        // The mean over the samples goes with the first axis.
+        powers[0][0] = per_sample;
+        for (powers, unit) in powers.iter_mut().zip(unit_ut) {
+            let unit = unit / scale_ut;
+            for i in 1..5 {
+                powers[i] = powers[i - 1] * unit;
+            }
         }
-        if moments.iter().any(|m| !m.is_finite()) {
+        let isotropic = unit_ut[0] == unit_ut[1] && unit_ut[1] == unit_ut[2];
+        let mut moments = sums;
+        for (slot, e) in moments.iter_mut().zip(EXPONENTS) {
+            if isotropic {
+                // The usual sensor: one factor for each degree.
+                *slot *= powers[0][usize::from(e[0] + e[1] + e[2]).min(4)];
+                continue;
+            }
+            for (powers, power) in powers.iter().zip(e) {
+                *slot *= powers[usize::from(power).min(4)];
+            }
+        }
+        moments[0] = 1.0;
+        if !all_finite(&moments) {
             return Err(FitError::NotFinite);
         }
-        Ok(Self { moments, centre_ut, scale_ut, samples, quantisation_ut2 })
+        let mut covariance = [0.0; 6];
+        for (slot, (position, (a, b))) in
+            covariance.iter_mut().zip((4..).zip([(1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3)]))
+        {
+            *slot = moments[position] - moments[a] * moments[b];
+        }
+        Ok(Self { moments, centre_ut, scale_ut, covariance, samples, quantisation_ut2 })
     }
 
     /// The same data about the sensor's own zero, as the paper's constant reading needs it.
     pub(crate) fn about_zero(&self) -> Result<Self, FitError> {
         let mut moments = self.moments;
         monomial::shift(&mut moments, self.centre_ut.map(|c| -c / self.scale_ut));
-        for (slot, e) in moments.iter_mut().zip(EXPONENTS) {
-            *slot *= powi(self.scale_ut, e[0] + e[1] + e[2]);
-        }
-        Self::scaled(moments, [0.0; 3], self.samples, self.quantisation_ut2)
+        let n = self.samples as f64;
+        Self::scaled(
+            moments.map(|m| m * n),
+            [self.scale_ut; 3],
+            [0.0; 3],
+            self.samples,
+            self.quantisation_ut2,
+        )
     }
 
     /// `m_ijk`; the caller keeps `i + j + k ≤ 4`.
     #[inline]
     pub(crate) fn moment(&self, i: usize, j: usize, k: usize) -> f64 {
         self.moments[at(i, j, k)]
-    }
-
-    /// Covariance of the samples about their mean, in units of `scale_ut²`.
-    pub(crate) fn covariance(&self) -> [[f64; 3]; 3] {
-        let mean = [self.moment(1, 0, 0), self.moment(0, 1, 0), self.moment(0, 0, 1)];
-        let second = |a: usize, b: usize| {
-            let mut e = [0; 3];
-            e[a] += 1;
-            e[b] += 1;
-            self.moment(e[0], e[1], e[2]) - mean[a] * mean[b]
-        };
-        core::array::from_fn(|a| core::array::from_fn(|b| second(a, b)))
     }
 
     /// Mean of the samples, µT.
@@ -117,16 +140,17 @@ impl Scatter {
     /// # Errors
     /// [`FitError::StuckAxis`], [`FitError::CopiedAxis`].
     pub fn check_axes(&self) -> Result<(), FitError> {
-        let c = self.covariance();
-        for axis in 0..3u8 {
-            if c[usize::from(axis)][usize::from(axis)] <= 1e-12 {
-                return Err(FitError::StuckAxis { axis });
+        let [xx, xy, xz, yy, yz, zz] = self.covariance.map(|v| v as f32);
+        for (axis, variance) in [xx, yy, zz].into_iter().enumerate() {
+            // Written so that a NaN is refused too.
+            if !(variance > 1e-12) {
+                return Err(FitError::StuckAxis { axis: axis as u8 });
             }
         }
-        for (a, b) in [(0u8, 1u8), (0, 2), (1, 2)] {
-            let (i, j) = (usize::from(a), usize::from(b));
-            if c[i][j] * c[i][j] >= (1.0 - 1e-10) * c[i][i] * c[j][j] {
-                return Err(FitError::CopiedAxis { axis: b, of: a });
+        for (of, axis, both, product) in [(0u8, 1u8, xy, xx * yy), (0, 2, xz, xx * zz), (1, 2, yz, yy * zz)] {
+            // A noisy copy: the noise of a sensor of its own is thousands of times more.
+            if both * both >= (1.0 - 1e-6) * product {
+                return Err(FitError::CopiedAxis { axis, of });
             }
         }
         Ok(())
@@ -187,7 +211,7 @@ impl ScatterBuilder {
         if self.samples == 0 {
             return Err(FitError::TooFewSamples { samples: 0 });
         }
-        if !quantum_ut.is_finite() || self.centre_ut.iter().any(|c| !c.is_finite()) {
+        if !all_finite(&[quantum_ut]) || !all_finite(&self.centre_ut) {
             return Err(FitError::NotFinite);
         }
         let n = self.samples as f64;
@@ -196,10 +220,6 @@ impl ScatterBuilder {
         let mean: [f64; 3] = core::array::from_fn(|a| sums[a + 1] / n);
         monomial::shift(&mut sums, mean);
         let centre = core::array::from_fn(|a| self.centre_ut[a] + mean[a]);
-        Scatter::scaled(sums.map(|s| s / n), centre, self.samples, quantum_ut * quantum_ut / 12.0)
+        Scatter::scaled(sums, [1.0; 3], centre, self.samples, quantum_ut * quantum_ut / 12.0)
     }
-}
-
-fn powi(base: f64, exponent: u8) -> f64 {
-    (0..exponent).fold(1.0, |product, _| product * base)
 }

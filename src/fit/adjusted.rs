@@ -1,79 +1,144 @@
 //! Adjusted least squares: no bias from noise, and the noise itself estimated, from the same sums.
 //!
 //! The estimate is the null vector of `Ψ(s)` at the root of `λ_min(Ψ(s)) = 0` (Markovsky, Kukush, Van Huffel 2004; for
-//! magnetometers Renaudin, Afzal, Lachapelle 2010). The root is found with a few Cholesky factorisations, no eigen
-//! solver: for the minimiser `x` at the current `s`, the root of the quadratic `xᵀΨ(t)x` in `t` is the next `s`.
+//! magnetometers Renaudin, Afzal, Lachapelle 2010). The root is found with a few factorisations, no eigen solver: for the
+//! minimiser `x` at the current `s`, the root of the quadratic `xᵀΨ(t)x` in `t` is the next `s`. At `s = 0` the minimiser
+//! is the least squares of the trace normalisation, which is the paper's in its robust reading.
+//!
+//! The matrices are in double precision; `s` and the steps towards it are known to no more than a millionth and are in
+//! single precision, which a Cortex-M4F computes itself.
 
-use super::psi::{Matrix10, Vector10, quadratic_form};
-use super::trace::{Model, minimise};
-use super::{FitError, Termination};
+use super::gram::{Lower, corrected, factorise, first_order, gram, minimiser, pure};
+use super::noise::NoiseTerms;
+use super::{FitError, Model, Termination};
 use crate::math;
+use crate::monomial::COUNT;
+use crate::scatter::Scatter;
 
 /// Relative change of `s` at which the iteration stops.
-const TOLERANCE: f64 = 1e-6;
+const TOLERANCE: f32 = 1e-6;
 /// Changes of `s` (rms radius squared as unit) below the rounding of the moments.
-const ROUNDING: f64 = 1e-16;
+const ROUNDING: f32 = 1e-16;
 const MAX_STEPS: u8 = 40;
 
-/// A root of the adjusted least squares.
+/// A solution over the columns of [`gram`], and the matrix it was solved with.
+#[derive(Clone)]
 pub(crate) struct Root {
-    /// The null vector, `x₉ = 1`.
-    pub x: Vector10,
-    /// The noise variance per axis, in the scatter's units squared, not yet corrected for the parameters.
-    pub s: f64,
-    pub condition_number: f64,
+    /// The coefficients over [`super::gram::QUADRIC`], with a trace of three.
+    pub beta: [f64; 10],
+    /// The factor of the normal matrix.
+    pub factor: Lower,
+    /// The noise variance per axis, in the scatter's units squared, not yet corrected for the parameters; `None` where the
+    /// method does not estimate it.
+    pub s: Option<f32>,
+    /// Mean square of the quadric over the samples.
+    pub mean_square: f32,
+    /// What noise does to that.
+    pub noise: NoiseTerms,
+    /// Why it ended.
     pub termination: Termination,
 }
 
-/// Finds the root in `[0, upper]`; `upper` is the least eigenvalue of the samples' covariance.
-///
-/// # Errors
-/// [`FitError::NotAnEllipsoid`] if the matrix is singular at `s = 0` already.
-pub(crate) fn root(p: &[Matrix10; 3], upper: f64, model: Model) -> Result<Root, FitError> {
-    let (mut low, mut high) = (0.0, upper.max(0.0));
-    let mut s = 0.0;
-    let mut best: Option<Root> = None;
-    for step in 1..=MAX_STEPS {
-        let psi = if s == 0.0 { p[0] } else { p[0] + p[1] * s + p[2] * (s * s) };
-        let Some((x, condition_number)) = minimise(&psi, model) else {
-            if step == 1 {
-                return Err(FitError::NotAnEllipsoid);
+impl Root {
+    /// Nothing solved yet.
+    pub const fn new() -> Self {
+        Self {
+            beta: [0.0; 10],
+            factor: [[0.0; 10]; 10],
+            s: None,
+            mean_square: 0.0,
+            noise: NoiseTerms::ZERO,
+            termination: Termination::Direct,
+        }
+    }
+
+    /// Solves with these moments; `false` unless the normal matrix is positive definite.
+    #[inline(never)]
+    fn solve(&mut self, scatter: &Scatter, moments: &[f64; COUNT], model: Model) -> bool {
+        gram(moments, &mut self.factor);
+        if !factorise(&mut self.factor, model) {
+            return false;
+        }
+        self.beta = pure(&minimiser(&self.factor));
+        self.noise = NoiseTerms::of(scatter, &self.beta);
+        true
+    }
+
+    /// The mean square of the quadric as the moments of the last solve have it.
+    fn left_over(&self) -> f32 {
+        self.factor[9][9] as f32
+    }
+
+    /// The least squares of the trace normalisation.
+    ///
+    /// # Errors
+    /// [`FitError::NotAnEllipsoid`] if the normal matrix is singular.
+    pub fn trace(&mut self, scatter: &Scatter, model: Model) -> Result<(), FitError> {
+        if !self.solve(scatter, &scatter.moments, model) {
+            return Err(FitError::NotAnEllipsoid);
+        }
+        self.s = None;
+        self.mean_square = self.left_over().max(0.0);
+        self.termination = Termination::Direct;
+        Ok(())
+    }
+
+    /// Finds the root in `[0, upper]`; `upper` is the least eigenvalue of the samples' covariance.
+    ///
+    /// # Errors
+    /// [`FitError::NotAnEllipsoid`] if the matrix is singular at `s = 0` already.
+    pub fn adjusted(&mut self, scatter: &Scatter, upper: f32, model: Model) -> Result<(), FitError> {
+        let first = first_order(&scatter.moments);
+        let (mut low, mut high) = (0.0, upper.max(0.0));
+        let (mut s, mut solved) = (0.0f32, 0.0);
+        self.termination = Termination::StepLimit;
+        for steps in 1..=MAX_STEPS {
+            if !self.solve(scatter, &corrected(&scatter.moments, &first, f64::from(s)), model) {
+                if steps == 1 {
+                    return Err(FitError::NotAnEllipsoid);
+                }
+                // Past the point where the leading block is positive definite: the root is below.
+                high = s;
+                s = 0.5 * (low + high);
+                continue;
             }
-            // Past the point where the leading block is positive definite: the root is below.
-            high = s;
-            s = 0.5 * (low + high);
-            continue;
-        };
-        let a = [quadratic_form(&p[0], &x), quadratic_form(&p[1], &x), quadratic_form(&p[2], &x)];
-        if a[0] <= ROUNDING {
-            // Noise-free to rounding: this is the trace solution, and there is nothing to adjust.
-            return Ok(Root { x, s: 0.0, condition_number, termination: Termination::NoiseFree });
+            solved = s;
+            let value = self.left_over();
+            let [a1, a2] = self.noise.slopes();
+            let slope = a1 + 2.0 * a2 * s;
+            self.mean_square = (value - s * (a1 + a2 * s)).max(0.0);
+            if steps == 1 && value <= ROUNDING {
+                // Noise-free to rounding: there is nothing to adjust.
+                self.termination = Termination::NoiseFree;
+                break;
+            }
+            if value > 0.0 {
+                low = s;
+            } else {
+                high = s;
+            }
+            let discriminant = slope * slope - 4.0 * a2 * value;
+            let change = if discriminant >= 0.0 {
+                2.0 * value / (math::sqrtf(discriminant) - slope)
+            } else {
+                f32::NAN
+            };
+            let next = s + change;
+            let inside = next >= low && next <= high;
+            let done = inside && change.abs() <= TOLERANCE * s + ROUNDING;
+            if done || high - low <= TOLERANCE * high + ROUNDING {
+                self.termination = Termination::Converged { steps };
+                break;
+            }
+            s = if inside { next } else { 0.5 * (low + high) };
         }
-        if a[0] + s * (a[1] + s * a[2]) > 0.0 {
-            low = s;
-        } else {
-            high = s;
+        self.s = Some(solved);
+        // Where the step limit came after a matrix that could not be factored, the last good one is restored.
+        if self.termination == Termination::StepLimit
+            && !self.solve(scatter, &corrected(&scatter.moments, &first, f64::from(solved)), model)
+        {
+            return Err(FitError::NotAnEllipsoid);
         }
-        let discriminant = a[1] * a[1] - 4.0 * a[2] * a[0];
-        let next =
-            if discriminant >= 0.0 { 2.0 * a[0] / (-a[1] + math::sqrt(discriminant)) } else { f64::NAN };
-        let inside = next >= low && next <= high;
-        let change = math::abs(next - s);
-        let done = inside && change <= TOLERANCE * s + ROUNDING;
-        best = Some(Root { x, s, condition_number, termination: Termination::Converged { steps: step } });
-        if done {
-            break;
-        }
-        s = if inside { next } else { 0.5 * (low + high) };
-        if high - low <= TOLERANCE * high + ROUNDING {
-            break;
-        }
+        Ok(())
     }
-    let mut root = best.ok_or(FitError::NotAnEllipsoid)?;
-    if let Termination::Converged { steps } = root.termination
-        && steps >= MAX_STEPS
-    {
-        root.termination = Termination::StepLimit;
-    }
-    Ok(root)
 }

@@ -3,32 +3,34 @@
 //! | method | file | source |
 //! |---|---|---|
 //! | constant | `constant.rs` | Dong, Chou, Fang 2014, eqs. (9)–(15), errata corrected |
-//! | trace | `trace.rs` | the same least squares, normalised by the trace: no singular position |
+//! | trace | `adjusted.rs`, its first step | the same least squares, normalised by the trace: no singular position |
 //! | adjusted | `adjusted.rs` | Markovsky, Kukush, Van Huffel 2004: no bias from noise, estimates the noise |
 //!
 //! All start from a [`Scatter`]; none sees a sample.
 
 mod adjusted;
 mod constant;
+pub(crate) mod dense;
 mod error;
+pub(crate) mod gram;
+mod model;
+mod noise;
 pub mod precision;
-mod psi;
-mod trace;
 
 pub use error::{FitError, axis_letter};
-pub use trace::Model;
+pub use model::Model;
 
 use crate::calibration::Calibration;
 use crate::math;
 use crate::quadric::Ellipsoid;
 use crate::scatter::Scatter;
-use nalgebra::{Matrix3, Vector3};
-use precision::{Matrix9, Noise, TRIANGLE};
+use adjusted::Root;
+use precision::{Spread, TRIANGLE};
 
 /// Fewest samples in motion that a calibration is fitted to.
 pub const MIN_SAMPLES: u64 = 20;
 /// Thinner than this (least over greatest standard deviation of the cloud of samples), the attitude is planar.
-pub const MIN_THICKNESS: f64 = 0.1;
+pub const MIN_THICKNESS: f32 = 0.1;
 /// Predicted 1σ error of the corrected vector, over the field, above which lower orders are tried and no calibration
 /// is accepted.
 pub const MAX_PREDICTED_ERROR: f64 = 0.01;
@@ -110,9 +112,9 @@ pub struct StdErrors {
 pub struct FitReport {
     /// The calibration: upper triangular matrix, positive diagonal.
     pub calibration: Calibration<f64>,
-    /// Covariance of `(b, C)` in the order of [`precision::TRIANGLE`], µT and 1.
-    pub covariance: Matrix9,
-    /// Square roots of its diagonal.
+    /// The errors of `(b, C)` and how they hang together: a square root of their covariance, µT and 1.
+    pub spread: Spread,
+    /// The standard errors.
     pub std_errors: StdErrors,
     /// Noise of the sensor, σ per axis, µT.
     pub noise_ut: f64,
@@ -161,38 +163,69 @@ pub struct FitReport {
 /// assert!((report.calibration.field_ut - 50.0).abs() < 0.02);
 /// # Ok::<(), ironout::fit::FitError>(())
 /// ```
+#[inline]
 pub fn fit(scatter: &Scatter, options: &FitOptions) -> Result<FitReport, FitError> {
-    let sound = |v: f64| v.is_finite() && v > 0.0;
-    if !options.field_ut.is_none_or(sound) || !options.effective_samples.is_none_or(sound) {
+    // Short, and inlined: where the method is known at compile time, the others are not linked.
+    match options.method {
+        Method::Adjusted => fit_quadric(scatter, options, solve_adjusted),
+        Method::Trace => fit_quadric(scatter, options, solve_trace),
+        Method::Constant => fit_constant(scatter, options),
+    }
+}
+
+/// Solves into a [`Root`]; the number is the least eigenvalue of the samples' covariance.
+type Solve = fn(&mut Root, &Scatter, f32, Model) -> Result<(), FitError>;
+
+fn solve_adjusted(root: &mut Root, scatter: &Scatter, upper: f32, model: Model) -> Result<(), FitError> {
+    root.adjusted(scatter, upper, model)
+}
+
+fn solve_trace(root: &mut Root, scatter: &Scatter, _: f32, model: Model) -> Result<(), FitError> {
+    root.trace(scatter, model)
+}
+
+/// What every method asks of data and options first. Returns an upper bound of the noise variance, in the scatter's
+/// units: the least eigenvalue of the samples' covariance.
+#[inline(never)]
+fn check(scatter: &Scatter, options: &FitOptions) -> Result<f32, FitError> {
+    let sound = |v: &Option<f64>| v.is_none_or(|v| v > 0.0 && dense::all_finite(&[v]));
+    if ![options.field_ut, options.effective_samples].iter().all(sound) {
         return Err(FitError::NotFinite);
     }
     if scatter.samples < MIN_SAMPLES {
         return Err(FitError::TooFewSamples { samples: scatter.samples });
     }
     scatter.check_axes()?;
-    let [thin, _, wide] = math::symmetric_eigenvalues_3x3(&scatter.covariance());
-    let thickness = math::sqrt((thin / wide).max(0.0));
+    let [thin, _, wide] = math::eigenvalues_3x3_f32(&scatter.covariance.map(|v| v as f32));
+    let thickness = math::sqrtf((thin / wide).max(0.0));
     if !(thickness >= MIN_THICKNESS) {
-        return Err(FitError::Planar { thickness });
+        return Err(FitError::Planar { thickness: thickness.into() });
     }
-    if options.method == Method::Constant {
-        return fit_constant(scatter, options);
-    }
-    let p = psi::hermite(scatter);
-    let trace_basis = [0, 1, 2].map(|i| psi::to_trace_basis(&p[i]));
-    let solve = |model| solve_model(scatter, options, &p, &trace_basis, thin, model);
-    let full = solve(Model::Ellipsoid);
+    // It is known to single precision of the greatest.
+    Ok(thin + 1e-5 * wide)
+}
+
+#[inline(never)]
+fn fit_quadric(scatter: &Scatter, options: &FitOptions, solve: Solve) -> Result<FitReport, FitError> {
+    let upper = check(scatter, options)?;
+    let mut root = Root::new();
+    solve(&mut root, scatter, upper, Model::Ellipsoid)?;
+    let full = of_coefficients(&root.beta)
+        .and_then(|ellipsoid| report(scatter, options, Model::Ellipsoid, &ellipsoid, &root, &root.factor));
     if !options.lower_orders || full.as_ref().is_ok_and(|r| r.predicted_error_ut <= r.limit_ut()) {
         return full;
     }
-    // The data do not carry nine parameters well: the model with the best evidence (least BIC) among those that solve.
+    // The data do not carry nine parameters well: the model with the best evidence among those that solve. What the data
+    // say about all nine is in the full model's factor.
     let mut chosen = full;
-    for lower in [solve(Model::AxisAligned), solve(Model::Sphere)].into_iter().flatten() {
-        let better = match &chosen {
-            Ok(best) => lower.bic() < best.bic(),
-            Err(_) => true,
-        };
-        if better {
+    let mut lower = Root::new();
+    for model in [Model::AxisAligned, Model::Sphere] {
+        let reported = solve(&mut lower, scatter, upper, model)
+            .and_then(|()| of_coefficients(&lower.beta))
+            .and_then(|ellipsoid| report(scatter, options, model, &ellipsoid, &lower, &root.factor));
+        if let Ok(lower) = reported
+            && chosen.as_ref().map_or(true, |best| lower.is_better_than(best))
+        {
             chosen = Ok(lower);
         }
     }
@@ -204,52 +237,40 @@ impl FitReport {
         MAX_PREDICTED_ERROR * self.calibration.field_ut
     }
 
-    /// Bayesian information criterion, up to a constant of the data.
-    fn bic(&self) -> f64 {
-        let n = self.effective_samples;
+    /// Whether this model has the better Bayesian information criterion of two on the same data.
+    fn is_better_than(&self, other: &Self) -> bool {
+        let n = self.effective_samples as f32;
         // The noise in the sensor's own units: a lower order must not look better by a smaller matrix.
-        n * math::ln(self.noise_ut * self.noise_ut) + self.model.parameters() as f64 * math::ln(n)
+        let ratio = self.noise_ut / other.noise_ut;
+        let parameters = self.model.parameters() as f32 - other.model.parameters() as f32;
+        n * math::lnf((ratio * ratio) as f32) + parameters * math::lnf(n) < 0.0
     }
 }
 
-fn solve_model(
-    scatter: &Scatter,
-    options: &FitOptions,
-    p: &[psi::Matrix10; 3],
-    trace_basis: &[psi::Matrix10; 3],
-    thin: f64,
-    model: Model,
-) -> Result<FitReport, FitError> {
-    let root = if options.method == Method::Trace {
-        let (x, condition_number) =
-            trace::minimise(&trace_basis[0], model).ok_or(FitError::NotAnEllipsoid)?;
-        adjusted::Root { x, s: f64::NAN, condition_number, termination: Termination::Direct }
-    } else {
-        adjusted::root(trace_basis, thin, model)?
-    };
-    let ellipsoid = trace::ellipsoid(&root.x)?;
-    let s = (!root.s.is_nan()).then_some(root.s);
-    report(
-        scatter,
-        options,
-        p,
-        &Fitted {
-            ellipsoid,
-            s,
-            model,
-            condition_number: root.condition_number,
-            termination: root.termination,
-        },
-    )
+/// The ellipsoid of coefficients over [`gram::QUADRIC`].
+fn of_coefficients(beta: &[f64; 10]) -> Result<Ellipsoid, FitError> {
+    let [xx, yy, zz, xy, xz, yz, x, y, z, k] = *beta;
+    Ellipsoid::from_quadric(&[xx, 0.5 * xy, 0.5 * xz, yy, 0.5 * yz, zz], [x, y, z], k)
 }
 
+/// Coefficients of `‖C(x−b)‖² − 1` over [`gram::QUADRIC`].
+fn coefficients(ellipsoid: &Ellipsoid) -> [f64; 10] {
+    let [xx, xy, xz, yy, yz, zz] = ellipsoid.q();
+    let [x, y, z] = ellipsoid.centre;
+    let qb = [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z];
+    let k = qb[0] * x + qb[1] * y + qb[2] * z - 1.0;
+    [xx, yy, zz, 2.0 * xy, 2.0 * xz, 2.0 * yz, -2.0 * qb[0], -2.0 * qb[1], -2.0 * qb[2], k]
+}
+
+#[inline(never)]
 fn fit_constant(scatter: &Scatter, options: &FitOptions) -> Result<FitReport, FitError> {
+    check(scatter, options)?;
     let about_zero = scatter.about_zero()?;
-    // How near the ellipsoid comes to the sensor's zero is asked of the reading that has no trouble there.
-    let p = psi::hermite(scatter);
-    if let Some((x, _)) = trace::minimise(&psi::to_trace_basis(&p[0]), Model::Ellipsoid)
-        && let Ok(around) = trace::ellipsoid(&x)
-    {
+    // How near the ellipsoid comes to the sensor's zero is asked of the reading that has no trouble there. Its normal
+    // matrix, centred and scaled, also gives the standard errors.
+    let mut root = Root::new();
+    root.trace(scatter, Model::Ellipsoid)?;
+    if let Ok(around) = of_coefficients(&root.beta) {
         let distance = constant::distance_from_origin(&convert(&around, scatter, &about_zero));
         if distance < constant::NEAREST_ORIGIN {
             return Err(FitError::ThroughOrigin { distance });
@@ -257,116 +278,96 @@ fn fit_constant(scatter: &Scatter, options: &FitOptions) -> Result<FitReport, Fi
     }
     let (ellipsoid, condition_number) = constant::solve(&about_zero)?;
     let ellipsoid = convert(&ellipsoid, &about_zero, scatter);
-    let fitted = Fitted {
-        ellipsoid,
-        s: None,
-        model: Model::Ellipsoid,
-        condition_number,
-        termination: Termination::Direct,
-    };
-    report(scatter, options, &p, &fitted)
+    root.beta = coefficients(&ellipsoid);
+    root.mean_square = (gram::mean_square(&scatter.moments, &root.beta) as f32).max(0.0);
+    root.noise = noise::NoiseTerms::of(scatter, &root.beta);
+    let mut report = report(scatter, options, Model::Ellipsoid, &ellipsoid, &root, &root.factor)?;
+    report.condition_number = condition_number;
+    Ok(report)
 }
 
 /// The same ellipsoid in the units of another scatter.
 fn convert(ellipsoid: &Ellipsoid, from: &Scatter, to: &Scatter) -> Ellipsoid {
     let unit = from.scale_ut / to.scale_ut;
-    let moved = Vector3::from_fn(|a, _| (from.centre_ut[a] - to.centre_ut[a]) / to.scale_ut);
-    Ellipsoid { centre: ellipsoid.centre * unit + moved, factor: ellipsoid.factor / unit }
+    Ellipsoid {
+        centre: core::array::from_fn(|a| {
+            ellipsoid.centre[a] * unit + (from.centre_ut[a] - to.centre_ut[a]) / to.scale_ut
+        }),
+        factor: ellipsoid.factor.map(|v| v / unit),
+        s: 1.0,
+    }
 }
 
-struct Fitted {
-    ellipsoid: Ellipsoid,
-    /// Noise variance, where the method estimates it.
-    s: Option<f64>,
-    model: Model,
-    condition_number: f64,
-    termination: Termination,
-}
-
+/// `full` is the factor of all nine columns, whatever the model.
+#[inline(never)]
 fn report(
     scatter: &Scatter,
     options: &FitOptions,
-    p: &[psi::Matrix10; 3],
-    fitted: &Fitted,
+    model: Model,
+    ellipsoid: &Ellipsoid,
+    root: &Root,
+    full: &gram::Lower,
 ) -> Result<FitReport, FitError> {
-    let Fitted { ellipsoid, model, .. } = fitted;
-    let n = scatter.samples as f64;
+    let n = scatter.samples as f32;
     let scale = scatter.scale_ut;
-    let noise = Noise::of(scatter, ellipsoid);
-    // Mean square of ‖C(x−b)‖² − 1 over the samples, exact from the sums.
-    let beta = coefficients(ellipsoid);
-    let mean_square = psi::quadratic_form(&p[0], &beta).max(0.0);
-    let freedom = n / (n - model.parameters() as f64);
-    let estimated = fitted.s.unwrap_or(mean_square / (4.0 * noise.m)) * freedom;
-    let s = estimated.max(scatter.quantisation_ut2 / (scale * scale)).max(1e-30);
+    let gradient2 = root.noise.gradient2;
+    let freedom = n / (n - model.parameters() as f32);
+    let estimated = root.s.unwrap_or(root.mean_square / gradient2) * freedom;
+    let quantisation = (scatter.quantisation_ut2 / (scale * scale)) as f32;
+    let s = estimated.max(quantisation).max(1e-30);
 
     // Rms distance from the centre: the magnitude the measurements have themselves.
-    let covariance = scatter.covariance();
-    let mean = Vector3::new(scatter.moment(1, 0, 0), scatter.moment(0, 1, 0), scatter.moment(0, 0, 1));
+    let mut offset_ut = [0.0; 3];
+    let mut off = [0.0; 3];
+    for axis in 0..3 {
+        off[axis] = scatter.moments[1 + axis] - ellipsoid.centre[axis];
+        offset_ut[axis] = scatter.centre_ut[axis] + ellipsoid.centre[axis] * scale;
+    }
+    let [xx, _, _, yy, _, zz] = scatter.covariance;
     let own =
-        covariance[0][0] + covariance[1][1] + covariance[2][2] + (mean - ellipsoid.centre).norm_squared()
-            - 3.0 * estimated;
-    let own = math::sqrt(own.max(0.0));
-    let measured_field_ut = own * scale;
+        dense::dot(&[xx, yy, zz, f64::from(estimated)], &[1.0, 1.0, 1.0, -3.0]) + dense::dot(&off, &off);
+    let measured_field_ut = math::sqrt(own.max(0.0)) * scale;
     let field_ut = options.field_ut.unwrap_or(measured_field_ut);
-    let offset_ut: [f64; 3] = core::array::from_fn(|a| scatter.centre_ut[a] + ellipsoid.centre[a] * scale);
-    let offset_fields = math::sqrt(offset_ut.iter().map(|v| v * v).sum()) / measured_field_ut;
-    ellipsoid.check_plausible(offset_fields)?;
+    let offset = math::sqrt(dense::dot(&offset_ut, &offset_ut));
+    let axis_ratio = ellipsoid.check_plausible((offset / measured_field_ut) as f32)?;
 
     let unit = field_ut / scale;
-    let matrix = ellipsoid.factor * unit;
-    let psi_s = p[0] + p[1] * estimated + p[2] * (estimated * estimated);
-    let effective = options.effective_samples.unwrap_or(n);
-    let mut information = precision::information(&psi_s, ellipsoid, noise.variance(s), effective);
-    if *model != Model::Ellipsoid {
-        information += precision::prior(ellipsoid);
+    let effective = options.effective_samples.unwrap_or(scatter.samples as f64);
+    let variance = root.noise.variance(s) / effective as f32;
+    let mut spread = Spread::of_factor(full, ellipsoid, variance).ok_or(FitError::NotAnEllipsoid)?;
+    if model != Model::Ellipsoid {
+        spread.add_prior(ellipsoid);
     }
-    let covariance = precision::invert(&information).ok_or(FitError::NotAnEllipsoid)?;
-    let predicted = precision::worst_direction_error(&ellipsoid.factor, &covariance);
-    let to_units = |i: usize| if i < 3 { scale } else { unit };
-    let covariance = Matrix9::from_fn(|r, c| covariance[(r, c)] * to_units(r) * to_units(c));
-    let sigma = |i: usize| math::sqrt(covariance[(i, i)].max(0.0));
-    let mut std_errors = StdErrors { offset_ut: [sigma(0), sigma(1), sigma(2)], matrix: [[0.0; 3]; 3] };
-    for (i, (j, k)) in TRIANGLE.iter().copied().enumerate() {
-        std_errors.matrix[j][k] = sigma(3 + i);
+    if !spread.is_finite() {
+        return Err(FitError::NotAnEllipsoid);
     }
+    let field = field_ut as f32;
+    let predicted_error_ut = f64::from(spread.worst_direction_error(ellipsoid) * field);
+    spread.scale(scale as f32, unit as f32);
+    let sigma = spread.std_errors();
+    let mut std_errors = StdErrors { offset_ut: [sigma[0], sigma[1], sigma[2]], matrix: [[0.0; 3]; 3] };
+    let mut matrix = [[0.0; 3]; 3];
+    for (i, (j, k)) in TRIANGLE.into_iter().enumerate() {
+        std_errors.matrix[j][k] = sigma[3 + i];
+        matrix[j][k] = ellipsoid.factor[i] * unit;
+    }
+    // The quadric is s(‖C(x−b)‖² − 1), twice the relative residual times that s.
+    let per_quadric = 0.5 * field / (ellipsoid.s as f32).abs();
     Ok(FitReport {
-        calibration: Calibration { offset_ut, matrix: rows(&matrix), field_ut },
-        covariance,
+        calibration: Calibration { offset_ut, matrix, field_ut },
+        spread,
         std_errors,
-        noise_ut: math::sqrt(s) * scale,
-        residual_floor_ut: math::sqrt(s * noise.m) * field_ut,
-        rms_ut: 0.5 * math::sqrt(mean_square) * field_ut,
-        predicted_error_ut: predicted * field_ut,
-        axis_ratio: ellipsoid.axis_ratio(),
+        noise_ut: f64::from(math::sqrtf(s)) * scale,
+        residual_floor_ut: f64::from(math::sqrtf(s * gradient2) * per_quadric),
+        rms_ut: f64::from(math::sqrtf(root.mean_square) * per_quadric),
+        predicted_error_ut,
+        axis_ratio: axis_ratio.into(),
         measured_field_ut,
         samples: scatter.samples,
         effective_samples: effective,
         method: options.method,
-        model: *model,
-        condition_number: fitted.condition_number,
-        termination: fitted.termination,
+        model,
+        condition_number: gram::condition_number(&root.factor, model),
+        termination: root.termination,
     })
-}
-
-fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
-    core::array::from_fn(|r| core::array::from_fn(|c| m[(r, c)]))
-}
-
-/// Coefficients of `‖C(x−b)‖² − 1` over [`psi::QUADRIC`].
-fn coefficients(ellipsoid: &Ellipsoid) -> psi::Vector10 {
-    let q = ellipsoid.q();
-    let qb = q * ellipsoid.centre;
-    psi::Vector10::from_column_slice(&[
-        q[(0, 0)],
-        q[(1, 1)],
-        q[(2, 2)],
-        2.0 * q[(0, 1)],
-        2.0 * q[(0, 2)],
-        2.0 * q[(1, 2)],
-        -2.0 * qb[0],
-        -2.0 * qb[1],
-        -2.0 * qb[2],
-        ellipsoid.centre.dot(&qb) - 1.0,
-    ])
 }

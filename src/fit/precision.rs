@@ -1,174 +1,283 @@
 //! Standard errors from the sums, and what they make of a corrected vector.
 //!
-//! `Cov(b, C) = V (GᵀΨ(s)G)⁻¹` with `G = ∂β/∂(b, C)` (10×9), `β` the coefficients of `‖C(x−b)‖² − 1`, `Ψ` the noise-corrected
-//! scatter, `V = (4sm − 2s² tr Q²)/n` and `m` the mean of `(x−b)ᵀQ²(x−b)`.
+//! The quadric's nine coefficients have the covariance `V Ψ₉⁻¹`, and `Ψ₉ = L D Lᵀ` is at hand from the solve: the columns of
+//! `L⁻ᵀ D^{−½}`, carried over to `(b, C)`, are a square root of the covariance of the calibration. (It is the
+//! `V (GᵀΨG)⁻¹` of the theory, since `Ψ` is zero along the solution itself.) A square root has half the digits at stake:
+//! single precision is enough from here on.
 
-use super::psi::{Matrix10, QUADRIC};
+use super::dense::{all_finite_f32, dot_f32, scale_f32};
+use super::gram::Lower;
+use crate::math::sqrtf;
 use crate::quadric::Ellipsoid;
-use crate::scatter::Scatter;
-use nalgebra::{Matrix3, Matrix4, SMatrix, Vector3, Vector4};
-
-/// A 9×9 matrix over `(b₁, b₂, b₃, C₁₁, C₁₂, C₁₃, C₂₂, C₂₃, C₃₃)`.
-pub type Matrix9 = SMatrix<f64, 9, 9>;
 
 /// Row and column of each of the six entries of the triangular `C`, in the order of the covariance.
 pub const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
 /// Weak physical prior, one standard deviation: gains within some 20 % of each other …
-const GAIN_SPREAD: f64 = 0.2;
+const GAIN_SPREAD: f32 = 0.2;
 /// … axes within some 10° of orthogonal.
-const AXIS_SPREAD_RAD: f64 = 0.17;
+const AXIS_SPREAD_RAD: f32 = 0.17;
 
-/// `∂β/∂(b, C)` over the pure monomials of [`QUADRIC`].
-fn jacobian(ellipsoid: &Ellipsoid) -> SMatrix<f64, 10, 9> {
-    let (b, c, q) = (ellipsoid.centre, ellipsoid.factor, ellipsoid.q());
-    let mut g = SMatrix::<f64, 10, 9>::zeros();
-    let mut fill = |column: usize, dq: Matrix3<f64>, linear: Vector3<f64>, constant: f64| {
-        for (row, e) in QUADRIC.iter().enumerate().take(6) {
-            let mut axes = [0usize; 2];
-            let mut at = 0;
-            for (axis, &power) in e.iter().enumerate() {
-                for _ in 0..power {
-                    axes[at.min(1)] = axis;
-                    at += 1;
-                }
-            }
-            let factor = if axes[0] == axes[1] { 1.0 } else { 2.0 };
-            g[(row, column)] = factor * dq[(axes[0], axes[1])];
-        }
-        for axis in 0..3 {
-            g[(6 + axis, column)] = linear[axis];
-        }
-        g[(9, column)] = constant;
-    };
-    let qb = q * b;
-    for axis in 0..3 {
-        fill(axis, Matrix3::zeros(), q.column(axis) * -2.0, 2.0 * qb[axis]);
-    }
-    for (i, (j, k)) in TRIANGLE.iter().copied().enumerate() {
-        // Q = CᵀC: δQ = e_k c_j + c_jᵀ e_kᵀ with c_j the j-th row of C.
-        let mut dq = Matrix3::zeros();
-        for column in 0..3 {
-            dq[(k, column)] += c[(j, column)];
-            dq[(column, k)] += c[(j, column)];
-        }
-        let dqb = dq * b;
-        fill(3 + i, dq, dqb * -2.0, b.dot(&dqb));
-    }
-    g
+type Upper = [f32; 6];
+
+/// Product of an upper triangular matrix and a vector.
+fn times(c: &Upper, v: [f32; 3]) -> [f32; 3] {
+    [c[0] * v[0] + c[1] * v[1] + c[2] * v[2], c[3] * v[1] + c[4] * v[2], c[5] * v[2]]
 }
 
-/// What the noise does to an ellipsoid.
-pub(crate) struct Noise {
-    /// Mean of `(x−b)ᵀQ²(x−b)`.
-    pub m: f64,
-    /// `tr Q²`.
-    pub trace_q2: f64,
+/// Product of its transpose and a vector.
+fn transposed_times(c: &Upper, v: [f32; 3]) -> [f32; 3] {
+    [c[0] * v[0], c[1] * v[0] + c[3] * v[1], c[2] * v[0] + c[4] * v[1] + c[5] * v[2]]
 }
 
-impl Noise {
-    pub fn of(scatter: &Scatter, ellipsoid: &Ellipsoid) -> Self {
-        let q = ellipsoid.q();
-        let q2 = q * q;
-        let covariance = scatter.covariance();
-        let mean = Vector3::new(scatter.moment(1, 0, 0), scatter.moment(0, 1, 0), scatter.moment(0, 0, 1));
-        let off = mean - ellipsoid.centre;
-        let mut m = off.dot(&(q2 * off));
-        for r in 0..3 {
-            for c in 0..3 {
-                m += q2[(r, c)] * covariance[r][c];
-            }
+/// Product of two upper triangular matrices.
+fn product_upper(a: &Upper, b: &Upper) -> Upper {
+    [
+        a[0] * b[0],
+        a[0] * b[1] + a[1] * b[3],
+        a[0] * b[2] + a[1] * b[4] + a[2] * b[5],
+        a[3] * b[3],
+        a[3] * b[4] + a[4] * b[5],
+        a[5] * b[5],
+    ]
+}
+
+/// Inverse of an upper triangular matrix.
+fn inverse(c: &Upper) -> Upper {
+    let (a11, a22, a33) = (1.0 / c[0], 1.0 / c[3], 1.0 / c[5]);
+    let a12 = -c[1] * a11 * a22;
+    let a23 = -c[4] * a22 * a33;
+    [a11, a12, -(c[1] * a23 + c[2] * a33) * a11, a22, a23, a33]
+}
+
+/// An ellipsoid in single precision, with `A = C⁻¹`.
+struct Shape {
+    centre: [f32; 3],
+    c: Upper,
+    a: Upper,
+    s: f32,
+}
+
+impl Shape {
+    fn of(ellipsoid: &Ellipsoid) -> Self {
+        let c = ellipsoid.factor.map(|v| v as f32);
+        Self { centre: ellipsoid.centre.map(|v| v as f32), c, a: inverse(&c), s: ellipsoid.s as f32 }
+    }
+
+    /// What a change of the quadric's coefficients over the columns of `gram` makes of `(b, C)`.
+    ///
+    /// In the corrected frame, `h = C(x−b)`, with `C → (1+E)C` and `b → b + A d`, the quadric changes by
+    /// `δs(hᵀh−1) + s(2hᵀEh − 2hᵀd)`; comparing powers of `h` gives `E` and `d`.
+    #[inline(never)]
+    fn change(&self, v: &[f32; 9]) -> [f32; 9] {
+        let m = [v[0], 0.5 * v[2], 0.5 * v[3], v[1], 0.5 * v[4], -v[0] - v[1]];
+        let symmetric = |x: [f32; 3]| {
+            [
+                m[0] * x[0] + m[1] * x[1] + m[2] * x[2],
+                m[1] * x[0] + m[3] * x[1] + m[4] * x[2],
+                m[2] * x[0] + m[4] * x[1] + m[5] * x[2],
+            ]
+        };
+        let dot = |x: [f32; 3], y: [f32; 3]| x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+        let a = &self.a;
+        let l = [v[5], v[6], v[7]];
+        let mb = symmetric(self.centre);
+        let ds = -(dot(self.centre, mb) + dot(l, self.centre) + v[8]);
+        let linear = [2.0 * mb[0] + l[0], 2.0 * mb[1] + l[1], 2.0 * mb[2] + l[2]];
+        let d = transposed_times(a, linear).map(|g| -0.5 * g / self.s);
+        let columns = [[a[0], 0.0, 0.0], [a[1], a[3], 0.0], [a[2], a[4], a[5]]];
+        let mut e = [0.0; 6];
+        for (slot, (j, k)) in e.iter_mut().zip(TRIANGLE) {
+            let entry = dot(columns[j], symmetric(columns[k]));
+            *slot = if j == k { 0.5 * (entry - ds) } else { entry } / self.s;
         }
-        Self { m, trace_q2: q2.trace() }
-    }
-
-    /// Variance of `‖C(x−b)‖² − 1` for a noise variance `s` per axis.
-    pub fn variance(&self, s: f64) -> f64 {
-        // Positive also where s has been raised to the quantisation floor above what m holds.
-        (4.0 * s * self.m - 2.0 * s * s * self.trace_q2).max(2.0 * s * self.m)
+        join(times(a, d), product_upper(&e, &self.c))
     }
 }
 
-/// The information (inverse covariance) of `(b, C)` from `samples` samples of noise variance `s`.
-pub(crate) fn information(psi: &Matrix10, ellipsoid: &Ellipsoid, variance: f64, samples: f64) -> Matrix9 {
-    let g = jacobian(ellipsoid);
-    let information = g.transpose() * (psi * g);
-    information * (samples / variance)
+fn join(b: [f32; 3], c: Upper) -> [f32; 9] {
+    [b[0], b[1], b[2], c[0], c[1], c[2], c[3], c[4], c[5]]
 }
 
-/// The information of the weak physical prior about `ellipsoid`: for acceptance of a model that leaves parameters out.
-pub(crate) fn prior(ellipsoid: &Ellipsoid) -> Matrix9 {
-    let c = ellipsoid.factor;
-    let scale = (c[(0, 0)] + c[(1, 1)] + c[(2, 2)]) / 3.0;
-    let mut information = Matrix9::zeros();
-    // The common scale is not in doubt, only what the gains differ by: with g = δC_ii/scale, Σ(g − ḡ)²/spread².
-    let gain = 1.0 / (GAIN_SPREAD * scale * GAIN_SPREAD * scale);
-    for (i, (j, k)) in TRIANGLE.iter().copied().enumerate() {
-        for (l, (p, q)) in TRIANGLE.iter().copied().enumerate() {
-            if j == k && p == q {
-                information[(3 + i, 3 + l)] = gain * (if i == l { 2.0 / 3.0 } else { -1.0 / 3.0 });
-            } else if i == l {
-                information[(3 + i, 3 + l)] = 1.0 / (AXIS_SPREAD_RAD * scale * AXIS_SPREAD_RAD * scale);
-            }
+/// A square root of the covariance of `(b₁, b₂, b₃, C₁₁, C₁₂, C₁₃, C₂₂, C₂₃, C₃₃)`: nine independent changes of one standard
+/// deviation each, whose squares add up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    changes: [[f32; 9]; 9],
+}
+
+/// Columns of `L⁻ᵀ D^{−½}` times a factor; `None` if a pivot is not positive or a number not finite.
+#[inline(never)]
+fn root_of_inverse(rows: &Lower, factor: f32) -> Option<[[f32; 9]; 9]> {
+    // Upper triangular: Lᵀ, row by row.
+    let mut upper = [[0.0f32; 9]; 9];
+    for (r, row) in rows.iter().enumerate().take(9) {
+        for (value, to) in row.iter().zip(&mut upper).take(r + 1) {
+            to[r] = *value as f32;
         }
     }
-    information
-}
-
-/// The inverse of an information matrix; `None` unless positive definite.
-pub fn invert(information: &Matrix9) -> Option<Matrix9> {
-    // Unit diagonal first: offsets and matrix entries differ by orders of magnitude.
-    let mut scale = [0.0; 9];
-    for (i, s) in scale.iter_mut().enumerate() {
-        let d = information[(i, i)];
-        if !(d > 0.0 && d.is_finite()) {
+    let mut columns = [[0.0f32; 9]; 9];
+    for (j, column) in columns.iter_mut().enumerate() {
+        column[j] = factor / sqrtf(upper[j][j]);
+        for (i, row) in upper.iter().enumerate().take(j).rev() {
+            column[i] = -dot_f32(&row[i + 1..=j], &column[i + 1..=j]);
+        }
+        if !all_finite_f32(column) {
             return None;
         }
-        *s = 1.0 / crate::math::sqrt(d);
     }
-    let unit = Matrix9::from_fn(|r, c| information[(r, c)] * scale[r] * scale[c]);
-    let inverse = unit.cholesky()?.inverse();
-    let covariance = Matrix9::from_fn(|r, c| inverse[(r, c)] * scale[r] * scale[c]);
-    covariance.iter().all(|v| v.is_finite()).then_some(covariance)
+    Some(columns)
 }
 
-/// The 1σ error of the corrected vector (rms length), in units of the field, in the worst direction of the sphere.
-///
-/// `δh = δC y − C δb` with `y = A u`; its mean square is a quadratic form in `(y, 1)`, looked at in 26 directions.
-pub fn worst_direction_error(factor: &Matrix3<f64>, covariance: &Matrix9) -> f64 {
-    let Some(a) = factor.try_inverse() else { return f64::INFINITY };
-    let mut w = Matrix4::<f64>::zeros();
-    for i in 0..3 {
-        for (p, (j, k)) in TRIANGLE.iter().copied().enumerate().filter(|(_, (j, _))| *j == i) {
-            for (q, (_, l)) in TRIANGLE.iter().copied().enumerate().filter(|(_, (r, _))| *r == j) {
-                w[(k, l)] += covariance[(3 + p, 3 + q)];
-            }
-            let mut cross = 0.0;
-            for c in 0..3 {
-                cross -= factor[(i, c)] * covariance[(3 + p, c)];
-            }
-            w[(k, 3)] += cross;
-            w[(3, k)] += cross;
+impl Spread {
+    /// From the factor of the normal matrix of a full quadric. `variance` is that of one sample's residual, in the
+    /// quadric's own scale, over the number of samples. `None` if a column of the factor is not finite.
+    #[inline(never)]
+    pub(crate) fn of_factor(factor: &Lower, ellipsoid: &Ellipsoid, variance: f32) -> Option<Self> {
+        let shape = Shape::of(ellipsoid);
+        let mut changes = root_of_inverse(factor, sqrtf(variance))?;
+        for change in &mut changes {
+            *change = shape.change(change);
         }
-        for c in 0..3 {
-            for d in 0..3 {
-                w[(3, 3)] += factor[(i, c)] * factor[(i, d)] * covariance[(c, d)];
+        Some(Self { changes })
+    }
+
+    /// Adds the weak physical prior: for a model that leaves parameters out, so that what the data do not say counts as
+    /// unknown, within what magnetometers are.
+    #[inline(never)]
+    pub(crate) fn add_prior(&mut self, ellipsoid: &Ellipsoid) {
+        let c = ellipsoid.factor.map(|v| v as f32);
+        let scale = (c[0] + c[3] + c[5]) / 3.0;
+        // The common scale is not in doubt, only what the gains differ by: two contrasts of the three.
+        const R2: f32 = core::f32::consts::FRAC_1_SQRT_2;
+        const R6: f32 = 0.408_248_3;
+        for weights in [[R2, -R2, 0.0], [R6, R6, -2.0 * R6]] {
+            let mut row = [0.0; 9];
+            for (place, weight) in [3, 6, 8].into_iter().zip(weights) {
+                row[place] = weight;
+            }
+            self.observe(&row, GAIN_SPREAD * scale);
+        }
+        for place in [4, 5, 7] {
+            let mut row = [0.0; 9];
+            row[place] = 1.0;
+            self.observe(&row, AXIS_SPREAD_RAD * scale);
+        }
+    }
+
+    /// Whether every number is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        all_finite_f32(self.changes.as_flattened())
+    }
+
+    /// The spread after an observation of `row · (b, C)` with the standard deviation `sigma`: Potter's square-root update,
+    /// which keeps the covariance positive definite in single precision.
+    #[inline(never)]
+    fn observe(&mut self, row: &[f32; 9], sigma: f32) {
+        let along = self.changes.map(|change| dot_f32(&change, row));
+        let r = sigma * sigma;
+        let total = dot_f32(&along, &along) + r;
+        let gamma = 1.0 / (total + sqrtf(total * r));
+        let mut gain = [0.0; 9];
+        for (change, a) in self.changes.iter().zip(along) {
+            for (slot, value) in gain.iter_mut().zip(change) {
+                *slot += value * a;
+            }
+        }
+        for (change, a) in self.changes.iter_mut().zip(along) {
+            for (value, gain) in change.iter_mut().zip(gain) {
+                *value -= gamma * a * gain;
             }
         }
     }
-    let mut worst = 0.0f64;
-    for x in -1..=1 {
-        for y in -1..=1 {
-            for z in -1..=1 {
-                if (x, y, z) == (0, 0, 0) {
-                    continue;
-                }
-                let u = Vector3::new(f64::from(x), f64::from(y), f64::from(z)).normalize();
-                let v = a * u;
-                let v = Vector4::new(v[0], v[1], v[2], 1.0);
-                worst = worst.max(v.dot(&(w * v)));
-            }
+
+    /// The same in other units: the first three, and the last six numbers of each change times a factor.
+    pub(crate) fn scale(&mut self, offset: f32, matrix: f32) {
+        for change in &mut self.changes {
+            let (b, c) = change.split_at_mut(3);
+            scale_f32(b, offset);
+            scale_f32(c, matrix);
         }
     }
-    crate::math::sqrt(worst)
+
+    /// The standard errors of the nine numbers.
+    pub fn std_errors(&self) -> [f64; 9] {
+        let mut squares = [0.0f32; 9];
+        for change in &self.changes {
+            for (square, value) in squares.iter_mut().zip(change) {
+                *square += value * value;
+            }
+        }
+        squares.map(|square| f64::from(sqrtf(square)))
+    }
+
+    /// The covariance of the nine numbers: symmetric, positive definite.
+    pub fn covariance(&self) -> [[f64; 9]; 9] {
+        core::array::from_fn(|r| {
+            core::array::from_fn(|c| self.changes.iter().map(|k| f64::from(k[r]) * f64::from(k[c])).sum())
+        })
+    }
+
+    /// The 1σ error of the corrected vector (rms length), in units of the field, in the worst direction of the sphere.
+    ///
+    /// `δh = E h − d` with `E = δC A` and `d = C δb`; its mean square is a quadratic form in `(h, 1)`, looked at in the 26
+    /// directions of a cube's faces, edges and corners.
+    #[inline(never)]
+    pub(crate) fn worst_direction_error(&self, ellipsoid: &Ellipsoid) -> f32 {
+        let shape = Shape::of(ellipsoid);
+        // Entries 11 … 44 of the symmetric form, upper triangle row by row.
+        let mut form = [0.0f32; 10];
+        for k in &self.changes {
+            let d = times(&shape.c, [k[0], k[1], k[2]]);
+            let e = product_upper(&[k[3], k[4], k[5], k[6], k[7], k[8]], &shape.a);
+            // The three rows of (E, −d) are as long as the triangle leaves them.
+            add_square(&mut form, &[e[0], e[1], e[2], -d[0]]);
+            add_square(&mut form[4..], &[e[3], e[4], -d[1]]);
+            add_square(&mut form[7..], &[e[5], -d[2]]);
+        }
+        let [xx, xy, xz, x1, yy, yz, y1, zz, z1, constant] = form;
+        let mut worst = 0.0f32;
+        // One of each pair of opposite directions: the linear part makes the other.
+        for [x, y, z] in DIRECTIONS {
+            let square = x * (x * xx + 2.0 * (y * xy + z * xz)) + y * (y * yy + 2.0 * z * yz) + z * z * zz;
+            let linear = x * x1 + y * y1 + z * z1;
+            let total = square + 2.0 * linear.abs();
+            // Written so that a NaN becomes the worst.
+            if !(total <= worst) {
+                worst = total;
+            }
+        }
+        sqrtf(worst + constant)
+    }
 }
+
+/// Adds the products of a row with itself to the upper triangle of a form, from the row's own diagonal on.
+fn add_square(form: &mut [f32], row: &[f32]) {
+    let mut slots = form.iter_mut();
+    for (i, a) in row.iter().enumerate() {
+        for (b, slot) in row[i..].iter().zip(&mut slots) {
+            *slot += a * b;
+        }
+    }
+}
+
+/// Unit vectors to a cube's faces, edges and corners, one of each opposite pair.
+const DIRECTIONS: [[f32; 3]; 13] = {
+    const E: f32 = core::f32::consts::FRAC_1_SQRT_2;
+    const C: f32 = 0.577_350_26;
+    [
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [E, E, 0.0],
+        [E, -E, 0.0],
+        [E, 0.0, E],
+        [E, 0.0, -E],
+        [0.0, E, E],
+        [0.0, E, -E],
+        [C, C, C],
+        [C, C, -C],
+        [C, -C, C],
+        [-C, C, C],
+    ]
+};

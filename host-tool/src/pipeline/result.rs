@@ -161,7 +161,7 @@ impl Fitted {
     /// The calibration file.
     pub fn cal_file(&self, method: &str) -> CalFile {
         let information = self.report.as_ref().and_then(|report| {
-            let covariance = std::array::from_fn(|i| std::array::from_fn(|j| report.covariance[(i, j)]));
+            let covariance = report.spread.covariance();
             Information::from_covariance(&covariance)
         });
         CalFile { version: VERSION, fit: self.object(method), information }

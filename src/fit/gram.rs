@@ -1,0 +1,207 @@
+//! The quadric's normal matrix from the moments, its correction for noise, and its factor.
+//!
+//! Powers of noisy data are biased: `E[x²] = x₀² + σ²`. Replacing each power by its Hermite counterpart (`x² → x²−s`,
+//! `x³ → x³−3sx`, `x⁴ → x⁴−6sx²+3s²`, `s = σ²`) gives moments whose expectation is the noise-free one (Markovsky,
+//! Kukush, Van Huffel, Numer. Math. 98, 2004), and with them `Ψ(s) = P₀ + sP₁ + s²P₂`.
+
+use super::Model;
+use super::dense::{add_scaled, dot};
+use crate::monomial::{COUNT, EXPONENTS, at};
+
+/// The pure monomials of a quadric: `xx yy zz xy xz yz x y z 1`.
+pub(crate) const QUADRIC: [[usize; 3]; 10] = [
+    [2, 0, 0],
+    [0, 2, 0],
+    [0, 0, 2],
+    [1, 1, 0],
+    [1, 0, 1],
+    [0, 1, 1],
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+    [0, 0, 0],
+];
+
+/// Where the moment of the product of two of them stands.
+const PLACE: [[u8; 10]; 10] = places();
+
+const fn places() -> [[u8; 10]; 10] {
+    let mut table = [[0; 10]; 10];
+    let mut r = 0;
+    while r < 10 {
+        let mut c = 0;
+        while c < 10 {
+            let (e, f) = (QUADRIC[r], QUADRIC[c]);
+            table[r][c] = at(e[0] + f[0], e[1] + f[1], e[2] + f[2]) as u8;
+            c += 1;
+        }
+        r += 1;
+    }
+    table
+}
+
+/// The mean of the product of two pure monomials; the caller keeps both below ten.
+#[inline]
+pub(crate) fn product(moments: &[f64; COUNT], r: usize, c: usize) -> f64 {
+    moments[usize::from(PLACE[r][c])]
+}
+
+/// The coefficients of `−s` in the noise-corrected moments.
+#[inline(never)]
+pub(crate) fn first_order(moments: &[f64; COUNT]) -> [f64; COUNT] {
+    /// Of `−s x^{a−2}` in the Hermite polynomial of `x^a`.
+    const FIRST: [f64; 5] = [0.0, 0.0, 1.0, 3.0, 6.0];
+    let mut out = [0.0; COUNT];
+    for (slot, e) in out.iter_mut().zip(EXPONENTS) {
+        for axis in 0..3 {
+            if e[axis] >= 2 {
+                let mut lower = e.map(usize::from);
+                lower[axis] -= 2;
+                *slot += FIRST[lower[axis] + 2] * moments[at(lower[0], lower[1], lower[2])];
+            }
+        }
+    }
+    out
+}
+
+/// The moments corrected for a noise of variance `s`.
+#[inline(never)]
+pub(crate) fn corrected(moments: &[f64; COUNT], first: &[f64; COUNT], s: f64) -> [f64; COUNT] {
+    let mut out = *moments;
+    if s == 0.0 {
+        return out;
+    }
+    let s2 = s * s;
+    for ((slot, first), e) in out.iter_mut().zip(first).zip(EXPONENTS).skip(4) {
+        *slot -= s * first;
+        // The constant of the fourth Hermite polynomial, and of the product of two second ones.
+        if e.contains(&4) {
+            *slot += 3.0 * s2;
+        } else if e.iter().all(|power| power % 2 == 0) && e[0] + e[1] + e[2] == 4 {
+            *slot += s2;
+        }
+    }
+    out
+}
+
+/// The lower triangle of a symmetric 10×10 matrix.
+pub(crate) type Lower = [[f64; 10]; 10];
+
+/// The scatter matrix of the columns `[x²−z², y²−z², xy, xz, yz, x, y, z, 1]` and, last, `x²+y²+z²`.
+///
+/// The first two span the same traceless squares as the `x²+y²−2z²`, `x²+z²−2y²` of the trace reading in
+/// [`crate::moments::Reading`], so the least squares solution is the same quadric, for fewer additions.
+#[inline(never)]
+pub(crate) fn gram(m: &[f64; COUNT], a: &mut Lower) {
+    for row in 2..9 {
+        let (xx, yy, zz) = (product(m, row + 1, 0), product(m, row + 1, 1), product(m, row + 1, 2));
+        a[row][0] = xx - zz;
+        a[row][1] = yy - zz;
+        a[9][row] = xx + yy + zz;
+        for column in 2..=row {
+            a[row][column] = product(m, row + 1, column + 1);
+        }
+    }
+    let (xxxx, yyyy, zzzz) = (product(m, 0, 0), product(m, 1, 1), product(m, 2, 2));
+    let (xxyy, xxzz, yyzz) = (product(m, 0, 1), product(m, 0, 2), product(m, 1, 2));
+    let (x, y, z) = (xxxx - xxzz, yyyy - yyzz, zzzz - xxzz);
+    a[0][0] = x + z;
+    a[1][0] = xxyy - yyzz + z;
+    a[1][1] = y + (zzzz - yyzz);
+    a[9][0] = xxxx + xxyy - yyzz - zzzz;
+    a[9][1] = xxyy + yyyy - xxzz - zzzz;
+    a[9][9] = xxxx + yyyy + zzzz + 2.0 * (xxyy + xxzz + yyzz);
+}
+
+/// Factors the leading columns of a symmetric matrix in place, `L D Lᵀ`; nothing above the diagonal is used.
+///
+/// Below the diagonal comes `L` (whose own diagonal is one), on it `D`. The last row is the right side: `L⁻¹` applied to it and
+/// divided by `D`, and in its corner what the columns leave of it. Columns without a parameter in `model` are left out.
+/// `false` unless what remains is positive definite.
+#[inline(never)]
+pub(crate) fn factorise(rows: &mut [[f64; 10]], model: Model) -> bool {
+    let mut inverse = [0.0; 10];
+    let last = rows.len().saturating_sub(1);
+    for r in 0..rows.len().min(10) {
+        let (done, rest) = rows.split_at_mut(r);
+        let Some(row) = rest.first_mut() else { break };
+        let mut pivot = row[r];
+        if r < last && !model.uses(r) {
+            // It stays zero in the solution and out of the sums.
+            row[..r].fill(0.0);
+            row[r] = 1.0;
+            inverse[r] = 0.0;
+            continue;
+        }
+        // First w = L⁻¹ of the row, then its quotients by D.
+        for (c, above) in done.iter().enumerate() {
+            let sum = dot(&row[..c], &above[..c]);
+            row[c] -= sum;
+        }
+        for (w, inverse) in row[..r].iter_mut().zip(inverse) {
+            let l = *w * inverse;
+            pivot -= *w * l;
+            *w = l;
+        }
+        row[r] = pivot;
+        if r < last {
+            // Below this, relative to entries of order one, there is nothing but rounding.
+            if !(pivot > 1e-24) {
+                return false;
+            }
+            inverse[r] = 1.0 / pivot;
+        }
+    }
+    true
+}
+
+/// The minimiser of `xᵀΨx` with a last element of one, from the factor of `Ψ`.
+#[inline(never)]
+pub(crate) fn minimiser(rows: &[[f64; 10]]) -> [f64; 10] {
+    // Lᵀ x = −(row of the right side), from the last row up.
+    let mut x = [0.0; 10];
+    let last = rows.len().clamp(1, 10) - 1;
+    x[last] = 1.0;
+    for (r, row) in rows[..=last].iter().enumerate().rev() {
+        let (head, tail) = x.split_at_mut(r);
+        if let Some(value) = tail.first() {
+            add_scaled(head, -*value, row);
+        }
+    }
+    x
+}
+
+/// Largest over smallest pivot of a factor: an estimate of the condition number.
+pub(crate) fn condition_number(rows: &Lower, model: Model) -> f64 {
+    let (mut low, mut high) = (f32::INFINITY, 0.0f32);
+    for (i, row) in rows.iter().enumerate().take(9).filter(|(i, _)| model.uses(*i)) {
+        let pivot = row[i] as f32;
+        low = low.min(pivot);
+        high = high.max(pivot);
+    }
+    f64::from(high / low)
+}
+
+/// Coefficients over [`QUADRIC`] of a solution over the columns of [`gram`].
+pub(crate) fn pure(x: &[f64; 10]) -> [f64; 10] {
+    [x[9] + x[0], x[9] + x[1], x[9] - x[0] - x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8]]
+}
+
+/// `P β`, the scatter matrix over [`QUADRIC`] times coefficients.
+#[inline(never)]
+pub(crate) fn times(moments: &[f64; COUNT], beta: &[f64; 10]) -> [f64; 10] {
+    let mut out = [0.0; 10];
+    for (slot, places) in out.iter_mut().zip(&PLACE) {
+        let mut row = [0.0; 10];
+        for (value, place) in row.iter_mut().zip(places) {
+            *value = moments[usize::from(*place)];
+        }
+        *slot = dot(&row, beta);
+    }
+    out
+}
+
+/// The mean square of a quadric (coefficients over [`QUADRIC`]) over the samples.
+pub(crate) fn mean_square(moments: &[f64; COUNT], beta: &[f64; 10]) -> f64 {
+    dot(beta, &times(moments, beta))
+}
