@@ -46,7 +46,7 @@
 //! |---|---|
 //! | [`moments`], [`gate`], [`coverage`], [`whiteness`] | what streams: exact sums, the rest gate, the directions seen, the independence of samples |
 //! | [`scatter`], [`fit`], [`quality`] | what solves: centred moments, the methods, the verdict with reasons |
-//! | [`calibration`] | what is applied |
+//! | [`calibration`], [`extended`] | what is applied: offset and matrix, and with them the effects that were found |
 //! | [`effect`], [`study`] | what the model does not know yet: shapes of physical causes, and the test for them |
 //! | [`session`] | the state machine around them |
 //! | [`record`], [`store`] | what survives a restart: a checked record in two slots |
@@ -65,6 +65,7 @@ pub mod calibration;
 pub mod coverage;
 pub mod device;
 pub mod effect;
+pub mod extended;
 pub mod fit;
 pub mod gate;
 pub mod math;

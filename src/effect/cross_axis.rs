@@ -47,4 +47,8 @@ impl<T: Real> Effect<T> for CrossAxis {
         *f = [zero, zero, yz];
         *g = [yz, zero, zero];
     }
+
+    fn reads_centre(&self) -> bool {
+        false
+    }
 }

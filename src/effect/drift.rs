@@ -1,6 +1,6 @@
 //! A steady drift of the offset.
 
-use super::{Column, Effect, MAX_INPUTS, Quantities, Shape, TIME, isotropic};
+use super::{Coefficients, Column, Effect, MAX_INPUTS, Quantities, Shape, TIME, along, isotropic};
 use crate::math::Real;
 use core::fmt;
 
@@ -40,5 +40,15 @@ impl<T: Real> Effect<T> for Drift<T> {
     fn shape(&self, at: &Quantities<T>, shape: &mut Shape<T>) {
         let [time, _] = at.inputs;
         isotropic(time - self.reference_s, shape);
+    }
+
+    fn reads_centre(&self) -> bool {
+        false
+    }
+
+    #[inline]
+    fn disturbance(&self, at: &Quantities<T>, coefficients: &Coefficients<T>) -> [T; 3] {
+        let [time, _] = at.inputs;
+        along(time - self.reference_s, coefficients)
     }
 }

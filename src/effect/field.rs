@@ -1,21 +1,21 @@
 //! A change of the Earth's field itself.
 
-use super::{Column, Effect, MAX_INPUTS, Quantities, Shape};
+use super::{Coefficients, Column, Effect, MAX_INPUTS, Quantities, Shape};
 use crate::math::Real;
 use core::fmt;
 
 /// `field:COLUMN`: `Φ = (ĥ − b)·(u − u₀)`: the magnitude F follows place, height or time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AmbientField<'a, T> {
-    /// The column.
-    pub column: &'a str,
+pub struct AmbientField<C, T> {
+    /// The column: its name as `&str`, or as a [`super::ColumnName`] that owns it.
+    pub column: C,
     /// Value of the column at which the effect vanishes.
     pub reference: T,
 }
 
-impl<T: Real> Effect<T> for AmbientField<'_, T> {
+impl<C: AsRef<str>, T: Real> Effect<T> for AmbientField<C, T> {
     fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
-        write!(out, "field:{}", self.column)
+        write!(out, "field:{}", self.column.as_ref())
     }
 
     fn name(&self) -> &str {
@@ -28,7 +28,7 @@ impl<T: Real> Effect<T> for AmbientField<'_, T> {
     }
 
     fn columns(&self) -> [Option<Column<'_, T>>; MAX_INPUTS] {
-        [Some(Column::now(self.column)), None]
+        [Some(Column::now(self.column.as_ref())), None]
     }
 
     fn coefficients(&self) -> usize {
@@ -44,5 +44,12 @@ impl<T: Real> Effect<T> for AmbientField<'_, T> {
         let value = input - self.reference;
         let [first, ..] = shape;
         *first = at.centred_ut.map(|axis| axis * value);
+    }
+
+    #[inline]
+    fn disturbance(&self, at: &Quantities<T>, [gain, ..]: &Coefficients<T>) -> [T; 3] {
+        let [input, _] = at.inputs;
+        let value = *gain * (input - self.reference);
+        at.centred_ut.map(|axis| axis * value)
     }
 }

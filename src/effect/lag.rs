@@ -1,6 +1,6 @@
 //! A pure delay of the sensor.
 
-use super::{Effect, Quantities, Shape};
+use super::{Coefficients, Effect, Quantities, Shape};
 use crate::math::Real;
 use core::fmt;
 
@@ -39,5 +39,10 @@ impl<T: Real> Effect<T> for Lag {
     fn shape(&self, at: &Quantities<T>, shape: &mut Shape<T>) {
         let [first, ..] = shape;
         *first = at.turning_ut_per_s;
+    }
+
+    #[inline]
+    fn disturbance(&self, at: &Quantities<T>, [delay, ..]: &Coefficients<T>) -> [T; 3] {
+        at.turning_ut_per_s.map(|rate| rate * *delay)
     }
 }

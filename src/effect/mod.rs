@@ -49,6 +49,8 @@
 //! assert_eq!(shape[1], [0.0, 0.5, 0.0]);
 //! ```
 
+mod built_in;
+mod column_name;
 mod cross_axis;
 mod drift;
 mod eddy;
@@ -60,6 +62,8 @@ mod offset;
 mod periodic;
 mod step;
 
+pub use built_in::BuiltIn;
+pub use column_name::{BadName, ColumnName, MAX_COLUMN_NAME};
 pub use cross_axis::CrossAxis;
 pub use drift::Drift;
 pub use eddy::Eddy;
@@ -82,6 +86,9 @@ pub const MAX_INPUTS: usize = 2;
 
 /// The column of an effect that reads the time.
 pub const TIME: &str = "t_s";
+
+/// `θ`: the coefficients of an effect. Only the first k are read.
+pub type Coefficients<T> = [T; MAX_COEFFICIENTS];
 
 /// `Φ`: one vector of µT per unit for each coefficient. Only the first k are read.
 pub type Shape<T> = [[T; 3]; MAX_COEFFICIENTS];
@@ -155,6 +162,59 @@ pub trait Effect<T: Real> {
     fn unit(&self) -> &str;
     /// Writes `Φ` for one sample into the first k vectors of `shape`.
     fn shape(&self, at: &Quantities<T>, shape: &mut Shape<T>);
+    /// Whether the shape reads [`Quantities::centred_ut`] or [`Quantities::turning_ut_per_s`], which themselves depend on
+    /// the disturbance: the live correction then takes a second look. An effect that says no is cheaper.
+    fn reads_centre(&self) -> bool {
+        true
+    }
+    /// `Φ θ`, µT. The same as [`Effect::shape`] times the coefficients, which is what it does unless an effect knows a
+    /// cheaper way.
+    #[inline]
+    fn disturbance(&self, at: &Quantities<T>, coefficients: &Coefficients<T>) -> [T; 3] {
+        let mut shape = no_shape();
+        self.shape(at, &mut shape);
+        let mut sum = [T::zero(); 3];
+        for (vector, coefficient) in shape.iter().zip(coefficients).take(self.coefficients()) {
+            for (total, value) in sum.iter_mut().zip(vector) {
+                *total += *value * *coefficient;
+            }
+        }
+        sum
+    }
+}
+
+/// A reference to an effect is one: effects of different types stand in one model as `&dyn Effect<T>`.
+impl<T: Real, E: Effect<T> + ?Sized> Effect<T> for &E {
+    fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
+        (**self).id(out)
+    }
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+    fn explanation(&self) -> &str {
+        (**self).explanation()
+    }
+    fn columns(&self) -> [Option<Column<'_, T>>; MAX_INPUTS] {
+        (**self).columns()
+    }
+    fn needs_gyro(&self) -> bool {
+        (**self).needs_gyro()
+    }
+    fn coefficients(&self) -> usize {
+        (**self).coefficients()
+    }
+    fn unit(&self) -> &str {
+        (**self).unit()
+    }
+    fn shape(&self, at: &Quantities<T>, shape: &mut Shape<T>) {
+        (**self).shape(at, shape);
+    }
+    fn reads_centre(&self) -> bool {
+        (**self).reads_centre()
+    }
+    fn disturbance(&self, at: &Quantities<T>, coefficients: &Coefficients<T>) -> [T; 3] {
+        (**self).disturbance(at, coefficients)
+    }
 }
 
 /// Shows the id of an effect.
@@ -164,6 +224,12 @@ impl<T: Real> fmt::Display for Id<'_, T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.id(f)
     }
+}
+
+/// `value · θ` with the first three coefficients: the disturbance of a shape `value · I₃`.
+#[inline]
+fn along<T: Real>(value: T, [x, y, z, ..]: &Coefficients<T>) -> [T; 3] {
+    [*x * value, *y * value, *z * value]
 }
 
 /// Writes `value · I₃` into the first three vectors.

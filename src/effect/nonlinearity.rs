@@ -37,4 +37,8 @@ impl<T: Real> Effect<T> for Nonlinearity {
         diagonal(square, 0, shape);
         diagonal([xx * x, yy * y, zz * z], 3, shape);
     }
+
+    fn reads_centre(&self) -> bool {
+        false
+    }
 }

@@ -1,6 +1,6 @@
 //! An additive field that follows a column.
 
-use super::{Column, Effect, MAX_INPUTS, Quantities, Shape, isotropic};
+use super::{Coefficients, Column, Effect, MAX_INPUTS, Quantities, Shape, along, isotropic};
 use crate::math::Real;
 use core::fmt;
 
@@ -18,9 +18,9 @@ pub enum Power {
 /// Over a temperature: zero drift of the sensor element, magnets that weaken with heat. Over a current: the field of
 /// the wiring (Biot–Savart). Over anything else that was logged: whatever stands behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Offset<'a, T> {
-    /// The column.
-    pub column: &'a str,
+pub struct Offset<C, T> {
+    /// The column: its name as `&str`, or as a [`super::ColumnName`] that owns it.
+    pub column: C,
     /// Value of the column (or of its square) at which the effect vanishes.
     pub reference: T,
     /// Linear or squared.
@@ -29,9 +29,9 @@ pub struct Offset<'a, T> {
     pub delay_s: Option<T>,
 }
 
-impl<'a, T> Offset<'a, T> {
+impl<C, T> Offset<C, T> {
     /// The plain effect.
-    pub fn linear(column: &'a str, reference: T) -> Self {
+    pub const fn linear(column: C, reference: T) -> Self {
         Offset { column, reference, power: Power::Linear, delay_s: None }
     }
 }
@@ -52,9 +52,9 @@ pub(super) fn kind_of(column: &str) -> Kind {
     }
 }
 
-impl<T: Real> Effect<T> for Offset<'_, T> {
+impl<C: AsRef<str>, T: Real> Effect<T> for Offset<C, T> {
     fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
-        write!(out, "offset:{}", self.column)?;
+        write!(out, "offset:{}", self.column.as_ref())?;
         if self.delay_s.is_some() {
             out.write_str("@delay")?;
         }
@@ -62,7 +62,7 @@ impl<T: Real> Effect<T> for Offset<'_, T> {
     }
 
     fn name(&self) -> &str {
-        match (kind_of(self.column), self.power, self.delay_s.is_some()) {
+        match (kind_of(self.column.as_ref()), self.power, self.delay_s.is_some()) {
             (Kind::Temperature, Power::Linear, false) => "temperature offset",
             (Kind::Temperature, Power::Linear, true) => "late temperature offset",
             (Kind::Temperature, Power::Squared, _) => "squared temperature offset",
@@ -76,7 +76,7 @@ impl<T: Real> Effect<T> for Offset<'_, T> {
     }
 
     fn explanation(&self) -> &str {
-        match (kind_of(self.column), self.power) {
+        match (kind_of(self.column.as_ref()), self.power) {
             (Kind::Temperature, _) => {
                 "The zero of the sensor element drifts with temperature, and magnets near it weaken with heat. \
                  Both add a vector in proportion to the temperature."
@@ -101,7 +101,7 @@ impl<T: Real> Effect<T> for Offset<'_, T> {
     }
 
     fn columns(&self) -> [Option<Column<'_, T>>; MAX_INPUTS] {
-        [Some(Column { name: self.column, delay_s: self.delay_s.unwrap_or(T::zero()) }), None]
+        [Some(Column { name: self.column.as_ref(), delay_s: self.delay_s.unwrap_or(T::zero()) }), None]
     }
 
     fn coefficients(&self) -> usize {
@@ -109,7 +109,7 @@ impl<T: Real> Effect<T> for Offset<'_, T> {
     }
 
     fn unit(&self) -> &str {
-        match (kind_of(self.column), self.power) {
+        match (kind_of(self.column.as_ref()), self.power) {
             (Kind::Temperature, Power::Linear) => "µT/°C",
             (Kind::Temperature, Power::Squared) => "µT/°C²",
             (Kind::Current, Power::Linear) => "µT/A",
@@ -123,5 +123,16 @@ impl<T: Real> Effect<T> for Offset<'_, T> {
         let [input, _] = at.inputs;
         let value = if self.power == Power::Squared { input * input } else { input };
         isotropic(value - self.reference, shape);
+    }
+
+    fn reads_centre(&self) -> bool {
+        false
+    }
+
+    #[inline]
+    fn disturbance(&self, at: &Quantities<T>, coefficients: &Coefficients<T>) -> [T; 3] {
+        let [input, _] = at.inputs;
+        let value = if self.power == Power::Squared { input * input } else { input };
+        along(value - self.reference, coefficients)
     }
 }

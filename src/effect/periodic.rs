@@ -48,4 +48,8 @@ impl<T: Real> Effect<T> for Periodic {
         diagonal([T::of(math::sin(phase)); 3], 0, shape);
         diagonal([T::of(math::cos(phase)); 3], 3, shape);
     }
+
+    fn reads_centre(&self) -> bool {
+        false
+    }
 }

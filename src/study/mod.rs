@@ -17,6 +17,7 @@ mod model;
 mod normal;
 mod pass;
 mod prior;
+mod refit;
 mod schur;
 
 pub use fdist::f_tail;
@@ -25,4 +26,5 @@ pub use model::{Model, NotFinite, Reading, Residual, Term};
 pub use normal::{Factor, Normal};
 pub use pass::Study;
 pub use prior::{PhysicalPrior, base_prior};
+pub use refit::refit;
 pub use schur::{Gain, MIN_EIGENVALUE};

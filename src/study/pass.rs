@@ -20,6 +20,11 @@ impl<T: Real, const P: usize, const B: usize, const N: usize> Study<T, P, B, N> 
         Study { residual, model, blocks: core::array::from_fn(|_| Normal::new(columns)) }
     }
 
+    /// The residual it looks at.
+    pub fn residual(&self) -> Residual {
+        self.residual
+    }
+
     /// The model it linearises at.
     pub fn model(&self) -> &Model<T> {
         &self.model
