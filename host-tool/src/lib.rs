@@ -6,6 +6,7 @@ pub mod atomic;
 pub mod cal_file;
 pub mod cli;
 pub mod commands;
+pub mod diagnose;
 pub mod diagnosis;
 pub mod failure;
 pub mod geomag;

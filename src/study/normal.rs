@@ -9,7 +9,7 @@ pub struct Normal<T, const P: usize> {
     /// Upper triangle.
     pub(super) matrix: [[T; P]; P],
     pub(super) right: [T; P],
-    squares: T,
+    pub(super) squares: T,
     rows: u32,
 }
 

@@ -28,7 +28,8 @@ impl PhysicalPrior {
     }
 }
 
-/// The prior as rows added to a magnitude study of noise `sigma_ut`, linearised at `model`.
+/// The prior as information added to a magnitude study of noise `sigma_ut`, linearised at `model`. It counts no rows; its
+/// share of `rᵀr` is what the model departs from it.
 pub fn base_prior<T: Real, const P: usize>(
     prior: &PhysicalPrior,
     model: &Model<T>,
@@ -38,7 +39,6 @@ pub fn base_prior<T: Real, const P: usize>(
     let mut out = Normal::new(columns);
     let c = &model.matrix;
     let mean = (c[0][0] + c[1][1] + c[2][2]).as_f64() / 3.0;
-    let mut rows = 0;
     let mut observe = |weights: &[(usize, f64)], value: f64, sigma: f64| {
         let precision = (sigma_ut / sigma) * (sigma_ut / sigma);
         for &(i, a) in weights {
@@ -49,7 +49,7 @@ pub fn base_prior<T: Real, const P: usize>(
                 }
             }
         }
-        rows += 1;
+        out.squares += T::of(value * value * precision);
     };
     // Gains against their mean: the mean itself is free, it is the field's magnitude.
     let diagonal = [3, 6, 8];

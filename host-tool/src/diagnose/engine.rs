@@ -1,0 +1,357 @@
+//! Passes over the samples, and the full (nonlinear) fit of a model with effects.
+
+use super::samples::Samples;
+use ironout::effect::{Effect, MAX_COEFFICIENTS, MAX_INPUTS};
+use ironout::study::{Model, Normal, NotFinite, PhysicalPrior, Residual, Term, base_prior};
+use std::sync::Arc;
+
+/// Most columns of one pass.
+pub const COLUMNS: usize = 64;
+/// Most effects of one pass.
+pub const TERMS: usize = 20;
+/// Blocks of time for the held-out error.
+pub const BLOCKS: usize = 10;
+
+/// A normal matrix of this host.
+pub type Matrix = Normal<f64, COLUMNS>;
+
+/// An effect with its coefficients and the values of its columns at every sample.
+#[derive(Clone)]
+pub struct Piece<'a> {
+    /// Its id.
+    pub id: String,
+    /// The shape.
+    pub effect: Arc<dyn Effect<f64> + Send + Sync + 'a>,
+    /// Coefficients; the first k count.
+    pub coefficients: [f64; MAX_COEFFICIENTS],
+    /// Values of its columns.
+    pub inputs: Arc<Vec<[f64; MAX_INPUTS]>>,
+}
+
+impl Piece<'_> {
+    /// k.
+    pub fn k(&self) -> usize {
+        self.effect.coefficients().min(MAX_COEFFICIENTS)
+    }
+
+    fn term(&self, sample: usize) -> Term<'_, f64> {
+        Term {
+            effect: self.effect.as_ref(),
+            coefficients: self.coefficients,
+            inputs: self.inputs.get(sample).copied().unwrap_or_default(),
+        }
+    }
+}
+
+/// An effect of the user's own whose shape is not finite.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BadShape(pub String);
+
+/// What a pass runs over and how.
+#[derive(Clone, Copy)]
+pub struct Pass<'a> {
+    /// The samples.
+    pub samples: &'a Samples,
+    /// The residual.
+    pub residual: Residual,
+}
+
+impl Pass<'_> {
+    /// Rows of samples `range`, each as `use_row(sample, row, residual)`.
+    pub fn rows(
+        &self,
+        range: std::ops::Range<usize>,
+        model: &Model<f64>,
+        pieces: &[&Piece],
+        mut use_row: impl FnMut(usize, &[f64; COLUMNS], f64),
+    ) -> Result<(), BadShape> {
+        let mut terms = Vec::with_capacity(pieces.len());
+        for sample in range {
+            terms.clear();
+            terms.extend(pieces.iter().map(|piece| piece.term(sample)));
+            let mut axis = 0;
+            let axes = self.samples.axes;
+            let vector = self.residual == Residual::Vector;
+            let done = model.rows::<TERMS, COLUMNS>(
+                self.residual,
+                &self.samples.readings[sample],
+                &terms,
+                |row, r| {
+                    if !vector || axes[axis % 3] {
+                        use_row(sample, row, r);
+                    }
+                    axis += 1;
+                },
+            );
+            match done {
+                Ok(()) | Err(NotFinite::Sample) => {}
+                Err(NotFinite::Effect(index)) => {
+                    return Err(BadShape(
+                        pieces.get(index).map_or_else(String::new, |piece| piece.id.clone()),
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Normal matrices of the blocks between `bounds`, on two threads.
+    pub fn blocks(
+        &self,
+        bounds: &[usize],
+        model: &Model<f64>,
+        pieces: &[&Piece],
+    ) -> Result<Vec<Matrix>, BadShape> {
+        let columns = self.residual.base_columns() + pieces.iter().map(|piece| piece.k()).sum::<usize>();
+        let ranges: Vec<_> = bounds.windows(2).map(|pair| pair[0]..pair[1]).collect();
+        let work = |ranges: &[std::ops::Range<usize>]| -> Result<Vec<Matrix>, BadShape> {
+            ranges
+                .iter()
+                .map(|range| {
+                    let mut matrix = Matrix::new(columns);
+                    self.rows(range.clone(), model, pieces, |_, row, r| matrix.push(row, r))?;
+                    Ok(matrix)
+                })
+                .collect()
+        };
+        if self.samples.len() < 8000 || ranges.len() < 2 {
+            return work(&ranges);
+        }
+        let (first, second) = ranges.split_at(ranges.len() / 2);
+        std::thread::scope(|scope| {
+            let other = scope.spawn(|| work(second));
+            let mut blocks = work(first)?;
+            match other.join() {
+                Ok(rest) => blocks.extend(rest?),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+            Ok(blocks)
+        })
+    }
+
+    /// The residuals, in the order of the samples (axis by axis for the vector).
+    pub fn residuals(&self, model: &Model<f64>, pieces: &[&Piece]) -> Result<Vec<f64>, BadShape> {
+        Ok(self.moved(model, pieces, &[])?.swap_remove(0))
+    }
+
+    /// Residuals of the model, and of the linearised model moved by each of `steps`.
+    pub fn moved(
+        &self,
+        model: &Model<f64>,
+        pieces: &[&Piece],
+        steps: &[[f64; COLUMNS]],
+    ) -> Result<Vec<Vec<f64>>, BadShape> {
+        let n = self.samples.len();
+        let mut out = vec![Vec::with_capacity(n); steps.len().max(1)];
+        self.rows(0..n, model, pieces, |_, row, r| {
+            if steps.is_empty() {
+                out[0].push(r);
+            }
+            for (series, step) in out.iter_mut().zip(steps) {
+                series.push(r + row.iter().zip(step).map(|(a, b)| a * b).sum::<f64>());
+            }
+        })?;
+        if self.residual == Residual::Vector {
+            let axes = self.samples.axes.iter().filter(|used| **used).count().max(1);
+            for series in &mut out {
+                *series =
+                    (0..axes).flat_map(|axis| series.iter().skip(axis).step_by(axes).copied()).collect();
+            }
+        }
+        Ok(out)
+    }
+}
+
+/// Information of an earlier calibration about offset and triangle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Earlier {
+    /// Offset (3), then the upper triangle (6).
+    pub parameters: [f64; 9],
+    /// Inverse of their covariance.
+    pub information: [[f64; 9]; 9],
+}
+
+/// What is known besides the data.
+#[derive(Debug, Clone, Default)]
+pub struct Known {
+    /// How magnetometers are.
+    pub physical: PhysicalPrior,
+    /// An earlier calibration.
+    pub earlier: Option<Earlier>,
+}
+
+impl Known {
+    /// As information in units of the residual's variance.
+    pub fn matrix(
+        &self,
+        residual: Residual,
+        model: &Model<f64>,
+        sigma: f64,
+        pieces: &[&Piece],
+        data: &Matrix,
+    ) -> Matrix {
+        let base = residual.base_columns();
+        let columns = base + pieces.iter().map(|piece| piece.k()).sum::<usize>();
+        let mut prior = match residual {
+            Residual::Magnitude => base_prior(&self.physical, model, sigma, columns),
+            Residual::Dip | Residual::Vector => Matrix::new(columns),
+        };
+        if let (Some(earlier), Residual::Magnitude) = (&self.earlier, residual) {
+            let c = &model.matrix;
+            let [x, y, z] = model.offset_ut;
+            let now = [x, y, z, c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]];
+            for i in 0..9 {
+                for j in 0..9 {
+                    let weight = earlier.information[i][j] * sigma * sigma;
+                    prior.pull(i, weight * (now[j] - earlier.parameters[j]));
+                    if j >= i {
+                        prior.inform(i, j, weight);
+                    }
+                }
+            }
+        }
+        // A pure delay leaves the magnitude alone: the coupling's share along the identity is pinned to zero here and
+        // comes from the dip.
+        let mut column = base;
+        for piece in pieces {
+            if piece.k() == 9 && residual == Residual::Magnitude {
+                let weight = (0..9).map(|i| data.entry(column + i, column + i)).sum::<f64>() / 9.0;
+                let diagonal = [0, 4, 8];
+                let trace: f64 = diagonal.iter().map(|i| piece.coefficients[*i]).sum();
+                for &i in &diagonal {
+                    prior.pull(column + i, weight * trace);
+                    for &j in &diagonal {
+                        if j >= i {
+                            prior.inform(column + i, column + j, weight);
+                        }
+                    }
+                }
+            }
+            column += piece.k();
+        }
+        prior
+    }
+}
+
+/// A fitted model.
+#[derive(Clone)]
+pub struct Fitted<'a> {
+    /// The base model.
+    pub model: Model<f64>,
+    /// The effects with their coefficients.
+    pub pieces: Vec<Piece<'a>>,
+    /// The pass at the solution, by block of time.
+    pub blocks: Vec<Matrix>,
+    /// The prior at the solution.
+    pub prior: Matrix,
+    /// Sum of squared residuals.
+    pub squares: f64,
+    /// Rows.
+    pub rows: f64,
+}
+
+impl Fitted<'_> {
+    /// Columns of base and effects.
+    pub fn columns(&self) -> usize {
+        self.blocks.first().map_or(0, Matrix::columns)
+    }
+
+    /// Rms residual.
+    pub fn rms(&self) -> f64 {
+        (self.squares / self.rows.max(1.0)).sqrt()
+    }
+
+    /// Sum of the blocks with the prior.
+    pub fn total(&self) -> Matrix {
+        Matrix::total(&self.blocks, Some(&self.prior))
+    }
+}
+
+fn stepped<'a>(
+    residual: Residual,
+    model: &Model<f64>,
+    pieces: &[Piece<'a>],
+    delta: &[f64; COLUMNS],
+) -> Option<(Model<f64>, Vec<Piece<'a>>)> {
+    let model = match residual {
+        Residual::Magnitude => model.stepped(delta)?,
+        Residual::Dip => model.aligned(delta)?,
+        Residual::Vector => {
+            let [x, y, z] = model.offset_ut;
+            let offset = [x + delta[0], y + delta[1], z + delta[2]];
+            Model::new(offset, model.matrix, model.field_ut, model.rotation, model.sin_dip)?
+        }
+    };
+    let mut pieces = pieces.to_vec();
+    let mut column = residual.base_columns();
+    for piece in &mut pieces {
+        let k = piece.k();
+        for coefficient in &mut piece.coefficients[..k] {
+            *coefficient += delta[column];
+            column += 1;
+        }
+    }
+    Some((model, pieces))
+}
+
+impl Pass<'_> {
+    /// Levenberg–Marquardt from `model` and the pieces' coefficients.
+    pub fn fit<'a>(
+        &self,
+        model: Model<f64>,
+        pieces: Vec<Piece<'a>>,
+        known: &Known,
+    ) -> Result<Option<Fitted<'a>>, BadShape> {
+        let bounds = self.samples.bounds(BLOCKS);
+        let evaluate = |model: &Model<f64>, pieces: &[Piece<'a>], sigma: Option<f64>| {
+            let list: Vec<&Piece> = pieces.iter().collect();
+            let blocks = self.blocks(&bounds, model, &list)?;
+            let data = Matrix::total(&blocks, None);
+            let rows = f64::from(data.rows());
+            let sigma = sigma.unwrap_or((data.squares() / (rows - data.columns() as f64).max(1.0)).sqrt());
+            let prior = known.matrix(self.residual, model, sigma, &list, &data);
+            Ok((blocks, prior, data.squares(), rows, sigma))
+        };
+        let (mut model, mut pieces) = (model, pieces);
+        let (mut blocks, mut prior, mut squares, mut rows, mut sigma) = evaluate(&model, &pieces, None)?;
+        let mut damping = 0.0;
+        for _ in 0..40 {
+            let total = Matrix::total(&blocks, Some(&prior));
+            let Some(factor) = total.damped_factor(damping) else {
+                if damping > 1e3 {
+                    return Ok(None);
+                }
+                damping = if damping == 0.0 { 1e-6 } else { damping * 10.0 };
+                continue;
+            };
+            let delta = total.step(&factor);
+            let predicted: f64 = (0..total.columns()).map(|i| -delta[i] * total.right(i)).sum();
+            if predicted <= 1e-9 * total.squares().max(1e-300) {
+                break;
+            }
+            let moved = stepped(self.residual, &model, &pieces, &delta);
+            let better = match moved {
+                Some((model, pieces)) => {
+                    let next = evaluate(&model, &pieces, Some(sigma))?;
+                    let cost = next.2 + next.1.squares();
+                    (cost < total.squares()).then_some((model, pieces, next))
+                }
+                None => None,
+            };
+            match better {
+                Some((next_model, next_pieces, next)) => {
+                    (model, pieces) = (next_model, next_pieces);
+                    (blocks, _, squares, rows, _) = next;
+                    let list: Vec<&Piece> = pieces.iter().collect();
+                    let data = Matrix::total(&blocks, None);
+                    sigma = (squares / (rows - data.columns() as f64).max(1.0)).sqrt();
+                    prior = known.matrix(self.residual, &model, sigma, &list, &data);
+                    damping = if damping < 1e-7 { 0.0 } else { damping * 0.1 };
+                }
+                None if damping > 1e4 => break,
+                None => damping = if damping == 0.0 { 1e-4 } else { damping * 10.0 },
+            }
+        }
+        Ok(Some(Fitted { model, pieces, blocks, prior, squares, rows }))
+    }
+}

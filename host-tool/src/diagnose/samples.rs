@@ -1,0 +1,193 @@
+//! The samples of a study: repeated triples dropped, faulty rows set aside, long logs thinned.
+
+use super::table::Table;
+use ironout::study::Reading;
+
+/// A study searches over at most this many samples; a longer log is thinned evenly.
+pub const MOST_SAMPLES: usize = 40_000;
+
+/// A covariate at the samples.
+#[derive(Debug, Clone)]
+pub struct Column {
+    /// Name in the log.
+    pub name: String,
+    /// Values at the samples.
+    pub values: Vec<f64>,
+    /// Mean over the samples.
+    pub mean: f64,
+    /// Mean square over the samples.
+    pub mean_square: f64,
+    /// Why it cannot be tested.
+    pub problem: Option<String>,
+}
+
+/// What a study runs over.
+#[derive(Debug, Clone)]
+pub struct Samples {
+    /// Time, s.
+    pub time: Option<Vec<f64>>,
+    /// Mean time of the first and the last sample, s.
+    pub middle_s: f64,
+    /// Vectors, rates and directions down.
+    pub readings: Vec<Reading<f64>>,
+    /// Covariates.
+    pub columns: Vec<Column>,
+    /// Row of the log of each sample.
+    pub row: Vec<usize>,
+    /// Every how many unique rows one sample was kept.
+    pub stride: usize,
+    /// Axes that carry data of their own.
+    pub axes: [bool; 3],
+}
+
+/// Rows that begin a run of equal field triples: a log faster than its sensor repeats them.
+pub fn unique_rows(table: &Table) -> Vec<usize> {
+    (0..table.rows()).filter(|&row| row == 0 || table.field(row) != table.field(row - 1)).collect()
+}
+
+/// Fills missing cells from their neighbours, linearly.
+fn fill_gaps(values: &mut [f64]) {
+    let mut last: Option<usize> = None;
+    for i in 0..values.len() {
+        if !values[i].is_finite() {
+            continue;
+        }
+        match last {
+            None => {
+                let value = values[i];
+                values[..i].fill(value);
+            }
+            Some(from) if i > from + 1 => {
+                let (a, b) = (values[from], values[i]);
+                for k in from + 1..i {
+                    values[k] = a + (b - a) * (k - from) as f64 / (i - from) as f64;
+                }
+            }
+            Some(_) => {}
+        }
+        last = Some(i);
+    }
+    if let Some(from) = last {
+        let value = values[from];
+        values[from..].fill(value);
+    }
+}
+
+fn column(name: &str, mut values: Vec<f64>, not_finite: usize) -> Column {
+    let missing = values.iter().filter(|value| !value.is_finite()).count();
+    let problem = if not_finite > 0 {
+        Some(format!("{not_finite} cells of {name} are NaN or infinite"))
+    } else if 2 * missing > values.len() {
+        Some(format!("{name} is empty in {missing} of {} samples", values.len()))
+    } else {
+        None
+    };
+    fill_gaps(&mut values);
+    let n = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let mean_square = values.iter().map(|value| value * value).sum::<f64>() / n;
+    let spread = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n).sqrt();
+    let constant = !spread.is_finite() || spread <= 1e-9 * mean.abs().max(1e-12);
+    let problem = problem.or_else(|| constant.then(|| format!("{name} is constant")));
+    Column { name: name.to_string(), values, mean, mean_square, problem }
+}
+
+impl Samples {
+    /// Takes the rows that are not set aside.
+    pub fn take(table: &Table, set_aside: &[bool], axes: [bool; 3]) -> Samples {
+        let unique: Vec<usize> = unique_rows(table).into_iter().filter(|&row| !set_aside[row]).collect();
+        let stride = unique.len().div_ceil(MOST_SAMPLES).max(1);
+        // The place within each stride wanders, so that thinning does not fold a high frequency onto a low one.
+        let row: Vec<usize> = unique
+            .chunks(stride)
+            .enumerate()
+            .map(|(index, chunk)| chunk[(index.wrapping_mul(2_654_435_761) >> 7) % chunk.len()])
+            .collect();
+        let pick = |axis: &[f64]| -> Vec<f64> { row.iter().map(|&row| axis[row]).collect() };
+        let triple = |axes: &[&[f64]; 3], row: usize| {
+            let vector = axes.map(|axis| axis[row]);
+            vector.iter().all(|value| value.is_finite()).then_some(vector)
+        };
+        let readings = row
+            .iter()
+            .map(|&row| Reading {
+                measured_ut: table.field(row),
+                turn_radps: table.gyro_radps.as_ref().and_then(|gyro| triple(gyro, row)),
+                down: None,
+            })
+            .collect();
+        let time = table.time_s.map(pick);
+        let middle_s =
+            time.as_ref().map_or(0.0, |t| 0.5 * (t.first().unwrap_or(&0.0) + t.last().unwrap_or(&0.0)));
+        let columns = table
+            .covariates
+            .iter()
+            .map(|named| column(named.name, pick(named.values), named.not_finite))
+            .collect();
+        let mut samples = Samples { time, middle_s, readings, columns, row, stride, axes };
+        samples.find_down(table);
+        samples
+    }
+
+    /// Directions down, where the accelerometer measures little besides gravity.
+    fn find_down(&mut self, table: &Table) {
+        let Some(accel) = &table.accel_mps2 else { return };
+        let norm = |a: [f64; 3]| (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt();
+        let vectors: Vec<[f64; 3]> = self.row.iter().map(|&row| accel.map(|axis| axis[row])).collect();
+        let mut norms: Vec<f64> =
+            vectors.iter().map(|a| norm(*a)).filter(|n| n.is_finite() && *n > 0.0).collect();
+        if norms.len() < 20 {
+            return;
+        }
+        let gravity = super::series::median(&mut norms);
+        let near = |n: f64| (n / gravity - 1.0).abs() < 0.1;
+        let quiet = norms.iter().filter(|n| near(**n)).count() * 10 > 3 * norms.len();
+        for (reading, a) in self.readings.iter_mut().zip(vectors) {
+            let n = norm(a);
+            if n.is_finite() && n > 0.0 && (near(n) || !quiet) {
+                reading.down = Some(a.map(|value| -value / n));
+            }
+        }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.readings.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.readings.is_empty()
+    }
+
+    /// Bounds of `blocks` contiguous blocks of equal size.
+    pub fn bounds(&self, blocks: usize) -> Vec<usize> {
+        (0..=blocks).map(|k| self.len() * k / blocks).collect()
+    }
+
+    /// A covariate `delay_s` earlier, from all rows of the log, linearly between them.
+    pub fn delayed(&self, table: &Table, name: &str, delay_s: f64) -> Option<Vec<f64>> {
+        let time = table.time_s?;
+        let named = table.covariates.iter().find(|named| named.name == name)?;
+        let mut at = 0;
+        let value = |row: usize| named.values[row];
+        Some(
+            self.row
+                .iter()
+                .map(|&row| {
+                    let t = time[row] - delay_s;
+                    while at + 1 < time.len() && time[at + 1] <= t {
+                        at += 1;
+                    }
+                    let (a, b) = (value(at), value((at + 1).min(time.len() - 1)));
+                    let (t0, t1) = (time[at], time[(at + 1).min(time.len() - 1)]);
+                    if t <= t0 || t1 <= t0 { a } else { a + (b - a) * (t - t0) / (t1 - t0) }
+                })
+                .collect::<Vec<f64>>(),
+        )
+        .map(|mut values| {
+            fill_gaps(&mut values);
+            values
+        })
+    }
+}

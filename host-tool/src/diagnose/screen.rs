@@ -1,0 +1,221 @@
+//! Tests of candidates against a fitted model.
+
+use super::engine::{BLOCKS, BadShape, COLUMNS, Fitted, Matrix, Pass, Piece, TERMS};
+use super::series::Autocorrelation;
+use ironout::study::{f_tail, held_out};
+
+/// A candidate is added if its probability under chance, times all that was searched, is below this.
+pub const SIGNIFICANCE: f64 = 0.02;
+
+/// ... and if it takes at least this share off the squared held-out error: less is true perhaps, but not relevant.
+pub const RELEVANCE: f64 = 0.01;
+
+/// A candidate with the number of places that were searched for its fixed parameter.
+#[derive(Clone)]
+pub struct Candidate<'a> {
+    /// The effect, with coefficients of zero.
+    pub piece: Piece<'a>,
+    /// Independent values of its parameter that were tried; 1 where it has none.
+    pub searched: f64,
+}
+
+/// What a test of a candidate says.
+#[derive(Debug, Clone)]
+pub struct Tested {
+    /// Its place in the list.
+    pub index: usize,
+    /// Directions that are new.
+    pub directions: usize,
+    /// What it takes off the squared error.
+    pub decrease: f64,
+    /// Probability that chance does as well, with the search but not the number of candidates.
+    pub p_value: f64,
+    /// Squared held-out error with it.
+    pub held_out: Option<f64>,
+    /// Integrated autocorrelation time of the residual with it, samples.
+    pub time: f64,
+    /// Whether it should be added.
+    pub accepted: bool,
+}
+
+/// What a screening found.
+#[derive(Debug, Clone, Default)]
+pub struct Screening {
+    /// Squared held-out error without any candidate.
+    pub held_out: Option<f64>,
+    /// Every candidate, in order.
+    pub tested: Vec<Tested>,
+}
+
+/// Columns of a piece that follows `base` columns and the pieces before it.
+fn ranges(base: usize, pieces: &[&Piece]) -> Vec<std::ops::Range<usize>> {
+    let mut next = base;
+    pieces
+        .iter()
+        .map(|piece| {
+            let range = next..next + piece.k();
+            next = range.end;
+            range
+        })
+        .collect()
+}
+
+/// A prior with a trace of information on further columns, so that directions the data do not show stay at zero.
+fn ridge(prior: &Matrix, data: &Matrix, from: usize) -> Matrix {
+    let mut out = prior.clone();
+    let mut wide = Matrix::new(data.columns());
+    wide.merge(&out);
+    out = wide;
+    for column in from..data.columns() {
+        out.inform(column, column, 1e-7 * data.entry(column, column));
+    }
+    out
+}
+
+/// Tests each candidate by itself against the fitted model. `count` is the number of candidates of the whole search.
+pub fn screen(
+    pass: &Pass,
+    fitted: &Fitted,
+    candidates: &[Candidate],
+    count: usize,
+) -> Result<Screening, BadShape> {
+    let base = fitted.columns();
+    let inner: Vec<&Piece> = fitted.pieces.iter().collect();
+    let bounds = pass.samples.bounds(BLOCKS);
+    let own: Vec<usize> = (0..base).collect();
+    let mut screening = Screening {
+        held_out: held_out(&fitted.blocks, Some(&fitted.prior), &own).map(|held| held.squares),
+        tested: Vec::new(),
+    };
+    let mut start = 0;
+    while start < candidates.len() {
+        let mut columns = base;
+        let mut end = start;
+        while end < candidates.len() && end - start + inner.len() < TERMS {
+            columns += candidates[end].piece.k();
+            if columns > COLUMNS {
+                break;
+            }
+            end += 1;
+        }
+        if end == start {
+            break;
+        }
+        let batch: Vec<&Piece> = candidates[start..end].iter().map(|candidate| &candidate.piece).collect();
+        let all: Vec<&Piece> = inner.iter().copied().chain(batch.iter().copied()).collect();
+        let blocks = pass.blocks(&bounds, &fitted.model, &all)?;
+        let total = Matrix::total(&blocks, Some(&fitted.prior));
+        let prior = ridge(&fitted.prior, &total, base);
+        let safe = Matrix::total(&blocks, Some(&prior));
+        let spans = ranges(base, &batch);
+        let keeps: Vec<Vec<usize>> =
+            spans.iter().map(|span| own.iter().copied().chain(span.clone()).collect()).collect();
+        let steps: Vec<[f64; COLUMNS]> = keeps
+            .iter()
+            .map(|keep| {
+                let part = safe.select(keep);
+                let mut step = [0.0; COLUMNS];
+                if let Some(factor) = part.factor() {
+                    for (column, value) in keep.iter().zip(part.step(&factor)) {
+                        step[*column] = value;
+                    }
+                }
+                step
+            })
+            .collect();
+        let series = pass.moved(&fitted.model, &all, &steps)?;
+        for (offset, ((span, keep), series)) in spans.iter().zip(&keeps).zip(&series).enumerate() {
+            let index = start + offset;
+            let time = Autocorrelation::of(series).time;
+            let mut tested = Tested {
+                index,
+                directions: 0,
+                decrease: 0.0,
+                p_value: 1.0,
+                held_out: held_out(&blocks, Some(&prior), keep).map(|held| held.squares),
+                time,
+                accepted: false,
+            };
+            if let Some(gain) = total.test(0..base, span.clone())
+                && gain.directions > 0
+            {
+                let rows = f64::from(total.rows());
+                let (f, k, freedom) = gain.f_statistic(base, rows, rows / time);
+                tested.directions = gain.directions;
+                tested.decrease = gain.decrease;
+                tested.p_value = (f_tail(f, k, freedom) * candidates[index].searched).min(1.0);
+                let falls = match (screening.held_out, tested.held_out) {
+                    (Some(before), Some(after)) => after < before * (1.0 - RELEVANCE),
+                    // Without the candidate some block cannot be predicted at all; with it, it can.
+                    (None, Some(_)) => true,
+                    _ => false,
+                };
+                tested.accepted = tested.p_value * (count as f64) < SIGNIFICANCE && falls;
+            }
+            screening.tested.push(tested);
+        }
+        start = end;
+    }
+    Ok(screening)
+}
+
+/// How two candidates stand to each other: the p-value of each given the other, and their largest and smallest
+/// canonical correlation.
+#[derive(Debug, Clone, Copy)]
+pub struct Rivalry {
+    /// Of the first, given the second.
+    pub first: f64,
+    /// Of the second, given the first.
+    pub second: f64,
+    /// The least of the canonical correlations (as many as the narrower has directions).
+    pub correlation: f64,
+}
+
+/// Compares two candidates. The residual's memory is that of the model with both.
+pub fn rivalry(
+    pass: &Pass,
+    fitted: &Fitted,
+    first: &Piece,
+    second: &Piece,
+) -> Result<Option<Rivalry>, BadShape> {
+    let base = fitted.columns();
+    let (k1, k2) = (first.k(), second.k());
+    if base + k1 + k2 > COLUMNS {
+        return Ok(None);
+    }
+    let all: Vec<&Piece> = fitted.pieces.iter().chain([first, second]).collect();
+    let blocks = pass.blocks(&pass.samples.bounds(1), &fitted.model, &all)?;
+    let total = Matrix::total(&blocks, Some(&fitted.prior));
+    let safe = Matrix::total(&blocks, Some(&ridge(&fitted.prior, &total, base)));
+    let Some(factor) = safe.factor() else { return Ok(None) };
+    let series = pass.moved(&fitted.model, &all, &[safe.step(&factor)])?;
+    let rows = f64::from(total.rows());
+    let effective = rows / Autocorrelation::of(&series[0]).time;
+    let given = |keep: Vec<usize>, last: usize| {
+        let part = total.select(&keep);
+        let base = keep.len() - last;
+        match part.test(0..base, base..base + last) {
+            Some(gain) if gain.directions > 0 => {
+                let (f, k, freedom) = gain.f_statistic(base, rows, effective);
+                f_tail(f, k, freedom)
+            }
+            // Nothing new, or the rest is not determined without it.
+            _ => 1.0,
+        }
+    };
+    let own = 0..base;
+    let (a, b) = (base..base + k1, base + k1..base + k1 + k2);
+    let order = |x: &std::ops::Range<usize>, y: &std::ops::Range<usize>| {
+        own.clone().chain(x.clone()).chain(y.clone()).collect()
+    };
+    let correlations = total.canonical_correlations(own.clone(), a.clone(), b.clone()).unwrap_or_default();
+    let mut sorted = correlations;
+    sorted.sort_by(|x, y| y.total_cmp(x));
+    let directions = [&a, &b]
+        .map(|span| total.test(own.clone(), span.clone()).map_or(0, |gain| gain.directions))
+        .into_iter()
+        .min()
+        .unwrap_or(0);
+    let correlation = if directions == 0 { 0.0 } else { sorted[directions - 1] };
+    Ok(Some(Rivalry { first: given(order(&b, &a), k1), second: given(order(&a, &b), k2), correlation }))
+}
