@@ -15,7 +15,8 @@ fn sweep() {
         let mut right = 0;
         let mut lines = vec![];
         let started = std::time::Instant::now();
-        for seed in 0..seeds {
+        let first: u64 = std::env::var("FIRST").ok().and_then(|s| s.parse().ok()).unwrap_or(0);
+        for seed in first..first + seeds {
             let specs: Vec<EffectSpec> =
                 set.split(',').filter(|s| !s.is_empty()).map(|s| EffectSpec::parse(s).unwrap()).collect();
             let mut want: Vec<String> = specs.iter().map(|s| s.id()).collect();
@@ -72,7 +73,7 @@ fn sweep() {
             }
         }
         println!("{set:40} {right}/{seeds} {:.2} s each", started.elapsed().as_secs_f64() / seeds as f64);
-        for l in lines.iter().take(12) {
+        for l in lines.iter().take(40) {
             println!("{l}");
         }
     }

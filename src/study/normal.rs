@@ -82,12 +82,13 @@ impl<T: Real, const P: usize> Normal<T, P> {
 
     /// Adds `sign` times another matrix; `sign` −1 takes a block out again.
     fn combine(&mut self, other: &Self, sign: T) {
-        for (line, from) in self.matrix.iter_mut().zip(&other.matrix) {
-            for (entry, value) in line.iter_mut().zip(from) {
+        let n = other.columns;
+        for (i, (line, from)) in self.matrix.iter_mut().zip(&other.matrix).take(n).enumerate() {
+            for (entry, value) in line.iter_mut().zip(from).take(n).skip(i) {
                 *entry += sign * *value;
             }
         }
-        for (entry, value) in self.right.iter_mut().zip(&other.right) {
+        for (entry, value) in self.right.iter_mut().zip(&other.right).take(n) {
             *entry += sign * *value;
         }
         self.squares += sign * other.squares;

@@ -34,7 +34,8 @@ impl Piece<'_> {
         self.effect.coefficients().min(MAX_COEFFICIENTS)
     }
 
-    fn term(&self, sample: usize) -> Term<'_, f64> {
+    /// The term of one sample.
+    pub fn term(&self, sample: usize) -> Term<'_, f64> {
         Term {
             effect: self.effect.as_ref(),
             coefficients: self.coefficients,
@@ -210,16 +211,14 @@ impl Known {
                 }
             }
         }
-        // A pure delay leaves the magnitude alone: the coupling's share along the identity is pinned to zero here and
-        // comes from the dip.
+        // A pure delay leaves the magnitude alone: the coupling's share along the identity stays where the dip has put
+        // it.
         let mut column = base;
         for piece in pieces {
             if piece.k() == 9 && residual == Residual::Magnitude {
                 let weight = (0..9).map(|i| data.entry(column + i, column + i)).sum::<f64>() / 9.0;
                 let diagonal = [0, 4, 8];
-                let trace: f64 = diagonal.iter().map(|i| piece.coefficients[*i]).sum();
                 for &i in &diagonal {
-                    prior.pull(column + i, weight * trace);
                     for &j in &diagonal {
                         if j >= i {
                             prior.inform(column + i, column + j, weight);

@@ -1,5 +1,6 @@
 //! Effects added one at a time until none helps, earlier ones dropped when they no longer do.
 
+use super::alignment::{align, without_effects};
 use super::candidates::Catalogue;
 use super::engine::{BadShape, Fitted, Known, Pass, Piece};
 use super::screen::{Candidate, SIGNIFICANCE, Screening, Tested, rivalry, screen};
@@ -94,6 +95,13 @@ fn candidates<'a>(
     Ok(list)
 }
 
+enum Reconsidered<'a> {
+    /// Another candidate is better than one in the model.
+    Swap { from: String, to: String, fitted: Fitted<'a> },
+    /// All stand; some of them with rivals that explain as much.
+    Stands(Vec<Confounded>),
+}
+
 /// The search.
 pub struct Greedy<'p, 'a> {
     /// What it runs over.
@@ -161,54 +169,153 @@ impl<'a> Greedy<'_, 'a> {
         Ok(best)
     }
 
+    /// Gives a fitted model its rotation to the accelerometer, and eddy currents their share along the identity, which
+    /// only the dip sees. The magnitude does not depend on the rotation, but what turns with the gyro does.
+    pub fn aligned(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
+        if self.pass.residual != Residual::Magnitude || !self.catalogue.has_down() {
+            return Ok(fitted);
+        }
+        let turning = fitted.pieces.iter().any(|piece| piece.effect.needs_gyro());
+        for _ in 0..if turning { 3 } else { 1 } {
+            let clean = without_effects(self.pass.samples, &fitted.model, &fitted.pieces);
+            let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(fitted) };
+            fitted.model = alignment.model;
+            let Some(eddy) = fitted.pieces.iter_mut().find(|piece| piece.k() == 9) else { continue };
+            if let Some(lag) = self.catalogue.lag() {
+                let dip = Pass { samples: &clean, residual: Residual::Dip };
+                if let Some(fit) = dip.fit(fitted.model, vec![lag], self.known)? {
+                    for entry in [0, 4, 8] {
+                        eddy.coefficients[entry] += fit.pieces[0].coefficients[0];
+                    }
+                }
+            }
+            if let Some(next) = self.pass.fit(fitted.model, fitted.pieces.clone(), self.known)? {
+                fitted = next;
+            }
+        }
+        Ok(fitted)
+    }
+
     /// Runs the search from a base model and the effects that stand in it from the beginning.
     pub fn run(&self, base: Fitted<'a>) -> Result<Explanation<'a>, BadShape> {
+        let base = self.aligned(base)?;
         let mut fitted = base.clone();
-        let mut steps = vec![state(None, &fitted)];
-        let mut confounded: Vec<Confounded> = Vec::new();
+        let mut order: Vec<String> = fitted.pieces.iter().map(|piece| piece.id.clone()).collect();
         let mut first = None;
-        let (mut last, mut count);
-        loop {
+        let (mut last, mut count) = (Vec::new(), 0);
+        let mut confounded = Vec::new();
+        for round in 0..3 * MOST_EFFECTS {
             let (judged, tried, _) = self.judge(&fitted)?;
             count = tried;
             first.get_or_insert_with(|| judged.clone());
             last = judged;
-            if fitted.pieces.len() >= MOST_EFFECTS {
-                break;
+            let next =
+                if fitted.pieces.len() < MOST_EFFECTS { self.choose(&fitted, &last, count)? } else { None };
+            if let Some((winner, next)) = next {
+                fitted = self.aligned(next)?;
+                order.push(winner);
+                while let Some((dropped, without)) = self.drop_one(&fitted)? {
+                    order.retain(|id| *id != dropped);
+                    fitted = self.aligned(without)?;
+                }
+                continue;
             }
-            let Some((winner, next, rivals)) = self.choose(&fitted, &last, count, &confounded)? else {
-                break;
-            };
-            fitted = next;
-            if !rivals.is_empty() {
-                let ids = std::iter::once(winner.clone()).chain(rivals).collect();
-                confounded.push(Confounded { ids });
-            }
-            steps.push(state(Some(winner), &fitted));
-            if let Some((dropped, without)) = self.drop_one(&fitted)? {
-                confounded.retain(|group| group.ids.first() != Some(&dropped));
-                steps.retain(|step| step.added.as_ref() != Some(&dropped));
-                fitted = without;
+            // Nothing more to add: now that all is in, is each effect the best of those that explain the same?
+            match self.reconsider(&fitted, count)? {
+                Reconsidered::Swap { from, to, fitted: next } if round < 2 * MOST_EFFECTS => {
+                    fitted = self.aligned(next)?;
+                    for id in order.iter_mut().filter(|id| **id == from) {
+                        id.clone_from(&to);
+                    }
+                }
+                Reconsidered::Swap { .. } => break,
+                Reconsidered::Stands(groups) => {
+                    confounded = groups;
+                    break;
+                }
             }
         }
+        let steps = self.falling(&base, &fitted, &order)?;
         Ok(Explanation { base, fitted, steps, confounded, first: first.unwrap_or_default(), last, count })
     }
 
-    /// The next effect: the three leaders fully refitted, the best by its held-out error, the fewer coefficients where
-    /// one contains the other, and its rivals.
-    #[allow(clippy::type_complexity)]
+    /// The error falling as the effects of the final model are added in their order.
+    fn falling(
+        &self,
+        base: &Fitted<'a>,
+        fitted: &Fitted<'a>,
+        order: &[String],
+    ) -> Result<Vec<Step>, BadShape> {
+        let mut steps = vec![state(None, base)];
+        let mut now = base.clone();
+        for (index, id) in order.iter().enumerate() {
+            if index + 1 == order.len() {
+                now = fitted.clone();
+            } else if let Some(piece) = fitted.pieces.iter().find(|piece| piece.id == *id) {
+                let mut pieces = now.pieces.clone();
+                pieces.push(piece.clone());
+                if let Some(next) = self.pass.fit(now.model, pieces, self.known)? {
+                    now = next;
+                }
+            }
+            steps.push(state(Some(id.clone()), &now));
+        }
+        Ok(steps)
+    }
+
+    /// Compares every effect of the model with the candidates that could stand in its place.
+    fn reconsider(&self, fitted: &Fitted<'a>, count: usize) -> Result<Reconsidered<'a>, BadShape> {
+        let mut groups = Vec::new();
+        for index in 0..fitted.pieces.len() {
+            let mut pieces = fitted.pieces.clone();
+            let own = pieces.remove(index);
+            let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
+            let own = Piece { coefficients: Default::default(), ..own };
+            let (judged, ..) = self.judge(&without)?;
+            let Some(mine) = judged.iter().find(|one| one.candidate.piece.id == own.id) else { continue };
+            let mut group = vec![own.id.clone()];
+            for other in &judged {
+                let id = &other.candidate.piece.id;
+                let standing = fitted.pieces.iter().any(|piece| &piece.id == id);
+                if standing
+                    || plain_id(id) == plain_id(&own.id)
+                    || !other.tested.accepted
+                    || other.tested.decrease < 0.3 * mine.tested.decrease
+                {
+                    continue;
+                }
+                let Some(pair) = rivalry(&self.pass, &without, &own, &other.candidate.piece)? else {
+                    continue;
+                };
+                if pair.first * (count as f64) < SIGNIFICANCE {
+                    continue;
+                }
+                // The other explains all that this one does.
+                let fewer = other.tested.directions < mine.tested.directions;
+                if fewer || pair.second * (count as f64) * other.candidate.searched < SIGNIFICANCE {
+                    if let Some(next) = self.with(&without, &other.candidate.piece)? {
+                        return Ok(Reconsidered::Swap { from: own.id, to: id.clone(), fitted: next });
+                    }
+                } else if other.tested.directions == mine.tested.directions && pair.correlation > ALIKE {
+                    group.push(id.clone());
+                }
+            }
+            if group.len() > 1 {
+                groups.push(Confounded { ids: group });
+            }
+        }
+        Ok(Reconsidered::Stands(groups))
+    }
+
+    /// The next effect: the three leaders fully refitted, the best by its held-out error, and the one with fewer
+    /// coefficients where it explains as much.
     fn choose(
         &self,
         fitted: &Fitted<'a>,
         judged: &[Judged<'a>],
         count: usize,
-        confounded: &[Confounded],
-    ) -> Result<Option<(String, Fitted<'a>, Vec<String>)>, BadShape> {
-        let known_rival = |id: &str| confounded.iter().any(|group| group.ids.iter().any(|other| other == id));
-        let mut passing: Vec<&Judged> = judged
-            .iter()
-            .filter(|one| one.tested.accepted && !known_rival(&one.candidate.piece.id))
-            .collect();
+    ) -> Result<Option<(String, Fitted<'a>)>, BadShape> {
+        let mut passing: Vec<&Judged> = judged.iter().filter(|one| one.tested.accepted).collect();
         passing.sort_by(|a, b| {
             let key = |one: &Judged| one.tested.held_out.unwrap_or(f64::INFINITY);
             key(a).total_cmp(&key(b))
@@ -224,29 +331,14 @@ impl<'a> Greedy<'_, 'a> {
         leaders.sort_by(|a, b| a.2.total_cmp(&b.2));
         let Some((leader, mut next, _)) = leaders.into_iter().next() else { return Ok(None) };
         let mut winner = self.best_variant(fitted, &leader, judged, count)?;
-        let mut rivals = Vec::new();
         for other in &passing {
-            let id = &other.candidate.piece.id;
-            let same_family = plain_id(id) == plain_id(&winner.candidate.piece.id);
-            if id == &winner.candidate.piece.id
-                || same_family
-                || other.tested.decrease < 0.3 * winner.tested.decrease
+            if other.tested.directions < winner.tested.directions
+                && other.tested.decrease > 0.3 * winner.tested.decrease
+                && let Some(pair) =
+                    rivalry(&self.pass, fitted, &winner.candidate.piece, &other.candidate.piece)?
+                && pair.first * count as f64 > SIGNIFICANCE
             {
-                continue;
-            }
-            let Some(pair) = rivalry(&self.pass, fitted, &winner.candidate.piece, &other.candidate.piece)?
-            else {
-                continue;
-            };
-            if pair.first * (count as f64) < SIGNIFICANCE {
-                continue;
-            }
-            // The other explains all that the winner does.
-            if other.tested.directions < winner.tested.directions {
                 winner = (*other).clone();
-                rivals.clear();
-            } else if other.tested.directions == winner.tested.directions && pair.correlation > ALIKE {
-                rivals.push(id.clone());
             }
         }
         if winner.candidate.piece.id != leader.candidate.piece.id {
@@ -255,7 +347,7 @@ impl<'a> Greedy<'_, 'a> {
                 None => winner = leader,
             }
         }
-        Ok(Some((winner.candidate.piece.id.clone(), next, rivals)))
+        Ok(Some((winner.candidate.piece.id.clone(), next)))
     }
 
     /// The earlier effect that the later ones have made superfluous, and the model without it.

@@ -1,5 +1,6 @@
 //! Finds the missing effect: compares model and measurement, sees where it fails, learns what is missing.
 
+pub mod alignment;
 pub mod base;
 pub mod candidates;
 pub mod engine;
