@@ -35,11 +35,21 @@ fn inputs(values: &[f64]) -> Arc<Vec<[f64; 2]>> {
     Arc::new(values.iter().map(|value| [*value, 0.0]).collect())
 }
 
-fn piece<'a>(effect: impl Effect<f64> + Send + Sync + 'a, inputs: Arc<Vec<[f64; 2]>>) -> Piece<'a> {
+fn piece<'a>(
+    effect: impl Effect<f64> + Send + Sync + 'a,
+    fixed: &[(&'static str, f64)],
+    inputs: Arc<Vec<[f64; 2]>>,
+) -> Piece<'a> {
     let mut id = String::new();
     // Writing to a string cannot fail.
     let _ = effect.id(&mut id);
-    Piece { id, effect: Arc::new(effect), coefficients: [0.0; MAX_COEFFICIENTS], inputs }
+    Piece {
+        id,
+        effect: Arc::new(effect),
+        coefficients: [0.0; MAX_COEFFICIENTS],
+        fixed: fixed.to_vec(),
+        inputs,
+    }
 }
 
 impl<'a> Catalogue<'a> {
@@ -73,7 +83,11 @@ impl<'a> Catalogue<'a> {
     /// `offset:COLUMN`.
     pub fn offset(&self, index: usize) -> Piece<'a> {
         let column = &self.samples.columns[index];
-        piece(Offset::linear(self.names[index], column.mean), self.columns[index].clone())
+        piece(
+            Offset::linear(self.names[index], column.mean),
+            &[("reference", column.mean)],
+            self.columns[index].clone(),
+        )
     }
 
     /// `offset:COLUMN^2`.
@@ -85,7 +99,7 @@ impl<'a> Catalogue<'a> {
             power: Power::Squared,
             delay_s: None,
         };
-        piece(effect, self.columns[index].clone())
+        piece(effect, &[("reference", column.mean_square)], self.columns[index].clone())
     }
 
     /// `offset:COLUMN@delay`.
@@ -98,56 +112,66 @@ impl<'a> Catalogue<'a> {
             power: Power::Linear,
             delay_s: Some(delay_s),
         };
-        Some(piece(effect, inputs(&values)))
+        Some(piece(effect, &[("reference", column.mean), ("delay_s", delay_s)], inputs(&values)))
     }
 
     /// `gain:COLUMN`.
     pub fn gain(&self, index: usize) -> Piece<'a> {
         let reference = self.samples.columns[index].mean;
-        piece(Gain { column: self.names[index], reference }, self.columns[index].clone())
+        piece(
+            Gain { column: self.names[index], reference },
+            &[("reference", reference)],
+            self.columns[index].clone(),
+        )
     }
 
     /// `field:COLUMN`.
     pub fn field(&self, index: usize) -> Piece<'a> {
         let reference = self.samples.columns[index].mean;
-        piece(AmbientField { column: self.names[index], reference }, self.columns[index].clone())
+        piece(
+            AmbientField { column: self.names[index], reference },
+            &[("reference", reference)],
+            self.columns[index].clone(),
+        )
     }
 
     /// `drift`.
     pub fn drift(&self) -> Option<Piece<'a>> {
-        Some(piece(Drift { reference_s: self.samples.middle_s }, self.time.clone()?))
+        let reference_s = self.samples.middle_s;
+        Some(piece(Drift { reference_s }, &[("reference", reference_s)], self.time.clone()?))
     }
 
     /// `step` at a time.
     pub fn step(&self, at_s: f64) -> Option<Piece<'a>> {
-        Some(piece(Step { at_s }, self.time.clone()?))
+        Some(piece(Step { at_s }, &[("at_s", at_s)], self.time.clone()?))
     }
 
     /// `periodic` at a frequency; phases count from the log's own zero if that is near its beginning.
     pub fn periodic(&self, frequency_hz: f64) -> Option<Piece<'a>> {
         let first = self.samples.time.as_ref()?.first().copied()?;
         let reference_s = if first.abs() < 1000.0 { 0.0 } else { first };
-        Some(piece(Periodic { frequency_hz, reference_s }, self.time.clone()?))
+        let fixed = [("reference", reference_s), ("frequency_hz", frequency_hz)];
+        Some(piece(Periodic { frequency_hz, reference_s }, &fixed, self.time.clone()?))
     }
 
     /// `lag` as a pure delay.
     pub fn lag(&self) -> Option<Piece<'a>> {
-        self.has_gyro().then(|| piece(Lag, self.none.clone()))
+        self.has_gyro().then(|| piece(Lag, &[], self.none.clone()))
     }
 
     /// `lag` with eddy currents.
     pub fn eddy(&self) -> Option<Piece<'a>> {
-        self.has_gyro().then(|| piece(Eddy, self.none.clone()))
+        self.has_gyro().then(|| piece(Eddy, &[], self.none.clone()))
     }
 
     /// `nonlinearity`.
     pub fn nonlinearity(&self) -> Piece<'a> {
-        piece(Nonlinearity, self.none.clone())
+        piece(Nonlinearity, &[], self.none.clone())
     }
 
     /// `cross-axis`.
     pub fn cross_axis(&self) -> Piece<'a> {
-        piece(CrossAxis, self.none.clone())
+        piece(CrossAxis, &[], self.none.clone())
     }
 
     fn has_gyro(&self) -> bool {

@@ -24,6 +24,8 @@ pub struct Piece<'a> {
     pub effect: Arc<dyn Effect<f64> + Send + Sync + 'a>,
     /// Coefficients; the first k count.
     pub coefficients: [f64; MAX_COEFFICIENTS],
+    /// What fixes the shape: `reference`, `at_s`, `frequency_hz`, `delay_s`.
+    pub fixed: Vec<(&'static str, f64)>,
     /// Values of its columns.
     pub inputs: Arc<Vec<[f64; MAX_INPUTS]>>,
 }

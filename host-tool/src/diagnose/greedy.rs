@@ -197,9 +197,12 @@ impl<'a> Greedy<'_, 'a> {
     }
 
     /// Runs the search from a base model and the effects that stand in it from the beginning.
-    pub fn run(&self, base: Fitted<'a>) -> Result<Explanation<'a>, BadShape> {
-        let base = self.aligned(base)?;
-        let mut fitted = base.clone();
+    pub fn run(&self, start: Fitted<'a>) -> Result<Explanation<'a>, BadShape> {
+        let mut fitted = self.aligned(start)?;
+        let base = match fitted.pieces.is_empty() {
+            true => fitted.clone(),
+            false => self.pass.fit(fitted.model, Vec::new(), self.known)?.unwrap_or_else(|| fitted.clone()),
+        };
         let mut order: Vec<String> = fitted.pieces.iter().map(|piece| piece.id.clone()).collect();
         let mut first = None;
         let (mut last, mut count) = (Vec::new(), 0);
@@ -237,6 +240,21 @@ impl<'a> Greedy<'_, 'a> {
         }
         let steps = self.falling(&base, &fitted, &order)?;
         Ok(Explanation { base, fitted, steps, confounded, first: first.unwrap_or_default(), last, count })
+    }
+
+    /// No search: the effects that stand in the model, and the tests of the others.
+    pub fn only(&self, base: Fitted<'a>, fitted: Fitted<'a>) -> Result<Explanation<'a>, BadShape> {
+        let order: Vec<String> = fitted.pieces.iter().map(|piece| piece.id.clone()).collect();
+        let steps = self.falling(&base, &fitted, &order)?;
+        Ok(Explanation {
+            base,
+            fitted,
+            steps,
+            confounded: Vec::new(),
+            first: Vec::new(),
+            last: Vec::new(),
+            count: 1,
+        })
     }
 
     /// The error falling as the effects of the final model are added in their order.

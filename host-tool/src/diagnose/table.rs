@@ -71,3 +71,25 @@ impl<'a> From<&'a ironout_host_tests::world::Log> for Table<'a> {
         }
     }
 }
+
+impl<'a> From<&'a crate::input::Log> for Table<'a> {
+    fn from(log: &'a crate::input::Log) -> Self {
+        let triple = |axes: &'a [Vec<f64>; 3]| axes.each_ref().map(Vec::as_slice);
+        Table {
+            time_s: log.time_s.as_deref(),
+            field_ut: triple(&log.field_ut),
+            accel_mps2: log.accel_mps2.as_ref().map(triple),
+            gyro_radps: log.gyro_radps.as_ref().map(triple),
+            heading_deg: log.heading_deg.as_deref(),
+            covariates: log
+                .covariates
+                .iter()
+                .map(|column| Named {
+                    name: &column.name,
+                    values: &column.values,
+                    not_finite: column.not_finite,
+                })
+                .collect(),
+        }
+    }
+}

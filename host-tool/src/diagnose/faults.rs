@@ -1,0 +1,254 @@
+//! Faults of the data, found and set aside before any effect is tested.
+
+use super::samples::{Samples, unique_rows};
+use super::series::{median, second_difference_sigma};
+use super::table::Table;
+
+/// What a sensor, a cable or a logger did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaultKind {
+    /// An axis at the end of its range.
+    Clipping,
+    /// A magnet or iron passed, or single readings are far off.
+    Burst,
+    /// One reading repeated while the board turned.
+    Stuck,
+    /// Rows are missing.
+    Gap,
+    /// An axis is a copy of another.
+    CopiedAxis,
+}
+
+impl FaultKind {
+    /// The word of the contract.
+    pub const fn name(self) -> &'static str {
+        match self {
+            FaultKind::Clipping => "clipping",
+            FaultKind::Burst => "burst",
+            FaultKind::Stuck => "stuck",
+            FaultKind::Gap => "gap",
+            FaultKind::CopiedAxis => "copied-axis",
+        }
+    }
+}
+
+/// One fault.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DataFault {
+    /// What.
+    pub kind: FaultKind,
+    /// From when, s; `None` without a time column.
+    pub from_s: Option<f64>,
+    /// Until when, s.
+    pub to_s: Option<f64>,
+    /// Samples concerned (for a gap: missing, by the log's own rate).
+    pub samples: usize,
+    /// Columns concerned.
+    pub columns: Vec<String>,
+}
+
+/// What was found before any fit.
+#[derive(Debug, Clone)]
+pub struct Faults {
+    /// The faults.
+    pub list: Vec<DataFault>,
+    /// Rows to set aside.
+    pub set_aside: Vec<bool>,
+    /// Axes with data of their own.
+    pub axes: [bool; 3],
+}
+
+const AXES: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
+/// Fewer samples than this at the end of a range are no clipping.
+const CLIPPED_SAMPLES: usize = 8;
+/// A reading must stand still for this long to be stuck, s.
+const STUCK_S: f64 = 0.4;
+/// Nor is it stuck for fewer rows than this.
+const STUCK_ROWS: usize = 8;
+/// Less than this is no gap, s.
+const GAP_S: f64 = 0.4;
+/// A burst stands out of the residual this many robust standard deviations.
+const BURST_PEAK: f64 = 9.0;
+/// ... and ends where it no longer does by this many.
+const BURST_EDGE: f64 = 2.5;
+/// More than this share of a log is not a burst.
+const BURST_SHARE: f64 = 0.05;
+
+fn span(
+    table: &Table,
+    kind: FaultKind,
+    from: usize,
+    to: usize,
+    samples: usize,
+    columns: &[usize],
+) -> DataFault {
+    DataFault {
+        kind,
+        from_s: table.time_s.map(|t| t[from]),
+        to_s: table.time_s.map(|t| t[to]),
+        samples,
+        columns: columns.iter().map(|axis| AXES[*axis].to_string()).collect(),
+    }
+}
+
+/// Finds what shows without a model.
+pub fn find(table: &Table) -> Faults {
+    let rows = table.rows();
+    let mut faults = Faults { list: Vec::new(), set_aside: vec![false; rows], axes: [true; 3] };
+    if rows < 20 {
+        return faults;
+    }
+    copied_axis(table, &mut faults);
+    let unique = unique_rows(table);
+    stuck(table, &unique, &mut faults);
+    gap(table, &unique, &mut faults);
+    for axis in 0..3 {
+        clipping(table, &unique, axis, &mut faults);
+    }
+    faults
+}
+
+fn copied_axis(table: &Table, faults: &mut Faults) {
+    let rows = table.rows();
+    for (first, second) in [(0, 1), (0, 2), (1, 2)] {
+        let (a, b) = (table.field_ut[first], table.field_ut[second]);
+        if a.iter().all(|value| *value == a[0]) {
+            continue;
+        }
+        for sign in [1.0, -1.0] {
+            let same = a.iter().zip(b).filter(|(x, y)| **x == sign * **y).count();
+            if same * 1000 >= rows * 995 && faults.axes[second] {
+                faults.axes[second] = false;
+                faults.list.push(span(table, FaultKind::CopiedAxis, 0, rows - 1, same, &[first, second]));
+            }
+        }
+    }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
+}
+
+fn stuck(table: &Table, unique: &[usize], faults: &mut Faults) {
+    let rows = table.rows();
+    let ends = unique.iter().skip(1).copied().chain([rows]);
+    let mut lengths: Vec<usize> = unique.iter().zip(ends.clone()).map(|(from, to)| to - from).collect();
+    let mut moves: Vec<f64> =
+        unique.windows(2).map(|pair| distance(table.field(pair[0]), table.field(pair[1]))).collect();
+    let usual_move = median(&mut moves);
+    lengths.sort_unstable();
+    let usual = lengths.get(lengths.len() * 95 / 100).copied().unwrap_or(1);
+    for (from, to) in unique.iter().copied().zip(ends) {
+        let length = to - from;
+        let seconds = table.time_s.map(|t| t[to - 1] - t[from]);
+        if length < STUCK_ROWS.max(5 * usual) || seconds.is_some_and(|s| s < STUCK_S) || to >= rows {
+            continue;
+        }
+        // A resting board repeats its reading too: a stuck one comes back somewhere else, or turns meanwhile.
+        let jumped = distance(table.field(from), table.field(to)) > 8.0 * usual_move;
+        let turned = table.gyro_radps.as_ref().is_some_and(|gyro| {
+            let turn: f64 =
+                (from..to).map(|row| gyro.iter().map(|axis| axis[row].powi(2)).sum::<f64>().sqrt()).sum();
+            turn / length as f64 > 0.2
+        });
+        if jumped || turned {
+            faults.set_aside[from + 1..to].fill(true);
+            faults.list.push(span(table, FaultKind::Stuck, from, to - 1, length, &[0, 1, 2]));
+        }
+    }
+}
+
+fn gap(table: &Table, unique: &[usize], faults: &mut Faults) {
+    let Some(time) = table.time_s else { return };
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let usual = steps[steps.len() * 99 / 100];
+    let seconds = time[time.len() - 1] - time[0];
+    let mean = seconds / unique.len().max(2) as f64;
+    for row in 1..table.rows() {
+        let step = time[row] - time[row - 1];
+        if step > GAP_S.max(8.0 * usual) && step > 15.0 * mean {
+            let missing = (step / mean).round() as usize;
+            faults.list.push(span(table, FaultKind::Gap, row - 1, row, missing, &[]));
+        }
+    }
+}
+
+fn clipping(table: &Table, unique: &[usize], axis: usize, faults: &mut Faults) {
+    let values: Vec<f64> = unique.iter().map(|&row| table.field_ut[axis][row]).collect();
+    let mut steps: Vec<f64> =
+        values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
+    if steps.is_empty() {
+        return;
+    }
+    steps.sort_by(f64::total_cmp);
+    let quantum = steps[0];
+    let width = 2.0 * second_difference_sigma(&values).max(quantum);
+    for sign in [1.0, -1.0] {
+        let extreme = values.iter().fold(f64::NEG_INFINITY, |top, value| top.max(value * sign)) * sign;
+        let at: Vec<usize> =
+            unique.iter().copied().filter(|&row| table.field_ut[axis][row] == extreme).collect();
+        let near =
+            values.iter().filter(|value| **value != extreme && (*value - extreme).abs() <= width).count();
+        // Clipping comes in visits with other readings between them; a board that rests at its extreme does not.
+        let visits = 1 + at.windows(2).filter(|pair| pair[1] - pair[0] > 3).count();
+        if at.len() >= CLIPPED_SAMPLES && at.len() > 3 * near.max(1) && visits >= 2 {
+            for &row in &at {
+                faults.set_aside[row] = true;
+            }
+            faults.list.push(span(table, FaultKind::Clipping, at[0], at[at.len() - 1], at.len(), &[axis]));
+        }
+    }
+}
+
+/// Bursts in the residual of a fit: `(first, last)` sample of each. Empty where so much stands out that it is structure.
+pub fn bursts(residuals: &[f64]) -> Vec<(usize, usize)> {
+    let n = residuals.len();
+    if n < 50 {
+        return Vec::new();
+    }
+    let middle = median(&mut residuals.to_vec());
+    let mut off: Vec<f64> = residuals.iter().map(|r| (r - middle).abs()).collect();
+    let sigma = 1.4826 * median(&mut off.clone());
+    if sigma.is_nan() || sigma <= 0.0 {
+        return Vec::new();
+    }
+    for value in &mut off {
+        *value /= sigma;
+    }
+    let smooth = |at: usize| {
+        let (from, to) = (at.saturating_sub(2), (at + 3).min(n));
+        off[from..to].iter().sum::<f64>() / (to - from) as f64
+    };
+    let mut events: Vec<(usize, usize)> = Vec::new();
+    let mut at = 0;
+    while at < n {
+        if off[at] < BURST_PEAK {
+            at += 1;
+            continue;
+        }
+        let (mut from, mut to) = (at, at);
+        while from > 0 && smooth(from - 1) > BURST_EDGE {
+            from -= 1;
+        }
+        while to + 1 < n && smooth(to + 1) > BURST_EDGE {
+            to += 1;
+        }
+        // The flanks of a passing magnet fade into the noise.
+        let flank = (to - from) / 8;
+        (from, to) = (from.saturating_sub(flank), (to + flank).min(n - 1));
+        match events.last_mut() {
+            Some(last) if from <= last.1 + 3 => last.1 = to,
+            _ => events.push((from, to)),
+        }
+        at = to + 1;
+    }
+    let flagged: usize = events.iter().map(|(from, to)| to - from + 1).sum();
+    if flagged as f64 > BURST_SHARE * n as f64 { Vec::new() } else { events }
+}
+
+/// The fault that a burst is.
+pub fn burst_fault(table: &Table, samples: &Samples, (from, to): (usize, usize)) -> DataFault {
+    let rows = (samples.row[from], samples.row[to]);
+    span(table, FaultKind::Burst, rows.0, rows.1, (to - from + 1) * samples.stride, &[0, 1, 2])
+}

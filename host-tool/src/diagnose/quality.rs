@@ -1,0 +1,83 @@
+//! Precision of a fitted model, the noise floor, and whether structure remains.
+
+use super::engine::{COLUMNS, Fitted, Matrix};
+use super::series::{Autocorrelation, rms, second_difference_sigma};
+use ironout::fit::precision::worst_direction_error;
+use ironout::study::Residual;
+use nalgebra::{Matrix3, SMatrix};
+
+/// Structure is certain beyond this many standard errors ...
+const STRUCTURE_SIGMAS: f64 = 6.0;
+/// ... if it makes at least this share of the residual's variance.
+const STRUCTURE_SHARE: f64 = 0.04;
+
+/// What the residual of a model is made of.
+#[derive(Debug, Clone)]
+pub struct Residue {
+    /// Rms, µT.
+    pub rms: f64,
+    /// The part of it that is noise, µT.
+    pub floor: f64,
+    /// Share of the variance that is structure; zero where none is certain.
+    pub structure: f64,
+    /// Integrated autocorrelation time, samples.
+    pub time: f64,
+}
+
+/// Splits a residual into noise and structure. Noise with a short memory is noise.
+pub fn residue(residuals: &[f64], parameters: usize) -> Residue {
+    let n = residuals.len();
+    let correlation = Autocorrelation::of(residuals);
+    let (share, sigmas) = correlation.structure(n);
+    let freedom = n.saturating_sub(parameters).max(1) as f64;
+    let whole = rms(residuals) * (n as f64 / freedom).sqrt();
+    let structured = sigmas > STRUCTURE_SIGMAS && share > STRUCTURE_SHARE;
+    let floor = if structured { second_difference_sigma(residuals).min(whole) } else { whole };
+    Residue {
+        rms: rms(residuals),
+        floor,
+        structure: if structured { share } else { 0.0 },
+        time: correlation.time,
+    }
+}
+
+/// Covariance of all columns: `σ² τ N⁻¹`.
+pub fn covariance(fitted: &Fitted, time: f64) -> Option<Vec<[f64; COLUMNS]>> {
+    let total = fitted.total();
+    let factor = total.factor()?;
+    let freedom = (fitted.rows - fitted.columns() as f64).max(1.0);
+    let variance = fitted.squares / freedom * time;
+    Some(
+        (0..fitted.columns())
+            .map(|column| factor.inverse_column(column).map(|value| value * variance))
+            .collect(),
+    )
+}
+
+/// Predicted error of the corrected vector in the worst direction, in units of the field.
+pub fn predicted_error(fitted: &Fitted, time: f64) -> Option<f64> {
+    let covariance = covariance(fitted, time)?;
+    let field = fitted.model.field_ut;
+    // In units of the field: the matrix as it takes µT to unit vectors.
+    let unit = |index: usize| if index < 3 { 1.0 } else { 1.0 / field };
+    let nine = SMatrix::<f64, 9, 9>::from_fn(|i, j| covariance[i][j] * unit(i) * unit(j));
+    let matrix = Matrix3::from_fn(|i, j| fitted.model.matrix[i][j] / field);
+    Some(worst_direction_error(&matrix, &nine)).filter(|error| error.is_finite())
+}
+
+/// Information about offset and triangle with the effects projected out, over variance.
+pub fn information(fitted: &Fitted, time: f64) -> Option<[[f64; 9]; 9]> {
+    let covariance = covariance(fitted, time)?;
+    let nine = SMatrix::<f64, 9, 9>::from_fn(|i, j| covariance[i][j]);
+    let inverse = nine.cholesky()?.inverse();
+    Some(core::array::from_fn(|i| core::array::from_fn(|j| inverse[(i, j)])))
+}
+
+/// How the noise of one axis shows in the residual: rms of `‖Cᵀu‖`, from the offset columns of the normal matrix.
+pub fn noise_gain(fitted: &Fitted, residual: Residual) -> f64 {
+    if residual != Residual::Magnitude {
+        return 1.0;
+    }
+    let data = Matrix::total(&fitted.blocks, None);
+    ((0..3).map(|i| data.entry(i, i)).sum::<f64>() / fitted.rows.max(1.0)).sqrt()
+}
