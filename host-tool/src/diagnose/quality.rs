@@ -2,9 +2,8 @@
 
 use super::engine::{COLUMNS, Fitted, Matrix};
 use super::series::{Autocorrelation, rms, second_difference_sigma};
-use ironout::fit::precision::worst_direction_error;
 use ironout::study::Residual;
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Structure is certain beyond this many standard errors ...
 const STRUCTURE_SIGMAS: f64 = 6.0;
@@ -54,15 +53,35 @@ pub fn covariance(fitted: &Fitted, time: f64) -> Option<Vec<[f64; COLUMNS]>> {
     )
 }
 
-/// Predicted error of the corrected vector in the worst direction, in units of the field.
+/// Predicted 1σ error (rms length) of the corrected vector in the worst direction, in units of the field:
+/// `δh = δC y − C δb` with `y = A h`.
 pub fn predicted_error(fitted: &Fitted, time: f64) -> Option<f64> {
     let covariance = covariance(fitted, time)?;
-    let field = fitted.model.field_ut;
-    // In units of the field: the matrix as it takes µT to unit vectors.
-    let unit = |index: usize| if index < 3 { 1.0 } else { 1.0 / field };
-    let nine = SMatrix::<f64, 9, 9>::from_fn(|i, j| covariance[i][j] * unit(i) * unit(j));
-    let matrix = Matrix3::from_fn(|i, j| fitted.model.matrix[i][j] / field);
-    Some(worst_direction_error(&matrix, &nine)).filter(|error| error.is_finite())
+    let matrix = Matrix3::from_fn(|i, j| fitted.model.matrix[i][j]);
+    let inverse = matrix.try_inverse()?;
+    let nine = SMatrix::<f64, 9, 9>::from_fn(|i, j| covariance[i][j]);
+    let triangle = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+    let directions = 200;
+    let mut worst = 0.0_f64;
+    for index in 0..directions {
+        // A spiral of equal areas.
+        let z = 1.0 - (2.0 * f64::from(index) + 1.0) / f64::from(directions);
+        let (r, angle) = ((1.0 - z * z).sqrt(), f64::from(index) * 2.399_963_229_728_653);
+        let y = inverse * Vector3::new(r * angle.cos(), r * angle.sin(), z) * fitted.model.field_ut;
+        let mut square = 0.0;
+        for row in 0..3 {
+            let mut weights = SVector::<f64, 9>::zeros();
+            for axis in 0..3 {
+                weights[axis] = -matrix[(row, axis)];
+            }
+            for (slot, (_, j)) in triangle.into_iter().enumerate().filter(|(_, (i, _))| *i == row) {
+                weights[3 + slot] = y[j];
+            }
+            square += weights.dot(&(nine * weights));
+        }
+        worst = worst.max(square);
+    }
+    Some(worst.sqrt() / fitted.model.field_ut).filter(|error| error.is_finite())
 }
 
 /// Information about offset and triangle with the effects projected out, over variance.
