@@ -5,6 +5,7 @@ use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, Coefficients, Effect, MAX_INPUTS, TIME};
 use crate::math::Real;
 use core::fmt;
+use heapless::Vec;
 
 /// The most delayed columns that a live correction keeps the past of.
 pub const MAX_DELAYED: usize = 2;
@@ -30,17 +31,16 @@ impl fmt::Display for LiveError {
 
 impl core::error::Error for LiveError {}
 
+/// Every input of every effect has a place of its own.
+const INPUTS: usize = MAX_EFFECTS * MAX_INPUTS;
+
 /// Where the values of one column go: looked up once by name ([`Live::slots`]), then used on every sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct Slots(u16);
+pub struct Slots(u32);
 
 impl Slots {
-    fn one(effect: usize, input: usize) -> Self {
+    const fn one(effect: usize, input: usize) -> Self {
         Self(1 << (effect * MAX_INPUTS + input))
-    }
-
-    fn has(self, effect: usize, input: usize) -> bool {
-        self.0 & Self::one(effect, input).0 != 0
     }
 
     /// Whether no effect reads the column.
@@ -53,7 +53,6 @@ impl Slots {
 struct Place<T, E> {
     effect: E,
     coefficients: Coefficients<T>,
-    inputs: [T; MAX_INPUTS],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,12 +81,17 @@ struct Late<T> {
 /// assert_eq!(live.apply([25.0, 10.0, 39.0], None)?, [20.0, 10.0, 40.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Live<T, E = BuiltIn<T>> {
     base: Calibration<T>,
     prepared: Prepared<T>,
-    places: [Option<Place<T, E>>; MAX_EFFECTS],
-    late: [Option<Late<T>>; MAX_DELAYED],
+    places: Vec<Place<T, E>, MAX_EFFECTS>,
+    inputs: [[T; MAX_INPUTS]; MAX_EFFECTS],
+    /// Inputs that some effect reads, …
+    needed: Slots,
+    /// … and those that are known.
+    known: Slots,
+    late: Vec<Late<T>, MAX_DELAYED>,
     time: Slots,
 }
 
@@ -97,29 +101,30 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
     /// # Errors
     /// [`LiveError`].
     pub fn new(calibration: &ExtendedCalibration<T, E>) -> Result<Self, LiveError> {
-        let prepared = Prepared::of(calibration).ok_or(LiveError::Singular)?;
         let mut live = Self {
             base: calibration.base,
-            prepared,
-            places: [const { None }; MAX_EFFECTS],
-            late: [None; MAX_DELAYED],
+            prepared: Prepared::of(calibration).ok_or(LiveError::Singular)?,
+            places: Vec::new(),
+            inputs: [[T::zero(); MAX_INPUTS]; MAX_EFFECTS],
+            needed: Slots::default(),
+            known: Slots::default(),
+            late: Vec::new(),
             time: Slots::default(),
         };
-        for (place, fitted) in live.places.iter_mut().zip(calibration.effects.iter()) {
-            let inputs = [T::of(f64::NAN); MAX_INPUTS];
-            *place = Some(Place { effect: fitted.effect.clone(), coefficients: fitted.coefficients, inputs });
-        }
-        live.time = live.slots(TIME);
-        let mut waiting = live.late.iter_mut();
         for (index, fitted) in calibration.effects.iter().enumerate() {
+            // As many places as a calibration has effects.
+            let _ =
+                live.places.push(Place { effect: fitted.effect.clone(), coefficients: fitted.coefficients });
             for (input, column) in fitted.effect.columns().into_iter().enumerate() {
-                let Some(delay_s) = column.map(|column| column.delay_s).filter(|delay| *delay > T::zero())
-                else {
-                    continue;
-                };
-                let line = DelayLine::new(delay_s);
-                *waiting.next().ok_or(LiveError::TooManyDelayed)? =
-                    Some(Late { slot: Slots::one(index, input), now: T::of(f64::NAN), line });
+                let Some(column) = column else { continue };
+                let slot = Slots::one(index, input);
+                live.needed.0 |= slot.0;
+                if column.name == TIME {
+                    live.time.0 |= slot.0;
+                } else if column.delay_s > T::zero() {
+                    let late = Late { slot, now: T::of(f64::NAN), line: DelayLine::new(column.delay_s) };
+                    live.late.push(late).map_err(|_| LiveError::TooManyDelayed)?;
+                }
             }
         }
         Ok(live)
@@ -129,8 +134,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
     pub fn slots(&self, column: &str) -> Slots {
         let mut found = Slots::default();
         for (index, place) in self.places.iter().enumerate() {
-            let columns = place.as_ref().map(|place| place.effect.columns());
-            for (input, read) in columns.into_iter().flatten().enumerate() {
+            for (input, read) in place.effect.columns().into_iter().enumerate() {
                 if read.is_some_and(|read| read.name == column) {
                     found.0 |= Slots::one(index, input).0;
                 }
@@ -150,35 +154,36 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
     /// [`Live::advance`].
     #[inline]
     pub fn set_slots(&mut self, slots: Slots, value: T) {
-        if slots.is_empty() {
-            return;
-        }
         let mut at_once = slots;
-        for late in self.late.iter_mut().flatten().filter(|late| late.slot.0 & slots.0 != 0) {
+        for late in self.late.iter_mut().filter(|late| late.slot.0 & slots.0 != 0) {
             late.now = value;
             at_once.0 &= !late.slot.0;
         }
         self.put(at_once, value);
     }
 
-    fn put(&mut self, slots: Slots, value: T) {
-        for (index, place) in self.places.iter_mut().enumerate() {
-            for (input, slot) in place.iter_mut().flat_map(|place| &mut place.inputs).enumerate() {
-                if slots.has(index, input) {
-                    *slot = value;
-                }
+    #[inline]
+    fn put(&mut self, Slots(mut slots): Slots, value: T) {
+        if value.is_finite() {
+            self.known.0 |= slots;
+        } else {
+            self.known.0 &= !slots;
+        }
+        let inputs = self.inputs.as_flattened_mut();
+        while slots != 0 {
+            if let Some(input) = inputs.get_mut(slots.trailing_zeros() as usize % INPUTS) {
+                *input = value;
             }
+            slots &= slots - 1;
         }
     }
 
     /// Moves the time on, s: what effects of time and of delayed columns go by. Not needed where there are none
     /// ([`Live::needs_time`]).
     pub fn advance(&mut self, now_s: f64) {
-        if !self.time.is_empty() {
-            self.put(self.time, T::of(now_s));
-        }
-        for index in 0..MAX_DELAYED {
-            let Some(late) = self.late.get_mut(index).and_then(Option::as_mut) else { break };
+        self.put(self.time, T::of(now_s));
+        for index in 0..self.late.len() {
+            let Some(late) = self.late.get_mut(index) else { break };
             let (slot, value) = (late.slot, late.line.push(now_s, late.now));
             self.put(slot, value.unwrap_or(T::of(f64::NAN)));
         }
@@ -186,7 +191,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
 
     /// Whether [`Live::advance`] matters.
     pub fn needs_time(&self) -> bool {
-        !self.time.is_empty() || self.late.iter().any(Option::is_some)
+        !(self.time.is_empty() && self.late.is_empty())
     }
 
     /// Whether a rate of turn is needed.
@@ -196,12 +201,15 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
 
     /// The first column that is needed and not known.
     pub fn waits_for(&self) -> Option<&str> {
-        self.places.iter().flatten().find_map(|place| {
-            let columns = place.effect.columns().into_iter().zip(place.inputs);
-            columns
-                .into_iter()
-                .find_map(|(column, value)| column.filter(|_| !value.is_finite()).map(|column| column.name))
-        })
+        let missing = self.missing()?;
+        let columns = self.places.get(missing / MAX_INPUTS)?.effect.columns();
+        columns.into_iter().nth(missing % MAX_INPUTS).flatten().map(|column| column.name)
+    }
+
+    /// The first input that is needed and not known.
+    fn missing(&self) -> Option<usize> {
+        let missing = self.needed.0 & !self.known.0;
+        (missing != 0).then(|| missing.trailing_zeros() as usize)
     }
 
     /// Offset, matrix and field.
@@ -215,8 +223,15 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
     /// [`NotCorrected`] where something that an effect needs is not known.
     #[inline]
     pub fn apply(&self, measured_ut: [T; 3], turn_radps: Option<[T; 3]>) -> Result<[T; 3], NotCorrected> {
-        let effects =
-            self.places.iter().flatten().map(|place| (&place.effect, &place.coefficients, place.inputs));
+        if let Some(missing) = self.missing() {
+            return Err(NotCorrected::Column(missing / MAX_INPUTS));
+        }
+        if self.prepared.turning && turn_radps.is_none() {
+            let turning = self.places.iter().position(|place| place.effect.needs_gyro());
+            return Err(NotCorrected::RateOfTurn(turning.unwrap_or_default()));
+        }
+        let effects = self.places.iter().zip(&self.inputs);
+        let effects = effects.map(|(place, inputs)| (&place.effect, &place.coefficients, inputs));
         correct(&self.base, &self.prepared, measured_ut, turn_radps, effects)
     }
 

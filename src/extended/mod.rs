@@ -265,9 +265,19 @@ impl<T: Real, E: Effect<T>> ExtendedCalibration<T, E> {
     pub fn apply(&self, measured_ut: [T; 3], conditions: &Conditions<T>) -> Result<[T; 3], NotCorrected> {
         let prepared = Prepared::of(self).ok_or(NotCorrected::NotFinite)?;
         let Conditions { turn_radps, inputs } = conditions;
-        let list = self.effects.0.iter().zip(inputs).filter_map(|(place, inputs)| {
-            place.as_ref().map(|fitted| (&fitted.effect, &fitted.coefficients, *inputs))
-        });
+        let list = || {
+            self.effects.0.iter().zip(inputs).filter_map(|(place, inputs)| Some((place.as_ref()?, inputs)))
+        };
+        for (index, (fitted, inputs)) in list().enumerate() {
+            let columns = fitted.effect.columns();
+            if columns.iter().zip(inputs).any(|(column, value)| column.is_some() && !value.is_finite()) {
+                return Err(NotCorrected::Column(index));
+            }
+            if turn_radps.is_none() && fitted.effect.needs_gyro() {
+                return Err(NotCorrected::RateOfTurn(index));
+            }
+        }
+        let list = list().map(|(fitted, inputs)| (&fitted.effect, &fitted.coefficients, inputs));
         correct(&self.base, &prepared, measured_ut, *turn_radps, list)
     }
 
@@ -302,39 +312,38 @@ impl<T: Real> ExtendedCalibration<T> {
     }
 }
 
-/// The correction itself. Effects that read the centre are evaluated twice: the first time with the centre as if there
-/// were no disturbance.
+/// The correction itself, once everything that the effects need is known to be there. Effects that read the centre are
+/// evaluated twice: the first time with the centre as if there were no disturbance.
 #[inline]
 fn correct<'e, T: Real, E: Effect<T> + 'e>(
     base: &Calibration<T>,
     prepared: &Prepared<T>,
     measured_ut: [T; 3],
     turn_radps: Option<[T; 3]>,
-    effects: impl Iterator<Item = (&'e E, &'e Coefficients<T>, [T; MAX_INPUTS])> + Clone,
+    effects: impl Iterator<Item = (&'e E, &'e Coefficients<T>, &'e [T; MAX_INPUTS])> + Clone,
 ) -> Result<[T; 3], NotCorrected> {
     let centred = minus(measured_ut, base.offset_ut);
-    let mut left = centred;
-    for _ in 0..if prepared.second_look { 2 } else { 1 } {
-        let turning = match turn_radps {
-            Some(turn) if prepared.turning => {
-                times(&prepared.inverse, cross(turn, times(&base.matrix, left)))
-            }
-            _ => [T::zero(); 3],
-        };
-        let before = left;
-        left = centred;
-        for (index, (effect, coefficients, inputs)) in effects.clone().enumerate() {
-            for (column, value) in effect.columns().iter().zip(inputs) {
-                if column.is_some() && !value.is_finite() {
-                    return Err(NotCorrected::Column(index));
-                }
-            }
-            if prepared.turning && turn_radps.is_none() && effect.needs_gyro() {
-                return Err(NotCorrected::RateOfTurn(index));
-            }
-            let at = Quantities { measured_ut, centred_ut: before, turning_ut_per_s: turning, inputs };
-            left = minus(left, effect.disturbance(&at, coefficients));
+    let mut at = Quantities {
+        measured_ut,
+        centred_ut: centred,
+        turning_ut_per_s: [T::zero(); 3],
+        inputs: [T::zero(); MAX_INPUTS],
+    };
+    let look = |at: &mut Quantities<T>| {
+        if let (true, Some(turn)) = (prepared.turning, turn_radps) {
+            at.turning_ut_per_s = times(&prepared.inverse, cross(turn, times(&base.matrix, at.centred_ut)));
         }
+        let mut left = centred;
+        for (effect, coefficients, inputs) in effects.clone() {
+            at.inputs = *inputs;
+            left = minus(left, effect.disturbance(at, coefficients));
+        }
+        left
+    };
+    let mut left = look(&mut at);
+    if prepared.second_look {
+        at.centred_ut = left;
+        left = look(&mut at);
     }
     let corrected = times(&base.matrix, left);
     let [x, y, z] = corrected;

@@ -7,6 +7,8 @@ use core::fmt::Write;
 use core::hint::black_box;
 use cortex_m_rt::entry;
 use ironout::calibration::Calibration;
+use ironout::effect::{BuiltIn, ColumnName, Gain, Offset};
+use ironout::extended::{ExtendedCalibration, FittedEffect, Live, Slots};
 use ironout::fit::{FitOptions, FitReport, Method, fit};
 use ironout::moments::Moments;
 use ironout::scatter::Scatter;
@@ -37,6 +39,31 @@ fn solve_magcal(solver: &mut magcal::Solver) -> Option<magcal::MagCal> {
 #[inline(never)]
 fn apply(calibration: &Calibration<f32>, measured: [f32; 3]) -> [f32; 3] {
     calibration.apply(measured)
+}
+
+/// A calibration with two effects at work: the gain with temperature, the offset with a current.
+fn live(base: Calibration<f32>) -> Option<Live<f32>> {
+    let mut calibration = ExtendedCalibration::plain(base);
+    let temperature = ColumnName::new("temp_c").ok()?;
+    let current = ColumnName::new("current_a").ok()?;
+    let effects = [
+        BuiltIn::Gain(Gain { column: temperature, reference: 25.0 }),
+        BuiltIn::Offset(Offset::linear(current, 0.5)),
+    ];
+    for effect in effects {
+        let mut fitted = FittedEffect { effect, coefficients: [0.0; 9], std_errors: [0.0; 9] };
+        fitted.coefficients[..3].copy_from_slice(&[1e-3, -2e-3, 3e-3]);
+        calibration.effects.push(fitted).ok()?;
+    }
+    Live::new(&calibration).ok()
+}
+
+/// One sample with both columns fresh, as where they are measured as often as the field.
+#[inline(never)]
+fn apply_effects(live: &mut Live<f32>, slots: [Slots; 2], measured: [f32; 3], columns: [f32; 2]) -> [f32; 3] {
+    live.set_slots(slots[0], columns[0]);
+    live.set_slots(slots[1], columns[1]);
+    live.apply(measured, None).unwrap_or_default()
 }
 
 #[inline(never)]
@@ -107,6 +134,16 @@ fn main() -> ! {
                 black_box(apply(&calibration, counts.map(f32::from)));
             });
             say("apply_base", applied.total);
+            let Some(mut live) = live(calibration) else { exit(false) };
+            let slots = [live.slots("temp_c"), live.slots("current_a")];
+            let mut corrected = [0.0; 3];
+            let applied = each(&table, |counts| {
+                corrected = apply_effects(&mut live, slots, counts.map(f32::from), black_box([31.0, 2.5]));
+            });
+            say("apply", applied.total);
+            if black_box(corrected).iter().all(|axis| *axis == 0.0) {
+                exit(false)
+            }
         }
     }
     let mut found = None;
