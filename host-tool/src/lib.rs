@@ -7,7 +7,6 @@ pub mod cal_file;
 pub mod cli;
 pub mod commands;
 pub mod diagnose;
-pub mod diagnosis;
 pub mod failure;
 pub mod geomag;
 pub mod input;
