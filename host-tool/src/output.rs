@@ -19,3 +19,8 @@ pub fn number(value: Option<f64>, decimals: usize) -> String {
 pub fn json_number(value: Option<f64>) -> serde_json::Value {
     value.filter(|value| value.is_finite()).map_or(serde_json::Value::Null, serde_json::Value::from)
 }
+
+/// Several lines on standard output, each with its end.
+pub fn text(text: &str) {
+    let _ = write!(std::io::stdout(), "{text}");
+}

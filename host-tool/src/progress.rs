@@ -55,3 +55,52 @@ impl Drop for Progress {
         }
     }
 }
+
+/// A sign of life for work whose length is not known: elapsed seconds, from a thread of its own, removed when dropped.
+pub struct Working {
+    thread: Option<(std::sync::mpsc::Sender<()>, std::thread::JoinHandle<()>)>,
+}
+
+impl Working {
+    /// Starts; nothing is drawn unless standard error is a terminal and the work takes a while.
+    pub fn new(label: &'static str) -> Self {
+        if !std::io::stderr().is_terminal() {
+            return Working { thread: None };
+        }
+        let (stop, stopped) = std::sync::mpsc::channel();
+        let thread = std::thread::spawn(move || draw(label, &stopped));
+        Working { thread: Some((stop, thread)) }
+    }
+}
+
+fn draw(label: &str, stopped: &std::sync::mpsc::Receiver<()>) {
+    use std::sync::mpsc::RecvTimeoutError::Timeout;
+    const BLOCK: usize = 8;
+    let started = Instant::now();
+    let mut wait = PATIENCE;
+    let mut drawn = false;
+    for step in 0_usize.. {
+        if stopped.recv_timeout(wait) != Err(Timeout) {
+            break;
+        }
+        wait = REDRAW;
+        drawn = true;
+        let turn = 2 * (WIDTH - BLOCK);
+        let at = (turn / 2).abs_diff(step % turn);
+        let bar = format!("{}{}{}", "-".repeat(at), "#".repeat(BLOCK), "-".repeat(WIDTH - BLOCK - at));
+        let _ = write!(std::io::stderr(), "\r{label} [{bar}] {:4.0} s", started.elapsed().as_secs_f64());
+    }
+    if drawn {
+        let _ = write!(std::io::stderr(), "\r{}\r", " ".repeat(WIDTH + label.len() + 12));
+    }
+}
+
+impl Drop for Working {
+    fn drop(&mut self) {
+        if let Some((stop, thread)) = self.thread.take() {
+            drop(stop);
+            // A thread that only draws has nothing to say.
+            let _ = thread.join();
+        }
+    }
+}

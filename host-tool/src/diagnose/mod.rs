@@ -5,7 +5,7 @@ pub mod base;
 pub mod candidates;
 pub mod engine;
 pub mod faults;
-mod fft;
+pub(crate) mod fft;
 pub mod greedy;
 pub mod json;
 pub mod outcome;
@@ -18,7 +18,7 @@ pub mod series;
 mod shows;
 mod study;
 pub mod table;
-pub mod words;
+pub mod traces;
 
 pub use outcome::Diagnosis;
 pub use study::{Options, Refusal, diagnose};

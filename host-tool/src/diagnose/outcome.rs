@@ -1,6 +1,7 @@
 //! What a diagnosis says.
 
 use super::faults::DataFault;
+use super::traces::Traces;
 use ironout::calibration::Calibration;
 
 /// The verdict of the contract.
@@ -193,4 +194,6 @@ pub struct Diagnosis {
     pub prior: String,
     /// Whether a lower-order base (no soft iron) was used.
     pub lower_order: bool,
+    /// The residuals, for plots.
+    pub traces: Traces,
 }

@@ -11,6 +11,7 @@ use super::samples::Samples;
 use super::screen::{Candidate, SIGNIFICANCE, screen};
 use super::series::rms;
 use super::table::Table;
+use super::traces::Traces;
 use super::{base, rest};
 use ironout::calibration::Calibration;
 use ironout::study::{Model, PhysicalPrior, Residual};
@@ -155,6 +156,7 @@ fn undetermined(table: &Table, samples: &Samples, data_faults: Vec<DataFault>, w
         samples_set_aside: 0,
         prior: String::new(),
         lower_order: false,
+        traces: Traces::default(),
     }
 }
 
@@ -397,6 +399,7 @@ impl<'a> View<'_, 'a> {
             samples_set_aside: 0,
             prior: self.prior_words(),
             lower_order: self.lower_order,
+            traces: Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?,
         })
     }
 
@@ -825,6 +828,7 @@ fn at_rest(
         &explanation.base,
         explanation.count,
     );
+    let traces = Traces::of(&pass, &explanation.base, &explanation.fitted)?;
     let view =
         View { table, samples, catalogue: &catalogue, pass, known: &known, explanation, lower_order: false };
     let in_group = |id: &String| confounded.iter().any(|group| group.ids.contains(id));
@@ -850,6 +854,7 @@ fn at_rest(
         effects,
         shows,
         prior: "none".into(),
+        traces,
         ..undetermined(table, samples, data_faults, String::new())
     })
 }

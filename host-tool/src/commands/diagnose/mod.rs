@@ -1,12 +1,21 @@
 //! `ironout diagnose`: find the missing effect.
 
+mod advice;
+mod curve;
+mod found;
+mod next;
+mod numbers;
+mod place;
+mod words;
+
 use crate::cal_file::CalFile;
 use crate::cli::DiagnoseArgs;
 use crate::diagnose::engine::Earlier;
 use crate::diagnose::outcome::Verdict;
-use crate::diagnose::{Diagnosis, Options, Refusal, Table, diagnose, json, words};
+use crate::diagnose::{Diagnosis, Options, Refusal, Table, diagnose, json};
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::output;
+use crate::progress::Working;
 use std::path::Path;
 
 /// Diagnoses a log; exit status 1 where the data do not support a calibration.
@@ -15,11 +24,13 @@ pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
     let earlier = arguments.prior.as_deref().map(earlier).transpose()?;
     let log = arguments.log.read()?;
     let options = Options { field_ut: expected.field_ut, add: arguments.add.clone(), search: true, earlier };
+    let working = Working::new("studying");
     let diagnosis = diagnose(&Table::from(&log), &options).map_err(|refusal| failure(refusal, &log.path))?;
+    drop(working);
     if as_json {
         output::line(&json::object(&diagnosis).to_string());
     } else {
-        words::print(&diagnosis, &log.path);
+        output::text(&words::text(&words::Told { log: &log, arguments, diagnosis: &diagnosis }));
     }
     Ok(status(&diagnosis))
 }

@@ -1,0 +1,470 @@
+//! What `diagnose` says to people: an explanation from the noise floor to the command that repairs it.
+
+use super::numbers::{degrees, microtesla, probability, wrap};
+use super::{advice, found, next, place};
+use crate::cli::DiagnoseArgs;
+use crate::diagnose::faults::{DataFault, FaultKind};
+use crate::diagnose::outcome::{CandidateRow, Diagnosis, Status, Verdict};
+use crate::input::Log;
+
+/// Lines are at most this wide.
+pub const WIDTH: usize = 100;
+
+/// What the explanation is made from.
+#[derive(Clone, Copy)]
+pub struct Told<'a> {
+    /// The log.
+    pub log: &'a Log,
+    /// What the user asked for.
+    pub arguments: &'a DiagnoseArgs,
+    /// The answer.
+    pub diagnosis: &'a Diagnosis,
+}
+
+/// The whole explanation.
+pub fn text(told: &Told) -> String {
+    let mut out = Vec::new();
+    heading(told, &mut out);
+    faults(told, &mut out);
+    base(told, &mut out);
+    place::failures(told, &mut out);
+    found::effects(told, &mut out);
+    found::falling(told, &mut out);
+    found::alignment(told, &mut out);
+    tested(told, &mut out);
+    untestable(told, &mut out);
+    confounded(told, &mut out);
+    verdict(told, &mut out);
+    what_next(told, &mut out);
+    let mut text = out.join("\n");
+    text.push('\n');
+    text
+}
+
+/// A title with an empty line before it.
+pub fn title(out: &mut Vec<String>, text: &str) {
+    out.push(String::new());
+    out.push(text.to_string());
+}
+
+/// `1 sample`, `2 samples`.
+pub fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// The name that a person knows the effect by.
+pub fn name_of(diagnosis: &Diagnosis, id: &str) -> String {
+    let effect = diagnosis.effects.iter().find(|effect| effect.id == id).map(|effect| &effect.name);
+    let candidate = diagnosis.candidates.iter().find(|row| row.id == id).map(|row| &row.name);
+    let name = effect.or(candidate).map_or(id, String::as_str);
+    // A name that does not name its column says little where there are several.
+    match id.split_once(':') {
+        Some((_, column)) if !["temp_c", "current_a"].contains(&column) => {
+            let column = column.split(['^', '@']).next().unwrap_or(column);
+            if name.contains(column) { name.to_string() } else { format!("{name} ({column})") }
+        }
+        _ => name.to_string(),
+    }
+}
+
+/// `a, b and c`.
+pub fn listed(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// Whether the study was of a resting board's vector.
+pub fn at_rest(diagnosis: &Diagnosis) -> bool {
+    diagnosis.residual == "vector"
+}
+
+fn heading(told: &Told, out: &mut Vec<String>) {
+    let Told { log, diagnosis, .. } = told;
+    let seconds = log.time_s.as_ref().and_then(|t| Some(t.last()? - t.first()?));
+    let over = seconds.map_or(" without a time column".to_string(), |s| format!(" over {s:.1} s"));
+    out.push(format!("{}: {}{over}", log.path.display(), counted(log.rows, "row")));
+    let mut parts = vec![format!("{} studied", counted(diagnosis.samples_used, "sample"))];
+    if diagnosis.samples_set_aside > 0 {
+        parts.push(format!("{} set aside as faulty", diagnosis.samples_set_aside));
+    }
+    out.push(parts.join(", "));
+}
+
+fn explain_fault(kind: FaultKind) -> &'static str {
+    match kind {
+        FaultKind::Clipping => {
+            "the sensor reached the end of its range: choose a larger one, or move it from the magnet"
+        }
+        FaultKind::Burst => "a magnet or iron passed close by, or single readings went wrong",
+        FaultKind::Stuck => "one reading was repeated while the board turned: the sensor or its bus hung",
+        FaultKind::Gap => "rows are missing here; nothing else is wrong with the rest",
+        FaultKind::CopiedAxis => "an axis is a copy of another: the driver reads one register twice",
+    }
+}
+
+fn fault_line(fault: &DataFault) -> String {
+    let when = match (fault.from_s, fault.to_s) {
+        (Some(from), Some(to)) => format!("{from:.1} to {to:.1} s"),
+        _ => String::new(),
+    };
+    let count = match fault.kind {
+        FaultKind::Gap => format!("about {} missing", counted(fault.samples, "sample")),
+        _ => counted(fault.samples, "sample"),
+    };
+    let columns = fault.columns.join(",");
+    format!("  {:<12} {when:<18} {count:<26} {columns}", fault.kind.name()).trim_end().to_string()
+}
+
+fn faults(told: &Told, out: &mut Vec<String>) {
+    let list = &told.diagnosis.data_faults;
+    if list.is_empty() {
+        return;
+    }
+    title(out, "Faults of the data, set aside before anything was tested");
+    const MOST: usize = 12;
+    let mut kinds: Vec<FaultKind> = Vec::new();
+    for fault in list.iter().take(MOST) {
+        out.push(fault_line(fault));
+    }
+    if list.len() > MOST {
+        out.push(format!("  and {} more", list.len() - MOST));
+    }
+    for fault in list {
+        if !kinds.contains(&fault.kind) {
+            kinds.push(fault.kind);
+            out.extend(wrap(&format!("{}: {}.", fault.kind.name(), explain_fault(fault.kind)), "  ", WIDTH));
+        }
+    }
+}
+
+fn base(told: &Told, out: &mut Vec<String>) {
+    let diagnosis = told.diagnosis;
+    title(out, "The sensor and the base model");
+    let field = diagnosis.calibration.map(|calibration| calibration.field_ut);
+    let share = |ut: f64| match field {
+        Some(field) if field > 0.0 => format!("{:5.2} % of the field", 100.0 * ut / field),
+        _ => String::new(),
+    };
+    let mut row = |label: &str, value: Option<f64>, note: String| {
+        let number = value.map_or("-".into(), microtesla);
+        out.push(format!("  {label:<16} {number:>8} µT   {note}").trim_end().to_string());
+    };
+    row("noise floor", diagnosis.noise_floor_ut, "per axis, as the residual shows it (1σ)".into());
+    if !at_rest(diagnosis) {
+        let note = diagnosis.residual_floor_ut.map_or(String::new(), |floor| {
+            format!("{}: what that noise leaves in the corrected magnitude", share(floor))
+        });
+        row("floor by noise", diagnosis.residual_floor_ut, note);
+    }
+    let what = if at_rest(diagnosis) {
+        "the measured vector about its mean (the board rests)".to_string()
+    } else {
+        format!(
+            "{}: the base model's error",
+            diagnosis.steps.first().map_or(String::new(), |s| share(s.rms_ut))
+        )
+    };
+    if let Some(step) = diagnosis.steps.first() {
+        row("base model", Some(step.rms_ut), what);
+        if let Some(floor) = diagnosis.residual_floor_ut
+            && floor > 0.0
+        {
+            let ratio = step.rms_ut / floor;
+            let text = if ratio > 1.1 {
+                format!(
+                    "The base model's error is {ratio:.1} times what the noise leaves: something is missing in it."
+                )
+            } else if ratio > 1.03 {
+                format!(
+                    "The base model's error is {:.0} % above what the noise leaves.",
+                    100.0 * (ratio - 1.0)
+                )
+            } else {
+                "The base model leaves what the noise leaves.".to_string()
+            };
+            out.push(format!("  {text}"));
+        }
+    }
+    if !at_rest(diagnosis) && !diagnosis.steps.is_empty() {
+        let base = if diagnosis.lower_order {
+            "The base model is an offset and one gain for all axes: the attitudes do not carry more."
+        } else {
+            "The base model is hard iron (an offset), soft iron and gains (a matrix)."
+        };
+        let prior = if diagnosis.prior.is_empty() || diagnosis.lower_order {
+            String::new()
+        } else {
+            format!(" Prior: {}.", diagnosis.prior)
+        };
+        out.extend(wrap(&format!("{base}{prior}"), "  ", WIDTH));
+    }
+}
+
+fn tested(told: &Told, out: &mut Vec<String>) {
+    let diagnosis = told.diagnosis;
+    let (small, rest): (Vec<&CandidateRow>, Vec<&CandidateRow>) = diagnosis
+        .candidates
+        .iter()
+        .filter(|row| {
+            row.status == Status::NotNeeded && !["misalignment", "axis-order"].contains(&row.id.as_str())
+        })
+        .partition(|row| row.why.contains("too small"));
+    if small.is_empty() && rest.is_empty() {
+        return;
+    }
+    title(out, "Tested and not needed");
+    if !rest.is_empty() {
+        let ids: Vec<String> = rest.iter().map(|row| row.id.clone()).collect();
+        out.extend(wrap(&ids.join(", "), "  ", WIDTH));
+    }
+    if !small.is_empty() {
+        let ids: Vec<String> = small
+            .iter()
+            .map(|row| format!("{} (chance {})", row.id, row.p_value.map_or("-".into(), probability)))
+            .collect();
+        out.extend(wrap(&format!("there, but too small to matter: {}", ids.join(", ")), "  ", WIDTH));
+    }
+}
+
+fn untestable(told: &Told, out: &mut Vec<String>) {
+    let diagnosis = told.diagnosis;
+    let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
+    for row in diagnosis.candidates.iter().filter(|row| row.status == Status::Untestable) {
+        if row.why.contains("cannot be told") {
+            continue;
+        }
+        let name = format!("{} ({})", row.name, row.id);
+        match groups.iter_mut().find(|(why, _)| *why == row.why) {
+            Some((_, names)) => names.push(name),
+            None => groups.push((&row.why, vec![name])),
+        }
+    }
+    if groups.is_empty() {
+        return;
+    }
+    title(out, "Could not be tested with this log");
+    for (why, names) in groups {
+        out.extend(wrap(&format!("- {}: {why}", names.join(", ")), "  ", WIDTH));
+        if let Some(how) = advice::how_to_log(why) {
+            out.extend(wrap(how, "      ", WIDTH));
+        }
+    }
+}
+
+/// Groups of effects that the log cannot tell apart, by id.
+pub fn groups(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
+    let mut groups: Vec<Vec<String>> = Vec::new();
+    for row in diagnosis.candidates.iter().filter(|row| row.status == Status::Confounded) {
+        let mut ids = vec![row.id.clone()];
+        ids.extend(row.confounded_with.iter().cloned());
+        match groups.iter_mut().find(|group| group.iter().any(|id| ids.contains(id))) {
+            Some(group) => {
+                for id in ids {
+                    if !group.contains(&id) {
+                        group.push(id);
+                    }
+                }
+            }
+            None => groups.push(ids),
+        }
+    }
+    groups
+}
+
+fn confounded(told: &Told, out: &mut Vec<String>) {
+    for group in groups(told.diagnosis) {
+        title(out, "Cannot be told apart with this log");
+        for id in &group {
+            let row = told.diagnosis.candidates.iter().find(|row| row.id == *id);
+            let held = row.and_then(|row| row.holdout_rms_ut).map_or(String::new(), |ut| {
+                format!(": with it alone the error on unseen time is {} µT", microtesla(ut))
+            });
+            out.push(format!("  - {} ({id}){held}", name_of(told.diagnosis, id)));
+        }
+        out.extend(wrap(
+            "Each explains the error by itself, and with one of them in the model the other explains nothing more.",
+            "  ",
+            WIDTH,
+        ));
+        out.push("  To separate them:".into());
+        let first = &group[0];
+        for other in &group[1..] {
+            let text = format!("{first} or {other}: {}", advice::separating(first, other));
+            out.extend(wrap(&text, "    ", WIDTH));
+        }
+    }
+}
+
+fn verdict(told: &Told, out: &mut Vec<String>) {
+    let diagnosis = told.diagnosis;
+    let names: Vec<String> = diagnosis
+        .steps
+        .iter()
+        .filter_map(|step| step.added.as_deref())
+        .map(|id| format!("the {}", name_of(diagnosis, id)))
+        .collect();
+    let were = if names.len() == 1 { "was" } else { "were" };
+    let first = diagnosis.steps.first();
+    let last = diagnosis.steps.last();
+    let floor = diagnosis.residual_floor_ut;
+    let fall = match (first, last, floor) {
+        (Some(first), Some(last), Some(floor)) => {
+            let (before, after) = (first.rms_ut, last.rms_ut);
+            let noise = if after <= 1.1 * floor { ", which is what the noise leaves" } else { "" };
+            if (before / after.max(1e-12)) < 1.02 {
+                String::new()
+            } else {
+                format!("the error falls from {} to {} µT{noise}", microtesla(before), microtesla(after))
+            }
+        }
+        _ => String::new(),
+    };
+    let dip = match (&diagnosis.dip, names.is_empty()) {
+        (Some(dip), false) if fall.is_empty() => format!(
+            "the spread of the dip falls from {} to {}",
+            degrees(diagnosis.steps.first().and_then(|s| s.dip_rms_deg).unwrap_or(dip.rms_deg_before)),
+            degrees(dip.rms_deg_after)
+        ),
+        _ => String::new(),
+    };
+    let with = [fall, dip].into_iter().find(|text| !text.is_empty());
+    let reasons = diagnosis.reasons.join("; ");
+    let sentence = match diagnosis.verdict {
+        Verdict::Complete if at_rest(diagnosis) => {
+            "COMPLETE: the resting board's reading is constant but for noise; no column moves it.".to_string()
+        }
+        Verdict::Complete => {
+            "COMPLETE: nothing is missing. Offset and matrix explain this log down to the sensor's noise."
+                .to_string()
+        }
+        Verdict::Missing => {
+            let with = with.map_or(String::new(), |with| {
+                format!("; with {} {with}", if names.len() == 1 { "it" } else { "them" })
+            });
+            format!("MISSING: {} {were} missing{with}.", listed(&names))
+        }
+        Verdict::Confounded => {
+            let each: Vec<String> = groups(diagnosis)
+                .iter()
+                .map(|group| {
+                    let names: Vec<String> = group.iter().map(|id| name_of(diagnosis, id)).collect();
+                    format!("{} explain the error equally well", listed(&names))
+                })
+                .collect();
+            let known = if names.is_empty() {
+                String::new()
+            } else {
+                format!("; besides, {} {were} missing", listed(&names))
+            };
+            format!("CONFOUNDED: {}, and this log cannot tell which it is{known}.", each.join("; "))
+        }
+        Verdict::Unexplained => {
+            let besides = if names.is_empty() {
+                String::new()
+            } else {
+                format!(
+                    " {} {were} missing{}, but that is not all.",
+                    capital(&listed(&names)),
+                    with.map_or(String::new(), |with| format!(" ({with})"))
+                )
+            };
+            format!(
+                "UNEXPLAINED: {}.{besides}",
+                if reasons.is_empty() { "an error remains that no effect explains" } else { &reasons }
+            )
+        }
+        Verdict::Undetermined => format!("UNDETERMINED: {reasons}."),
+    };
+    out.push(String::new());
+    out.extend(wrap(&sentence, "", WIDTH));
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The effects that `fit --add` takes: those in the steps, in their order.
+pub fn to_add(diagnosis: &Diagnosis, arguments: &DiagnoseArgs) -> Vec<String> {
+    let mut ids: Vec<String> = arguments.add.clone();
+    for id in diagnosis.steps.iter().filter_map(|step| step.added.clone()) {
+        if !ids.contains(&id) && !["axis-order", "misalignment"].contains(&id.as_str()) {
+            ids.push(id);
+        }
+    }
+    ids
+}
+
+fn what_next(told: &Told, out: &mut Vec<String>) {
+    let Told { log, arguments, diagnosis } = told;
+    let path = log.path.display().to_string();
+    title(out, "What to do next");
+    let command = |out: &mut Vec<String>, text: String| out.push(format!("    {text}"));
+    let say = |out: &mut Vec<String>, text: &str| out.extend(wrap(text, "  ", WIDTH));
+    let add = to_add(diagnosis, arguments);
+    if let Some(order) = found::axis_order(diagnosis) {
+        say(out, "Put the axes in order (in the driver, or with this option) and diagnose again:");
+        command(out, next::diagnose(arguments, &path, &format!("--rotate={}", next::quoted(&order))));
+        return;
+    }
+    if at_rest(diagnosis) && diagnosis.verdict != Verdict::Undetermined {
+        say(
+            out,
+            "A resting board shows disturbances but no calibration. Turn the board through all directions while the same \
+             things change, and diagnose that log; it then goes into the calibration.",
+        );
+        return;
+    }
+    match diagnosis.verdict {
+        Verdict::Complete => {
+            say(out, "Calibrate with this log:");
+            command(out, next::fit(arguments, &add));
+            command(out, next::check(arguments));
+        }
+        Verdict::Missing => {
+            say(out, "Add it to the calibration, and check that on a second log:");
+            command(out, next::fit(arguments, &add));
+            command(out, next::check(arguments));
+            let columns = found::columns(diagnosis);
+            if !columns.is_empty() {
+                say(out, &format!("The second log, and the device, need {} too.", listed(&columns)));
+            }
+        }
+        Verdict::Confounded => {
+            say(out, "Record the log that separates them (above) and diagnose that:");
+            command(out, next::diagnose(arguments, "second.csv", ""));
+            say(
+                out,
+                "Adding one of them now would make this log fit and be wrong wherever the two part. If you know which it is, \
+                 say so:",
+            );
+            for id in groups(diagnosis).first().into_iter().flatten() {
+                let mut ids = add.clone();
+                ids.push(id.clone());
+                command(out, next::fit(arguments, &ids));
+            }
+        }
+        Verdict::Unexplained => {
+            if !add.is_empty() {
+                say(out, "What was found helps all the same:");
+                command(out, next::fit(arguments, &add));
+            }
+            say(
+                out,
+                "For the rest, look at where it fails (above) and log what changed there: temperature, currents, what moves. \
+                 Any further numeric column of the log is tested.",
+            );
+        }
+        Verdict::Undetermined => {
+            say(
+                out,
+                "Record again and turn the board through more directions: nose up and down, on both sides, upside down, each \
+                 with a full turn. An earlier good calibration can stand in for them:",
+            );
+            command(out, next::diagnose(arguments, &path, "--prior cal.json"));
+        }
+    }
+}
