@@ -182,6 +182,10 @@ pub struct Diagnosis {
     pub offset_std_errors_ut: [f64; 3],
     /// Standard errors of the triangular matrix.
     pub matrix_std_errors: [[f64; 3]; 3],
+    /// Covariance of the rotation vector that aligns the matrix to the accelerometer, rad².
+    pub rotation_covariance: Option<[[f64; 3]; 3]>,
+    /// How the axes stand in the log, if they are swapped.
+    pub axis_order: Option<String>,
     /// Information about offset and triangle, effects projected out.
     pub information: Option<[[f64; 9]; 9]>,
     /// Predicted error of a corrected vector in the worst direction, µT.

@@ -1,6 +1,6 @@
 //! The whole diagnosis of one log.
 
-use super::alignment::{Alignment, align, without_effects};
+use super::alignment::{Alignment, align, rotation_covariance, without_effects};
 use super::candidates::Catalogue;
 use super::engine::{BadShape, Earlier, Fitted, Known, Pass, Piece};
 use super::faults::{self, DataFault, Faults};
@@ -150,6 +150,8 @@ fn undetermined(table: &Table, samples: &Samples, data_faults: Vec<DataFault>, w
         calibration: None,
         offset_std_errors_ut: [f64::NAN; 3],
         matrix_std_errors: [[f64::NAN; 3]; 3],
+        rotation_covariance: None,
+        axis_order: None,
         information: None,
         predicted_error_ut: None,
         samples_used: samples.len(),
@@ -282,6 +284,7 @@ struct DipStudy<'a> {
     alignment: Alignment,
     lag: Option<(Piece<'a>, f64)>,
     after_deg: f64,
+    rotation_covariance: Option<[[f64; 3]; 3]>,
     /// p-value and held-out rms in degrees of the pure lag.
     tested: Option<(f64, Option<f64>)>,
 }
@@ -292,7 +295,8 @@ impl<'a> View<'_, 'a> {
         let clean = without_effects(self.samples, &fitted.model, &fitted.pieces);
         let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(None) };
         let after_deg = alignment.after_deg;
-        let mut study = DipStudy { alignment, lag: None, after_deg, tested: None };
+        let rotation_covariance = rotation_covariance(&clean, &alignment.model)?;
+        let mut study = DipStudy { alignment, lag: None, after_deg, rotation_covariance, tested: None };
         let Some(lag) = self.catalogue.lag() else { return Ok(Some(study)) };
         let pass = Pass { samples: &clean, residual: Residual::Dip };
         let Some(base) = pass.fit(study.alignment.model, Vec::new(), self.known)? else {
@@ -393,6 +397,8 @@ impl<'a> View<'_, 'a> {
                 [0.0, sigma(6), sigma(7)],
                 [0.0, 0.0, sigma(8)],
             ],
+            rotation_covariance: dip.as_ref().and_then(|dip| dip.rotation_covariance),
+            axis_order: swapped,
             information: information(fitted, left.time),
             predicted_error_ut: predicted.map(|error| error * field),
             samples_used: self.samples.len() * self.samples.stride,
@@ -710,7 +716,11 @@ pub(super) fn describe(piece: &Piece, std_errors: Vec<f64>) -> FittedEffect {
         piece.effect.columns().iter().flatten().map(|column| column.name.to_string()).collect();
     for (name, value) in &piece.fixed {
         match *name {
-            "reference" => reference.extend(columns.first().map(|column| (column.clone(), *value))),
+            "reference" => {
+                // The column's value, not its square's.
+                let value = if piece.id.ends_with("^2") { value.max(0.0).sqrt() } else { *value };
+                reference.extend(columns.first().map(|column| (column.clone(), value)));
+            }
             other => parameters.push((other, *value)),
         }
     }

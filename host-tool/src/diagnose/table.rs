@@ -15,6 +15,8 @@ pub struct Table<'a> {
     pub heading_deg: Option<&'a [f64]>,
     /// Every other numeric column.
     pub covariates: Vec<Named<'a>>,
+    /// Rows to leave out without calling them faulty, as those of a resting board; empty for none.
+    pub leave_out: Vec<bool>,
 }
 
 /// A covariate.
@@ -32,6 +34,11 @@ impl Table<'_> {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.field_ut[0].len()
+    }
+
+    /// Whether a row is to be left out.
+    pub fn leaves_out(&self, row: usize) -> bool {
+        self.leave_out.get(row).copied().unwrap_or(false)
     }
 
     /// The measured vector of a row.
@@ -68,6 +75,7 @@ impl<'a> From<&'a ironout_host_tests::world::Log> for Table<'a> {
                 .filter(|(name, _)| !known(name))
                 .map(|(name, values)| Named { name, values, not_finite: 0 })
                 .collect(),
+            leave_out: Vec::new(),
         }
     }
 }
@@ -90,6 +98,7 @@ impl<'a> From<&'a crate::input::Log> for Table<'a> {
                     not_finite: column.not_finite,
                 })
                 .collect(),
+            leave_out: Vec::new(),
         }
     }
 }
