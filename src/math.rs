@@ -87,12 +87,6 @@ pub fn ln(x: f64) -> f64 {
     libm::log(x)
 }
 
-/// Natural logarithm in single precision.
-#[inline]
-pub fn lnf(x: f32) -> f32 {
-    libm::logf(x)
-}
-
 /// Exponential function.
 #[inline]
 pub fn exp(x: f64) -> f64 {

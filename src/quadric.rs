@@ -2,7 +2,7 @@
 
 use crate::fit::FitError;
 use crate::fit::Model;
-use crate::fit::dense::{all_finite, dot};
+use crate::fit::dense::{self, all_finite, dot};
 use crate::fit::gram::{factorise, minimiser};
 use crate::fit::precision::TRIANGLE;
 use crate::math;
@@ -29,30 +29,25 @@ pub(crate) struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// The ellipsoid of `xᵀMx + lᵀx + k = 0`, with `b = −½M⁻¹l` (paper eq. (12)) and `s = bᵀMb − k`, `Q = M/s`. The
-    /// quotient is right also where `M` is negative definite, as it is in the constant reading when the origin lies
-    /// outside the ellipsoid.
-    ///
-    /// # Errors
-    /// [`FitError::NotAnEllipsoid`] unless `M/s` is positive definite.
-    pub fn from_quadric(m: &Symmetric, l: [f64; 3], k: f64) -> Result<Self, FitError> {
-        let sign = if m[0] < 0.0 { -1.0 } else { 1.0 };
+    /// The ellipsoid of `xᵀMx + lᵀx + k = 0`, with `b = −½M⁻¹l` (paper eq. (12)) and `s = bᵀMb − k`, `Q = M/s`. `None` unless `M`
+    /// and `s` are positive; a quadric and its negative are the same, and it is for the caller to choose.
+    pub fn from_quadric(m: &Symmetric, l: [f64; 3], k: f64) -> Option<Self> {
         // M = L D Lᵀ with ½l as its right side: that leaves k − ¼ lᵀM⁻¹l = −s of the constant.
         let mut rows = [[0.0; 10]; 4];
         for (entry, (c, r)) in m.iter().zip(TRIANGLE) {
-            rows[r][c] = entry * sign;
+            rows[r][c] = *entry;
         }
         for (slot, l) in rows[3].iter_mut().zip(l) {
-            *slot = 0.5 * sign * l;
+            *slot = 0.5 * l;
         }
-        rows[3][3] = k * sign;
+        rows[3][3] = k;
         if !factorise(&mut rows, Model::Ellipsoid) {
-            return Err(FitError::NotAnEllipsoid);
+            return None;
         }
         let s = -rows[3][3];
         // Written so that a NaN is refused too.
         if !(s > 0.0) {
-            return Err(FitError::NotAnEllipsoid);
+            return None;
         }
         let [x, y, z, ..] = minimiser(&rows);
         // C = (D/s)^½ Lᵀ.
@@ -60,17 +55,17 @@ impl Ellipsoid {
         let mut root = 0.0;
         for (slot, (r, c)) in factor.iter_mut().zip(TRIANGLE) {
             if r == c {
-                root = math::sqrt(rows[r][r] / s);
+                root = dense::root(rows[r][r] / s);
                 *slot = root;
             } else {
                 *slot = root * rows[c][r];
             }
         }
-        let ellipsoid = Self { centre: [x, y, z], factor, s: s * sign };
+        let ellipsoid = Self { centre: [x, y, z], factor, s };
         if !all_finite(&ellipsoid.centre) || !all_finite(&ellipsoid.factor) {
-            return Err(FitError::NotAnEllipsoid);
+            return None;
         }
-        Ok(ellipsoid)
+        Some(ellipsoid)
     }
 
     /// `Q = CᵀC`.
@@ -109,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_quadric_and_its_negative_are_the_same_ellipsoid() {
+    fn an_ellipsoid_comes_back_from_its_quadric() {
         // (x−1)²/4 + (y+2)² + (z−3)²·4 + 0.2 xy-shear, written out from C and b.
         let truth = Ellipsoid { centre: [1.0, -2.0, 3.0], factor: [0.5, 0.1, -0.05, 1.0, 0.2, 2.0], s: 1.0 };
         let q = truth.q();
@@ -119,19 +114,13 @@ mod tests {
             q[2] * 1.0 + q[4] * -2.0 + q[5] * 3.0,
         ];
         let k = row[0] - 2.0 * row[1] + 3.0 * row[2] - 1.0;
-        for factor in [3.0, -0.25] {
-            let found =
-                Ellipsoid::from_quadric(&q.map(|v| v * factor), row.map(|v| -2.0 * v * factor), k * factor)
-                    .unwrap();
-            for (a, b) in
-                found.centre.iter().chain(&found.factor).zip(truth.centre.iter().chain(&truth.factor))
-            {
-                assert!((a - b).abs() < 1e-12, "{found:?}");
-            }
-            assert!((found.s - factor).abs() < 1e-12);
+        let found = Ellipsoid::from_quadric(&q.map(|v| v * 3.0), row.map(|v| -6.0 * v), k * 3.0).unwrap();
+        for (a, b) in found.centre.iter().chain(&found.factor).zip(truth.centre.iter().chain(&truth.factor)) {
+            assert!((a - b).abs() < 1e-12, "{found:?}");
         }
-        assert!(Ellipsoid::from_quadric(&[1.0, 0.0, 0.0, 1.0, 0.0, -1.0], [0.0; 3], -1.0).is_err());
-        assert!(Ellipsoid::from_quadric(&[1.0, 0.0, 0.0, 1.0, 0.0, 1.0], [0.0; 3], 1.0).is_err());
-        assert!(Ellipsoid::from_quadric(&[f64::NAN; 6], [0.0; 3], 1.0).is_err());
+        assert!((found.s - 3.0).abs() < 1e-12);
+        assert!(Ellipsoid::from_quadric(&[1.0, 0.0, 0.0, 1.0, 0.0, -1.0], [0.0; 3], -1.0).is_none());
+        assert!(Ellipsoid::from_quadric(&[1.0, 0.0, 0.0, 1.0, 0.0, 1.0], [0.0; 3], 1.0).is_none());
+        assert!(Ellipsoid::from_quadric(&[f64::NAN; 6], [0.0; 3], 1.0).is_none());
     }
 }

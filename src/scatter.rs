@@ -5,8 +5,7 @@
 //! and scaled it is 6 … 13.
 
 use crate::fit::FitError;
-use crate::fit::dense::all_finite;
-use crate::math;
+use crate::fit::dense::{all_finite, root};
 use crate::moments::Moments;
 use crate::monomial::{self, COUNT, EXPONENTS, at};
 
@@ -65,16 +64,18 @@ impl Scatter {
         quantisation_ut2: f64,
     ) -> Result<Self, FitError> {
         let per_sample = 1.0 / samples as f64;
-        let square = |a: usize, position: usize| sums[position] * unit_ut[a] * unit_ut[a];
-        let spread = (square(0, at(2, 0, 0)) + square(1, at(0, 2, 0)) + square(2, at(0, 0, 2))) * per_sample;
+        let mut spread = 0.0;
+        for (position, unit) in [4usize, 7, 9].into_iter().zip(unit_ut) {
+            spread += sums[position] * unit * unit * per_sample;
+        }
         // A product of four must neither overflow nor vanish.
-        if !(spread < 1e60) || !all_finite(&centre_ut) {
+        if !(spread < 1e30) || !all_finite(&centre_ut) {
             return Err(FitError::NotFinite);
         }
-        if !(spread > 1e-60) {
+        if !(spread > 1e-30) {
             return Err(FitError::StuckAxis { axis: 0 });
         }
-        let scale_ut = math::sqrt(spread);
+        let scale_ut = root(spread);
         let mut powers = [[1.0; 5]; 3];
         // The mean over the samples goes with the first axis.
         powers[0][0] = per_sample;

@@ -8,9 +8,9 @@
 //! The matrices are in double precision; `s` and the steps towards it are known to no more than a millionth and are in
 //! single precision, which a Cortex-M4F computes itself.
 
-use super::gram::{Lower, corrected, factorise, first_order, gram, minimiser, pure};
+use super::gram::{Lower, corrected, factorise, gram, minimiser, pure};
 use super::noise::NoiseTerms;
-use super::{FitError, Model, Termination};
+use super::{Model, Termination};
 use crate::math;
 use crate::monomial::COUNT;
 use crate::scatter::Scatter;
@@ -64,38 +64,39 @@ impl Root {
         true
     }
 
+    /// The noise variance per axis, in the scatter's units squared, corrected for the parameters.
+    pub fn variance(&self, model: Model, samples: f32) -> f32 {
+        let s = self.s.unwrap_or(self.mean_square / self.noise.gradient2);
+        s * samples / (samples - model.parameters() as f32)
+    }
+
     /// The mean square of the quadric as the moments of the last solve have it.
     fn left_over(&self) -> f32 {
         self.factor[9][9] as f32
     }
 
     /// The least squares of the trace normalisation.
-    ///
-    /// # Errors
-    /// [`FitError::NotAnEllipsoid`] if the normal matrix is singular.
-    pub fn trace(&mut self, scatter: &Scatter, model: Model) -> Result<(), FitError> {
+    /// `false` if the normal matrix is singular.
+    pub fn trace(&mut self, scatter: &Scatter, model: Model) -> bool {
         if !self.solve(scatter, &scatter.moments, model) {
-            return Err(FitError::NotAnEllipsoid);
+            return false;
         }
         self.s = None;
         self.mean_square = self.left_over().max(0.0);
         self.termination = Termination::Direct;
-        Ok(())
+        true
     }
 
-    /// Finds the root in `[0, upper]`; `upper` is the least eigenvalue of the samples' covariance.
-    ///
-    /// # Errors
-    /// [`FitError::NotAnEllipsoid`] if the matrix is singular at `s = 0` already.
-    pub fn adjusted(&mut self, scatter: &Scatter, upper: f32, model: Model) -> Result<(), FitError> {
-        let first = first_order(&scatter.moments);
+    /// Finds the root in `[0, upper]`; `upper` is the least eigenvalue of the samples' covariance. `false` if the matrix is
+    /// singular at `s = 0` already.
+    pub fn adjusted(&mut self, scatter: &Scatter, upper: f32, model: Model) -> bool {
         let (mut low, mut high) = (0.0, upper.max(0.0));
         let (mut s, mut solved) = (0.0f32, 0.0);
         self.termination = Termination::StepLimit;
         for steps in 1..=MAX_STEPS {
-            if !self.solve(scatter, &corrected(&scatter.moments, &first, f64::from(s)), model) {
+            if !self.solve(scatter, &corrected(&scatter.moments, s.into()), model) {
                 if steps == 1 {
-                    return Err(FitError::NotAnEllipsoid);
+                    return false;
                 }
                 // Past the point where the leading block is positive definite: the root is below.
                 high = s;
@@ -134,11 +135,7 @@ impl Root {
         }
         self.s = Some(solved);
         // Where the step limit came after a matrix that could not be factored, the last good one is restored.
-        if self.termination == Termination::StepLimit
-            && !self.solve(scatter, &corrected(&scatter.moments, &first, f64::from(solved)), model)
-        {
-            return Err(FitError::NotAnEllipsoid);
-        }
-        Ok(())
+        self.termination != Termination::StepLimit
+            || self.solve(scatter, &corrected(&scatter.moments, solved.into()), model)
     }
 }

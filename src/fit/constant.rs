@@ -5,8 +5,8 @@
 //! the term `bᵀQb` that is lost between (5) and (7) it reads `D p = F² − bᵀQb`, and scaled to one `D p = 1`. The scale comes
 //! back as `s = 1 + bᵀMb`, `Q = (F²/s) M`. The data must not be centred: the origin is the sensor's own zero.
 
+use super::Model;
 use super::gram::{condition_number, factorise, minimiser, product};
-use super::{FitError, Model};
 use crate::math;
 use crate::quadric::Ellipsoid;
 use crate::scatter::Scatter;
@@ -16,10 +16,8 @@ pub(crate) const NEAREST_ORIGIN: f64 = 0.02;
 
 /// Solves `DᵀD p = Dᵀ1` for data about the sensor's zero, the columns of eq. (13) in the order `x² y² z² xy xz yz x y z`;
 /// the ellipsoid is in the units of that scatter. Also returns an estimate of the condition number.
-///
-/// # Errors
-/// [`FitError::NotAnEllipsoid`].
-pub(crate) fn solve(about_zero: &Scatter) -> Result<(Ellipsoid, f64), FitError> {
+/// `None` unless there is one.
+pub(crate) fn solve(about_zero: &Scatter) -> Option<(Ellipsoid, f64)> {
     let moments = &about_zero.moments;
     let mut factor = [[0.0; 10]; 10];
     for (r, row) in factor.iter_mut().enumerate() {
@@ -28,13 +26,16 @@ pub(crate) fn solve(about_zero: &Scatter) -> Result<(Ellipsoid, f64), FitError> 
         }
     }
     if !factorise(&mut factor, Model::Ellipsoid) {
-        return Err(FitError::NotAnEllipsoid);
+        return None;
     }
-    // The minimiser has +1 for the constant column: −p.
-    let p = minimiser(&factor).map(|v| -v);
+    // The minimiser has +1 for the constant column: −p. Where the origin lies outside the ellipsoid, M of p is negative
+    // definite and so is s: the quadric −p is the same, and has neither.
+    let x = minimiser(&factor);
+    let sign = if x[0] < 0.0 { -1.0 } else { 1.0 };
+    let p = x.map(|v| v * sign);
     let m = [p[0], 0.5 * p[3], 0.5 * p[4], p[1], 0.5 * p[5], p[2]];
-    let ellipsoid = Ellipsoid::from_quadric(&m, [p[6], p[7], p[8]], -1.0)?;
-    Ok((ellipsoid, condition_number(&factor, Model::Ellipsoid)))
+    let ellipsoid = Ellipsoid::from_quadric(&m, [p[6], p[7], p[8]], p[9])?;
+    Some((ellipsoid, condition_number(&factor, Model::Ellipsoid)))
 }
 
 /// `|F² − bᵀQb|/F²` of an ellipsoid given about the sensor's zero: zero where the reading is singular.

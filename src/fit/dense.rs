@@ -19,6 +19,14 @@ pub(crate) fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
     }
 }
 
+/// `y ← y + a x` in single precision, over the shorter of the two.
+#[inline(never)]
+pub(crate) fn add_scaled_f32(y: &mut [f32], a: f32, x: &[f32]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * x;
+    }
+}
+
 /// `y ← a y` in single precision.
 #[inline(never)]
 pub(crate) fn scale_f32(y: &mut [f32], a: f32) {
@@ -47,4 +55,41 @@ pub(crate) fn all_finite(values: &[f64]) -> bool {
 #[inline(never)]
 pub(crate) fn all_finite_f32(values: &[f32]) -> bool {
     values.iter().all(|v| v.to_bits() >> 23 & 0xff != 0xff)
+}
+
+/// Square root in double precision to a unit in the last place or two: a Newton step on the root in single precision, which
+/// a Cortex-M4F has, where `libm`'s exact one is another half kilobyte. The caller keeps `x` within single precision's range.
+#[inline(never)]
+pub(crate) fn root(x: f64) -> f64 {
+    let mut y = f64::from(crate::math::sqrtf(x as f32));
+    if x > 0.0 {
+        // 1e-7, 1e-14, then rounding.
+        for _ in 0..2 {
+            y = 0.5 * (y + x / y);
+        }
+    }
+    y
+}
+
+/// Natural logarithm of a positive number, to 0.06: exponent and mantissa of a float read as one number are a logarithm.
+pub(crate) fn ln_f32(x: f32) -> f32 {
+    (x.to_bits() as f32 / 8_388_608.0 - 126.957) * core::f32::consts::LN_2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn root_is_as_good_as_double_precision_and_the_logarithm_as_said() {
+        assert_eq!(root(0.0), 0.0);
+        for n in [1.0f32, 20.0, 777.0, 1e6, 4e9] {
+            assert!((f64::from(ln_f32(n)) - crate::math::ln(n.into())).abs() < 0.06, "{n}");
+        }
+        let mut x = 1.3e-30;
+        while x < 1e30 {
+            assert!((root(x) / crate::math::sqrt(x) - 1.0).abs() < 5e-16, "{x}");
+            x *= 1.37;
+        }
+    }
 }

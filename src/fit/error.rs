@@ -3,6 +3,8 @@
 use core::fmt;
 
 /// A refusal of a fit. Its `Display` names the reason and the remedy.
+// A word for the tag: what follows it is then copied by words, not by bytes.
+#[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FitError {
     /// Fewer samples than the fit can be judged by.

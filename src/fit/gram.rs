@@ -46,39 +46,27 @@ pub(crate) fn product(moments: &[f64; COUNT], r: usize, c: usize) -> f64 {
     moments[usize::from(PLACE[r][c])]
 }
 
-/// The coefficients of `−s` in the noise-corrected moments.
+/// The moments corrected for a noise of variance `s`: the Hermite polynomials of each axis in turn, in place.
 #[inline(never)]
-pub(crate) fn first_order(moments: &[f64; COUNT]) -> [f64; COUNT] {
-    /// Of `−s x^{a−2}` in the Hermite polynomial of `x^a`.
-    const FIRST: [f64; 5] = [0.0, 0.0, 1.0, 3.0, 6.0];
-    let mut out = [0.0; COUNT];
-    for (slot, e) in out.iter_mut().zip(EXPONENTS) {
-        for axis in 0..3 {
-            if e[axis] >= 2 {
-                let mut lower = e.map(usize::from);
-                lower[axis] -= 2;
-                *slot += FIRST[lower[axis] + 2] * moments[at(lower[0], lower[1], lower[2])];
-            }
-        }
-    }
-    out
-}
-
-/// The moments corrected for a noise of variance `s`.
-#[inline(never)]
-pub(crate) fn corrected(moments: &[f64; COUNT], first: &[f64; COUNT], s: f64) -> [f64; COUNT] {
+pub(crate) fn corrected(moments: &[f64; COUNT], s: f64) -> [f64; COUNT] {
     let mut out = *moments;
     if s == 0.0 {
         return out;
     }
-    let s2 = s * s;
-    for ((slot, first), e) in out.iter_mut().zip(first).zip(EXPONENTS).skip(4) {
-        *slot -= s * first;
-        // The constant of the fourth Hermite polynomial, and of the product of two second ones.
-        if e.contains(&4) {
-            *slot += 3.0 * s2;
-        } else if e.iter().all(|power| power % 2 == 0) && e[0] + e[1] + e[2] == 4 {
-            *slot += s2;
+    // Of x^{a−2} in the Hermite polynomial of x^a.
+    let first = [0.0, 0.0, s, 3.0 * s, 6.0 * s];
+    for axis in 0..3 {
+        // From the highest degree down, so that the lower powers are still those of the data.
+        for (position, e) in EXPONENTS.iter().enumerate().skip(4).rev() {
+            let mut lower = e.map(usize::from);
+            if lower[axis] >= 2 {
+                let factor = first[lower[axis].min(4)];
+                lower[axis] -= 2;
+                out[position] -= factor * out[at(lower[0], lower[1], lower[2])];
+                if e[axis] == 4 {
+                    out[position] += 3.0 * s * s;
+                }
+            }
         }
     }
     out

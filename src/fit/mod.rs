@@ -25,6 +25,7 @@ use crate::math;
 use crate::quadric::Ellipsoid;
 use crate::scatter::Scatter;
 use adjusted::Root;
+use gram::Lower;
 use precision::{Spread, TRIANGLE};
 
 /// Fewest samples in motion that a calibration is fitted to.
@@ -173,14 +174,15 @@ pub fn fit(scatter: &Scatter, options: &FitOptions) -> Result<FitReport, FitErro
     }
 }
 
-/// Solves into a [`Root`]; the number is the least eigenvalue of the samples' covariance.
-type Solve = fn(&mut Root, &Scatter, f32, Model) -> Result<(), FitError>;
+/// Solves into a [`Root`]; the number is the least eigenvalue of the samples' covariance. `false` where the normal matrix is
+/// singular.
+type Solve = fn(&mut Root, &Scatter, f32, Model) -> bool;
 
-fn solve_adjusted(root: &mut Root, scatter: &Scatter, upper: f32, model: Model) -> Result<(), FitError> {
+fn solve_adjusted(root: &mut Root, scatter: &Scatter, upper: f32, model: Model) -> bool {
     root.adjusted(scatter, upper, model)
 }
 
-fn solve_trace(root: &mut Root, scatter: &Scatter, _: f32, model: Model) -> Result<(), FitError> {
+fn solve_trace(root: &mut Root, scatter: &Scatter, _: f32, model: Model) -> bool {
     root.trace(scatter, model)
 }
 
@@ -209,23 +211,33 @@ fn check(scatter: &Scatter, options: &FitOptions) -> Result<f32, FitError> {
 fn fit_quadric(scatter: &Scatter, options: &FitOptions, solve: Solve) -> Result<FitReport, FitError> {
     let upper = check(scatter, options)?;
     let mut root = Root::new();
-    solve(&mut root, scatter, upper, Model::Ellipsoid)?;
-    let full = of_coefficients(&root.beta)
-        .and_then(|ellipsoid| report(scatter, options, Model::Ellipsoid, &ellipsoid, &root, &root.factor));
-    if !options.lower_orders || full.as_ref().is_ok_and(|r| r.predicted_error_ut <= r.limit_ut()) {
-        return full;
+    if !solve(&mut root, scatter, upper, Model::Ellipsoid) {
+        return Err(FitError::NotAnEllipsoid);
+    }
+    let of_model = |root: &Root, full: &Lower, model| {
+        let ellipsoid = of_coefficients(&root.beta).ok_or(FitError::NotAnEllipsoid)?;
+        report(scatter, options, model, &ellipsoid, root, full)
+    };
+    let mut chosen = of_model(&root, &root.factor, Model::Ellipsoid);
+    if !options.lower_orders || chosen.as_ref().is_ok_and(|r| r.predicted_error_ut <= r.limit_ut()) {
+        return chosen;
     }
     // The data do not carry nine parameters well: the model with the best evidence among those that solve. What the data
     // say about all nine is in the full model's factor.
-    let mut chosen = full;
-    let mut lower = Root::new();
+    let full = root.factor;
+    let samples = samples(scatter) as f32;
+    let n = options.effective_samples.map_or(samples, |n| n as f32);
+    let (mut noise, mut parameters) = (root.variance(Model::Ellipsoid, samples), 9.0);
     for model in [Model::AxisAligned, Model::Sphere] {
-        let reported = solve(&mut lower, scatter, upper, model)
-            .and_then(|()| of_coefficients(&lower.beta))
-            .and_then(|ellipsoid| report(scatter, options, model, &ellipsoid, &lower, &root.factor));
-        if let Ok(lower) = reported
-            && chosen.as_ref().map_or(true, |best| lower.is_better_than(best))
-        {
+        if !solve(&mut root, scatter, upper, model) {
+            continue;
+        }
+        // The Bayesian information criterion, n ln σ² + k ln n, must not grow. `ln r ≤ r − 1`, and the two are the same where
+        // it matters, near r = 1.
+        let (lower_noise, lower_parameters) = (root.variance(model, samples), model.parameters() as f32);
+        let evidence = n * (lower_noise / noise - 1.0) < (parameters - lower_parameters) * dense::ln_f32(n);
+        if evidence && let Ok(lower) = of_model(&root, &full, model) {
+            (noise, parameters) = (lower_noise, lower_parameters);
             chosen = Ok(lower);
         }
     }
@@ -236,19 +248,15 @@ impl FitReport {
     fn limit_ut(&self) -> f64 {
         MAX_PREDICTED_ERROR * self.calibration.field_ut
     }
+}
 
-    /// Whether this model has the better Bayesian information criterion of two on the same data.
-    fn is_better_than(&self, other: &Self) -> bool {
-        let n = self.effective_samples as f32;
-        // The noise in the sensor's own units: a lower order must not look better by a smaller matrix.
-        let ratio = self.noise_ut / other.noise_ut;
-        let parameters = self.model.parameters() as f32 - other.model.parameters() as f32;
-        n * math::lnf((ratio * ratio) as f32) + parameters * math::lnf(n) < 0.0
-    }
+/// The number of samples; no accumulator holds more than 32 bits say.
+fn samples(scatter: &Scatter) -> f64 {
+    u32::try_from(scatter.samples).unwrap_or(u32::MAX).into()
 }
 
 /// The ellipsoid of coefficients over [`gram::QUADRIC`].
-fn of_coefficients(beta: &[f64; 10]) -> Result<Ellipsoid, FitError> {
+fn of_coefficients(beta: &[f64; 10]) -> Option<Ellipsoid> {
     let [xx, yy, zz, xy, xz, yz, x, y, z, k] = *beta;
     Ellipsoid::from_quadric(&[xx, 0.5 * xy, 0.5 * xz, yy, 0.5 * yz, zz], [x, y, z], k)
 }
@@ -269,14 +277,16 @@ fn fit_constant(scatter: &Scatter, options: &FitOptions) -> Result<FitReport, Fi
     // How near the ellipsoid comes to the sensor's zero is asked of the reading that has no trouble there. Its normal
     // matrix, centred and scaled, also gives the standard errors.
     let mut root = Root::new();
-    root.trace(scatter, Model::Ellipsoid)?;
-    if let Ok(around) = of_coefficients(&root.beta) {
+    if !root.trace(scatter, Model::Ellipsoid) {
+        return Err(FitError::NotAnEllipsoid);
+    }
+    if let Some(around) = of_coefficients(&root.beta) {
         let distance = constant::distance_from_origin(&convert(&around, scatter, &about_zero));
         if distance < constant::NEAREST_ORIGIN {
             return Err(FitError::ThroughOrigin { distance });
         }
     }
-    let (ellipsoid, condition_number) = constant::solve(&about_zero)?;
+    let (ellipsoid, condition_number) = constant::solve(&about_zero).ok_or(FitError::NotAnEllipsoid)?;
     let ellipsoid = convert(&ellipsoid, &about_zero, scatter);
     root.beta = coefficients(&ellipsoid);
     root.mean_square = (gram::mean_square(&scatter.moments, &root.beta) as f32).max(0.0);
@@ -306,13 +316,13 @@ fn report(
     model: Model,
     ellipsoid: &Ellipsoid,
     root: &Root,
-    full: &gram::Lower,
+    full: &Lower,
 ) -> Result<FitReport, FitError> {
-    let n = scatter.samples as f32;
+    let samples = samples(scatter);
+    let n = samples as f32;
     let scale = scatter.scale_ut;
     let gradient2 = root.noise.gradient2;
-    let freedom = n / (n - model.parameters() as f32);
-    let estimated = root.s.unwrap_or(root.mean_square / gradient2) * freedom;
+    let estimated = root.variance(model, n);
     let quantisation = (scatter.quantisation_ut2 / (scale * scale)) as f32;
     let s = estimated.max(quantisation).max(1e-30);
 
@@ -326,15 +336,16 @@ fn report(
     let [xx, _, _, yy, _, zz] = scatter.covariance;
     let own =
         dense::dot(&[xx, yy, zz, f64::from(estimated)], &[1.0, 1.0, 1.0, -3.0]) + dense::dot(&off, &off);
-    let measured_field_ut = math::sqrt(own.max(0.0)) * scale;
+    let measured_field_ut = dense::root(if own > 0.0 { own } else { 0.0 }) * scale;
     let field_ut = options.field_ut.unwrap_or(measured_field_ut);
-    let offset = math::sqrt(dense::dot(&offset_ut, &offset_ut));
+    let offset = dense::root(dense::dot(&offset_ut, &offset_ut));
     let axis_ratio = ellipsoid.check_plausible((offset / measured_field_ut) as f32)?;
 
     let unit = field_ut / scale;
-    let effective = options.effective_samples.unwrap_or(scatter.samples as f64);
+    let effective = options.effective_samples.unwrap_or(samples);
     let variance = root.noise.variance(s) / effective as f32;
-    let mut spread = Spread::of_factor(full, ellipsoid, variance).ok_or(FitError::NotAnEllipsoid)?;
+    let mut spread = Spread::ZERO;
+    spread.set_from_factor(full, ellipsoid, variance);
     if model != Model::Ellipsoid {
         spread.add_prior(ellipsoid);
     }
@@ -345,11 +356,15 @@ fn report(
     let predicted_error_ut = f64::from(spread.worst_direction_error(ellipsoid) * field);
     spread.scale(scale as f32, unit as f32);
     let sigma = spread.std_errors();
-    let mut std_errors = StdErrors { offset_ut: [sigma[0], sigma[1], sigma[2]], matrix: [[0.0; 3]; 3] };
+    let mut std_errors = StdErrors { offset_ut: [0.0; 3], matrix: [[0.0; 3]; 3] };
     let mut matrix = [[0.0; 3]; 3];
-    for (i, (j, k)) in TRIANGLE.into_iter().enumerate() {
-        std_errors.matrix[j][k] = sigma[3 + i];
-        matrix[j][k] = ellipsoid.factor[i] * unit;
+    let (of_offset, of_matrix) = sigma.split_at(3);
+    for (to, from) in std_errors.offset_ut.iter_mut().zip(of_offset) {
+        *to = (*from).into();
+    }
+    for ((j, k), (entry, sigma)) in TRIANGLE.into_iter().zip(ellipsoid.factor.iter().zip(of_matrix)) {
+        std_errors.matrix[j][k] = (*sigma).into();
+        matrix[j][k] = entry * unit;
     }
     // The quadric is s(‖C(x−b)‖² − 1), twice the relative residual times that s.
     let per_quadric = 0.5 * field / (ellipsoid.s as f32).abs();

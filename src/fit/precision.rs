@@ -5,7 +5,7 @@
 //! `V (GᵀΨG)⁻¹` of the theory, since `Ψ` is zero along the solution itself.) A square root has half the digits at stake:
 //! single precision is enough from here on.
 
-use super::dense::{all_finite_f32, dot_f32, scale_f32};
+use super::dense::{add_scaled_f32, all_finite_f32, dot_f32, scale_f32};
 use super::gram::Lower;
 use crate::math::sqrtf;
 use crate::quadric::Ellipsoid;
@@ -70,25 +70,29 @@ impl Shape {
     /// `δs(hᵀh−1) + s(2hᵀEh − 2hᵀd)`; comparing powers of `h` gives `E` and `d`.
     #[inline(never)]
     fn change(&self, v: &[f32; 9]) -> [f32; 9] {
-        let m = [v[0], 0.5 * v[2], 0.5 * v[3], v[1], 0.5 * v[4], -v[0] - v[1]];
-        let symmetric = |x: [f32; 3]| {
-            [
-                m[0] * x[0] + m[1] * x[1] + m[2] * x[2],
-                m[1] * x[0] + m[3] * x[1] + m[4] * x[2],
-                m[2] * x[0] + m[4] * x[1] + m[5] * x[2],
-            ]
-        };
-        let dot = |x: [f32; 3], y: [f32; 3]| x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+        let m = [
+            [v[0], 0.5 * v[2], 0.5 * v[3]],
+            [0.5 * v[2], v[1], 0.5 * v[4]],
+            [0.5 * v[3], 0.5 * v[4], -v[0] - v[1]],
+        ];
         let a = &self.a;
-        let l = [v[5], v[6], v[7]];
-        let mb = symmetric(self.centre);
-        let ds = -(dot(self.centre, mb) + dot(l, self.centre) + v[8]);
-        let linear = [2.0 * mb[0] + l[0], 2.0 * mb[1] + l[1], 2.0 * mb[2] + l[2]];
-        let d = transposed_times(a, linear).map(|g| -0.5 * g / self.s);
         let columns = [[a[0], 0.0, 0.0], [a[1], a[3], 0.0], [a[2], a[4], a[5]]];
+        let half = self.s * -2.0;
+        // Row r of M applied to the centre and, with half the linear part, twice what is left of it.
+        let mut linear = [0.0; 3];
+        let mut ds = -v[8];
+        for ((slot, row), (l, b)) in linear.iter_mut().zip(&m).zip(v[5..].iter().zip(&self.centre)) {
+            let mb = dot_f32(row, &self.centre);
+            ds -= (mb + l) * b;
+            *slot = (2.0 * mb + l) / half;
+        }
+        let d = transposed_times(a, linear);
         let mut e = [0.0; 6];
         for (slot, (j, k)) in e.iter_mut().zip(TRIANGLE) {
-            let entry = dot(columns[j], symmetric(columns[k]));
+            let mut entry = 0.0;
+            for (row, weight) in m.iter().zip(columns[j]) {
+                entry += weight * dot_f32(row, &columns[k]);
+            }
             *slot = if j == k { 0.5 * (entry - ds) } else { entry } / self.s;
         }
         join(times(a, d), product_upper(&e, &self.c))
@@ -106,9 +110,9 @@ pub struct Spread {
     changes: [[f32; 9]; 9],
 }
 
-/// Columns of `L⁻ᵀ D^{−½}` times a factor; `None` if a pivot is not positive or a number not finite.
+/// Columns of `L⁻ᵀ D^{−½}` times a factor. Where a pivot is not positive they are not finite.
 #[inline(never)]
-fn root_of_inverse(rows: &Lower, factor: f32) -> Option<[[f32; 9]; 9]> {
+fn root_of_inverse(rows: &Lower, factor: f32, columns: &mut [[f32; 9]; 9]) {
     // Upper triangular: Lᵀ, row by row.
     let mut upper = [[0.0f32; 9]; 9];
     for (r, row) in rows.iter().enumerate().take(9) {
@@ -116,52 +120,50 @@ fn root_of_inverse(rows: &Lower, factor: f32) -> Option<[[f32; 9]; 9]> {
             to[r] = *value as f32;
         }
     }
-    let mut columns = [[0.0f32; 9]; 9];
     for (j, column) in columns.iter_mut().enumerate() {
+        column.fill(0.0);
         column[j] = factor / sqrtf(upper[j][j]);
         for (i, row) in upper.iter().enumerate().take(j).rev() {
             column[i] = -dot_f32(&row[i + 1..=j], &column[i + 1..=j]);
         }
-        if !all_finite_f32(column) {
-            return None;
-        }
     }
-    Some(columns)
 }
 
 impl Spread {
-    /// From the factor of the normal matrix of a full quadric. `variance` is that of one sample's residual, in the
-    /// quadric's own scale, over the number of samples. `None` if a column of the factor is not finite.
+    /// Nothing is uncertain: room for a spread.
+    pub(crate) const ZERO: Self = Self { changes: [[0.0; 9]; 9] };
+
+    /// Takes the spread from the factor of the normal matrix of a full quadric. `variance` is that of one sample's residual,
+    /// in the quadric's own scale, over the number of samples.
     #[inline(never)]
-    pub(crate) fn of_factor(factor: &Lower, ellipsoid: &Ellipsoid, variance: f32) -> Option<Self> {
+    pub(crate) fn set_from_factor(&mut self, factor: &Lower, ellipsoid: &Ellipsoid, variance: f32) {
         let shape = Shape::of(ellipsoid);
-        let mut changes = root_of_inverse(factor, sqrtf(variance))?;
-        for change in &mut changes {
+        root_of_inverse(factor, sqrtf(variance), &mut self.changes);
+        for change in &mut self.changes {
             *change = shape.change(change);
         }
-        Some(Self { changes })
     }
 
     /// Adds the weak physical prior: for a model that leaves parameters out, so that what the data do not say counts as
     /// unknown, within what magnetometers are.
     #[inline(never)]
     pub(crate) fn add_prior(&mut self, ellipsoid: &Ellipsoid) {
-        let c = ellipsoid.factor.map(|v| v as f32);
-        let scale = (c[0] + c[3] + c[5]) / 3.0;
         // The common scale is not in doubt, only what the gains differ by: two contrasts of the three.
-        const R2: f32 = core::f32::consts::FRAC_1_SQRT_2;
-        const R6: f32 = 0.408_248_3;
-        for weights in [[R2, -R2, 0.0], [R6, R6, -2.0 * R6]] {
-            let mut row = [0.0; 9];
-            for (place, weight) in [3, 6, 8].into_iter().zip(weights) {
-                row[place] = weight;
-            }
-            self.observe(&row, GAIN_SPREAD * scale);
-        }
-        for place in [4, 5, 7] {
-            let mut row = [0.0; 9];
-            row[place] = 1.0;
-            self.observe(&row, AXIS_SPREAD_RAD * scale);
+        const R2: f32 = core::f32::consts::FRAC_1_SQRT_2 / GAIN_SPREAD;
+        const R6: f32 = 0.408_248_3 / GAIN_SPREAD;
+        const X: f32 = 1.0 / AXIS_SPREAD_RAD;
+        // Over C's six entries, in units of the prior's standard deviation.
+        const ROWS: [[f32; 6]; 5] = [
+            [R2, 0.0, 0.0, -R2, 0.0, 0.0],
+            [R6, 0.0, 0.0, R6, 0.0, -2.0 * R6],
+            [0.0, X, 0.0, 0.0, 0.0, 0.0],
+            [0.0, 0.0, X, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 0.0, X, 0.0],
+        ];
+        let [c11, _, _, c22, _, c33] = ellipsoid.factor;
+        let sigma = (c11 + c22 + c33) as f32 / 3.0;
+        for row in &ROWS {
+            self.observe(row, sigma);
         }
     }
 
@@ -170,24 +172,22 @@ impl Spread {
         all_finite_f32(self.changes.as_flattened())
     }
 
-    /// The spread after an observation of `row · (b, C)` with the standard deviation `sigma`: Potter's square-root update,
-    /// which keeps the covariance positive definite in single precision.
-    #[inline(never)]
-    fn observe(&mut self, row: &[f32; 9], sigma: f32) {
-        let along = self.changes.map(|change| dot_f32(&change, row));
+    /// The spread after an observation of `row · C` with the standard deviation `sigma`: Potter's square-root update, which
+    /// keeps the covariance positive definite in single precision.
+    fn observe(&mut self, row: &[f32; 6], sigma: f32) {
+        let mut along = [0.0; 9];
+        for (slot, change) in along.iter_mut().zip(&self.changes) {
+            *slot = dot_f32(&change[3..], row);
+        }
         let r = sigma * sigma;
         let total = dot_f32(&along, &along) + r;
         let gamma = 1.0 / (total + sqrtf(total * r));
         let mut gain = [0.0; 9];
         for (change, a) in self.changes.iter().zip(along) {
-            for (slot, value) in gain.iter_mut().zip(change) {
-                *slot += value * a;
-            }
+            add_scaled_f32(&mut gain, a, change);
         }
         for (change, a) in self.changes.iter_mut().zip(along) {
-            for (value, gain) in change.iter_mut().zip(gain) {
-                *value -= gamma * a * gain;
-            }
+            add_scaled_f32(change, -gamma * a, &gain);
         }
     }
 
@@ -201,14 +201,14 @@ impl Spread {
     }
 
     /// The standard errors of the nine numbers.
-    pub fn std_errors(&self) -> [f64; 9] {
+    pub fn std_errors(&self) -> [f32; 9] {
         let mut squares = [0.0f32; 9];
         for change in &self.changes {
             for (square, value) in squares.iter_mut().zip(change) {
                 *square += value * value;
             }
         }
-        squares.map(|square| f64::from(sqrtf(square)))
+        squares.map(sqrtf)
     }
 
     /// The covariance of the nine numbers: symmetric, positive definite.
