@@ -366,3 +366,18 @@ fn the_demo_tells_its_story_without_an_emulator() {
         assert!(words.contains(word), "no {word} in {words}");
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn the_demo_runs_the_firmware_on_the_emulated_board() {
+    if !ironout_host_tests::qemu::available("demo") {
+        return;
+    }
+    let run = ironout(["demo", "--json"]);
+    assert_eq!(run.status, 0, "{} {}", run.stdout, run.stderr);
+    let object = run.json();
+    assert_eq!(object["emulated"], true);
+    for key in ["after_percent", "after_restart_percent"] {
+        assert!(number(&object[key]) <= 0.3, "{object}");
+    }
+}

@@ -1,5 +1,6 @@
-//! The log reader takes any bytes: it gives a sound log or an error with words, and never panics.
+//! The readers take any bytes: they give what is sound or an error with words, and never panic.
 
+use ironout_cli::cal_file::CalFile;
 use ironout_cli::input::{ReadOptions, read_stream};
 use proptest::prelude::*;
 
@@ -56,5 +57,25 @@ proptest! {
     #[test]
     fn any_header(header in "[ -~]{0,80}", row in "[ -~]{0,80}") {
         read(format!("{header}\n{row}\n").as_bytes(), &ReadOptions::default());
+    }
+
+    #[test]
+    fn any_calibration_text(text in "[ -~\n]{0,200}") {
+        prop_assert!(CalFile::parse(&text).is_err());
+    }
+
+    /// A good file with a few bytes changed: still good, or an error; what is read is always sound.
+    #[test]
+    fn a_damaged_calibration(damage in proptest::collection::vec((any::<proptest::sample::Index>(), "[ -~]"), 1..4)) {
+        let mut bytes = include_bytes!("fixtures/cal.json").to_vec();
+        for (place, byte) in damage {
+            let place = place.index(bytes.len());
+            bytes[place] = byte.as_bytes()[0];
+        }
+        if let Ok(cal) = CalFile::parse(&String::from_utf8_lossy(&bytes)) {
+            let calibration = cal.calibration().expect("checked when it was read");
+            prop_assert!(calibration.is_sound());
+            prop_assert!(calibration.apply([10.0, -20.0, 30.0]).iter().all(|value| value.is_finite()));
+        }
     }
 }
