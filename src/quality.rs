@@ -1,5 +1,6 @@
 //! The verdict on a calibration, with reasons a user can act on.
 
+use crate::calibration::Calibration;
 use crate::coverage::Coverage;
 use crate::fit::{FitError, FitReport, MAX_PREDICTED_ERROR, MIN_SAMPLES};
 use core::fmt;
@@ -115,10 +116,47 @@ impl Verdict {
     }
 }
 
-/// Judges a calibration: the predicted error, the residual, the sensor's limits (design: "Accepting"; the gates on the
-/// quadric itself are in the fit).
+/// What a calibration is judged by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figures {
+    /// The calibration.
+    pub calibration: Calibration<f64>,
+    /// Samples behind it.
+    pub samples: u64,
+    /// Predicted 1σ error of the corrected vector in the worst direction, µT.
+    pub predicted_error_ut: f64,
+    /// Rms residual of the corrected magnitude, µT.
+    pub rms_ut: f64,
+    /// The magnitude the measurements have themselves, µT.
+    pub measured_field_ut: f64,
+}
+
+impl From<&FitReport> for Figures {
+    fn from(report: &FitReport) -> Self {
+        Self {
+            calibration: report.calibration,
+            samples: report.samples,
+            predicted_error_ut: report.predicted_error_ut,
+            rms_ut: report.rms_ut,
+            measured_field_ut: report.measured_field_ut,
+        }
+    }
+}
+
+/// Judges a fit: the predicted error, the residual, the sensor's limits (design: "Accepting"; the gates on the quadric itself
+/// are in the fit).
 pub fn judge(
     report: &FitReport,
+    coverage: Option<&Coverage>,
+    saturated: u64,
+    expected_field_ut: Option<f64>,
+) -> Verdict {
+    judge_figures(&Figures::from(report), coverage, saturated, expected_field_ut)
+}
+
+/// Judges a calibration however it was made, as [`judge`] does.
+pub fn judge_figures(
+    report: &Figures,
     coverage: Option<&Coverage>,
     saturated: u64,
     expected_field_ut: Option<f64>,

@@ -1,7 +1,10 @@
 //! `CAL.json`: what `fit --json` prints, with a version and the information behind it.
 
+use crate::diagnose::outcome::FittedEffect;
+use crate::effects;
 use crate::failure::{Failure, Outcome};
 use ironout::calibration::Calibration;
+use ironout::extended::{ExtendedCalibration, MAX_EFFECTS};
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -37,10 +40,25 @@ pub struct EffectEntry {
     pub std_errors: Vec<f64>,
     /// Unit of the coefficients.
     pub unit: String,
-    /// The value of each column at which the effect is zero.
+    /// The value of each column at which the effect is zero (for its square: whose square is).
     pub reference: BTreeMap<String, f64>,
     /// `at_s`, `frequency_hz`, `delay_s` where the effect has one.
     pub parameters: BTreeMap<String, f64>,
+}
+
+impl From<&FittedEffect> for EffectEntry {
+    fn from(fitted: &FittedEffect) -> Self {
+        EffectEntry {
+            id: fitted.id.clone(),
+            name: fitted.name.clone(),
+            columns: fitted.columns.clone(),
+            coefficients: fitted.coefficients.clone(),
+            std_errors: fitted.std_errors.clone(),
+            unit: fitted.unit.clone(),
+            reference: fitted.reference.iter().cloned().collect(),
+            parameters: fitted.parameters.iter().map(|(name, value)| (name.to_string(), *value)).collect(),
+        }
+    }
 }
 
 /// The object of `fit --json`. Unknown values are null.
@@ -156,16 +174,17 @@ impl CalFile {
         })
     }
 
-    /// The calibration, where offset and matrix are all of it. A calibration with effects needs their columns too.
-    pub fn plain_calibration(&self) -> Outcome<Calibration<f64>> {
-        match self.fit.effects.first() {
-            None => self.calibration(),
-            Some(effect) => Err(Failure::usage(format!(
-                "this calibration carries the effect {}, which this command does not apply yet",
-                effect.id
-            ))
-            .at_column("effects")),
+    /// The calibration with its effects.
+    pub fn extended(&self) -> Outcome<ExtendedCalibration> {
+        let mut calibration = ExtendedCalibration::plain(self.calibration()?);
+        for entry in &self.fit.effects {
+            let fitted =
+                effects::from_entry(entry).map_err(|why| not_a_calibration(&why).at_column("effects"))?;
+            calibration.effects.push(fitted).map_err(|_| {
+                not_a_calibration(&format!("it carries more than {MAX_EFFECTS} effects")).at_column("effects")
+            })?;
         }
+        Ok(calibration)
     }
 
     fn check(&self) -> Outcome<()> {
@@ -185,6 +204,9 @@ impl CalFile {
         }
         if calibration.matrix.iter().flatten().any(|value| value.abs() > 1e3) {
             return Err(not_a_calibration("the matrix is beyond any magnetometer").at_column("matrix"));
+        }
+        if !self.extended()?.is_sound() {
+            return Err(not_a_calibration("an effect holds a number that is not finite").at_column("effects"));
         }
         if !self.fit.accepted {
             return Err(not_a_calibration(&format!("the fit was refused ({})", self.fit.reasons.join("; "))));

@@ -7,11 +7,13 @@ pub mod cal_file;
 pub mod cli;
 pub mod commands;
 pub mod diagnose;
+pub mod effects;
 pub mod failure;
 pub mod geomag;
 pub mod input;
 pub mod output;
 pub mod pipeline;
+pub mod prior;
 pub mod progress;
 
 use clap::Parser;

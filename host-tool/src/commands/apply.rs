@@ -2,12 +2,13 @@
 
 use crate::cal_file::CalFile;
 use crate::cli::ApplyArgs;
+use crate::effects::Corrector;
 use crate::failure::{EXIT_OK, Failure, Outcome};
 use crate::input::{Lines, Log};
 use crate::output::{json_number, line};
 use crate::pipeline::spread_of_magnitude;
 use crate::{atomic, progress::Progress};
-use ironout::calibration::{Calibration, norm};
+use ironout::calibration::norm;
 use std::path::Path;
 
 /// What the corrected log gains.
@@ -16,21 +17,26 @@ const NEW_COLUMNS: [&str; 5] = ["cx_ut", "cy_ut", "cz_ut", "norm_ut", "residual_
 /// Applies the calibration, prints the errors, writes the corrected log if asked.
 pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
     let cal = CalFile::read(&arguments.cal)?;
-    let calibration = cal.plain_calibration().map_err(|failure| failure.in_file(&arguments.cal))?;
+    let calibration = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
     let log = arguments.log.read()?;
+    let corrector = Corrector::new(calibration, &log)?;
     if let Some(output) = &arguments.output {
-        write(&log, &calibration, output)?;
+        write(&log, &corrector, output)?;
     }
     let samples = log.samples();
     let (mean, before) = spread_of_magnitude(samples.iter().map(|&row| norm(log.field(row))));
-    let residuals = samples.iter().map(|&row| calibration.residual_ut(calibration.apply(log.field(row))));
-    let after = (residuals.clone().map(|r| r * r).sum::<f64>() / samples.len() as f64).sqrt();
-    let worst = residuals.map(f64::abs).fold(0.0, f64::max);
-    let field = calibration.field_ut;
+    let residuals = samples
+        .iter()
+        .map(|&row| corrector.field(row).map(|field| calibration.residual_ut(field)))
+        .collect::<Outcome<Vec<f64>>>()?;
+    let after = (residuals.iter().map(|r| r * r).sum::<f64>() / samples.len() as f64).sqrt();
+    let worst = residuals.iter().map(|r| r.abs()).fold(0.0, f64::max);
+    let field = calibration.base.field_ut;
     if json {
         line(
             &serde_json::json!({
                 "log": log.path.display().to_string(), "samples": samples.len(), "field_ut": field,
+                "effects": cal.fit.effects.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
                 "before": {"mean_ut": json_number(Some(mean)), "rms_ut": json_number(Some(before)),
                            "rms_percent": json_number(Some(before / mean * 100.0))},
                 "after": {"rms_ut": json_number(Some(after)), "rms_percent": json_number(Some(after / field * 100.0)),
@@ -42,6 +48,10 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
         return Ok(EXIT_OK);
     }
     line(&format!("{}: {} samples, corrected to {field:.3} µT", log.path.display(), samples.len()));
+    if !cal.fit.effects.is_empty() {
+        let names: Vec<&str> = cal.fit.effects.iter().map(|effect| effect.id.as_str()).collect();
+        line(&format!("with the effects {}", names.join(", ")));
+    }
     line(&format!(
         "error before  {before:9.3} µT  {:6.2} %   of the measured magnitude about its mean of {mean:.1} µT",
         before / mean * 100.0
@@ -57,7 +67,7 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
 }
 
 /// Copies the log line by line, comments too, and adds the corrected columns to each.
-fn write(log: &Log, calibration: &Calibration<f64>, output: &Path) -> Outcome<()> {
+fn write(log: &Log, corrector: &Corrector, output: &Path) -> Outcome<()> {
     atomic::not_over(&log.path, output)?;
     let file = std::fs::File::open(&log.path).map_err(|error| Failure::io("open", &log.path, &error))?;
     let mut lines = Lines::new(file);
@@ -89,13 +99,13 @@ fn write(log: &Log, calibration: &Calibration<f64>, output: &Path) -> Outcome<()
                             "the log grew while it was read: stop the recording first",
                         ));
                     }
-                    let corrected = calibration.apply(log.field(at));
+                    let corrected = corrector.field(at).map_err(std::io::Error::other)?;
                     let [x, y, z] = corrected;
                     writeln!(
                         out,
                         ",{x:.5},{y:.5},{z:.5},{:.5},{:.5}",
                         norm(corrected),
-                        calibration.residual_ut(corrected)
+                        corrector.calibration().residual_ut(corrected)
                     )?;
                     row = Some(at + 1);
                     progress.at(done);

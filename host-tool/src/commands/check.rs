@@ -2,6 +2,7 @@
 
 use crate::cal_file::CalFile;
 use crate::cli::CheckArgs;
+use crate::effects::Corrector;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
 use crate::output::{json_number, line};
 use crate::pipeline::Data;
@@ -71,11 +72,17 @@ struct Shift {
 /// Compares the log's error with that of the calibration's own log.
 pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     let cal = CalFile::read(&arguments.cal)?;
-    let calibration = cal.plain_calibration().map_err(|failure| failure.in_file(&arguments.cal))?;
+    let extended = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
+    let calibration = extended.base;
     let log = arguments.log.read()?;
+    let corrector = Corrector::new(extended, &log)?;
     let data = Data::new(&log);
     let samples = data.moving(1.0);
-    let residual = data.residual(&samples, &calibration);
+    let corrected = samples
+        .iter()
+        .map(|&sample| corrector.field(data.rows[sample as usize] as usize))
+        .collect::<Outcome<Vec<[f64; 3]>>>()?;
+    let residual: Vec<f64> = corrected.iter().map(|field| calibration.residual_ut(*field)).collect();
     let rms =
         |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt();
     let rms_ut = rms(&residual);
@@ -84,7 +91,7 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     let mean_ut = residual.iter().sum::<f64>() / residual.len().max(1) as f64;
     let about_mean_ut = (rms_ut * rms_ut - mean_ut * mean_ut).max(0.0).sqrt();
     let shift =
-        (samples.len() >= LEAST_SAMPLES).then(|| shift(&data, &samples, &residual, &calibration)).flatten();
+        (samples.len() >= LEAST_SAMPLES).then(|| shift(&corrected, &residual, &calibration)).flatten();
     let word = match &shift {
         _ if samples.len() < LEAST_SAMPLES => Word::Unknown,
         _ if rms_ut <= limit_ut => Word::Good,
@@ -97,15 +104,14 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     };
     let good = matches!(word, Word::Good | Word::Field);
     let mut map = CoverageMap::new();
-    for &sample in &samples {
-        map.add(calibration.apply(data.field(sample)).map(|value| value as f32));
-    }
+    corrected.iter().for_each(|field| map.add(field.map(|value| value as f32)));
     let coverage = f64::from(map.coverage().fraction);
     let known = shift.as_ref().filter(|shift| shift.known);
     if json {
         line(
             &serde_json::json!({
                 "verdict": word.name(), "good": good, "samples": samples.len(), "field_ut": calibration.field_ut,
+                "effects": cal.fit.effects.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
                 "rms_ut": json_number(Some(rms_ut)), "limit_ut": limit_ut, "calibration_rms_ut": cal.fit.rms_ut,
                 "mean_residual_ut": json_number(Some(mean_ut)), "coverage": coverage,
                 "offset_shift_ut": known.map(|shift| shift.offset_ut),
@@ -143,12 +149,11 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
 
 /// Least squares of the residual on a shift of the offset and of the field: `r = (Cᵀu)·δb + δF`: what is
 /// added to every measurement shows along the corrected direction.
-fn shift(data: &Data, samples: &[u32], residual: &[f64], calibration: &Calibration<f64>) -> Option<Shift> {
+fn shift(corrected: &[[f64; 3]], residual: &[f64], calibration: &Calibration<f64>) -> Option<Shift> {
     let mut normal = SMatrix::<f64, 4, 4>::zeros();
     let mut right = SVector::<f64, 4>::zeros();
-    for (&sample, &r) in samples.iter().zip(residual) {
-        let h = calibration.apply(data.field(sample));
-        let length = norm(h);
+    for (h, &r) in corrected.iter().zip(residual) {
+        let length = norm(*h);
         if length <= 0.0 {
             continue;
         }
@@ -160,7 +165,7 @@ fn shift(data: &Data, samples: &[u32], residual: &[f64], calibration: &Calibrati
     }
     let factor = normal.cholesky()?;
     let solution = factor.solve(&right);
-    let n = samples.len() as f64;
+    let n = corrected.len() as f64;
     let squares: f64 = residual.iter().map(|r| r * r).sum();
     let rms_ut = ((squares - solution.dot(&right)).max(0.0) / n).sqrt();
     let inverse = factor.inverse();

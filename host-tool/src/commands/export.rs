@@ -44,8 +44,8 @@ pub fn text(cal: &CalFile, form: ExportForm) -> Outcome<String> {
         ExportForm::Json => serde_json::to_string_pretty(cal)
             .map(|text| text + "\n")
             .map_err(|error| Failure::usage(error.to_string())),
-        ExportForm::Rust => Ok(rust(&cal.plain_calibration()?, &summary(cal))),
-        ExportForm::C => Ok(c(&cal.plain_calibration()?, &summary(cal))),
+        ExportForm::Rust => Ok(rust(&plain(cal)?, &summary(cal))),
+        ExportForm::C => Ok(c(&plain(cal)?, &summary(cal))),
     }
 }
 
@@ -105,4 +105,11 @@ fn c(calibration: &Calibration<f64>, summary: &str) -> String {
     .replace('µ', "u")
     .replace('·', "*")
     .replace('−', "-")
+}
+
+fn plain(cal: &CalFile) -> Outcome<Calibration<f64>> {
+    match cal.fit.effects.first() {
+        None => cal.calibration(),
+        Some(effect) => Err(Failure::usage(format!("the effect {} is exported as json only", effect.id))),
+    }
 }

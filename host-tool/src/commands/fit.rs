@@ -1,27 +1,28 @@
 //! `ironout fit`: calibrate from a log.
 
-use super::later;
 use crate::cli::{FitArgs, MethodArg};
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::pipeline::{self, Options};
+use crate::prior::Prior;
 use crate::{atomic, output};
 use ironout::fit::Method;
 
 /// Fits, reports, and keeps an accepted calibration.
 pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
-    if !arguments.add.is_empty() {
-        return Err(later::option("--add"));
-    }
-    if arguments.prior.is_some() {
-        return Err(later::option("--prior"));
-    }
     let expected = arguments.field.expected()?;
     if let Some(path) = &arguments.output {
         atomic::not_over(&arguments.log.log, path)?;
     }
     let log = arguments.log.read()?;
     let method = method(arguments.field.method);
-    let fitted = pipeline::run(&log, &Options { method, expected });
+    if method != Method::Adjusted && !(arguments.add.is_empty() && arguments.prior.is_none()) {
+        return Err(Failure::usage(format!(
+            "--method {}: with --add and --prior everything is fitted at once, which these methods do not: leave it out",
+            method.name()
+        )));
+    }
+    let prior = arguments.prior.as_deref().map(|path| Prior::read(path, &log)).transpose()?;
+    let fitted = pipeline::run(&log, &Options { method, expected, add: arguments.add.clone(), prior })?;
     let to_text = |error: serde_json::Error| Failure::usage(error.to_string());
     // Written before anything is printed: a file that cannot be written is an error, and the only answer.
     let mut written = None;

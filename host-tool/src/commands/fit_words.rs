@@ -1,19 +1,20 @@
 //! What `fit` says to people.
 
 use crate::cli::Expected;
+use crate::diagnose::outcome::FittedEffect;
 use crate::input::Log;
 use crate::output::{line, number};
-use crate::pipeline::{FaultKind, Fitted};
-use ironout::fit::{FitReport, Model};
+use crate::pipeline::{Alignment, FaultKind, Fitted, Solution};
+use ironout::fit::Model;
 
-/// Prints the whole report.
+/// Prints the whole solution.
 pub fn print(log: &Log, fitted: &Fitted, expected: &Expected, kept: bool) {
     samples(log, fitted);
     line("");
-    if let Some(report) = &fitted.report {
-        table(report, expected);
+    if let Some(solution) = &fitted.solution {
+        table(solution, expected);
         line("");
-        errors(fitted, report, expected);
+        errors(fitted, solution, expected);
         line("");
     }
     verdict(log, fitted, kept);
@@ -35,6 +36,7 @@ fn samples(log: &Log, fitted: &Fitted) {
         match kind {
             FaultKind::Clipping { axis } => part(*count, &format!("clipped on {}", ["x", "y", "z"][*axis])),
             FaultKind::Outlier => part(*count, "set aside as outliers"),
+            FaultKind::Stuck => part(*count, "stuck"),
         }
     }
     line(&parts.join(", "));
@@ -45,9 +47,9 @@ fn samples(log: &Log, fitted: &Fitted) {
     }
 }
 
-fn table(report: &FitReport, expected: &Expected) {
-    let calibration = &report.calibration;
-    let errors = &report.std_errors;
+fn table(solution: &Solution, expected: &Expected) {
+    let calibration = &solution.calibration;
+    let errors = &solution.std_errors;
     line("                     x          y          z");
     let triple = |v: [f64; 3], decimals: usize| v.map(|v| format!("{v:>11.decimals$}")).concat();
     line(&format!("offset       {} µT", triple(calibration.offset_ut, 3)));
@@ -65,19 +67,86 @@ fn table(report: &FitReport, expected: &Expected) {
         _ => "the log's own mean: give --field or --at to scale to the true one".to_string(),
     };
     line(&format!("field        {:11.3} µT  ({source})", calibration.field_ut));
-    if report.model != Model::Ellipsoid {
-        line(match report.model {
+    if solution.model != Model::Ellipsoid {
+        line(match solution.model {
             Model::Sphere => "model        one gain for all axes: the attitudes do not carry nine parameters",
             _ => {
                 "model        a gain an axis, axes at right angles: the attitudes do not carry nine parameters"
             }
         });
     }
-    line("corrected = matrix · (measured − offset)");
+    if let Some(prior) = &solution.prior {
+        line(&format!("prior        {prior}"));
+    }
+    alignment(&solution.alignment);
+    effects(&solution.effects);
+    line(if solution.effects.is_empty() {
+        "corrected = matrix · (measured − offset)"
+    } else {
+        "corrected = matrix · (measured − offset − effects)"
+    });
 }
 
-fn errors(fitted: &Fitted, report: &FitReport, expected: &Expected) {
-    let field = report.calibration.field_ut;
+fn alignment(alignment: &Alignment) {
+    match alignment {
+        Alignment::None => {}
+        Alignment::Done { angle_deg, before_deg, after_deg, axis_order } => {
+            line(&format!(
+                "alignment    the matrix is a full 3×3 in the accelerometer's axes: turned by {angle_deg:.2}°; spread of the dip \
+                 {before_deg:.2}° → {after_deg:.2}°"
+            ));
+            if let Some(order) = axis_order {
+                line(&format!(
+                    "axes         the log's magnetometer axes stand for the board's {order}: mend the driver, or use --rotate"
+                ));
+            }
+        }
+        Alignment::NoDip { after_deg } => line(&format!(
+            "alignment    none: the dip against the accelerometer spreads by {after_deg:.0}° at best, so it shows no gravity \
+             or stands in other axes"
+        )),
+    }
+}
+
+fn effects(effects: &[FittedEffect]) {
+    for effect in effects {
+        line("");
+        line(&format!("effect       {} ({})", effect.name, effect.id));
+        line(&format!("             {}", effect.explanation));
+        let rows = effect.coefficients.chunks(3).zip(effect.std_errors.chunks(3));
+        for (row, (values, errors)) in rows.enumerate() {
+            let joined =
+                |values: &[f64]| values.iter().map(|v| format!(" {:>10}", short(*v))).collect::<String>();
+            let label = if row == 0 { "coefficients" } else { "" };
+            line(&format!("{label:<13}{}  ±{}  {}", joined(values), joined(errors), effect.unit));
+        }
+        let mut fixed: Vec<String> = effect
+            .reference
+            .iter()
+            .map(|(column, value)| format!("none at {column} = {}", short(*value)))
+            .collect();
+        fixed.extend(effect.parameters.iter().map(|(name, value)| format!("{name} = {value:.4}")));
+        if !fixed.is_empty() {
+            line(&format!("             {}", fixed.join(", ")));
+        }
+    }
+    if !effects.is_empty() {
+        line("");
+    }
+}
+
+/// Four significant digits.
+fn short(value: f64) -> String {
+    let digits = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+    if (-4..6).contains(&digits) {
+        format!("{value:.*}", (3 - digits).max(0) as usize)
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected) {
+    let field = solution.calibration.field_ut;
     let both = |value: Option<f64>| match value {
         Some(value) => format!("{value:9.3} µT  {:6.2} %", value / field * 100.0),
         None => "        -".to_string(),
@@ -88,7 +157,14 @@ fn errors(fitted: &Fitted, report: &FitReport, expected: &Expected) {
             rms / mean * 100.0
         ));
     }
-    line(&format!("error after         {}   of the corrected magnitude", both(Some(report.rms_ut))));
+    if let Some(base) = &solution.without_effects {
+        line(&format!(
+            "without effects     {}   of the corrected magnitude; on unseen time {} µT",
+            both(Some(base.rms_ut)),
+            number(base.holdout_rms_ut, 3)
+        ));
+    }
+    line(&format!("error after         {}   of the corrected magnitude", both(Some(solution.rms_ut))));
     line(&format!(
         "  on unseen time    {}   each tenth of the log under the fit of the others",
         both(fitted.holdout_rms_ut)
@@ -100,7 +176,7 @@ fn errors(fitted: &Fitted, report: &FitReport, expected: &Expected) {
     line(&format!("sensor noise        {:>9} µT            per axis", number(fitted.noise_floor_ut, 3)));
     line(&format!(
         "predicted error     {}   1σ of a corrected vector, worst direction",
-        both(Some(report.predicted_error_ut))
+        both(Some(solution.predicted_error_ut))
     ));
     match fitted.heading_error_deg {
         Some(degrees) => line(&format!(
@@ -133,8 +209,8 @@ fn verdict(log: &Log, fitted: &Fitted, kept: bool) {
     if fitted.accepted && !kept {
         line("  keep it with -o cal.json");
     }
-    let beyond = match (&fitted.report, fitted.residual_floor_ut) {
-        (Some(report), Some(floor)) if floor > 0.0 => report.rms_ut / floor,
+    let beyond = match (&fitted.solution, fitted.residual_floor_ut) {
+        (Some(solution), Some(floor)) if floor > 0.0 => solution.rms_ut / floor,
         _ => 1.0,
     };
     if beyond > UNEXPLAINED {

@@ -8,8 +8,3 @@ pub fn not_built(command: &str) -> Outcome<u8> {
         "`ironout {command}` is not built yet; built are fit, diagnose, apply, check, export, simulate and demo (ironout --help)"
     )))
 }
-
-/// The error of an option that is not built yet.
-pub fn option(option: &str) -> Failure {
-    Failure::usage(format!("{option} is not built yet"))
-}

@@ -170,25 +170,59 @@ impl Samples {
     pub fn delayed(&self, table: &Table, name: &str, delay_s: f64) -> Option<Vec<f64>> {
         let time = table.time_s?;
         let named = table.covariates.iter().find(|named| named.name == name)?;
-        let mut at = 0;
-        let value = |row: usize| named.values[row];
-        Some(
-            self.row
-                .iter()
-                .map(|&row| {
-                    let t = time[row] - delay_s;
-                    while at + 1 < time.len() && time[at + 1] <= t {
-                        at += 1;
-                    }
-                    let (a, b) = (value(at), value((at + 1).min(time.len() - 1)));
-                    let (t0, t1) = (time[at], time[(at + 1).min(time.len() - 1)]);
-                    if t <= t0 || t1 <= t0 { a } else { a + (b - a) * (t - t0) / (t1 - t0) }
-                })
-                .collect::<Vec<f64>>(),
-        )
-        .map(|mut values| {
-            fill_gaps(&mut values);
-            values
+        let late = delayed(&filled(named.values)?, time, delay_s);
+        Some(self.row.iter().map(|&row| late[row]).collect())
+    }
+}
+
+/// A column with missing cells taken from their neighbours, linearly; `None` if all are missing.
+pub fn filled(values: &[f64]) -> Option<Vec<f64>> {
+    values.iter().any(|value| value.is_finite()).then(|| {
+        let mut values = values.to_vec();
+        fill_gaps(&mut values);
+        values
+    })
+}
+
+/// A column without missing cells `delay_s` earlier, linearly between the rows; before the log began, as in its first
+/// row.
+pub fn delayed(values: &[f64], time_s: &[f64], delay_s: f64) -> Vec<f64> {
+    let mut at = 0;
+    time_s
+        .iter()
+        .map(|now| {
+            let wanted = now - delay_s;
+            while at + 1 < time_s.len() && time_s[at + 1] <= wanted {
+                at += 1;
+            }
+            let next = (at + 1).min(time_s.len() - 1);
+            let (from, span) = (time_s[at], time_s[next] - time_s[at]);
+            if wanted <= from || span <= 0.0 {
+                values[at]
+            } else {
+                values[at] + (values[next] - values[at]) * (wanted - from) / span
+            }
         })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_delayed_column_is_taken_between_its_rows() {
+        let time: Vec<f64> = (0..10).map(|i| f64::from(i) * 0.1).collect();
+        let values: Vec<f64> = (0..10).map(|i| f64::from(i * i)).collect();
+        let late = delayed(&values, &time, 0.15);
+        assert_eq!(late[0], 0.0);
+        assert!((late[5] - 12.5).abs() < 1e-9, "{late:?}");
+    }
+
+    #[test]
+    fn missing_cells_lie_between_their_neighbours() {
+        let gap = f64::NAN;
+        assert_eq!(filled(&[gap, 1.0, gap, gap, 4.0, gap]), Some(vec![1.0, 1.0, 2.0, 3.0, 4.0, 4.0]));
+        assert_eq!(filled(&[gap, gap]), None);
     }
 }

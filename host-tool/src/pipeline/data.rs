@@ -1,5 +1,6 @@
 //! The samples of a log and the core's sums of them.
 
+use crate::diagnose::Table;
 use crate::input::Log;
 use ironout::calibration::{Calibration, norm};
 use ironout::fit::FitError;
@@ -46,6 +47,15 @@ impl<'a> Data<'a> {
     /// The measured vector of a sample, µT.
     pub fn field(&self, sample: u32) -> [f64; 3] {
         self.log.field(self.rows[sample as usize] as usize)
+    }
+
+    /// The log as the study sees it, with these samples only.
+    pub fn table_of(&self, samples: &[u32]) -> Table<'a> {
+        let mut leave_out = vec![true; self.log.rows];
+        for &sample in samples {
+            leave_out[self.rows[sample as usize] as usize] = false;
+        }
+        Table { leave_out, ..Table::from(self.log) }
     }
 
     /// Empty sums for this data.

@@ -31,6 +31,8 @@ pub enum FaultKind {
     },
     /// The corrected magnitude was far from all others: a magnet passing, a corrupted reading.
     Outlier,
+    /// The reading stood still while the board turned.
+    Stuck,
 }
 
 /// What was set aside, with the reason.

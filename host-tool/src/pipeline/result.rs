@@ -1,12 +1,13 @@
 //! What came out of a fit.
 
-use super::{Data, FaultKind, Options, SetAside, floor, holdout};
-use crate::cal_file::{CalFile, FitObject, Information, StdErrors, VERSION};
+use super::align::align_solution;
+use super::{Data, FaultKind, Options, SetAside, Solution, floor, holdout};
+use crate::cal_file::{CalFile, EffectEntry, FitObject, VERSION};
 use crate::cli::Expected;
 use ironout::calibration::norm;
 use ironout::coverage::CoverageMap;
 use ironout::fit::{FitError, FitOptions, FitReport};
-use ironout::quality::{Reason, Verdict, judge};
+use ironout::quality::{Reason, Verdict, judge_figures};
 
 /// The outcome of [`super::run`], for words and for JSON.
 #[derive(Debug, Clone)]
@@ -25,8 +26,8 @@ pub struct Fitted {
     pub too_many_outliers: Option<usize>,
     /// Samples the fit is of.
     pub used: usize,
-    /// The core's report, where there is one.
-    pub report: Option<FitReport>,
+    /// The calibration, where there is one.
+    pub solution: Option<Solution>,
     /// Rms of `‖measured‖` about its mean, over the mean: the error before any calibration.
     pub before: Option<(f64, f64)>,
     /// Independent samples among those used.
@@ -68,7 +69,7 @@ impl Fitted {
             aside: counts,
             too_many_outliers: aside.too_many,
             used: moving - aside.samples.len(),
-            report: None,
+            solution: None,
             before: None,
             effective_samples: None,
             holdout_rms_ut: None,
@@ -87,13 +88,11 @@ impl Fitted {
         self.reasons = Verdict::of_error(error).reasons.iter().map(Reason::to_string).collect();
     }
 
-    pub(super) fn complete(&mut self, data: &Data, used: &[u32], core: &FitOptions, report: FitReport) {
+    pub(super) fn complete(&mut self, data: &Data, used: &[u32], core: &FitOptions, report: &FitReport) {
         let calibration = report.calibration;
         let residual = data.residual(used, &calibration);
-        let field_ut = calibration.field_ut;
         self.effective_samples = core.effective_samples;
-        self.before = Some(spread_of_magnitude(used.iter().map(|&sample| norm(data.field(sample)))));
-        self.holdout_rms_ut = holdout::rms_ut(data, used, core, field_ut);
+        self.holdout_rms_ut = holdout::rms_ut(data, used, core, calibration.field_ut);
 
         // rms‖Cᵀu‖: what a unit of noise on each axis makes of the corrected magnitude.
         let gain = report.residual_floor_ut / report.noise_ut;
@@ -102,13 +101,22 @@ impl Fitted {
         self.noise_floor_ut = Some(noise);
         self.residual_floor_ut = Some(noise * gain);
 
+        let mut solution = Solution::of_report(report);
+        align_solution(data, used, &mut solution, &report.spread.covariance());
+        self.judge(data, used, solution);
+    }
+
+    /// What a solution is worth: coverage, heading, verdict.
+    pub(super) fn judge(&mut self, data: &Data, used: &[u32], solution: Solution) {
+        let calibration = solution.calibration;
+        self.before = Some(spread_of_magnitude(used.iter().map(|&sample| norm(data.field(sample)))));
         self.dip_deg =
             self.expected.earth.map(|earth| earth.dip_deg).or_else(|| data.dip_deg(used, &calibration));
-        if let Some(dip_deg) = self.dip_deg {
-            let level_ut = field_ut * dip_deg.to_radians().cos();
-            let error_ut = report.predicted_error_ut.hypot(report.rms_ut);
-            self.heading_error_deg = Some(error_ut.atan2(level_ut.abs()).to_degrees());
-        }
+        self.heading_error_deg = self.dip_deg.map(|dip_deg| {
+            let level_ut = calibration.field_ut * dip_deg.to_radians().cos();
+            let error_ut = solution.predicted_error_ut.hypot(solution.rms_ut);
+            error_ut.atan2(level_ut.abs()).to_degrees()
+        });
         let mut map = CoverageMap::new();
         for &sample in used {
             map.add(calibration.apply(data.field(sample)).map(|value| value as f32));
@@ -116,10 +124,11 @@ impl Fitted {
         let coverage = map.coverage();
         self.coverage = Some(f64::from(coverage.fraction));
         self.gap_deg = Some(f64::from(coverage.gap_deg));
-        let verdict = judge(&report, Some(&coverage), self.clipped(), self.expected.field_ut);
+        let figures = solution.figures(self.used as u64);
+        let verdict = judge_figures(&figures, Some(&coverage), self.clipped(), self.expected.field_ut);
         self.accepted = verdict.accepted;
         self.reasons = verdict.reasons.iter().map(Reason::to_string).collect();
-        self.report = Some(report);
+        self.solution = Some(solution);
     }
 
     /// Samples at the end of the sensor's range.
@@ -135,18 +144,17 @@ impl Fitted {
 
     /// The object of `fit --json`.
     pub fn object(&self, method: &str) -> FitObject {
-        let report = self.report.as_ref();
+        let solution = self.solution.as_ref();
         FitObject {
             method: method.to_string(),
             samples_used: self.used as u64,
             samples_set_aside: self.set_aside() as u64,
-            field_ut: report.map(|r| r.calibration.field_ut),
-            offset_ut: report.map(|r| r.calibration.offset_ut),
-            matrix: report.map(|r| r.calibration.matrix),
-            effects: Vec::new(),
-            std_errors: report
-                .map(|r| StdErrors { offset_ut: r.std_errors.offset_ut, matrix: r.std_errors.matrix }),
-            rms_ut: report.map(|r| r.rms_ut),
+            field_ut: solution.map(|s| s.calibration.field_ut),
+            offset_ut: solution.map(|s| s.calibration.offset_ut),
+            matrix: solution.map(|s| s.calibration.matrix),
+            effects: solution.map_or(Vec::new(), |s| s.effects.iter().map(EffectEntry::from).collect()),
+            std_errors: solution.map(|s| s.std_errors.clone()),
+            rms_ut: solution.map(|s| s.rms_ut),
             holdout_rms_ut: self.holdout_rms_ut,
             noise_floor_ut: self.noise_floor_ut,
             residual_floor_ut: self.residual_floor_ut,
@@ -160,10 +168,7 @@ impl Fitted {
 
     /// The calibration file.
     pub fn cal_file(&self, method: &str) -> CalFile {
-        let information = self.report.as_ref().and_then(|report| {
-            let covariance = report.spread.covariance();
-            Information::from_covariance(&covariance)
-        });
+        let information = self.solution.as_ref().and_then(|solution| solution.information.clone());
         CalFile { version: VERSION, fit: self.object(method), information }
     }
 }

@@ -1,0 +1,123 @@
+//! The rotation that magnitudes leave open, from an accelerometer: the matrix becomes a full 3×3.
+
+use super::solution::{Alignment, Solution};
+use super::{Data, MOST_SPREAD_DEG};
+use crate::diagnose::alignment::{align, rotation_covariance};
+use crate::diagnose::base::NO_ROTATION;
+use crate::diagnose::samples::Samples;
+use ironout::study::Model;
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+
+/// A rotation is used where its standard error is below this, degrees.
+const KNOWN_DEG: f64 = 3.0;
+
+/// Aligns a solution with a triangular matrix, whose offset and triangle have this covariance.
+pub fn align_solution(data: &Data, used: &[u32], solution: &mut Solution, covariance: &[[f64; 9]; 9]) {
+    if data.log.accel_mps2.is_none() {
+        return;
+    }
+    let samples = Samples::take(&data.table_of(used), &vec![false; data.log.rows], [true; 3]);
+    let down = samples.readings.iter().filter(|reading| reading.down.is_some()).count();
+    let triangle = solution.calibration.matrix;
+    let (offset_ut, field_ut) = (solution.calibration.offset_ut, solution.calibration.field_ut);
+    let model = Model::new(offset_ut, triangle, field_ut, NO_ROTATION, 0.0);
+    let Some(model) = model.filter(|_| down * 10 > 3 * samples.len()) else { return };
+    // There are no effects here whose shape could fail.
+    let Ok(Some(found)) = align(&samples, &model) else { return };
+    let Ok(Some(rotation)) = rotation_covariance(&samples, &found.model) else { return };
+    let error_deg = (0..3).map(|i| rotation[i][i].max(0.0).sqrt().to_degrees()).fold(0.0, f64::max);
+    if found.after_deg > MOST_SPREAD_DEG {
+        solution.alignment = Alignment::NoDip { after_deg: found.after_deg };
+        return;
+    }
+    if error_deg > KNOWN_DEG {
+        return;
+    }
+    solution.calibration.matrix = found.model.full_matrix();
+    solution.std_errors.matrix =
+        full_errors(&triangle, &solution.calibration.matrix, covariance, Some(&rotation));
+    solution.alignment = Alignment::Done {
+        angle_deg: found.angle_deg,
+        before_deg: found.before_deg,
+        after_deg: found.after_deg,
+        axis_order: found.axis_order,
+    };
+}
+
+fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| rows[i][j])
+}
+
+/// The upper triangular matrix with the same `CᵀC`: an aligned matrix without its rotation.
+pub fn triangle_of(full: &[[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
+    let c = matrix(full);
+    let upper = (c.transpose() * c).cholesky()?.l().transpose();
+    Some(std::array::from_fn(|i| std::array::from_fn(|j| upper[(i, j)])))
+}
+
+/// Standard errors of a full matrix `M = R C`: `δM = R δC + φ × M`.
+pub fn full_errors(
+    triangle: &[[f64; 3]; 3],
+    full: &[[f64; 3]; 3],
+    covariance: &[[f64; 9]; 9],
+    rotation: Option<&[[f64; 3]; 3]>,
+) -> [[f64; 3]; 3] {
+    const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+    let m = matrix(full);
+    let r = matrix(triangle).try_inverse().map_or_else(Matrix3::identity, |inverse| m * inverse);
+    let six = SMatrix::<f64, 6, 6>::from_fn(|i, j| covariance[3 + i][3 + j]);
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            let weights = SVector::<f64, 6>::from_fn(|slot, _| {
+                let (row, column) = TRIANGLE[slot];
+                if column == j { r[(i, row)] } else { 0.0 }
+            });
+            let mut variance = weights.dot(&(six * weights));
+            if let Some(rotation) = rotation {
+                let column: Vector3<f64> = m.column(j).into();
+                let turn = Vector3::from_fn(|axis, _| Vector3::ith(axis, 1.0).cross(&column)[i]);
+                variance += turn.dot(&(matrix(rotation) * turn));
+            }
+            variance.max(0.0).sqrt()
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_a_rotation_the_errors_are_those_of_the_triangle() {
+        let triangle = [[1.1, 0.1, -0.05], [0.0, 0.9, 0.2], [0.0, 0.0, 1.0]];
+        let mut covariance = [[0.0; 9]; 9];
+        for (i, row) in covariance.iter_mut().enumerate() {
+            row[i] = (i as f64 * 1e-3).powi(2);
+        }
+        let errors = full_errors(&triangle, &triangle, &covariance, None);
+        for (errors, expected) in errors.iter().flatten().zip([3.0, 4.0, 5.0, 0.0, 6.0, 7.0, 0.0, 0.0, 8.0]) {
+            assert!((errors - expected * 1e-3).abs() < 1e-12, "{errors} against {expected}");
+        }
+        assert!(
+            triangle_of(&triangle)
+                .expect("positive definite")
+                .iter()
+                .flatten()
+                .zip(triangle.iter().flatten())
+                .all(|(a, b)| (a - b).abs() < 1e-12)
+        );
+    }
+
+    #[test]
+    fn an_error_of_the_rotation_shows_across_each_column() {
+        let identity = NO_ROTATION;
+        let about_z = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 4e-6]];
+        let errors = full_errors(&identity, &identity, &[[0.0; 9]; 9], Some(&about_z));
+        for (i, row) in errors.iter().enumerate() {
+            for (j, error) in row.iter().enumerate() {
+                let expected = if (i, j) == (0, 1) || (i, j) == (1, 0) { 2e-3 } else { 0.0 };
+                assert!((error - expected).abs() < 1e-12, "{i} {j}: {error}");
+            }
+        }
+    }
+}
