@@ -136,9 +136,11 @@ fn refine(
 pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>, BadShape> {
     let offset = Vector3::from(model.offset_ut);
     let Some((before_deg, _)) = spread(samples, &matrix(&model.matrix), &offset) else { return Ok(None) };
-    let mut starts = vec![matrix(&NO_ROTATION)];
-    starts.push(matrix(&model.rotation));
-    starts.extend(global(samples, model));
+    // A model that was aligned before needs a small correction; a new one is asked from two sides.
+    let mut starts = vec![matrix(&model.rotation)];
+    if model.rotation == NO_ROTATION {
+        starts.extend(global(samples, model));
+    }
     let mut best: Option<(Model<f64>, f64)> = None;
     for start in starts {
         if let Some((model, spread)) = refine(samples, model, start)?

@@ -1,6 +1,12 @@
 //! A radix-2 Fourier transform: all that spectra and autocorrelations of a residual need.
 
+use std::cell::RefCell;
 use std::f64::consts::TAU;
+
+thread_local! {
+    /// `e^(−2πi k/n)` for k < n/2 of the longest transform so far: a shorter one reads every second, fourth … of them.
+    static TURNS: RefCell<Vec<(f64, f64)>> = const { RefCell::new(Vec::new()) };
+}
 
 /// Transforms in place, `Σ x_j e^(−2πi jk/n)`. The length must be a power of two; any other is left alone.
 pub fn forward(data: &mut [(f64, f64)]) {
@@ -15,24 +21,29 @@ pub fn forward(data: &mut [(f64, f64)]) {
             data.swap(i, j);
         }
     }
-    let mut half = 1;
-    while half < n {
-        let twiddles: Vec<(f64, f64)> = (0..half)
-            .map(|k| {
-                let (sin, cos) = (-TAU * k as f64 / (2 * half) as f64).sin_cos();
-                (cos, sin)
-            })
-            .collect();
-        for pair in data.chunks_exact_mut(2 * half) {
-            let (low, high) = pair.split_at_mut(half);
-            for ((a, b), w) in low.iter_mut().zip(high).zip(&twiddles) {
-                let t = (b.0 * w.0 - b.1 * w.1, b.0 * w.1 + b.1 * w.0);
-                *b = (a.0 - t.0, a.1 - t.1);
-                *a = (a.0 + t.0, a.1 + t.1);
-            }
+    TURNS.with_borrow_mut(|turns| {
+        if turns.len() < n / 2 {
+            *turns = (0..n / 2)
+                .map(|k| {
+                    let (sin, cos) = (-TAU * k as f64 / n as f64).sin_cos();
+                    (cos, sin)
+                })
+                .collect();
         }
-        half *= 2;
-    }
+        let mut half = 1;
+        while half < n {
+            let stride = turns.len() / half;
+            for pair in data.chunks_exact_mut(2 * half) {
+                let (low, high) = pair.split_at_mut(half);
+                for ((a, b), w) in low.iter_mut().zip(high).zip(turns.iter().step_by(stride)) {
+                    let t = (b.0 * w.0 - b.1 * w.1, b.0 * w.1 + b.1 * w.0);
+                    *b = (a.0 - t.0, a.1 - t.1);
+                    *a = (a.0 + t.0, a.1 + t.1);
+                }
+            }
+            half *= 2;
+        }
+    });
 }
 
 #[cfg(test)]

@@ -78,12 +78,15 @@ fn candidates<'a>(
     pass: &Pass,
     catalogue: &Catalogue<'a>,
     fitted: &Fitted<'a>,
+    periodic: bool,
 ) -> Result<Vec<Candidate<'a>>, BadShape> {
     let at_rest = pass.residual == Residual::Vector;
     let mut list: Vec<Candidate> =
         catalogue.plain(at_rest).into_iter().map(|piece| Candidate { piece, searched: 1.0 }).collect();
     list.extend(search::step(pass, fitted, catalogue)?);
-    list.extend(search::periodic(pass, fitted, catalogue)?);
+    if periodic {
+        list.extend(search::periodic(pass, fitted, catalogue)?);
+    }
     for (index, name) in catalogue.usable_columns() {
         let id = format!("offset:{name}");
         // A late column stands beside the prompt one, or shows through it.
@@ -113,8 +116,12 @@ pub struct Greedy<'p, 'a> {
 }
 
 impl<'a> Greedy<'_, 'a> {
-    fn judge(&self, fitted: &Fitted<'a>) -> Result<(Vec<Judged<'a>>, usize, Option<f64>), BadShape> {
-        let list = candidates(&self.pass, self.catalogue, fitted)?;
+    fn judge(
+        &self,
+        fitted: &Fitted<'a>,
+        periodic: bool,
+    ) -> Result<(Vec<Judged<'a>>, usize, Option<f64>), BadShape> {
+        let list = candidates(&self.pass, self.catalogue, fitted, periodic)?;
         let count = list.len();
         let Screening { held_out, tested } = screen(&self.pass, fitted, &list, count)?;
         let judged = tested
@@ -208,7 +215,7 @@ impl<'a> Greedy<'_, 'a> {
         let (mut last, mut count) = (Vec::new(), 0);
         let mut confounded = Vec::new();
         for round in 0..3 * MOST_EFFECTS {
-            let (judged, tried, _) = self.judge(&fitted)?;
+            let (judged, tried, _) = self.judge(&fitted, true)?;
             count = tried;
             first.get_or_insert_with(|| judged.clone());
             last = judged;
@@ -289,7 +296,7 @@ impl<'a> Greedy<'_, 'a> {
             let own = pieces.remove(index);
             let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
             let own = Piece { coefficients: Default::default(), ..own };
-            let (judged, ..) = self.judge(&without)?;
+            let (judged, ..) = self.judge(&without, own.id == "periodic")?;
             let Some(mine) = judged.iter().find(|one| one.candidate.piece.id == own.id) else { continue };
             let mut group = vec![own.id.clone()];
             for other in &judged {

@@ -2,7 +2,7 @@
 
 use super::engine::{BLOCKS, BadShape, COLUMNS, Fitted, Matrix, Pass, Piece, TERMS};
 use super::series::Autocorrelation;
-use ironout::study::{f_tail, held_out};
+use ironout::study::{Gain, f_tail, held_out};
 
 /// A candidate is added if its probability under chance, times all that was searched, is below this.
 pub const SIGNIFICANCE: f64 = 0.02;
@@ -110,9 +110,28 @@ pub fn screen(
         let spans = ranges(base, &batch);
         let keeps: Vec<Vec<usize>> =
             spans.iter().map(|span| own.iter().copied().chain(span.clone()).collect()).collect();
-        let steps: Vec<[f64; COLUMNS]> = keeps
+        let gains: Vec<Option<Gain<f64>>> = spans
             .iter()
-            .map(|keep| {
+            .map(|span| total.test(0..base, span.clone()).filter(|gain| gain.directions > 0))
+            .collect();
+        let rows = f64::from(total.rows());
+        let chance = |gain: &Gain<f64>, index: usize, time: f64| {
+            let (f, k, freedom) = gain.f_statistic(base, rows, rows / time);
+            (f_tail(f, k, freedom) * candidates[index].searched).min(1.0)
+        };
+        // The residual's memory only makes chance more likely: it is looked at where that can matter.
+        let close: Vec<usize> = (0..batch.len())
+            .filter(|offset| {
+                let index = start + offset;
+                gains[*offset]
+                    .as_ref()
+                    .is_some_and(|gain| chance(gain, index, 1.0) * (count as f64) < SIGNIFICANCE)
+            })
+            .collect();
+        let steps: Vec<[f64; COLUMNS]> = close
+            .iter()
+            .map(|offset| {
+                let keep = &keeps[*offset];
                 let part = safe.select(keep);
                 let mut step = [0.0; COLUMNS];
                 if let Some(factor) = part.factor() {
@@ -123,27 +142,24 @@ pub fn screen(
                 step
             })
             .collect();
-        let series = pass.moved(&fitted.model, &all, &steps)?;
-        for (offset, ((span, keep), series)) in spans.iter().zip(&keeps).zip(&series).enumerate() {
+        let series = if steps.is_empty() { Vec::new() } else { pass.moved(&fitted.model, &all, &steps)? };
+        for (offset, keep) in keeps.iter().enumerate() {
             let index = start + offset;
-            let time = Autocorrelation::of(series).time;
+            let memory =
+                close.iter().position(|at| *at == offset).map(|at| Autocorrelation::of(&series[at]).time);
             let mut tested = Tested {
                 index,
                 directions: 0,
                 decrease: 0.0,
                 p_value: 1.0,
                 held_out: held_out(&blocks, Some(&prior), keep).map(|held| held.squares),
-                time,
+                time: memory.unwrap_or(1.0),
                 accepted: false,
             };
-            if let Some(gain) = total.test(0..base, span.clone())
-                && gain.directions > 0
-            {
-                let rows = f64::from(total.rows());
-                let (f, k, freedom) = gain.f_statistic(base, rows, rows / time);
+            if let Some(gain) = &gains[offset] {
                 tested.directions = gain.directions;
                 tested.decrease = gain.decrease;
-                tested.p_value = (f_tail(f, k, freedom) * candidates[index].searched).min(1.0);
+                tested.p_value = chance(gain, index, tested.time);
                 let falls = match (screening.held_out, tested.held_out) {
                     (Some(before), Some(after)) => after < before * (1.0 - RELEVANCE),
                     // Without the candidate some block cannot be predicted at all; with it, it can.

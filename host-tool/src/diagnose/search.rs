@@ -196,7 +196,7 @@ pub fn periodic<'a>(
         .filter(|&bin| power[bin] >= power[bin - 1] && power[bin] >= power[bin + 1])
         .collect();
     peaks.sort_by(|a, b| power[*b].total_cmp(&power[*a]));
-    peaks.truncate(4);
+    peaks.truncate(2);
     if peaks.is_empty() {
         return Ok(None);
     }
@@ -204,10 +204,10 @@ pub fn periodic<'a>(
     let width = 1.0 / seconds;
     let mut frequencies: Vec<f64> = peaks
         .iter()
-        .flat_map(|bin| (-3..=3).map(move |k| *bin as f64 * resolution + f64::from(k) * 0.2 * width))
+        .flat_map(|bin| (-2..=2).map(move |k| *bin as f64 * resolution + f64::from(k) * 0.3 * width))
         .filter(|hz| (LOWEST_HZ..=nyquist).contains(hz))
         .collect();
-    let mut spacing = 0.2 * width;
+    let mut spacing = 0.3 * width;
     let mut best = None;
     for _ in 0..3 {
         let pieces: Vec<Piece> = frequencies.iter().filter_map(|hz| catalogue.periodic(*hz)).collect();
@@ -215,7 +215,7 @@ pub fn periodic<'a>(
         let at = largest(&gains);
         let Some(hz) = frequencies.get(at).copied() else { break };
         best = Some(hz);
-        spacing *= 0.3;
+        spacing *= 0.25;
         frequencies = (-3..=3)
             .map(|k| hz + f64::from(k) * spacing)
             .filter(|hz| (LOWEST_HZ..=nyquist).contains(hz))
