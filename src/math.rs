@@ -75,6 +75,12 @@ pub fn acos(x: f64) -> f64 {
     libm::acos(x.clamp(-1.0, 1.0))
 }
 
+/// Arc sine in radians; the argument is clamped to −1 … 1, so rounding never makes a NaN.
+#[inline]
+pub fn asin(x: f64) -> f64 {
+    libm::asin(x.clamp(-1.0, 1.0))
+}
+
 /// Angle of the vector `(x, y)` in radians, −π … π.
 #[inline]
 pub fn atan2(y: f64, x: f64) -> f64 {

@@ -41,6 +41,7 @@ fn sweep() {
                 drop_columns: drop.split(',').filter(|s| !s.is_empty()).map(String::from).collect(), ..Default::default() });
             let log = world.run();
             let d = diagnose(&Table::from(&log), &Options { search: true, ..Default::default() }).unwrap();
+            if env("DBG", String::new()) != "" { let a = nalgebra::Matrix3::from_fn(|i,j| log.truth.soft_iron[i][j]); eprintln!("truth inverse {:?}", a.try_inverse().unwrap().transpose().as_slice()); }
             let got: Vec<String> = d.steps.iter().filter_map(|s| s.added.clone()).collect();
             let mut sorted = got.clone();
             sorted.sort(); want.sort();

@@ -2,7 +2,7 @@
 
 use crate::calibration::{inverse_3x3, norm};
 use crate::effect::{Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, Shape, no_shape};
-use crate::math::Real;
+use crate::math::{self, Real};
 use core::fmt;
 
 /// Which residual a row belongs to.
@@ -254,12 +254,14 @@ impl<T: Real> Model<T> {
             let length = norm(h);
             let u = scaled(h, T::one() / length);
             let sine = dot(u, down);
-            let cosine = (T::one() - self.sin_dip * self.sin_dip).max(T::of(0.01)).root();
-            let [x, y, z] = scaled(cross(u, down), T::one() / cosine);
-            let across = scaled(minus(down, scaled(u, sine)), T::one() / (length * cosine));
+            // The angle itself: a residual in sines would weigh the parameter into the scale of the residual.
+            let cosine = |sine: T| (T::one() - sine * sine).max(T::of(0.01)).root();
+            let (own, mean) = (cosine(sine), cosine(self.sin_dip));
+            let [x, y, z] = scaled(cross(u, down), T::one() / own);
+            let across = scaled(minus(down, scaled(u, sine)), T::one() / (length * own));
             let pull = transposed_times(&self.full, across);
-            fill(&mut row, &[x, y, z, -T::one() / cosine], pull, terms, &shapes);
-            let value = (sine - self.sin_dip) / cosine;
+            fill(&mut row, &[x, y, z, -T::one() / mean], pull, terms, &shapes);
+            let value = T::of(math::asin(sine.as_f64()) - math::asin(self.sin_dip.as_f64()));
             if !value.is_finite() {
                 return Err(NotFinite::Sample);
             }

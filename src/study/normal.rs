@@ -53,12 +53,13 @@ impl<T: Real, const P: usize> Normal<T, P> {
     /// Adds one row `J` with its residual.
     #[inline]
     pub fn push(&mut self, row: &[T; P], residual: T) {
-        let n = self.columns;
-        for (i, ((line, right), &value)) in
-            self.matrix.iter_mut().zip(&mut self.right).zip(row).take(n).enumerate()
-        {
+        // Slices of one length and no bounds inside: the inner loop becomes vector code.
+        let n = self.columns.min(P);
+        let Some(row) = row.get(..n) else { return };
+        for (i, ((line, right), &value)) in self.matrix.iter_mut().zip(&mut self.right).zip(row).enumerate() {
             *right += value * residual;
-            for (entry, &other) in line.iter_mut().zip(row).take(n).skip(i) {
+            let (Some(line), Some(others)) = (line.get_mut(i..n), row.get(i..)) else { return };
+            for (entry, &other) in line.iter_mut().zip(others) {
                 *entry += value * other;
             }
         }

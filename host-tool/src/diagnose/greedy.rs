@@ -9,6 +9,8 @@ use ironout::study::{Residual, held_out};
 
 /// More effects than any log carries.
 const MOST_EFFECTS: usize = 8;
+/// The coupling's share along the identity has settled when it moves by less than this, s.
+const SETTLED_S: f64 = 2e-5;
 /// Two candidates whose columns agree to this much, once the base is projected out, may be the same cause.
 const ALIKE: f64 = 0.8;
 
@@ -182,22 +184,29 @@ impl<'a> Greedy<'_, 'a> {
         if self.pass.residual != Residual::Magnitude || !self.catalogue.has_down() {
             return Ok(fitted);
         }
-        let turning = fitted.pieces.iter().any(|piece| piece.effect.needs_gyro());
-        for _ in 0..if turning { 3 } else { 1 } {
+        for _ in 0..8 {
             let clean = without_effects(self.pass.samples, &fitted.model, &fitted.pieces);
             let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(fitted) };
             fitted.model = alignment.model;
-            let Some(eddy) = fitted.pieces.iter_mut().find(|piece| piece.k() == 9) else { continue };
-            if let Some(lag) = self.catalogue.lag() {
-                let dip = Pass { samples: &clean, residual: Residual::Dip };
-                if let Some(fit) = dip.fit(fitted.model, vec![lag], self.known)? {
-                    for entry in [0, 4, 8] {
-                        eddy.coefficients[entry] += fit.pieces[0].coefficients[0];
-                    }
-                }
+            let (Some(eddy), Some(lag)) =
+                (fitted.pieces.iter_mut().find(|piece| piece.k() == 9), self.catalogue.lag())
+            else {
+                return Ok(fitted);
+            };
+            // What the coupling's share along the identity still lacks, together with the rotation.
+            let dip = Pass { samples: &clean, residual: Residual::Dip };
+            let Some(fit) = dip.fit(fitted.model, vec![lag], self.known)? else { return Ok(fitted) };
+            let lacking = fit.pieces[0].coefficients[0];
+            for entry in [0, 4, 8] {
+                eddy.coefficients[entry] += lacking;
             }
-            if let Some(next) = self.pass.fit(fitted.model, fitted.pieces.clone(), self.known)? {
-                fitted = next;
+            fitted.model = fit.model;
+            match self.pass.fit(fitted.model, fitted.pieces.clone(), self.known)? {
+                Some(next) => fitted = next,
+                None => return Ok(fitted),
+            }
+            if lacking.abs() < SETTLED_S {
+                return Ok(fitted);
             }
         }
         Ok(fitted)
