@@ -111,6 +111,29 @@ impl Residuals<'_> {
         }
     }
 
+    /// Rms of the residual against `x`.
+    pub fn spread(&self, x: &[f64]) -> Option<Curve> {
+        let [magnitude] = self.series else { return None };
+        let squares = [magnitude.iter().map(|r| r * r).collect::<Vec<f64>>()];
+        let mut curve = Residuals { series: &squares, directions: &[] }.means(x)?;
+        for value in curve.values.iter_mut().flatten() {
+            *value = value.max(0.0).sqrt();
+        }
+        Some(curve)
+    }
+
+    /// Share of the squared residual that a straight line through zero in `x` takes away.
+    pub fn share(&self, x: &[f64]) -> f64 {
+        let [magnitude] = self.series else { return 0.0 };
+        let (mut xx, mut xr, mut rr) = (0.0, 0.0, 0.0);
+        for (x, r) in x.iter().zip(magnitude) {
+            xx += x * x;
+            xr += x * r;
+            rr += r * r;
+        }
+        if xx * rr > 0.0 { xr * xr / (xx * rr) } else { 0.0 }
+    }
+
     /// Plain means against `x`.
     pub fn means(&self, x: &[f64]) -> Option<Curve> {
         let Range { low, high } = Range::of(x)?;

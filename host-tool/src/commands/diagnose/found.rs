@@ -71,7 +71,7 @@ fn entry(
         // An effect without coefficients, as swapped axes.
         None => out.extend(row.map_or(Vec::new(), |row| wrap(&row.why, INDENT, WIDTH))),
     }
-    if let Some(before) = before {
+    if let Some(before) = before.filter(|_| id != "axis-order") {
         let mut text =
             format!("{INDENT}error          {} → {} µT", microtesla(before.rms_ut), microtesla(step.rms_ut));
         if let (Some(a), Some(b)) = (before.holdout_rms_ut, step.holdout_rms_ut) {
@@ -114,16 +114,25 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
     if let Some(text) = amount(effect, told.log) {
         out.push(format!("{INDENT}{:<15}{text}", "amounts to"));
     }
-    out.extend(before_and_after(told, effect));
+    let column = effect.columns.first();
+    let earlier = told.diagnosis.effects.iter().take_while(|other| other.id != effect.id);
+    // Drawn once for each column: the curves are of all effects together.
+    if earlier.into_iter().all(|other| other.columns.first() != column) {
+        out.extend(before_and_after(told, effect));
+    }
 }
 
 /// The coefficients with their errors, by axis where they belong to axes.
 fn coefficients(effect: &FittedEffect) -> Vec<String> {
+    const AXES: [&str; 3] = ["x", "y", "z"];
     let values = &effect.coefficients;
+    let family = effect.id.split(':').next().unwrap_or("");
     let error = |index: usize| effect.std_errors.get(index).copied().unwrap_or(f64::NAN);
+    let size = |part: &[f64]| part.iter().fold(0.0_f64, |top, value| top.max(value.abs()));
     let row = |label: &str, names: &[&str], from: usize, unit: &str| {
         let part = &values[from.min(values.len())..(from + names.len()).min(values.len())];
-        let largest = part.iter().fold(0.0_f64, |top, value| top.max(value.abs()));
+        // Rows of one matrix share their unit; squares and cubes have their own.
+        let largest = if ["lag", "cross-axis"].contains(&family) { size(values) } else { size(part) };
         let (factor, unit) = readable_unit(unit, largest);
         let cells: Vec<String> = names
             .iter()
@@ -136,8 +145,6 @@ fn coefficients(effect: &FittedEffect) -> Vec<String> {
             .collect();
         format!("{INDENT}{label:<15}{}  {unit}", cells.join("   "))
     };
-    const AXES: [&str; 3] = ["x", "y", "z"];
-    let family = effect.id.split(':').next().unwrap_or("");
     match (family, values.len()) {
         ("nonlinearity", 6) => {
             vec![row("squares", &AXES, 0, "1/µT"), row("cubes", &AXES, 3, "1/µT²")]
@@ -170,7 +177,7 @@ fn coefficients(effect: &FittedEffect) -> Vec<String> {
             row("on x", &["xy", "xz"], 0, "1/µT"),
             row("on y", &["xy", "yz"], 2, "1/µT"),
             row("on z", &["xz", "yz"], 4, "1/µT"),
-            row("on x, y or z", &["the other pair"], 6, "1/µT"),
+            row("on x too", &["yz"], 6, "1/µT"),
         ],
         (_, 3) => vec![row("coefficients", &AXES, 0, &effect.unit)],
         (_, 1) => vec![row("coefficient", &[""], 0, &effect.unit)],
@@ -245,7 +252,7 @@ fn before_and_after(told: &Told, effect: &FittedEffect) -> Vec<String> {
     let blank = " ".repeat(low.chars().count());
     let second = format!(
         "{INDENT}{:<15}{blank} {}   {what}, {} … {} µT",
-        "     with it",
+        "     with all",
         sparkline(&after.values, bottom, top),
         microtesla(bottom),
         microtesla(top)
@@ -253,38 +260,36 @@ fn before_and_after(told: &Told, effect: &FittedEffect) -> Vec<String> {
     vec![first, second]
 }
 
-/// The falling error as bars.
+/// The falling error as bars: of the magnitude, and of the dip where that is what falls.
 pub fn falling(told: &Told, out: &mut Vec<String>) {
     let diagnosis = told.diagnosis;
-    if diagnosis.steps.len() < 2 {
+    let steps: Vec<&StepRow> =
+        diagnosis.steps.iter().filter(|step| step.added.as_deref() != Some("axis-order")).collect();
+    let (Some(first), Some(last)) = (steps.first(), steps.last()) else { return };
+    if steps.len() < 2 {
         return;
     }
-    let error = |step: &StepRow| step.holdout_rms_ut.unwrap_or(step.rms_ut);
-    let largest =
-        diagnosis.steps.iter().map(error).fold(diagnosis.residual_floor_ut.unwrap_or(0.0), f64::max);
-    let what = if at_rest(diagnosis) { "measured vector" } else { "corrected magnitude" };
-    title(out, &format!("The error falling (rms of the {what} on unseen time)"));
-    let label = |step: &StepRow| match &step.added {
-        None => "base model".to_string(),
-        Some(id) => format!("+ {id}"),
+    let label = |step: &StepRow| step.added.as_ref().map_or("base model".into(), |id| format!("+ {id}"));
+    let width = steps.iter().map(|step| label(step).chars().count()).max().unwrap_or(0).max(12);
+    let mut chart = |what: &str, rows: Vec<(String, f64)>, unit: fn(f64) -> String| {
+        let largest = rows.iter().map(|(_, value)| *value).fold(1e-12, f64::max);
+        title(out, &format!("The error falling ({what})"));
+        for (label, value) in rows {
+            out.push(format!("  {label:<width$} {:>11}  {}", unit(value), bar(value / largest, BAR)));
+        }
     };
-    let width = diagnosis.steps.iter().map(|step| label(step).chars().count()).max().unwrap_or(0).max(12);
-    for step in &diagnosis.steps {
-        let value = error(step);
-        out.push(format!(
-            "  {:<width$} {:>8} µT  {}",
-            label(step),
-            microtesla(value),
-            bar(value / largest, BAR)
-        ));
+    let error = |step: &StepRow| step.holdout_rms_ut.unwrap_or(step.rms_ut);
+    if error(first) > 1.02 * error(last) {
+        let what = if at_rest(diagnosis) { "measured vector" } else { "corrected magnitude" };
+        let mut rows: Vec<(String, f64)> = steps.iter().map(|step| (label(step), error(step))).collect();
+        rows.extend(diagnosis.residual_floor_ut.map(|floor| ("noise alone".to_string(), floor)));
+        chart(&format!("rms of the {what} on unseen time"), rows, |ut| format!("{} µT", microtesla(ut)));
     }
-    if let Some(floor) = diagnosis.residual_floor_ut {
-        out.push(format!(
-            "  {:<width$} {:>8} µT  {}",
-            "noise alone",
-            microtesla(floor),
-            bar(floor / largest, BAR)
-        ));
+    if let (Some(before), Some(after)) = (first.dip_rms_deg, last.dip_rms_deg)
+        && before > 1.2 * after
+    {
+        let rows = steps.iter().filter_map(|step| Some((label(step), step.dip_rms_deg?))).collect();
+        chart("spread of the dip", rows, degrees);
     }
 }
 
@@ -332,7 +337,7 @@ pub fn alignment(told: &Told, out: &mut Vec<String>) {
     title(out, "Alignment with the accelerometer");
     if let Some(dip) = diagnosis.dip {
         out.push(format!(
-            "  spread of the dip    {} → {}   offset and triangular matrix alone, then aligned with all that was found",
+            "  spread of the dip    {} → {}   base model alone, then aligned, with all that was found",
             degrees(dip.rms_deg_before),
             degrees(dip.rms_deg_after)
         ));

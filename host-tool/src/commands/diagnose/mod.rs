@@ -1,6 +1,7 @@
 //! `ironout diagnose`: find the missing effect.
 
 mod advice;
+mod conclusion;
 mod curve;
 mod found;
 mod next;

@@ -38,6 +38,7 @@ pub fn probability(p: f64) -> String {
         p if p.is_nan() => "-".into(),
         p if p < 1e-99 => "<1e-99".into(),
         p if p < 0.001 => format!("{p:.0e}"),
+        p if p < 0.01 => format!("{p:.3}"),
         p if p < 0.995 => format!("{p:.2}"),
         _ => "1".into(),
     }
@@ -103,9 +104,15 @@ pub fn unit_of(column: &str) -> &'static str {
 
 /// Breaks text into lines of at most `width` characters, each after `indent`.
 pub fn wrap(text: &str, indent: &str, width: usize) -> Vec<String> {
+    hang(text, indent, indent, width)
+}
+
+/// The same with another indent from the second line on.
+pub fn hang(text: &str, first: &str, rest: &str, width: usize) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = String::new();
     for word in text.split_whitespace() {
+        let indent = if lines.is_empty() { first } else { rest };
         let length = indent.chars().count() + line.chars().count() + 1 + word.chars().count();
         if !line.is_empty() && length > width {
             lines.push(format!("{indent}{line}"));
@@ -117,7 +124,7 @@ pub fn wrap(text: &str, indent: &str, width: usize) -> Vec<String> {
         line.push_str(word);
     }
     if !line.is_empty() {
-        lines.push(format!("{indent}{line}"));
+        lines.push(format!("{}{line}", if lines.is_empty() { first } else { rest }));
     }
     lines
 }
@@ -137,6 +144,7 @@ mod tests {
         assert_eq!(with_error(1234.5, 30.0), "+1234 ±30");
         assert_eq!(probability(0.0), "<1e-99");
         assert_eq!(probability(3.2e-12), "3e-12");
+        assert_eq!(probability(0.004), "0.004");
         assert_eq!(percent(0.001), "<1 %");
         assert_eq!(percent(0.0), "0 %");
     }

@@ -1,8 +1,8 @@
 //! Where the base model fails: against each column, time, attitude and in the spectrum.
 
 use super::curve::{Curve, Residuals, limits, sparkline, spectrum};
-use super::numbers::{microtesla, percent, probability, significant, unit_of};
-use super::words::{Told, at_rest, title};
+use super::numbers::{microtesla, percent, probability, significant, unit_of, wrap};
+use super::words::{Told, WIDTH, at_rest, title};
 use crate::diagnose::outcome::{Diagnosis, Where};
 use crate::input::Log;
 
@@ -35,12 +35,12 @@ pub fn against_column(told: &Told, column: &str) -> Option<(Curve, Curve)> {
 
 /// What the values of a curve are.
 pub fn what(curve: &Curve) -> &'static str {
-    if curve.offset { "local offset" } else { "mean residual" }
+    if curve.offset { "local offset" } else { "mean" }
 }
 
 /// Curves are drawn on at least this range, µT, so that noise looks flat.
 pub fn least_span(diagnosis: &Diagnosis) -> f64 {
-    diagnosis.residual_floor_ut.unwrap_or(0.0).max(1e-6)
+    diagnosis.residual_floor_ut.map_or(1e-6, |floor| (2.0 * floor).max(1e-6))
 }
 
 /// The two ends of a curve's axis with their unit.
@@ -48,6 +48,7 @@ pub fn axis_label(against: &str, curve: &Curve) -> (String, String) {
     let unit = match against {
         "time" => " s",
         "spectrum" => " Hz",
+        "rate of turn" => " rad/s",
         name => unit_of(name),
     };
     let digits =
@@ -55,54 +56,101 @@ pub fn axis_label(against: &str, curve: &Curve) -> (String, String) {
     (digits(curve.low), format!("{}{unit}", digits(curve.high)))
 }
 
+/// How the values of a curve are scaled when it is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Scale {
+    /// As all the others of the table.
+    Common,
+    /// From zero to its own largest.
+    Own,
+}
+
 struct Row<'a> {
     shown: &'a Where,
-    label: String,
     curve: Option<Curve>,
+    scale: Scale,
     note: String,
+}
+
+/// Third-order harmonics of the direction: what no offset and no matrix takes away. Name and value.
+const HARMONICS: [(&str, fn([f64; 3]) -> f64); 7] = [
+    ("x", |[x, _, _]| x * (5.0 * x * x - 3.0) / 2.0),
+    ("y", |[_, y, _]| y * (5.0 * y * y - 3.0) / 2.0),
+    ("z", |[_, _, z]| z * (5.0 * z * z - 3.0) / 2.0),
+    ("x(y²−z²)", |[x, y, z]| x * (y * y - z * z)),
+    ("y(z²−x²)", |[x, y, z]| y * (z * z - x * x)),
+    ("z(x²−y²)", |[x, y, z]| z * (x * x - y * y)),
+    ("xyz", |[x, y, z]| x * y * z),
+];
+
+/// The residual against the function of the direction that it follows most.
+fn attitude(base: &Residuals, directions: &[[f64; 3]]) -> (Option<Curve>, String) {
+    let best = HARMONICS
+        .iter()
+        .map(|(name, value)| (*name, base.share(&directions.iter().map(|u| value(*u)).collect::<Vec<f64>>())))
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((name, _)) = best else { return (None, String::new()) };
+    // Along a single axis the direction itself is the natural abscissa.
+    let abscissa: Vec<f64> = directions
+        .iter()
+        .map(|&[x, y, z]| match name {
+            "x" => x,
+            "y" => y,
+            "z" => z,
+            "x(y²−z²)" => x * (y * y - z * z),
+            "y(z²−x²)" => y * (z * z - x * x),
+            "z(x²−y²)" => z * (x * x - y * y),
+            _ => x * y * z,
+        })
+        .collect();
+    (base.means(&abscissa), format!("mean, {name} of u"))
 }
 
 fn rows<'a>(told: &Told<'a>) -> Vec<Row<'a>> {
     let diagnosis = told.diagnosis;
-    let series = &diagnosis.traces;
+    let traces = &diagnosis.traces;
     let base = residuals(diagnosis, false);
-    let mut list = Vec::new();
-    for shown in &diagnosis.shows {
-        let row = |label: &str, curve: Option<Curve>, note: String| Row {
-            shown,
-            label: label.to_string(),
-            curve,
-            note,
-        };
-        match shown.against.as_str() {
+    let row = |shown: &'a Where| {
+        let (curve, scale, note) = match shown.against.as_str() {
             "attitude" => {
-                for (axis, name) in ["x", "y", "z"].iter().enumerate() {
-                    let x: Vec<f64> = series.directions.iter().map(|u| u[axis]).collect();
-                    let curve = base.means(&x);
-                    let label = if axis == 0 { "attitude" } else { "" };
-                    list.push(row(label, curve, format!("field along {name}")));
-                }
+                let (curve, note) = attitude(&base, &traces.directions);
+                (curve, Scale::Common, note)
             }
             "spectrum" => {
-                let time = values(told.log, &series.rows, "time");
-                let drawn = time.zip(series.base_ut.first()).and_then(|(time, r)| spectrum(&time, r));
-                match drawn {
+                let time = values(told.log, &traces.rows, "time");
+                match time.zip(traces.base_ut.first()).and_then(|(time, r)| spectrum(&time, r)) {
                     Some((curve, hz, amplitude)) => {
-                        let note = format!("peak {} µT at {hz:.2} Hz", microtesla(amplitude));
-                        list.push(row("spectrum", Some(curve), note));
+                        (Some(curve), Scale::Own, format!("{} µT at {hz:.2} Hz", microtesla(amplitude)))
                     }
-                    None => list.push(row("spectrum", None, String::new())),
+                    None => (None, Scale::Own, String::new()),
                 }
             }
-            name => {
-                let curve = values(told.log, &series.rows, name).and_then(|x| base.against(&x));
-                let note = curve.as_ref().map_or(String::new(), |curve| what(curve).to_string());
-                list.push(row(name, curve, note));
+            "rate of turn" => {
+                let curve = turning(told.log, &traces.rows).and_then(|x| base.spread(&x));
+                let top = curve.as_ref().map_or(0.0, |curve| limits(std::iter::once(curve), 1e-9).1);
+                (curve, Scale::Own, format!("rms, █ is {} µT", microtesla(top)))
             }
-        }
-    }
-    list
+            name => {
+                let curve = values(told.log, &traces.rows, name).and_then(|x| base.against(&x));
+                let note = curve.as_ref().map_or(String::new(), |curve| what(curve).to_string());
+                (curve, Scale::Common, note)
+            }
+        };
+        Row { shown, curve, scale, note }
+    };
+    diagnosis.shows.iter().map(row).collect()
 }
+
+/// How fast the board turns at each sample, rad/s.
+fn turning(log: &Log, rows: &[usize]) -> Option<Vec<f64>> {
+    let gyro = log.gyro_radps.as_ref()?;
+    let rate =
+        |row: usize| gyro.iter().map(|axis| axis.get(row).map_or(f64::NAN, |w| w * w)).sum::<f64>().sqrt();
+    Some(rows.iter().map(|&row| rate(row)).collect())
+}
+
+/// Chance explains what is more probable than this.
+const SURE: f64 = 0.02;
 
 /// The table.
 pub fn failures(told: &Told, out: &mut Vec<String>) {
@@ -111,12 +159,18 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
         return;
     }
     let all = rows(told);
-    let column = |row: &&Row| !["attitude", "spectrum"].contains(&row.shown.against.as_str());
-    let (bottom, top) = limits(
-        all.iter().filter(|row| row.shown.against != "spectrum").filter_map(|row| row.curve.as_ref()),
-        least_span(diagnosis),
+    let common = |row: &&Row| row.scale == Scale::Common;
+    let (bottom, top) =
+        limits(all.iter().filter(common).filter_map(|row| row.curve.as_ref()), least_span(diagnosis));
+    let nowhere = diagnosis.shows.iter().all(|shown| shown.p_value >= SURE);
+    title(
+        out,
+        if nowhere {
+            "Where the base model could fail: nowhere that chance does not explain"
+        } else {
+            "Where the base model fails"
+        },
     );
-    title(out, "Where the base model fails");
     let drawn = all.iter().any(|row| row.curve.is_some());
     let scale = if drawn {
         format!("   its residual: ▁ is {}, █ is {} µT", microtesla(bottom), microtesla(top))
@@ -133,45 +187,42 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
         .collect();
     let left = ends.iter().map(|(low, _)| low.chars().count()).max().unwrap_or(0);
     let right = ends.iter().map(|(_, high)| high.chars().count()).max().unwrap_or(0);
-    let columns = all.iter().filter(column).count();
-    let (mut shown, mut hidden) = (0, 0);
-    for (row, (low, high)) in all.iter().zip(&ends) {
-        if column(&row) && columns > MOST {
-            shown += 1;
-            if shown > MOST {
-                hidden += 1;
-                continue;
-            }
-        }
-        let (explains, chance) = if row.label.is_empty() {
-            (String::new(), String::new())
-        } else {
-            (percent(row.shown.explained), probability(row.shown.p_value))
-        };
-        let label = shorten(&row.label, NAME - 1);
-        let mut text = format!("  {label:<NAME$}{explains:>9} {chance:>8}");
+    for (row, (low, high)) in all.iter().zip(&ends).take(MOST) {
+        let label = shorten(&row.shown.against, NAME - 1);
+        let mut text = format!(
+            "  {label:<NAME$}{:>9} {:>8}",
+            percent(row.shown.explained),
+            probability(row.shown.p_value)
+        );
         if let Some(curve) = &row.curve {
-            let (bottom, top) = if row.shown.against == "spectrum" {
-                let (_, top) = limits(std::iter::once(curve), 1e-9);
-                (0.0, top)
-            } else {
-                (bottom, top)
+            let (bottom, top) = match row.scale {
+                Scale::Common => (bottom, top),
+                Scale::Own => (0.0, limits(std::iter::once(curve), 1e-9).1),
             };
-            text.push_str(&format!(
-                "   {low:>left$} {} {high:<right$}  {}",
-                sparkline(&curve.values, bottom, top),
-                row.note
-            ));
+            let line = sparkline(&curve.values, bottom, top);
+            text.push_str(&format!("   {low:>left$} {line} {high:<right$}  {}", row.note));
         }
         out.push(text.trim_end().to_string());
     }
-    if hidden > 0 {
-        out.push(format!("  and {hidden} more columns that explain less"));
+    if all.len() > MOST {
+        out.push(format!("  and {} more that explain less", all.len() - MOST));
     }
-    if at_rest(diagnosis) && drawn {
-        out.push(
-            "  (the board rests: drawn is the vector along the direction in which it varies most)".into(),
+    if drawn {
+        let mut note = String::from(
+            "explains: share of the squared residual. chance: probability that noise does as well, all that was tried \
+             counted in.",
         );
+        if all.iter().any(|row| row.curve.as_ref().is_some_and(|curve| curve.offset)) {
+            note.push_str(if at_rest(diagnosis) {
+                " local offset: the resting board's vector, along the direction in which it varies most."
+            } else {
+                " local offset: the offset that this part of the log asks for beside the common one."
+            });
+        }
+        if all.iter().any(|row| row.note.ends_with("of u")) {
+            note.push_str(" u: direction of the field seen from the board.");
+        }
+        out.extend(wrap(&note, "  ", WIDTH));
     }
 }
 

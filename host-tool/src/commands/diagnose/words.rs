@@ -1,7 +1,7 @@
 //! What `diagnose` says to people: an explanation from the noise floor to the command that repairs it.
 
-use super::numbers::{degrees, microtesla, probability, wrap};
-use super::{advice, found, next, place};
+use super::numbers::{hang, microtesla, probability, wrap};
+use super::{advice, conclusion, found, place};
 use crate::cli::DiagnoseArgs;
 use crate::diagnose::faults::{DataFault, FaultKind};
 use crate::diagnose::outcome::{CandidateRow, Diagnosis, Status, Verdict};
@@ -34,8 +34,8 @@ pub fn text(told: &Told) -> String {
     tested(told, &mut out);
     untestable(told, &mut out);
     confounded(told, &mut out);
-    verdict(told, &mut out);
-    what_next(told, &mut out);
+    conclusion::verdict(told, &mut out);
+    conclusion::what_next(told, &mut out);
     let mut text = out.join("\n");
     text.push('\n');
     text
@@ -142,6 +142,9 @@ fn faults(told: &Told, out: &mut Vec<String>) {
 
 fn base(told: &Told, out: &mut Vec<String>) {
     let diagnosis = told.diagnosis;
+    if diagnosis.steps.is_empty() {
+        return;
+    }
     title(out, "The sensor and the base model");
     let field = diagnosis.calibration.map(|calibration| calibration.field_ut);
     let share = |ut: f64| match field {
@@ -212,7 +215,7 @@ fn tested(told: &Told, out: &mut Vec<String>) {
             row.status == Status::NotNeeded && !["misalignment", "axis-order"].contains(&row.id.as_str())
         })
         .partition(|row| row.why.contains("too small"));
-    if small.is_empty() && rest.is_empty() {
+    if (small.is_empty() && rest.is_empty()) || diagnosis.verdict == Verdict::Undetermined {
         return;
     }
     title(out, "Tested and not needed");
@@ -247,10 +250,8 @@ fn untestable(told: &Told, out: &mut Vec<String>) {
     }
     title(out, "Could not be tested with this log");
     for (why, names) in groups {
-        out.extend(wrap(&format!("- {}: {why}", names.join(", ")), "  ", WIDTH));
-        if let Some(how) = advice::how_to_log(why) {
-            out.extend(wrap(how, "      ", WIDTH));
-        }
+        let how = advice::how_to_log(why).map_or(String::new(), |how| format!(" ({how})"));
+        out.extend(hang(&format!("{}: {why}{how}", names.join(", ")), "  - ", "    ", WIDTH));
     }
 }
 
@@ -293,178 +294,7 @@ fn confounded(told: &Told, out: &mut Vec<String>) {
         let first = &group[0];
         for other in &group[1..] {
             let text = format!("{first} or {other}: {}", advice::separating(first, other));
-            out.extend(wrap(&text, "    ", WIDTH));
-        }
-    }
-}
-
-fn verdict(told: &Told, out: &mut Vec<String>) {
-    let diagnosis = told.diagnosis;
-    let names: Vec<String> = diagnosis
-        .steps
-        .iter()
-        .filter_map(|step| step.added.as_deref())
-        .map(|id| format!("the {}", name_of(diagnosis, id)))
-        .collect();
-    let were = if names.len() == 1 { "was" } else { "were" };
-    let first = diagnosis.steps.first();
-    let last = diagnosis.steps.last();
-    let floor = diagnosis.residual_floor_ut;
-    let fall = match (first, last, floor) {
-        (Some(first), Some(last), Some(floor)) => {
-            let (before, after) = (first.rms_ut, last.rms_ut);
-            let noise = if after <= 1.1 * floor { ", which is what the noise leaves" } else { "" };
-            if (before / after.max(1e-12)) < 1.02 {
-                String::new()
-            } else {
-                format!("the error falls from {} to {} µT{noise}", microtesla(before), microtesla(after))
-            }
-        }
-        _ => String::new(),
-    };
-    let dip = match (&diagnosis.dip, names.is_empty()) {
-        (Some(dip), false) if fall.is_empty() => format!(
-            "the spread of the dip falls from {} to {}",
-            degrees(diagnosis.steps.first().and_then(|s| s.dip_rms_deg).unwrap_or(dip.rms_deg_before)),
-            degrees(dip.rms_deg_after)
-        ),
-        _ => String::new(),
-    };
-    let with = [fall, dip].into_iter().find(|text| !text.is_empty());
-    let reasons = diagnosis.reasons.join("; ");
-    let sentence = match diagnosis.verdict {
-        Verdict::Complete if at_rest(diagnosis) => {
-            "COMPLETE: the resting board's reading is constant but for noise; no column moves it.".to_string()
-        }
-        Verdict::Complete => {
-            "COMPLETE: nothing is missing. Offset and matrix explain this log down to the sensor's noise."
-                .to_string()
-        }
-        Verdict::Missing => {
-            let with = with.map_or(String::new(), |with| {
-                format!("; with {} {with}", if names.len() == 1 { "it" } else { "them" })
-            });
-            format!("MISSING: {} {were} missing{with}.", listed(&names))
-        }
-        Verdict::Confounded => {
-            let each: Vec<String> = groups(diagnosis)
-                .iter()
-                .map(|group| {
-                    let names: Vec<String> = group.iter().map(|id| name_of(diagnosis, id)).collect();
-                    format!("{} explain the error equally well", listed(&names))
-                })
-                .collect();
-            let known = if names.is_empty() {
-                String::new()
-            } else {
-                format!("; besides, {} {were} missing", listed(&names))
-            };
-            format!("CONFOUNDED: {}, and this log cannot tell which it is{known}.", each.join("; "))
-        }
-        Verdict::Unexplained => {
-            let besides = if names.is_empty() {
-                String::new()
-            } else {
-                format!(
-                    " {} {were} missing{}, but that is not all.",
-                    capital(&listed(&names)),
-                    with.map_or(String::new(), |with| format!(" ({with})"))
-                )
-            };
-            format!(
-                "UNEXPLAINED: {}.{besides}",
-                if reasons.is_empty() { "an error remains that no effect explains" } else { &reasons }
-            )
-        }
-        Verdict::Undetermined => format!("UNDETERMINED: {reasons}."),
-    };
-    out.push(String::new());
-    out.extend(wrap(&sentence, "", WIDTH));
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
-}
-
-/// The effects that `fit --add` takes: those in the steps, in their order.
-pub fn to_add(diagnosis: &Diagnosis, arguments: &DiagnoseArgs) -> Vec<String> {
-    let mut ids: Vec<String> = arguments.add.clone();
-    for id in diagnosis.steps.iter().filter_map(|step| step.added.clone()) {
-        if !ids.contains(&id) && !["axis-order", "misalignment"].contains(&id.as_str()) {
-            ids.push(id);
-        }
-    }
-    ids
-}
-
-fn what_next(told: &Told, out: &mut Vec<String>) {
-    let Told { log, arguments, diagnosis } = told;
-    let path = log.path.display().to_string();
-    title(out, "What to do next");
-    let command = |out: &mut Vec<String>, text: String| out.push(format!("    {text}"));
-    let say = |out: &mut Vec<String>, text: &str| out.extend(wrap(text, "  ", WIDTH));
-    let add = to_add(diagnosis, arguments);
-    if let Some(order) = found::axis_order(diagnosis) {
-        say(out, "Put the axes in order (in the driver, or with this option) and diagnose again:");
-        command(out, next::diagnose(arguments, &path, &format!("--rotate={}", next::quoted(&order))));
-        return;
-    }
-    if at_rest(diagnosis) && diagnosis.verdict != Verdict::Undetermined {
-        say(
-            out,
-            "A resting board shows disturbances but no calibration. Turn the board through all directions while the same \
-             things change, and diagnose that log; it then goes into the calibration.",
-        );
-        return;
-    }
-    match diagnosis.verdict {
-        Verdict::Complete => {
-            say(out, "Calibrate with this log:");
-            command(out, next::fit(arguments, &add));
-            command(out, next::check(arguments));
-        }
-        Verdict::Missing => {
-            say(out, "Add it to the calibration, and check that on a second log:");
-            command(out, next::fit(arguments, &add));
-            command(out, next::check(arguments));
-            let columns = found::columns(diagnosis);
-            if !columns.is_empty() {
-                say(out, &format!("The second log, and the device, need {} too.", listed(&columns)));
-            }
-        }
-        Verdict::Confounded => {
-            say(out, "Record the log that separates them (above) and diagnose that:");
-            command(out, next::diagnose(arguments, "second.csv", ""));
-            say(
-                out,
-                "Adding one of them now would make this log fit and be wrong wherever the two part. If you know which it is, \
-                 say so:",
-            );
-            for id in groups(diagnosis).first().into_iter().flatten() {
-                let mut ids = add.clone();
-                ids.push(id.clone());
-                command(out, next::fit(arguments, &ids));
-            }
-        }
-        Verdict::Unexplained => {
-            if !add.is_empty() {
-                say(out, "What was found helps all the same:");
-                command(out, next::fit(arguments, &add));
-            }
-            say(
-                out,
-                "For the rest, look at where it fails (above) and log what changed there: temperature, currents, what moves. \
-                 Any further numeric column of the log is tested.",
-            );
-        }
-        Verdict::Undetermined => {
-            say(
-                out,
-                "Record again and turn the board through more directions: nose up and down, on both sides, upside down, each \
-                 with a full turn. An earlier good calibration can stand in for them:",
-            );
-            command(out, next::diagnose(arguments, &path, "--prior cal.json"));
+            out.extend(hang(&text, "  - ", "    ", WIDTH));
         }
     }
 }

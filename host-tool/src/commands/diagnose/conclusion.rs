@@ -1,0 +1,204 @@
+//! The end of the explanation: the verdict in a sentence, and what to do about it.
+
+use super::numbers::{degrees, microtesla, wrap};
+use super::words::{Told, WIDTH, at_rest, groups, listed, name_of, title};
+use super::{found, next};
+use crate::cli::DiagnoseArgs;
+use crate::diagnose::faults::FaultKind;
+use crate::diagnose::outcome::{Diagnosis, Verdict};
+
+/// What the error does from the first step to the last, in words; empty where it does nothing.
+fn fall(diagnosis: &Diagnosis) -> String {
+    let (Some(first), Some(last)) = (diagnosis.steps.first(), diagnosis.steps.last()) else {
+        return String::new();
+    };
+    if first.rms_ut > 1.02 * last.rms_ut {
+        let noise = match diagnosis.residual_floor_ut {
+            Some(floor) if last.rms_ut <= 1.1 * floor => ", which is what the noise leaves",
+            _ => "",
+        };
+        return format!(
+            "the error falls from {} to {} µT{noise}",
+            microtesla(first.rms_ut),
+            microtesla(last.rms_ut)
+        );
+    }
+    match (first.dip_rms_deg, last.dip_rms_deg) {
+        (Some(before), Some(after)) if before > 1.02 * after => {
+            format!("the spread of the dip falls from {} to {}", degrees(before), degrees(after))
+        }
+        _ => String::new(),
+    }
+}
+
+/// The verdict in one sentence, or two.
+pub fn sentence(diagnosis: &Diagnosis) -> String {
+    let names: Vec<String> = diagnosis
+        .steps
+        .iter()
+        .filter_map(|step| step.added.as_deref())
+        .map(|id| name_of(diagnosis, id))
+        .collect();
+    let it = if names.len() == 1 { "it" } else { "them" };
+    let fall = fall(diagnosis);
+    let reasons = diagnosis.reasons.join("; ");
+    match diagnosis.verdict {
+        Verdict::Complete if at_rest(diagnosis) => {
+            "COMPLETE: the resting board's reading is constant but for noise; no column moves it.".to_string()
+        }
+        Verdict::Complete => {
+            "COMPLETE: nothing is missing. Offset and matrix explain this log down to the sensor's noise."
+                .to_string()
+        }
+        Verdict::Missing => {
+            let with =
+                if fall.is_empty() { String::new() } else { format!(" With {it} in the model, {fall}.") };
+            format!("MISSING: {}.{with}", listed(&names))
+        }
+        Verdict::Confounded => {
+            let each: Vec<String> = groups(diagnosis)
+                .iter()
+                .map(|group| {
+                    let names: Vec<String> = group.iter().map(|id| name_of(diagnosis, id)).collect();
+                    format!("{} explain the error equally well", listed(&names))
+                })
+                .collect();
+            let known = if names.is_empty() {
+                String::new()
+            } else {
+                format!(" Missing besides: {}.", listed(&names))
+            };
+            format!("CONFOUNDED: {}, and this log cannot tell which it is.{known}", each.join("; "))
+        }
+        Verdict::Unexplained => {
+            let besides = match (names.is_empty(), fall.is_empty()) {
+                (true, _) => String::new(),
+                (false, true) => format!(" Found, but not enough: {}.", listed(&names)),
+                (false, false) => format!(
+                    " With {} {fall}, but that is not all, and {it} may stand in for something that the log lacks.",
+                    listed(&names)
+                ),
+            };
+            format!(
+                "UNEXPLAINED: {}.{besides}",
+                reasons_or(&reasons, "an error remains that no effect explains")
+            )
+        }
+        Verdict::Undetermined => {
+            format!("UNDETERMINED: {}.", reasons_or(&reasons, "this log does not determine a calibration"))
+        }
+    }
+}
+
+fn reasons_or<'a>(reasons: &'a str, otherwise: &'a str) -> &'a str {
+    if reasons.is_empty() { otherwise } else { reasons }
+}
+
+/// The verdict.
+pub fn verdict(told: &Told, out: &mut Vec<String>) {
+    out.push(String::new());
+    out.extend(wrap(&sentence(told.diagnosis), "", WIDTH));
+}
+
+/// The effects that `fit --add` takes: those in the steps, in their order.
+pub fn to_add(diagnosis: &Diagnosis, arguments: &DiagnoseArgs) -> Vec<String> {
+    let mut ids: Vec<String> = arguments.add.clone();
+    for id in diagnosis.steps.iter().filter_map(|step| step.added.clone()) {
+        if !ids.contains(&id) && !["axis-order", "misalignment"].contains(&id.as_str()) {
+            ids.push(id);
+        }
+    }
+    ids
+}
+
+/// The commands, or the recording, that come next.
+pub fn what_next(told: &Told, out: &mut Vec<String>) {
+    let Told { log, arguments, diagnosis } = told;
+    let path = log.path.display().to_string();
+    title(out, "What to do next");
+    let command = |out: &mut Vec<String>, text: String| out.push(format!("    {text}"));
+    let say = |out: &mut Vec<String>, text: &str| out.extend(wrap(text, "  ", WIDTH));
+    let add = to_add(diagnosis, arguments);
+    if let Some(order) = found::axis_order(diagnosis) {
+        say(out, "Put the axes in order (in the driver, or with this option) and diagnose again:");
+        command(out, next::diagnose(arguments, &path, &format!("--rotate={}", next::quoted(&order))));
+        return;
+    }
+    if at_rest(diagnosis) && diagnosis.verdict != Verdict::Undetermined {
+        say(
+            out,
+            "A resting board shows disturbances but no calibration. Turn the board through all directions while the same \
+             things change, and diagnose that log; it then goes into the calibration.",
+        );
+        return;
+    }
+    match diagnosis.verdict {
+        Verdict::Complete => {
+            say(out, "Calibrate with this log:");
+            command(out, next::fit(arguments, &add));
+            command(out, next::check(arguments));
+        }
+        Verdict::Missing => {
+            say(out, "Add it to the calibration, and check that on a second log:");
+            command(out, next::fit(arguments, &add));
+            command(out, next::check(arguments));
+            let columns = found::columns(diagnosis);
+            if !columns.is_empty() {
+                say(out, &format!("The second log, and the device, need {} too.", listed(&columns)));
+            }
+            let bound: Vec<String> = add
+                .iter()
+                .filter(|id| ["drift", "step", "periodic"].contains(&id.as_str()))
+                .cloned()
+                .collect();
+            if !bound.is_empty() {
+                say(
+                    out,
+                    &format!(
+                        "({} is bound to this log's own time: in the model it makes offset and matrix right, but it cannot \
+                         correct another log. Find and remove the cause, then record again.)",
+                        listed(&bound)
+                    ),
+                );
+            }
+        }
+        Verdict::Confounded => {
+            say(out, "Record the log that separates them (above) and diagnose that:");
+            command(out, next::diagnose(arguments, "second.csv", ""));
+            say(
+                out,
+                "Adding one of them now would make this log fit and be wrong wherever the two part. If you know which it is, \
+                 say so:",
+            );
+            for id in groups(diagnosis).first().into_iter().flatten() {
+                let mut ids = add.clone();
+                ids.push(id.clone());
+                command(out, next::fit(arguments, &ids));
+            }
+        }
+        Verdict::Unexplained => {
+            if !add.is_empty() {
+                say(out, "What was found helps all the same:");
+                command(out, next::fit(arguments, &add));
+            }
+            say(
+                out,
+                "For the rest, look at where it fails (above) and log what changed there: temperature, currents, what moves. \
+                 Any further numeric column of the log is tested.",
+            );
+        }
+        Verdict::Undetermined
+            if diagnosis.data_faults.iter().any(|fault| fault.kind == FaultKind::CopiedAxis) =>
+        {
+            say(out, "Repair the driver so that each axis is read from its own registers, and record again.");
+        }
+        Verdict::Undetermined => {
+            say(
+                out,
+                "Record again and turn the board through more directions: nose up and down, on both sides, upside down, each \
+                 with a full turn. An earlier good calibration can stand in for them:",
+            );
+            command(out, next::diagnose(arguments, &path, "--prior cal.json"));
+        }
+    }
+}
