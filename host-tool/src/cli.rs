@@ -89,6 +89,25 @@ impl LogArgs {
         })
     }
 
+    /// The log and the options it was read with, as they are typed: for the next command that is suggested.
+    pub fn typed(&self) -> String {
+        let word = |text: &str| {
+            let plain = text.chars().all(|c| c.is_alphanumeric() || "-_./,=:^@".contains(c));
+            if plain && !text.is_empty() {
+                text.to_string()
+            } else {
+                format!("'{}'", text.replace('\'', "'\\''"))
+            }
+        };
+        let mut typed = word(&self.log.display().to_string());
+        let options = self.ut_per_count.iter().map(|value| ("--ut-per-count", value));
+        let options = options.chain(self.map.iter().map(|value| ("--map", value)));
+        for (option, value) in options.chain(self.rotate.iter().map(|value| ("--rotate", value))) {
+            typed.push_str(&format!(" {option} {}", word(value)));
+        }
+        typed
+    }
+
     /// Reads the log and passes its notices on to standard error.
     pub fn read(&self) -> Outcome<input::Log> {
         let log = input::read_log(&self.log, &self.options()?)?;

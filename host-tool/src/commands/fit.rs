@@ -40,7 +40,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
     if json {
         output::line(&serde_json::to_string(&fitted.object(method.name())).map_err(to_text)?);
     } else {
-        super::fit_words::print(&log, &fitted, &expected, arguments.output.is_some());
+        super::fit_words::print(arguments, &log, &fitted, &expected);
     }
     if let Some(text) = written {
         eprintln!("{text}");

@@ -1,6 +1,6 @@
 //! What `fit` says to people.
 
-use crate::cli::Expected;
+use crate::cli::{Expected, FitArgs};
 use crate::diagnose::outcome::FittedEffect;
 use crate::input::Log;
 use crate::output::{line, number};
@@ -8,7 +8,7 @@ use crate::pipeline::{Alignment, FaultKind, Fitted, Solution};
 use ironout::fit::Model;
 
 /// Prints the whole solution.
-pub fn print(log: &Log, fitted: &Fitted, expected: &Expected, kept: bool) {
+pub fn print(arguments: &FitArgs, log: &Log, fitted: &Fitted, expected: &Expected) {
     samples(log, fitted);
     line("");
     if let Some(solution) = &fitted.solution {
@@ -17,7 +17,7 @@ pub fn print(log: &Log, fitted: &Fitted, expected: &Expected, kept: bool) {
         errors(fitted, solution, expected);
         line("");
     }
-    verdict(log, fitted, kept);
+    verdict(arguments, fitted);
 }
 
 fn samples(log: &Log, fitted: &Fitted) {
@@ -202,11 +202,10 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected) {
 /// An error this many times the floor by noise is worth an explanation.
 const UNEXPLAINED: f64 = 1.2;
 
-fn verdict(log: &Log, fitted: &Fitted, kept: bool) {
+fn verdict(arguments: &FitArgs, fitted: &Fitted) {
     line(if fitted.accepted { "ACCEPTED" } else { "REFUSED" });
     fitted.reasons.iter().for_each(|reason| line(&format!("  {reason}")));
-    let path = log.path.display();
-    if fitted.accepted && !kept {
+    if fitted.accepted && arguments.output.is_none() {
         line("  keep it with -o cal.json");
     }
     let beyond = match (&fitted.solution, fitted.residual_floor_ut) {
@@ -216,7 +215,8 @@ fn verdict(log: &Log, fitted: &Fitted, kept: bool) {
     if beyond > UNEXPLAINED {
         line(&format!(
             "  the error is {beyond:.1} times what noise leaves: something is missing in the model; \
-             ironout diagnose {path} looks for it"
+             ironout diagnose {} looks for it",
+            arguments.log.typed()
         ));
     }
 }
