@@ -111,7 +111,7 @@ pub struct Status {
     pub state: State,
     /// Samples in motion, in the sums.
     pub n: u64,
-    /// Samples left out: at rest or saturated.
+    /// Samples left out: at rest, repeated or saturated.
     pub skipped: u64,
     /// Of those, samples at the sensor's limits.
     pub saturated: u64,
@@ -149,7 +149,9 @@ pub struct Session {
     gate: RestGate,
     sketch: Sketch,
     differences: SecondDifferences,
+    last: Option<[i16; 3]>,
     at_rest: u64,
+    repeated: u64,
     saturated: u64,
     outcome: Option<Outcome>,
 }
@@ -164,7 +166,9 @@ impl Session {
             gate: RestGate::new(config.ut_per_count, config.samples_per_block),
             sketch: Sketch::new(config.ut_per_count.map(|v| v as f32)),
             differences: SecondDifferences::new(config.ut_per_count.map(|v| v as f32)),
+            last: None,
             at_rest: 0,
+            repeated: 0,
             saturated: 0,
             outcome: None,
         }
@@ -214,6 +218,12 @@ impl Session {
             self.saturated += 1;
             return;
         }
+        // A sensor slower than its reader repeats itself; a repeated triple is one sample.
+        if self.last == Some(counts) {
+            self.repeated += 1;
+            return;
+        }
+        self.last = Some(counts);
         self.sketch.add(counts);
         self.differences.push(counts);
         let gated = self.gate.push(counts, &mut self.moments);
@@ -313,7 +323,7 @@ impl Session {
         Status {
             state: self.state,
             n: self.moments.count() + self.gate.pending(),
-            skipped: self.at_rest + self.saturated,
+            skipped: self.at_rest + self.repeated + self.saturated,
             saturated: self.saturated,
             coverage: if empty { 0.0 } else { coverage.fraction },
             gap_deg: if empty { 180.0 } else { coverage.gap_deg },

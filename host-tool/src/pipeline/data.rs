@@ -4,7 +4,7 @@ use crate::diagnose::Table;
 use crate::input::Log;
 use ironout::calibration::{Calibration, norm};
 use ironout::fit::FitError;
-use ironout::gate::{RestDetector, block_samples};
+use ironout::gate::{Motion, RestDetector, block_samples};
 use ironout::moments::Moments;
 use ironout::scatter::{Scatter, ScatterBuilder};
 
@@ -76,13 +76,19 @@ impl<'a> Data<'a> {
     pub fn moving(&self, unit: f64) -> Vec<u32> {
         let mut detector = RestDetector::new();
         let mut moving = Vec::with_capacity(self.rows.len());
+        let mut held: Vec<u32> = Vec::new();
         let samples: Vec<u32> = (0..self.rows.len() as u32).collect();
         for block in samples.chunks(usize::from(block_samples(self.rate_hz()))) {
             let (mean_ut, variance_ut2) = self.mean_and_variance(block);
-            if detector.is_motion(mean_ut.map(|v| v * unit), variance_ut2 * unit * unit, block.len() as u64) {
-                moving.extend_from_slice(block);
+            held.extend_from_slice(block);
+            match detector.judge(mean_ut.map(|v| v * unit), variance_ut2 * unit * unit, block.len() as u64) {
+                Motion::Moved => moving.append(&mut held),
+                Motion::Undecided => {}
+                Motion::Rest => held.clear(),
             }
         }
+        // A pause that was too short to be rest was motion.
+        moving.append(&mut held);
         moving
     }
 
