@@ -71,6 +71,9 @@ const GAP_S: f64 = 0.4;
 const BURST_PEAK: f64 = 9.0;
 /// ... and ends where it no longer does by this many.
 const BURST_EDGE: f64 = 2.5;
+/// On both sides of a burst the residual is usual: its median stays below this many robust standard deviations (0.67 for
+/// noise alone).
+const BURST_SIDE: f64 = 1.7;
 /// More than this share of a log is not a burst.
 const BURST_SHARE: f64 = 0.05;
 
@@ -237,6 +240,16 @@ pub fn bursts(residuals: &[f64]) -> Vec<(usize, usize)> {
         // The flanks of a passing magnet fade into the noise.
         let flank = (to - from) / 8;
         (from, to) = (from.saturating_sub(flank), (to + flank).min(n - 1));
+        // A burst stands alone: an effect that fades in or out, or comes in many bursts, has company on its sides.
+        let side = (to - from + 1).max(25);
+        let loud = |from: usize, to: usize| {
+            let mut part = off[from..to].to_vec();
+            part.len() > 5 && median(&mut part) > BURST_SIDE
+        };
+        if loud(from.saturating_sub(side), from) || loud(to + 1, (to + 1 + side).min(n)) {
+            at = to + 1;
+            continue;
+        }
         match events.last_mut() {
             Some(last) if from <= last.1 + 3 => last.1 = to,
             _ => events.push((from, to)),

@@ -3,6 +3,7 @@
 use super::alignment::{align, without_effects};
 use super::candidates::Catalogue;
 use super::engine::{BadShape, Fitted, Known, Pass, Piece};
+use super::frequency;
 use super::screen::{Candidate, SIGNIFICANCE, Screening, Tested, rivalry, screen};
 use super::search;
 use ironout::study::{Residual, held_out};
@@ -137,7 +138,12 @@ impl<'a> Greedy<'_, 'a> {
     fn with(&self, fitted: &Fitted<'a>, piece: &Piece<'a>) -> Result<Option<Fitted<'a>>, BadShape> {
         let mut pieces = fitted.pieces.clone();
         pieces.push(piece.clone());
-        self.pass.fit(fitted.model, pieces, self.known)
+        match self.pass.fit(fitted.model, pieces, self.known)? {
+            Some(next) if piece.id == frequency::PERIODIC => {
+                frequency::refine(&self.pass, next, self.known).map(Some)
+            }
+            other => Ok(other),
+        }
     }
 
     /// A late or squared column against the plain one: the plain wins unless the variant is significantly better.

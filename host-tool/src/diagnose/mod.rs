@@ -6,6 +6,7 @@ pub mod candidates;
 pub mod engine;
 pub mod faults;
 pub(crate) mod fft;
+pub mod frequency;
 pub mod greedy;
 pub mod json;
 pub mod outcome;

@@ -42,7 +42,11 @@ pub fn residue(residuals: &[f64], parameters: usize) -> Residue {
 
 /// Covariance of all columns: `σ² τ N⁻¹`.
 pub fn covariance(fitted: &Fitted, time: f64) -> Option<Vec<[f64; COLUMNS]>> {
-    let total = fitted.total();
+    covariance_of(&fitted.total(), fitted, time)
+}
+
+/// The same of a normal matrix with further columns, whose share in the errors of the others counts.
+pub fn covariance_of(total: &Matrix, fitted: &Fitted, time: f64) -> Option<Vec<[f64; COLUMNS]>> {
     let factor = total.factor()?;
     let freedom = (fitted.rows - fitted.columns() as f64).max(1.0);
     let variance = fitted.squares / freedom * time;

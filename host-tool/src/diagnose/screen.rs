@@ -5,10 +5,10 @@ use super::series::Autocorrelation;
 use ironout::study::{Gain, f_tail, held_out};
 
 /// A candidate is added if its probability under chance, times all that was searched, is below this.
-pub const SIGNIFICANCE: f64 = 0.02;
+pub const SIGNIFICANCE: f64 = 0.01;
 
 /// ... and if it takes at least this share off the squared held-out error: less is true perhaps, but not relevant.
-pub const RELEVANCE: f64 = 0.01;
+pub const RELEVANCE: f64 = 0.02;
 
 /// A candidate with the number of places that were searched for its fixed parameter.
 #[derive(Clone)]

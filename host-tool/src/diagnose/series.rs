@@ -72,7 +72,11 @@ impl Autocorrelation {
         // A correlation that white noise shows by chance is none.
         let chance = 3.0 / (n as f64).sqrt();
         let white = at.iter().skip(1).take(3).all(|value| value.abs() < chance) && time < 1.0 + 6.0 * chance;
-        Autocorrelation { at, time: if white { 1.0 } else { time.max(1.0) } }
+        // A fit takes out mostly slow changes, and there the sum above is decided: with few independent samples it comes
+        // out too short. The correlation from one sample to the next hardly suffers.
+        let next = at.get(1).copied().unwrap_or(0.0).clamp(0.0, 0.999);
+        let first_order = (1.0 + next) / (1.0 - next);
+        Autocorrelation { at, time: if white { 1.0 } else { time.max(first_order) } }
     }
 
     /// The lag beyond which short-memory noise with this correlation from one sample to the next has forgotten.

@@ -6,7 +6,7 @@ use super::engine::{BadShape, Earlier, Fitted, Known, Pass, Piece};
 use super::faults::{self, DataFault, Faults};
 use super::greedy::{Explanation, Greedy, Judged};
 use super::outcome::{CandidateRow, Diagnosis, Dip, FittedEffect, Heading, Status, StepRow, Verdict, Where};
-use super::quality::{Residue, covariance, information, noise_gain, predicted_error, residue};
+use super::quality::{Residue, covariance, covariance_of, information, noise_gain, predicted_error, residue};
 use super::samples::Samples;
 use super::screen::{Candidate, SIGNIFICANCE, screen};
 use super::series::rms;
@@ -363,7 +363,7 @@ impl<'a> View<'_, 'a> {
                 dip_rms_deg: Some(dip.after_deg),
             });
         }
-        let effects = self.effects(&left, &dip);
+        let effects = self.effects(&left, &dip)?;
         let covariance = covariance(fitted, left.time);
         let sigma =
             |index: usize| covariance.as_ref().map_or(f64::NAN, |rows| rows[index][index].max(0.0).sqrt());
@@ -631,9 +631,12 @@ impl<'a> View<'_, 'a> {
         list
     }
 
-    fn effects(&self, left: &Residue, dip: &Option<DipStudy>) -> Vec<FittedEffect> {
+    fn effects(&self, left: &Residue, dip: &Option<DipStudy>) -> Result<Vec<FittedEffect>, BadShape> {
         let fitted = &self.explanation.fitted;
-        let covariance = covariance(fitted, left.time);
+        let covariance = match super::frequency::with_slope(&self.pass, fitted)? {
+            Some(total) => covariance_of(&total, fitted, left.time),
+            None => covariance(fitted, left.time),
+        };
         let mut column = Residual::Magnitude.base_columns();
         let mut list = Vec::new();
         for piece in &fitted.pieces {
@@ -654,7 +657,7 @@ impl<'a> View<'_, 'a> {
         if !has_eddy && let Some((piece, error)) = dip.as_ref().and_then(|dip| dip.lag.as_ref()) {
             list.push(describe(piece, vec![*error]));
         }
-        list
+        Ok(list)
     }
 
     fn heading(&self, dip: &Option<DipStudy>) -> Result<Option<Heading>, BadShape> {
