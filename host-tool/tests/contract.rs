@@ -75,8 +75,13 @@ fn fit_prints_every_key_and_finds_the_truth() {
         let sigma = number(&object["std_errors"]["offset_ut"][axis]);
         assert!(error.abs() < 4.0 * sigma && sigma < 0.1, "axis {axis}: {error} ± {sigma}");
     }
-    for (row, column) in [(1, 0), (2, 0), (2, 1)] {
-        assert_eq!(number(&object["matrix"][row][column]), 0.0);
+    // With an accelerometer the whole matrix is known, not only a triangle of it: it undoes the true one.
+    let soft: Vec<Vec<f64>> = (0..3).map(|row| truth(&log, &format!("soft_iron[{row}]"))).collect();
+    for row in 0..3 {
+        for column in 0..3 {
+            let product: f64 = (0..3).map(|k| number(&object["matrix"][row][k]) * soft[k][column]).sum();
+            assert!((product - f64::from(u8::from(row == column))).abs() < 0.02, "{row} {column}: {product}");
+        }
     }
     // White noise: every way to the floor agrees.
     let (rms, floor) = (number(&object["rms_ut"]), number(&object["residual_floor_ut"]));
@@ -85,6 +90,20 @@ fn fit_prints_every_key_and_finds_the_truth() {
     let noise = number(&object["noise_floor_ut"]);
     assert!((noise / 0.2517 - 1.0).abs() < 0.05, "{noise}");
     assert!(number(&object["coverage"]) > 0.8 && number(&object["gap_deg"]) < 60.0);
+}
+
+#[test]
+fn without_an_accelerometer_the_matrix_is_triangular() {
+    let here = folder("triangular");
+    let without = ["ax_mps2", "ay_mps2", "az_mps2"].map(|name| ["--without", name]).concat();
+    let log = simulate(&here, "log.csv", &without);
+    let object = ironout(["fit", text(&log), "--json"]).json();
+    for (row, column) in [(1, 0), (2, 0), (2, 1)] {
+        assert_eq!(number(&object["matrix"][row][column]), 0.0);
+        assert_eq!(number(&object["std_errors"]["matrix"][row][column]), 0.0);
+    }
+    assert!((0..3).all(|i| number(&object["matrix"][i][i]) > 0.0));
+    assert!(object["heading_error_deg"].is_null(), "the dip is not known");
 }
 
 #[test]
