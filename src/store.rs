@@ -8,7 +8,7 @@ use core::fmt;
 
 use embedded_storage::Storage;
 
-use crate::record::{MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, is_newer};
+use crate::record::{DoesNotFit, MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, is_newer};
 
 /// How often a slot is read or written before the store is called failed: a bus may lose a byte now and then.
 const ATTEMPTS: u32 = 3;
@@ -60,6 +60,8 @@ pub enum StoreError {
     Write(Slot),
     /// A slot was written, and reads back as something else.
     NotConfirmed(Slot),
+    /// The record's effects take more room than a slot has.
+    DoesNotFit,
 }
 
 impl fmt::Display for StoreError {
@@ -68,6 +70,7 @@ impl fmt::Display for StoreError {
             StoreError::Read(slot) => write!(f, "slot {slot} cannot be read"),
             StoreError::Write(slot) => write!(f, "slot {slot} cannot be written"),
             StoreError::NotConfirmed(slot) => write!(f, "slot {slot} does not read back as written"),
+            StoreError::DoesNotFit => DoesNotFit.fmt(f),
         }
     }
 }
@@ -262,7 +265,8 @@ pub fn save(
     }
     let target = slots.target(in_use);
     record.sequence = slots.newest_sequence().map_or(1, |newest| newest.wrapping_add(1));
-    write_confirmed(store, target, &record.encode())?;
+    let encoded = record.encode().map_err(|DoesNotFit| StoreError::DoesNotFit)?;
+    write_confirmed(store, target, encoded.as_bytes())?;
     Ok((target, record))
 }
 
@@ -279,18 +283,15 @@ pub fn erase(store: &mut impl Store) -> Result<(), StoreError> {
     Ok(())
 }
 
-fn write_confirmed(
-    store: &mut impl Store,
-    slot: Slot,
-    wanted: &[u8; RECORD_BYTES],
-) -> Result<(), StoreError> {
+fn write_confirmed(store: &mut impl Store, slot: Slot, wanted: &[u8]) -> Result<(), StoreError> {
     let mut result = Err(StoreError::Write(slot));
     for _ in 0..ATTEMPTS {
-        let mut found = [0; RECORD_BYTES];
+        let mut found = [0; MAX_RECORD_BYTES];
+        let Some(found) = found.get_mut(..wanted.len()) else { return Err(StoreError::DoesNotFit) };
         result = store
             .write_slot(slot, wanted)
-            .and_then(|()| store.read_slot(slot, &mut found))
-            .and_then(|()| if found == *wanted { Ok(()) } else { Err(StoreError::NotConfirmed(slot)) });
+            .and_then(|()| store.read_slot(slot, found))
+            .and_then(|()| if found == wanted { Ok(()) } else { Err(StoreError::NotConfirmed(slot)) });
         if result.is_ok() {
             break;
         }

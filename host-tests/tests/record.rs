@@ -1,8 +1,15 @@
 //! The stored record and its two slots, in a memory that can be torn, flipped and broken.
 
 use ironout::calibration::Calibration;
+use ironout::effect::{
+    AmbientField, BuiltIn, ColumnName, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity, Offset,
+    Periodic, Power, Step,
+};
+use ironout::extended::{Effects, FittedEffect};
 use ironout::fit::{Method, Model};
-use ironout::record::{MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, is_newer};
+use ironout::record::{
+    DoesNotFit, MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, VERSION, VERSION_WITH_EFFECTS, is_newer,
+};
 use ironout::store::{self, Slot, SlotState, Slots, Store, StoreError};
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -15,12 +22,55 @@ fn record(offset_x_ut: f64) -> Record {
             matrix: [[1.01, 0.02, -0.03], [0.0, 0.97, 0.1], [0.0, 0.0, 1.1]],
             field_ut: 48.123_456_789,
         },
+        effects: Effects::none(),
         method: Method::Adjusted,
         model: Model::Ellipsoid,
         samples: 3000,
         noise_ut: 0.25,
         rms_ut: 0.26,
     }
+}
+
+fn bytes(record: &Record) -> Vec<u8> {
+    record.encode().expect("it fits").as_bytes().to_vec()
+}
+
+fn fitted(effect: BuiltIn<f64>) -> FittedEffect<f64> {
+    let k = Effect::<f64>::coefficients(&effect);
+    FittedEffect {
+        effect,
+        coefficients: std::array::from_fn(|i| if i < k { 0.1 / (i + 1) as f64 } else { 0.0 }),
+        // In single precision, as a record keeps them.
+        std_errors: std::array::from_fn(|i| if i < k { f64::from(0.01_f32 / (i + 1) as f32) } else { 0.0 }),
+    }
+}
+
+fn all_effects() -> [BuiltIn<f64>; 13] {
+    let column = ColumnName::new("battery_current_a").expect("a name");
+    let offset = |power, delay_s| BuiltIn::Offset(Offset { column, reference: 1.0 / 3.0, power, delay_s });
+    [
+        offset(Power::Linear, None),
+        offset(Power::Squared, None),
+        offset(Power::Linear, Some(0.1)),
+        offset(Power::Squared, Some(0.1)),
+        BuiltIn::Gain(Gain { column, reference: -0.7 }),
+        BuiltIn::Field(AmbientField { column, reference: 1e-7 }),
+        BuiltIn::Drift(Drift { reference_s: 61.7 }),
+        BuiltIn::Step(Step { at_s: 12.34 }),
+        BuiltIn::Lag(Lag),
+        BuiltIn::Eddy(Eddy),
+        BuiltIn::Nonlinearity(Nonlinearity),
+        BuiltIn::CrossAxis(CrossAxis),
+        BuiltIn::Periodic(Periodic { frequency_hz: 16.67, reference_s: 0.1 }),
+    ]
+}
+
+fn with(effects: &[BuiltIn<f64>]) -> Record {
+    let mut record = record(93.25);
+    for effect in effects {
+        record.effects.push(fitted(*effect)).expect("four at most");
+    }
+    record
 }
 
 /// 1024 bytes, of which the next `writes_left` may still be written; then the power is gone.
@@ -61,22 +111,71 @@ impl Store for Memory {
 #[test]
 fn a_record_reads_back_to_the_same_bits() {
     let written = Record { sequence: 7, ..record(93.25) };
-    let read = Record::decode(&written.encode()).unwrap();
+    let read = Record::decode(&bytes(&written)).unwrap();
     assert_eq!(read, written);
     assert_eq!(read.calibration.offset_ut[1].to_bits(), (-1.0_f64 / 3.0).to_bits());
     for method in [Method::Adjusted, Method::Trace, Method::Constant] {
         for model in [Model::Ellipsoid, Model::AxisAligned, Model::Sphere] {
             let written = Record { method, model, ..written };
-            assert_eq!(Record::decode(&written.encode()), Ok(written));
+            assert_eq!(Record::decode(&bytes(&written)), Ok(written));
         }
     }
 }
 
 #[test]
+fn effects_read_back_to_the_same_bits() {
+    for effect in all_effects() {
+        let written = with(&[effect]);
+        assert_eq!(Record::decode(&bytes(&written)), Ok(written), "{effect:?}");
+        assert_eq!(bytes(&written)[4], VERSION_WITH_EFFECTS);
+    }
+    let usual = &all_effects()[..4];
+    assert_eq!(Record::decode(&bytes(&with(usual))), Ok(with(usual)), "four of the usual kind fit");
+}
+
+#[test]
+fn a_record_without_effects_is_one_that_older_firmware_reads() {
+    let plain = bytes(&record(93.25));
+    assert_eq!((plain.len(), plain[4], plain[7]), (RECORD_BYTES, VERSION, 0));
+}
+
+#[test]
+fn effects_that_take_more_room_than_a_slot_are_refused_and_the_record_in_use_stays() {
+    let wide =
+        with(&[BuiltIn::Eddy(Eddy), BuiltIn::CrossAxis(CrossAxis), all_effects()[10], all_effects()[12]]);
+    assert_eq!(wide.encode(), Err(DoesNotFit));
+    let mut memory = Memory::new();
+    store::save(&mut memory, None, record(1.0)).unwrap();
+    let before = memory.bytes;
+    assert_eq!(store::save(&mut memory, None, wide), Err(StoreError::DoesNotFit));
+    assert_eq!(memory.bytes, before);
+}
+
+#[test]
+fn a_record_with_effects_cut_or_flipped_anywhere_is_torn() {
+    let good = bytes(&with(&all_effects()[2..5]));
+    for bit in 0..good.len() * 8 {
+        let mut bad = good.clone();
+        bad[bit / 8] ^= 1 << (bit % 8);
+        assert_eq!(Record::decode(&bad), Err(RecordError::Torn), "bit {bit}");
+    }
+    for length in 1..good.len() {
+        assert_eq!(Record::decode(&good[..length]), Err(RecordError::Torn), "{length} bytes");
+    }
+    let sound = with(&all_effects()[..1]);
+    let mut nan = sound;
+    nan.effects = Effects::none();
+    let mut broken = fitted(all_effects()[0]);
+    broken.coefficients[1] = f64::NAN;
+    nan.effects.push(broken).unwrap();
+    assert_eq!(Record::decode(&bytes(&nan)), Err(RecordError::Unsound { sequence: 0 }));
+}
+
+#[test]
 fn every_single_flipped_bit_is_noticed() {
-    let good = record(93.25).encode();
+    let good = bytes(&record(93.25));
     for bit in 0..RECORD_BYTES * 8 {
-        let mut bad = good;
+        let mut bad = good.clone();
         bad[bit / 8] ^= 1 << (bit % 8);
         assert_eq!(Record::decode(&bad), Err(RecordError::Torn), "bit {bit}");
     }
@@ -84,7 +183,7 @@ fn every_single_flipped_bit_is_noticed() {
 
 #[test]
 fn a_record_cut_short_is_torn_and_nothing_is_empty() {
-    let good = record(93.25).encode();
+    let good = bytes(&record(93.25));
     for length in 1..RECORD_BYTES {
         assert_eq!(Record::decode(&good[..length]), Err(RecordError::Torn), "{length} bytes");
         let mut half = [0xff; MAX_RECORD_BYTES];
@@ -107,14 +206,14 @@ fn with_crc(mut bytes: Vec<u8>) -> Vec<u8> {
 
 #[test]
 fn a_newer_layout_is_told_from_damage_and_unsound_numbers_are_refused() {
-    let good = Record { sequence: 9, ..record(1.0) }.encode().to_vec();
+    let good = bytes(&Record { sequence: 9, ..record(1.0) });
     assert_eq!(with_crc(good.clone()), good, "the test's own checksum agrees with the record's");
 
     let mut longer = good.clone();
     longer.splice(144..144, [7; 88]);
-    (longer[4], longer[7]) = (2, 1);
+    (longer[4], longer[7]) = (3, 1);
     longer[12..14].copy_from_slice(&236_u16.to_le_bytes());
-    let newer = RecordError::Unsupported { version: 2, sequence: 9 };
+    let newer = RecordError::Unsupported { version: 3, sequence: 9 };
     assert_eq!(Record::decode(&with_crc(longer)), Err(newer));
 
     for (at, value) in [(16, f64::NAN), (16, -48.0), (24, f64::INFINITY), (48, 0.0), (128, f64::NAN)] {
@@ -126,7 +225,7 @@ fn a_newer_layout_is_told_from_damage_and_unsound_numbers_are_refused() {
             "{value} at {at}"
         );
     }
-    let mut bad = good;
+    let mut bad = good.clone();
     bad[5] = 99;
     assert_eq!(Record::decode(&with_crc(bad)), Err(RecordError::Unsound { sequence: 9 }));
 }
@@ -139,8 +238,8 @@ proptest! {
         bytes in prop_oneof![
             vec(any::<u8>(), 0..600),
             // A record with a few bytes changed and its checksum made right again.
-            vec((0..RECORD_BYTES - 4, any::<u8>()), 0..6).prop_map(|changes| {
-                let mut bytes = record(2.0).encode().to_vec();
+            vec((0..200_usize, any::<u8>()), 0..6).prop_map(|changes| {
+                let mut bytes = bytes(&with(&all_effects()[..2]));
                 changes.into_iter().for_each(|(at, byte)| bytes[at] = byte);
                 with_crc(bytes)
             }),
@@ -148,7 +247,7 @@ proptest! {
     ) {
         if let Ok(record) = Record::decode(&bytes) {
             // The reserved bytes are written as 0 whatever they were.
-            let again = Record::decode(&record.encode());
+            let again = Record::decode(record.encode().expect("it fits").as_bytes());
             prop_assert_eq!(again, Ok(record));
             prop_assert!(record.calibration.is_sound());
         }

@@ -3,6 +3,8 @@
 use core::fmt;
 
 use super::{Active, Device, SensorFault};
+use crate::effect::{AmbientField, BuiltIn, Drift, Effect, Gain, Offset, Periodic, Step};
+use crate::extended::{Effects, FittedEffect};
 use crate::fit::FitReport;
 use crate::protocol::{Answered, Code, Reply};
 use crate::quality::Reason;
@@ -74,7 +76,7 @@ impl Device {
         let in_use = self.active.as_ref().map(|active| active.slot);
         let (slot, record) = store::save(store, in_use, record_of(report)).map_err(NotAccepted::Store)?;
         self.session.accept().map_err(NotAccepted::State)?;
-        self.active = Some(Active::new(slot, record));
+        self.active = Active::new(slot, record);
         Ok(slot)
     }
 
@@ -172,6 +174,9 @@ impl Device {
         for [x, y, z] in record.calibration.matrix {
             reply.line(format_args!("matrix={x:?},{y:?},{z:?}"));
         }
+        for fitted in record.effects.iter() {
+            reply.line(format_args!("effect={}", Row(fitted)));
+        }
         reply.ok(format_args!(
             "field_ut={:?} method={} model={} n={} rms_ut={:.4} noise_ut={:.4} stored={}",
             record.calibration.field_ut,
@@ -202,6 +207,7 @@ fn record_of(report: &FitReport) -> Record {
     Record {
         sequence: 0,
         calibration: report.calibration,
+        effects: Effects::none(),
         method: report.method,
         model: report.model,
         samples: report.samples,
@@ -227,5 +233,37 @@ impl fmt::Display for Quality<'_> {
             report.noise_ut,
             100.0 * report.predicted_error_ut / report.calibration.field_ut,
         )
+    }
+}
+
+/// An effect, as `cal show` gives it: every number to the last bit but the standard errors.
+struct Row<'a>(&'a FittedEffect<f64>);
+
+impl fmt::Display for Row<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Row(FittedEffect { effect, coefficients, std_errors }) = self;
+        let k = effect.coefficients();
+        Effect::<f64>::id(effect, f)?;
+        for (key, values) in [(" coefficients=", coefficients), (" std_errors=", std_errors)] {
+            for (index, value) in values.iter().take(k).enumerate() {
+                f.write_str(if index == 0 { key } else { "," })?;
+                write!(f, "{value:?}")?;
+            }
+        }
+        match effect {
+            BuiltIn::Offset(Offset { reference, delay_s, .. }) => {
+                write!(f, " reference={reference:?}")?;
+                delay_s.map_or(Ok(()), |delay| write!(f, " delay_s={delay:?}"))
+            }
+            BuiltIn::Gain(Gain { reference, .. }) | BuiltIn::Field(AmbientField { reference, .. }) => {
+                write!(f, " reference={reference:?}")
+            }
+            BuiltIn::Drift(Drift { reference_s }) => write!(f, " reference={reference_s:?}"),
+            BuiltIn::Step(Step { at_s }) => write!(f, " at_s={at_s:?}"),
+            BuiltIn::Periodic(Periodic { frequency_hz, reference_s }) => {
+                write!(f, " reference={reference_s:?} frequency_hz={frequency_hz:?}")
+            }
+            BuiltIn::Lag(_) | BuiltIn::Eddy(_) | BuiltIn::Nonlinearity(_) | BuiltIn::CrossAxis(_) => Ok(()),
+        }
     }
 }

@@ -3,16 +3,19 @@
 use core::fmt;
 
 use super::Device;
+use crate::effect::ColumnName;
+use crate::extended::Live;
 use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Reply, StreamMode};
 use crate::session::State;
 use crate::store::{Slots, Store};
 
-const HELP: [&str; 7] = [
+const HELP: [&str; 8] = [
     "help | version | status",
     "cal start | cal stop | cal accept | cal cancel | cal show | cal clear",
     "cal method adjusted|trace|constant",
     "stream off | stream raw | stream cal | stream motioncal",
     "field UT: the expected magnitude, microtesla",
+    "cov NAME=VALUE: a column that the calibration's effects follow, as in cov temp_c=31.5",
     "a calibration: cal start, turn the board in all directions, cal stop, cal accept",
     "status says where to turn next",
 ];
@@ -70,6 +73,7 @@ impl Device {
                 reply.ok(format_args!("method={}", method.name()))
             }
             Command::Stream(mode) => self.set_stream(reply, mode),
+            Command::Cov(name, value) => self.cov(reply, &name, value),
             Command::Field(field_ut) => {
                 if self.session.set_field_ut(Some(field_ut)) {
                     reply.ok(format_args!("field_ut={field_ut:?}"))
@@ -78,6 +82,17 @@ impl Device {
                 }
             }
         }
+    }
+
+    /// Feeds a column to the calibration in use; it keeps the value until it is fed again.
+    fn cov<W: fmt::Write>(&mut self, reply: Reply<'_, W>, name: &ColumnName, value: f64) -> Answered {
+        let now_ms = self.now_ms;
+        let Some(active) = &mut self.active else {
+            return reply
+                .err(Code::State, format_args!("there is no calibration whose effects could follow {name}"));
+        };
+        let used = active.feed(name.as_str(), value, now_ms);
+        reply.ok(format_args!("{name}={value:?} used={}", u8::from(used)))
     }
 
     fn version<W: fmt::Write>(&self, mut reply: Reply<'_, W>, store: &mut impl Store) -> Answered {
@@ -99,7 +114,18 @@ impl Device {
         match self.sensor.fault() {
             Some(fault) => reply.line(format_args!("sensor {} {fault}", self.config.sensor)),
             None if status.state == State::Idle && self.active.is_some() => {
-                reply.line(format_args!("hint a calibration is in use; begin another one with: cal start"));
+                let live = self.active.as_ref().map(|active| &active.live);
+                match live.and_then(Live::waits_for) {
+                    Some(column) => {
+                        reply.line(format_args!("hint the calibration waits for: cov {column}=VALUE"))
+                    }
+                    None if live.is_some_and(Live::needs_gyro) => reply.line(format_args!(
+                        "hint the calibration needs a rate of turn, which this board does not have"
+                    )),
+                    None => reply.line(format_args!(
+                        "hint a calibration is in use; begin another one with: cal start"
+                    )),
+                }
             }
             None => reply.line(format_args!("hint {}", status.hint)),
         }

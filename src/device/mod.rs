@@ -56,6 +56,8 @@ use core::fmt;
 use core::mem;
 
 use crate::calibration::Calibration;
+use crate::effect::TIME;
+use crate::extended::Live;
 use crate::gate::block_samples;
 use crate::protocol::{Line, LineSplitter, StreamMode};
 use crate::record::Record;
@@ -85,12 +87,36 @@ pub struct DeviceConfig {
 struct Active {
     record: Record,
     slot: Slot,
-    live: Calibration<f32>,
+    live: Live<f32>,
+    /// What has to be added to the time since power-up to give the time that effects of time go by; unknown until it is fed.
+    clock_s: Option<f64>,
 }
 
 impl Active {
-    fn new(slot: Slot, record: Record) -> Self {
-        Self { record, slot, live: record.calibration.cast() }
+    /// `None` where the record's effects cannot run here.
+    fn new(slot: Slot, record: Record) -> Option<Self> {
+        let live = Live::new(&record.extended().cast()).ok()?;
+        Some(Self { record, slot, live, clock_s: None })
+    }
+
+    /// The correction at this time.
+    fn at(&mut self, t_ms: u64) -> &Live<f32> {
+        if self.live.needs_time() {
+            let now_s = t_ms as f64 / 1000.0;
+            self.live.advance(now_s + self.clock_s.unwrap_or(0.0));
+            if self.clock_s.is_none() {
+                self.live.set(TIME, f32::NAN);
+            }
+        }
+        &self.live
+    }
+
+    /// Feeds a column; the time too. Says whether an effect reads it.
+    fn feed(&mut self, column: &str, value: f64, t_ms: u64) -> bool {
+        if column == TIME {
+            self.clock_s = Some(value - t_ms as f64 / 1000.0);
+        }
+        self.live.set(column, value as f32)
     }
 }
 
@@ -106,6 +132,8 @@ pub struct Device {
     /// A slot could not be read when the store was looked at last.
     store_unread: bool,
     restarts: Restarts,
+    /// Time of the last sample.
+    now_ms: u64,
 }
 
 /// Restarts of the board after a fault of its firmware.
@@ -134,6 +162,7 @@ impl Device {
             splitter: LineSplitter::new(),
             store_unread: true,
             restarts: Restarts::default(),
+            now_ms: 0,
         }
     }
 
@@ -150,7 +179,7 @@ impl Device {
         let slots = Slots::inspect(store);
         self.store_unread = slots.unreadable().is_some();
         if let Some((slot, record)) = slots.current() {
-            self.active = Some(Active::new(slot, *record));
+            self.active = Active::new(slot, *record);
         }
         slots
     }
@@ -187,6 +216,7 @@ impl Device {
         out: &mut impl fmt::Write,
     ) -> fmt::Result {
         self.session.push(counts, saturated);
+        self.now_ms = t_ms;
         if self.stream == StreamMode::Off {
             return Ok(());
         }
@@ -194,7 +224,8 @@ impl Device {
         let [sx, sy, sz] = self.config.ut_per_count;
         let measured_ut = (!saturated).then_some([x * sx, y * sy, z * sz]);
         let sample = stream::Sample { t_ms, counts, measured_ut };
-        stream::write_line(out, self.stream, &sample, self.active.as_ref().map(|active| &active.live))
+        let live = self.active.as_mut().map(|active| active.at(t_ms));
+        stream::write_line(out, self.stream, &sample, live)
     }
 
     /// Takes one byte from the console; where it ends a line, the answer goes to `out`.

@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use crate::calibration::{Calibration, norm};
+use crate::calibration::norm;
+use crate::extended::Live;
 use crate::math;
 use crate::protocol::StreamMode;
 
@@ -20,7 +21,7 @@ pub(super) fn write_line(
     out: &mut impl fmt::Write,
     mode: StreamMode,
     sample: &Sample,
-    calibration: Option<&Calibration<f32>>,
+    calibration: Option<&Live<f32>>,
 ) -> fmt::Result {
     match mode {
         StreamMode::Off => Ok(()),
@@ -29,8 +30,12 @@ pub(super) fn write_line(
             writeln!(out, "R,{},{x},{y},{z}", sample.t_ms)
         }
         StreamMode::Calibrated => {
-            let corrected = sample.measured_ut.zip(calibration);
-            let Some((ut, cal)) = corrected.map(|(measured, cal)| (cal.apply(measured), cal)) else {
+            // Not known either where an effect waits for its column: nothing else is passed off as corrected.
+            let corrected = sample
+                .measured_ut
+                .zip(calibration)
+                .and_then(|(measured, cal)| Some((cal.apply(measured, None).ok()?, cal)));
+            let Some((ut, cal)) = corrected else {
                 return writeln!(out, "C,{},-,-,-,-,-", sample.t_ms);
             };
             let ([x, y, z], length, residual) = (ut, norm(ut), cal.residual_ut(ut));
@@ -53,6 +58,7 @@ mod tests {
     extern crate std;
     use super::{Sample, write_line};
     use crate::calibration::Calibration;
+    use crate::extended::{ExtendedCalibration, Live};
     use crate::protocol::StreamMode;
     use std::string::String;
 
@@ -60,7 +66,8 @@ mod tests {
         let calibration = Calibration { offset_ut: [93.0, 0.0, -1.0], ..Calibration::identity(48.0) };
         let sample = Sample { t_ms: 1260, counts: [-4096, 7, -300], measured_ut };
         let mut out = String::new();
-        write_line(&mut out, mode, &sample, Some(&calibration)).unwrap();
+        let live = Live::new(&ExtendedCalibration::plain(calibration)).unwrap();
+        write_line(&mut out, mode, &sample, Some(&live)).unwrap();
         out
     }
 

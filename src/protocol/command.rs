@@ -1,5 +1,6 @@
 //! What can be asked of the board.
 
+use crate::effect::ColumnName;
 use crate::fit::Method;
 
 /// What is sent unasked, one line a sample.
@@ -44,6 +45,8 @@ pub enum Command {
     Stream(StreamMode),
     /// `field UT`: the expected magnitude in µT.
     Field(f64),
+    /// `cov NAME=VALUE`: what a column that effects may follow is now.
+    Cov(ColumnName, f64),
 }
 
 /// Why a line is no command.
@@ -68,12 +71,8 @@ pub fn parse(line: &str) -> Result<Command, ParseError> {
     let mut words = line.split(' ').filter(|word| !word.is_empty());
     let first = words.next().ok_or(ParseError::Usage("an empty command; try help"))?;
     let (second, third) = (words.next(), words.next());
-    if matches!(first, "effect" | "why" | "cov") {
-        return Err(ParseError::NotBuilt(match first {
-            "effect" => "effect",
-            "why" => "why",
-            _ => "cov",
-        }));
+    if matches!(first, "effect" | "why") {
+        return Err(ParseError::NotBuilt(if first == "why" { "why" } else { "effect" }));
     }
     let too_many = words.next().is_some();
     let (command, usage) = match first {
@@ -88,6 +87,10 @@ pub fn parse(line: &str) -> Result<Command, ParseError> {
         "field" => (
             third.is_none().then(|| field(second)).flatten(),
             "field UT, the expected magnitude, 1 to 1000 microtesla",
+        ),
+        "cov" => (
+            third.is_none().then(|| cov(second)).flatten(),
+            "cov NAME=VALUE, one column and a number, as in cov temp_c=31.5",
         ),
         _ => return Err(ParseError::Unknown),
     };
@@ -128,9 +131,17 @@ fn field(value: Option<&str>) -> Option<Command> {
     FIELD_UT.contains(&ut).then_some(Command::Field(ut))
 }
 
+fn cov(assignment: Option<&str>) -> Option<Command> {
+    let (name, value) = assignment?.split_once('=')?;
+    let value: f64 = value.parse().ok()?;
+    // It is kept in single precision.
+    (value as f32).is_finite().then_some(Command::Cov(ColumnName::new(name).ok()?, value))
+}
+
 #[cfg(test)]
 mod tests {
     use super::{Command, ParseError, StreamMode, parse};
+    use crate::effect::ColumnName;
     use crate::fit::Method;
 
     #[test]
@@ -153,6 +164,7 @@ mod tests {
             ("stream cal", Command::Stream(StreamMode::Calibrated)),
             ("stream motioncal", Command::Stream(StreamMode::MotionCal)),
             ("field 48.5", Command::Field(48.5)),
+            ("cov current_a=-3.2", Command::Cov(ColumnName::new("current_a").unwrap(), -3.2)),
             ("  cal   start ", Command::CalStart),
         ] {
             assert_eq!(parse(line), Ok(command), "{line}");
@@ -182,6 +194,14 @@ mod tests {
             "field 0",
             "field 1e9",
             "field 48 uT",
+            "cov",
+            "cov temp_c",
+            "cov temp_c=warm",
+            "cov temp_c=nan",
+            "cov temp_c=1e39",
+            "cov =3",
+            "cov temp_c=1 2",
+            "cov a_name_longer_than_any_column_may_be=1",
             "   ",
         ] {
             assert!(matches!(parse(line), Err(ParseError::Usage(_))), "{line}");
@@ -193,12 +213,7 @@ mod tests {
         for line in ["hlep", "HELP", "Cal start", "calibrate", "calstart"] {
             assert_eq!(parse(line), Err(ParseError::Unknown), "{line}");
         }
-        for (line, word) in [
-            ("effect list", "effect"),
-            ("effect add lag", "effect"),
-            ("why", "why"),
-            ("cov a_b=1 2 3 4", "cov"),
-        ] {
+        for (line, word) in [("effect list", "effect"), ("effect add lag", "effect"), ("why", "why")] {
             assert_eq!(parse(line), Err(ParseError::NotBuilt(word)), "{line}");
         }
     }

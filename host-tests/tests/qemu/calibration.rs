@@ -125,7 +125,7 @@ fn turned_about_one_axis_only_it_is_refused_and_keeps_its_calibration() {
     if !qemu::available("refusal") {
         return;
     }
-    let image = crate::support::eeprom([&crate::support::record(1, 12.5).encode(), &[]]);
+    let image = crate::support::eeprom([&crate::support::bytes(&crate::support::record(1, 12.5)), &[]]);
     let mut board = crate::support::board_with(&image, &qemu::Options::default());
     let before = ok(&mut board, "cal show");
     ok(&mut board, "stream raw");

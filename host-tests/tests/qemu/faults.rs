@@ -2,7 +2,7 @@
 //!
 //! A sound firmware has no way into them, so that a debugger has to push it.
 
-use crate::support::{board_with, eeprom, firmware, log, ok, record};
+use crate::support::{board_with, bytes, eeprom, firmware, log, ok, record};
 use ironout_host_tests::qemu::{self, Debugger, Emulator, Options};
 use std::time::Duration;
 
@@ -24,7 +24,7 @@ fn a_fault_leaves_its_trace_and_the_board_goes_on() {
     if !qemu::available("faults") {
         return;
     }
-    let image = eeprom([&record(1, 12.5).encode(), &[]]);
+    let image = eeprom([&bytes(&record(1, 12.5)), &[]]);
     let mut board = board_with(&image, &Options { debugger: true, ..Options::default() });
     assert_eq!(ok(&mut board, "status").value("faults"), Some("0"));
 

@@ -1,6 +1,6 @@
 //! The stored calibration: which of two records counts, and what becomes of a torn one.
 
-use crate::support::{ask, board_with, eeprom, ok, record, start};
+use crate::support::{ask, board_with, bytes, eeprom, ok, record, start};
 use ironout_host_tests::qemu::{self, Emulator, Options, PoweredOff};
 
 /// The offset in use, or `None` without a calibration.
@@ -19,14 +19,14 @@ fn the_newer_of_two_records_counts_and_a_torn_one_does_not() {
     if !qemu::available("store") {
         return;
     }
-    let (old, new) = (record(6, 11.0).encode(), record(7, 22.0).encode());
+    let (old, new) = (bytes(&record(6, 11.0)), bytes(&record(7, 22.0)));
     let mut board = board_with(&eeprom([&old, &new]), &Options::default());
     assert_eq!(offset_in_use(&mut board).as_deref(), Some("22.0,22.0,22.0"));
     assert_eq!(slots(&mut board), "stale-6,current-7");
 
     // A power cut within the write of the newer record: some of its pages are written, the rest holds what was there.
     for written in [32, 64, 96, 128, new.len() - 1] {
-        let mut torn = record(5, 33.0).encode();
+        let mut torn = bytes(&record(5, 33.0));
         torn[..written].copy_from_slice(&new[..written]);
         let off = board.power_cut().unwrap();
         off.set_eeprom(&eeprom([&old, &torn])).unwrap();

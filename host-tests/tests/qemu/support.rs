@@ -2,6 +2,7 @@
 
 use defmt_decoder::{DecodeError, Table};
 use ironout::calibration::Calibration;
+use ironout::extended::Effects;
 use ironout::fit::{Method, Model};
 use ironout::record::{MAX_RECORD_BYTES, Record};
 use ironout_host_tests::qemu::{Emulator, Firmware, Options, PoweredOff, Reply};
@@ -70,12 +71,18 @@ pub fn record(sequence: u32, offset_ut: f64) -> Record {
     Record {
         sequence,
         calibration: Calibration { offset_ut: [offset_ut; 3], ..Calibration::identity(FIELD_UT) },
+        effects: Effects::none(),
         method: Method::Adjusted,
         model: Model::Ellipsoid,
         samples: 400,
         noise_ut: 0.05,
         rms_ut: 0.05,
     }
+}
+
+/// Its bytes.
+pub fn bytes(record: &Record) -> Vec<u8> {
+    record.encode().expect("it fits").as_bytes().to_vec()
 }
 
 /// An EEPROM with these bytes at the beginning of its slots.

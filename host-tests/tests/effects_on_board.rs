@@ -1,0 +1,146 @@
+//! A stored calibration that carries effects, on the simulated board: applied once its columns are fed, and never guessed.
+
+mod common;
+
+use common::{last, world_board};
+use ironout::calibration::Calibration;
+use ironout::effect::{BuiltIn, ColumnName, Drift, Gain, Offset, Power};
+use ironout::extended::{Conditions, Effects, ExtendedCalibration, FittedEffect};
+use ironout::fit::{Method, Model};
+use ironout::record::Record;
+use ironout_host_tests::board::SimBoard;
+use ironout_host_tests::world::Motion;
+
+fn fitted(effect: BuiltIn<f64>, theta: [f64; 3]) -> FittedEffect<f64> {
+    let pad = |values: [f64; 3]| std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0));
+    FittedEffect { effect, coefficients: pad(theta), std_errors: pad([0.001; 3]) }
+}
+
+fn record(effects: &[FittedEffect<f64>]) -> Record {
+    let mut list = Effects::none();
+    for effect in effects {
+        list.push(*effect).expect("four at most");
+    }
+    Record {
+        sequence: 1,
+        calibration: Calibration { offset_ut: [3.0, -2.0, 1.0], ..Calibration::identity(50.0) },
+        effects: list,
+        method: Method::Adjusted,
+        model: Model::Ellipsoid,
+        samples: 3000,
+        noise_ut: 0.25,
+        rms_ut: 0.25,
+    }
+}
+
+/// A board with this record in its EEPROM.
+fn board_with(record: &Record) -> SimBoard {
+    let mut board = world_board(Motion::Sphere, 5);
+    let bytes = record.encode().expect("it fits");
+    board.eeprom.borrow_mut().memory[..bytes.as_bytes().len()].copy_from_slice(bytes.as_bytes());
+    board.restart();
+    board.run_ms(100);
+    board
+}
+
+/// A raw and a corrected vector of samples next to each other in time: the board is at rest in between.
+fn stream_cal(board: &mut SimBoard) -> Vec<String> {
+    last(board, "stream cal");
+    board.run_ms(45);
+    let lines = board.received();
+    last(board, "stream off");
+    lines.into_iter().filter(|line| line.starts_with("C,")).collect()
+}
+
+fn column(name: &str) -> ColumnName {
+    ColumnName::new(name).expect("a name")
+}
+
+#[test]
+fn effects_are_applied_once_their_columns_are_fed() {
+    let temperature = BuiltIn::Offset(Offset::linear(column("temp_c"), 25.0));
+    let current = BuiltIn::Gain(Gain { column: column("current_a"), reference: 0.0 });
+    let record = record(&[fitted(temperature, [1.0, -2.0, 0.5]), fitted(current, [0.01, 0.0, -0.01])]);
+    let mut board = board_with(&record);
+
+    let show = board.command("cal show");
+    assert!(
+        show.contains(
+            &"+ effect=offset:temp_c coefficients=1.0,-2.0,0.5 std_errors=0.0010000000474974513,0.0010000000474974513,\
+             0.0010000000474974513 reference=25.0"
+                .to_owned()
+        ),
+        "{show:?}"
+    );
+    assert!(board.command("status")[0].ends_with("waits for: cov temp_c=VALUE"));
+    let unknown = stream_cal(&mut board);
+    assert!(!unknown.is_empty() && unknown.iter().all(|line| line.ends_with(",-,-,-,-,-")), "{unknown:?}");
+
+    assert_eq!(last(&mut board, "cov temp_c=35"), "ok temp_c=35.0 used=1");
+    assert!(board.command("status")[0].ends_with("waits for: cov current_a=VALUE"));
+    assert_eq!(last(&mut board, "cov current_a=4.5"), "ok current_a=4.5 used=1");
+    assert_eq!(last(&mut board, "cov throttle=0.5"), "ok throttle=0.5 used=0");
+    let known = stream_cal(&mut board);
+    assert!(
+        !known.is_empty() && known.iter().all(|line| !line.contains('-') || line.contains('.')),
+        "{known:?}"
+    );
+
+    // The same correction on the host: from the counts that the board streams.
+    last(&mut board, "stream raw");
+    board.run_ms(2000);
+    let raw: Vec<String> = board.received();
+    last(&mut board, "stream off");
+    let calibration: ExtendedCalibration = record.extended();
+    let mut conditions = Conditions::unknown();
+    conditions.inputs[0][0] = 35.0;
+    conditions.inputs[1][0] = 4.5;
+    let single = calibration.cast::<f32>();
+    let mut inputs = Conditions::<f32>::unknown();
+    inputs.inputs[0][0] = 35.0;
+    inputs.inputs[1][0] = 4.5;
+    let counts = raw.iter().filter(|line| line.starts_with("R,"));
+    let mut compared = 0;
+    for line in counts {
+        let values: Vec<f64> = line.split(',').skip(2).map(|word| word.parse().expect("a number")).collect();
+        let measured: [f64; 3] = std::array::from_fn(|axis| values[axis] * 0.1);
+        let here = calibration.apply(measured, &conditions).expect("all is known");
+        let board = single.apply(measured.map(|v| v as f32), &inputs).expect("all is known");
+        for axis in 0..3 {
+            assert!((here[axis] - f64::from(board[axis])).abs() < 1e-4, "{here:?} against {board:?}");
+        }
+        compared += 1;
+    }
+    assert!(compared > 50, "{compared}");
+}
+
+#[test]
+fn effects_of_time_wait_for_the_clock_and_then_go_by_it() {
+    let drift = BuiltIn::Drift(Drift { reference_s: 100.0 });
+    let mut board = board_with(&record(&[fitted(drift, [1.0, 0.0, 0.0])]));
+    assert!(board.command("status")[0].ends_with("waits for: cov t_s=VALUE"));
+    assert_eq!(last(&mut board, "cov t_s=100"), "ok t_s=100.0 used=1");
+    let at = |board: &mut SimBoard| -> f64 {
+        let line = stream_cal(board).pop().expect("a sample");
+        line.split(',').nth(2).and_then(|word| word.parse().ok()).unwrap_or_else(|| panic!("{line}"))
+    };
+    let before = at(&mut board);
+    assert_eq!(last(&mut board, "cov t_s=1100"), "ok t_s=1100.0 used=1");
+    let after = at(&mut board);
+    // A thousand seconds at 1 µT/s; the board turns a little meanwhile.
+    assert!((before - after - 1000.0).abs() < 60.0, "{before} {after}");
+}
+
+#[test]
+fn a_late_column_is_known_after_its_delay() {
+    let late =
+        Offset { column: column("current_a"), reference: 0.0, power: Power::Linear, delay_s: Some(0.5) };
+    let mut board = board_with(&record(&[fitted(BuiltIn::Offset(late), [1.0, 0.0, 0.0])]));
+    last(&mut board, "cov current_a=2");
+    board.run_ms(200);
+    assert!(stream_cal(&mut board).iter().all(|line| line.ends_with(",-,-,-,-,-")));
+    last(&mut board, "stream cal");
+    board.run_ms(700);
+    let lines = board.received();
+    assert!(lines.last().is_some_and(|line| !line.ends_with(",-")), "{lines:?}");
+}
