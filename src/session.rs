@@ -10,7 +10,7 @@ use crate::gate::{Gated, RestGate};
 use crate::moments::Moments;
 use crate::quality::{Verdict, judge};
 use crate::scatter::Scatter;
-use crate::whiteness::{SecondDifferences, independent_share};
+use crate::whiteness::ThirdDifferences;
 use core::fmt;
 
 /// Where a session stands.
@@ -148,7 +148,7 @@ pub struct Session {
     moments: Moments,
     gate: RestGate,
     sketch: Sketch,
-    differences: SecondDifferences,
+    differences: ThirdDifferences,
     last: Option<[i16; 3]>,
     at_rest: u64,
     repeated: u64,
@@ -165,7 +165,7 @@ impl Session {
             moments: Moments::new(),
             gate: RestGate::new(config.ut_per_count, config.samples_per_block),
             sketch: Sketch::new(config.ut_per_count.map(|v| v as f32)),
-            differences: SecondDifferences::new(config.ut_per_count.map(|v| v as f32)),
+            differences: ThirdDifferences::new(config.ut_per_count.map(|v| v as f32)),
             last: None,
             at_rest: 0,
             repeated: 0,
@@ -242,8 +242,9 @@ impl Session {
         let options =
             FitOptions { method: self.config.method, field_ut: self.config.field_ut, ..Default::default() };
         let report = fit(&scatter, &options)?;
-        let Some(white) = self.differences.variance_ut2() else { return Ok(report) };
-        let share = independent_share(white.max(scatter.quantisation_ut2), report.noise_ut * report.noise_ut);
+        let noise_ut2 = report.noise_ut * report.noise_ut;
+        let share = self.differences.independent_share(noise_ut2, scatter.quantisation_ut2);
+        let Some(share) = share else { return Ok(report) };
         let effective_samples = Some((report.samples as f64 * share).max(1.0));
         fit(&scatter, &FitOptions { effective_samples, ..options })
     }

@@ -1,0 +1,9 @@
+//! How good the calibrations are: errors over the Cramér–Rao bound, honesty of the standard errors, and what the verdict
+//! lets through or turns away, side by side with the crate `magcal` on the same counts.
+
+pub mod attitude;
+pub mod bound;
+pub mod gates;
+pub mod log;
+pub mod solvers;
+pub mod table;
