@@ -244,9 +244,15 @@ impl Session {
         let report = fit(&scatter, &options)?;
         let noise_ut2 = report.noise_ut * report.noise_ut;
         let share = self.differences.independent_share(noise_ut2, scatter.quantisation_ut2);
-        let Some(share) = share else { return Ok(report) };
-        let effective_samples = Some((report.samples as f64 * share).max(1.0));
-        fit(&scatter, &FitOptions { effective_samples, ..options })
+        let mut report = match share {
+            Some(share) => {
+                let effective_samples = Some((report.samples as f64 * share).max(1.0));
+                fit(&scatter, &FitOptions { effective_samples, ..options })?
+            }
+            None => report,
+        };
+        report.add_noise_bias(&scatter);
+        Ok(report)
     }
 
     fn coverage(&self, report: Option<&FitReport>) -> Coverage {

@@ -9,6 +9,7 @@
 //! All start from a [`Scatter`]; none sees a sample.
 
 mod adjusted;
+mod bias;
 mod constant;
 pub(crate) mod dense;
 mod error;
@@ -123,7 +124,8 @@ pub struct FitReport {
     pub residual_floor_ut: f64,
     /// Rms residual of the corrected magnitude, µT.
     pub rms_ut: f64,
-    /// Predicted 1σ error of the corrected vector in the worst direction of the sphere, µT.
+    /// Predicted 1σ error of the corrected vector in the worst direction of the sphere, µT. From noise alone; where noise
+    /// also biases the method, see [`Self::add_noise_bias`].
     pub predicted_error_ut: f64,
     /// Longest over shortest semi-axis of the ellipsoid.
     pub axis_ratio: f64,

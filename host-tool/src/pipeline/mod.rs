@@ -103,7 +103,10 @@ fn run_gated(data: &Data, options: &Options, unit: f64) -> (Fitted, Vec<u32>) {
 fn fit_rows(data: &Data, samples: &[u32], options: &FitOptions) -> Result<FitReport, FitError> {
     let mut sums = data.sums();
     samples.iter().for_each(|&sample| sums.push(data, sample));
-    fit(&sums.finish(data)?, options)
+    let scatter = sums.finish(data)?;
+    let mut report = fit(&scatter, options)?;
+    report.add_noise_bias(&scatter);
+    Ok(report)
 }
 
 /// Independent samples among those fitted: where the residual's second differences are smaller than its noise, the
