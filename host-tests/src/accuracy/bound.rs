@@ -32,7 +32,7 @@ pub struct Accuracy {
 
 /// The sweep: each parameter varied about a middle case.
 pub fn cells() -> Vec<Cell> {
-    let middle = Cell { sigma: 0.01, n: 2000, coverage: 1.0, hard_iron: 1.0 };
+    let middle = Cell { sigma: 0.01, n: 2000, coverage: 1.0, hard_iron: 0.5 };
     let mut cells = vec![];
     for sigma in [0.001, 0.003, 0.01, 0.03, 0.05] {
         cells.push(Cell { sigma, ..middle });
@@ -44,7 +44,7 @@ pub fn cells() -> Vec<Cell> {
         cells.push(Cell { coverage, ..middle });
         cells.push(Cell { coverage, sigma: 0.003, ..middle });
     }
-    for hard_iron in [0.0, 2.0, 5.0] {
+    for hard_iron in [0.0, 1.0, 2.0, 5.0] {
         cells.push(Cell { hard_iron, ..middle });
         cells.push(Cell { hard_iron, coverage: 0.5, ..middle });
     }

@@ -5,5 +5,6 @@ pub mod attitude;
 pub mod bound;
 pub mod gates;
 pub mod log;
+pub mod paper_table;
 pub mod solvers;
 pub mod table;

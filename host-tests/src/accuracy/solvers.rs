@@ -60,7 +60,8 @@ pub fn solve(solver: Solver, counts: &[[i16; 3]], scale: f64, field: f64) -> Opt
             })
         }
         Solver::Magcal => {
-            let mut solver = magcal::Solver::new();
+            // Its single-precision sums want to know the size of the counts; it is told the best one.
+            let mut solver = magcal::Solver::with_scale((field / scale) as f32);
             counts.iter().for_each(|c| solver.push_sample(*c));
             of_magcal(&solver.solve_ellipsoid().ok()?, scale, field)
         }
