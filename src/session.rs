@@ -216,6 +216,7 @@ impl Session {
         }
         if saturated || counts.iter().any(|c| *c == i16::MIN || *c == i16::MAX) {
             self.saturated += 1;
+            self.differences.interrupt();
             return;
         }
         // A sensor slower than its reader repeats itself; a repeated triple is one sample.

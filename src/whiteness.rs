@@ -54,6 +54,11 @@ impl ThirdDifferences {
         self.last = [b, c, counts];
     }
 
+    /// Samples are missing here: no difference is taken across the gap.
+    pub fn interrupt(&mut self) {
+        self.seen = 0;
+    }
+
     /// Keeps or forgets the open block, as the rest gate did: a board at rest with less noise than a count shows none.
     pub fn close(&mut self, gated: Gated) {
         match gated {

@@ -51,18 +51,13 @@ pub(crate) fn all_finite(values: &[f64]) -> bool {
     values.iter().all(|v| v.to_bits() >> 52 & 0x7ff != 0x7ff)
 }
 
-/// Whether every number is finite.
-#[inline(never)]
-pub(crate) fn all_finite_f32(values: &[f32]) -> bool {
-    values.iter().all(|v| v.to_bits() >> 23 & 0xff != 0xff)
-}
-
 /// Square root in double precision to a unit in the last place or two: a Newton step on the root in single precision, which
 /// a Cortex-M4F has, where `libm`'s exact one is another half kilobyte. The caller keeps `x` within single precision's range.
 #[inline(never)]
 pub(crate) fn root(x: f64) -> f64 {
     let mut y = f64::from(crate::math::sqrtf(x as f32));
-    if x > 0.0 {
+    // Not where it has no root in single precision either.
+    if y > 0.0 {
         // 1e-7, 1e-14, then rounding.
         for _ in 0..2 {
             y = 0.5 * (y + x / y);
@@ -83,6 +78,7 @@ mod tests {
     #[test]
     fn root_is_as_good_as_double_precision_and_the_logarithm_as_said() {
         assert_eq!(root(0.0), 0.0);
+        assert_eq!(root(1e-60), 0.0);
         for n in [1.0f32, 20.0, 777.0, 1e6, 4e9] {
             assert!((f64::from(ln_f32(n)) - crate::math::ln(n.into())).abs() < 0.06, "{n}");
         }

@@ -37,6 +37,9 @@ pub const MIN_THICKNESS: f32 = 0.1;
 /// is accepted.
 pub const MAX_PREDICTED_ERROR: f64 = 0.01;
 
+/// A field outside of this is a slip of the unit, µT.
+pub const FIELD_RANGE_UT: [f32; 2] = [1e-3, 1e6];
+
 /// How the quadric is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Method {
@@ -72,7 +75,8 @@ pub struct FitOptions {
     pub method: Method,
     /// The true magnitude of the field, µT; `None` keeps the mean magnitude of the measurements about the offset.
     pub field_ut: Option<f64>,
-    /// The number of independent samples, where noise is correlated; `None` takes every sample as independent.
+    /// The number of independent samples, where noise is correlated, at most that of the samples; `None` takes every sample as
+    /// independent.
     pub effective_samples: Option<f64>,
     /// Whether lower orders may be chosen when the data do not carry nine parameters.
     pub lower_orders: bool,
@@ -192,8 +196,10 @@ fn solve_trace(root: &mut Root, scatter: &Scatter, _: f32, model: Model) -> bool
 /// units: the least eigenvalue of the samples' covariance.
 #[inline(never)]
 fn check(scatter: &Scatter, options: &FitOptions) -> Result<f32, FitError> {
-    let sound = |v: &Option<f64>| v.is_none_or(|v| v > 0.0 && dense::all_finite(&[v]));
-    if ![options.field_ut, options.effective_samples].iter().all(sound) {
+    // Negated, so that a NaN is refused too.
+    let field = options.field_ut.unwrap_or(1.0) as f32;
+    let effective = options.effective_samples.unwrap_or(1.0) as f32;
+    if !(field >= FIELD_RANGE_UT[0] && field <= FIELD_RANGE_UT[1] && effective > 0.0) {
         return Err(FitError::NotFinite);
     }
     if scatter.samples < MIN_SAMPLES {
@@ -227,7 +233,7 @@ fn fit_quadric(scatter: &Scatter, options: &FitOptions, solve: Solve) -> Result<
     // The data do not carry nine parameters well: the model with the best evidence among those that solve. What the data
     // say about all nine is in the full model's factor.
     let full = root.factor;
-    let samples = samples(scatter) as f32;
+    let samples = samples(scatter);
     let n = options.effective_samples.map_or(samples, |n| n as f32);
     let (mut noise, mut parameters) = (root.variance(Model::Ellipsoid, samples), 9.0);
     for model in [Model::AxisAligned, Model::Sphere] {
@@ -253,8 +259,8 @@ impl FitReport {
 }
 
 /// The number of samples; no accumulator holds more than 32 bits say.
-fn samples(scatter: &Scatter) -> f64 {
-    u32::try_from(scatter.samples).unwrap_or(u32::MAX).into()
+fn samples(scatter: &Scatter) -> f32 {
+    u32::try_from(scatter.samples).unwrap_or(u32::MAX) as f32
 }
 
 /// The ellipsoid of coefficients over [`gram::QUADRIC`].
@@ -320,8 +326,7 @@ fn report(
     root: &Root,
     full: &Lower,
 ) -> Result<FitReport, FitError> {
-    let samples = samples(scatter);
-    let n = samples as f32;
+    let n = samples(scatter);
     let scale = scatter.scale_ut;
     let gradient2 = root.noise.gradient2;
     let estimated = root.variance(model, n);
@@ -344,18 +349,20 @@ fn report(
     let axis_ratio = ellipsoid.check_plausible((offset / measured_field_ut) as f32)?;
 
     let unit = field_ut / scale;
-    let effective = options.effective_samples.unwrap_or(samples);
-    let variance = root.noise.variance(s) / effective as f32;
+    let effective = options.effective_samples.map_or(n, |effective| (effective as f32).min(n));
+    let variance = root.noise.variance(s) / effective;
     let mut spread = Spread::ZERO;
     spread.set_from_factor(full, ellipsoid, variance);
     if model != Model::Ellipsoid {
         spread.add_prior(ellipsoid);
     }
-    if !spread.is_finite() {
+    let field = field_ut as f32;
+    let predicted = spread.worst_direction_error(ellipsoid);
+    // All that is uncertain is in it, also what is not a number.
+    if !(predicted < 1e6) {
         return Err(FitError::NotAnEllipsoid);
     }
-    let field = field_ut as f32;
-    let predicted_error_ut = f64::from(spread.worst_direction_error(ellipsoid) * field);
+    let predicted_error_ut = f64::from(predicted * field);
     spread.scale(scale as f32, unit as f32);
     let sigma = spread.std_errors();
     let mut std_errors = StdErrors { offset_ut: [0.0; 3], matrix: [[0.0; 3]; 3] };
@@ -381,7 +388,7 @@ fn report(
         axis_ratio: axis_ratio.into(),
         measured_field_ut,
         samples: scatter.samples,
-        effective_samples: effective,
+        effective_samples: effective.into(),
         method: options.method,
         model,
         condition_number: gram::condition_number(&root.factor, model),

@@ -5,7 +5,7 @@
 //! `V (GᵀΨG)⁻¹` of the theory, since `Ψ` is zero along the solution itself.) A square root has half the digits at stake:
 //! single precision is enough from here on.
 
-use super::dense::{add_scaled_f32, all_finite_f32, dot_f32, scale_f32};
+use super::dense::{add_scaled_f32, dot_f32, scale_f32};
 use super::gram::Lower;
 use crate::math::sqrtf;
 use crate::quadric::Ellipsoid;
@@ -165,11 +165,6 @@ impl Spread {
         for row in &ROWS {
             self.observe(row, sigma);
         }
-    }
-
-    /// Whether every number is finite.
-    pub(crate) fn is_finite(&self) -> bool {
-        all_finite_f32(self.changes.as_flattened())
     }
 
     /// The spread after an observation of `row · C` with the standard deviation `sigma`: Potter's square-root update, which
