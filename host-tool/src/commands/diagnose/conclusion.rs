@@ -53,7 +53,11 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
         Verdict::Missing => {
             let with =
                 if fall.is_empty() { String::new() } else { format!(" With {it} in the model, {fall}.") };
-            format!("MISSING: {}.{with}", listed(&names))
+            let axes = match found::axis_order(diagnosis) {
+                Some(_) => " The field and gravity agree only when the axes are put in order.",
+                None => "",
+            };
+            format!("MISSING: {}.{with}{axes}", listed(&names))
         }
         Verdict::Confounded => {
             let each: Vec<String> = groups(diagnosis)

@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// Places of a curve.
-pub const BINS: usize = 32;
+pub const BINS: usize = 28;
 /// A bin of fewer samples is left blank.
 const LEAST: f64 = 6.0;
 
@@ -77,8 +77,10 @@ impl Bin {
         (self.count >= LEAST).then(|| self.right[3] / self.count)
     }
 
-    /// The local offset, held near zero where the directions of the bin do not tell it.
-    fn offset(&self, ridge: f64) -> Option<Vector3<f64>> {
+    /// The local offset, held near zero where the directions of the bin do not tell it (all over the sphere each axis
+    /// has a third of the samples; one that has under a fiftieth is not told). Drawn curves are not fits.
+    fn offset(&self) -> Option<Vector3<f64>> {
+        let ridge = 0.25 + 0.02 * self.count;
         let normal = self.normal.fixed_view::<3, 3>(0, 0) + Matrix3::identity() * ridge;
         let right = self.right.fixed_view::<3, 1>(0, 0).into_owned();
         (self.count >= LEAST).then(|| normal.cholesky().map(|factor| factor.solve(&right))).flatten()
@@ -153,10 +155,8 @@ impl Residuals<'_> {
             bin.right += row * r;
             bin.count += 1.0;
         }
-        // The noise is part of the rms, so this holds back a little too much: drawn curves are not fits.
-        let ridge = 0.25;
         let offsets: Vec<Option<Vector3<f64>>> =
-            bins.iter().map(|bin| if directed { bin.offset(ridge) } else { None }).collect();
+            bins.iter().map(|bin| if directed { bin.offset() } else { None }).collect();
         let variance = self.rms().powi(2);
         let used = bins.iter().filter(|bin| bin.count >= LEAST).count() as f64;
         // What each explains beyond the chance of its number of coefficients.
@@ -333,7 +333,7 @@ mod tests {
         for (bin, value) in curve.values.iter().enumerate() {
             let expected = 0.1 * (10.0 * (bin as f64 + 0.5) / BINS as f64 - 5.0);
             let value = value.expect("a full bin");
-            assert!((value - expected).abs() < 0.03, "bin {bin}: {value} for {expected}");
+            assert!((value - expected).abs() < 0.05, "bin {bin}: {value} for {expected}");
         }
         let text = sparkline(&curve.values, -0.5, 0.5);
         assert_eq!(text.chars().count(), BINS);
@@ -347,7 +347,7 @@ mod tests {
         let series = [x.iter().map(|x| 0.2 * (x - 25.0)).collect::<Vec<f64>>()];
         let curve = Residuals { series: &series, directions: &u }.against(&x).expect("a curve");
         assert!(!curve.offset);
-        assert!((curve.values[0].expect("full") + 0.97).abs() < 0.05);
+        assert!((curve.values[0].expect("full") + 0.97).abs() < 0.05, "{:?}", curve.values[0]);
     }
 
     #[test]

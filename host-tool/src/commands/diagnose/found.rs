@@ -355,4 +355,11 @@ pub fn alignment(told: &Told, out: &mut Vec<String>) {
             degrees(heading.rms_deg_after)
         ));
     }
+    if axis_order(diagnosis).is_some() {
+        out.extend(wrap(
+            "(The dip cannot tell a field from its opposite: judge the heading when the axes are in order.)",
+            "  ",
+            WIDTH,
+        ));
+    }
 }

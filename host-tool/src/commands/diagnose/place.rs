@@ -9,7 +9,7 @@ use crate::input::Log;
 /// More columns than this are summed up.
 const MOST: usize = 12;
 /// Width of a column's name.
-const NAME: usize = 14;
+const NAME: usize = 13;
 
 /// The values of a quantity at each sample; `None` where it has no curve.
 fn values(log: &Log, rows: &[usize], against: &str) -> Option<Vec<f64>> {
@@ -63,6 +63,8 @@ enum Scale {
     Common,
     /// From zero to its own largest.
     Own,
+    /// From minus its own largest to plus that.
+    Symmetric,
 }
 
 struct Row<'a> {
@@ -77,9 +79,9 @@ const HARMONICS: [(&str, fn([f64; 3]) -> f64); 7] = [
     ("x", |[x, _, _]| x * (5.0 * x * x - 3.0) / 2.0),
     ("y", |[_, y, _]| y * (5.0 * y * y - 3.0) / 2.0),
     ("z", |[_, _, z]| z * (5.0 * z * z - 3.0) / 2.0),
-    ("x(y²−z²)", |[x, y, z]| x * (y * y - z * z)),
-    ("y(z²−x²)", |[x, y, z]| y * (z * z - x * x)),
-    ("z(x²−y²)", |[x, y, z]| z * (x * x - y * y)),
+    ("xy²−xz²", |[x, y, z]| x * (y * y - z * z)),
+    ("yz²−yx²", |[x, y, z]| y * (z * z - x * x)),
+    ("zx²−zy²", |[x, y, z]| z * (x * x - y * y)),
     ("xyz", |[x, y, z]| x * y * z),
 ];
 
@@ -97,13 +99,17 @@ fn attitude(base: &Residuals, directions: &[[f64; 3]]) -> (Option<Curve>, String
             "x" => x,
             "y" => y,
             "z" => z,
-            "x(y²−z²)" => x * (y * y - z * z),
-            "y(z²−x²)" => y * (z * z - x * x),
-            "z(x²−y²)" => z * (x * x - y * y),
+            "xy²−xz²" => x * (y * y - z * z),
+            "yz²−yx²" => y * (z * z - x * x),
+            "zx²−zy²" => z * (x * x - y * y),
             _ => x * y * z,
         })
         .collect();
-    (base.means(&abscissa), format!("mean, {name} of u"))
+    let curve = base.means(&abscissa);
+    let note = curve
+        .as_ref()
+        .map_or(String::new(), |curve| format!("±{} µT, {name}", significant(largest(curve), 2)));
+    (curve, note)
 }
 
 fn rows<'a>(told: &Told<'a>) -> Vec<Row<'a>> {
@@ -114,7 +120,7 @@ fn rows<'a>(told: &Told<'a>) -> Vec<Row<'a>> {
         let (curve, scale, note) = match shown.against.as_str() {
             "attitude" => {
                 let (curve, note) = attitude(&base, &traces.directions);
-                (curve, Scale::Common, note)
+                (curve, Scale::Symmetric, note)
             }
             "spectrum" => {
                 let time = values(told.log, &traces.rows, "time");
@@ -139,6 +145,11 @@ fn rows<'a>(told: &Told<'a>) -> Vec<Row<'a>> {
         Row { shown, curve, scale, note }
     };
     diagnosis.shows.iter().map(row).collect()
+}
+
+/// The largest size of a curve's values, µT.
+fn largest(curve: &Curve) -> f64 {
+    curve.values.iter().flatten().fold(1e-9, |top, value| top.max(value.abs()))
 }
 
 /// How fast the board turns at each sample, rad/s.
@@ -177,7 +188,7 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
     } else {
         String::new()
     };
-    out.push(format!("  {:<NAME$}{:>9} {:>8}{scale}", "against", "explains", "chance"));
+    out.push(format!("  {:<NAME$}{:>8} {:>8}{scale}", "against", "explains", "chance"));
     // The ends of the axes in a column of their own, so that the curves stand below each other.
     let ends: Vec<(String, String)> = all
         .iter()
@@ -190,7 +201,7 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
     for (row, (low, high)) in all.iter().zip(&ends).take(MOST) {
         let label = shorten(&row.shown.against, NAME - 1);
         let mut text = format!(
-            "  {label:<NAME$}{:>9} {:>8}",
+            "  {label:<NAME$}{:>8} {:>8}",
             percent(row.shown.explained),
             probability(row.shown.p_value)
         );
@@ -198,6 +209,7 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
             let (bottom, top) = match row.scale {
                 Scale::Common => (bottom, top),
                 Scale::Own => (0.0, limits(std::iter::once(curve), 1e-9).1),
+                Scale::Symmetric => (-largest(curve), largest(curve)),
             };
             let line = sparkline(&curve.values, bottom, top);
             text.push_str(&format!("   {low:>left$} {line} {high:<right$}  {}", row.note));
@@ -219,8 +231,8 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
                 " local offset: the offset that this part of the log asks for beside the common one."
             });
         }
-        if all.iter().any(|row| row.note.ends_with("of u")) {
-            note.push_str(" u: direction of the field seen from the board.");
+        if all.iter().any(|row| row.scale == Scale::Symmetric && row.curve.is_some()) {
+            note.push_str(" attitude: against the direction (x, y, z) of the field seen from the board.");
         }
         out.extend(wrap(&note, "  ", WIDTH));
     }

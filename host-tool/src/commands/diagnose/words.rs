@@ -158,7 +158,7 @@ fn base(told: &Told, out: &mut Vec<String>) {
     row("noise floor", diagnosis.noise_floor_ut, "per axis, as the residual shows it (1σ)".into());
     if !at_rest(diagnosis) {
         let note = diagnosis.residual_floor_ut.map_or(String::new(), |floor| {
-            format!("{}: what that noise leaves in the corrected magnitude", share(floor))
+            format!("{}: what that noise leaves in the magnitude", share(floor))
         });
         row("floor by noise", diagnosis.residual_floor_ut, note);
     }
