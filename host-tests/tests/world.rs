@@ -92,3 +92,23 @@ fn specifications_are_read_and_unknown_ones_list_the_known() {
         assert!(error.contains("effect") || error.contains("strength"), "{error}");
     }
 }
+
+#[test]
+fn another_recording_is_of_the_same_board_with_other_motion_and_currents() {
+    let options = WorldOptions {
+        seconds: 10.0,
+        effects: vec![EffectSpec::parse("offset:current_a=3").expect("an effect")],
+        ..WorldOptions::default()
+    };
+    let world = World::new(options);
+    let (first, second) = (world.recording(1).run(), world.recording(2).run());
+    assert_eq!(first.column("mx_ut"), world.run().column("mx_ut"), "the first recording is the world itself");
+    assert_eq!(first.truth.hard_iron_ut, second.truth.hard_iron_ut);
+    assert_eq!(first.truth.soft_iron, second.truth.soft_iron);
+    let coefficients = |log: &Log| log.truth.effects[0].coefficients.clone();
+    assert_eq!(coefficients(&first), coefficients(&second));
+    for column in ["mx_ut", "current_a", "temp_c", "gx_radps"] {
+        assert_ne!(first.column(column), second.column(column), "{column}");
+    }
+    assert_ne!(second.column("mx_ut"), world.recording(3).run().column("mx_ut"));
+}

@@ -91,19 +91,17 @@ impl LogArgs {
 
     /// The log and the options it was read with, as they are typed: for the next command that is suggested.
     pub fn typed(&self) -> String {
-        let word = |text: &str| {
-            let plain = text.chars().all(|c| c.is_alphanumeric() || "-_./,=:^@".contains(c));
-            if plain && !text.is_empty() {
-                text.to_string()
-            } else {
-                format!("'{}'", text.replace('\'', "'\\''"))
-            }
-        };
-        let mut typed = word(&self.log.display().to_string());
+        self.typed_for(&self.log.display().to_string())
+    }
+
+    /// The same options with another log.
+    pub fn typed_for(&self, log: &str) -> String {
+        // A file that begins with a minus would be taken for an option.
+        let mut typed = if log.starts_with('-') { quoted(&format!("./{log}")) } else { quoted(log) };
         let options = self.ut_per_count.iter().map(|value| ("--ut-per-count", value));
         let options = options.chain(self.map.iter().map(|value| ("--map", value)));
         for (option, value) in options.chain(self.rotate.iter().map(|value| ("--rotate", value))) {
-            typed.push_str(&format!(" {option} {}", word(value)));
+            typed.push_str(&typed_option(option, value));
         }
         typed
     }
@@ -116,6 +114,21 @@ impl LogArgs {
         }
         Ok(log)
     }
+}
+
+/// A word of a POSIX shell: quoted only where it must be.
+pub fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "_-./:=,+@%^".contains(c);
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_string()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+/// ` --option value`; a value that begins with a minus needs the equals sign.
+pub fn typed_option(option: &str, value: &str) -> String {
+    format!(" {option}{}{}", if value.starts_with('-') { "=" } else { " " }, quoted(value))
 }
 
 fn scale(text: &str) -> Outcome<[f64; 3]> {
@@ -309,6 +322,12 @@ pub struct SimulateArgs {
     /// Hide an effect (or a fault of the data: burst, clipping, stuck, gap …) in the log (repeatable)
     #[arg(long, value_name = "ID[=STRENGTH]")]
     pub effect: Vec<String>,
+    /// Another recording of the same board with the same hidden effects: other motion, other currents, other noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub recording: u64,
+    /// How the board is turned: sphere | hand | planar | rest | cap=SHARE of the sphere
+    #[arg(long, value_name = "MOTION", default_value = "sphere")]
+    pub motion: String,
     /// Let the temperature rise steadily with time instead of warming up
     #[arg(long)]
     pub ramp: bool,

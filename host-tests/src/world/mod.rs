@@ -149,6 +149,19 @@ impl World {
         world
     }
 
+    /// Another recording of the same board with the same hidden effects: other motion, other histories of the covariates,
+    /// other noise. The first recording is the world itself.
+    pub fn recording(&self, number: u64) -> World {
+        let mut world = self.clone();
+        if number > 1 {
+            world.options.seed ^= number.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            let mut rng = ChaCha8Rng::seed_from_u64(world.options.seed);
+            world.attitude = Attitude::draw(world.options.motion, world.field_ned_ut, &mut rng);
+            world.covariates = Covariates::draw(&world.options, &mut rng);
+        }
+        world
+    }
+
     /// The options it was drawn from.
     pub fn options(&self) -> &WorldOptions {
         &self.options

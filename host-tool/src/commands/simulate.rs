@@ -3,7 +3,7 @@
 use crate::cli::SimulateArgs;
 use crate::failure::{Failure, Outcome};
 use crate::{atomic, output};
-use ironout_host_tests::world::{EffectSpec, FaultSpec, Log, Temperature, World, WorldOptions};
+use ironout_host_tests::world::{EffectSpec, FaultSpec, Log, Motion, Temperature, World, WorldOptions};
 
 /// More rows than this are a slip of the pen, not a log.
 const MAX_ROWS: f64 = 2e7;
@@ -45,6 +45,7 @@ pub fn run(arguments: &SimulateArgs, json: bool) -> Outcome<u8> {
             }
         }
     }
+    let motion = motion(&arguments.motion)?;
     let temperature = if arguments.ramp { Temperature::Ramp } else { Temperature::WarmUp };
     let world = World::new(WorldOptions {
         seed: arguments.seed,
@@ -52,11 +53,12 @@ pub fn run(arguments: &SimulateArgs, json: bool) -> Outcome<u8> {
         rate_hz: arguments.rate,
         noise_ut: arguments.noise,
         temperature,
+        motion,
         effects,
         faults,
         ..WorldOptions::default()
     });
-    let mut log = world.run();
+    let mut log = world.recording(arguments.recording).run();
     for name in &arguments.without {
         let Some(index) = log.position(name) else {
             return Err(Failure::usage(format!(
@@ -95,6 +97,20 @@ pub fn run(arguments: &SimulateArgs, json: bool) -> Outcome<u8> {
     Ok(0)
 }
 
+fn motion(text: &str) -> Outcome<Motion> {
+    let share = |text: &str| text.parse::<f64>().ok().filter(|share| *share > 0.0 && *share <= 1.0);
+    match (text, text.strip_prefix("cap=").and_then(share)) {
+        ("sphere", _) => Ok(Motion::Sphere),
+        ("hand", _) => Ok(Motion::Hand),
+        ("planar", _) => Ok(Motion::Planar),
+        ("rest", _) => Ok(Motion::Rest),
+        (_, Some(share)) => Ok(Motion::Cap(share)),
+        _ => Err(Failure::usage(format!(
+            "--motion {text}: expected sphere, hand, planar, rest, or cap=SHARE with a share of the sphere up to 1 (cap=0.3)"
+        ))),
+    }
+}
+
 fn truth(arguments: &SimulateArgs, log: &Log) -> String {
     let [x, y, z] = log.truth.hard_iron_ut;
     let mut text = format!(
@@ -102,6 +118,12 @@ fn truth(arguments: &SimulateArgs, log: &Log) -> String {
         arguments.seed, arguments.seconds, arguments.rate, arguments.noise
     );
     arguments.effect.iter().for_each(|effect| text.push_str(&format!(" --effect {effect}")));
+    if arguments.recording > 1 {
+        text.push_str(&format!(" --recording {}", arguments.recording));
+    }
+    if arguments.motion != "sphere" {
+        text.push_str(&format!(" --motion {}", arguments.motion));
+    }
     if arguments.ramp {
         text.push_str(" --ramp");
     }

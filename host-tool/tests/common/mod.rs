@@ -1,6 +1,8 @@
 //! What the tests of the command share: running it, files of their own, the real recordings.
 #![allow(dead_code)] // every test binary uses its own part
 
+pub mod alike;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

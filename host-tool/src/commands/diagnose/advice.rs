@@ -41,6 +41,7 @@ fn kind(id: &str) -> Kind<'_> {
 
 /// The recording that would tell two effects apart.
 pub fn separating(first: &str, second: &str) -> String {
+    let (first, second) = if first <= second { (first, second) } else { (second, first) };
     ordered(first, second).or_else(|| ordered(second, first)).unwrap_or_else(|| {
         "record again for longer, through more attitudes and at different speeds, with pauses".into()
     })
@@ -66,6 +67,8 @@ fn ordered(first: &str, second: &str) -> Option<String> {
             "{heat} follows {current}. Warm the board with {current} at zero (a hair dryer), or switch {current} on and \
              off faster than the board warms, and log that."
         ),
+        // The other way round it is the case above.
+        (Current(_), Temperature(_)) => return None,
         (Temperature(a) | Current(a) | Column(a), Temperature(b) | Current(b) | Column(b)) => {
             format!("log again, changing {a} while {b} stays, and then {b} while {a} stays.")
         }

@@ -3,7 +3,7 @@
 use super::numbers::{degrees, microtesla, wrap};
 use super::words::{Told, WIDTH, at_rest, groups, listed, name_of, title};
 use super::{found, next};
-use crate::cli::DiagnoseArgs;
+use crate::cli::{DiagnoseArgs, typed_option};
 use crate::diagnose::faults::FaultKind;
 use crate::diagnose::outcome::{Diagnosis, Verdict};
 
@@ -125,7 +125,7 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
     let add = to_add(diagnosis, arguments);
     if let Some(order) = found::axis_order(diagnosis) {
         say(out, "Put the axes in order (in the driver, or with this option) and diagnose again:");
-        command(out, next::diagnose(arguments, &path, &format!("--rotate={}", next::quoted(&order))));
+        command(out, next::diagnose(arguments, &path, typed_option("--rotate", &order).trim()));
         return;
     }
     if at_rest(diagnosis) && diagnosis.verdict != Verdict::Undetermined {

@@ -313,7 +313,7 @@ mod tests {
 
     /// A column that goes up and down in step with nothing else.
     fn column(n: usize) -> Vec<f64> {
-        (0..n).map(|i| 20.0 + 10.0 * (i as f64 * 0.618_034).fract()).collect()
+        (0..n).map(|i| 20.0 + 10.0 * (i as f64 * 0.414_214).fract()).collect()
     }
 
     #[test]

@@ -1,89 +1,46 @@
 //! The commands to run next, exactly as they can be typed.
 
-use crate::cli::{DiagnoseArgs, MethodArg};
+use crate::cli::{DiagnoseArgs, MethodArg, typed_option};
 
-/// A word of a POSIX shell: quoted only where it must be.
-pub fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-./:=,+@%^".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        word.to_string()
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
-    }
-}
-
-/// The user's options about reading the log.
-fn reading(arguments: &DiagnoseArgs) -> Vec<String> {
-    let mut words = Vec::new();
-    let mut option = |name: &str, value: &str| {
-        // A value that begins with a minus needs the equals sign.
-        words.push(format!("{name}{}{}", if value.starts_with('-') { "=" } else { " " }, quoted(value)));
-    };
-    if let Some(scale) = &arguments.log.ut_per_count {
-        option("--ut-per-count", scale);
-    }
-    for map in &arguments.log.map {
-        option("--map", map);
-    }
-    for rotate in &arguments.log.rotate {
-        option("--rotate", rotate);
-    }
-    words
-}
-
-/// ... and about the field and the fit.
-fn fitting(arguments: &DiagnoseArgs) -> Vec<String> {
-    let mut words = Vec::new();
+/// The user's options about the field and the fit.
+fn fitting(arguments: &DiagnoseArgs) -> String {
+    let mut words = String::new();
     if let Some(field) = arguments.field.field {
-        words.push(format!("--field {field}"));
+        words.push_str(&typed_option("--field", &field.to_string()));
     }
     if let Some(at) = &arguments.field.at {
-        let equals = if at.starts_with('-') { "=" } else { " " };
-        words.push(format!("--at{equals}{}", quoted(at)));
+        words.push_str(&typed_option("--at", at));
     }
     match arguments.field.method {
         MethodArg::Adjusted => {}
-        MethodArg::Trace => words.push("--method trace".into()),
-        MethodArg::Constant => words.push("--method constant".into()),
+        MethodArg::Trace => words.push_str(" --method trace"),
+        MethodArg::Constant => words.push_str(" --method constant"),
     }
     if let Some(prior) = &arguments.prior {
-        words.push(format!("--prior {}", quoted(&prior.display().to_string())));
+        words.push_str(&typed_option("--prior", &prior.display().to_string()));
     }
     words
 }
 
-fn path(text: &str) -> String {
-    // A file that begins with a minus would be taken for an option.
-    if text.starts_with('-') { quoted(&format!("./{text}")) } else { quoted(text) }
-}
-
-fn line(command: &str, log: &str, options: impl IntoIterator<Item = String>) -> String {
-    let mut text = format!("ironout {command} {}", path(log));
-    for option in options {
-        text.push(' ');
-        text.push_str(&option);
-    }
-    text
+fn adding(effects: &[String]) -> String {
+    effects.iter().map(|id| typed_option("--add", id)).collect()
 }
 
 /// `ironout fit LOG … --add ID … -o cal.json`.
 pub fn fit(arguments: &DiagnoseArgs, effects: &[String]) -> String {
-    let log = arguments.log.log.display().to_string();
-    let adds = effects.iter().map(|id| format!("--add {}", quoted(id)));
-    let output = std::iter::once("-o cal.json".to_string());
-    line("fit", &log, reading(arguments).into_iter().chain(fitting(arguments)).chain(adds).chain(output))
+    format!("ironout fit {}{}{} -o cal.json", arguments.log.typed(), fitting(arguments), adding(effects))
 }
 
-/// `ironout check SECOND.csv … --cal cal.json`.
+/// `ironout check second.csv … --cal cal.json`.
 pub fn check(arguments: &DiagnoseArgs) -> String {
-    line("check", "second.csv", reading(arguments).into_iter().chain(["--cal cal.json".to_string()]))
+    format!("ironout check {} --cal cal.json", arguments.log.typed_for("second.csv"))
 }
 
 /// `ironout diagnose LOG …` with a further option.
 pub fn diagnose(arguments: &DiagnoseArgs, log: &str, further: &str) -> String {
-    let adds = arguments.add.iter().map(|id| format!("--add {}", quoted(id)));
-    let further = (!further.is_empty()).then(|| further.to_string());
-    line("diagnose", log, reading(arguments).into_iter().chain(fitting(arguments)).chain(adds).chain(further))
+    let space = if further.is_empty() { "" } else { " " };
+    let options = format!("{}{}", fitting(arguments), adding(&arguments.add));
+    format!("ironout diagnose {}{options}{space}{further}", arguments.log.typed_for(log))
 }
 
 #[cfg(test)]

@@ -106,9 +106,8 @@ fn attitude(base: &Residuals, directions: &[[f64; 3]]) -> (Option<Curve>, String
         })
         .collect();
     let curve = base.means(&abscissa);
-    let note = curve
-        .as_ref()
-        .map_or(String::new(), |curve| format!("±{} µT, {name}", significant(largest(curve), 2)));
+    let note =
+        curve.as_ref().map_or(String::new(), |curve| format!("±{}, {name}", significant(largest(curve), 2)));
     (curve, note)
 }
 
@@ -126,7 +125,7 @@ fn rows<'a>(told: &Told<'a>) -> Vec<Row<'a>> {
                 let time = values(told.log, &traces.rows, "time");
                 match time.zip(traces.base_ut.first()).and_then(|(time, r)| spectrum(&time, r)) {
                     Some((curve, hz, amplitude)) => {
-                        (Some(curve), Scale::Own, format!("{} µT at {hz:.2} Hz", microtesla(amplitude)))
+                        (Some(curve), Scale::Own, format!("{} µT, {hz:.1} Hz", microtesla(amplitude)))
                     }
                     None => (None, Scale::Own, String::new()),
                 }
