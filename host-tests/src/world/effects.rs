@@ -41,8 +41,30 @@ pub enum EffectKind {
     Periodic,
     /// A rotation between the magnetometer and the accelerometer, strength in degrees.
     Misalignment,
-    /// Two axes swapped and one turned round.
+    /// The x and y axes swapped: a mirror image, not a rotation.
     AxisOrder,
+}
+
+impl EffectKind {
+    /// The id under which `diagnose` names this effect.
+    pub fn id(&self) -> String {
+        match self {
+            EffectKind::Offset { column, power, delayed } => {
+                let square = if *power == 2 { "^2" } else { "" };
+                format!("offset:{column}{}{square}", if *delayed { "@delay" } else { "" })
+            }
+            EffectKind::Gain(column) => format!("gain:{column}"),
+            EffectKind::Field(column) => format!("field:{column}"),
+            EffectKind::Drift => "drift".into(),
+            EffectKind::Step => "step".into(),
+            EffectKind::Lag | EffectKind::Eddy => "lag".into(),
+            EffectKind::Nonlinearity => "nonlinearity".into(),
+            EffectKind::CrossAxis => "cross-axis".into(),
+            EffectKind::Periodic => "periodic".into(),
+            EffectKind::Misalignment => "misalignment".into(),
+            EffectKind::AxisOrder => "axis-order".into(),
+        }
+    }
 }
 
 /// One hidden effect to simulate.
@@ -130,22 +152,7 @@ impl EffectSpec {
 
     /// The id under which `diagnose` names this effect.
     pub fn id(&self) -> String {
-        match &self.kind {
-            EffectKind::Offset { column, power, delayed } => {
-                let square = if *power == 2 { "^2" } else { "" };
-                format!("offset:{column}{}{square}", if *delayed { "@delay" } else { "" })
-            }
-            EffectKind::Gain(column) => format!("gain:{column}"),
-            EffectKind::Field(column) => format!("field:{column}"),
-            EffectKind::Drift => "drift".into(),
-            EffectKind::Step => "step".into(),
-            EffectKind::Lag | EffectKind::Eddy => "lag".into(),
-            EffectKind::Nonlinearity => "nonlinearity".into(),
-            EffectKind::CrossAxis => "cross-axis".into(),
-            EffectKind::Periodic => "periodic".into(),
-            EffectKind::Misalignment => "misalignment".into(),
-            EffectKind::AxisOrder => "axis-order".into(),
-        }
+        self.kind.id()
     }
 
     /// The column this effect follows, if any.
@@ -230,6 +237,29 @@ impl HiddenEffect {
             }
         }
         effect
+    }
+
+    /// The truth in words: id, coefficients, and what else the effect has of time, frequency, delay or rotation.
+    pub fn describe(&self) -> String {
+        let mut text = format!("{} coefficients = {:?}", self.kind.id(), self.coefficients);
+        match &self.kind {
+            EffectKind::Offset { .. } | EffectKind::Gain(_) | EffectKind::Field(_) | EffectKind::Drift => {
+                text += &format!(", zero at {}", self.reference);
+            }
+            EffectKind::Step => text += &format!(", at_s = {}", self.at_s),
+            EffectKind::Periodic => text += &format!(", frequency_hz = {}", self.frequency_hz),
+            EffectKind::Eddy => text += " (eddy currents)",
+            EffectKind::Misalignment | EffectKind::AxisOrder => {
+                let rows: Vec<[f64; 3]> =
+                    self.rotation.row_iter().map(|row| [row[0], row[1], row[2]]).collect();
+                text += &format!(", rotation = {rows:?}");
+            }
+            _ => {}
+        }
+        if matches!(self.kind, EffectKind::Lag | EffectKind::Offset { delayed: true, .. }) {
+            text += &format!(", delay_s = {}", self.delay_s);
+        }
+        text
     }
 
     /// The rotation of a misalignment or of swapped axes.

@@ -17,6 +17,9 @@ const NEW_COLUMNS: [&str; 5] = ["cx_ut", "cy_ut", "cz_ut", "norm_ut", "residual_
 /// Applies the calibration, prints the errors, writes the corrected log if asked.
 pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
     let cal = CalFile::read(&arguments.cal)?;
+    if let Some(output) = &arguments.output {
+        atomic::not_over(&arguments.cal, output)?;
+    }
     let calibration = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
     let log = arguments.log.read()?;
     let corrector = Corrector::new(calibration, &log)?;

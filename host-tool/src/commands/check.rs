@@ -16,6 +16,12 @@ const LEAST_SAMPLES: usize = 20;
 const GROWTH: f64 = 1.5;
 /// … or by this share of the field, whichever is more.
 const MARGIN: f64 = 0.01;
+/// An offset has moved where the shift is this many standard errors, …
+const MOVED_SIGMA: f64 = 4.0;
+/// … and at least this share of the field.
+const MOVED: f64 = 0.02;
+/// The linear estimate of a shift means something up to this share of the field.
+const LINEAR: f64 = 0.3;
 /// A shift of the offset is stated where its standard error is below this share of the field.
 const KNOWN: f64 = 0.02;
 
@@ -69,6 +75,19 @@ struct Shift {
     known: bool,
 }
 
+impl Shift {
+    /// Whether the offset moved, beyond doubt and by enough to matter.
+    fn moved(&self, field_ut: f64) -> bool {
+        self.known
+            && norm(self.offset_ut) >= MOVED * field_ut
+            && self
+                .offset_ut
+                .iter()
+                .zip(self.offset_std_ut)
+                .any(|(shift, std)| shift.abs() > MOVED_SIGMA * std)
+    }
+}
+
 /// Compares the log's error with that of the calibration's own log.
 pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     let cal = CalFile::read(&arguments.cal)?;
@@ -94,12 +113,12 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
         (samples.len() >= LEAST_SAMPLES).then(|| shift(&corrected, &residual, &calibration)).flatten();
     let word = match &shift {
         _ if samples.len() < LEAST_SAMPLES => Word::Unknown,
+        Some(shift) if shift.moved(calibration.field_ut) && shift.rms_ut <= limit_ut => Word::Moved,
         _ if rms_ut <= limit_ut => Word::Good,
         // Which of the two it is, only many directions tell.
         None => Word::Unknown,
         Some(shift) if !shift.known => Word::Unknown,
         Some(_) if about_mean_ut <= limit_ut => Word::Field,
-        Some(shift) if shift.rms_ut <= limit_ut => Word::Moved,
         Some(_) => Word::Worse,
     };
     let good = matches!(word, Word::Good | Word::Field);
@@ -177,6 +196,8 @@ fn shift(corrected: &[[f64; 3]], residual: &[f64], calibration: &Calibration<f64
         offset_std_ut,
         field_ut: solution[3],
         rms_ut,
-        known: offset_std_ut.iter().all(|s| *s <= KNOWN * calibration.field_ut),
+        known: offset_std_ut.iter().all(|s| *s <= KNOWN * calibration.field_ut)
+            && norm([solution[0], solution[1], solution[2]]).max(solution[3].abs())
+                <= LINEAR * calibration.field_ut,
     })
 }

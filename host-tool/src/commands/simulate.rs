@@ -69,6 +69,11 @@ pub fn run(arguments: &SimulateArgs, json: bool) -> Outcome<u8> {
         log.names.remove(index);
         log.columns.remove(index);
     }
+    if log.columns.iter().flatten().any(|value| value.is_infinite()) {
+        return Err(Failure::usage(
+            "--effect: this strength makes values that are no finite numbers: choose less",
+        ));
+    }
     let truth = truth(arguments, &log);
     atomic::write(&arguments.output, |out| log.write_csv(out, &truth))?;
     if json {
@@ -79,6 +84,7 @@ pub fn run(arguments: &SimulateArgs, json: bool) -> Outcome<u8> {
                     "offset_ut": log.truth.hard_iron_ut, "soft_iron": log.truth.soft_iron,
                     "field_ut": log.truth.field_ut, "noise_ut": log.truth.noise_ut,
                     "effects": arguments.effect,
+                    "hidden": log.truth.effects.iter().map(|effect| effect.describe()).collect::<Vec<_>>(),
                 },
             })
             .to_string(),
@@ -136,7 +142,7 @@ fn truth(arguments: &SimulateArgs, log: &Log) -> String {
     text.push_str(&format!("\nfield_ut = {}", log.truth.field_ut));
     text.push_str(&format!("\nnoise_ut = {:.6} per axis, quantisation included", log.truth.noise_ut));
     for effect in &log.truth.effects {
-        text.push_str(&format!("\neffect {:?} coefficients = {:?}", effect.kind, effect.coefficients));
+        text.push_str(&format!("\neffect {}", effect.describe()));
     }
     text
 }

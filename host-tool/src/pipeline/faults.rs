@@ -4,6 +4,7 @@
 //! [`MOST`] of the samples would go, none goes.
 
 use super::{Data, fit_rows};
+use ironout::calibration::norm;
 use ironout::fit::{FitOptions, FitReport};
 
 /// Residuals beyond this many robust standard deviations are gross.
@@ -155,20 +156,30 @@ fn without_outliers(data: &Data, samples: &[u32], options: &FitOptions) -> (Vec<
     (used, None)
 }
 
-/// A first fit: of everything, or where that is none, of what lies within a few radii of the middle.
+/// A first fit, of what is not suspicious: neither far from the middle of everything nor far from its neighbours in time. A
+/// single wild reading would turn the fit of everything into nonsense, and then all others into outliers. What is left
+/// out here by mistake comes back in the rounds that follow.
 fn start(data: &Data, samples: &[u32], refit: impl Fn(&[u32]) -> Option<FitReport>) -> Option<FitReport> {
-    if let Some(report) = refit(samples) {
-        return Some(report);
-    }
-    let middle =
-        [0, 1, 2].map(|axis| median(&mut samples.iter().map(|s| data.field(*s)[axis]).collect::<Vec<_>>()));
-    let distance = |sample: u32| {
-        let v = data.field(sample);
-        ironout::calibration::norm([v[0] - middle[0], v[1] - middle[1], v[2] - middle[2]])
-    };
-    let limit = 4.0 * median(&mut samples.iter().map(|s| distance(*s)).collect::<Vec<_>>());
-    let near: Vec<u32> = samples.iter().copied().filter(|s| distance(*s) <= limit).collect();
-    refit(&near)
+    let values: Vec<[f64; 3]> = samples.iter().map(|s| data.field(*s)).collect();
+    let middle = [0, 1, 2].map(|axis| median(&mut values.iter().map(|v| v[axis]).collect::<Vec<_>>()));
+    let between = |a: [f64; 3], b: [f64; 3]| norm([a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
+    let far: Vec<f64> = values.iter().map(|v| between(*v, middle)).collect();
+    let far_limit = 4.0 * median(&mut far.clone());
+    let jumps: Vec<f64> = (0..values.len())
+        .map(|at| {
+            let near = &values[at.saturating_sub(2)..(at + 3).min(values.len())];
+            let local = [0, 1, 2].map(|axis| median(&mut near.iter().map(|v| v[axis]).collect::<Vec<_>>()));
+            between(values[at], local)
+        })
+        .collect();
+    let step = norm(data.step_ut);
+    let jump_limit = 8.0 * median(&mut jumps.clone()).max(step);
+    let quiet: Vec<u32> = (0..samples.len())
+        .filter(|&i| far[i] <= far_limit && jumps[i] <= jump_limit)
+        .map(|i| samples[i])
+        .collect();
+    let enough = quiet.len() as f64 >= (1.0 - 2.0 * MOST) * samples.len() as f64;
+    enough.then(|| refit(&quiet)).flatten().or_else(|| refit(samples))
 }
 
 /// Median and robust standard deviation.

@@ -73,6 +73,10 @@ pub fn run(log: &Log, options: &Options) -> Outcome<Fitted> {
         // No field of the Earth: the scale of the counts is not the true one, or --map took another unit.
         unit = TYPICAL_UT / field;
         (fitted, moving) = run_gated(&data, options, unit);
+        fitted.reasons.push(format!(
+            "note: the measurements have a magnitude of {field:.4} µT, which the Earth's field (22 to 67 µT) nowhere has: check the \
+             unit of the columns (1 gauss is 100 µT, 1000 nT are 1 µT) or --ut-per-count"
+        ));
     }
     if options.add.is_empty() && options.prior.is_none() {
         return Ok(fitted);
