@@ -68,11 +68,11 @@ impl Scatter {
         for (position, unit) in [4usize, 7, 9].into_iter().zip(unit_ut) {
             spread += sums[position] * unit * unit * per_sample;
         }
-        // A product of four must neither overflow nor vanish.
-        if !(spread < 1e30) || !all_finite(&centre_ut) {
+        // Outside of nanotesla … kilotesla something is wrong with the unit, and products of four must not overflow.
+        if !(spread < 1e18) || !all_finite(&centre_ut) {
             return Err(FitError::NotFinite);
         }
-        if !(spread > 1e-30) {
+        if !(spread > 1e-12) {
             return Err(FitError::StuckAxis { axis: 0 });
         }
         let scale_ut = root(spread);

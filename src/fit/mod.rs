@@ -38,7 +38,7 @@ pub const MIN_THICKNESS: f32 = 0.1;
 pub const MAX_PREDICTED_ERROR: f64 = 0.01;
 
 /// A field outside of this is a slip of the unit, µT.
-pub const FIELD_RANGE_UT: [f32; 2] = [1e-3, 1e6];
+pub const FIELD_RANGE_UT: core::ops::RangeInclusive<f32> = 1e-3..=1e6;
 
 /// How the quadric is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -75,7 +75,7 @@ pub struct FitOptions {
     pub method: Method,
     /// The true magnitude of the field, µT; `None` keeps the mean magnitude of the measurements about the offset.
     pub field_ut: Option<f64>,
-    /// The number of independent samples, where noise is correlated, at most that of the samples; `None` takes every sample as
+    /// The number of independent samples, where noise is correlated, from 1 to all of them; `None` takes every sample as
     /// independent.
     pub effective_samples: Option<f64>,
     /// Whether lower orders may be chosen when the data do not carry nine parameters.
@@ -199,7 +199,7 @@ fn check(scatter: &Scatter, options: &FitOptions) -> Result<f32, FitError> {
     // Negated, so that a NaN is refused too.
     let field = options.field_ut.unwrap_or(1.0) as f32;
     let effective = options.effective_samples.unwrap_or(1.0) as f32;
-    if !(field >= FIELD_RANGE_UT[0] && field <= FIELD_RANGE_UT[1] && effective > 0.0) {
+    if !(FIELD_RANGE_UT.contains(&field) && effective >= 1.0) {
         return Err(FitError::NotFinite);
     }
     if scatter.samples < MIN_SAMPLES {
@@ -359,7 +359,7 @@ fn report(
     let field = field_ut as f32;
     let predicted = spread.worst_direction_error(ellipsoid);
     // All that is uncertain is in it, also what is not a number.
-    if !(predicted < 1e6) {
+    if !(predicted < 1e3) {
         return Err(FitError::NotAnEllipsoid);
     }
     let predicted_error_ut = f64::from(predicted * field);
