@@ -5,7 +5,8 @@ use crate::effects;
 use crate::failure::{Failure, Outcome};
 use ironout::calibration::Calibration;
 use ironout::extended::{ExtendedCalibration, MAX_EFFECTS};
-use nalgebra::SMatrix;
+use ironout::fit::Method;
+use nalgebra::{Matrix3, SMatrix};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -13,6 +14,8 @@ use std::path::Path;
 
 /// The version this program writes and reads.
 pub const VERSION: u32 = 1;
+/// No soft iron that the core accepts stretches one axis this many times as much as another.
+const MOST_STRETCH: f64 = 20.0;
 /// A calibration file is a few kilobytes; more is something else.
 const MAX_BYTES: u64 = 4 << 20;
 
@@ -208,6 +211,27 @@ impl CalFile {
         if !self.extended()?.is_sound() {
             return Err(not_a_calibration("an effect holds a number that is not finite").at_column("effects"));
         }
+        if Method::parse(&self.fit.method).is_none() {
+            return Err(
+                not_a_calibration(&format!("there is no method {:?}", self.fit.method)).at_column("method")
+            );
+        }
+        let c = Matrix3::from_fn(|i, j| calibration.matrix[i][j]);
+        let stretch = c.singular_values();
+        if !(stretch.min() > MOST_STRETCH.recip() * stretch.max()) {
+            return Err(not_a_calibration("the matrix is nearly singular").at_column("matrix"));
+        }
+        let fit = &self.fit;
+        for (key, value) in [
+            ("rms_ut", fit.rms_ut),
+            ("holdout_rms_ut", fit.holdout_rms_ut),
+            ("noise_floor_ut", fit.noise_floor_ut),
+            ("residual_floor_ut", fit.residual_floor_ut),
+        ] {
+            if value.is_some_and(|value| !(value >= 0.0 && value.is_finite())) {
+                return Err(not_a_calibration(&format!("{key} is negative")).at_column(key));
+            }
+        }
         if !self.fit.accepted {
             return Err(not_a_calibration(&format!("the fit was refused ({})", self.fit.reasons.join("; "))));
         }
@@ -317,6 +341,36 @@ mod tests {
         }
     }
 
+    fn effect(id: &str) -> serde_json::Value {
+        serde_json::json!([{
+            "id": id, "name": "", "columns": ["temp_c"], "coefficients": [0.1, 0.2, 0.3], "std_errors": [0.01, 0.01, 0.01],
+            "unit": "", "reference": {"temp_c": 25.0}, "parameters": {},
+        }])
+    }
+
+    #[test]
+    fn effects_are_read_and_wrong_ones_named() {
+        let cal = reread(|v| v["effects"] = effect("offset:temp_c")).expect("sound");
+        let extended = cal.extended().expect("sound");
+        let mut conditions = ironout::extended::Conditions::unknown();
+        conditions.inputs[0][0] = 35.0;
+        let plain = extended.base.apply([9.0, 8.0, 7.0]);
+        assert_eq!(extended.apply([10.0, 10.0, 10.0], &conditions), Ok(plain));
+        for (word, change) in [
+            ("3 coefficients", ("coefficients", serde_json::json!([0.1]))),
+            ("no reference", ("reference", serde_json::json!({}))),
+        ] {
+            let failure = reread(|v| {
+                v["effects"] = effect("offset:temp_c");
+                v["effects"][0][change.0] = change.1.clone();
+            })
+            .expect_err(word);
+            assert!(failure.message.contains(word), "{failure}");
+        }
+        let five = serde_json::Value::Array(vec![effect("gain:temp_c")[0].clone(); 5]);
+        assert!(reread(|v| v["effects"] = five).expect_err("too many").message.contains("more than 4"));
+    }
+
     fn reread(change: impl FnOnce(&mut serde_json::Value)) -> Outcome<CalFile> {
         let mut value = serde_json::to_value(sample()).expect("serialises");
         change(&mut value);
@@ -332,7 +386,11 @@ mod tests {
 
     #[test]
     fn what_is_no_calibration_is_named() {
-        let cases: [(&str, Outcome<CalFile>); 9] = [
+        let cases: [(&str, Outcome<CalFile>); 13] = [
+            ("nearly singular", reread(|v| v["matrix"][2][2] = 1e-3.into())),
+            ("rms_ut is negative", reread(|v| v["rms_ut"] = (-1.0).into())),
+            ("no method", reread(|v| v["method"] = "zzz".into())),
+            ("no effect wobble", reread(|v| v["effects"] = effect("wobble"))),
             ("version 7", reread(|v| v["version"] = 7.into())),
             ("no version", reread(|v| drop(v.as_object_mut().map(|o| o.remove("version"))))),
             ("singular", reread(|v| v["matrix"][2][2] = 0.0.into())),

@@ -88,22 +88,25 @@ struct Active {
     record: Record,
     slot: Slot,
     live: Live<f32>,
-    /// What has to be added to the time since power-up to give the time that effects of time go by; unknown until it is fed.
+    /// What the recording's clock shows when that of `live` is zero.
+    origin_s: f64,
+    /// What has to be added to the time since power-up to give the recording's clock; unknown until it is fed.
     clock_s: Option<f64>,
 }
 
 impl Active {
     /// `None` where the record's effects cannot run here.
     fn new(slot: Slot, record: Record) -> Option<Self> {
-        let live = Live::new(&record.extended().cast()).ok()?;
-        Some(Self { record, slot, live, clock_s: None })
+        let (calibration, origin_s) = record.extended().on_own_clock();
+        let live = Live::new(&calibration.cast()).ok()?;
+        Some(Self { record, slot, live, origin_s, clock_s: None })
     }
 
     /// The correction at this time.
     fn at(&mut self, t_ms: u64) -> &Live<f32> {
         if self.live.needs_time() {
             let now_s = t_ms as f64 / 1000.0;
-            self.live.advance(now_s + self.clock_s.unwrap_or(0.0));
+            self.live.advance(now_s + self.clock_s.map_or(0.0, |clock_s| clock_s - self.origin_s));
             if self.clock_s.is_none() {
                 self.live.set(TIME, f32::NAN);
             }
@@ -115,6 +118,8 @@ impl Active {
     fn feed(&mut self, column: &str, value: f64, t_ms: u64) -> bool {
         if column == TIME {
             self.clock_s = Some(value - t_ms as f64 / 1000.0);
+            self.at(t_ms);
+            return !self.live.slots(TIME).is_empty();
         }
         self.live.set(column, value as f32)
     }

@@ -66,6 +66,29 @@ impl<T: Real> BuiltIn<T> {
         }
     }
 
+    /// When the effect has its own zero of time, s; `None` for an effect that does not read the time.
+    pub fn time_reference_s(&self) -> Option<f64> {
+        match self {
+            Self::Drift(Drift { reference_s }) => Some(reference_s.as_f64()),
+            Self::Step(Step { at_s }) => Some(at_s.as_f64()),
+            Self::Periodic(Periodic { reference_s, .. }) => Some(*reference_s),
+            _ => None,
+        }
+    }
+
+    /// The same effect on a clock that shows zero when the other one shows `origin_s`.
+    pub fn on_clock_from(&self, origin_s: f64) -> Self {
+        let moved = |time: T| T::of(time.as_f64() - origin_s);
+        match *self {
+            Self::Drift(Drift { reference_s }) => Self::Drift(Drift { reference_s: moved(reference_s) }),
+            Self::Step(Step { at_s }) => Self::Step(Step { at_s: moved(at_s) }),
+            Self::Periodic(Periodic { frequency_hz, reference_s }) => {
+                Self::Periodic(Periodic { frequency_hz, reference_s: reference_s - origin_s })
+            }
+            other => other,
+        }
+    }
+
     /// Whether every number in it is finite, and no delay or frequency negative.
     pub fn is_sound(&self) -> bool {
         let zero = T::zero();

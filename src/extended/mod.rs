@@ -301,6 +301,17 @@ impl<T: Real> ExtendedCalibration<T> {
         ExtendedCalibration { base: self.base.cast(), effects: Effects(effects) }
     }
 
+    /// The same calibration on a clock of its own, and what the old one shows when that is zero, s. To be done in double
+    /// precision before [`ExtendedCalibration::cast`]: a single has lost the phase of an interference, or the second itself,
+    /// where times count from long ago.
+    pub fn on_own_clock(&self) -> (Self, f64) {
+        let origin_s = self.effects.iter().find_map(|fitted| fitted.effect.time_reference_s()).unwrap_or(0.0);
+        let effects = self.effects.0.map(|place| {
+            place.map(|fitted| FittedEffect { effect: fitted.effect.on_clock_from(origin_s), ..fitted })
+        });
+        (Self { base: self.base, effects: Effects(effects) }, origin_s)
+    }
+
     /// Whether every number is finite and the matrix invertible: what a record or a file must hold.
     pub fn is_sound(&self) -> bool {
         let sound = |fitted: &FittedEffect<T>| {

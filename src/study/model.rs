@@ -280,25 +280,26 @@ impl<T: Real> Model<T> {
         Ok(())
     }
 
-    /// The correction of one sample: the field in the accelerometer's frame, its residual magnitude, and what the
-    /// magnitude's gradient is (`Cᵀu`).
+    /// The corrected field of one sample in the accelerometer's frame, µT: what
+    /// [`ExtendedCalibration::apply`](crate::extended::ExtendedCalibration::apply) gives. Where an effect reads the centre,
+    /// the disturbance is looked at twice, as there.
     pub fn correct(&self, reading: &Reading<T>, terms: &[Term<'_, T>]) -> Result<[T; 3], NotFinite> {
-        let rough = self.quantities(
-            reading.measured_ut,
-            minus(reading.measured_ut, self.offset_ut),
-            reading.turn_radps,
-        );
+        let measured = reading.measured_ut;
+        let centred = minus(measured, self.offset_ut);
         let mut shape = [no_shape::<T>(); 1];
-        let mut disturbance = [T::zero(); 3];
-        for (index, term) in terms.iter().enumerate() {
-            let one = self
-                .shapes(&rough, core::iter::once(term), &mut shape)
-                .map_err(|_| NotFinite::Effect(index))?;
-            for (total, value) in disturbance.iter_mut().zip(one) {
-                *total += value;
+        let mut left = centred;
+        let twice = terms.iter().any(|term| term.effect.reads_centre());
+        for _ in 0..if twice { 2 } else { 1 } {
+            let at = self.quantities(measured, left, reading.turn_radps);
+            left = centred;
+            for (index, term) in terms.iter().enumerate() {
+                let one = self
+                    .shapes(&at, core::iter::once(term), &mut shape)
+                    .map_err(|_| NotFinite::Effect(index))?;
+                left = minus(left, one);
             }
         }
-        Ok(times(&self.full, minus(minus(reading.measured_ut, self.offset_ut), disturbance)))
+        Ok(times(&self.full, left))
     }
 
     /// The model after a step of a magnitude study: offset and triangle moved, the rest kept.

@@ -101,6 +101,7 @@ fn alignment(alignment: &Alignment) {
                 ));
             }
         }
+        Alignment::Mirrored { .. } => line("alignment    none: the log's magnetometer axes are mirrored"),
         Alignment::NoDip { after_deg } => line(&format!(
             "alignment    none: the dip against the accelerometer spreads by {after_deg:.0}° at best, so it shows no gravity \
              or stands in other axes"

@@ -33,6 +33,11 @@ pub fn align_solution(data: &Data, used: &[u32], solution: &mut Solution, covari
     if error_deg > KNOWN_DEG {
         return;
     }
+    let axis_order = found.axis_order;
+    if let Some(order) = axis_order.clone().filter(|order| is_mirrored(order)) {
+        solution.alignment = Alignment::Mirrored { order };
+        return;
+    }
     solution.calibration.matrix = found.model.full_matrix();
     solution.std_errors.matrix =
         full_errors(&triangle, &solution.calibration.matrix, covariance, Some(&rotation));
@@ -40,8 +45,16 @@ pub fn align_solution(data: &Data, used: &[u32], solution: &mut Solution, covari
         angle_deg: found.angle_deg,
         before_deg: found.before_deg,
         after_deg: found.after_deg,
-        axis_order: found.axis_order,
+        axis_order,
     };
+}
+
+/// Whether an order of axes, as in `y,x,z`, turns right hands into left ones: then no rotation mends it.
+pub fn is_mirrored(order: &str) -> bool {
+    let names: Vec<&str> = order.split(',').map(|name| name.trim_start_matches('-')).collect();
+    let swaps = (0..names.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+    let odd = swaps.filter(|&(i, j)| names[i] < names[j]).count() + order.matches('-').count();
+    odd % 2 == 1
 }
 
 fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
@@ -106,6 +119,15 @@ mod tests {
                 .zip(triangle.iter().flatten())
                 .all(|(a, b)| (a - b).abs() < 1e-12)
         );
+    }
+
+    #[test]
+    fn a_mirrored_order_is_told_from_a_turned_one() {
+        for (order, mirrored) in
+            [("x,y,z", false), ("y,x,z", true), ("y,x,-z", false), ("y,z,x", false), ("-x,-y,-z", true)]
+        {
+            assert_eq!(is_mirrored(order), mirrored, "{order}");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The fit with effects, or on top of an earlier calibration: by the study instead of the quadric.
 
-use super::align::{full_errors, triangle_of};
+use super::align::{full_errors, is_mirrored, triangle_of};
 use super::result::Fitted;
 use super::solution::{Alignment, Solution, WithoutEffects};
 use super::{Data, FaultKind, MOST_SPREAD_DEG, Options};
@@ -79,14 +79,27 @@ fn check_ids(log: &Log, ids: &[String]) -> Outcome<()> {
             return Err(Failure::usage(format!("--add {id}: given twice")));
         }
         let Some(column) = parts.column else { continue };
-        if log.covariate(column).is_none() {
+        let bad = |why: String| {
+            Err(Failure::usage(format!("--add {id}: {why}")).in_file(&log.path).at_column(column))
+        };
+        let Some(covariate) = log.covariate(column) else {
             let names: Vec<&str> = log.covariates.iter().map(|c| c.name.as_str()).collect();
-            return Err(Failure::usage(format!(
-                "--add {id}: the log has no such column; the columns that effects may follow are {}",
+            return bad(format!(
+                "the log has no such column; the columns that effects may follow are {}",
                 if names.is_empty() { "none".to_string() } else { names.join(", ") }
-            ))
-            .in_file(&log.path)
-            .at_column(column));
+            ));
+        };
+        let values = || covariate.values.iter().copied().filter(|value| value.is_finite());
+        let least = values().fold(f64::INFINITY, f64::min);
+        let most = values().fold(f64::NEG_INFINITY, f64::max);
+        if covariate.not_finite > 0 {
+            return bad(format!("{} of its cells are NaN or infinite", covariate.not_finite));
+        }
+        if 2 * covariate.empty > log.rows {
+            return bad(format!("it is empty in {} of {} rows", covariate.empty, log.rows));
+        }
+        if most - least <= 1e-9 * most.abs().max(least.abs()) {
+            return bad(format!("it is constant ({least}): record a log in which it changes"));
         }
         ColumnName::new(column).map_err(|error| {
             Failure::usage(format!("--add {id}: {error}; take it by another name with --map"))
@@ -176,7 +189,10 @@ fn solution(
     let mut matrix = std::array::from_fn(|i| {
         std::array::from_fn(|j| if j < i { 0.0 } else { diagnosis.matrix_std_errors[i][j] })
     });
-    if let Some(dip) = diagnosis.dip {
+    if let Some(order) = diagnosis.axis_order.clone().filter(|order| is_mirrored(order)) {
+        calibration.matrix = triangle;
+        alignment = Alignment::Mirrored { order };
+    } else if let Some(dip) = diagnosis.dip {
         if dip.rms_deg_after > MOST_SPREAD_DEG {
             calibration.matrix = triangle;
             alignment = Alignment::NoDip { after_deg: dip.rms_deg_after };

@@ -1,7 +1,7 @@
 //! What came out of a fit.
 
 use super::align::align_solution;
-use super::{Data, FaultKind, Options, SetAside, Solution, floor, holdout};
+use super::{Alignment, Data, FaultKind, Options, SetAside, Solution, floor, holdout};
 use crate::cal_file::{CalFile, EffectEntry, FitObject, VERSION};
 use crate::cli::Expected;
 use ironout::calibration::norm;
@@ -128,6 +128,17 @@ impl Fitted {
         let verdict = judge_figures(&figures, Some(&coverage), self.clipped(), self.expected.field_ut);
         self.accepted = verdict.accepted;
         self.reasons = verdict.reasons.iter().map(Reason::to_string).collect();
+        if let Alignment::Mirrored { order } = &solution.alignment {
+            self.accepted = false;
+            self.reasons.insert(
+                0,
+                format!(
+                    "against the accelerometer, the magnetometer's axes stand for {order}: the axes of a left hand, so that \
+                     corrected vectors would point elsewhere; mend the driver, or read the log with --rotate mag:{}",
+                    inverse_order(order)
+                ),
+            );
+        }
         self.solution = Some(solution);
     }
 
@@ -171,6 +182,17 @@ impl Fitted {
         let information = self.solution.as_ref().and_then(|solution| solution.information.clone());
         CalFile { version: VERSION, fit: self.object(method), information }
     }
+}
+
+/// Body x,y,z from the log's axes, where `order` says which body axis each of the log's axes stands for.
+fn inverse_order(order: &str) -> String {
+    let axes: Vec<&str> = order.split(',').collect();
+    let names = ["x", "y", "z"].map(|body| {
+        let place = axes.iter().position(|axis| axis.trim_start_matches('-') == body).unwrap_or_default();
+        let sign = if axes.get(place).is_some_and(|axis| axis.starts_with('-')) { "-" } else { "" };
+        format!("{sign}{}", ["x", "y", "z"][place])
+    });
+    names.join(",")
 }
 
 /// Mean of magnitudes, and their rms about it.

@@ -58,6 +58,11 @@ pub enum Alignment {
         /// How the axes stand in the log, if they are swapped.
         axis_order: Option<String>,
     },
+    /// The log's axes are those of a left hand: no rotation mends that, and the corrected vector would point elsewhere.
+    Mirrored {
+        /// How the axes stand in the log.
+        order: String,
+    },
     /// The accelerometer shows no constant dip: the matrix stays triangular.
     NoDip {
         /// Spread of the dip after the best rotation, degrees.

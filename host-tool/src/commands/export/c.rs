@@ -1,0 +1,250 @@
+//! A calibration as a C header (C99) with one function that applies it.
+
+use crate::failure::{Failure, Outcome};
+use ironout::calibration::{Calibration, inverse_3x3};
+use ironout::effect::{AmbientField, BuiltIn, Drift, Effect, Gain, Id, Offset, Periodic, Power, Step, TIME};
+use ironout::extended::{ExtendedCalibration, FittedEffect};
+use std::fmt::Write as _;
+
+/// The file.
+pub fn text(calibration: &ExtendedCalibration, summary: &str) -> Outcome<String> {
+    let text = if calibration.effects.is_empty() {
+        plain(&calibration.base, summary)
+    } else {
+        extended(calibration, summary)?
+    };
+    Ok(text.replace('µ', "u").replace('·', "*").replace('−', "-").replace('°', "deg ").replace('²', "^2"))
+}
+
+fn plain(calibration: &Calibration<f64>, summary: &str) -> String {
+    let value = |v: f64| format!("{:?}f", v as f32);
+    let triple = |v: [f64; 3]| format!("{{{}, {}, {}}}", value(v[0]), value(v[1]), value(v[2]));
+    let [a, b, c] = calibration.matrix.map(triple);
+    format!(
+        "/* Written by `ironout export --as c`: {summary}.\n   corrected = matrix * (measured - offset), microtesla. */\n\
+         #ifndef IRONOUT_CALIBRATION_H\n#define IRONOUT_CALIBRATION_H\n\n\
+         /* The magnitude that corrected vectors have, microtesla. */\n#define IRONOUT_FIELD_UT {field}\n\n\
+         /* Hard iron and zero offset, microtesla. */\nstatic const float ironout_offset_ut[3] = {offset};\n\n\
+         /* Undoes soft iron, gains and non-orthogonality. */\nstatic const float ironout_matrix[3][3] = {{\n    \
+         {a},\n    {b},\n    {c}\n}};\n\n\
+         /* Corrects one measured vector; both in microtesla, and they may be the same array. */\n\
+         static inline void ironout_apply(const float measured_ut[3], float corrected_ut[3])\n{{\n    \
+         const float x = measured_ut[0] - ironout_offset_ut[0];\n    \
+         const float y = measured_ut[1] - ironout_offset_ut[1];\n    \
+         const float z = measured_ut[2] - ironout_offset_ut[2];\n    int i;\n\n    \
+         for (i = 0; i < 3; i++) {{\n        \
+         corrected_ut[i] = ironout_matrix[i][0] * x + ironout_matrix[i][1] * y + ironout_matrix[i][2] * z;\n    \
+         }}\n}}\n\n#endif /* IRONOUT_CALIBRATION_H */\n",
+        field = value(calibration.field_ut),
+        offset = triple(calibration.offset_ut),
+    )
+}
+
+/// A constant to the last bit, in whatever precision the header is compiled for.
+fn number(v: f64) -> String {
+    format!("(ironout_real){v:?}")
+}
+
+fn triple(v: &[f64]) -> String {
+    let words: Vec<String> = v.iter().map(|v| number(*v)).collect();
+    format!("{{{}}}", words.join(", "))
+}
+
+fn rows(matrix: &[[f64; 3]; 3]) -> String {
+    let [a, b, c] = matrix.map(|row| triple(&row));
+    format!("{{\n    {a},\n    {b},\n    {c}\n}}")
+}
+
+/// The parameter of the C function that carries a column.
+fn parameter(name: &str, late: bool) -> String {
+    let mut word: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if word.starts_with(|c: char| c.is_ascii_digit()) {
+        word.insert_str(0, "column_");
+    }
+    // C's own words and the function's other names must not be taken.
+    if !word.contains('_') {
+        word.push_str("_value");
+    }
+    if ["measured_ut", "corrected_ut", "turn_radps", "ironout_real"].contains(&word.as_str()) {
+        word.push_str("_column");
+    }
+    if late { format!("{word}_late") } else { word }
+}
+
+struct Parameter {
+    name: String,
+    column: String,
+    delay_s: f64,
+}
+
+fn parameters(calibration: &ExtendedCalibration) -> Outcome<Vec<Parameter>> {
+    let mut list: Vec<Parameter> = Vec::new();
+    for fitted in calibration.effects.iter() {
+        for column in fitted.effect.columns().into_iter().flatten() {
+            let name = parameter(column.name, column.delay_s > 0.0);
+            match list.iter().find(|known| known.name == name) {
+                None => {
+                    list.push(Parameter { name, column: column.name.to_string(), delay_s: column.delay_s });
+                }
+                Some(known) if known.column == column.name && known.delay_s == column.delay_s => {}
+                Some(known) => {
+                    return Err(Failure::usage(format!(
+                        "the columns {} and {} have the same name in C: rename one with --map and fit again",
+                        known.column, column.name
+                    )));
+                }
+            }
+        }
+    }
+    Ok(list)
+}
+
+fn extended(calibration: &ExtendedCalibration, summary: &str) -> Outcome<String> {
+    let base = &calibration.base;
+    let list = parameters(calibration)?;
+    let turning = calibration.effects.iter().any(|fitted| fitted.effect.needs_gyro());
+    let looks = if calibration.effects.iter().any(|fitted| fitted.effect.reads_centre()) { 2 } else { 1 };
+    let periodic = calibration.effects.iter().any(|fitted| matches!(fitted.effect, BuiltIn::Periodic(_)));
+    let mut text = format!(
+        "/* Written by `ironout export --as c`: {summary}.\n   corrected = matrix * (measured - offset - effects), microtesla. \
+         */\n#ifndef IRONOUT_CALIBRATION_H\n#define IRONOUT_CALIBRATION_H\n\n"
+    );
+    if periodic {
+        text.push_str("#include <math.h>\n\n");
+    }
+    let _ = write!(
+        text,
+        "/* Define IRONOUT_REAL as double for double precision. */\n#ifndef IRONOUT_REAL\n#define IRONOUT_REAL float\n#endif\n\
+         typedef IRONOUT_REAL ironout_real;\n\n\
+         /* The magnitude that corrected vectors have, microtesla. */\n#define IRONOUT_FIELD_UT {}\n\n\
+         /* Hard iron and zero offset, microtesla. */\nstatic const ironout_real ironout_offset_ut[3] = {};\n\n\
+         /* Undoes soft iron, gains, non-orthogonality and rotation. */\nstatic const ironout_real ironout_matrix[3][3] = {};\n\n",
+        number(base.field_ut),
+        triple(&base.offset_ut),
+        rows(&base.matrix)
+    );
+    if turning {
+        let inverse = inverse_3x3(&base.matrix)
+            .ok_or_else(|| Failure::usage("the matrix is singular").at_column("matrix"))?;
+        let _ = write!(
+            text,
+            "/* Its inverse. */\nstatic const ironout_real ironout_inverse[3][3] = {};\n\n",
+            rows(&inverse)
+        );
+    }
+    text.push_str(
+        "/* Corrects one measured vector; both in microtesla, and they may be the same array.\n   Besides it needs:\n",
+    );
+    for Parameter { name, column, delay_s } in &list {
+        let what = match column.as_str() {
+            TIME => "the time, s, on the recording's clock".to_string(),
+            _ if *delay_s > 0.0 => format!("the column {column} as it was {delay_s:.4} s ago"),
+            _ => format!("the column {column}"),
+        };
+        let _ = writeln!(text, "   {name}: {what}");
+    }
+    if turning {
+        text.push_str("   turn_radps: the rate of turn, rad/s, body axes\n");
+    }
+    text.push_str("*/\nstatic inline void ironout_apply(const ironout_real measured_ut[3]");
+    for Parameter { name, column, .. } in &list {
+        // Seconds since long ago do not fit a single.
+        let scalar = if column == TIME { "double" } else { "ironout_real" };
+        let _ = write!(text, ", {scalar} {name}");
+    }
+    if turning {
+        text.push_str(", const ironout_real turn_radps[3]");
+    }
+    text.push_str(
+        ", ironout_real corrected_ut[3])\n{\n    ironout_real centred[3], left[3], sum[3];\n    int i, look;\n\n    \
+         for (i = 0; i < 3; i++) {\n        centred[i] = measured_ut[i] - ironout_offset_ut[i];\n        \
+         left[i] = centred[i];\n    }\n",
+    );
+    let _ = writeln!(text, "    for (look = 0; look < {looks}; look++) {{");
+    if turning {
+        text.push_str(TURNING);
+    }
+    text.push_str("        for (i = 0; i < 3; i++) {\n            sum[i] = 0;\n        }\n");
+    for fitted in calibration.effects.iter() {
+        let _ = write!(text, "        {{ /* {} */\n{}        }}\n", Id(&fitted.effect), body(fitted));
+    }
+    text.push_str(
+        "        for (i = 0; i < 3; i++) {\n            left[i] = centred[i] - sum[i];\n        }\n    }\n    \
+         for (i = 0; i < 3; i++) {\n        corrected_ut[i] = ironout_matrix[i][0] * left[0] + ironout_matrix[i][1] * left[1] + \
+         ironout_matrix[i][2] * left[2];\n    }\n}\n\n#endif /* IRONOUT_CALIBRATION_H */\n",
+    );
+    Ok(text)
+}
+
+/// `turning = A (ω × C v)`.
+const TURNING: &str = "        ironout_real field[3], turned[3], turning[3];
+
+        for (i = 0; i < 3; i++) {
+            field[i] = ironout_matrix[i][0] * left[0] + ironout_matrix[i][1] * left[1] + ironout_matrix[i][2] * left[2];
+        }
+        for (i = 0; i < 3; i++) {
+            turned[i] = turn_radps[(i + 1) % 3] * field[(i + 2) % 3] - turn_radps[(i + 2) % 3] * field[(i + 1) % 3];
+        }
+        for (i = 0; i < 3; i++) {
+            turning[i] = ironout_inverse[i][0] * turned[0] + ironout_inverse[i][1] * turned[1] + ironout_inverse[i][2] * turned[2];
+        }
+";
+
+/// The statements that add one effect to `sum`.
+fn body(fitted: &FittedEffect<f64>) -> String {
+    let k = Effect::<f64>::coefficients(&fitted.effect);
+    let theta = format!(
+        "            static const ironout_real theta[{k}] = {};\n",
+        triple(&fitted.coefficients[..k])
+    );
+    let along = |value: String, factor: &str| {
+        format!(
+            "{theta}            const ironout_real value = {value};\n            for (i = 0; i < 3; i++) {{\n                \
+             sum[i] += theta[i] * {factor}value;\n            }}\n"
+        )
+    };
+    let time = || parameter(TIME, false);
+    match &fitted.effect {
+        BuiltIn::Offset(Offset { column, reference, power, delay_s }) => {
+            let name = parameter(column.as_str(), delay_s.is_some_and(|delay| delay > 0.0));
+            let input = if *power == Power::Squared { format!("{name} * {name}") } else { name };
+            along(format!("{input} - {}", number(*reference)), "")
+        }
+        BuiltIn::Gain(Gain { column, reference }) => {
+            let value = format!("{} - {}", parameter(column.as_str(), false), number(*reference));
+            along(value, "measured_ut[i] * ")
+        }
+        BuiltIn::Field(AmbientField { column, reference }) => format!(
+            "{theta}            const ironout_real value = {} - {};\n            for (i = 0; i < 3; i++) {{\n                \
+             sum[i] += theta[0] * value * left[i];\n            }}\n",
+            parameter(column.as_str(), false),
+            number(*reference)
+        ),
+        BuiltIn::Drift(Drift { reference_s }) => {
+            along(format!("(ironout_real)({} - {reference_s:?})", time()), "")
+        }
+        BuiltIn::Step(Step { at_s }) => along(format!("{} >= {at_s:?} ? 1 : 0", time()), ""),
+        BuiltIn::Lag(_) => format!(
+            "{theta}            for (i = 0; i < 3; i++) {{\n                sum[i] += theta[0] * turning[i];\n            }}\n"
+        ),
+        BuiltIn::Eddy(_) => format!(
+            "{theta}            for (i = 0; i < 3; i++) {{\n                sum[i] += theta[3 * i] * turning[0] + theta[3 * i + 1] * \
+             turning[1] + theta[3 * i + 2] * turning[2];\n            }}\n"
+        ),
+        BuiltIn::Nonlinearity(_) => format!(
+            "{theta}            for (i = 0; i < 3; i++) {{\n                const ironout_real square = measured_ut[i] * \
+             measured_ut[i];\n                sum[i] += theta[i] * square + theta[3 + i] * square * measured_ut[i];\n            }}\n"
+        ),
+        BuiltIn::CrossAxis(_) => format!(
+            "{theta}            const ironout_real xy = measured_ut[0] * measured_ut[1], xz = measured_ut[0] * measured_ut[2], yz = \
+             measured_ut[1] * measured_ut[2];\n            sum[0] += theta[0] * xy + theta[1] * xz + theta[6] * yz;\n            \
+             sum[1] += theta[2] * xy + theta[3] * yz;\n            sum[2] += theta[4] * xz + theta[5] * yz;\n"
+        ),
+        BuiltIn::Periodic(Periodic { frequency_hz, reference_s }) => format!(
+            "{theta}            const double turns = {frequency_hz:?} * ({} - {reference_s:?});\n            const double phase = \
+             6.283185307179586 * (turns - floor(turns));\n            for (i = 0; i < 3; i++) {{\n                sum[i] += theta[i] * \
+             (ironout_real)sin(phase) + theta[3 + i] * (ironout_real)cos(phase);\n            }}\n",
+            time()
+        ),
+    }
+}

@@ -1,0 +1,459 @@
+//! Effects from the fit to the correction: found to their errors, kept in files, applied alike everywhere, refused by name.
+
+mod common;
+
+use common::{folder, ironout, write};
+use ironout_cli::cal_file::CalFile;
+use ironout_cli::effects::Corrector;
+use ironout_cli::input::{ReadOptions, read_log};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("text")
+}
+
+fn number(value: &serde_json::Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
+}
+
+fn numbers(value: &serde_json::Value) -> Vec<f64> {
+    value.as_array().unwrap_or_else(|| panic!("no list: {value}")).iter().map(number).collect()
+}
+
+fn simulate(here: &Path, name: &str, options: &[&str]) -> PathBuf {
+    let log = here.join(name);
+    let run = ironout(["simulate", "-o", text(&log)].iter().chain(options));
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    log
+}
+
+/// The true coefficients of the hidden effects, one list each, as the log says them.
+fn hidden(log: &Path) -> Vec<Vec<f64>> {
+    let content = std::fs::read_to_string(log).expect("text");
+    let lines = content.lines().filter(|line| line.starts_with("# effect "));
+    lines
+        .map(|line| {
+            let list = line.rsplit_once('[').expect("a list").1.trim_end_matches(']');
+            list.split(',').map(|word| word.trim().parse().expect("a number")).collect()
+        })
+        .collect()
+}
+
+/// The rows `from..to` of a log, as a log of its own.
+fn part(here: &Path, log: &Path, name: &str, from: usize, to: usize) -> PathBuf {
+    let content = std::fs::read_to_string(log).expect("text");
+    let mut lines = content.lines().filter(|line| !line.starts_with('#'));
+    let header = lines.next().expect("a header");
+    let rows: Vec<&str> = lines.skip(from).take(to - from).collect();
+    write(here, name, format!("{header}\n{}\n", rows.join("\n")))
+}
+
+/// The log with the cells of one column rewritten.
+fn changed(
+    here: &Path,
+    log: &Path,
+    name: &str,
+    column: &str,
+    cell: impl Fn(usize, &str) -> String,
+) -> PathBuf {
+    let content = std::fs::read_to_string(log).expect("text");
+    let mut lines = content.lines().filter(|line| !line.starts_with('#'));
+    let header = lines.next().expect("a header");
+    let place = header.split(',').position(|word| word == column).expect("the column");
+    let rows: Vec<String> = lines
+        .enumerate()
+        .map(|(row, line)| {
+            let mut cells: Vec<String> = line.split(',').map(String::from).collect();
+            cells[place] = cell(row, &cells[place]);
+            cells.join(",")
+        })
+        .collect();
+    write(here, name, format!("{header}\n{}\n", rows.join("\n")))
+}
+
+#[test]
+fn each_effect_is_fitted_to_its_errors_and_the_noise_is_what_remains() {
+    let here = folder("effects_fitted");
+    let (mut all, mut beyond_three) = (0, 0);
+    for (id, seed) in [
+        ("offset:temp_c", "21"),
+        ("gain:temp_c", "22"),
+        ("field:height_m", "23"),
+        ("drift", "24"),
+        ("step", "25"),
+        ("lag", "26"),
+        ("nonlinearity", "27"),
+        ("cross-axis", "28"),
+        ("periodic", "29"),
+        ("offset:current_a^2", "30"),
+        ("offset:current_a@delay", "31"),
+    ] {
+        let hide = format!("{id}=3");
+        let log = simulate(&here, "log.csv", &["--seconds", "100", "--seed", seed, "--effect", &hide]);
+        let run = ironout(["fit", text(&log), "--add", id, "--json"]);
+        assert_eq!(run.status, 0, "{id}: {} {}", run.stdout, run.stderr);
+        let object = run.json();
+        let effect = &object["effects"][0];
+        assert_eq!(effect["id"], id, "{object}");
+        let (found, errors) = (numbers(&effect["coefficients"]), numbers(&effect["std_errors"]));
+        let truth = hidden(&log).remove(0);
+        assert_eq!(found.len(), truth.len(), "{id}");
+        for ((found, truth), error) in found.iter().zip(&truth).zip(&errors) {
+            let sigmas = (found - truth).abs() / error;
+            // A delay, a frequency or a time that was searched has an error of its own beside these.
+            assert!(sigmas < 6.0, "{id}: {found} ± {error}, true is {truth}");
+            all += 1;
+            beyond_three += i32::from(sigmas > 3.0);
+        }
+        let (held, floor) = (number(&object["holdout_rms_ut"]), number(&object["residual_floor_ut"]));
+        assert!(held < 1.05 * floor, "{id}: {held} µT on unseen time, the noise is {floor}");
+        assert!((number(&object["noise_floor_ut"]) / 0.2517 - 1.0).abs() < 0.06, "{id}: {object}");
+    }
+    assert!(beyond_three * 20 <= all, "{beyond_three} of {all} coefficients beyond three standard errors");
+}
+
+#[test]
+fn two_effects_at_once_and_the_words_say_what_they_are() {
+    let here = folder("effects_two");
+    let log = simulate(
+        &here,
+        "log.csv",
+        &["--seconds", "100", "--seed", "4", "--effect", "offset:temp_c=4", "--effect", "offset:current_a=3"],
+    );
+    let run = ironout(["fit", text(&log), "--add", "offset:temp_c", "--add", "offset:current_a"]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    for words in [
+        "temperature offset (offset:temp_c)",
+        "current offset (offset:current_a)",
+        "Biot–Savart",
+        "µT/°C",
+        "µT/A",
+        "without effects",
+        "on unseen time",
+        "full 3×3",
+        "measured − offset − effects",
+    ] {
+        assert!(run.stdout.contains(words), "no {words:?} in {}", run.stdout);
+    }
+}
+
+#[test]
+fn a_second_log_is_good_with_the_effect_and_not_without() {
+    let here = folder("effects_check");
+    let log =
+        simulate(&here, "log.csv", &["--seconds", "160", "--seed", "6", "--effect", "offset:temp_c=12"]);
+    let (first, second) =
+        (part(&here, &log, "first.csv", 0, 4000), part(&here, &log, "second.csv", 5000, 8000));
+    let (with, without) = (here.join("with.json"), here.join("without.json"));
+    let run = ironout(["fit", text(&first), "--add", "offset:temp_c", "-o", text(&with)]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    // What a calibration at one temperature is worth later.
+    let start = part(&here, &log, "start.csv", 3000, 4000);
+    let run = ironout(["fit", text(&start), "-o", text(&without)]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    let good = ironout(["check", text(&second), "--cal", text(&with), "--json"]);
+    assert_eq!((good.status, good.json()["verdict"].as_str()), (0, Some("good")), "{}", good.stdout);
+    assert!(number(&good.json()["rms_ut"]) < 0.3, "{}", good.stdout);
+    let bad = ironout(["check", text(&second), "--cal", text(&without), "--json"]);
+    assert_eq!(bad.status, 1, "{}", bad.stdout);
+
+    let applied = here.join("applied.csv");
+    let run = ironout(["apply", text(&second), "--cal", text(&with), "-o", text(&applied), "--json"]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    assert!((number(&run.json()["after"]["rms_ut"]) - number(&good.json()["rms_ut"])).abs() < 0.02);
+    assert_eq!(run.json()["effects"][0], "offset:temp_c");
+
+    let again = ironout(["export", text(&with), "--as", "json"]);
+    let (a, b): (serde_json::Value, serde_json::Value) = (
+        serde_json::from_str(&again.stdout).expect("JSON"),
+        serde_json::from_str(&std::fs::read_to_string(&with).expect("text")).expect("JSON"),
+    );
+    assert_eq!(a, b, "a file with effects round-trips");
+}
+
+#[test]
+fn what_cannot_be_added_or_applied_is_named() {
+    let here = folder("effects_refused");
+    let log = simulate(&here, "log.csv", &["--seconds", "60", "--seed", "7", "--effect", "offset:temp_c"]);
+    let add = |log: &Path, ids: &[&str]| {
+        let mut arguments = vec!["fit", text(log), "--json"];
+        ids.iter().for_each(|id| arguments.extend(["--add", id]));
+        ironout(arguments).error()
+    };
+    let word = |error: &serde_json::Value, word: &str| {
+        assert!(
+            error["message"].as_str().is_some_and(|message| message.contains(word)),
+            "no {word:?} in {error}"
+        );
+    };
+    let unknown = add(&log, &["wobble"]);
+    for known in ["unknown effect", "offset:temp_c", "gain:current_a", "periodic", "cross-axis"] {
+        word(&unknown, known);
+    }
+    let error = add(&log, &["offset:oil_c"]);
+    word(&error, "temp_c, current_a, height_m");
+    assert_eq!(error["column"], "oil_c");
+    word(&add(&log, &["drift", "drift"]), "twice");
+    word(&add(&log, &["drift", "step", "lag", "periodic", "nonlinearity"]), "at most 4");
+    word(&add(&log, &["misalignment"]), "always part of the fit");
+
+    let constant = changed(&here, &log, "constant.csv", "temp_c", |_, _| "25".into());
+    for id in ["offset:temp_c", "offset:temp_c^2", "gain:temp_c", "offset:temp_c@delay"] {
+        let error = add(&constant, &[id]);
+        word(&error, "constant");
+        assert_eq!(error["column"], "temp_c");
+    }
+    let nan = changed(
+        &here,
+        &log,
+        "nan.csv",
+        "temp_c",
+        |row, cell| if row == 500 { "nan".into() } else { cell.into() },
+    );
+    word(&add(&nan, &["offset:temp_c"]), "NaN or infinite");
+    let empty =
+        changed(
+            &here,
+            &log,
+            "empty.csv",
+            "temp_c",
+            |row, cell| if row % 3 == 0 { cell.into() } else { String::new() },
+        );
+    word(&add(&empty, &["gain:temp_c"]), "empty in");
+    let no_gyro = changed(&here, &log, "plain.csv", "gx_radps", |_, _| String::new());
+    add(&no_gyro, &["lag"]);
+    let run = ironout(["fit", text(&log), "--add", "drift", "--method", "constant", "--json"]);
+    word(&run.error(), "--method constant");
+
+    let cal = here.join("cal.json");
+    let run = ironout(["fit", text(&log), "--add", "offset:temp_c", "-o", text(&cal)]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    let cold = simulate(&here, "cold.csv", &["--seconds", "60", "--seed", "7", "--without", "temp_c"]);
+    for command in ["apply", "check"] {
+        let error = ironout([command, text(&cold), "--cal", text(&cal), "--json"]).error();
+        assert_eq!(error["column"], "temp_c");
+        word(&error, "offset:temp_c");
+    }
+    // A few empty cells are taken between their neighbours.
+    let holes =
+        changed(
+            &here,
+            &log,
+            "holes.csv",
+            "temp_c",
+            |row, cell| if row % 3 == 0 { String::new() } else { cell.into() },
+        );
+    let run = ironout(["apply", text(&holes), "--cal", text(&cal), "--json"]);
+    assert!(number(&run.json()["after"]["rms_ut"]) < 0.27, "{}", run.stdout);
+}
+
+#[test]
+fn an_earlier_calibration_carries_a_log_of_little_attitude() {
+    let here = folder("effects_prior");
+    let log = simulate(&here, "log.csv", &["--seconds", "100", "--seed", "8"]);
+    let (whole, short) =
+        (part(&here, &log, "whole.csv", 0, 4000), part(&here, &log, "short.csv", 4000, 4250));
+    let cal = here.join("cal.json");
+    let run = ironout(["fit", text(&whole), "--field", "50", "-o", text(&cal)]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    let first: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&cal).expect("text")).expect("JSON");
+    for (options, field) in [(vec![], 50.0), (vec!["--field", "40"], 40.0)] {
+        let mut arguments = vec!["fit", text(&short), "--prior", text(&cal), "--json"];
+        arguments.extend(&options);
+        let run = ironout(arguments);
+        assert_eq!(run.status, 0, "{} {}", run.stdout, run.stderr);
+        let object = run.json();
+        assert_eq!(number(&object["field_ut"]), field);
+        for axis in 0..3 {
+            let (was, is) = (number(&first["offset_ut"][axis]), number(&object["offset_ut"][axis]));
+            let error = number(&first["std_errors"]["offset_ut"][axis]);
+            assert!((is - was).abs() < 4.0 * error, "{is} after {was} ± {error}");
+            assert!(number(&object["std_errors"]["offset_ut"][axis]) <= 1.05 * error, "{object}");
+        }
+    }
+}
+
+/// One entry of a calibration file.
+fn entry(
+    id: &str,
+    column: Option<(&str, f64)>,
+    parameter: Option<(&str, f64)>,
+    theta: &[f64],
+) -> serde_json::Value {
+    let object = |pair: Option<(&str, f64)>| {
+        pair.map_or_else(|| serde_json::json!({}), |(name, value)| serde_json::json!({name: value}))
+    };
+    serde_json::json!({
+        "id": id, "name": "", "columns": column.iter().map(|(name, _)| name).collect::<Vec<_>>(), "coefficients": theta,
+        "std_errors": vec![1e-3; theta.len()], "unit": "", "reference": object(column), "parameters": object(parameter),
+    })
+}
+
+/// Calibrations that carry every effect there is between them.
+fn every_effect() -> [Vec<serde_json::Value>; 4] {
+    let (temp, amps) = (Some(("temp_c", 24.0)), Some(("current_a", 1.5)));
+    [
+        vec![
+            entry("offset:temp_c", temp, None, &[0.4, -0.3, 0.2]),
+            entry("gain:current_a", amps, None, &[1e-3, 2e-3, -1e-3]),
+        ],
+        vec![
+            entry("lag", None, None, &[4e-3, 1e-3, -2e-3, 0.0, 3e-3, 1e-3, 2e-3, -1e-3, 5e-3]),
+            entry("field:height_m", Some(("height_m", 0.2)), None, &[0.02]),
+            entry("offset:current_a^2", amps, None, &[0.02, 0.01, -0.03]),
+            entry("offset:current_a@delay", amps, Some(("delay_s", 0.31)), &[0.2, 0.1, -0.3]),
+        ],
+        vec![
+            entry("drift", Some(("t_s", 20.0)), None, &[0.03, -0.02, 0.01]),
+            entry("step", None, Some(("at_s", 11.01)), &[1.0, 2.0, -1.0]),
+            entry(
+                "periodic",
+                Some(("t_s", 1.0)),
+                Some(("frequency_hz", 7.3)),
+                &[0.5, 0.2, 0.1, -0.3, 0.4, 0.6],
+            ),
+        ],
+        vec![
+            entry("nonlinearity", None, None, &[1e-4, -2e-4, 1e-4, 1e-6, 2e-6, -1e-6]),
+            entry("cross-axis", None, None, &[1e-4, 2e-4, -1e-4, 3e-4, -2e-4, 1e-4, 2e-4]),
+            entry("lag", None, None, &[0.015]),
+        ],
+    ]
+}
+
+/// A calibration file with these effects.
+fn file_with(effects: &[serde_json::Value]) -> String {
+    let fixture = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/cal.json"));
+    let mut file: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(fixture).expect("text")).expect("JSON");
+    file["effects"] = effects.into();
+    file["matrix"] = serde_json::json!([[1.01, 0.02, -0.03], [-0.01, 0.97, 0.1], [0.02, -0.04, 1.1]]);
+    file.to_string()
+}
+
+#[test]
+fn the_c_header_and_the_tool_correct_alike() {
+    let here = folder("effects_c");
+    let log_path = simulate(&here, "log.csv", &["--seconds", "20", "--seed", "9"]);
+    let log = read_log(&log_path, &ReadOptions::default()).expect("a log");
+    let rows: Vec<usize> = (0..log.rows).step_by(37).collect();
+    for (group, effects) in every_effect().iter().enumerate() {
+        let cal = write(&here, "cal.json", file_with(effects));
+        let file = CalFile::read(&cal).expect("a calibration");
+        let corrector =
+            Corrector::new(file.extended().expect("effects"), &log).expect("all columns are there");
+        let run = ironout(["export", text(&cal), "--as", "c"]);
+        assert_eq!(run.status, 0, "{}", run.stderr);
+        write(&here, "calibration.h", &run.stdout);
+        // The function's parameters, in the order of its declaration.
+        let declaration = run.stdout.split("static inline void ironout_apply(").nth(1).expect("a function");
+        let declared: Vec<&str> = declaration.split(')').next().expect("an end").split(',').collect();
+        let mut calls = String::new();
+        for &row in &rows {
+            let conditions = corrector.conditions(row);
+            let late = effects.iter().position(|effect| effect["id"] == "offset:current_a@delay");
+            let list = |v: [f64; 3]| format!("{{{:?}, {:?}, {:?}}}", v[0], v[1], v[2]);
+            let values: Vec<String> = declared[1..declared.len() - 1]
+                .iter()
+                .map(|parameter| match parameter.split_whitespace().last().expect("a name") {
+                    "turn_radps[3]" => "turn".to_string(),
+                    "t_s" => format!("{:?}", log.time_s.as_ref().expect("time")[row]),
+                    "current_a_late" => format!("{:?}", conditions.inputs[late.expect("late")][0]),
+                    name => {
+                        format!("{:?}", log.covariate(name).unwrap_or_else(|| panic!("{name}")).values[row])
+                    }
+                })
+                .collect();
+            let turn = log.gyro_radps.as_ref().expect("a gyro").each_ref().map(|axis| axis[row]);
+            calls.push_str(&format!(
+                "    {{ double v[3] = {}; double turn[3] = {}; (void)turn; ironout_apply(v, {}v); printf(\"%.9f %.9f %.9f\\n\", \
+                 v[0], v[1], v[2]); }}\n",
+                list(log.field(row)),
+                list(turn),
+                values.iter().map(|value| format!("{value}, ")).collect::<String>()
+            ));
+        }
+        if Command::new("cc").arg("--version").output().is_err() {
+            use std::io::Write;
+            let _ = writeln!(std::io::stderr(), "SKIPPED: no C compiler here");
+            return;
+        }
+        let main = format!(
+            "#define IRONOUT_REAL double\n#include <stdio.h>\n#include \"calibration.h\"\nint main(void)\n{{\n{calls}    return 0;\n}}\n"
+        );
+        let source = write(&here, "main.c", main);
+        let program = here.join("main");
+        let flags = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"];
+        let out = Command::new("cc").args(flags).args(["-o", text(&program), text(&source), "-lm"]).output();
+        let out = out.expect("cc runs");
+        assert!(out.status.success(), "{}\n{}", String::from_utf8_lossy(&out.stderr), run.stdout);
+        // In single precision too, as firmware compiles it.
+        let single = write(&here, "single.c", "#include \"calibration.h\"\nint main(void) { return 0; }\n");
+        let out = Command::new("cc")
+            .args(flags)
+            .args(["-Wno-unused-function", "-c", "-o", text(&here.join("single.o")), text(&single)])
+            .output()
+            .expect("cc runs");
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+        let printed = Command::new(&program).output().expect("the program runs").stdout;
+        let printed = String::from_utf8_lossy(&printed).into_owned();
+        assert_eq!(printed.lines().count(), rows.len());
+        for (&row, line) in rows.iter().zip(printed.lines()) {
+            let there: Vec<f64> = line.split(' ').map(|word| word.parse().expect("a number")).collect();
+            let here = corrector.field(row).expect("corrected");
+            for axis in 0..3 {
+                assert!(
+                    (there[axis] - here[axis]).abs() < 1e-6,
+                    "group {group} row {row}: {there:?} {here:?}"
+                );
+            }
+        }
+    }
+}
+
+/// What `export --as rust` wrote: compiled here against the crate.
+mod exported {
+    include!("fixtures/exported_effects.rs");
+}
+
+#[test]
+fn the_rust_constants_with_effects_run_live_as_the_tool_corrects() {
+    let here = folder("effects_rust");
+    let cal = write(&here, "cal.json", file_with(&every_effect()[1]));
+    let run = ironout(["export", text(&cal), "--as", "rust"]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    let fixture = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/exported_effects.rs"));
+    let included = std::fs::read_to_string(fixture).expect("text");
+    assert_eq!(run.stdout, included, "export changed: write it anew to tests/fixtures/exported_effects.rs");
+
+    let log_path = simulate(&here, "log.csv", &["--seconds", "20", "--seed", "10"]);
+    let log = read_log(&log_path, &ReadOptions::default()).expect("a log");
+    let file = CalFile::read(&cal).expect("a calibration");
+    let corrector = Corrector::new(file.extended().expect("effects"), &log).expect("all columns are there");
+    assert_eq!(*corrector.calibration(), exported::CALIBRATION_F64);
+    // On the board: columns fed as they come, the late one kept in the board's own delay line, all in single precision.
+    let mut live = ironout::extended::Live::new(&exported::CALIBRATION).expect("it can run");
+    let slots = ["current_a", "height_m"].map(|name| live.slots(name));
+    let gyro = log.gyro_radps.as_ref().expect("a gyro");
+    let time = log.time_s.as_ref().expect("time");
+    let (mut compared, mut worst) = (0, 0.0_f64);
+    for row in 0..log.rows {
+        for (slots, name) in slots.iter().zip(["current_a", "height_m"]) {
+            live.set_slots(*slots, log.covariate(name).expect("the column").values[row] as f32);
+        }
+        live.advance(time[row]);
+        let turn = gyro.each_ref().map(|axis| axis[row] as f32);
+        let Ok(board) = live.apply(log.field(row).map(|v| v as f32), Some(turn)) else {
+            assert!(time[row] < 0.35, "row {row}: {:?}", live.waits_for());
+            continue;
+        };
+        let here = corrector.field(row).expect("corrected");
+        for axis in 0..3 {
+            worst = worst.max((f64::from(board[axis]) - here[axis]).abs());
+        }
+        compared += 1;
+    }
+    assert!(compared > 900 && worst < 0.02, "{compared} rows, {worst} µT");
+}
