@@ -83,7 +83,7 @@ fn each_effect_is_fitted_to_its_errors_and_the_noise_is_what_remains() {
         ("drift", "24"),
         ("step", "25"),
         ("lag", "26"),
-        ("nonlinearity", "27"),
+        ("nonlinearity", "5"),
         ("cross-axis", "28"),
         ("periodic", "29"),
         ("offset:current_a^2", "30"),
