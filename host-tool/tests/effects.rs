@@ -34,7 +34,8 @@ fn hidden(log: &Path) -> Vec<Vec<f64>> {
     let lines = content.lines().filter(|line| line.starts_with("# effect "));
     lines
         .map(|line| {
-            let list = line.rsplit_once('[').expect("a list").1.trim_end_matches(']');
+            let list = line.split_once('[').expect("a list").1;
+            let list = list.split_once(']').expect("its end").0;
             list.split(',').map(|word| word.trim().parse().expect("a number")).collect()
         })
         .collect()

@@ -187,7 +187,9 @@ pub enum NotCorrected {
     Column(usize),
     /// The effect needs the rate of turn.
     RateOfTurn(usize),
-    /// The measured vector, or what the effects make of it, is not finite.
+    /// The shape of the effect is not finite.
+    Shape(usize),
+    /// The measured vector is not finite.
     NotFinite,
 }
 
@@ -196,7 +198,8 @@ impl fmt::Display for NotCorrected {
         match self {
             Self::Column(effect) => write!(f, "a column that effect {effect} reads is not known"),
             Self::RateOfTurn(effect) => write!(f, "effect {effect} needs the rate of turn"),
-            Self::NotFinite => f.write_str("the measured vector or an effect is not finite"),
+            Self::Shape(effect) => write!(f, "the shape of effect {effect} is not finite"),
+            Self::NotFinite => f.write_str("the measured vector is not finite"),
         }
     }
 }
@@ -357,6 +360,23 @@ fn correct<'e, T: Real, E: Effect<T> + 'e>(
         left = look(&mut at);
     }
     let corrected = times(&base.matrix, left);
-    let [x, y, z] = corrected;
-    if (x + y + z).is_finite() { Ok(corrected) } else { Err(NotCorrected::NotFinite) }
+    if is_finite(corrected) {
+        return Ok(corrected);
+    }
+    // Whose fault it is, is looked for only now.
+    for (index, (effect, coefficients, inputs)) in effects.clone().enumerate() {
+        at.inputs = *inputs;
+        if is_finite(measured_ut) && !is_finite(effect.disturbance(&at, coefficients)) {
+            return Err(NotCorrected::Shape(index));
+        }
+    }
+    Err(NotCorrected::NotFinite)
 }
+
+#[inline]
+fn is_finite<T: Real>([x, y, z]: [T; 3]) -> bool {
+    (x + y + z).is_finite()
+}
+
+#[cfg(test)]
+mod tests;

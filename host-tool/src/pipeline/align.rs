@@ -8,12 +8,15 @@ use crate::diagnose::samples::Samples;
 use ironout::study::Model;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
+/// A calibration whose predicted error is beyond this share of the field says nothing about directions.
+pub const ALIGNABLE: f64 = 0.05;
 /// A rotation is used where its standard error is below this, degrees.
 const KNOWN_DEG: f64 = 3.0;
 
 /// Aligns a solution with a triangular matrix, whose offset and triangle have this covariance.
 pub fn align_solution(data: &Data, used: &[u32], solution: &mut Solution, covariance: &[[f64; 9]; 9]) {
-    if data.log.accel_mps2.is_none() {
+    let sure = solution.predicted_error_ut <= ALIGNABLE * solution.calibration.field_ut;
+    if data.log.accel_mps2.is_none() || !sure {
         return;
     }
     let samples = Samples::take(&data.table_of(used), &vec![false; data.log.rows], [true; 3]);

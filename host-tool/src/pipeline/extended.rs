@@ -1,6 +1,6 @@
 //! The fit with effects, or on top of an earlier calibration: by the study instead of the quadric.
 
-use super::align::{full_errors, is_mirrored, triangle_of};
+use super::align::{ALIGNABLE, full_errors, is_mirrored, triangle_of};
 use super::result::Fitted;
 use super::solution::{Alignment, Solution, WithoutEffects};
 use super::{Data, FaultKind, MOST_SPREAD_DEG, Options};
@@ -189,7 +189,10 @@ fn solution(
     let mut matrix = std::array::from_fn(|i| {
         std::array::from_fn(|j| if j < i { 0.0 } else { diagnosis.matrix_std_errors[i][j] })
     });
-    if let Some(order) = diagnosis.axis_order.clone().filter(|order| is_mirrored(order)) {
+    let predicted_error_ut = diagnosis.predicted_error_ut.unwrap_or(f64::INFINITY);
+    if !(predicted_error_ut <= ALIGNABLE * calibration.field_ut) {
+        calibration.matrix = triangle;
+    } else if let Some(order) = diagnosis.axis_order.clone().filter(|order| is_mirrored(order)) {
         calibration.matrix = triangle;
         alignment = Alignment::Mirrored { order };
     } else if let Some(dip) = diagnosis.dip {
@@ -220,7 +223,7 @@ fn solution(
         std_errors: StdErrors { offset_ut: diagnosis.offset_std_errors_ut, matrix },
         effects: diagnosis.effects.clone(),
         rms_ut: last.rms_ut,
-        predicted_error_ut: diagnosis.predicted_error_ut.unwrap_or(f64::INFINITY),
+        predicted_error_ut,
         measured_field_ut: (squares / moving.len().max(1) as f64).sqrt(),
         model: if diagnosis.lower_order { Model::Sphere } else { Model::Ellipsoid },
         information: Information::from_covariance(&covariance),
