@@ -39,7 +39,7 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
         .filter_map(|step| step.added.as_deref())
         .map(|id| name_of(diagnosis, id))
         .collect();
-    let it = if names.len() == 1 { "it" } else { "them" };
+    let (it, they) = if names.len() == 1 { ("it", "it") } else { ("them", "they") };
     let fall = fall(diagnosis);
     let reasons = diagnosis.reasons.join("; ");
     match diagnosis.verdict {
@@ -79,7 +79,7 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
                 (true, _) => String::new(),
                 (false, true) => format!(" Found, but not enough: {}.", listed(&names)),
                 (false, false) => format!(
-                    " With {} {fall}, but that is not all, and {it} may stand in for something that the log lacks.",
+                    " With {} {fall}, but that is not all, and {they} may stand in for something that the log lacks.",
                     listed(&names)
                 ),
             };
@@ -195,6 +195,17 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             if diagnosis.data_faults.iter().any(|fault| fault.kind == FaultKind::CopiedAxis) =>
         {
             say(out, "Repair the driver so that each axis is read from its own registers, and record again.");
+        }
+        Verdict::Undetermined
+            if diagnosis.reasons.iter().all(|reason| reason.starts_with("the residual is")) =>
+        {
+            say(
+                out,
+                "The readings scatter too much for a calibration, however the board is turned: look for loose wires, for \
+                 magnets or iron that move near the sensor, for a sensor that is set too fast, and record again. What the \
+                 fit itself says:",
+            );
+            command(out, next::fit(arguments, &add));
         }
         Verdict::Undetermined => {
             say(

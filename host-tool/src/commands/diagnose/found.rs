@@ -6,7 +6,7 @@ use super::numbers::{
 };
 use super::place::{self, axis_label};
 use super::words::{Told, WIDTH, at_rest, name_of, title};
-use crate::diagnose::outcome::{Diagnosis, FittedEffect, Status, StepRow};
+use crate::diagnose::outcome::{Diagnosis, FittedEffect, Status, StepRow, Verdict};
 use crate::input::Log;
 
 /// Width of the longest bar.
@@ -17,7 +17,9 @@ const INDENT: &str = "     ";
 /// The effects in the steps, with cause, coefficients and what they did to the error.
 pub fn effects(told: &Told, out: &mut Vec<String>) {
     let diagnosis = told.diagnosis;
-    if diagnosis.effects.is_empty() && axis_order(diagnosis).is_none() {
+    // Where the log does not determine the model, it does not determine what explains it either.
+    let nothing = diagnosis.effects.is_empty() && axis_order(diagnosis).is_none();
+    if nothing || diagnosis.verdict == Verdict::Undetermined {
         return;
     }
     title(out, "What explains it");
@@ -266,7 +268,7 @@ pub fn falling(told: &Told, out: &mut Vec<String>) {
     let steps: Vec<&StepRow> =
         diagnosis.steps.iter().filter(|step| step.added.as_deref() != Some("axis-order")).collect();
     let (Some(first), Some(last)) = (steps.first(), steps.last()) else { return };
-    if steps.len() < 2 {
+    if steps.len() < 2 || diagnosis.verdict == Verdict::Undetermined {
         return;
     }
     let label = |step: &StepRow| step.added.as_ref().map_or("base model".into(), |id| format!("+ {id}"));
@@ -295,6 +297,9 @@ pub fn falling(told: &Told, out: &mut Vec<String>) {
 
 /// Where swapped axes were found: the list of body axes for `--rotate`.
 pub fn axis_order(diagnosis: &Diagnosis) -> Option<String> {
+    if diagnosis.verdict == Verdict::Undetermined {
+        return None;
+    }
     let row =
         diagnosis.candidates.iter().find(|row| row.id == "axis-order" && row.status == Status::Missing)?;
     let order = row.why.split("board's ").nth(1)?.split(':').next()?.trim();

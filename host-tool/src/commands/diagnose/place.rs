@@ -143,7 +143,8 @@ fn rows<'a>(told: &Told<'a>) -> Vec<Row<'a>> {
         };
         Row { shown, curve, scale, note }
     };
-    diagnosis.shows.iter().map(row).collect()
+    let possible = |shown: &&Where| shown.against != "rate of turn" || told.log.gyro_radps.is_some();
+    diagnosis.shows.iter().filter(possible).map(row).collect()
 }
 
 /// The largest size of a curve's values, µT.
