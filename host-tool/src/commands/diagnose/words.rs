@@ -220,8 +220,10 @@ fn tested(told: &Told, out: &mut Vec<String>) {
     }
     title(out, "Tested and not needed");
     if !rest.is_empty() {
-        let ids: Vec<String> = rest.iter().map(|row| row.id.clone()).collect();
-        out.extend(wrap(&ids.join(", "), "  ", WIDTH));
+        let ids: Vec<&str> = rest.iter().map(|row| row.id.as_str()).collect();
+        for (family, members) in families(&ids) {
+            out.extend(hang(&members.join(", "), &format!("  {family:<10}"), "            ", WIDTH));
+        }
     }
     if !small.is_empty() {
         let ids: Vec<String> = small
@@ -230,6 +232,26 @@ fn tested(told: &Told, out: &mut Vec<String>) {
             .collect();
         out.extend(wrap(&format!("there, but too small to matter: {}", ids.join(", ")), "  ", WIDTH));
     }
+}
+
+/// Ids by what they have in common: `offset:a`, `offset:b` as `offset` over `a, b`; those without a column last.
+fn families<'a>(ids: &[&'a str]) -> Vec<(&'static str, Vec<&'a str>)> {
+    type Member = fn(&str) -> Option<&str>;
+    let members: [(&str, Member); 5] = [
+        ("offset", |id| id.strip_prefix("offset:").filter(|rest| !rest.contains(['^', '@']))),
+        ("  squared", |id| id.strip_prefix("offset:")?.strip_suffix("^2")),
+        ("  late", |id| id.strip_prefix("offset:")?.strip_suffix("@delay")),
+        ("gain", |id| id.strip_prefix("gain:")),
+        ("field", |id| id.strip_prefix("field:")),
+    ];
+    let mut list: Vec<(&str, Vec<&str>)> = members
+        .iter()
+        .map(|(family, member)| (*family, ids.iter().filter_map(|id| member(id)).collect::<Vec<&str>>()))
+        .collect();
+    let apart = |id: &&&str| members.iter().all(|(_, member)| member(id).is_none());
+    list.push(("others", ids.iter().filter(apart).copied().collect()));
+    list.retain(|(_, members)| !members.is_empty());
+    list
 }
 
 fn untestable(told: &Told, out: &mut Vec<String>) {
@@ -296,5 +318,43 @@ fn confounded(told: &Told, out: &mut Vec<String>) {
             let text = format!("{first} or {other}: {}", advice::separating(first, other));
             out.extend(hang(&text, "  - ", "    ", WIDTH));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_listed_by_family_and_none_is_lost() {
+        let ids = [
+            "offset:temp_c",
+            "gain:temp_c",
+            "drift",
+            "offset:i_a^2",
+            "offset:i_a@delay",
+            "offset:i_a",
+            "lag",
+        ];
+        let list = families(&ids);
+        let expected = [
+            ("offset", vec!["temp_c", "i_a"]),
+            ("  squared", vec!["i_a"]),
+            ("  late", vec!["i_a"]),
+            ("gain", vec!["temp_c"]),
+            ("others", vec!["drift", "lag"]),
+        ];
+        assert_eq!(list, expected);
+        assert_eq!(list.iter().map(|(_, members)| members.len()).sum::<usize>(), ids.len());
+    }
+
+    #[test]
+    fn lists_read_as_people_write_them() {
+        let names = |list: &[&str]| listed(&list.iter().map(ToString::to_string).collect::<Vec<_>>());
+        assert_eq!(names(&[]), "");
+        assert_eq!(names(&["a"]), "a");
+        assert_eq!(names(&["a", "b", "c"]), "a, b and c");
+        assert_eq!(counted(1, "sample"), "1 sample");
+        assert_eq!(counted(0, "sample"), "0 samples");
     }
 }
