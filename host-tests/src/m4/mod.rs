@@ -157,6 +157,7 @@ pub fn measure() -> Result<Measured, M4Error> {
         ours("adjusted_solve", once("adjusted_solve")?, Some(700_000)),
         ours("apply_base", mean("apply_base")?, None),
         ours("apply", mean("apply")?, Some(400)),
+        ours("study_push", mean("study_push")?, Some(6_000)),
         theirs("magcal_push", mean("magcal_push")?),
         theirs("magcal_push_worst", worst("magcal_push_worst")?),
         theirs("magcal_solve", once("magcal_solve")?),

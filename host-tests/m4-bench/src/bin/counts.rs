@@ -7,11 +7,12 @@ use core::fmt::Write;
 use core::hint::black_box;
 use cortex_m_rt::entry;
 use ironout::calibration::Calibration;
-use ironout::effect::{BuiltIn, ColumnName, Gain, Offset};
+use ironout::effect::{AmbientField, BuiltIn, ColumnName, Drift, Gain, Offset};
 use ironout::extended::{ExtendedCalibration, FittedEffect, Live, Slots};
 use ironout::fit::{FitOptions, FitReport, Method, fit};
 use ironout::moments::Moments;
 use ironout::scatter::Scatter;
+use ironout::study::{Model, Reading, Residual, Study, Term};
 use ironout_m4_bench::board::{Console, exit, stack_of, start_clock, ticks_of};
 use ironout_m4_bench::samples::{COUNT, UT_PER_COUNT, fill};
 
@@ -66,6 +67,28 @@ fn apply_effects(live: &mut Live<f32>, slots: [Slots; 2], measured: [f32; 3], co
     live.apply(measured, None).unwrap_or_default()
 }
 
+/// A study of 22 columns: the base model's nine, and five effects with thirteen coefficients as candidates.
+type Study22 = Study<f32, 22, 4, 5>;
+
+/// The effects of [`Study22`].
+fn candidates() -> Option<[BuiltIn<f32>; 5]> {
+    let temperature = ColumnName::new("temp_c").ok()?;
+    let current = ColumnName::new("current_a").ok()?;
+    Some([
+        BuiltIn::Offset(Offset::linear(temperature, 25.0)),
+        BuiltIn::Gain(Gain { column: temperature, reference: 25.0 }),
+        BuiltIn::Offset(Offset::linear(current, 0.5)),
+        BuiltIn::Drift(Drift { reference_s: 10.0 }),
+        BuiltIn::Field(AmbientField { column: current, reference: 0.5 }),
+    ])
+}
+
+#[inline(never)]
+fn push_study(study: &mut Study22, block: usize, reading: &Reading<f32>, terms: &[Term<'_, f32>; 5]) {
+    // A row that is not finite is left out, and the counts below would show it.
+    let _ = study.push(block, reading, terms);
+}
+
 #[inline(never)]
 fn apply_magcal(calibration: &magcal::MagCal, counts: [i16; 3]) -> [f32; 3] {
     calibration.apply(counts)
@@ -88,6 +111,31 @@ fn each(table: &[[i16; 3]], mut work: impl FnMut([i16; 3])) -> Each {
 
 fn say(key: &str, ticks: u32) {
     let _ = writeln!(Console, "{key}={ticks}");
+}
+
+/// Ticks of a whole table through the study.
+#[inline(never)]
+fn study(table: &[[i16; 3]; COUNT], moments: &Moments) -> Option<u32> {
+    let calibration = solve(moments, Method::Adjusted)?.calibration.cast::<f32>();
+    let effects = candidates()?;
+    const NO_TURN: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let model = Model::new(calibration.offset_ut, calibration.matrix, calibration.field_ut, NO_TURN, 0.0)?;
+    let mut study = Study22::new(Residual::Magnitude, model, 13);
+    let mut terms =
+        [0, 1, 2, 3, 4].map(|i| Term { effect: &effects[i] as _, coefficients: [0.0; 9], inputs: [0.0; 2] });
+    let mut sample = 0u16;
+    let pushed = each(table, |counts| {
+        sample += 1;
+        let t = f32::from(sample) * 0.02;
+        for (term, input) in terms.iter_mut().zip([25.0 + t, 25.0 + t, 0.5 + t, t, 0.5 + t]) {
+            term.inputs[0] = input;
+        }
+        let measured_ut = counts.map(|c| f32::from(c) * UT_PER_COUNT as f32);
+        let reading = Reading { measured_ut, turn_radps: None, down: None };
+        push_study(&mut study, usize::from(sample / 300), &reading, &terms);
+    });
+    let rows: u32 = study.blocks().iter().map(|block| block.rows()).sum();
+    (rows as usize == COUNT).then_some(pushed.total)
 }
 
 #[entry]
@@ -146,6 +194,7 @@ fn main() -> ! {
             }
         }
     }
+    say("study_push", study(&table, &moments).unwrap_or_else(|| exit(false)));
     let mut found = None;
     say("magcal_solve", ticks_of(|| found = solve_magcal(black_box(&mut solver))));
     let Some(found) = found else { exit(false) };
