@@ -51,8 +51,14 @@ pub fn axis_label(against: &str, curve: &Curve) -> (String, String) {
         "rate of turn" => " rad/s",
         name => unit_of(name),
     };
-    let digits =
-        |value: f64| if value.abs() >= 1000.0 { format!("{value:.0}") } else { significant(value, 3) };
+    // Both ends to the same place: three digits of the larger, and enough to tell them apart.
+    let place = |value: f64, digits: f64| digits - value.max(1e-9).log10().floor();
+    let larger = place(curve.low.abs().max(curve.high.abs()), 2.0);
+    let decimals = larger.max(place(curve.high - curve.low, 1.0)).clamp(0.0, 6.0) as usize;
+    let digits = |value: f64| {
+        let text = format!("{value:.decimals$}");
+        if text.trim_matches(['-', '0', '.']).is_empty() { "0".to_string() } else { text }
+    };
     (digits(curve.low), format!("{}{unit}", digits(curve.high)))
 }
 
