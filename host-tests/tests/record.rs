@@ -141,8 +141,10 @@ fn a_record_without_effects_is_one_that_older_firmware_reads() {
 
 #[test]
 fn effects_that_take_more_room_than_a_slot_are_refused_and_the_record_in_use_stays() {
-    let wide =
+    let widest =
         with(&[BuiltIn::Eddy(Eddy), BuiltIn::CrossAxis(CrossAxis), all_effects()[10], all_effects()[12]]);
+    assert_eq!(Record::decode(&bytes(&widest)), Ok(widest), "the four widest different effects fit");
+    let wide = with(&[BuiltIn::Eddy(Eddy); 4]);
     assert_eq!(wide.encode(), Err(DoesNotFit));
     let mut memory = Memory::new();
     store::save(&mut memory, None, record(1.0)).unwrap();
