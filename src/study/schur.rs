@@ -28,7 +28,8 @@ impl<T: Real> Gain<T> {
     /// `rows_effective` independent ones.
     pub fn f_statistic(&self, base: usize, rows: f64, rows_effective: f64) -> (f64, f64, f64) {
         let k = self.directions as f64;
-        let after = (self.squares_before - self.decrease).as_f64();
+        // Rounding may leave nothing, or less: a perfect candidate is no impossible one.
+        let after = (self.squares_before - self.decrease).as_f64().max(f64::MIN_POSITIVE);
         let freedom = rows - base as f64 - k;
         let f = (self.decrease.as_f64() / k) / (after / freedom) * rows_effective / rows;
         (f, k, rows_effective - base as f64 - k)

@@ -10,6 +10,11 @@ use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 /// A rotation beyond this is no mounting error: some axes are swapped or turned round.
 const SWAPPED_DEG: f64 = 45.0;
 
+/// ... if undoing it leaves at most this share of the dip's spread.
+const SWAPPED_LEAVES: f64 = 0.3;
+/// ... and no more than this, degrees: a dip that still spreads has another cause, which turns the estimate as well.
+const SWAPPED_MOST_DEG: f64 = 3.0;
+
 /// What the dip says about a model.
 #[derive(Debug, Clone)]
 pub struct Alignment {
@@ -19,10 +24,14 @@ pub struct Alignment {
     pub before_deg: f64,
     /// Spread of the dip after alignment, degrees.
     pub after_deg: f64,
-    /// Angle of the rotation, after any swapped axes were undone, degrees.
+    /// Angle of the rotation beside the symmetric matrix (after any swapped axes were undone), degrees. The triangular
+    /// matrix has a rotation of its own, which is a convention and no error of mounting.
     pub angle_deg: f64,
     /// How the axes stand in the log, if they are swapped: `y,x,z` means that the log's first axis is the board's y.
     pub axis_order: Option<String>,
+    /// Whether that order turns a right-handed frame into a left-handed one: the field is then minus what the proper
+    /// rotation gives.
+    pub mirrored: bool,
 }
 
 fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
@@ -151,30 +160,37 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
     }
     let Some((model, after_deg)) = best else { return Ok(None) };
     let rotation = matrix(&model.rotation);
-    let (axis_order, angle_deg) = if angle_deg(&rotation) > SWAPPED_DEG {
-        let (order, left) = nearest_order(&rotation);
-        (order, left)
-    } else {
-        (None, angle_deg(&rotation))
-    };
-    Ok(Some(Alignment { model, before_deg, after_deg, angle_deg, axis_order }))
+    // Named only where it leaves little of the dip's spread: other errors turn an estimate too.
+    let swapped = angle_deg(&rotation) > SWAPPED_DEG && after_deg < SWAPPED_LEAVES * before_deg && after_deg < SWAPPED_MOST_DEG;
+    let (axis_order, angle_deg, mirrored) =
+        if swapped { nearest_order(&rotation) } else { (None, beside_symmetric(&model), false) };
+    Ok(Some(Alignment { model, before_deg, after_deg, angle_deg, axis_order, mirrored }))
 }
 
 /// Covariance of an alignment's rotation vector, rad²; `None` where the dip does not determine it.
 pub fn rotation_covariance(samples: &Samples, model: &Model<f64>) -> Result<Option<[[f64; 3]; 3]>, BadShape> {
     let pass = Pass { samples, residual: Residual::Dip };
     let Some(fitted) = pass.fit(*model, Vec::new(), &Known::default())? else { return Ok(None) };
-    let time = residue(&pass.residuals(&fitted.model, &[])?, fitted.columns()).time;
+    let time = residue(&pass.residuals(&fitted.model, &[])?, fitted.columns(), 0.0).time;
     Ok(covariance(&fitted, time)
         .map(|rows| core::array::from_fn(|i| core::array::from_fn(|j| rows[i][j])))
         .filter(|rows: &[[f64; 3]; 3]| rows.iter().flatten().all(|value| value.is_finite())))
 }
 
+/// Angle of the rotation `U` in `R C = U S` with `S` symmetric, degrees.
+fn beside_symmetric(model: &Model<f64>) -> f64 {
+    let full = matrix(&model.full_matrix());
+    match full.try_svd(true, true, 1e-12, 200).and_then(|svd| Some(svd.u? * svd.v_t?)) {
+        Some(rotation) => angle_deg(&rotation),
+        None => angle_deg(&matrix(&model.rotation)),
+    }
+}
+
 /// The signed permutation that leaves the least rotation. `P` and `−P` differ only by the hemisphere, which the dip
 /// does not tell: of the two the one with fewer sign flips.
-fn nearest_order(rotation: &Matrix3<f64>) -> (Option<String>, f64) {
+fn nearest_order(rotation: &Matrix3<f64>) -> (Option<String>, f64, bool) {
     const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
-    let mut best: Option<(f64, u32, String)> = None;
+    let mut best: Option<(f64, u32, String, bool)> = None;
     for order in ORDERS {
         for signs in 0..8_u32 {
             let sign = |axis: usize| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
@@ -186,17 +202,17 @@ fn nearest_order(rotation: &Matrix3<f64>) -> (Option<String>, f64) {
                 .map(|j| format!("{}{}", if sign(j) < 0.0 { "-" } else { "" }, ["x", "y", "z"][order[j]]))
                 .collect();
             let flips = signs.count_ones();
-            let better = best.as_ref().is_none_or(|(angle, count, _)| {
+            let better = best.as_ref().is_none_or(|(angle, count, ..)| {
                 left < angle - 1e-6 || ((left - angle).abs() <= 1e-6 && flips < *count)
             });
             if better {
-                best = Some((left, flips, names.join(",")));
+                best = Some((left, flips, names.join(","), p.determinant() < 0.0));
             }
         }
     }
     match best {
-        Some((left, _, order)) if order != "x,y,z" => (Some(order), left),
-        Some((left, ..)) => (None, left),
-        None => (None, 0.0),
+        Some((left, _, order, mirrored)) if order != "x,y,z" => (Some(order), left, mirrored),
+        Some((left, ..)) => (None, left, false),
+        None => (None, 0.0, false),
     }
 }

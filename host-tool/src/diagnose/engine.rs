@@ -213,6 +213,12 @@ impl Known {
                 }
             }
         }
+        if residual == Residual::Vector {
+            // Columns of an axis that is a copy of another have no rows.
+            for column in (0..columns).filter(|column| data.entry(*column, *column) == 0.0) {
+                prior.inform(column, column, 1.0);
+            }
+        }
         // A pure delay leaves the magnitude alone: the coupling's share along the identity stays where the dip has put
         // it.
         let mut column = base;

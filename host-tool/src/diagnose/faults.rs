@@ -60,7 +60,7 @@ pub struct Faults {
 
 const AXES: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
 /// Fewer samples than this at the end of a range are no clipping.
-const CLIPPED_SAMPLES: usize = 8;
+const CLIPPED_SAMPLES: usize = 15;
 /// A reading must stand still for this long to be stuck, s.
 const STUCK_S: f64 = 0.4;
 /// Nor is it stuck for fewer rows than this.
@@ -72,10 +72,12 @@ const BURST_PEAK: f64 = 9.0;
 /// ... and ends where it no longer does by this many.
 const BURST_EDGE: f64 = 2.5;
 /// On both sides of a burst the residual is usual: its median stays below this many robust standard deviations (0.67 for
-/// noise alone).
-const BURST_SIDE: f64 = 1.7;
+/// noise alone; the burst itself has bent the fit a little).
+const BURST_SIDE: f64 = 3.5;
+/// A glitch lies outside the middle 96 % of an axis' readings by more than this many times their range.
+const GLITCH_REACH: f64 = 1.0;
 /// More than this share of a log is not a burst.
-const BURST_SHARE: f64 = 0.05;
+pub const BURST_SHARE: f64 = 0.05;
 
 fn span(
     table: &Table,
@@ -105,6 +107,7 @@ pub fn find(table: &Table) -> Faults {
     let unique = unique_rows(table);
     stuck(table, &unique, &mut faults);
     gap(table, &unique, &mut faults);
+    glitches(table, &unique, &mut faults);
     for axis in 0..3 {
         clipping(table, &unique, axis, &mut faults);
     }
@@ -119,12 +122,59 @@ fn copied_axis(table: &Table, faults: &mut Faults) {
             continue;
         }
         for sign in [1.0, -1.0] {
+            // A copy may have been rounded once more: one step of the column off, and mostly not even that.
+            let step = quantum(a);
             let same = a.iter().zip(b).filter(|(x, y)| **x == sign * **y).count();
-            if same * 1000 >= rows * 995 && faults.axes[second] {
+            let near = a.iter().zip(b).filter(|(x, y)| (**x - sign * **y).abs() <= 1.01 * step).count();
+            if same * 10 >= rows * 8 && near * 1000 >= rows * 995 && faults.axes[second] {
                 faults.axes[second] = false;
                 faults.list.push(span(table, FaultKind::CopiedAxis, 0, rows - 1, same, &[first, second]));
             }
         }
+    }
+}
+
+/// The smallest step between two readings of a column.
+pub fn quantum(values: &[f64]) -> f64 {
+    // A decimal fraction is no exact step: what is left of two equal readings is none.
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 1e-6);
+    let least = steps.fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
+}
+
+/// Readings far outside the range of all others: corrupted, or a magnet at the sensor. They would drown any fit.
+fn glitches(table: &Table, unique: &[usize], faults: &mut Faults) {
+    let n = unique.len();
+    let mut out = vec![false; n];
+    for axis in 0..3 {
+        let values: Vec<f64> = unique.iter().map(|&row| table.field_ut[axis][row]).collect();
+        let mut sorted = values.clone();
+        sorted.sort_by(f64::total_cmp);
+        let (low, high) = (sorted[n * 2 / 100], sorted[n - 1 - n * 2 / 100]);
+        let reach = GLITCH_REACH * (high - low);
+        for (flag, value) in out.iter_mut().zip(&values) {
+            *flag |= *value > high + reach || *value < low - reach;
+        }
+    }
+    let count = out.iter().filter(|flag| **flag).count();
+    if count == 0 || count * 50 > n {
+        return;
+    }
+    let mut at = 0;
+    while at < n {
+        if !out[at] {
+            at += 1;
+            continue;
+        }
+        let from = at;
+        while at + 1 < n && out[at + 1] {
+            at += 1;
+        }
+        for &row in &unique[from..=at] {
+            faults.set_aside[row] = true;
+        }
+        faults.list.push(span(table, FaultKind::Burst, unique[from], unique[at], at - from + 1, &[0, 1, 2]));
+        at += 1;
     }
 }
 
@@ -178,6 +228,7 @@ fn gap(table: &Table, unique: &[usize], faults: &mut Faults) {
 }
 
 fn clipping(table: &Table, unique: &[usize], axis: usize, faults: &mut Faults) {
+    let unique: Vec<usize> = unique.iter().copied().filter(|row| !faults.set_aside[*row]).collect();
     let values: Vec<f64> = unique.iter().map(|&row| table.field_ut[axis][row]).collect();
     let mut steps: Vec<f64> =
         values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
@@ -185,8 +236,7 @@ fn clipping(table: &Table, unique: &[usize], axis: usize, faults: &mut Faults) {
         return;
     }
     steps.sort_by(f64::total_cmp);
-    let quantum = steps[0];
-    let width = 2.0 * second_difference_sigma(&values).max(quantum);
+    let width = (2.0 * second_difference_sigma(&values)).max(3.1 * quantum(&values));
     for sign in [1.0, -1.0] {
         let extreme = values.iter().fold(f64::NEG_INFINITY, |top, value| top.max(value * sign)) * sign;
         let at: Vec<usize> =
@@ -264,4 +314,26 @@ pub fn bursts(residuals: &[f64]) -> Vec<(usize, usize)> {
 pub fn burst_fault(table: &Table, samples: &Samples, (from, to): (usize, usize)) -> DataFault {
     let rows = (samples.row[from], samples.row[to]);
     span(table, FaultKind::Burst, rows.0, rows.1, (to - from + 1) * samples.stride, &[0, 1, 2])
+}
+
+/// Whether a column of the log does something during bursts that it does not do elsewhere: then they are no fault but
+/// something to explain.
+pub fn have_company(samples: &Samples, bursts: &[(usize, usize)]) -> bool {
+    let inside = |at: usize| bursts.iter().any(|(from, to)| (*from..=*to).contains(&at));
+    samples.columns.iter().filter(|column| column.problem.is_none()).any(|column| {
+        let mut sums = [[0.0; 3]; 2];
+        for (at, value) in column.values.iter().enumerate() {
+            let sum = &mut sums[usize::from(inside(at))];
+            sum[0] += 1.0;
+            sum[1] += value;
+            sum[2] += value * value;
+        }
+        let [[count, sum, square], [count_in, sum_in, _]] = sums;
+        if count < 1.0 || count_in < 1.0 {
+            return false;
+        }
+        let mean = sum / count;
+        let spread = (square / count - mean * mean).max(0.0).sqrt();
+        (sum_in / count_in - mean).abs() > 3.0 * spread
+    })
 }

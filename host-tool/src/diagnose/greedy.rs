@@ -9,7 +9,7 @@ use super::search;
 use ironout::study::{Residual, held_out};
 
 /// More effects than any log carries.
-const MOST_EFFECTS: usize = 8;
+pub const MOST_EFFECTS: usize = 6;
 /// The coupling's share along the identity has settled when it moves by less than this, s.
 const SETTLED_S: f64 = 2e-5;
 /// Two candidates whose columns agree to this much, once the base is projected out, may be the same cause.
@@ -57,6 +57,8 @@ pub struct Explanation<'a> {
     pub first: Vec<Judged<'a>>,
     /// The candidates tested last, against the final model.
     pub last: Vec<Judged<'a>>,
+    /// A step or a tone that the model holds once and the log shows again.
+    pub repeated: Option<String>,
     /// How many candidates a round has.
     pub count: usize,
 }
@@ -229,11 +231,20 @@ impl<'a> Greedy<'_, 'a> {
         let mut first = None;
         let (mut last, mut count) = (Vec::new(), 0);
         let mut confounded = Vec::new();
+        let mut swapped: Vec<(String, String)> = Vec::new();
+        let mut repeated = None;
         for round in 0..3 * MOST_EFFECTS {
             let (judged, tried, _) = self.judge(&fitted, true)?;
             count = tried;
             first.get_or_insert_with(|| judged.clone());
             last = judged;
+            // A second step or tone beside the one in the model: whatever else follows its trace is no cause.
+            if let Some((id, decrease)) = self.again(&fitted)?
+                && last.iter().all(|one| !one.tested.accepted || one.tested.decrease < decrease)
+            {
+                repeated = Some(id);
+                break;
+            }
             let next =
                 if fitted.pieces.len() < MOST_EFFECTS { self.choose(&fitted, &last, count)? } else { None };
             if let Some((winner, next)) = next {
@@ -247,7 +258,13 @@ impl<'a> Greedy<'_, 'a> {
             }
             // Nothing more to add: now that all is in, is each effect the best of those that explain the same?
             match self.reconsider(&fitted, count)? {
+                Reconsidered::Swap { from, to, .. } if swapped.contains(&(to.clone(), from.clone())) => {
+                    // Each is better than the other: the log cannot tell.
+                    confounded = vec![Confounded { ids: vec![from, to] }];
+                    break;
+                }
                 Reconsidered::Swap { from, to, fitted: next } if round < 2 * MOST_EFFECTS => {
+                    swapped.push((from.clone(), to.clone()));
                     fitted = self.aligned(next)?;
                     for id in order.iter_mut().filter(|id| **id == from) {
                         id.clone_from(&to);
@@ -261,7 +278,16 @@ impl<'a> Greedy<'_, 'a> {
             }
         }
         let steps = self.falling(&base, &fitted, &order)?;
-        Ok(Explanation { base, fitted, steps, confounded, first: first.unwrap_or_default(), last, count })
+        Ok(Explanation {
+            base,
+            fitted,
+            steps,
+            confounded,
+            first: first.unwrap_or_default(),
+            last,
+            repeated,
+            count,
+        })
     }
 
     /// No search: the effects that stand in the model, and the tests of the others.
@@ -275,6 +301,7 @@ impl<'a> Greedy<'_, 'a> {
             confounded: Vec::new(),
             first: Vec::new(),
             last: Vec::new(),
+            repeated: None,
             count: 1,
         })
     }
@@ -301,6 +328,23 @@ impl<'a> Greedy<'_, 'a> {
             steps.push(state(Some(id.clone()), &now));
         }
         Ok(steps)
+    }
+
+    /// A searched effect that the model holds once and that would be accepted a second time: its id, and what it takes
+    /// off the squared error.
+    fn again(&self, fitted: &Fitted<'a>) -> Result<Option<(String, f64)>, BadShape> {
+        let mut list = Vec::new();
+        for piece in &fitted.pieces {
+            match piece.id.as_str() {
+                "step" => list.extend(search::step(&self.pass, fitted, self.catalogue)?),
+                frequency::PERIODIC => list.extend(search::periodic(&self.pass, fitted, self.catalogue)?),
+                _ => {}
+            }
+        }
+        let screening = screen(&self.pass, fitted, &list, 2)?;
+        let found = screening.tested.iter().filter(|tested| tested.accepted);
+        let best = found.max_by(|a, b| a.decrease.total_cmp(&b.decrease));
+        Ok(best.and_then(|tested| Some((list.get(tested.index)?.piece.id.clone(), tested.decrease))))
     }
 
     /// Compares every effect of the model with the candidates that could stand in its place.

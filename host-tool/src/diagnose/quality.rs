@@ -1,13 +1,17 @@
 //! Precision of a fitted model, the noise floor, and whether structure remains.
 
-use super::engine::{COLUMNS, Fitted, Matrix};
+use super::engine::{COLUMNS, Fitted, Known, Matrix, Pass, Piece};
 use super::series::{Autocorrelation, rms, second_difference_sigma};
-use ironout::study::Residual;
+use ironout::study::{PhysicalPrior, Residual};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-/// Structure is certain beyond this many standard errors ...
+/// Structure is certain where the correlation beyond the noise's memory exceeds chance this much (mean squares).
+const STRUCTURE_RATIO: f64 = 6.0;
+/// Or a slow part stands beside independent noise by this many standard errors ...
 const STRUCTURE_SIGMAS: f64 = 6.0;
-/// ... if it makes at least this share of the residual's variance.
+/// ... with at least this share of the variance.
+const SLOW_SHARE: f64 = 0.1;
+/// Structure makes at least this share of the residual's variance.
 const STRUCTURE_SHARE: f64 = 0.04;
 
 /// What the residual of a model is made of.
@@ -24,17 +28,24 @@ pub struct Residue {
 }
 
 /// Splits a residual into noise and structure. Noise with a short memory is noise.
-pub fn residue(residuals: &[f64], parameters: usize) -> Residue {
+/// `quantum_ut` is the step of the readings.
+pub fn residue(residuals: &[f64], parameters: usize, quantum_ut: f64) -> Residue {
     let n = residuals.len();
     let correlation = Autocorrelation::of(residuals);
-    let (share, sigmas) = correlation.structure(n);
     let freedom = n.saturating_sub(parameters).max(1) as f64;
     let whole = rms(residuals) * (n as f64 / freedom).sqrt();
-    let structured = sigmas > STRUCTURE_SIGMAS && share > STRUCTURE_SHARE;
-    let floor = if structured { second_difference_sigma(residuals).min(whole) } else { whole };
+    let smooth = second_difference_sigma(residuals).min(whole);
+    let share = 1.0 - (smooth / whole.max(1e-300)).powi(2);
+    // Independent noise that is more than the column's rounding, with something slow beside it: two causes, of which the
+    // slow one is structure. Noise with a memory alone has no independent part.
+    let rounding = quantum_ut * quantum_ut / 12.0 / whole.max(1e-300).powi(2);
+    let beside = correlation.two_parts(n).is_some_and(|(independent, slow, sigmas)| {
+        sigmas > STRUCTURE_SIGMAS && independent > 3.0 * rounding && slow > SLOW_SHARE
+    });
+    let structured = (correlation.structure(n) > STRUCTURE_RATIO || beside) && share > STRUCTURE_SHARE;
     Residue {
         rms: rms(residuals),
-        floor,
+        floor: if structured { smooth } else { whole },
         structure: if structured { share } else { 0.0 },
         time: correlation.time,
     }
@@ -59,7 +70,10 @@ pub fn covariance_of(total: &Matrix, fitted: &Fitted, time: f64) -> Option<Vec<[
 
 /// Predicted 1σ error (rms length) of the corrected vector in the worst direction, in units of the field:
 /// `δh = δC y − C δb` with `y = A h`.
-pub fn predicted_error(fitted: &Fitted, time: f64) -> Option<f64> {
+pub fn predicted_error(fitted: &Fitted, left: &Residue) -> Option<f64> {
+    // Structure is no noise: what it does to the calibration is for the verdict, not for the attitude's.
+    let noise = (left.floor / left.rms.max(1e-300)).powi(2);
+    let time = if left.structure > 0.0 { noise.min(1.0) } else { left.time };
     let covariance = covariance(fitted, time)?;
     let matrix = Matrix3::from_fn(|i, j| fitted.model.matrix[i][j]);
     let inverse = matrix.try_inverse()?;
@@ -88,9 +102,16 @@ pub fn predicted_error(fitted: &Fitted, time: f64) -> Option<f64> {
     Some(worst.sqrt() / fitted.model.field_ut).filter(|error| error.is_finite())
 }
 
-/// Information about offset and triangle with the effects projected out, over variance.
-pub fn information(fitted: &Fitted, time: f64) -> Option<[[f64; 9]; 9]> {
-    let covariance = covariance(fitted, time)?;
+/// Information about offset and triangle with the effects projected out, over variance: of the data and of an earlier
+/// calibration, never of the physical prior, which the next study brings itself.
+pub fn information(pass: &Pass, fitted: &Fitted, known: &Known, time: f64) -> Option<[[f64; 9]; 9]> {
+    let free = PhysicalPrior { gain: 1e6, skew: 1e6, offset_fields: 1e9 };
+    let data_only = Known { physical: free, earlier: known.earlier.clone() };
+    let data = Matrix::total(&fitted.blocks, None);
+    let sigma = (fitted.squares / (fitted.rows - fitted.columns() as f64).max(1.0)).sqrt();
+    let list: Vec<&Piece> = fitted.pieces.iter().collect();
+    let prior = data_only.matrix(pass.residual, &fitted.model, sigma, &list, &data);
+    let covariance = covariance_of(&Matrix::total(&fitted.blocks, Some(&prior)), fitted, time)?;
     let nine = SMatrix::<f64, 9, 9>::from_fn(|i, j| covariance[i][j]);
     let inverse = nine.cholesky()?.inverse();
     Some(core::array::from_fn(|i| core::array::from_fn(|j| inverse[(i, j)])))

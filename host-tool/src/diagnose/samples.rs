@@ -38,6 +38,8 @@ pub struct Samples {
     pub stride: usize,
     /// Axes that carry data of their own.
     pub axes: [bool; 3],
+    /// The coarsest step of the readings, µT.
+    pub quantum_ut: f64,
 }
 
 /// Rows that begin a run of equal field triples: a log faster than its sensor repeats them.
@@ -125,7 +127,9 @@ impl Samples {
             .iter()
             .map(|named| column(named.name, pick(named.values), named.not_finite))
             .collect();
-        let mut samples = Samples { time, middle_s, readings, columns, row, stride, axes };
+        let mut samples = Samples { time, middle_s, readings, columns, row, stride, axes, quantum_ut: 0.0 };
+        samples.quantum_ut =
+            table.field_ut.iter().map(|axis| super::faults::quantum(axis)).fold(0.0, f64::max);
         samples.find_down(table);
         samples
     }

@@ -67,7 +67,8 @@ fn ridge(prior: &Matrix, data: &Matrix, from: usize) -> Matrix {
     wide.merge(&out);
     out = wide;
     for column in from..data.columns() {
-        out.inform(column, column, 1e-7 * data.entry(column, column));
+        let size = data.entry(column, column);
+        out.inform(column, column, if size > 0.0 { 1e-7 * size } else { 1.0 });
     }
     out
 }

@@ -9,18 +9,26 @@ use super::outcome::{CandidateRow, Diagnosis, Dip, FittedEffect, Heading, Status
 use super::quality::{Residue, covariance, covariance_of, information, noise_gain, predicted_error, residue};
 use super::samples::Samples;
 use super::screen::{Candidate, SIGNIFICANCE, screen};
-use super::series::rms;
+use super::series::{rms, second_difference_sigma};
 use super::table::Table;
 use super::traces::Traces;
 use super::{base, rest};
 use ironout::calibration::Calibration;
+use ironout::fit::MAX_PREDICTED_ERROR;
+use ironout::quality::MAX_RESIDUAL;
 use ironout::study::{Model, PhysicalPrior, Residual};
 use nalgebra::Vector3;
 
-/// A calibration is accepted up to this predicted error of the corrected vector, as a share of the field ...
-const PREDICTED_LIMIT: f64 = 0.01;
-/// ... and up to this rms residual.
-const RMS_LIMIT: f64 = 0.05;
+/// A log is taken as of a calibrated sensor if the raw magnitude spreads by at most this share of its mean ...
+const CALIBRATED_SPREAD: f64 = 0.15;
+/// ... and its offset is then known to this share of the field.
+const CALIBRATED_OFFSET: f64 = 0.05;
+
+/// The most effects that `--add` may name, as many as a calibration carries.
+const MOST_ADDED: usize = 4;
+
+/// A rotation between the sensors beyond this is worth a word, degrees: soft iron itself may turn the field by less.
+const MISALIGNED_DEG: f64 = 4.0;
 
 /// What to diagnose, and how.
 #[derive(Debug, Clone, Default)]
@@ -68,12 +76,18 @@ pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> 
     let known = Known { physical: PhysicalPrior::default(), earlier: options.earlier.clone() };
     // Bursts show in the residual of the base model; the model improves as they go.
     let mut samples = samples;
+    let mut burst_samples = 0;
     for _ in 0..4 {
         let pass = Pass { samples: &samples, residual: Residual::Magnitude };
         let Some((model, _)) = base::start(&samples, options.field_ut) else { break };
         let Some(fitted) = pass.fit(model, Vec::new(), &known)? else { break };
         let found = faults::bursts(&pass.residuals(&fitted.model, &[])?);
-        if found.is_empty() {
+        let share: usize = found.iter().map(|(from, to)| to - from + 1).sum();
+        burst_samples += share;
+        if found.is_empty()
+            || faults::have_company(&samples, &found)
+            || burst_samples as f64 > faults::BURST_SHARE * samples.len() as f64
+        {
             break;
         }
         for (from, to) in found {
@@ -93,24 +107,75 @@ pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> 
         ));
     };
     let set_aside = set_aside.iter().filter(|aside| **aside).count();
-    let full = magnitude(table, &samples, model, &known, options, data_faults.clone(), false)?;
-    let mut diagnosis = full;
+    let mut diagnosis = magnitude(table, &samples, model, &known, options, data_faults.clone(), false)?;
     if diagnosis.verdict == Verdict::Undetermined && options.earlier.is_none() {
-        // Attitude that does not carry nine parameters: without soft iron, if the data agree.
-        let known = Known { physical: PhysicalPrior::sphere(), earlier: None };
-        if let Some((centre, radius)) = base::sphere(&samples) {
-            let field = options.field_ut.unwrap_or(radius);
-            let matrix = base::NO_ROTATION.map(|row| row.map(|value| value * field / radius));
-            if let Some(model) = Model::new(centre, matrix, field, base::NO_ROTATION, 0.0) {
-                let lower = magnitude(table, &samples, model, &known, options, data_faults, true)?;
-                if lower.verdict != Verdict::Undetermined {
-                    diagnosis = lower;
-                }
-            }
+        if let Some(lower) = as_logged(table, &samples, options, data_faults)? {
+            diagnosis = lower;
+        } else {
+            accuse_nobody(&mut diagnosis);
         }
     }
     diagnosis.samples_set_aside = set_aside;
     Ok(diagnosis)
+}
+
+/// Attitude that does not carry nine parameters, in a log whose raw magnitude is nearly constant: the sensor was
+/// calibrated before, so its own scale and offset are kept and only effects are looked for. `None` where that does not
+/// hold, or explains nothing.
+fn as_logged(
+    table: &Table,
+    samples: &Samples,
+    options: &Options,
+    data_faults: Vec<DataFault>,
+) -> Result<Option<Diagnosis>, Refusal> {
+    let lengths: Vec<f64> = samples
+        .readings
+        .iter()
+        .map(|reading| reading.measured_ut.iter().map(|value| value * value).sum::<f64>().sqrt())
+        .collect();
+    let mean = lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
+    let off: Vec<f64> = lengths.iter().map(|length| length - mean).collect();
+    if rms(&off) > CALIBRATED_SPREAD * mean {
+        return Ok(None);
+    }
+    let physical = PhysicalPrior { offset_fields: CALIBRATED_OFFSET, ..PhysicalPrior::sphere() };
+    let known = Known { physical, earlier: None };
+    let field = options.field_ut.unwrap_or(mean);
+    let matrix = base::NO_ROTATION.map(|row| row.map(|value| value * field / mean));
+    let Some(model) = Model::new([0.0; 3], matrix, field, base::NO_ROTATION, 0.0) else { return Ok(None) };
+    let mut found = magnitude(table, samples, model, &known, options, data_faults, true)?;
+    let error = |step: Option<&StepRow>| step.and_then(|step| step.holdout_rms_ut);
+    let falls = error(found.steps.first()).zip(error(found.steps.last())).is_some_and(|(a, b)| b < 0.9 * a);
+    if std::env::var("DBG").is_ok() {
+        eprintln!("as logged {:?} {:?} {:?}", found.verdict, found.reasons, found.steps);
+    }
+    if found.verdict == Verdict::Undetermined || !falls {
+        return Ok(None);
+    }
+    // What was held fixed was not measured: effects only.
+    found.calibration = None;
+    found.information = None;
+    found.predicted_error_ut = None;
+    found.reasons.push(
+        "the attitude does not carry a calibration; the sensor is taken as calibrated before, and only effects were \
+         looked for"
+            .into(),
+    );
+    Ok(Some(found))
+}
+
+/// Where the base is not determined nothing that stands on it may be claimed.
+fn accuse_nobody(diagnosis: &mut Diagnosis) {
+    diagnosis.steps.truncate(1);
+    diagnosis.effects.clear();
+    diagnosis.axis_order = None;
+    for row in diagnosis.candidates.iter_mut().filter(|row| row.status != Status::Untestable) {
+        row.status = Status::Untestable;
+        row.why = "the data do not support a calibration, so this cannot be told".into();
+        row.p_value = None;
+        row.holdout_rms_ut = None;
+        row.confounded_with.clear();
+    }
 }
 
 /// Bursts that touch are one.
@@ -223,10 +288,22 @@ fn magnitude(
     let Some(base) = pass.fit(model, Vec::new(), known)? else {
         return Ok(undetermined(table, samples, data_faults, "the fit does not converge".into()));
     };
+    // Even if all structure were explained: does the attitude carry a calibration, at the noise that is surely there?
+    let residuals = pass.residuals(&base.model, &[])?;
+    let sigma = second_difference_sigma(&residuals);
+    let best = Residue { rms: rms(&residuals), floor: sigma, structure: 1.0, time: 1.0 };
+    let hopeless =
+        !lower_order && predicted_error(&base, &best).is_none_or(|error| error > MAX_PREDICTED_ERROR);
     let greedy = Greedy { pass, catalogue: &catalogue, known };
     let mut pure_lag = false;
     let mut start = base.clone();
     for id in &options.add {
+        if start.pieces.len() >= MOST_ADDED {
+            return Err(Refusal::CannotAdd(
+                id.clone(),
+                format!("a model carries at most {MOST_ADDED} effects"),
+            ));
+        }
         let piece = added(&pass, &catalogue, &start, id)?;
         let Some(piece) = piece else {
             if id == "misalignment" || id == "axis-order" {
@@ -252,7 +329,8 @@ fn magnitude(
             None => return Err(Refusal::CannotAdd(id.clone(), "the fit with it does not converge".into())),
         }
     }
-    let explanation = if options.search { greedy.run(start)? } else { greedy.only(base.clone(), start)? };
+    let explanation =
+        if options.search && !hopeless { greedy.run(start)? } else { greedy.only(base.clone(), start)? };
     let mut view = View { table, samples, catalogue: &catalogue, pass, known, explanation, lower_order };
     view.explanation.base = greedy.aligned(view.explanation.base.clone())?;
     view.finish(data_faults, pure_lag)
@@ -312,7 +390,7 @@ impl<'a> View<'_, 'a> {
             && let Some(with) = pass.fit(base.model, vec![lag], self.known)?
         {
             let residuals = pass.residuals(&with.model, &with.pieces.iter().collect::<Vec<_>>())?;
-            let time = residue(&residuals, 5).time;
+            let time = residue(&residuals, 5, 0.0).time;
             let error = covariance(&with, time).map_or(f64::NAN, |covariance| covariance[4][4].sqrt());
             study.lag = with.pieces.into_iter().next().map(|piece| (piece, error));
             if !has_eddy {
@@ -326,14 +404,21 @@ impl<'a> View<'_, 'a> {
     fn finish(mut self, data_faults: Vec<DataFault>, force_lag: bool) -> Result<Diagnosis, Refusal> {
         let dip = self.dip(force_lag)?;
         if let Some(dip) = &dip {
-            self.explanation.fitted.model = dip.alignment.model;
+            let model = dip.alignment.model;
+            // A mirrored frame is minus a turned one, and its dip the other way.
+            let mirror = |model: Model<f64>| {
+                let rotation = model.rotation.map(|row| row.map(|value| -value));
+                Model::new(model.offset_ut, model.matrix, model.field_ut, rotation, -model.sin_dip)
+            };
+            let kept = if dip.alignment.mirrored { mirror(model) } else { None };
+            self.explanation.fitted.model = kept.unwrap_or(model);
         }
         let fitted = &self.explanation.fitted;
         let list: Vec<&Piece> = fitted.pieces.iter().collect();
         let residuals = self.pass.residuals(&fitted.model, &list)?;
-        let left = residue(&residuals, fitted.columns());
+        let left = residue(&residuals, fitted.columns(), self.samples.quantum_ut);
         let gain = noise_gain(fitted, Residual::Magnitude);
-        let predicted = predicted_error(fitted, left.time);
+        let predicted = predicted_error(fitted, &left);
         let field = fitted.model.field_ut;
         let mut steps = self.steps(&dip)?;
         let has_eddy = fitted.pieces.iter().any(|piece| piece.id == "lag");
@@ -386,7 +471,8 @@ impl<'a> View<'_, 'a> {
             heading: headings,
             shows: self.shows()?,
             effects,
-            calibration: Some(Calibration {
+            // With swapped axes the log is to be repaired first.
+            calibration: swapped.is_none().then_some(Calibration {
                 offset_ut: fitted.model.offset_ut,
                 matrix: full,
                 field_ut: field,
@@ -399,7 +485,7 @@ impl<'a> View<'_, 'a> {
             ],
             rotation_covariance: dip.as_ref().and_then(|dip| dip.rotation_covariance),
             axis_order: swapped,
-            information: information(fitted, left.time),
+            information: information(&self.pass, fitted, self.known, left.time),
             predicted_error_ut: predicted.map(|error| error * field),
             samples_used: self.samples.len() * self.samples.stride,
             samples_set_aside: 0,
@@ -413,7 +499,7 @@ impl<'a> View<'_, 'a> {
         if self.known.earlier.is_some() {
             "the information of the earlier calibration, and a weak physical prior".into()
         } else if self.lower_order {
-            "no soft iron is assumed: the attitude does not carry nine parameters".into()
+            "none of the base is estimated but its scale: the sensor is taken as calibrated before, its offset within 5 % of the field".into()
         } else {
             "weak: gains within some 20 % of each other, axes within some 10°, offset within a few fields"
                 .into()
@@ -450,7 +536,9 @@ impl<'a> View<'_, 'a> {
     fn verdict(&self, left: &Residue, predicted: Option<f64>, field: f64) -> (Verdict, Vec<String>) {
         let mut reasons = Vec::new();
         match predicted {
-            Some(error) if error <= PREDICTED_LIMIT => {}
+            // What is held fixed has no error to predict.
+            _ if self.lower_order => {}
+            Some(error) if error <= MAX_PREDICTED_ERROR => {}
             Some(error) => reasons.push(format!(
                 "the corrected vector would be off by {:.1} % of the field in the worst direction (1σ): turn the board \
                  through more attitudes",
@@ -458,7 +546,7 @@ impl<'a> View<'_, 'a> {
             )),
             None => reasons.push("the attitude does not determine the ellipsoid".into()),
         }
-        if left.rms > RMS_LIMIT * field {
+        if left.rms > MAX_RESIDUAL * field {
             reasons.push(format!("the residual is {:.1} % of the field", 100.0 * left.rms / field));
         }
         if !reasons.is_empty() {
@@ -468,6 +556,12 @@ impl<'a> View<'_, 'a> {
             reasons.push(format!(
                 "{:.0} % of the residual's variance is structure that no candidate explains",
                 100.0 * left.structure
+            ));
+            return (Verdict::Unexplained, reasons);
+        }
+        if let Some(id) = &self.explanation.repeated {
+            reasons.push(format!(
+                "there is a second {id} beside the one in the model, which holds each effect once"
             ));
             return (Verdict::Unexplained, reasons);
         }
@@ -599,7 +693,7 @@ impl<'a> View<'_, 'a> {
             list.push(CandidateRow {
                 id: "misalignment".into(),
                 name: "misalignment".into(),
-                status: if angle > 1.0 { Status::Missing } else { Status::NotNeeded },
+                status: if angle > MISALIGNED_DEG { Status::Missing } else { Status::NotNeeded },
                 residual: Residual::Dip.name(),
                 holdout_rms_ut: None,
                 p_value: None,
@@ -627,7 +721,9 @@ impl<'a> View<'_, 'a> {
                 angle_deg: None,
             });
         }
-        list.extend(untestable(self.catalogue));
+        let more = untestable(self.catalogue);
+        let known: Vec<String> = list.iter().map(|row| row.id.clone()).collect();
+        list.extend(more.into_iter().filter(|row| !known.contains(&row.id)));
         list
     }
 
@@ -648,6 +744,11 @@ impl<'a> View<'_, 'a> {
             {
                 for index in [0, 4, 8] {
                     errors[index] = errors[index].hypot(*error);
+                }
+            } else if piece.k() == 9 && piece.id == "lag" {
+                // Without the dip the share along the identity is not known at all.
+                for index in [0, 4, 8] {
+                    errors[index] = f64::NAN;
                 }
             }
             column += piece.k();
@@ -790,6 +891,12 @@ fn at_rest(
     let greedy = Greedy { pass, catalogue: &catalogue, known: &known };
     let mut start = base.clone();
     for id in &options.add {
+        if start.pieces.len() >= MOST_ADDED {
+            return Err(Refusal::CannotAdd(
+                id.clone(),
+                format!("a model carries at most {MOST_ADDED} effects"),
+            ));
+        }
         let Some(piece) = added(&pass, &catalogue, &start, id)? else {
             return Err(Refusal::CannotAdd(id.clone(), cannot_add(&catalogue, id)));
         };
@@ -803,7 +910,7 @@ fn at_rest(
     let (used, confounded) = (explanation.fitted.pieces.len(), explanation.confounded.clone());
     let fitted = &explanation.fitted;
     let residuals = pass.residuals(&fitted.model, &fitted.pieces.iter().collect::<Vec<_>>())?;
-    let left = residue(&residuals, fitted.columns());
+    let left = residue(&residuals, fitted.columns(), samples.quantum_ut);
     let covariance = covariance(fitted, left.time);
     let mut column = 3;
     let effects = fitted
