@@ -146,9 +146,6 @@ fn as_logged(
     let mut found = magnitude(table, samples, model, &known, options, data_faults, true)?;
     let error = |step: Option<&StepRow>| step.and_then(|step| step.holdout_rms_ut);
     let falls = error(found.steps.first()).zip(error(found.steps.last())).is_some_and(|(a, b)| b < 0.9 * a);
-    if std::env::var("DBG").is_ok() {
-        eprintln!("as logged {:?} {:?} {:?}", found.verdict, found.reasons, found.steps);
-    }
     if found.verdict == Verdict::Undetermined || !falls {
         return Ok(None);
     }
