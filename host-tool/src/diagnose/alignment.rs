@@ -161,7 +161,9 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
     let Some((model, after_deg)) = best else { return Ok(None) };
     let rotation = matrix(&model.rotation);
     // Named only where it leaves little of the dip's spread: other errors turn an estimate too.
-    let swapped = angle_deg(&rotation) > SWAPPED_DEG && after_deg < SWAPPED_LEAVES * before_deg && after_deg < SWAPPED_MOST_DEG;
+    let swapped = angle_deg(&rotation) > SWAPPED_DEG
+        && after_deg < SWAPPED_LEAVES * before_deg
+        && after_deg < SWAPPED_MOST_DEG;
     let (axis_order, angle_deg, mirrored) =
         if swapped { nearest_order(&rotation) } else { (None, beside_symmetric(&model), false) };
     Ok(Some(Alignment { model, before_deg, after_deg, angle_deg, axis_order, mirrored }))
