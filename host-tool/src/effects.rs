@@ -155,6 +155,24 @@ impl<'a> Corrector<'a> {
         Ok(Self { calibration, log, inputs, turn_radps })
     }
 
+    /// What the user should know where effects go by the time: a log's clock is its own.
+    pub fn notice(&self) -> Option<String> {
+        let timed = |fitted: &&FittedEffect<f64>| fitted.effect.time_reference_s().is_some();
+        let names: Vec<String> = (self.calibration.effects.iter().filter(timed))
+            .map(|fitted| ironout::effect::Id(&fitted.effect).to_string())
+            .collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "{} by this log's clock: right for a log on the same clock as the one it was fitted to",
+                if names.len() == 1 {
+                    format!("{} goes", names[0])
+                } else {
+                    format!("{} go", names.join(" and "))
+                }
+            )
+        })
+    }
+
     /// The calibration.
     pub fn calibration(&self) -> &ExtendedCalibration {
         &self.calibration

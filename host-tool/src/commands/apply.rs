@@ -23,6 +23,9 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
     let calibration = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
     let log = arguments.log.read()?;
     let corrector = Corrector::new(calibration, &log)?;
+    if let Some(notice) = corrector.notice() {
+        eprintln!("note: {}: {notice}", log.path.display());
+    }
     if let Some(output) = &arguments.output {
         write(&log, &corrector, output)?;
     }

@@ -95,6 +95,9 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     let calibration = extended.base;
     let log = arguments.log.read()?;
     let corrector = Corrector::new(extended, &log)?;
+    if let Some(notice) = corrector.notice() {
+        eprintln!("note: {}: {notice}", log.path.display());
+    }
     let data = Data::new(&log);
     let samples = data.moving(1.0);
     let corrected = samples
