@@ -39,8 +39,8 @@ pub struct EffectEntry {
     pub columns: Vec<String>,
     /// Coefficients, in `unit`.
     pub coefficients: Vec<f64>,
-    /// Their standard errors.
-    pub std_errors: Vec<f64>,
+    /// Their standard errors; null for a coefficient that the log did not show.
+    pub std_errors: Vec<Option<f64>>,
     /// Unit of the coefficients.
     pub unit: String,
     /// The value of each column at which the effect is zero (for its square: whose square is).
@@ -56,7 +56,11 @@ impl From<&FittedEffect> for EffectEntry {
             name: fitted.name.clone(),
             columns: fitted.columns.clone(),
             coefficients: fitted.coefficients.clone(),
-            std_errors: fitted.std_errors.clone(),
+            std_errors: fitted
+                .std_errors
+                .iter()
+                .map(|error| Some(*error).filter(|e| e.is_finite()))
+                .collect(),
             unit: fitted.unit.clone(),
             reference: fitted.reference.iter().cloned().collect(),
             parameters: fitted.parameters.iter().map(|(name, value)| (name.to_string(), *value)).collect(),

@@ -85,7 +85,8 @@ pub fn from_entry(entry: &EffectEntry) -> Result<FittedEffect<f64>, String> {
         out[..k].copy_from_slice(values);
         out
     };
-    let (coefficients, std_errors) = (padded(&entry.coefficients), padded(&entry.std_errors));
+    let errors: Vec<f64> = entry.std_errors.iter().map(|error| error.unwrap_or(f64::NAN)).collect();
+    let (coefficients, std_errors) = (padded(&entry.coefficients), padded(&errors));
     Ok(FittedEffect { effect, coefficients, std_errors })
 }
 

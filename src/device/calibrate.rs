@@ -247,7 +247,7 @@ impl fmt::Display for Row<'_> {
         for (key, values) in [(" coefficients=", coefficients), (" std_errors=", std_errors)] {
             for (index, value) in values.iter().take(k).enumerate() {
                 f.write_str(if index == 0 { key } else { "," })?;
-                write!(f, "{value:?}")?;
+                if value.is_nan() { f.write_str("-") } else { write!(f, "{value:?}") }?;
             }
         }
         match effect {

@@ -105,7 +105,7 @@ pub struct FittedEffect<T, E = BuiltIn<T>> {
     pub effect: E,
     /// The coefficients, in the effect's unit; the first k count.
     pub coefficients: Coefficients<T>,
-    /// Their standard errors, from noise.
+    /// Their standard errors, from noise; NaN for a coefficient that the data did not show.
     pub std_errors: Coefficients<T>,
 }
 
@@ -315,12 +315,11 @@ impl<T: Real> ExtendedCalibration<T> {
         (Self { base: self.base, effects: Effects(effects) }, origin_s)
     }
 
-    /// Whether every number is finite and the matrix invertible: what a record or a file must hold.
+    /// Whether every number but the standard errors is finite and the matrix invertible: what a record or a file must hold.
     pub fn is_sound(&self) -> bool {
         let sound = |fitted: &FittedEffect<T>| {
             let k = fitted.effect.coefficients();
-            let numbers = fitted.coefficients.iter().take(k).chain(fitted.std_errors.iter().take(k));
-            fitted.effect.is_sound() && numbers.into_iter().all(|value| value.is_finite())
+            fitted.effect.is_sound() && fitted.coefficients.iter().take(k).all(|value| value.is_finite())
         };
         self.base.is_sound() && self.effects.iter().all(sound)
     }

@@ -138,6 +138,9 @@ fn effects(effects: &[FittedEffect]) {
 
 /// Four significant digits.
 fn short(value: f64) -> String {
+    if value.is_nan() {
+        return "-".into();
+    }
     let digits = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
     if (-4..6).contains(&digits) {
         format!("{value:.*}", (3 - digits).max(0) as usize)

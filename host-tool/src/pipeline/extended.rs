@@ -35,19 +35,41 @@ pub fn run(data: &Data, moving: &[u32], options: &Options, mut fitted: Fitted) -
     fitted.solution = None;
     let Some(solution) = solution(data, moving, &diagnosis, options)? else {
         fitted.accepted = false;
+        fitted.holdout_rms_ut = None;
+        fitted.noise_floor_ut = None;
+        fitted.residual_floor_ut = None;
+        fitted.heading_error_deg = None;
         fitted.reasons = diagnosis.reasons;
+        if fitted.reasons.is_empty() {
+            fitted.reasons.push(
+                "the log does not determine these effects beside offset and matrix: leave one out, or record more".into(),
+            );
+        }
         return Ok(fitted);
     };
     fitted.holdout_rms_ut = diagnosis.steps.last().and_then(|step| step.holdout_rms_ut);
     fitted.noise_floor_ut = diagnosis.noise_floor_ut;
     fitted.residual_floor_ut = diagnosis.residual_floor_ut;
     fitted.judge(data, moving, solution);
-    for effect in &diagnosis.effects {
-        if effect.coefficients.iter().zip(&effect.std_errors).all(|(value, error)| value.abs() < 3.0 * error)
-        {
+    let unseen: Vec<&str> = (diagnosis.effects.iter())
+        .filter(|effect| {
+            effect.coefficients.iter().zip(&effect.std_errors).all(|(value, error)| value.abs() < 3.0 * error)
+        })
+        .map(|effect| effect.id.as_str())
+        .collect();
+    let falls = match (diagnosis.steps.first(), diagnosis.steps.last()) {
+        (Some(first), Some(last)) => last.rms_ut < 0.95 * first.rms_ut,
+        _ => false,
+    };
+    if unseen.len() > 1 && falls {
+        fitted.reasons.push(format!(
+            "note: {} explain the same here and cannot be told apart: record a log in which they change one at a time",
+            unseen.join(" and ")
+        ));
+    } else {
+        for id in unseen {
             fitted.reasons.push(format!(
-                "note: no coefficient of {} is three standard errors from zero: this log does not show it",
-                effect.id
+                "note: no coefficient of {id} is three standard errors from zero: this log does not show it"
             ));
         }
     }
@@ -75,6 +97,18 @@ fn check_ids(log: &Log, ids: &[String]) -> Outcome<()> {
                 known(log).join(", ")
             )));
         };
+        let timed = parts.delayed || ["drift", "step", "periodic"].contains(&parts.kind);
+        let missing = [
+            (timed && log.time_s.is_none(), "t_s", "it needs the time, and the log has no time column"),
+            (
+                parts.kind == "lag" && log.gyro_radps.is_none(),
+                "gx_radps",
+                "it needs the rate of turn, which is not in the log",
+            ),
+        ];
+        if let Some((_, column, why)) = missing.into_iter().find(|(is_missing, ..)| *is_missing) {
+            return Err(Failure::usage(format!("--add {id}: {why}")).in_file(&log.path).at_column(column));
+        }
         if ids[..index].contains(id) {
             return Err(Failure::usage(format!("--add {id}: given twice")));
         }

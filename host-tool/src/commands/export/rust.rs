@@ -15,6 +15,9 @@ const CONSTANTS: [(&str, &str, &str); 2] = [
 
 /// The shortest decimals that read back to the same bits.
 fn value(scalar: &str, v: f64) -> String {
+    if v.is_nan() {
+        return format!("{scalar}::NAN");
+    }
     if scalar == "f32" { format!("{:?}", v as f32) } else { format!("{v:?}") }
 }
 
