@@ -105,7 +105,7 @@ fn candidates<'a>(
 
 enum Reconsidered<'a> {
     /// Another candidate is better than one in the model.
-    Swap { from: String, to: String, fitted: Fitted<'a> },
+    Swap { from: String, to: String, fitted: Box<Fitted<'a>> },
     /// All stand; some of them with rivals that explain as much.
     Stands(Vec<Confounded>),
 }
@@ -265,7 +265,7 @@ impl<'a> Greedy<'_, 'a> {
                 }
                 Reconsidered::Swap { from, to, fitted: next } if round < 2 * MOST_EFFECTS => {
                     swapped.push((from.clone(), to.clone()));
-                    fitted = self.aligned(next)?;
+                    fitted = self.aligned(*next)?;
                     for id in order.iter_mut().filter(|id| **id == from) {
                         id.clone_from(&to);
                     }
@@ -378,7 +378,11 @@ impl<'a> Greedy<'_, 'a> {
                 let fewer = other.tested.directions < mine.tested.directions;
                 if fewer || pair.second * (count as f64) * other.candidate.searched < SIGNIFICANCE {
                     if let Some(next) = self.with(&without, &other.candidate.piece)? {
-                        return Ok(Reconsidered::Swap { from: own.id, to: id.clone(), fitted: next });
+                        return Ok(Reconsidered::Swap {
+                            from: own.id,
+                            to: id.clone(),
+                            fitted: Box::new(next),
+                        });
                     }
                 } else if other.tested.directions == mine.tested.directions && pair.correlation > ALIKE {
                     group.push(id.clone());

@@ -80,8 +80,11 @@ struct Row<'a> {
     note: String,
 }
 
+/// A function of a direction.
+type OfDirection = fn([f64; 3]) -> f64;
+
 /// Third-order harmonics of the direction: what no offset and no matrix takes away. Name and value.
-const HARMONICS: [(&str, fn([f64; 3]) -> f64); 7] = [
+const HARMONICS: [(&str, OfDirection); 7] = [
     ("x", |[x, _, _]| x * (5.0 * x * x - 3.0) / 2.0),
     ("y", |[_, y, _]| y * (5.0 * y * y - 3.0) / 2.0),
     ("z", |[_, _, z]| z * (5.0 * z * z - 3.0) / 2.0),
