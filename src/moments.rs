@@ -72,6 +72,13 @@ impl Default for Moments {
     }
 }
 
+/// Adds to the places of an array.
+macro_rules! add {
+    ($sums:expr, [$($place:literal $value:expr),*]) => {
+        $($sums[$place] += i64::from($value);)*
+    };
+}
+
 impl Moments {
     /// Samples the sums hold without overflow, at full scale: 2³². One less is the limit of the counter.
     pub const CAPACITY: u32 = u32::MAX;
@@ -91,7 +98,7 @@ impl Moments {
     }
 
     /// Adds one sample. At [`Self::CAPACITY`] further samples are left out, so the sums never wrap.
-    #[inline]
+    #[inline(never)]
     pub fn push(&mut self, counts: [i16; 3]) {
         if self.count == Self::CAPACITY {
             return;
@@ -99,40 +106,20 @@ impl Moments {
         self.count += 1;
         let [x, y, z] = counts.map(i32::from);
         // (−32768)² = 2³⁰ fits an i32, so each quartic is one 32×32→64 multiply-accumulate.
-        let square = [x * x, x * y, x * z, y * y, y * z, z * z];
         let long = |a: i32, b: i32| i64::from(a) * i64::from(b);
-        for (sum, v) in self.linear.iter_mut().zip([x, y, z]) {
-            *sum += i64::from(v);
-        }
-        for (sum, v) in self.quadratic.iter_mut().zip(square) {
-            *sum += i64::from(v);
-        }
-        let [xx, xy, xz, yy, yz, zz] = square;
-        let cubic =
-            [(xx, x), (xx, y), (xx, z), (yy, x), (yz, x), (zz, x), (yy, y), (yy, z), (zz, y), (zz, z)];
-        for (sum, (a, b)) in self.cubic_low.iter_mut().zip(cubic) {
-            *sum += long(a, b);
-        }
-        let quartic = [
-            (xx, xx),
-            (xx, xy),
-            (xx, xz),
-            (xx, yy),
-            (xx, yz),
-            (xx, zz),
-            (xy, yy),
-            (xz, yy),
-            (xy, zz),
-            (xz, zz),
-            (yy, yy),
-            (yy, yz),
-            (yy, zz),
-            (yz, zz),
-            (zz, zz),
-        ];
-        for (sum, (a, b)) in self.quartic_low.iter_mut().zip(quartic) {
-            *sum += long(a, b);
-        }
+        let (xx, xy, xz, yy, yz, zz) = (x * x, x * y, x * z, y * y, y * z, z * z);
+        // Written out, so that it is straight code also where the crate is compiled for size.
+        add!(self.linear, [0 x, 1 y, 2 z]);
+        add!(self.quadratic, [0 xx, 1 xy, 2 xz, 3 yy, 4 yz, 5 zz]);
+        add!(self.cubic_low, [
+            0 long(xx, x), 1 long(xx, y), 2 long(xx, z), 3 long(yy, x), 4 long(yz, x), 5 long(zz, x), 6 long(yy, y),
+            7 long(yy, z), 8 long(zz, y), 9 long(zz, z)
+        ]);
+        add!(self.quartic_low, [
+            0 long(xx, xx), 1 long(xx, xy), 2 long(xx, xz), 3 long(xx, yy), 4 long(xx, yz), 5 long(xx, zz),
+            6 long(xy, yy), 7 long(xz, yy), 8 long(xy, zz), 9 long(xz, zz), 10 long(yy, yy), 11 long(yy, yz),
+            12 long(yy, zz), 13 long(yz, zz), 14 long(zz, zz)
+        ]);
         self.since_carry += 1;
         if self.since_carry >= CARRY_EVERY {
             self.carry_quartics();
