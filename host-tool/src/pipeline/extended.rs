@@ -212,7 +212,9 @@ fn solution(
     let (Some(mut calibration), Some(last)) = (diagnosis.calibration, diagnosis.steps.last()) else {
         return Ok(None);
     };
-    let covariance = diagnosis.information.as_ref().and_then(inverse);
+    // Where the data alone do not determine everything there is no information to hand on, but there are errors.
+    let known = diagnosis.information.as_ref().and_then(inverse);
+    let covariance = known.or_else(|| diagonal(diagnosis));
     let finite = diagnosis
         .effects
         .iter()
@@ -260,12 +262,22 @@ fn solution(
         predicted_error_ut,
         measured_field_ut: (squares / moving.len().max(1) as f64).sqrt(),
         model: if diagnosis.lower_order { Model::Sphere } else { Model::Ellipsoid },
-        information: Information::from_covariance(&covariance),
+        information: known.as_ref().and_then(Information::from_covariance),
         alignment,
         without_effects: first
             .map(|step| WithoutEffects { rms_ut: step.rms_ut, holdout_rms_ut: step.holdout_rms_ut }),
         prior: options.prior.is_some().then(|| diagnosis.prior.clone()),
     }))
+}
+
+/// The errors alone, as if they were independent.
+fn diagonal(diagnosis: &Diagnosis) -> Option<[[f64; 9]; 9]> {
+    let [x, y, z] = diagnosis.offset_std_errors_ut;
+    let [[a, b, c], [_, d, e], [_, _, f]] = diagnosis.matrix_std_errors;
+    let errors = [x, y, z, a, b, c, d, e, f];
+    errors.iter().all(|error| error.is_finite()).then(|| {
+        std::array::from_fn(|i| std::array::from_fn(|j| if i == j { errors[i] * errors[i] } else { 0.0 }))
+    })
 }
 
 fn inverse(information: &[[f64; 9]; 9]) -> Option<[[f64; 9]; 9]> {
