@@ -103,6 +103,8 @@ fn candidates<'a>(
     Ok(list)
 }
 
+// One at a time, on the stack: the size does not matter.
+#[allow(clippy::large_enum_variant)]
 enum Reconsidered<'a> {
     /// Another candidate is better than one in the model.
     Swap { from: String, to: String, fitted: Box<Fitted<'a>> },

@@ -1,6 +1,7 @@
 //! Finds the missing effect: compares model and measurement, sees where it fails, learns what is missing.
 
 pub mod alignment;
+mod at_rest;
 pub mod base;
 pub mod candidates;
 pub mod engine;
@@ -12,6 +13,7 @@ pub mod json;
 pub mod outcome;
 pub mod quality;
 mod rest;
+mod rows;
 pub mod samples;
 pub mod screen;
 pub mod search;
@@ -20,6 +22,7 @@ mod shows;
 mod study;
 pub mod table;
 pub mod traces;
+mod view;
 
 pub use outcome::Diagnosis;
 pub use study::{Options, Refusal, diagnose};

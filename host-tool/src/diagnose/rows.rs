@@ -1,0 +1,254 @@
+//! The candidates and effects of a diagnosis as rows, in words and numbers.
+
+use super::engine::{BadShape, Piece};
+use super::greedy::Judged;
+use super::outcome::{CandidateRow, FittedEffect, Status, Verdict};
+use super::quality::{Residue, covariance, covariance_of};
+use super::screen::SIGNIFICANCE;
+use super::study::untestable;
+use super::view::{DipStudy, View};
+use ironout::study::Residual;
+
+/// A rotation between the sensors beyond this is worth a word, degrees: soft iron itself may turn the field by less.
+const MISALIGNED_DEG: f64 = 4.0;
+
+impl View<'_, '_> {
+    pub(super) fn candidates(
+        &self,
+        dip: &Option<DipStudy>,
+        pure_lag: bool,
+        swapped: Option<&str>,
+        verdict: Verdict,
+    ) -> Vec<CandidateRow> {
+        let rows = self.explanation.fitted.rows;
+        let mut list: Vec<CandidateRow> = Vec::new();
+        let row_of = |one: &Judged, status: Status, partners: Vec<String>, why: String| CandidateRow {
+            id: one.candidate.piece.id.clone(),
+            name: one.candidate.piece.effect.name().to_string(),
+            status,
+            residual: Residual::Magnitude.name(),
+            holdout_rms_ut: one.tested.held_out.map(|squares| (squares / rows).sqrt()),
+            p_value: Some((one.tested.p_value * self.explanation.count as f64).min(1.0)),
+            confounded_with: partners,
+            why,
+            angle_deg: None,
+        };
+        let group_of = |id: &str| {
+            self.explanation
+                .confounded
+                .iter()
+                .find(|group| group.ids.iter().any(|other| other == id))
+                .map(|group| group.ids.iter().filter(|other| *other != id).cloned().collect::<Vec<_>>())
+        };
+        for piece in &self.explanation.fitted.pieces {
+            let tested = self.explanation.first.iter().find(|one| one.candidate.piece.id == piece.id);
+            let partners = group_of(&piece.id);
+            let status = if partners.is_some() { Status::Confounded } else { Status::Missing };
+            let why = match &partners {
+                Some(partners) => format!(
+                    "it explains the error, and so does {}: {}",
+                    partners.join(", "),
+                    separating(&piece.id, partners)
+                ),
+                None => piece.effect.explanation().to_string(),
+            };
+            match tested {
+                Some(one) => list.push(row_of(one, status, partners.unwrap_or_default(), why)),
+                None => list.push(CandidateRow {
+                    id: piece.id.clone(),
+                    name: piece.effect.name().to_string(),
+                    status,
+                    residual: Residual::Magnitude.name(),
+                    holdout_rms_ut: None,
+                    p_value: None,
+                    confounded_with: partners.unwrap_or_default(),
+                    why,
+                    angle_deg: None,
+                }),
+            }
+        }
+        for one in &self.explanation.last {
+            let id = &one.candidate.piece.id;
+            if list.iter().any(|row| row.id == *id) {
+                continue;
+            }
+            if id == "lag" && dip.is_some() {
+                continue;
+            }
+            match group_of(id) {
+                Some(partners) => {
+                    let why = format!(
+                        "it explains the error, and so does {}: {}",
+                        partners.join(", "),
+                        separating(id, &partners)
+                    );
+                    list.push(row_of(one, Status::Confounded, partners, why));
+                }
+                None => {
+                    let why = if verdict == Verdict::Undetermined {
+                        "the data do not support a calibration, so this cannot be told".to_string()
+                    } else if one.tested.p_value * (self.explanation.count as f64) < SIGNIFICANCE {
+                        "there, but too small to matter".to_string()
+                    } else {
+                        "the data do not ask for it".to_string()
+                    };
+                    let status =
+                        if verdict == Verdict::Undetermined { Status::Untestable } else { Status::NotNeeded };
+                    list.push(row_of(one, status, Vec::new(), why));
+                }
+            }
+        }
+        if let Some(dip) = dip {
+            if !list.iter().any(|row| row.id == "lag") {
+                let (p, held) = dip.tested.unwrap_or((1.0, None));
+                let why = match &dip.lag {
+                    Some((piece, error)) if pure_lag => format!(
+                        "the sensor is {:.1} ± {:.1} ms late: {}",
+                        1e3 * piece.coefficients[0],
+                        1e3 * error,
+                        piece.effect.explanation()
+                    ),
+                    _ => "neither the magnitude nor the dip asks for it".to_string(),
+                };
+                if self.catalogue.lag().is_some() {
+                    list.push(CandidateRow {
+                        id: "lag".into(),
+                        name: "sensor lag".into(),
+                        status: if pure_lag { Status::Missing } else { Status::NotNeeded },
+                        residual: Residual::Dip.name(),
+                        holdout_rms_ut: held,
+                        p_value: Some((2.0 * p).min(1.0)),
+                        confounded_with: Vec::new(),
+                        why,
+                        angle_deg: None,
+                    });
+                }
+            }
+            let angle = dip.alignment.angle_deg;
+            list.push(CandidateRow {
+                id: "misalignment".into(),
+                name: "misalignment".into(),
+                status: if angle > MISALIGNED_DEG { Status::Missing } else { Status::NotNeeded },
+                residual: Residual::Dip.name(),
+                holdout_rms_ut: None,
+                p_value: None,
+                confounded_with: Vec::new(),
+                why: format!(
+                    "the axes of magnetometer and accelerometer differ by {angle:.1}° beside the triangular matrix; the \
+                     full matrix contains it"
+                ),
+                angle_deg: Some(angle),
+            });
+            list.push(CandidateRow {
+                id: "axis-order".into(),
+                name: "axis order".into(),
+                status: if swapped.is_some() { Status::Missing } else { Status::NotNeeded },
+                residual: Residual::Dip.name(),
+                holdout_rms_ut: None,
+                p_value: None,
+                confounded_with: Vec::new(),
+                why: match swapped {
+                    Some(order) => format!(
+                        "the log's axes stand for the board's {order}: correct the driver, or use --rotate"
+                    ),
+                    None => "the axes stand in the board's order".into(),
+                },
+                angle_deg: None,
+            });
+        }
+        let more = untestable(self.catalogue);
+        let known: Vec<String> = list.iter().map(|row| row.id.clone()).collect();
+        list.extend(more.into_iter().filter(|row| !known.contains(&row.id)));
+        list
+    }
+
+    pub(super) fn effects(
+        &self,
+        left: &Residue,
+        dip: &Option<DipStudy>,
+    ) -> Result<Vec<FittedEffect>, BadShape> {
+        let fitted = &self.explanation.fitted;
+        let covariance = match super::frequency::with_slope(&self.pass, fitted)? {
+            Some(total) => covariance_of(&total, fitted, left.time),
+            None => covariance(fitted, left.time),
+        };
+        let mut column = Residual::Magnitude.base_columns();
+        let mut list = Vec::new();
+        for piece in &fitted.pieces {
+            let mut errors: Vec<f64> = (column..column + piece.k())
+                .map(|index| covariance.as_ref().map_or(f64::NAN, |rows| rows[index][index].max(0.0).sqrt()))
+                .collect();
+            if piece.k() == 9
+                && let Some((_, error)) = dip.as_ref().and_then(|dip| dip.lag.as_ref())
+            {
+                for index in [0, 4, 8] {
+                    errors[index] = errors[index].hypot(*error);
+                }
+            } else if piece.k() == 9 && piece.id == "lag" {
+                // Without the dip the share along the identity is not known at all.
+                for index in [0, 4, 8] {
+                    errors[index] = f64::NAN;
+                }
+            }
+            column += piece.k();
+            list.push(describe(piece, errors));
+        }
+        let has_eddy = fitted.pieces.iter().any(|piece| piece.id == "lag");
+        if !has_eddy && let Some((piece, error)) = dip.as_ref().and_then(|dip| dip.lag.as_ref()) {
+            list.push(describe(piece, vec![*error]));
+        }
+        Ok(list)
+    }
+}
+
+/// Which recording would tell the candidates apart.
+fn separating(id: &str, partners: &[String]) -> String {
+    let all = || std::iter::once(id).chain(partners.iter().map(String::as_str));
+    let timed = all().any(|id| ["drift", "step"].contains(&id));
+    let columns: Vec<&str> = all().filter_map(|id| id.split_once(':').map(|(_, column)| column)).collect();
+    match (timed, columns.first()) {
+        (true, Some(column)) => format!(
+            "record a log in which {column} goes up and down again while time goes on (let it cool down, switch it on and off)"
+        ),
+        (false, Some(first)) => {
+            let other = columns.iter().find(|column| *column != first).unwrap_or(first);
+            if other == first {
+                format!("record a log in which {first} changes at many attitudes")
+            } else {
+                format!("record a log in which {first} and {other} change one at a time")
+            }
+        }
+        (true, None) => "record a longer log: a drift goes on, a step does not".into(),
+        _ => "record a log with more attitudes, and with the board still in some of them".into(),
+    }
+}
+
+/// An effect with its fitted coefficients, in the words and numbers of the contract.
+pub(super) fn describe(piece: &Piece, std_errors: Vec<f64>) -> FittedEffect {
+    let k = piece.k();
+    let mut reference = Vec::new();
+    let mut parameters = Vec::new();
+    let columns: Vec<String> =
+        piece.effect.columns().iter().flatten().map(|column| column.name.to_string()).collect();
+    for (name, value) in &piece.fixed {
+        match *name {
+            "reference" => {
+                // The column's value, not its square's.
+                let value = if piece.id.ends_with("^2") { value.max(0.0).sqrt() } else { *value };
+                reference.extend(columns.first().map(|column| (column.clone(), value)));
+            }
+            other => parameters.push((other, *value)),
+        }
+    }
+    FittedEffect {
+        id: piece.id.clone(),
+        name: piece.effect.name().to_string(),
+        explanation: piece.effect.explanation().to_string(),
+        columns,
+        coefficients: piece.coefficients[..k].to_vec(),
+        std_errors,
+        unit: piece.effect.unit().to_string(),
+        reference,
+        parameters,
+    }
+}

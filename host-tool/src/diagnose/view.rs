@@ -1,0 +1,316 @@
+//! What a finished search says: verdict, floors, dip and heading.
+
+use super::alignment::{Alignment, align, rotation_covariance, without_effects};
+use super::base;
+use super::candidates::Catalogue;
+use super::engine::{BadShape, Known, Pass, Piece};
+use super::faults::DataFault;
+use super::greedy::Explanation;
+use super::outcome::{Diagnosis, Dip, Heading, StepRow, Verdict, Where};
+use super::quality::{Residue, covariance, information, noise_gain, predicted_error, residue};
+use super::samples::Samples;
+use super::screen::{Candidate, screen};
+use super::series::rms;
+use super::study::Refusal;
+use super::table::Table;
+use super::traces::Traces;
+use ironout::calibration::Calibration;
+use ironout::fit::MAX_PREDICTED_ERROR;
+use ironout::quality::MAX_RESIDUAL;
+use ironout::study::{Model, Residual};
+use nalgebra::Vector3;
+
+/// Everything that the report of a magnitude study is made from.
+pub(super) struct View<'v, 'a> {
+    pub(super) table: &'a Table<'a>,
+    pub(super) samples: &'a Samples,
+    pub(super) catalogue: &'v Catalogue<'a>,
+    pub(super) pass: Pass<'a>,
+    pub(super) known: &'v Known,
+    pub(super) explanation: Explanation<'a>,
+    pub(super) lower_order: bool,
+}
+
+/// What the dip says in the end.
+pub(super) struct DipStudy<'a> {
+    pub(super) alignment: Alignment,
+    pub(super) lag: Option<(Piece<'a>, f64)>,
+    pub(super) after_deg: f64,
+    pub(super) rotation_covariance: Option<[[f64; 3]; 3]>,
+    /// p-value and held-out rms in degrees of the pure lag.
+    pub(super) tested: Option<(f64, Option<f64>)>,
+}
+
+impl<'a> View<'_, 'a> {
+    pub(super) fn dip(&self, force_lag: bool) -> Result<Option<DipStudy<'a>>, BadShape> {
+        let fitted = &self.explanation.fitted;
+        let clean = without_effects(self.samples, &fitted.model, &fitted.pieces);
+        let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(None) };
+        let after_deg = alignment.after_deg;
+        let rotation_covariance = rotation_covariance(&clean, &alignment.model)?;
+        let mut study = DipStudy { alignment, lag: None, after_deg, rotation_covariance, tested: None };
+        let Some(lag) = self.catalogue.lag() else { return Ok(Some(study)) };
+        let pass = Pass { samples: &clean, residual: Residual::Dip };
+        let Some(base) = pass.fit(study.alignment.model, Vec::new(), self.known)? else {
+            return Ok(Some(study));
+        };
+        let candidate = Candidate { piece: lag.clone(), searched: 1.0 };
+        let screening = screen(&pass, &base, std::slice::from_ref(&candidate), 2)?;
+        let Some(tested) = screening.tested.into_iter().next() else { return Ok(Some(study)) };
+        let held_deg = tested.held_out.map(|squares| (squares / base.rows).sqrt().to_degrees());
+        study.tested = Some((tested.p_value, held_deg));
+        let has_eddy = fitted.pieces.iter().any(|piece| piece.id == lag.id);
+        if (tested.accepted || force_lag || has_eddy)
+            && let Some(with) = pass.fit(base.model, vec![lag], self.known)?
+        {
+            let residuals = pass.residuals(&with.model, &with.pieces.iter().collect::<Vec<_>>())?;
+            let time = residue(&residuals, 5, 0.0).time;
+            let error = covariance(&with, time).map_or(f64::NAN, |covariance| covariance[4][4].sqrt());
+            study.lag = with.pieces.into_iter().next().map(|piece| (piece, error));
+            if !has_eddy {
+                study.alignment.model = with.model;
+                study.after_deg = rms(&residuals).to_degrees();
+            }
+        }
+        Ok(Some(study))
+    }
+
+    pub(super) fn finish(
+        mut self,
+        data_faults: Vec<DataFault>,
+        force_lag: bool,
+    ) -> Result<Diagnosis, Refusal> {
+        let dip = self.dip(force_lag)?;
+        if let Some(dip) = &dip {
+            let model = dip.alignment.model;
+            // A mirrored frame is minus a turned one, and its dip the other way.
+            let mirror = |model: Model<f64>| {
+                let rotation = model.rotation.map(|row| row.map(|value| -value));
+                Model::new(model.offset_ut, model.matrix, model.field_ut, rotation, -model.sin_dip)
+            };
+            let kept = if dip.alignment.mirrored { mirror(model) } else { None };
+            self.explanation.fitted.model = kept.unwrap_or(model);
+        }
+        let fitted = &self.explanation.fitted;
+        let list: Vec<&Piece> = fitted.pieces.iter().collect();
+        let residuals = self.pass.residuals(&fitted.model, &list)?;
+        let left = residue(&residuals, fitted.columns(), self.samples.quantum_ut);
+        let gain = noise_gain(fitted, Residual::Magnitude);
+        let predicted = predicted_error(fitted, &left);
+        let field = fitted.model.field_ut;
+        let mut steps = self.steps(&dip)?;
+        let has_eddy = fitted.pieces.iter().any(|piece| piece.id == "lag");
+        let pure_lag = dip.as_ref().is_some_and(|dip| dip.lag.is_some()) && !has_eddy;
+        if let (true, Some(dip)) = (pure_lag, &dip) {
+            steps.push(StepRow {
+                added: Some("lag".into()),
+                rms_ut: fitted.rms(),
+                holdout_rms_ut: super::greedy::held_out_rms(fitted),
+                dip_rms_deg: Some(dip.after_deg),
+            });
+        }
+        let swapped = dip.as_ref().and_then(|dip| dip.alignment.axis_order.clone());
+        let groups = &self.explanation.confounded;
+        let in_group = |id: &str| groups.iter().any(|group| group.ids.iter().any(|other| other == id));
+        let (mut verdict, reasons) = self.verdict(&left, predicted, field);
+        if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
+            verdict = Verdict::Missing;
+        }
+        steps.retain(|step| step.added.as_ref().is_none_or(|id| !in_group(id)));
+        let candidates = self.candidates(&dip, pure_lag, swapped.as_deref(), verdict);
+        if let (Some(_), Some(dip)) = (&swapped, &dip) {
+            steps.push(StepRow {
+                added: Some("axis-order".into()),
+                rms_ut: fitted.rms(),
+                holdout_rms_ut: super::greedy::held_out_rms(fitted),
+                dip_rms_deg: Some(dip.after_deg),
+            });
+        }
+        let effects = self.effects(&left, &dip)?;
+        let covariance = covariance(fitted, left.time);
+        let sigma =
+            |index: usize| covariance.as_ref().map_or(f64::NAN, |rows| rows[index][index].max(0.0).sqrt());
+        let full = if dip.is_some() { fitted.model.full_matrix() } else { fitted.model.matrix };
+        let headings = self.heading(&dip)?;
+        Ok(Diagnosis {
+            verdict,
+            reasons,
+            residual: Residual::Magnitude.name(),
+            steps,
+            noise_floor_ut: Some(left.floor / gain),
+            residual_floor_ut: Some(left.floor),
+            candidates,
+            data_faults,
+            dip: dip.as_ref().map(|dip| Dip {
+                rms_deg_before: self.base_dip().unwrap_or(dip.alignment.before_deg),
+                rms_deg_after: dip.after_deg,
+                misalignment_deg: dip.alignment.angle_deg,
+            }),
+            heading: headings,
+            shows: self.shows()?,
+            effects,
+            // With swapped axes the log is to be repaired first.
+            calibration: swapped.is_none().then_some(Calibration {
+                offset_ut: fitted.model.offset_ut,
+                matrix: full,
+                field_ut: field,
+            }),
+            offset_std_errors_ut: [sigma(0), sigma(1), sigma(2)],
+            matrix_std_errors: [
+                [sigma(3), sigma(4), sigma(5)],
+                [0.0, sigma(6), sigma(7)],
+                [0.0, 0.0, sigma(8)],
+            ],
+            rotation_covariance: dip.as_ref().and_then(|dip| dip.rotation_covariance),
+            axis_order: swapped,
+            information: information(&self.pass, fitted, self.known, left.time),
+            predicted_error_ut: predicted.map(|error| error * field),
+            samples_used: self.samples.len() * self.samples.stride,
+            samples_set_aside: 0,
+            prior: self.prior_words(),
+            lower_order: self.lower_order,
+            traces: Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?,
+        })
+    }
+
+    pub(super) fn prior_words(&self) -> String {
+        if self.known.earlier.is_some() {
+            "the information of the earlier calibration, and a weak physical prior".into()
+        } else if self.lower_order {
+            "none of the base is estimated but its scale: the sensor is taken as calibrated before, its offset within 5 % of the field".into()
+        } else {
+            "weak: gains within some 20 % of each other, axes within some 10°, offset within a few fields"
+                .into()
+        }
+    }
+
+    pub(super) fn base_dip(&self) -> Option<f64> {
+        let base = &self.explanation.base;
+        align(self.samples, &base.model).ok().flatten().map(|alignment| alignment.before_deg)
+    }
+
+    pub(super) fn steps(&self, dip: &Option<DipStudy>) -> Result<Vec<StepRow>, BadShape> {
+        let count = self.explanation.steps.len();
+        let base_dip =
+            align(self.samples, &self.explanation.base.model)?.map(|alignment| alignment.after_deg);
+        Ok(self
+            .explanation
+            .steps
+            .iter()
+            .enumerate()
+            .map(|(index, step)| StepRow {
+                added: step.added.clone(),
+                rms_ut: step.rms,
+                holdout_rms_ut: step.held_out,
+                dip_rms_deg: match dip {
+                    Some(dip) if index + 1 == count && index > 0 => Some(dip.alignment.after_deg),
+                    Some(_) if index == 0 => base_dip,
+                    _ => None,
+                },
+            })
+            .collect())
+    }
+
+    pub(super) fn verdict(
+        &self,
+        left: &Residue,
+        predicted: Option<f64>,
+        field: f64,
+    ) -> (Verdict, Vec<String>) {
+        let mut reasons = Vec::new();
+        match predicted {
+            // What is held fixed has no error to predict.
+            _ if self.lower_order => {}
+            Some(error) if error <= MAX_PREDICTED_ERROR => {}
+            Some(error) => reasons.push(format!(
+                "the corrected vector would be off by {:.1} % of the field in the worst direction (1σ): turn the board \
+                 through more attitudes",
+                100.0 * error
+            )),
+            None => reasons.push("the attitude does not determine the ellipsoid".into()),
+        }
+        if left.rms > MAX_RESIDUAL * field {
+            reasons.push(format!("the residual is {:.1} % of the field", 100.0 * left.rms / field));
+        }
+        if !reasons.is_empty() {
+            return (Verdict::Undetermined, reasons);
+        }
+        if left.structure > 0.0 {
+            reasons.push(format!(
+                "{:.0} % of the residual's variance is structure that no candidate explains",
+                100.0 * left.structure
+            ));
+            return (Verdict::Unexplained, reasons);
+        }
+        if let Some(id) = &self.explanation.repeated {
+            reasons.push(format!(
+                "there is a second {id} beside the one in the model, which holds each effect once"
+            ));
+            return (Verdict::Unexplained, reasons);
+        }
+        if !self.explanation.confounded.is_empty() {
+            for group in &self.explanation.confounded {
+                reasons.push(format!("{} explain the same", group.ids.join(", ")));
+            }
+            return (Verdict::Confounded, reasons);
+        }
+        if self.explanation.fitted.pieces.is_empty() {
+            (Verdict::Complete, reasons)
+        } else {
+            (Verdict::Missing, reasons)
+        }
+    }
+
+    pub(super) fn heading(&self, dip: &Option<DipStudy>) -> Result<Option<Heading>, BadShape> {
+        let Some(reference) = self.table.heading_deg else { return Ok(None) };
+        let base = &self.explanation.base;
+        let triangular =
+            Model::new(base.model.offset_ut, base.model.matrix, base.model.field_ut, base::NO_ROTATION, 0.0);
+        let fitted = &self.explanation.fitted;
+        let mut pieces = fitted.pieces.clone();
+        if !pieces.iter().any(|piece| piece.id == "lag") {
+            pieces.extend(dip.as_ref().and_then(|dip| dip.lag.clone()).map(|(piece, _)| piece));
+        }
+        let before = triangular.and_then(|model| heading_error(self.samples, &model, &[], reference));
+        let after = heading_error(self.samples, &fitted.model, &pieces, reference);
+        Ok(before.zip(after).map(|(rms_deg_before, rms_deg_after)| Heading { rms_deg_before, rms_deg_after }))
+    }
+
+    pub(super) fn shows(&self) -> Result<Vec<Where>, BadShape> {
+        let base = &self.explanation.base;
+        let residuals = self.pass.residuals(&base.model, &[])?;
+        Ok(super::shows::shows(
+            self.samples,
+            &residuals,
+            &self.explanation.first,
+            base,
+            self.explanation.count,
+        ))
+    }
+}
+
+/// Rms of the heading's error against the reference, degrees.
+fn heading_error(samples: &Samples, model: &Model<f64>, pieces: &[Piece], reference: &[f64]) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (index, reading) in samples.readings.iter().enumerate() {
+        let (Some(down), Some(truth)) = (reading.down, reference.get(samples.row[index])) else { continue };
+        if !truth.is_finite() {
+            continue;
+        }
+        let terms: Vec<_> = pieces.iter().map(|piece| piece.term(index)).collect();
+        let Ok(h) = model.correct(reading, &terms) else { continue };
+        let (h, down) = (Vector3::from(h), Vector3::from(down));
+        let north = h - down * h.dot(&down);
+        let east = down.cross(&north);
+        // Near the vertical the nose has no heading.
+        let level = (1.0 - down.x * down.x).sqrt();
+        if level < 0.3 || north.norm() < 1e-6 {
+            continue;
+        }
+        let heading = east.x.atan2(north.x).to_degrees();
+        let error = (heading - truth + 540.0).rem_euclid(360.0) - 180.0;
+        sum += error * error;
+        count += 1.0;
+    }
+    (count >= 20.0).then(|| (sum / count).sqrt())
+}
