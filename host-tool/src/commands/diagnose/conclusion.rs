@@ -106,8 +106,10 @@ pub fn verdict(told: &Told, out: &mut Vec<String>) {
 
 /// The effects that `fit --add` takes: those in the steps, in their order.
 pub fn to_add(diagnosis: &Diagnosis, arguments: &DiagnoseArgs) -> Vec<String> {
-    let mut ids: Vec<String> = arguments.add.clone();
-    for id in diagnosis.steps.iter().filter_map(|step| step.added.clone()) {
+    let mut ids: Vec<String> = Vec::new();
+    let found = diagnosis.steps.iter().filter_map(|step| step.added.clone());
+    for id in arguments.add.iter().cloned().chain(found) {
+        // These two belong to the alignment, which every fit has.
         if !ids.contains(&id) && !["axis-order", "misalignment"].contains(&id.as_str()) {
             ids.push(id);
         }

@@ -336,7 +336,8 @@ pub fn columns(diagnosis: &Diagnosis) -> Vec<String> {
 /// The dip and the heading, before and after.
 pub fn alignment(told: &Told, out: &mut Vec<String>) {
     let diagnosis = told.diagnosis;
-    if diagnosis.dip.is_none() && diagnosis.heading.is_none() {
+    let nothing = diagnosis.dip.is_none() && diagnosis.heading.is_none();
+    if nothing || diagnosis.verdict == Verdict::Undetermined {
         return;
     }
     title(out, "Alignment with the accelerometer");

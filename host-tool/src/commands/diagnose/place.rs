@@ -80,41 +80,30 @@ struct Row<'a> {
     note: String,
 }
 
-/// A function of a direction.
+/// A function of the direction of the field.
 type OfDirection = fn([f64; 3]) -> f64;
 
-/// Third-order harmonics of the direction: what no offset and no matrix takes away. Name and value.
-const HARMONICS: [(&str, OfDirection); 7] = [
-    ("x", |[x, _, _]| x * (5.0 * x * x - 3.0) / 2.0),
-    ("y", |[_, y, _]| y * (5.0 * y * y - 3.0) / 2.0),
-    ("z", |[_, _, z]| z * (5.0 * z * z - 3.0) / 2.0),
-    ("xy²−xz²", |[x, y, z]| x * (y * y - z * z)),
-    ("yz²−yx²", |[x, y, z]| y * (z * z - x * x)),
-    ("zx²−zy²", |[x, y, z]| z * (x * x - y * y)),
-    ("xyz", |[x, y, z]| x * y * z),
+/// Third-order harmonics of the direction, which no offset and no matrix takes away: name, value, and what to draw
+/// against (along a single axis the direction itself).
+const HARMONICS: [(&str, OfDirection, OfDirection); 7] = [
+    ("x", |[x, _, _]| x * (5.0 * x * x - 3.0), |[x, _, _]| x),
+    ("y", |[_, y, _]| y * (5.0 * y * y - 3.0), |[_, y, _]| y),
+    ("z", |[_, _, z]| z * (5.0 * z * z - 3.0), |[_, _, z]| z),
+    ("xy²−xz²", |[x, y, z]| x * (y * y - z * z), |[x, y, z]| x * (y * y - z * z)),
+    ("yz²−yx²", |[x, y, z]| y * (z * z - x * x), |[x, y, z]| y * (z * z - x * x)),
+    ("zx²−zy²", |[x, y, z]| z * (x * x - y * y), |[x, y, z]| z * (x * x - y * y)),
+    ("xyz", |[x, y, z]| x * y * z, |[x, y, z]| x * y * z),
 ];
 
 /// The residual against the function of the direction that it follows most.
 fn attitude(base: &Residuals, directions: &[[f64; 3]]) -> (Option<Curve>, String) {
+    let values = |of: OfDirection| directions.iter().map(|u| of(*u)).collect::<Vec<f64>>();
     let best = HARMONICS
         .iter()
-        .map(|(name, value)| (*name, base.share(&directions.iter().map(|u| value(*u)).collect::<Vec<f64>>())))
-        .max_by(|a, b| a.1.total_cmp(&b.1));
-    let Some((name, _)) = best else { return (None, String::new()) };
-    // Along a single axis the direction itself is the natural abscissa.
-    let abscissa: Vec<f64> = directions
-        .iter()
-        .map(|&[x, y, z]| match name {
-            "x" => x,
-            "y" => y,
-            "z" => z,
-            "xy²−xz²" => x * (y * y - z * z),
-            "yz²−yx²" => y * (z * z - x * x),
-            "zx²−zy²" => z * (x * x - y * y),
-            _ => x * y * z,
-        })
-        .collect();
-    let curve = base.means(&abscissa);
+        .map(|(name, value, abscissa)| (base.share(&values(*value)), name, abscissa))
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, name, abscissa)) = best else { return (None, String::new()) };
+    let curve = base.means(&values(*abscissa));
     let note =
         curve.as_ref().map_or(String::new(), |curve| format!("±{}, {name}", significant(largest(curve), 2)));
     (curve, note)

@@ -176,7 +176,9 @@ fn base(told: &Told, out: &mut Vec<String>) {
             && floor > 0.0
         {
             let ratio = step.rms_ut / floor;
-            let text = if ratio > 1.1 {
+            let text = if diagnosis.verdict == Verdict::Undetermined {
+                "The log does not determine this model, so its error says little.".to_string()
+            } else if ratio > 1.1 {
                 format!(
                     "The base model's error is {ratio:.1} times what the noise leaves: something is missing in it."
                 )
