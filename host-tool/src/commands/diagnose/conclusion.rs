@@ -138,6 +138,15 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
         );
         return;
     }
+    if diagnosis.calibration.is_none() && diagnosis.verdict != Verdict::Undetermined {
+        say(
+            out,
+            "This log shows the effect but carries no calibration of its own. Put it on top of an earlier one, or turn the \
+             board through all directions while the same things change, and diagnose that log:",
+        );
+        command(out, format!("{} --prior cal.json", next::diagnose(arguments, &path, "")));
+        return;
+    }
     match diagnosis.verdict {
         Verdict::Complete => {
             say(out, "Calibrate with this log:");

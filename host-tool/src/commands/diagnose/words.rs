@@ -148,7 +148,7 @@ fn base(told: &Told, out: &mut Vec<String>) {
     title(out, "The sensor and the base model");
     let field = diagnosis.calibration.map(|calibration| calibration.field_ut);
     let share = |ut: f64| match field {
-        Some(field) if field > 0.0 => format!("{:5.2} % of the field", 100.0 * ut / field),
+        Some(field) if field > 0.0 => format!("{:5.2} % of the field: ", 100.0 * ut / field),
         _ => String::new(),
     };
     let mut row = |label: &str, value: Option<f64>, note: String| {
@@ -158,7 +158,7 @@ fn base(told: &Told, out: &mut Vec<String>) {
     row("noise floor", diagnosis.noise_floor_ut, "per axis, as the residual shows it (1σ)".into());
     if !at_rest(diagnosis) {
         let note = diagnosis.residual_floor_ut.map_or(String::new(), |floor| {
-            format!("{}: what that noise leaves in the magnitude", share(floor))
+            format!("{}what that noise leaves in the magnitude", share(floor))
         });
         row("floor by noise", diagnosis.residual_floor_ut, note);
     }
@@ -166,7 +166,7 @@ fn base(told: &Told, out: &mut Vec<String>) {
         "the measured vector about its mean (the board rests)".to_string()
     } else {
         format!(
-            "{}: the base model's error",
+            "{}the base model's error",
             diagnosis.steps.first().map_or(String::new(), |s| share(s.rms_ut))
         )
     };
@@ -195,15 +195,12 @@ fn base(told: &Told, out: &mut Vec<String>) {
     }
     if !at_rest(diagnosis) && !diagnosis.steps.is_empty() {
         let base = if diagnosis.lower_order {
-            "The base model is an offset and one gain for all axes: the attitudes do not carry more."
+            "The attitudes do not carry an offset and a matrix."
         } else {
             "The base model is hard iron (an offset), soft iron and gains (a matrix)."
         };
-        let prior = if diagnosis.prior.is_empty() || diagnosis.lower_order {
-            String::new()
-        } else {
-            format!(" Prior: {}.", diagnosis.prior)
-        };
+        let prior =
+            if diagnosis.prior.is_empty() { String::new() } else { format!(" Prior: {}.", diagnosis.prior) };
         out.extend(wrap(&format!("{base}{prior}"), "  ", WIDTH));
     }
 }
