@@ -10,6 +10,8 @@ use ironout::study::{Residual, held_out};
 
 /// More effects than any log carries.
 pub const MOST_EFFECTS: usize = 6;
+/// A prior on the gains that is tighter than this holds them.
+const HELD_GAIN: f64 = 1e-3;
 /// The coupling's share along the identity has settled when it moves by less than this, s.
 const SETTLED_S: f64 = 2e-5;
 /// Two candidates whose columns agree to this much, once the base is projected out, may be the same cause.
@@ -128,7 +130,12 @@ impl<'a> Greedy<'_, 'a> {
         fitted: &Fitted<'a>,
         periodic: bool,
     ) -> Result<(Vec<Judged<'a>>, usize, Option<f64>), BadShape> {
-        let list = candidates(&self.pass, self.catalogue, fitted, periodic)?;
+        let mut list = candidates(&self.pass, self.catalogue, fitted, periodic)?;
+        if self.known.physical.gain < HELD_GAIN {
+            // Whatever turns with the board would stand in for the soft iron that is held.
+            let turns = |id: &str| ["nonlinearity", "cross-axis"].contains(&id) || id.starts_with("gain:");
+            list.retain(|candidate| !turns(&candidate.piece.id));
+        }
         let count = list.len();
         let Screening { held_out, tested } = screen(&self.pass, fitted, &list, count)?;
         let judged = tested

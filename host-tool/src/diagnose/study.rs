@@ -121,7 +121,10 @@ fn study(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
     let set_aside = set_aside.iter().filter(|aside| **aside).count();
     let mut diagnosis = magnitude(table, &samples, model, &known, options, data_faults.clone(), false)?;
     if diagnosis.verdict == Verdict::Undetermined && options.earlier.is_none() {
-        if let Some(lower) = as_logged(table, &samples, options, data_faults)? {
+        // Only where the attitude is at fault: full attitude with a large residual is something else.
+        let field = diagnosis.calibration.map_or(f64::NAN, |calibration| calibration.field_ut);
+        let open = diagnosis.predicted_error_ut.is_none_or(|error| error > MAX_PREDICTED_ERROR * field);
+        if open && let Some(lower) = as_logged(table, &samples, options, data_faults)? {
             diagnosis = lower;
         } else {
             accuse_nobody(&mut diagnosis);
