@@ -276,6 +276,21 @@ fn an_earlier_calibration_carries_a_log_of_little_attitude() {
     }
 }
 
+#[test]
+fn a_coefficient_that_the_log_does_not_show_has_no_error_and_the_file_says_null() {
+    let here = folder("effects_unseen");
+    let options = ["--without", "ax_mps2", "--without", "ay_mps2", "--without", "az_mps2"];
+    let log = simulate(&here, "log.csv", &[&["--seed", "5", "--effect", "eddy=4"], &options[..]].concat());
+    let cal = here.join("cal.json");
+    let run = ironout(["fit", text(&log), "--add", "lag", "-o", text(&cal), "--json"]);
+    assert_eq!(run.status, 0, "{} {}", run.stdout, run.stderr);
+    let errors = &run.json()["effects"][0]["std_errors"];
+    // A pure delay leaves the magnitude alone: without an accelerometer the coupling's diagonal is open.
+    assert!(errors[0].is_null() && errors[1].is_number(), "{errors}");
+    let check = ironout(["check", text(&log), "--cal", text(&cal)]);
+    assert_eq!(check.status, 0, "{} {}", check.stdout, check.stderr);
+}
+
 /// One entry of a calibration file.
 fn entry(
     id: &str,

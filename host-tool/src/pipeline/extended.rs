@@ -215,10 +215,7 @@ fn solution(
     // Where the data alone do not determine everything there is no information to hand on, but there are errors.
     let known = diagnosis.information.as_ref().and_then(inverse);
     let covariance = known.or_else(|| diagonal(diagnosis));
-    let finite = diagnosis
-        .effects
-        .iter()
-        .all(|effect| effect.coefficients.iter().chain(&effect.std_errors).all(|value| value.is_finite()));
+    let finite = diagnosis.effects.iter().all(|effect| effect.coefficients.iter().all(|v| v.is_finite()));
     let (Some(covariance), true) = (covariance, finite) else { return Ok(None) };
     let Some(triangle) = triangle_of(&calibration.matrix) else { return Ok(None) };
     let mut alignment = Alignment::None;
