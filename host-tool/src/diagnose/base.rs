@@ -21,6 +21,18 @@ pub fn mean_vector(samples: &Samples) -> [f64; 3] {
     sum.map(|value| value / n)
 }
 
+/// Least over greatest standard deviation of the cloud of samples: near zero for a turn in one plane.
+pub fn thickness(samples: &Samples) -> f64 {
+    let mean = mean_vector(samples);
+    let mut spread = nalgebra::Matrix3::<f64>::zeros();
+    for reading in &samples.readings {
+        let off = nalgebra::Vector3::from_fn(|axis, _| reading.measured_ut[axis] - mean[axis]);
+        spread += off * off.transpose();
+    }
+    let eigenvalues = spread.symmetric_eigenvalues();
+    (eigenvalues.min().max(0.0) / eigenvalues.max().max(1e-300)).sqrt()
+}
+
 /// The adjusted quadric fit, if the log carries one by itself.
 pub fn quadric(samples: &Samples, field_ut: Option<f64>) -> Option<FitReport> {
     let mut builder = ScatterBuilder::new(mean_vector(samples));

@@ -14,7 +14,7 @@ use super::table::Table;
 use super::traces::Traces;
 use super::view::View;
 use super::{base, rest};
-use ironout::fit::MAX_PREDICTED_ERROR;
+use ironout::fit::{MAX_PREDICTED_ERROR, MIN_THICKNESS};
 use ironout::study::{Model, PhysicalPrior, Residual};
 
 /// A log is taken as of a calibrated sensor if the raw magnitude spreads by at most this share of its mean ...
@@ -150,7 +150,7 @@ fn as_logged(
         .collect();
     let mean = lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
     let off: Vec<f64> = lengths.iter().map(|length| length - mean).collect();
-    if rms(&off) > CALIBRATED_SPREAD * mean {
+    if rms(&off) > CALIBRATED_SPREAD * mean || base::thickness(samples) < f64::from(MIN_THICKNESS) {
         return Ok(None);
     }
     let physical = PhysicalPrior { offset_fields: CALIBRATED_OFFSET, ..PhysicalPrior::sphere() };
