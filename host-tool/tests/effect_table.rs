@@ -1,0 +1,26 @@
+//! Hidden effects are found in simulated logs: a few seeds of the table that `cargo effects-accuracy` writes in full.
+
+use ironout_cli::diagnose::outcome::Verdict;
+use ironout_cli::effect_table::{CASES, HEADING, line, run};
+
+#[test]
+fn every_kind_of_log_gets_its_verdict() {
+    let seeds = 1;
+    let mut misses = Vec::new();
+    let mut coefficients = [0; 3];
+    for case in &CASES {
+        let row = run(case, seeds);
+        let named = case.verdict != Verdict::Missing || row.named_first == row.logs;
+        let explained = case.verdict != Verdict::Missing || row.worst_over_floor <= 1.05;
+        if row.verdict < row.logs || !named || !explained {
+            misses.push(line(case, &row));
+        }
+        for (sum, count) in coefficients.iter_mut().zip(row.coefficients) {
+            *sum += count;
+        }
+    }
+    assert!(misses.is_empty(), "\n{HEADING}\n{}", misses.join("\n"));
+    let [all, one, three] = coefficients.map(f64::from);
+    assert!((0.55..0.80).contains(&(one / all)), "{:.2} within one standard error", one / all);
+    assert!(three / all >= 0.95, "{:.3} within three standard errors", three / all);
+}
