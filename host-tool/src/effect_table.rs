@@ -221,7 +221,7 @@ pub fn run(case: &Case, seeds: u64) -> Row {
     row.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The heading of [`line`].
+/// The heading of [`line()`].
 pub const HEADING: &str = "hidden                                noise   rho  without      verdict       first  exact  right  \
                            error/floor  coefficients inside 1 and 3 errors";
 
