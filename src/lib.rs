@@ -7,7 +7,7 @@
 //! draws a sphere of radius `F` in the board's axes; the measurements draw a shifted ellipsoid. Fitting that ellipsoid
 //! gives `b` and `C = A⁻¹`, and `corrected = C · (measured − b)` lies on the sphere again. The ellipsoid is a quadric, linear
 //! in nine coefficients, so the fit needs only the 9×9 matrix `DᵀD` and the vector `DᵀĤ²` of Dong, Chou and Fang (2014):
-//! [`moments::Moments`] keeps them exactly, in 376 bytes, while samples stream in. [`fit::fit`] solves for them, by default with
+//! [`moments::Moments`] keeps them exactly, in 384 bytes, while samples stream in. [`fit::fit`] solves for them, by default with
 //! adjusted least squares, which has no bias from noise and estimates the noise itself. From magnitudes alone `C` is known up
 //! to a rotation; an accelerometer tells the rotation too.
 //!

@@ -43,7 +43,7 @@ pub struct NormalMatrix {
     pub dth: [f64; 9],
 }
 
-/// Exact sums of all monomials up to degree four over a stream of 16-bit samples. 376 bytes.
+/// Exact sums of all monomials up to degree four over a stream of 16-bit samples. 384 bytes.
 ///
 /// ```
 /// use ironout::moments::Moments;
