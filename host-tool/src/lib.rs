@@ -30,9 +30,21 @@ pub fn run(arguments: Vec<OsString>) -> ExitCode {
         Err(error) => return usage(&error, json),
     };
     match commands::run(&cli) {
-        Ok(status) => ExitCode::from(status),
+        Ok(status) => delivered(status),
         Err(failure) => {
             report(&failure, json);
+            delivered(failure.exit)
+        }
+    }
+}
+
+/// The exit status, unless the answer could not be written.
+fn delivered(status: u8) -> ExitCode {
+    match output::finish() {
+        Ok(()) => ExitCode::from(status),
+        Err(failure) => {
+            // Standard output is at fault: said on standard error, with --json too.
+            report(&failure, false);
             ExitCode::from(failure.exit)
         }
     }
@@ -49,16 +61,27 @@ fn report(failure: &Failure, json: bool) {
 /// Help and version are answers; everything else clap says is an error of usage.
 fn usage(error: &clap::Error, json: bool) -> ExitCode {
     use clap::error::ErrorKind;
-    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
-        let _ = error.print();
-        return ExitCode::SUCCESS;
+    let answer = match error.kind() {
+        ErrorKind::DisplayHelp => Some("help"),
+        ErrorKind::DisplayVersion => Some("version"),
+        _ => None,
+    };
+    if let Some(answer) = answer {
+        if json {
+            let text = error.render().to_string();
+            output::line(&serde_json::json!({ answer: text.trim_end() }).to_string());
+        } else {
+            output::note(error.print());
+        }
+        return delivered(failure::EXIT_OK);
     }
     if json {
         let text = error.render().to_string();
         let message = text.strip_prefix("error: ").unwrap_or(&text).trim();
         report(&Failure::usage(message), true);
     } else {
+        // Standard error: there is no other place to say that it is full.
         let _ = error.print();
     }
-    ExitCode::from(EXIT_USAGE)
+    delivered(EXIT_USAGE)
 }

@@ -1,10 +1,36 @@
 //! Words and tables on standard output.
 
-use std::io::Write;
+use crate::failure::{Failure, Outcome};
+use std::io::{self, Write};
+use std::sync::{Mutex, PoisonError};
 
-/// One line on standard output. A closed pipe (`ironout … | head`) is no error.
+/// The first thing that went wrong on standard output: an answer that was not delivered must not end as done.
+static UNDELIVERED: Mutex<Option<String>> = Mutex::new(None);
+
+/// Remembers a failed write for [`finish`]. A closed pipe (`ironout … | head`) is no failure: the reader has enough.
+pub fn note(written: io::Result<()>) {
+    if let Err(error) = written
+        && error.kind() != io::ErrorKind::BrokenPipe
+    {
+        UNDELIVERED.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| error.to_string());
+    }
+}
+
+/// Whether all that was said arrived; to be asked once, at the end.
+///
+/// # Errors
+/// Standard output could not be written (a full disk).
+pub fn finish() -> Outcome<()> {
+    note(io::stdout().flush());
+    match UNDELIVERED.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        Some(error) => Err(Failure::usage(format!("cannot write to standard output: {error}"))),
+        None => Ok(()),
+    }
+}
+
+/// One line on standard output.
 pub fn line(text: &str) {
-    let _ = writeln!(std::io::stdout(), "{text}");
+    note(writeln!(io::stdout(), "{text}"));
 }
 
 /// `value` with `decimals` places, or a dash where it is unknown.
@@ -22,5 +48,5 @@ pub fn json_number(value: Option<f64>) -> serde_json::Value {
 
 /// Several lines on standard output, each with its end.
 pub fn text(text: &str) {
-    let _ = write!(std::io::stdout(), "{text}");
+    note(write!(io::stdout(), "{text}"));
 }

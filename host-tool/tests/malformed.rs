@@ -233,3 +233,54 @@ fn a_bad_calibration_file_is_named() {
     let binary = write(&here, "binary.json", [0xff, 0xfe, 0x00, 0x80]);
     assert_eq!(ironout(["export".as_ref(), binary.as_os_str(), "--as".as_ref(), "c".as_ref()]).status, 2);
 }
+
+#[test]
+fn a_long_cell_is_not_echoed_whole() {
+    for cell in ["9".repeat(100_000), "x".repeat(100_000)] {
+        let content = format!("{HEADER}0,1,2,3,20\n1,{cell},2,3,20\n");
+        let log = write(&folder("long_cell"), "log.csv", content);
+        let error = ironout(["fit", log.to_str().expect("text"), "--json"]).error();
+        let message = error["message"].as_str().expect("words");
+        assert!(message.contains(&cell[..100]) && message.len() < 500, "{message}");
+    }
+}
+
+#[test]
+fn an_answer_that_cannot_be_written_is_a_failure() {
+    use std::process::{Command, Stdio};
+    // A device that is always full; other systems have none.
+    let Ok(full) = std::fs::OpenOptions::new().write(true).open("/dev/full") else {
+        use std::io::Write;
+        let _ = writeln!(std::io::stderr(), "SKIPPED: there is no /dev/full here");
+        return;
+    };
+    for arguments in [&["--help"][..], &["--version"], &["fit", "no such log", "--json"]] {
+        let output = Command::new(env!("CARGO_BIN_EXE_ironout"))
+            .args(arguments)
+            .stdout(Stdio::from(full.try_clone().expect("one more handle")))
+            .output()
+            .expect("the command starts");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains("cannot write to standard output"), "{arguments:?}: {said}");
+    }
+}
+
+#[test]
+fn help_and_version_are_objects_too() {
+    for (option, key, words) in [("--help", "help", "Usage"), ("--version", "version", "ironout")] {
+        let run = ironout([option, "--json"]);
+        assert_eq!(run.status, 0);
+        assert!(run.json()[key].as_str().is_some_and(|text| text.contains(words)), "{}", run.stdout);
+    }
+}
+
+#[test]
+fn a_column_mapped_to_no_sensor_is_pointed_out() {
+    let log = write(&folder("map_covariate"), "log.csv", format!("{HEADER}0,1,2,3,20\n"));
+    let path = log.to_str().expect("text");
+    let run = ironout(["fit", path, "--map", "bogus=temp_c"]);
+    assert!(run.stderr.contains("temp_c is read as bogus"), "{}", run.stderr);
+    let run = ironout(["fit", path, "--map", "my_ut=my_ut"]);
+    assert!(!run.stderr.contains("is read as"), "{}", run.stderr);
+}

@@ -110,7 +110,10 @@ pub fn interpret(header: &[String], map: &[(String, String)], line: u64) -> Outc
     for (name, from) in map {
         if !header.iter().any(|cell| cell == from) {
             return Err(fail(format!(
-                "--map {name}={from}: there is no column \"{from}\"; {}",
+                "--map {}={}: there is no column \"{}\"; {}",
+                shorten(name),
+                shorten(from),
+                shorten(from),
                 listing(header)
             )));
         }
@@ -119,8 +122,9 @@ pub fn interpret(header: &[String], map: &[(String, String)], line: u64) -> Outc
     for cell in header {
         let name = map.iter().find(|(_, from)| from == cell).map_or(cell, |(name, _)| name);
         if !name.is_empty() && columns.iter().any(|column| column.name == *name) {
+            let name = shorten(name);
             return Err(fail(format!("column \"{name}\" stands twice in the header: rename or remove one"))
-                .at_column(name.clone()));
+                .at_column(name));
         }
         columns.push(Column { name: name.clone(), role: Role::of(name) });
     }

@@ -116,7 +116,15 @@ struct Plan {
 
 impl Plan {
     fn new(header: &[String], columns: &[Column], options: &ReadOptions, line: u64) -> Outcome<Self> {
-        let mut notices = Vec::new();
+        let covariate = |name: &str| columns.iter().any(|c| c.name == name && c.role == Role::Covariate);
+        let mut notices: Vec<String> = options
+            .map
+            .iter()
+            .filter(|(name, _)| covariate(name))
+            .map(|(name, from)| {
+                format!("{from} is read as {name}: no sensor of the log format has that name, so it is a covariate")
+            })
+            .collect();
         let find = |role: Role| columns.iter().position(|column| column.role == role);
         let (seconds, microseconds) = (find(Role::Seconds), find(Role::Microseconds));
         if seconds.is_some() && microseconds.is_some() {
@@ -198,7 +206,7 @@ impl Plan {
             if let Some((line, cell)) = &store.text {
                 notices.push(format!(
                     "column {} is ignored: it holds text (\"{cell}\" on line {line})",
-                    store.header
+                    columns::shorten(&store.header)
                 ));
             } else if store.column.role == Role::Unnamed {
                 notices.push(format!("column {} is ignored: it has no name", index + 1));

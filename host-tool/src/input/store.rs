@@ -54,7 +54,7 @@ impl Store {
     }
 
     fn objection(&self, cell: &[u8], line: u64) -> Failure {
-        let text = String::from_utf8_lossy(cell.trim_ascii()).into_owned();
+        let text = shorten(&String::from_utf8_lossy(cell.trim_ascii()));
         let what = match self.column.role {
             Role::Seconds | Role::Microseconds => "time",
             _ => "the magnetometer",
@@ -68,7 +68,7 @@ impl Store {
                 "\"{text}\" is not a finite number, and {what} must have one in every row: remove the row"
             )
         } else {
-            format!("\"{}\" is not a number: correct the cell or remove the row", shorten(&text))
+            format!("\"{text}\" is not a number: correct the cell or remove the row")
         };
         Failure::usage(message).at_line(line).at_column(self.header.clone())
     }
