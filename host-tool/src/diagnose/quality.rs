@@ -2,8 +2,9 @@
 
 use super::engine::{COLUMNS, Fitted, Known, Matrix, Pass, Piece};
 use super::series::{Autocorrelation, rms, second_difference_sigma};
+use ironout::effect::{Quantities, no_shape};
 use ironout::study::{PhysicalPrior, Residual};
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Structure is certain where the correlation beyond the noise's memory exceeds chance this much (mean squares).
 const STRUCTURE_RATIO: f64 = 6.0;
@@ -69,7 +70,8 @@ pub fn covariance_of(total: &Matrix, fitted: &Fitted, time: f64) -> Option<Vec<[
 }
 
 /// Predicted 1σ error (rms length) of the corrected vector in the worst direction, in units of the field:
-/// `δh = δC y − C δb` with `y = A h`.
+/// `δh = δC y − C δb − C Φ δθ` with `y = A h`. Of the effects those count that read nothing but the field: the offset
+/// trades against them, and only together do their errors mean anything. Those of a column vanish at its reference.
 pub fn predicted_error(fitted: &Fitted, left: &Residue) -> Option<f64> {
     // Structure is no noise: what it does to the calibration is for the verdict, not for the attitude's.
     let noise = (left.floor / left.rms.max(1e-300)).powi(2);
@@ -77,7 +79,7 @@ pub fn predicted_error(fitted: &Fitted, left: &Residue) -> Option<f64> {
     let covariance = covariance(fitted, time)?;
     let matrix = Matrix3::from_fn(|i, j| fitted.model.matrix[i][j]);
     let inverse = matrix.try_inverse()?;
-    let nine = SMatrix::<f64, 9, 9>::from_fn(|i, j| covariance[i][j]);
+    let columns = fitted.columns();
     let triangle = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
     let directions = 200;
     let mut worst = 0.0_f64;
@@ -86,20 +88,48 @@ pub fn predicted_error(fitted: &Fitted, left: &Residue) -> Option<f64> {
         let z = 1.0 - (2.0 * f64::from(index) + 1.0) / f64::from(directions);
         let (r, angle) = ((1.0 - z * z).sqrt(), f64::from(index) * 2.399_963_229_728_653);
         let y = inverse * Vector3::new(r * angle.cos(), r * angle.sin(), z) * fitted.model.field_ut;
+        let shapes = shapes_of_attitude(fitted, y);
         let mut square = 0.0;
         for row in 0..3 {
-            let mut weights = SVector::<f64, 9>::zeros();
+            let mut weights = [0.0; COLUMNS];
             for axis in 0..3 {
                 weights[axis] = -matrix[(row, axis)];
             }
             for (slot, (_, j)) in triangle.into_iter().enumerate().filter(|(_, (i, _))| *i == row) {
                 weights[3 + slot] = y[j];
             }
-            square += weights.dot(&(nine * weights));
+            for (column, shape) in &shapes {
+                weights[*column] = -(matrix * shape)[row];
+            }
+            let used: Vec<usize> = (0..columns).filter(|column| weights[*column] != 0.0).collect();
+            for &i in &used {
+                square += used.iter().map(|&j| weights[i] * covariance[i][j] * weights[j]).sum::<f64>();
+            }
         }
         worst = worst.max(square);
     }
     Some(worst.sqrt() / fitted.model.field_ut).filter(|error| error.is_finite())
+}
+
+/// The columns of the effects that read nothing but the field, each with its shape where the undisturbed sensor reads
+/// `centred_ut` beside its offset.
+fn shapes_of_attitude(fitted: &Fitted, centred_ut: Vector3<f64>) -> Vec<(usize, Vector3<f64>)> {
+    let mut out = Vec::new();
+    let mut column = Residual::Magnitude.base_columns();
+    let offset = Vector3::from(fitted.model.offset_ut);
+    let at =
+        Quantities { centred_ut: centred_ut.into(), ..Quantities::of_vector((offset + centred_ut).into()) };
+    for piece in &fitted.pieces {
+        if piece.effect.columns().iter().all(Option::is_none) {
+            let mut shape = no_shape();
+            piece.effect.shape(&at, &mut shape);
+            out.extend(
+                shape.into_iter().take(piece.k()).enumerate().map(|(i, v)| (column + i, Vector3::from(v))),
+            );
+        }
+        column += piece.k();
+    }
+    out
 }
 
 /// Information about offset and triangle with the effects projected out, over variance: of the data and of an earlier
