@@ -76,7 +76,24 @@ pub fn predicted_error(fitted: &Fitted, left: &Residue) -> Option<f64> {
     // Structure is no noise: what it does to the calibration is for the verdict, not for the attitude's.
     let noise = (left.floor / left.rms.max(1e-300)).powi(2);
     let time = if left.structure > 0.0 { noise.min(1.0) } else { left.time };
-    let covariance = covariance(fitted, time)?;
+    error_of_vector(fitted, &covariance(fitted, time)?)
+}
+
+/// The same as the attitude alone decides it: were the effects known, and every sample's noise its own. A log that is
+/// only too short for its noise or for its effects can still be diagnosed.
+pub fn attitude_error(fitted: &Fitted, left: &Residue) -> Option<f64> {
+    let base = Residual::Magnitude.base_columns();
+    let keep: [usize; 9] = core::array::from_fn(|column| column);
+    let factor = fitted.total().select(&keep).factor()?;
+    let variance = left.floor * left.floor;
+    let mut covariance = vec![[0.0; COLUMNS]; fitted.columns()];
+    for (column, row) in covariance.iter_mut().enumerate().take(base) {
+        *row = factor.inverse_column(column).map(|value| value * variance);
+    }
+    error_of_vector(fitted, &covariance)
+}
+
+fn error_of_vector(fitted: &Fitted, covariance: &[[f64; COLUMNS]]) -> Option<f64> {
     let matrix = Matrix3::from_fn(|i, j| fitted.model.matrix[i][j]);
     let inverse = matrix.try_inverse()?;
     let columns = fitted.columns();

@@ -6,7 +6,7 @@ use super::engine::{BadShape, Earlier, Fitted, Known, Pass, Piece};
 use super::faults::{self, DataFault, Faults};
 use super::greedy::Greedy;
 use super::outcome::{CandidateRow, Diagnosis, Status, StepRow, Verdict};
-use super::quality::{Residue, predicted_error};
+use super::quality::{Residue, attitude_error};
 use super::samples::Samples;
 use super::screen::{Candidate, screen};
 use super::series::{rms, second_difference_sigma};
@@ -21,6 +21,9 @@ use ironout::study::{Model, PhysicalPrior, Residual};
 const CALIBRATED_SPREAD: f64 = 0.15;
 /// ... and its offset is then known to this share of the field.
 const CALIBRATED_OFFSET: f64 = 0.05;
+
+/// No effect is so many times the noise that finding it makes up for a predicted error this many times too large.
+const HOPELESS: f64 = 20.0;
 
 /// The most effects that `--add` may name, as many as a calibration carries.
 pub(super) const MOST_ADDED: usize = 4;
@@ -308,9 +311,11 @@ fn magnitude(
     // Even if all structure were explained: does the attitude carry a calibration, at the noise that is surely there?
     let residuals = pass.residuals(&base.model, &[])?;
     let sigma = second_difference_sigma(&residuals);
+    // What second differences leave may itself be an effect, a tone for example, many times the noise: only the hopeless
+    // is not searched.
     let best = Residue { rms: rms(&residuals), floor: sigma, structure: 1.0, time: 1.0 };
-    let hopeless =
-        !lower_order && predicted_error(&base, &best).is_none_or(|error| error > MAX_PREDICTED_ERROR);
+    let hopeless = !lower_order
+        && attitude_error(&base, &best).is_none_or(|error| error > HOPELESS * MAX_PREDICTED_ERROR);
     let greedy = Greedy { pass, catalogue: &catalogue, known };
     let mut pure_lag = false;
     let mut start = base.clone();

@@ -7,7 +7,9 @@ use super::engine::{BadShape, Known, Pass, Piece};
 use super::faults::DataFault;
 use super::greedy::Explanation;
 use super::outcome::{Diagnosis, Dip, Heading, StepRow, Verdict, Where};
-use super::quality::{Residue, covariance, information, noise_gain, predicted_error, residue};
+use super::quality::{
+    Residue, attitude_error, covariance, information, noise_gain, predicted_error, residue,
+};
 use super::samples::Samples;
 use super::screen::{Candidate, screen};
 use super::series::rms;
@@ -218,7 +220,7 @@ impl<'a> View<'_, 'a> {
         field: f64,
     ) -> (Verdict, Vec<String>) {
         let mut reasons = Vec::new();
-        match predicted {
+        match attitude_error(&self.explanation.fitted, left) {
             // What is held fixed has no error to predict.
             _ if self.lower_order => {}
             Some(error) if error <= MAX_PREDICTED_ERROR => {}
@@ -234,6 +236,13 @@ impl<'a> View<'_, 'a> {
         }
         if !reasons.is_empty() {
             return (Verdict::Undetermined, reasons);
+        }
+        if let Some(error) = predicted.filter(|error| !self.lower_order && *error > MAX_PREDICTED_ERROR) {
+            reasons.push(format!(
+                "a calibration from this log would be off by {:.1} % of the field in the worst direction (1σ), for its \
+                 noise and its effects: record longer",
+                100.0 * error
+            ));
         }
         if left.structure > 0.0 {
             reasons.push(format!(
