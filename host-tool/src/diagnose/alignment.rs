@@ -173,7 +173,8 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
 pub fn rotation_covariance(samples: &Samples, model: &Model<f64>) -> Result<Option<[[f64; 3]; 3]>, BadShape> {
     let pass = Pass { samples, residual: Residual::Dip };
     let Some(fitted) = pass.fit(*model, Vec::new(), &Known::default())? else { return Ok(None) };
-    let time = residue(&pass.residuals(&fitted.model, &[])?, fitted.columns(), 0.0).time;
+    let time =
+        residue(&pass.residuals(&fitted.model, &[])?, fitted.columns(), 0.0, pass.samples.step_s()).time;
     Ok(covariance(&fitted, time)
         .map(|rows| core::array::from_fn(|i| core::array::from_fn(|j| rows[i][j])))
         .filter(|rows: &[[f64; 3]; 3]| rows.iter().flatten().all(|value| value.is_finite())))

@@ -58,7 +58,7 @@ pub(super) fn at_rest(
     let (used, confounded) = (explanation.fitted.pieces.len(), explanation.confounded.clone());
     let fitted = &explanation.fitted;
     let residuals = pass.residuals(&fitted.model, &fitted.pieces.iter().collect::<Vec<_>>())?;
-    let left = residue(&residuals, fitted.columns(), samples.quantum_ut);
+    let left = residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s());
     let covariance = covariance(fitted, left.time);
     let mut column = 3;
     let effects = fitted

@@ -19,6 +19,7 @@ pub mod screen;
 pub mod search;
 pub mod series;
 mod shows;
+pub mod spectrum;
 mod study;
 pub mod table;
 pub mod traces;

@@ -12,6 +12,11 @@ const STRUCTURE_RATIO: f64 = 6.0;
 const STRUCTURE_SIGMAS: f64 = 6.0;
 /// ... with at least this share of the variance.
 const SLOW_SHARE: f64 = 0.1;
+/// ... that takes longer than this to fade, samples ...
+const SLOW_MEMORY: usize = 13;
+/// ... or longer than this, s: a sensor's own slow noise (its 1/f noise, a filter before the part that is white) is
+/// forgotten sooner than anything that turns with the board.
+const SLOW_MEMORY_S: f64 = 0.42;
 /// Structure makes at least this share of the residual's variance.
 const STRUCTURE_SHARE: f64 = 0.04;
 
@@ -29,8 +34,8 @@ pub struct Residue {
 }
 
 /// Splits a residual into noise and structure. Noise with a short memory is noise.
-/// `quantum_ut` is the step of the readings.
-pub fn residue(residuals: &[f64], parameters: usize, quantum_ut: f64) -> Residue {
+/// `quantum_ut` is the step of the readings, `step_s` that of their times (0 where unknown).
+pub fn residue(residuals: &[f64], parameters: usize, quantum_ut: f64, step_s: f64) -> Residue {
     let n = residuals.len();
     let correlation = Autocorrelation::of(residuals);
     let freedom = n.saturating_sub(parameters).max(1) as f64;
@@ -38,10 +43,12 @@ pub fn residue(residuals: &[f64], parameters: usize, quantum_ut: f64) -> Residue
     let smooth = second_difference_sigma(residuals).min(whole);
     let share = 1.0 - (smooth / whole.max(1e-300)).powi(2);
     // Independent noise that is more than the column's rounding, with something slow beside it: two causes, of which the
-    // slow one is structure. Noise with a memory alone has no independent part.
+    // slow one is structure. Noise with a memory alone has no independent part, and noise of both kinds a short memory.
     let rounding = quantum_ut * quantum_ut / 12.0 / whole.max(1e-300).powi(2);
+    let fades = correlation.fades_after();
+    let slow_to_fade = fades > SLOW_MEMORY || fades as f64 * step_s > SLOW_MEMORY_S;
     let beside = correlation.two_parts(n).is_some_and(|(independent, slow, sigmas)| {
-        sigmas > STRUCTURE_SIGMAS && independent > 3.0 * rounding && slow > SLOW_SHARE
+        sigmas > STRUCTURE_SIGMAS && independent > 3.0 * rounding && slow > SLOW_SHARE && slow_to_fade
     });
     let structured = (correlation.structure(n) > STRUCTURE_RATIO || beside) && share > STRUCTURE_SHARE;
     Residue {

@@ -165,6 +165,12 @@ impl Samples {
         self.readings.is_empty()
     }
 
+    /// Mean time from one sample to the next, s; 0 without times.
+    pub fn step_s(&self) -> f64 {
+        let ends = self.time.as_ref().and_then(|time| Some(time.last()? - time.first()?));
+        ends.map_or(0.0, |seconds| seconds / self.len().saturating_sub(1).max(1) as f64)
+    }
+
     /// Bounds of `blocks` contiguous blocks of equal size.
     pub fn bounds(&self, blocks: usize) -> Vec<usize> {
         (0..=blocks).map(|k| self.len() * k / blocks).collect()

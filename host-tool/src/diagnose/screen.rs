@@ -1,11 +1,11 @@
 //! Tests of candidates against a fitted model.
 
 use super::engine::{BLOCKS, BadShape, COLUMNS, Fitted, Matrix, Pass, Piece, TERMS};
-use super::series::Autocorrelation;
+use super::spectrum::{Frame, Rows};
 use ironout::study::{Gain, f_tail, held_out};
 
 /// A candidate is added if its probability under chance, times all that was searched, is below this.
-pub const SIGNIFICANCE: f64 = 0.01;
+pub const SIGNIFICANCE: f64 = 0.005;
 
 /// ... and if it takes at least this share off the squared held-out error: less is true perhaps, but not relevant.
 pub const RELEVANCE: f64 = 0.02;
@@ -32,7 +32,7 @@ pub struct Tested {
     pub p_value: f64,
     /// Squared held-out error with it.
     pub held_out: Option<f64>,
-    /// Integrated autocorrelation time of the residual with it, samples.
+    /// By how much the noise's memory widens its errors (variance), as the residual with it shows.
     pub time: f64,
     /// Whether it should be added.
     pub accepted: bool,
@@ -116,51 +116,55 @@ pub fn screen(
             .map(|span| total.test(0..base, span.clone()).filter(|gain| gain.directions > 0))
             .collect();
         let rows = f64::from(total.rows());
-        let chance = |gain: &Gain<f64>, index: usize, time: f64| {
-            let (f, k, freedom) = gain.f_statistic(base, rows, rows / time);
+        let chance = |gain: &Gain<f64>, index: usize| {
+            let (f, k, freedom) = gain.f_statistic(base, rows, rows);
             (f_tail(f, k, freedom) * candidates[index].searched).min(1.0)
         };
-        // The residual's memory only makes chance more likely: it is looked at where that can matter.
+        // The noise's memory mostly makes chance more likely: it is looked at where that can matter.
         let close: Vec<usize> = (0..batch.len())
             .filter(|offset| {
                 let index = start + offset;
                 gains[*offset]
                     .as_ref()
-                    .is_some_and(|gain| chance(gain, index, 1.0) * (count as f64) < SIGNIFICANCE)
+                    .is_some_and(|gain| chance(gain, index) * (count as f64) < SIGNIFICANCE)
             })
             .collect();
-        let steps: Vec<[f64; COLUMNS]> = close
-            .iter()
-            .map(|offset| {
-                let keep = &keeps[*offset];
-                let part = safe.select(keep);
-                let mut step = [0.0; COLUMNS];
-                if let Some(factor) = part.factor() {
-                    for (column, value) in keep.iter().zip(part.step(&factor)) {
-                        step[*column] = value;
-                    }
-                }
-                step
-            })
-            .collect();
-        let series = if steps.is_empty() { Vec::new() } else { pass.moved(&fitted.model, &all, &steps)? };
+        let rows = match close.is_empty() {
+            true => None,
+            false => Some(Rows::of(pass, fitted, &all)?),
+        };
+        let frame = rows.as_ref().and_then(|rows| Frame::new(rows, &total, own.clone()));
+        let coloured = |offset: usize| {
+            let (rows, frame) = rows.as_ref().zip(frame.as_ref())?;
+            let part = safe.select(&keeps[offset]);
+            let mut step = [0.0; COLUMNS];
+            for (column, value) in keeps[offset].iter().zip(part.step(&part.factor()?)) {
+                step[*column] = value;
+            }
+            let span = spans[offset].clone();
+            let noise = frame.spectrum(&total, span.clone(), &rows.moved(&step))?;
+            frame.test(&total, span, &noise)
+        };
         for (offset, keep) in keeps.iter().enumerate() {
             let index = start + offset;
-            let memory =
-                close.iter().position(|at| *at == offset).map(|at| Autocorrelation::of(&series[at]).time);
+            let coloured = if close.contains(&offset) { coloured(offset) } else { None };
             let mut tested = Tested {
                 index,
                 directions: 0,
                 decrease: 0.0,
                 p_value: 1.0,
                 held_out: held_out(&blocks, Some(&prior), keep).map(|held| held.squares),
-                time: memory.unwrap_or(1.0),
+                time: coloured.as_ref().map_or(1.0, |test| test.time),
                 accepted: false,
             };
             if let Some(gain) = &gains[offset] {
                 tested.directions = gain.directions;
                 tested.decrease = gain.decrease;
-                tested.p_value = chance(gain, index, tested.time);
+                tested.p_value = match (coloured, close.contains(&offset)) {
+                    (Some(test), _) => (test.p_value * candidates[index].searched).min(1.0),
+                    (None, true) => 1.0,
+                    (None, false) => chance(gain, index),
+                };
                 let falls = match (screening.held_out, tested.held_out) {
                     (Some(before), Some(after)) => after < before * (1.0 - RELEVANCE),
                     // Without the candidate some block cannot be predicted at all; with it, it can.
@@ -205,25 +209,19 @@ pub fn rivalry(
     let total = Matrix::total(&blocks, Some(&fitted.prior));
     let safe = Matrix::total(&blocks, Some(&ridge(&fitted.prior, &total, base)));
     let Some(factor) = safe.factor() else { return Ok(None) };
-    let series = pass.moved(&fitted.model, &all, &[safe.step(&factor)])?;
-    let rows = f64::from(total.rows());
-    let effective = rows / Autocorrelation::of(&series[0]).time;
-    let given = |keep: Vec<usize>, last: usize| {
-        let part = total.select(&keep);
-        let base = keep.len() - last;
-        match part.test(0..base, base..base + last) {
-            Some(gain) if gain.directions > 0 => {
-                let (f, k, freedom) = gain.f_statistic(base, rows, effective);
-                f_tail(f, k, freedom)
-            }
-            // Nothing new, or the rest is not determined without it.
-            _ => 1.0,
-        }
-    };
+    let rows = Rows::of(pass, fitted, &all)?;
+    let residuals = rows.moved(&safe.step(&factor));
+    let noise = Frame::new(&rows, &total, (0..base).collect())
+        .and_then(|frame| frame.spectrum(&total, base..base + k1 + k2, &residuals));
     let own = 0..base;
     let (a, b) = (base..base + k1, base + k1..base + k1 + k2);
-    let order = |x: &std::ops::Range<usize>, y: &std::ops::Range<usize>| {
-        own.clone().chain(x.clone()).chain(y.clone()).collect()
+    let columns = |with: &std::ops::Range<usize>| own.clone().chain(with.clone()).collect::<Vec<_>>();
+    let given = |first: &std::ops::Range<usize>, last: &std::ops::Range<usize>| {
+        // Nothing new, or the rest is not determined without it: no evidence.
+        noise
+            .as_ref()
+            .and_then(|noise| Frame::new(&rows, &total, columns(first))?.test(&total, last.clone(), noise))
+            .map_or(1.0, |test| test.p_value)
     };
     let correlations = total.canonical_correlations(own.clone(), a.clone(), b.clone()).unwrap_or_default();
     let mut sorted = correlations;
@@ -234,5 +232,5 @@ pub fn rivalry(
         .min()
         .unwrap_or(0);
     let correlation = if directions == 0 { 0.0 } else { sorted[directions - 1] };
-    Ok(Some(Rivalry { first: given(order(&b, &a), k1), second: given(order(&a, &b), k2), correlation }))
+    Ok(Some(Rivalry { first: given(&b, &a), second: given(&a, &b), correlation }))
 }

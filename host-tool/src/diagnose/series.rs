@@ -117,6 +117,12 @@ impl Autocorrelation {
         Some((1.0 - slow, slow, partial * (n as f64).sqrt()))
     }
 
+    /// After how many samples the correlation has fallen to 60 % of that of neighbours.
+    pub fn fades_after(&self) -> usize {
+        let first = self.at.get(1).copied().unwrap_or(0.0);
+        self.at.iter().skip(1).position(|value| *value < 0.6 * first).map_or(self.at.len(), |lag| lag + 1)
+    }
+
     /// How far the correlation beyond the horizon exceeds what noise of the same memory shows there by chance: the ratio
     /// of mean squares, 1 for noise. The squares, because structure that turns with the board changes its sign.
     pub fn structure(&self, n: usize) -> f64 {

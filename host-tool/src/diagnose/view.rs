@@ -66,7 +66,7 @@ impl<'a> View<'_, 'a> {
             && let Some(with) = pass.fit(base.model, vec![lag], self.known)?
         {
             let residuals = pass.residuals(&with.model, &with.pieces.iter().collect::<Vec<_>>())?;
-            let time = residue(&residuals, 5, 0.0).time;
+            let time = residue(&residuals, 5, 0.0, self.samples.step_s()).time;
             let error = covariance(&with, time).map_or(f64::NAN, |covariance| covariance[4][4].sqrt());
             study.lag = with.pieces.into_iter().next().map(|piece| (piece, error));
             if !has_eddy {
@@ -96,7 +96,7 @@ impl<'a> View<'_, 'a> {
         let fitted = &self.explanation.fitted;
         let list: Vec<&Piece> = fitted.pieces.iter().collect();
         let residuals = self.pass.residuals(&fitted.model, &list)?;
-        let left = residue(&residuals, fitted.columns(), self.samples.quantum_ut);
+        let left = residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s());
         let gain = noise_gain(fitted, Residual::Magnitude);
         let predicted = predicted_error(fitted, &left);
         let field = fitted.model.field_ut;
