@@ -4,7 +4,8 @@ use super::{Coefficients, Column, Effect, MAX_INPUTS, Quantities, Shape};
 use crate::math::Real;
 use core::fmt;
 
-/// `field:COLUMN`: `Φ = (ĥ − b)·(u − u₀)`: the magnitude F follows place, height or time.
+/// `field:COLUMN`: `Φ = (ĥ − b)·(u − u₀)`, the vector about the centre without the disturbance: the magnitude is
+/// `F (1 + θ (u − u₀))`, it follows place, height or time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AmbientField<C, T> {
     /// The column: its name as `&str`, or as a [`super::ColumnName`] that owns it.

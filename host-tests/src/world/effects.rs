@@ -1,13 +1,16 @@
 //! Hidden effects: what is asked for, and what was drawn.
 
-use super::World;
 use super::scale::unit_coefficients;
+use super::{MOST_ROUNDS, World};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 use std::fmt;
+
+/// Draws of one effect until its readings are unique.
+const MOST_DRAWS: usize = 50;
 
 /// Shape of a hidden effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -186,6 +189,29 @@ pub struct HiddenEffect {
 
 impl HiddenEffect {
     pub(super) fn draw(spec: &EffectSpec, world: &World, rng: &mut ChaCha8Rng) -> HiddenEffect {
+        let mut effect = HiddenEffect::draw_any(spec, world, rng);
+        // A strong nonlinearity may fold back, so that two fields give one reading: no sensor that anybody would use.
+        for _ in 0..MOST_DRAWS {
+            if effect.settles(world) {
+                break;
+            }
+            effect = HiddenEffect::draw_any(spec, world, rng);
+        }
+        effect
+    }
+
+    /// Whether every true field has a reading of its own, with a margin: between the instants looked at, too.
+    fn settles(&self, world: &World) -> bool {
+        let n = 1000;
+        let alone = std::slice::from_ref(self);
+        (0..n).all(|i| {
+            let t = world.options.seconds * f64::from(i) / f64::from(n);
+            let clean = world.soft_iron * (world.to_accelerometer * world.body_field(t)) + world.hard_iron_ut;
+            world.settled(alone, t, clean, MOST_ROUNDS / 3).is_some()
+        })
+    }
+
+    fn draw_any(spec: &EffectSpec, world: &World, rng: &mut ChaCha8Rng) -> HiddenEffect {
         let seconds = world.options.seconds;
         let count = match &spec.kind {
             EffectKind::Offset { .. } | EffectKind::Gain(_) | EffectKind::Drift | EffectKind::Step => 3,
@@ -297,7 +323,10 @@ impl HiddenEffect {
         match &self.kind {
             EffectKind::Offset { .. } | EffectKind::Drift => first() * input(),
             EffectKind::Gain(_) => first().component_mul(m) * input(),
-            EffectKind::Field(_) => (m - world.hard_iron_ut) * (c[0] * input()),
+            // The field itself is stronger, whatever else disturbs the sensor.
+            EffectKind::Field(_) => {
+                world.soft_iron * (world.to_accelerometer * world.body_field(t)) * (c[0] * input())
+            }
             EffectKind::Step => first() * f64::from(t >= self.at_s),
             EffectKind::Eddy => Matrix3::from_row_slice(c) * self.lag_shape(world, t),
             EffectKind::Nonlinearity => {

@@ -1,8 +1,7 @@
 //! The rotation to the accelerometer, from constant dip, and which axes of a driver are swapped.
 
 use super::base::NO_ROTATION;
-use super::engine::{BadShape, COLUMNS, Known, Matrix, Pass, Piece};
-use super::quality::{covariance, residue};
+use super::engine::{BadShape, COLUMNS, Matrix, Pass, Piece};
 use super::samples::Samples;
 use ironout::study::{Model, Residual};
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
@@ -167,17 +166,6 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
     let (axis_order, angle_deg, mirrored) =
         if swapped { nearest_order(&rotation) } else { (None, beside_symmetric(&model), false) };
     Ok(Some(Alignment { model, before_deg, after_deg, angle_deg, axis_order, mirrored }))
-}
-
-/// Covariance of an alignment's rotation vector, rad²; `None` where the dip does not determine it.
-pub fn rotation_covariance(samples: &Samples, model: &Model<f64>) -> Result<Option<[[f64; 3]; 3]>, BadShape> {
-    let pass = Pass { samples, residual: Residual::Dip };
-    let Some(fitted) = pass.fit(*model, Vec::new(), &Known::default())? else { return Ok(None) };
-    let time =
-        residue(&pass.residuals(&fitted.model, &[])?, fitted.columns(), 0.0, pass.samples.step_s()).time;
-    Ok(covariance(&fitted, time)
-        .map(|rows| core::array::from_fn(|i| core::array::from_fn(|j| rows[i][j])))
-        .filter(|rows: &[[f64; 3]; 3]| rows.iter().flatten().all(|value| value.is_finite())))
 }
 
 /// Angle of the rotation `U` in `R C = U S` with `S` symmetric, degrees.

@@ -1,5 +1,6 @@
 //! What a diagnosis says.
 
+use super::dip_errors::RotationErrors;
 use super::faults::DataFault;
 use super::traces::Traces;
 use ironout::calibration::Calibration;
@@ -183,7 +184,7 @@ pub struct Diagnosis {
     /// Standard errors of the triangular matrix.
     pub matrix_std_errors: [[f64; 3]; 3],
     /// Covariance of the rotation vector that aligns the matrix to the accelerometer, rad².
-    pub rotation_covariance: Option<[[f64; 3]; 3]>,
+    pub rotation_errors: Option<RotationErrors>,
     /// How the axes stand in the log, if they are swapped.
     pub axis_order: Option<String>,
     /// Information about offset and triangle, effects projected out.

@@ -64,9 +64,27 @@ pub fn covariance(fitted: &Fitted, time: f64) -> Option<Vec<[f64; COLUMNS]>> {
     covariance_of(&fitted.total(), fitted, time)
 }
 
+/// What the magnitude leaves open and the fit holds, it holds tightly: it adds no error of its own.
+fn held(total: &Matrix, fitted: &Fitted) -> Matrix {
+    let mut total = total.clone();
+    let mut column = Residual::Magnitude.base_columns();
+    for piece in &fitted.pieces {
+        if piece.k() == 9 {
+            let weight = 1e6 * (0..9).map(|i| total.entry(column + i, column + i)).sum::<f64>() / 9.0;
+            for i in [0, 4, 8] {
+                for j in [0, 4, 8].into_iter().filter(|j| *j >= i) {
+                    total.inform(column + i, column + j, weight);
+                }
+            }
+        }
+        column += piece.k();
+    }
+    total
+}
+
 /// The same of a normal matrix with further columns, whose share in the errors of the others counts.
 pub fn covariance_of(total: &Matrix, fitted: &Fitted, time: f64) -> Option<Vec<[f64; COLUMNS]>> {
-    let factor = total.factor()?;
+    let factor = held(total, fitted).factor()?;
     let freedom = (fitted.rows - fitted.columns() as f64).max(1.0);
     let variance = fitted.squares / freedom * time;
     Some(

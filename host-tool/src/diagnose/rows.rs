@@ -102,10 +102,10 @@ impl View<'_, '_> {
             if !list.iter().any(|row| row.id == "lag") {
                 let (p, held) = dip.tested.unwrap_or((1.0, None));
                 let why = match &dip.lag {
-                    Some((piece, error)) if pure_lag => format!(
+                    Some(piece) if pure_lag => format!(
                         "the sensor is {:.1} ± {:.1} ms late: {}",
                         1e3 * piece.coefficients[0],
-                        1e3 * error,
+                        1e3 * dip.delay_error_s,
                         piece.effect.explanation()
                     ),
                     _ => "neither the magnitude nor the dip asks for it".to_string(),
@@ -172,6 +172,7 @@ impl View<'_, '_> {
             Some(total) => covariance_of(&total, fitted, left.time),
             None => covariance(fitted, left.time),
         };
+        let delay = dip.as_ref().filter(|dip| dip.lag.is_some()).and_then(|dip| dip.errors.as_ref());
         let mut column = Residual::Magnitude.base_columns();
         let mut list = Vec::new();
         for piece in &fitted.pieces {
@@ -179,10 +180,12 @@ impl View<'_, '_> {
                 .map(|index| covariance.as_ref().map_or(f64::NAN, |rows| rows[index][index].max(0.0).sqrt()))
                 .collect();
             if piece.k() == 9
-                && let Some((_, error)) = dip.as_ref().and_then(|dip| dip.lag.as_ref())
+                && let (Some(delay), Some(rows)) = (delay, &covariance)
             {
+                // The share along the identity is the dip's, and follows what the magnitude says of the rest.
                 for index in [0, 4, 8] {
-                    errors[index] = errors[index].hypot(*error);
+                    let variance = delay.delay_variance(rows) + 2.0 * delay.delay_with(rows, column + index);
+                    errors[index] = (errors[index].powi(2) + variance).max(0.0).sqrt();
                 }
             } else if piece.k() == 9 && piece.id == "lag" {
                 // Without the dip the share along the identity is not known at all.
@@ -194,8 +197,8 @@ impl View<'_, '_> {
             list.push(describe(piece, errors));
         }
         let has_eddy = fitted.pieces.iter().any(|piece| piece.id == "lag");
-        if !has_eddy && let Some((piece, error)) = dip.as_ref().and_then(|dip| dip.lag.as_ref()) {
-            list.push(describe(piece, vec![*error]));
+        if !has_eddy && let Some(piece) = dip.as_ref().and_then(|dip| dip.lag.as_ref()) {
+            list.push(describe(piece, vec![dip.as_ref().map_or(f64::NAN, |dip| dip.delay_error_s)]));
         }
         Ok(list)
     }

@@ -235,7 +235,7 @@ pub(super) fn undetermined(
         calibration: None,
         offset_std_errors_ut: [f64::NAN; 3],
         matrix_std_errors: [[f64::NAN; 3]; 3],
-        rotation_covariance: None,
+        rotation_errors: None,
         axis_order: None,
         information: None,
         predicted_error_ut: None,

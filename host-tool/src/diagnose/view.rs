@@ -1,8 +1,9 @@
 //! What a finished search says: verdict, floors, dip and heading.
 
-use super::alignment::{Alignment, align, rotation_covariance, without_effects};
+use super::alignment::{Alignment, align, without_effects};
 use super::base;
 use super::candidates::Catalogue;
+use super::dip_errors::DipErrors;
 use super::engine::{BadShape, Known, Pass, Piece};
 use super::faults::DataFault;
 use super::greedy::Explanation;
@@ -36,9 +37,11 @@ pub(super) struct View<'v, 'a> {
 /// What the dip says in the end.
 pub(super) struct DipStudy<'a> {
     pub(super) alignment: Alignment,
-    pub(super) lag: Option<(Piece<'a>, f64)>,
+    pub(super) lag: Option<Piece<'a>>,
     pub(super) after_deg: f64,
-    pub(super) rotation_covariance: Option<[[f64; 3]; 3]>,
+    pub(super) errors: Option<DipErrors>,
+    /// Standard error of the delay, s.
+    pub(super) delay_error_s: f64,
     /// p-value and held-out rms in degrees of the pure lag.
     pub(super) tested: Option<(f64, Option<f64>)>,
 }
@@ -49,8 +52,9 @@ impl<'a> View<'_, 'a> {
         let clean = without_effects(self.samples, &fitted.model, &fitted.pieces);
         let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(None) };
         let after_deg = alignment.after_deg;
-        let rotation_covariance = rotation_covariance(&clean, &alignment.model)?;
-        let mut study = DipStudy { alignment, lag: None, after_deg, rotation_covariance, tested: None };
+        let errors = DipErrors::of(self.samples, &alignment.model, &fitted.pieces, None)?;
+        let mut study =
+            DipStudy { alignment, lag: None, after_deg, errors, delay_error_s: f64::NAN, tested: None };
         let Some(lag) = self.catalogue.lag() else { return Ok(Some(study)) };
         let pass = Pass { samples: &clean, residual: Residual::Dip };
         let Some(base) = pass.fit(study.alignment.model, Vec::new(), self.known)? else {
@@ -66,9 +70,8 @@ impl<'a> View<'_, 'a> {
             && let Some(with) = pass.fit(base.model, vec![lag], self.known)?
         {
             let residuals = pass.residuals(&with.model, &with.pieces.iter().collect::<Vec<_>>())?;
-            let time = residue(&residuals, 5, 0.0, self.samples.step_s()).time;
-            let error = covariance(&with, time).map_or(f64::NAN, |covariance| covariance[4][4].sqrt());
-            study.lag = with.pieces.into_iter().next().map(|piece| (piece, error));
+            study.errors = DipErrors::of(self.samples, &with.model, &fitted.pieces, with.pieces.first())?;
+            study.lag = with.pieces.into_iter().next();
             if !has_eddy {
                 study.alignment.model = with.model;
                 study.after_deg = rms(&residuals).to_degrees();
@@ -82,7 +85,7 @@ impl<'a> View<'_, 'a> {
         data_faults: Vec<DataFault>,
         force_lag: bool,
     ) -> Result<Diagnosis, Refusal> {
-        let dip = self.dip(force_lag)?;
+        let mut dip = self.dip(force_lag)?;
         if let Some(dip) = &dip {
             let model = dip.alignment.model;
             // A mirrored frame is minus a turned one, and its dip the other way.
@@ -99,6 +102,11 @@ impl<'a> View<'_, 'a> {
         let left = residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s());
         let gain = noise_gain(fitted, Residual::Magnitude);
         let predicted = predicted_error(fitted, &left);
+        let covariance = covariance(fitted, left.time);
+        if let (Some(dip), Some(rows)) = (&mut dip, &covariance) {
+            dip.delay_error_s =
+                dip.errors.as_ref().map_or(f64::NAN, |errors| errors.delay_variance(rows).sqrt());
+        }
         let field = fitted.model.field_ut;
         let mut steps = self.steps(&dip)?;
         let has_eddy = fitted.pieces.iter().any(|piece| piece.id == "lag");
@@ -129,7 +137,6 @@ impl<'a> View<'_, 'a> {
             });
         }
         let effects = self.effects(&left, &dip)?;
-        let covariance = covariance(fitted, left.time);
         let sigma =
             |index: usize| covariance.as_ref().map_or(f64::NAN, |rows| rows[index][index].max(0.0).sqrt());
         let full = if dip.is_some() { fitted.model.full_matrix() } else { fitted.model.matrix };
@@ -163,7 +170,8 @@ impl<'a> View<'_, 'a> {
                 [0.0, sigma(6), sigma(7)],
                 [0.0, 0.0, sigma(8)],
             ],
-            rotation_covariance: dip.as_ref().and_then(|dip| dip.rotation_covariance),
+            rotation_errors: (dip.as_ref().and_then(|dip| dip.errors.as_ref()))
+                .map(|errors| errors.rotation(covariance.as_deref())),
             axis_order: swapped,
             information: information(&self.pass, fitted, self.known, left.time),
             predicted_error_ut: predicted.map(|error| error * field),
@@ -278,7 +286,7 @@ impl<'a> View<'_, 'a> {
         let fitted = &self.explanation.fitted;
         let mut pieces = fitted.pieces.clone();
         if !pieces.iter().any(|piece| piece.id == "lag") {
-            pieces.extend(dip.as_ref().and_then(|dip| dip.lag.clone()).map(|(piece, _)| piece));
+            pieces.extend(dip.as_ref().and_then(|dip| dip.lag.clone()));
         }
         let before = triangular.and_then(|model| heading_error(self.samples, &model, &[], reference));
         let after = heading_error(self.samples, &fitted.model, &pieces, reference);

@@ -2,8 +2,9 @@
 
 use super::solution::{Alignment, Solution};
 use super::{Data, MOST_SPREAD_DEG};
-use crate::diagnose::alignment::{align, rotation_covariance};
+use crate::diagnose::alignment::align;
 use crate::diagnose::base::NO_ROTATION;
+use crate::diagnose::dip_errors::{DipErrors, RotationErrors, TRIANGLE};
 use crate::diagnose::samples::Samples;
 use ironout::study::Model;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -27,8 +28,10 @@ pub fn align_solution(data: &Data, used: &[u32], solution: &mut Solution, covari
     let Some(model) = model.filter(|_| down * 10 > 3 * samples.len()) else { return };
     // There are no effects here whose shape could fail.
     let Ok(Some(found)) = align(&samples, &model) else { return };
-    let Ok(Some(rotation)) = rotation_covariance(&samples, &found.model) else { return };
-    let error_deg = (0..3).map(|i| rotation[i][i].max(0.0).sqrt().to_degrees()).fold(0.0, f64::max);
+    let Ok(Some(errors)) = DipErrors::of(&samples, &found.model, &[], None) else { return };
+    let rotation = errors.rotation(None);
+    let turned = rotation.covariance(covariance);
+    let error_deg = (0..3).map(|i| turned[(i, i)].max(0.0).sqrt().to_degrees()).fold(0.0, f64::max);
     if found.after_deg > MOST_SPREAD_DEG {
         solution.alignment = Alignment::NoDip { after_deg: found.after_deg };
         return;
@@ -71,30 +74,30 @@ pub fn triangle_of(full: &[[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
     Some(std::array::from_fn(|i| std::array::from_fn(|j| upper[(i, j)])))
 }
 
-/// Standard errors of a full matrix `M = R C`: `δM = R δC + φ × M`.
+/// Standard errors of a full matrix `M = R C`: `δM = R δC + φ × M`, where the rotation `φ` follows offset and triangle.
 pub fn full_errors(
     triangle: &[[f64; 3]; 3],
     full: &[[f64; 3]; 3],
     covariance: &[[f64; 9]; 9],
-    rotation: Option<&[[f64; 3]; 3]>,
+    rotation: Option<&RotationErrors>,
 ) -> [[f64; 3]; 3] {
-    const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
     let m = matrix(full);
     let r = matrix(triangle).try_inverse().map_or_else(Matrix3::identity, |inverse| m * inverse);
-    let six = SMatrix::<f64, 6, 6>::from_fn(|i, j| covariance[3 + i][3 + j]);
+    let nine = SMatrix::<f64, 9, 9>::from_fn(|i, j| covariance[i][j]);
     std::array::from_fn(|i| {
         std::array::from_fn(|j| {
-            let weights = SVector::<f64, 6>::from_fn(|slot, _| {
-                let (row, column) = TRIANGLE[slot];
-                if column == j { r[(i, row)] } else { 0.0 }
-            });
-            let mut variance = weights.dot(&(six * weights));
+            let mut weights = SVector::<f64, 9>::zeros();
+            for (slot, (row, _)) in TRIANGLE.into_iter().enumerate().filter(|(_, (_, column))| *column == j) {
+                weights[3 + slot] = r[(i, row)];
+            }
+            let mut variance = 0.0;
             if let Some(rotation) = rotation {
                 let column: Vector3<f64> = m.column(j).into();
                 let turn = Vector3::from_fn(|axis, _| Vector3::ith(axis, 1.0).cross(&column)[i]);
-                variance += turn.dot(&(matrix(rotation) * turn));
+                weights += SMatrix::<f64, 3, 9>::from_fn(|i, j| rotation.follows[i][j]).transpose() * turn;
+                variance += turn.dot(&(matrix(&rotation.own) * turn));
             }
-            variance.max(0.0).sqrt()
+            (variance + weights.dot(&(nine * weights))).max(0.0).sqrt()
         })
     })
 }
@@ -137,7 +140,8 @@ mod tests {
     fn an_error_of_the_rotation_shows_across_each_column() {
         let identity = NO_ROTATION;
         let about_z = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 4e-6]];
-        let errors = full_errors(&identity, &identity, &[[0.0; 9]; 9], Some(&about_z));
+        let rotation = RotationErrors { own: about_z, follows: [[0.0; 9]; 3] };
+        let errors = full_errors(&identity, &identity, &[[0.0; 9]; 9], Some(&rotation));
         for (i, row) in errors.iter().enumerate() {
             for (j, error) in row.iter().enumerate() {
                 let expected = if (i, j) == (0, 1) || (i, j) == (1, 0) { 2e-3 } else { 0.0 };

@@ -233,7 +233,7 @@ fn solution(
             calibration.matrix = triangle;
             alignment = Alignment::NoDip { after_deg: dip.rms_deg_after };
         } else {
-            let rotation = diagnosis.rotation_covariance.as_ref();
+            let rotation = diagnosis.rotation_errors.as_ref();
             matrix = full_errors(&triangle, &calibration.matrix, &covariance, rotation);
             alignment = Alignment::Done {
                 angle_deg: dip.misalignment_deg,
