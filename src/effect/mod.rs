@@ -163,7 +163,7 @@ pub trait Effect<T: Real> {
     /// Writes `Φ` for one sample into the first k vectors of `shape`.
     fn shape(&self, at: &Quantities<T>, shape: &mut Shape<T>);
     /// Whether the shape reads [`Quantities::centred_ut`] or [`Quantities::turning_ut_per_s`], which themselves depend on
-    /// the disturbance: the live correction then takes a second look. An effect that says no is cheaper.
+    /// the disturbance: the live correction then looks again until it stands. An effect that says no is cheaper.
     fn reads_centre(&self) -> bool {
         true
     }

@@ -211,7 +211,7 @@ impl core::error::Error for NotCorrected {}
 struct Prepared<T> {
     inverse: [[T; 3]; 3],
     turning: bool,
-    second_look: bool,
+    looks_again: bool,
 }
 
 impl<T: Real> Prepared<T> {
@@ -220,7 +220,7 @@ impl<T: Real> Prepared<T> {
         Some(Self {
             inverse: inverse_3x3(&calibration.base.matrix)?,
             turning: effects().any(|effect| effect.needs_gyro()),
-            second_look: effects().any(|effect| effect.reads_centre()),
+            looks_again: effects().any(|effect| effect.reads_centre()),
         })
     }
 }
@@ -325,8 +325,19 @@ impl<T: Real> ExtendedCalibration<T> {
     }
 }
 
+/// The most looks at a disturbance that depends on the field it disturbs; a weak one stands after two or three.
+pub(crate) const MOST_LOOKS: usize = 12;
+
+/// Whether two looks differ by less than a hundred-thousandth of the vector.
+#[inline]
+pub(crate) fn stands<T: Real>(now: [T; 3], before: [T; 3]) -> bool {
+    let [x, y, z] = minus(now, before);
+    let [a, b, c] = now;
+    !(x * x + y * y + z * z > T::of(1e-10) * (a * a + b * b + c * c))
+}
+
 /// The correction itself, once everything that the effects need is known to be there. Effects that read the centre are
-/// evaluated twice: the first time with the centre as if there were no disturbance.
+/// evaluated again until their disturbance stands: the first time with the centre as if there were none.
 #[inline]
 fn correct<'e, T: Real, E: Effect<T> + 'e>(
     base: &Calibration<T>,
@@ -354,9 +365,15 @@ fn correct<'e, T: Real, E: Effect<T> + 'e>(
         left
     };
     let mut left = look(&mut at);
-    if prepared.second_look {
-        at.centred_ut = left;
-        left = look(&mut at);
+    if prepared.looks_again {
+        for _ in 1..MOST_LOOKS {
+            let before = at.centred_ut;
+            if stands(left, before) {
+                break;
+            }
+            at.centred_ut = left;
+            left = look(&mut at);
+        }
     }
     let corrected = times(&base.matrix, left);
     if is_finite(corrected) {

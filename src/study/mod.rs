@@ -12,6 +12,7 @@
 //! candidates. Residuals are `r(p)`, `J = ∂r/∂p`, `g = Jᵀr`, so a step is `δ = −N⁻¹g`.
 
 mod fdist;
+mod foot;
 mod holdout;
 mod model;
 mod normal;

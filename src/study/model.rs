@@ -2,6 +2,7 @@
 
 use crate::calibration::{inverse_3x3, norm};
 use crate::effect::{Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, Shape, no_shape};
+use crate::extended::{MOST_LOOKS, stands};
 use crate::math::{self, Real};
 use core::fmt;
 
@@ -107,19 +108,19 @@ fn transposed_times<T: Real>(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
     [a[0] * x + b[0] * y + c[0] * z, a[1] * x + b[1] * y + c[1] * z, a[2] * x + b[2] * y + c[2] * z]
 }
 
-fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
+pub(super) fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn cross<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+pub(super) fn cross<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn minus<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+pub(super) fn minus<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-fn scaled<T: Real>(a: [T; 3], s: T) -> [T; 3] {
+pub(super) fn scaled<T: Real>(a: [T; 3], s: T) -> [T; 3] {
     a.map(|value| value * s)
 }
 
@@ -127,10 +128,10 @@ fn product<T: Real>(a: &[[T; 3]; 3], b: &[[T; 3]; 3]) -> [[T; 3]; 3] {
     a.map(|row| transposed_times(b, row))
 }
 
-struct Linearised<T> {
-    centred: [T; 3],
-    pull: [T; 3],
-    residual: T,
+pub(super) struct Linearised<T> {
+    pub(super) centred: [T; 3],
+    pub(super) pull: [T; 3],
+    pub(super) residual: T,
 }
 
 impl<T: Real> Model<T> {
@@ -154,7 +155,22 @@ impl<T: Real> Model<T> {
         self.full
     }
 
-    fn quantities(&self, measured_ut: [T; 3], centred_ut: [T; 3], turn: Option<[T; 3]>) -> Quantities<T> {
+    /// `(R C)⁻ᵀ v`.
+    pub(super) fn transposed_inverse(&self, v: [T; 3]) -> [T; 3] {
+        transposed_times(&self.inverse, v)
+    }
+
+    /// `Rᵀ v`.
+    pub(super) fn transposed_rotation(&self, v: [T; 3]) -> [T; 3] {
+        transposed_times(&self.rotation, v)
+    }
+
+    pub(super) fn quantities(
+        &self,
+        measured_ut: [T; 3],
+        centred_ut: [T; 3],
+        turn: Option<[T; 3]>,
+    ) -> Quantities<T> {
         let turning = match turn {
             Some(turn) => times(&self.inverse, cross(turn, times(&self.full, centred_ut))),
             None => [T::zero(); 3],
@@ -162,7 +178,7 @@ impl<T: Real> Model<T> {
         Quantities { measured_ut, centred_ut, turning_ut_per_s: turning, inputs: [T::zero(); MAX_INPUTS] }
     }
 
-    fn linearise(&self, measured: [T; 3], disturbance: [T; 3]) -> Option<Linearised<T>> {
+    pub(super) fn linearise(&self, measured: [T; 3], disturbance: [T; 3]) -> Option<Linearised<T>> {
         let centred = minus(minus(measured, self.offset_ut), disturbance);
         let h = times(&self.matrix, centred);
         let length = norm(h);
@@ -175,13 +191,13 @@ impl<T: Real> Model<T> {
     }
 
     /// The measured vector without its noise, as far as one sample tells: the nearest point of the ellipsoid.
-    fn foot(&self, at: &Linearised<T>) -> [T; 3] {
+    pub(super) fn foot(&self, at: &Linearised<T>) -> [T; 3] {
         let size = dot(at.pull, at.pull);
         scaled(at.pull, at.residual / size)
     }
 
     /// Shapes of all terms at the foot point, and the disturbance they make together.
-    fn shapes<'t, const N: usize>(
+    pub(super) fn shapes<'t, const N: usize>(
         &self,
         at: &Quantities<T>,
         terms: impl Iterator<Item = &'t Term<'t, T>>,
@@ -217,7 +233,6 @@ impl<T: Real> Model<T> {
         mut push: impl FnMut(&[T; P], T),
     ) -> Result<(), NotFinite> {
         let mut shapes = [no_shape::<T>(); N];
-        let active = terms.iter().any(|term| term.coefficients.iter().any(|value| *value != T::zero()));
         let measured = reading.measured_ut;
         if residual == Residual::Vector {
             let at = self.quantities(measured, minus(measured, self.offset_ut), reading.turn_radps);
@@ -234,19 +249,7 @@ impl<T: Real> Model<T> {
             }
             return if left.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(NotFinite::Sample) };
         }
-        // Columns made of the noisy sample correlate with its residual; at the foot point they do not.
-        let mut at = self.linearise(measured, [T::zero(); 3]).ok_or(NotFinite::Sample)?;
-        if active {
-            let quantities = self.quantities(measured, at.centred, reading.turn_radps);
-            let rough = self.shapes(&quantities, terms.iter(), &mut shapes)?;
-            at = self.linearise(measured, rough).ok_or(NotFinite::Sample)?;
-        }
-        let off = self.foot(&at);
-        let quantities = self.quantities(minus(measured, off), minus(at.centred, off), reading.turn_radps);
-        let disturbance = self.shapes(&quantities, terms.iter(), &mut shapes)?;
-        if active {
-            at = self.linearise(measured, disturbance).ok_or(NotFinite::Sample)?;
-        }
+        let (at, reaction) = self.at_foot(reading, terms, &mut shapes)?;
         let mut row = [T::zero(); P];
         if residual == Residual::Dip {
             let Some(down) = reading.down else { return Ok(()) };
@@ -259,7 +262,7 @@ impl<T: Real> Model<T> {
             let (own, mean) = (cosine(sine), cosine(self.sin_dip));
             let [x, y, z] = scaled(cross(u, down), T::one() / own);
             let across = scaled(minus(down, scaled(u, sine)), T::one() / (length * own));
-            let pull = transposed_times(&self.full, across);
+            let pull = reaction.answer(transposed_times(&self.full, across));
             fill(&mut row, &[x, y, z, -T::one() / mean], pull, terms, &shapes);
             let value = T::of(math::asin(sine.as_f64()) - math::asin(self.sin_dip.as_f64()));
             if !value.is_finite() {
@@ -271,32 +274,41 @@ impl<T: Real> Model<T> {
         let foot = minus(at.centred, self.foot(&at));
         let at_foot = times(&self.matrix, foot);
         let u = scaled(at_foot, T::one() / norm(at_foot));
-        let pull = transposed_times(&self.matrix, u);
+        let pull = reaction.answer(transposed_times(&self.matrix, u));
+        let grown = reaction.grown(pull);
+        let [ax, ay, az, by, bz, cz] = self.through_turning(&reaction, pull, foot, reading.turn_radps);
+        let pull = scaled(pull, grown);
         let [p, q, r] = pull;
         let [a, b, c] = u;
         let [x, y, z] = foot;
-        fill(&mut row, &[-p, -q, -r, a * x, a * y, a * z, b * y, b * z, c * z], pull, terms, &shapes);
+        let triangle = [a * x + ax, a * y + ay, a * z + az, b * y + by, b * z + bz, c * z + cz];
+        let [ax, ay, az, by, bz, cz] = triangle.map(|column| column * grown);
+        fill(&mut row, &[-p, -q, -r, ax, ay, az, by, bz, cz], pull, terms, &shapes);
         push(&row, at.residual);
         Ok(())
     }
 
     /// The corrected field of one sample in the accelerometer's frame, µT: what
     /// [`ExtendedCalibration::apply`](crate::extended::ExtendedCalibration::apply) gives. Where an effect reads the centre,
-    /// the disturbance is looked at twice, as there.
+    /// the disturbance is looked at until it stands, as there.
     pub fn correct(&self, reading: &Reading<T>, terms: &[Term<'_, T>]) -> Result<[T; 3], NotFinite> {
         let measured = reading.measured_ut;
         let centred = minus(measured, self.offset_ut);
         let mut shape = [no_shape::<T>(); 1];
         let mut left = centred;
-        let twice = terms.iter().any(|term| term.effect.reads_centre());
-        for _ in 0..if twice { 2 } else { 1 } {
+        let again = terms.iter().any(|term| term.effect.reads_centre());
+        for _ in 0..if again { MOST_LOOKS } else { 1 } {
             let at = self.quantities(measured, left, reading.turn_radps);
+            let before = left;
             left = centred;
             for (index, term) in terms.iter().enumerate() {
                 let one = self
                     .shapes(&at, core::iter::once(term), &mut shape)
                     .map_err(|_| NotFinite::Effect(index))?;
                 left = minus(left, one);
+            }
+            if stands(left, before) {
+                break;
             }
         }
         Ok(times(&self.full, left))

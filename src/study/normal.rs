@@ -137,6 +137,20 @@ impl<T: Real, const P: usize> Normal<T, P> {
         out
     }
 
+    /// The same data about another point of the linearised model: `r + Jδ` in place of `r`.
+    pub fn moved(&self, delta: &[T; P]) -> Self {
+        let mut out = self.clone();
+        out.squares = self.squares_after(delta);
+        for i in 0..self.columns.min(P) {
+            let mut line = T::zero();
+            for (j, other) in delta.iter().enumerate().take(self.columns) {
+                line += self.entry(i, j) * *other;
+            }
+            out.pull(i, line);
+        }
+        out
+    }
+
     /// Value of `‖r + Jδ‖²`.
     pub fn squares_after(&self, delta: &[T; P]) -> T {
         let mut sum = self.squares;

@@ -224,7 +224,7 @@ impl Known {
         let mut column = base;
         for piece in pieces {
             if piece.k() == 9 && residual == Residual::Magnitude {
-                let weight = (0..9).map(|i| data.entry(column + i, column + i)).sum::<f64>() / 9.0;
+                let weight = 1e4 * (0..9).map(|i| data.entry(column + i, column + i)).sum::<f64>() / 9.0;
                 let diagonal = [0, 4, 8];
                 for &i in &diagonal {
                     for &j in &diagonal {
@@ -255,6 +255,8 @@ pub struct Fitted<'a> {
     pub squares: f64,
     /// Rows.
     pub rows: f64,
+    /// Whether the fit came to where a further step is small against its own error.
+    pub converged: bool,
 }
 
 impl Fitted<'_> {
@@ -266,6 +268,11 @@ impl Fitted<'_> {
     /// Rms residual.
     pub fn rms(&self) -> f64 {
         (self.squares / self.rows.max(1.0)).sqrt()
+    }
+
+    /// Spread of the residual, parameters counted.
+    pub fn sigma(&self) -> f64 {
+        (self.squares / (self.rows - self.columns() as f64).max(1.0)).sqrt()
     }
 
     /// Sum of the blocks with the prior.
@@ -302,6 +309,22 @@ fn stepped<'a>(
 }
 
 impl Pass<'_> {
+    /// A model as it is, without a fit.
+    pub fn hold<'a>(
+        &self,
+        model: Model<f64>,
+        pieces: Vec<Piece<'a>>,
+        known: &Known,
+    ) -> Result<Fitted<'a>, BadShape> {
+        let list: Vec<&Piece> = pieces.iter().collect();
+        let blocks = self.blocks(&self.samples.bounds(BLOCKS), &model, &list)?;
+        let data = Matrix::total(&blocks, None);
+        let (squares, rows) = (data.squares(), f64::from(data.rows()));
+        let sigma = (squares / (rows - data.columns() as f64).max(1.0)).sqrt();
+        let prior = known.matrix(self.residual, &model, sigma, &list, &data);
+        Ok(Fitted { model, pieces, blocks, prior, squares, rows, converged: true })
+    }
+
     /// Levenberg–Marquardt from `model` and the pieces' coefficients.
     pub fn fit<'a>(
         &self,
@@ -322,6 +345,8 @@ impl Pass<'_> {
         let (mut model, mut pieces) = (model, pieces);
         let (mut blocks, mut prior, mut squares, mut rows, mut sigma) = evaluate(&model, &pieces, None)?;
         let mut damping = 0.0;
+        let mut converged = false;
+        let mut steps_near = 0;
         for _ in 0..40 {
             let total = Matrix::total(&blocks, Some(&prior));
             let Some(factor) = total.damped_factor(damping) else {
@@ -334,6 +359,15 @@ impl Pass<'_> {
             let delta = total.step(&factor);
             let predicted: f64 = (0..total.columns()).map(|i| -delta[i] * total.right(i)).sum();
             if predicted <= 1e-9 * total.squares().max(1e-300) {
+                converged = true;
+                break;
+            }
+            // A step of a tenth of its standard error; where rounding or the columns' own error lets no further one pass,
+            // that is near enough.
+            let near = damping < 1.0 && predicted <= 0.01 * sigma * sigma;
+            steps_near = if near { steps_near + 1 } else { 0 };
+            if steps_near > 4 {
+                converged = true;
                 break;
             }
             let moved = stepped(self.residual, &model, &pieces, &delta);
@@ -355,10 +389,13 @@ impl Pass<'_> {
                     prior = known.matrix(self.residual, &model, sigma, &list, &data);
                     damping = if damping < 1e-7 { 0.0 } else { damping * 0.1 };
                 }
-                None if damping > 1e4 => break,
+                None if near || damping > 1e4 => {
+                    converged = near;
+                    break;
+                }
                 None => damping = if damping == 0.0 { 1e-4 } else { damping * 10.0 },
             }
         }
-        Ok(Some(Fitted { model, pieces, blocks, prior, squares, rows }))
+        Ok(Some(Fitted { model, pieces, blocks, prior, squares, rows, converged }))
     }
 }

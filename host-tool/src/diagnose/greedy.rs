@@ -3,7 +3,7 @@
 use super::alignment::{align, without_effects};
 use super::candidates::Catalogue;
 use super::engine::{BadShape, Fitted, Known, Pass, Piece};
-use super::frequency;
+use super::parameter;
 use super::screen::{Candidate, SIGNIFICANCE, Screening, Tested, rivalry, screen};
 use super::search;
 use ironout::study::{Residual, held_out};
@@ -76,7 +76,7 @@ fn state(added: Option<String>, fitted: &Fitted) -> Step {
 }
 
 /// The part of an id before `^` or `@`.
-fn plain_id(id: &str) -> &str {
+pub(super) fn plain_id(id: &str) -> &str {
     id.split(['^', '@']).next().unwrap_or(id)
 }
 
@@ -138,61 +138,12 @@ impl<'a> Greedy<'_, 'a> {
         }
         let count = list.len();
         let Screening { held_out, tested } = screen(&self.pass, fitted, &list, count)?;
-        let judged = tested
+        let mut judged: Vec<Judged> = tested
             .into_iter()
             .filter_map(|tested| Some(Judged { candidate: list.get(tested.index)?.clone(), tested }))
             .collect();
+        self.judge_strong(fitted, &mut judged, count)?;
         Ok((judged, count, held_out))
-    }
-
-    /// The model with one more effect, fully refitted.
-    fn with(&self, fitted: &Fitted<'a>, piece: &Piece<'a>) -> Result<Option<Fitted<'a>>, BadShape> {
-        let mut pieces = fitted.pieces.clone();
-        pieces.push(piece.clone());
-        match self.pass.fit(fitted.model, pieces, self.known)? {
-            Some(next) if piece.id == frequency::PERIODIC => {
-                frequency::refine(&self.pass, next, self.known).map(Some)
-            }
-            other => Ok(other),
-        }
-    }
-
-    /// A late or squared column against the plain one: the plain wins unless the variant is significantly better.
-    fn best_variant(
-        &self,
-        fitted: &Fitted<'a>,
-        leader: &Judged<'a>,
-        judged: &[Judged<'a>],
-        count: usize,
-    ) -> Result<Judged<'a>, BadShape> {
-        let plain = plain_id(&leader.candidate.piece.id).to_string();
-        let Some(column) = plain.strip_prefix("offset:") else { return Ok(leader.clone()) };
-        let mut best = leader.clone();
-        if let Some(prompt) = judged.iter().find(|other| other.candidate.piece.id == plain)
-            && prompt.candidate.piece.id != leader.candidate.piece.id
-            && prompt.tested.accepted
-            && let Some(rivals) =
-                rivalry(&self.pass, fitted, &leader.candidate.piece, &prompt.candidate.piece)?
-            && rivals.first * count as f64 > SIGNIFICANCE
-        {
-            best = prompt.clone();
-        }
-        if let Some(index) = self.catalogue.usable(column)
-            && let Some(late) = search::delay(&self.pass, fitted, self.catalogue, index)?
-            && !fitted.pieces.iter().any(|piece| piece.id == late.piece.id)
-            && let Some(rivals) = rivalry(&self.pass, fitted, &late.piece, &best.candidate.piece)?
-            && rivals.first * late.searched * (count as f64) < SIGNIFICANCE
-            && rivals.second > 1e3 * rivals.first
-        {
-            let screening = screen(&self.pass, fitted, std::slice::from_ref(&late), count)?;
-            if let Some(tested) = screening.tested.into_iter().next()
-                && tested.accepted
-                && tested.decrease > best.tested.decrease
-            {
-                return Ok(Judged { candidate: late, tested });
-            }
-        }
-        Ok(best)
     }
 
     /// Gives a fitted model its rotation to the accelerometer, and eddy currents their share along the identity, which
@@ -346,7 +297,7 @@ impl<'a> Greedy<'_, 'a> {
         for piece in &fitted.pieces {
             match piece.id.as_str() {
                 "step" => list.extend(search::step(&self.pass, fitted, self.catalogue)?),
-                frequency::PERIODIC => list.extend(search::periodic(&self.pass, fitted, self.catalogue)?),
+                parameter::PERIODIC => list.extend(search::periodic(&self.pass, fitted, self.catalogue)?),
                 _ => {}
             }
         }
@@ -377,7 +328,8 @@ impl<'a> Greedy<'_, 'a> {
                 {
                     continue;
                 }
-                let Some(pair) = rivalry(&self.pass, &without, &own, &other.candidate.piece)? else {
+                let Some(pair) = rivalry(&self.pass, &without, &own, &other.candidate.piece, self.known)?
+                else {
                     continue;
                 };
                 if pair.first * (count as f64) < SIGNIFICANCE {
@@ -402,49 +354,6 @@ impl<'a> Greedy<'_, 'a> {
             }
         }
         Ok(Reconsidered::Stands(groups))
-    }
-
-    /// The next effect: the three leaders fully refitted, the best by its held-out error, and the one with fewer
-    /// coefficients where it explains as much.
-    fn choose(
-        &self,
-        fitted: &Fitted<'a>,
-        judged: &[Judged<'a>],
-        count: usize,
-    ) -> Result<Option<(String, Fitted<'a>)>, BadShape> {
-        let mut passing: Vec<&Judged> = judged.iter().filter(|one| one.tested.accepted).collect();
-        passing.sort_by(|a, b| {
-            let key = |one: &Judged| one.tested.held_out.unwrap_or(f64::INFINITY);
-            key(a).total_cmp(&key(b))
-        });
-        let mut leaders: Vec<(Judged<'a>, Fitted<'a>, f64)> = Vec::new();
-        for one in passing.iter().take(3) {
-            if let Some(next) = self.with(fitted, &one.candidate.piece)?
-                && let Some(held) = held_out_rms(&next)
-            {
-                leaders.push(((*one).clone(), next, held));
-            }
-        }
-        leaders.sort_by(|a, b| a.2.total_cmp(&b.2));
-        let Some((leader, mut next, _)) = leaders.into_iter().next() else { return Ok(None) };
-        let mut winner = self.best_variant(fitted, &leader, judged, count)?;
-        for other in &passing {
-            if other.tested.directions < winner.tested.directions
-                && other.tested.decrease > 0.3 * winner.tested.decrease
-                && let Some(pair) =
-                    rivalry(&self.pass, fitted, &winner.candidate.piece, &other.candidate.piece)?
-                && pair.first * count as f64 > SIGNIFICANCE
-            {
-                winner = (*other).clone();
-            }
-        }
-        if winner.candidate.piece.id != leader.candidate.piece.id {
-            match self.with(fitted, &winner.candidate.piece)? {
-                Some(fit) => next = fit,
-                None => winner = leader,
-            }
-        }
-        Ok(Some((winner.candidate.piece.id.clone(), next)))
     }
 
     /// The earlier effect that the later ones have made superfluous, and the model without it.

@@ -168,7 +168,7 @@ impl View<'_, '_> {
         dip: &Option<DipStudy>,
     ) -> Result<Vec<FittedEffect>, BadShape> {
         let fitted = &self.explanation.fitted;
-        let covariance = match super::frequency::with_slope(&self.pass, fitted)? {
+        let covariance = match super::parameter::with_slopes(&self.pass, fitted)? {
             Some(total) => covariance_of(&total, fitted, left.time),
             None => covariance(fitted, left.time),
         };

@@ -1,7 +1,7 @@
 //! Tests of candidates against a fitted model.
 
-use super::engine::{BLOCKS, BadShape, COLUMNS, Fitted, Matrix, Pass, Piece, TERMS};
-use super::spectrum::{Frame, Rows};
+use super::engine::{BLOCKS, BadShape, COLUMNS, Fitted, Known, Matrix, Pass, Piece, TERMS};
+use super::spectrum::{Frame, Rows, Verdict};
 use ironout::study::{Gain, f_tail, held_out};
 
 /// A candidate is added if its probability under chance, times all that was searched, is below this.
@@ -192,25 +192,46 @@ pub struct Rivalry {
     pub correlation: f64,
 }
 
-/// Compares two candidates. The residual's memory is that of the model with both.
-pub fn rivalry(
+/// Compares two candidates at the better of the two models that hold one of them, fully fitted: what one explains beyond
+/// the other is read where the residual is noise, and not at a base that a strong effect still bends.
+pub fn rivalry<'a>(
     pass: &Pass,
-    fitted: &Fitted,
-    first: &Piece,
-    second: &Piece,
+    fitted: &Fitted<'a>,
+    first: &Piece<'a>,
+    second: &Piece<'a>,
+    known: &Known,
 ) -> Result<Option<Rivalry>, BadShape> {
     let base = fitted.columns();
     let (k1, k2) = (first.k(), second.k());
     if base + k1 + k2 > COLUMNS {
         return Ok(None);
     }
-    let all: Vec<&Piece> = fitted.pieces.iter().chain([first, second]).collect();
-    let blocks = pass.blocks(&pass.samples.bounds(1), &fitted.model, &all)?;
-    let total = Matrix::total(&blocks, Some(&fitted.prior));
-    let safe = Matrix::total(&blocks, Some(&ridge(&fitted.prior, &total, base)));
+    let with = |piece: &Piece<'a>| {
+        let pieces = fitted.pieces.iter().chain([piece]).cloned().collect();
+        pass.fit(fitted.model, pieces, known)
+    };
+    let (Some(one), Some(other)) = (with(first)?, with(second)?) else { return Ok(None) };
+    let better = if one.squares <= other.squares { &one } else { &other };
+    let fresh = |piece: &Piece<'a>| -> Piece<'a> {
+        better.pieces.iter().find(|own| own.id == piece.id).unwrap_or(piece).clone()
+    };
+    let (first, second) = (fresh(first), fresh(second));
+    let all: Vec<&Piece> = better.pieces[..fitted.pieces.len()].iter().chain([&first, &second]).collect();
+    let blocks = pass.blocks(&pass.samples.bounds(1), &better.model, &all)?;
+    let prior =
+        known.matrix(pass.residual, &better.model, better.sigma(), &all, &Matrix::total(&blocks, None));
+    let total = Matrix::total(&blocks, Some(&prior));
+    let safe = Matrix::total(&blocks, Some(&ridge(&prior, &total, base)));
     let Some(factor) = safe.factor() else { return Ok(None) };
-    let rows = Rows::of(pass, fitted, &all)?;
+    let rows = Rows::of(pass, better, &all)?;
     let residuals = rows.moved(&safe.step(&factor));
+    // Back to where neither stands in the model.
+    let mut away = [0.0; COLUMNS];
+    let coefficients = [&first, &second].into_iter().flat_map(|piece| &piece.coefficients[..piece.k()]);
+    for (slot, value) in away[base..].iter_mut().zip(coefficients) {
+        *slot = -value;
+    }
+    let total = total.moved(&away);
     let noise = Frame::new(&rows, &total, (0..base).collect())
         .and_then(|frame| frame.spectrum(&total, base..base + k1 + k2, &residuals));
     let own = 0..base;
@@ -233,4 +254,22 @@ pub fn rivalry(
         .unwrap_or(0);
     let correlation = if directions == 0 { 0.0 } else { sorted[directions - 1] };
     Ok(Some(Rivalry { first: given(&b, &a), second: given(&a, &b), correlation }))
+}
+
+/// The test of a fitted model's last effect, where the model stands.
+pub fn stands(pass: &Pass, fitted: &Fitted) -> Result<Option<Verdict>, BadShape> {
+    let Some(piece) = fitted.pieces.last() else { return Ok(None) };
+    let columns = fitted.columns();
+    let base = columns - piece.k();
+    let rows = Rows::of(pass, fitted, &fitted.pieces.iter().collect::<Vec<_>>())?;
+    let residuals = rows.moved(&[0.0; COLUMNS]);
+    let mut away = [0.0; COLUMNS];
+    for (slot, value) in away[base..columns].iter_mut().zip(piece.coefficients) {
+        *slot = -value;
+    }
+    let total = fitted.total().moved(&away);
+    Ok(Frame::new(&rows, &total, (0..base).collect()).and_then(|frame| {
+        let noise = frame.spectrum(&total, base..columns, &residuals)?;
+        frame.test(&total, base..columns, &noise)
+    }))
 }

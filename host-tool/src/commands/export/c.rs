@@ -6,6 +6,9 @@ use ironout::effect::{AmbientField, BuiltIn, Drift, Effect, Gain, Id, Offset, Pe
 use ironout::extended::{ExtendedCalibration, FittedEffect};
 use std::fmt::Write as _;
 
+/// Looks at a disturbance that depends on the field it disturbs; the library stops sooner where it stands sooner.
+const LOOKS: usize = 8;
+
 /// The file.
 pub fn text(calibration: &ExtendedCalibration, summary: &str) -> Outcome<String> {
     let text = if calibration.effects.is_empty() {
@@ -103,7 +106,7 @@ fn extended(calibration: &ExtendedCalibration, summary: &str) -> Outcome<String>
     let base = &calibration.base;
     let list = parameters(calibration)?;
     let turning = calibration.effects.iter().any(|fitted| fitted.effect.needs_gyro());
-    let looks = if calibration.effects.iter().any(|fitted| fitted.effect.reads_centre()) { 2 } else { 1 };
+    let looks = if calibration.effects.iter().any(|fitted| fitted.effect.reads_centre()) { LOOKS } else { 1 };
     let periodic = calibration.effects.iter().any(|fitted| matches!(fitted.effect, BuiltIn::Periodic(_)));
     let mut text = format!(
         "/* Written by `ironout export --as c`: {summary}.\n   corrected = matrix * (measured - offset - effects), microtesla. \

@@ -1,0 +1,195 @@
+//! The noise-free point that the shapes look at, and how a strong disturbance answers when the model moves.
+
+use super::model::{Linearised, cross, dot, minus, scaled};
+use super::{Model, NotFinite, Reading, Term};
+use crate::calibration::norm;
+use crate::effect::{Quantities, Shape};
+use crate::math::Real;
+
+/// Looks at a disturbance that depends on the field it disturbs.
+const MOST_LOOKS: usize = 24;
+
+/// The measured vector without its noise, and the same about the centre.
+#[derive(Clone, Copy)]
+struct Foot<T> {
+    measured: [T; 3],
+    centred: [T; 3],
+}
+
+/// How a disturbance that looks at the field answers to a change of that field. The columns of a strong effect are not
+/// its shape alone: what the shape looks at moves with every parameter.
+#[derive(Clone, Copy)]
+pub(super) struct Reaction<T> {
+    /// Two directions along the ellipsoid, ...
+    along: [[T; 3]; 2],
+    /// ... what the disturbance does for a step of the centred vector along each, ...
+    follows: [[T; 3]; 2],
+    /// ... for a step of the measured vector that moves the residual by one, ...
+    outward: [T; 3],
+    /// ... and for a step of the turning vector along each axis. `None` where nothing turns.
+    turning: Option<[[T; 3]; 3]>,
+}
+
+impl<T: Real> Reaction<T> {
+    /// Of a disturbance that looks at nothing.
+    fn none() -> Self {
+        let zero = [T::zero(); 3];
+        Reaction { along: [zero; 2], follows: [zero; 2], outward: zero, turning: None }
+    }
+
+    /// What `pull` becomes for a change of offset or coefficients: `zᵀ(I + Σ fᵢ aᵢᵀ) = pullᵀ`.
+    pub(super) fn answer(&self, pull: [T; 3]) -> [T; 3] {
+        let [[a, b], [c, d]] = self.follows.map(|follow| self.along.map(|along| dot(along, follow)));
+        let (a, d) = (a + T::one(), d + T::one());
+        let [p, q] = self.follows.map(|follow| dot(pull, follow));
+        let determinant = a * d - b * c;
+        if !(determinant > T::of(0.05)) {
+            return pull;
+        }
+        let (u, v) = ((p * d - q * b) / determinant, (q * a - p * c) / determinant);
+        let [first, second] = self.along;
+        minus(minus(pull, scaled(first, u)), scaled(second, v))
+    }
+
+    /// By how much a change of the magnitude's residual grows because the noise-free measured vector moves with it.
+    pub(super) fn grown(&self, answered: [T; 3]) -> T {
+        let left = T::one() - dot(answered, self.outward);
+        if left > T::of(0.1) { T::one() / left } else { T::one() }
+    }
+}
+
+impl<T: Real> Model<T> {
+    /// What the turning vector's own dependence on the matrix adds to the six columns of the triangle, where `pull` is what
+    /// the disturbance answers with and `centred` the foot point.
+    pub(super) fn through_turning(
+        &self,
+        reaction: &Reaction<T>,
+        pull: [T; 3],
+        centred: [T; 3],
+        turn: Option<[T; 3]>,
+    ) -> [T; 6] {
+        let (Some(answers), Some(turn)) = (reaction.turning, turn) else { return [T::zero(); 6] };
+        let back = self.transposed_inverse(answers.map(|answer| dot(pull, answer)));
+        let [a, b, c] = self.transposed_rotation(cross(back, turn));
+        let [d, e, f] = self.transposed_rotation(back);
+        let [x, y, z] = centred;
+        let [p, q, r] = self.quantities(centred, centred, Some(turn)).turning_ut_per_s;
+        [d * p - a * x, d * q - a * y, d * r - a * z, e * q - b * y, e * r - b * z, f * r - c * z]
+    }
+}
+
+fn is_active<T: Real>(term: &Term<'_, T>) -> bool {
+    term.coefficients.iter().any(|value| *value != T::zero())
+}
+
+impl<T: Real> Model<T> {
+    /// Linearises at the foot point; leaves the shapes there in `shapes`.
+    ///
+    /// Columns made of the noisy sample would correlate with its residual; at the foot point they do not. A disturbance
+    /// that depends on the field it disturbs is looked at until it stands.
+    pub(super) fn at_foot<const N: usize>(
+        &self,
+        reading: &Reading<T>,
+        terms: &[Term<'_, T>],
+        shapes: &mut [Shape<T>; N],
+    ) -> Result<(Linearised<T>, Reaction<T>), NotFinite> {
+        let measured = reading.measured_ut;
+        let linearise = |disturbance| self.linearise(measured, disturbance).ok_or(NotFinite::Sample);
+        let foot_of = |at: &Linearised<T>| {
+            let off = self.foot(at);
+            Foot { measured: minus(measured, off), centred: minus(at.centred, off) }
+        };
+        let mut at = linearise([T::zero(); 3])?;
+        if !terms.iter().any(is_active) {
+            let foot = foot_of(&at);
+            let quantities = self.quantities(foot.measured, foot.centred, reading.turn_radps);
+            self.shapes(&quantities, terms.iter(), shapes)?;
+            return Ok((at, Reaction::none()));
+        }
+        let close = self.field_ut * (T::of(1e-7) + T::of(8.0) * T::default_epsilon());
+        let mut foot = Foot { measured, centred: at.centred };
+        let mut disturbance = [T::zero(); 3];
+        let mut stands = true;
+        let mut before = T::zero();
+        for look in 0..MOST_LOOKS {
+            let quantities = self.quantities(foot.measured, foot.centred, reading.turn_radps);
+            let next = self.shapes(&quantities, terms.iter(), shapes)?;
+            let moved = norm(minus(next, disturbance));
+            disturbance = next;
+            at = linearise(disturbance)?;
+            // The first look is at the noisy sample. Where looks go apart there is no such disturbance.
+            if look > 0 && !(moved > close) || look > 1 && moved > before {
+                break;
+            }
+            before = moved;
+            stands &= look == 0;
+            foot = foot_of(&at);
+        }
+        let reaction = if stands { Reaction::none() } else { self.reaction(&at, &foot, reading, terms)? };
+        Ok((at, reaction))
+    }
+
+    /// How the disturbance answers, by differences.
+    fn reaction(
+        &self,
+        at: &Linearised<T>,
+        foot: &Foot<T>,
+        reading: &Reading<T>,
+        terms: &[Term<'_, T>],
+    ) -> Result<Reaction<T>, NotFinite> {
+        let (zero, one) = (T::zero(), T::one());
+        let sum_at = |at: Quantities<T>| {
+            let mut sum = [zero; 3];
+            for (index, term) in terms.iter().enumerate().filter(|(_, term)| is_active(term)) {
+                let at = Quantities { inputs: term.inputs, ..at };
+                let own = term.effect.disturbance(&at, &term.coefficients);
+                if own.iter().any(|value| !value.is_finite()) {
+                    return Err(NotFinite::Effect(index));
+                }
+                sum = minus(sum, scaled(own, -one));
+            }
+            Ok(sum)
+        };
+        let quantities = |foot: &Foot<T>| self.quantities(foot.measured, foot.centred, reading.turn_radps);
+        let sum = |foot: &Foot<T>| sum_at(quantities(foot));
+        let here = quantities(foot);
+        let still = sum_at(here)?;
+        let size = norm(at.pull);
+        let normal = scaled(at.pull, one / size);
+        // Across the axis that the normal has least of.
+        let [x, y, z] = normal.map(|value| value * value);
+        let axis = if x <= y && x <= z {
+            [one, zero, zero]
+        } else if y <= z {
+            [zero, one, zero]
+        } else {
+            [zero, zero, one]
+        };
+        let first = cross(normal, axis);
+        let first = scaled(first, one / norm(first));
+        let along = [first, cross(normal, first)];
+        let step = self.field_ut * T::of(1e-3);
+        let mut follows = [[zero; 3]; 2];
+        let mut turning = None;
+        if terms.iter().any(|term| term.effect.reads_centre() && is_active(term)) {
+            for (follow, direction) in follows.iter_mut().zip(along) {
+                let moved = Foot { centred: minus(foot.centred, scaled(direction, -step)), ..*foot };
+                *follow = scaled(minus(sum(&moved)?, still), one / step);
+            }
+            if reading.turn_radps.is_some() {
+                let mut answers = [[zero; 3]; 3];
+                for (axis, answer) in answers.iter_mut().enumerate() {
+                    let mut moved = here;
+                    if let Some(entry) = moved.turning_ut_per_s.get_mut(axis) {
+                        *entry += step;
+                    }
+                    *answer = scaled(minus(sum_at(moved)?, still), one / step);
+                }
+                turning = Some(answers);
+            }
+        }
+        let moved = Foot { measured: minus(foot.measured, scaled(normal, -step)), ..*foot };
+        let outward = scaled(minus(sum(&moved)?, still), one / (step * size));
+        Ok(Reaction { along, follows, outward, turning })
+    }
+}
