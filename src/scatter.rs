@@ -42,8 +42,8 @@ impl Scatter {
         }
         let n = moments.count() as f64;
         let mut sums = moments.sums();
-        // Any integer near the mean will do.
-        let centre: [i128; 3] = core::array::from_fn(|a| i128::from((sums[a + 1] as f64 / n) as i32));
+        // Any integer near the mean will do, so single precision may choose it: it has an instruction for that.
+        let centre: [i128; 3] = core::array::from_fn(|a| i128::from((sums[a + 1] as f64 / n) as f32 as i32));
         monomial::shift(&mut sums, centre);
         let lsb2: f64 = ut_per_count.iter().map(|s| s * s).sum::<f64>() / 3.0;
         Self::scaled(
@@ -85,7 +85,9 @@ impl Scatter {
                 powers[i] = powers[i - 1] * unit;
             }
         }
-        let isotropic = unit_ut[0] == unit_ut[1] && unit_ut[1] == unit_ut[2];
+        // The units are positive and finite, so that equal bits are equal numbers.
+        let [x, y, z] = unit_ut.map(f64::to_bits);
+        let isotropic = x == y && y == z;
         let mut moments = sums;
         for (slot, e) in moments.iter_mut().zip(EXPONENTS) {
             if isotropic {

@@ -7,6 +7,7 @@ pub mod cal_file;
 pub mod cli;
 pub mod commands;
 pub mod diagnose;
+pub mod effect_report;
 pub mod effect_table;
 pub mod effects;
 pub mod failure;

@@ -94,7 +94,7 @@ impl Root {
         let (mut s, mut solved) = (0.0f32, 0.0);
         self.termination = Termination::StepLimit;
         for steps in 1..=MAX_STEPS {
-            if !self.solve(scatter, &corrected(&scatter.moments, s.into()), model) {
+            if !self.solve(scatter, &corrected(&scatter.moments, s), model) {
                 if steps == 1 {
                     return false;
                 }
@@ -136,6 +136,6 @@ impl Root {
         self.s = Some(solved);
         // Where the step limit came after a matrix that could not be factored, the last good one is restored.
         self.termination != Termination::StepLimit
-            || self.solve(scatter, &corrected(&scatter.moments, solved.into()), model)
+            || self.solve(scatter, &corrected(&scatter.moments, solved), model)
     }
 }

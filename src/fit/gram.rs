@@ -48,11 +48,12 @@ pub(crate) fn product(moments: &[f64; COUNT], r: usize, c: usize) -> f64 {
 
 /// The moments corrected for a noise of variance `s`: the Hermite polynomials of each axis in turn, in place.
 #[inline(never)]
-pub(crate) fn corrected(moments: &[f64; COUNT], s: f64) -> [f64; COUNT] {
+pub(crate) fn corrected(moments: &[f64; COUNT], s: f32) -> [f64; COUNT] {
     let mut out = *moments;
     if s == 0.0 {
         return out;
     }
+    let s = f64::from(s);
     // Of x^{a−2} in the Hermite polynomial of x^a.
     let first = [0.0, 0.0, s, 3.0 * s, 6.0 * s];
     for axis in 0..3 {

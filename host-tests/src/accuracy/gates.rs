@@ -77,6 +77,8 @@ pub struct Tally {
     pub accepted: usize,
     /// Accepted, and off by more than [`WRONG`] somewhere.
     pub wrongly_accepted: usize,
+    /// Off by less than [`RIGHT`] everywhere, accepted or not.
+    pub good: usize,
     /// Refused, though off by less than [`RIGHT`] everywhere.
     pub wrongly_refused: usize,
 }
@@ -88,7 +90,9 @@ impl Tally {
         self.accepted += usize::from(judged.accepted);
         // A calibration without a finite error is wrong.
         self.wrongly_accepted += usize::from(judged.accepted && judged.error.is_none_or(|e| !(e <= WRONG)));
-        self.wrongly_refused += usize::from(!judged.accepted && judged.error.is_some_and(|e| e < RIGHT));
+        let good = judged.error.is_some_and(|e| e < RIGHT);
+        self.good += usize::from(good);
+        self.wrongly_refused += usize::from(!judged.accepted && good);
     }
 }
 
@@ -142,6 +146,7 @@ pub fn total(groups: &[Group]) -> Group {
             sum.logs += tally.logs;
             sum.accepted += tally.accepted;
             sum.wrongly_accepted += tally.wrongly_accepted;
+            sum.good += tally.good;
             sum.wrongly_refused += tally.wrongly_refused;
         }
     }

@@ -6,5 +6,6 @@ pub mod bound;
 pub mod gates;
 pub mod log;
 pub mod paper_table;
+pub mod snapshot;
 pub mod solvers;
 pub mod table;

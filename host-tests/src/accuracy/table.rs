@@ -3,8 +3,10 @@
 use super::bound::{self, Accuracy, Cell};
 use super::gates::{self, Group};
 use super::paper_table;
+use super::snapshot;
 use super::solvers::{SOLVERS, Solver};
 use serde_json::{Value, json};
+use std::io;
 use std::path::PathBuf;
 
 /// How much of everything is run.
@@ -83,18 +85,20 @@ pub fn sweep(rows: &[(Cell, Vec<(Solver, Accuracy)>)]) -> String {
 pub fn verdicts(groups: &[Group]) -> String {
     let mut text = format!("{:<10} {:>5} |", "motion", "logs");
     for solver in SOLVERS {
-        text += &format!(" {:^20} |", solver.name());
+        text += &format!(" {:^22} |", solver.name());
     }
     text += &format!("\n{:<10} {:>5} |", "", "");
     for _ in SOLVERS {
-        text += " accept  wrong  lost  |";
+        text += " accept wrong good lost |";
     }
     text.push('\n');
     for group in groups {
         text += &format!("{:<10} {:>5} |", group.name, group.tallies[0].logs);
         for tally in &group.tallies {
-            text +=
-                &format!(" {:6} {:6} {:5}  |", tally.accepted, tally.wrongly_accepted, tally.wrongly_refused);
+            text += &format!(
+                " {:6} {:5} {:4} {:4} |",
+                tally.accepted, tally.wrongly_accepted, tally.good, tally.wrongly_refused
+            );
         }
         text.push('\n');
     }
@@ -107,7 +111,7 @@ impl Report {
         format!(
             "The paper's simulation, eq. (16)\n\n{}\n{}\n\
              Verdicts on limited attitude. wrong: accepted though a corrected vector is off by more than {} % of the field\n\
-             somewhere; lost: refused though none is off by {} %. magcal has no verdict: its answers count as accepted.\n\n{}\n\
+             somewhere; good: none is off by {} %; lost: of these, refused. magcal has no verdict: its answers count as accepted.\n\n{}\n\
              Verdicts on full attitude\n\n{}",
             paper_table::text(&self.paper),
             sweep(&self.sweep),
@@ -118,6 +122,31 @@ impl Report {
         )
     }
 
+    /// Calibrations of limited attitude that our methods accepted though they are wrong.
+    pub fn wrongly_accepted(&self) -> usize {
+        let all = self.limited.iter().filter(|group| group.name == "all");
+        let ours = SOLVERS.map(|solver| matches!(solver, Solver::Ironout(_)));
+        all.flat_map(|group| group.tallies.iter().zip(ours))
+            .map(|(tally, ours)| if ours { tally.wrongly_accepted } else { 0 })
+            .sum()
+    }
+
+    /// Writes the snapshot, and the README's tables.
+    ///
+    /// # Errors
+    /// A file that cannot be written, or a README without the tables' markers.
+    pub fn store(&self) -> io::Result<()> {
+        std::fs::write(snapshot_path(), self.text())?;
+        snapshot::into_readme(&[
+            ("accuracy-paper", paper_table::markdown(&self.paper)),
+            ("accuracy-sweep", format!("```text\n{}```", sweep(&self.sweep))),
+            (
+                "accuracy-verdicts",
+                format!("```text\n{}\n{}```", verdicts(&self.limited), verdicts(&self.full)),
+            ),
+        ])
+    }
+
     /// Everything as one object.
     pub fn json(&self) -> Value {
         let groups = |groups: &[Group]| -> Value {
@@ -126,7 +155,8 @@ impl Report {
                 .flat_map(|g| {
                     SOLVERS.iter().zip(g.tallies).map(|(s, t)| {
                         json!({"motion": g.name, "method": s.name(), "logs": t.logs, "accepted": t.accepted,
-                               "wrongly_accepted": t.wrongly_accepted, "wrongly_refused": t.wrongly_refused})
+                               "wrongly_accepted": t.wrongly_accepted, "good": t.good,
+                               "wrongly_refused": t.wrongly_refused})
                     })
                 })
                 .collect()
@@ -154,12 +184,4 @@ impl Report {
 /// Where the snapshot lies.
 pub fn snapshot_path() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/snapshots/accuracy.txt"))
-}
-
-/// `readme` with the text between the markers of `name` replaced; `None` where it has none.
-pub fn between_markers(readme: &str, name: &str, table: &str) -> Option<String> {
-    let (begin, end) = (format!("<!-- {name}:begin -->"), format!("<!-- {name}:end -->"));
-    let from = readme.find(&begin)? + begin.len();
-    let to = from + readme[from..].find(&end)?;
-    Some(format!("{}\n{}\n{}", &readme[..from], table.trim_end(), &readme[to..]))
 }

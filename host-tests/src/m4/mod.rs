@@ -162,7 +162,7 @@ pub fn measure() -> Result<Measured, M4Error> {
         theirs("magcal_push_worst", worst("magcal_push_worst")?),
         theirs("magcal_solve", once("magcal_solve")?),
         theirs("magcal_apply", mean("magcal_apply")?),
-        ours("core_text_bytes", more(&core, ".text"), Some(20 * 1024)),
+        ours("core_text_bytes", more(&core, ".text"), Some(20_000)),
         ours("core_rodata_bytes", more(&core, ".rodata"), None),
         theirs("magcal_text_bytes", more(&magcal, ".text")),
         theirs("magcal_rodata_bytes", more(&magcal, ".rodata")),

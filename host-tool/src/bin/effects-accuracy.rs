@@ -1,53 +1,44 @@
-//! `cargo effects-accuracy`: how well hidden effects are found, as a table held to its snapshot.
+//! `cargo effects-accuracy`: the part of `cargo accuracy` about hidden effects alone.
 //!
-//! `--seeds N` runs fewer logs of each kind, `--accept` writes the snapshot.
+//! `--seeds N` runs N logs of each kind and holds them to nothing; `--accept` writes the snapshot and the README's table.
 
-use ironout_cli::effect_table::{CASES, HEADING, line, run};
+use ironout_cli::effect_report::{Effects, SEEDS};
+use ironout_host_tests::accuracy::snapshot;
 use std::process::ExitCode;
 
-const SNAPSHOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/snapshots/effects.txt");
-/// Logs of each kind behind the snapshot.
-const SEEDS: u64 = 20;
-
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let seeds = arguments
-        .iter()
-        .position(|word| word == "--seeds")
-        .and_then(|at| arguments.get(at + 1))
-        .and_then(|number| number.parse().ok())
-        .unwrap_or(SEEDS);
-    let mut table = format!("{seeds} logs of each kind, 80 s at 50 Hz\n{HEADING}\n");
-    println!("{}", table.trim_end());
-    for case in &CASES {
-        let text = line(case, &run(case, seeds));
-        println!("{text}");
-        table += &text;
-        table.push('\n');
-    }
-    if arguments.iter().any(|word| word == "--accept") {
-        return match std::fs::write(SNAPSHOT, &table) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(error) => {
-                eprintln!("{SNAPSHOT}: {error}");
-                ExitCode::FAILURE
-            }
-        };
-    }
-    if seeds != SEEDS {
-        return ExitCode::SUCCESS;
-    }
-    match std::fs::read_to_string(SNAPSHOT) {
-        Ok(old) if old == table => ExitCode::SUCCESS,
-        Ok(_) => {
-            eprintln!(
-                "the table differs from {SNAPSHOT}: if that is meant, run again with --accept and read the diff"
-            );
-            ExitCode::FAILURE
+    let (mut seeds, mut accept) = (SEEDS, false);
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--accept" => accept = true,
+            "--seeds" => match arguments.next().and_then(|number| number.parse().ok()) {
+                Some(number) => seeds = number,
+                None => return usage(),
+            },
+            _ => return usage(),
         }
+    }
+    if accept && seeds != SEEDS {
+        eprintln!("--accept stores the table of {SEEDS} logs: leave --seeds out");
+        return ExitCode::from(2);
+    }
+    let effects = Effects::measure(seeds, |line| println!("{line}"));
+    let held = match (accept, seeds == SEEDS) {
+        (true, _) => effects.store(),
+        (false, true) => snapshot::hold(&Effects::snapshot_path(), &effects.text()),
+        (false, false) => Ok(()),
+    };
+    match held {
+        Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{SNAPSHOT}: {error}");
+            eprintln!("{error}\nif the change is meant: run again with --accept, and look at the difference");
             ExitCode::FAILURE
         }
     }
+}
+
+fn usage() -> ExitCode {
+    eprintln!("usage: cargo effects-accuracy [--seeds N] [--accept]");
+    ExitCode::from(2)
 }

@@ -1,0 +1,75 @@
+//! The table of hidden effects as a whole: measured, as text, as JSON, and kept beside its snapshot.
+
+use crate::effect_table::{CASES, Case, HEADING, Row, Special, line, run};
+use ironout_host_tests::accuracy::snapshot;
+use serde_json::{Value, json};
+use std::io;
+use std::path::PathBuf;
+
+/// Logs of each kind behind the snapshot.
+pub const SEEDS: u64 = 20;
+
+/// Every row of the table.
+pub struct Effects {
+    seeds: u64,
+    rows: Vec<(Case, Row)>,
+}
+
+impl Effects {
+    /// Runs `seeds` logs of each kind; `say` hears every line as it is done.
+    pub fn measure(seeds: u64, mut say: impl FnMut(&str)) -> Self {
+        heading(seeds).lines().for_each(&mut say);
+        let rows = CASES
+            .iter()
+            .map(|case| {
+                let row = run(case, seeds);
+                say(&line(case, &row));
+                (*case, row)
+            })
+            .collect();
+        Effects { seeds, rows }
+    }
+
+    /// What the snapshot holds.
+    pub fn text(&self) -> String {
+        let lines = self.rows.iter().map(|(case, row)| line(case, row) + "\n");
+        heading(self.seeds) + &lines.collect::<String>()
+    }
+
+    /// One object a row; counts are of logs.
+    pub fn json(&self) -> Value {
+        self.rows
+            .iter()
+            .map(|(case, row)| {
+                let [all, one, three] = row.coefficients;
+                json!({
+                    "hidden": case.hidden, "noise_ut": case.noise_ut, "correlation": case.correlation,
+                    "without": case.without, "ramp": case.special == Special::Ramp,
+                    "planar": case.special == Special::Planar, "verdict": case.verdict.name(),
+                    "logs": row.logs, "named_first": row.named_first, "exact": row.exact,
+                    "right_verdict": row.verdict, "worst_holdout_over_floor": row.worst_over_floor,
+                    "coefficients": all, "inside_one_se": one, "inside_three_se": three,
+                })
+            })
+            .collect()
+    }
+
+    /// Where the snapshot lies.
+    pub fn snapshot_path() -> PathBuf {
+        PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/snapshots/effects.txt"))
+    }
+
+    /// Writes the snapshot, and the README's table.
+    ///
+    /// # Errors
+    /// A file that cannot be written, or a README without the table's markers.
+    pub fn store(&self) -> io::Result<()> {
+        let text = self.text();
+        std::fs::write(Self::snapshot_path(), &text)?;
+        snapshot::into_readme(&[("accuracy-effects", format!("```text\n{text}```"))])
+    }
+}
+
+fn heading(seeds: u64) -> String {
+    format!("{seeds} logs of each kind, 80 s at 50 Hz\n{HEADING}\n")
+}
