@@ -54,7 +54,11 @@ pub(super) fn at_rest(
             start = next;
         }
     }
-    let explanation = if options.search { greedy.run(start)? } else { greedy.only(base, start)? };
+    let explanation = if options.search {
+        greedy.certain(greedy.run(start)?, &options.add)?
+    } else {
+        greedy.only(base, start)?
+    };
     let (used, confounded) = (explanation.fitted.pieces.len(), explanation.confounded.clone());
     let fitted = &explanation.fitted;
     let residuals = pass.residuals(&fitted.model, &fitted.pieces.iter().collect::<Vec<_>>())?;

@@ -59,8 +59,13 @@ pub struct Faults {
 }
 
 const AXES: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
+/// A visit to the end of a range ends this share of the range away from it.
+const VISIT_SHARE: f64 = 0.02;
 /// Fewer samples than this at the end of a range are no clipping.
 const CLIPPED_SAMPLES: usize = 15;
+/// The end of a range is met this many times as often as the steps before it, and more; at a turning point that no noise
+/// blurs it would be 3.2 times.
+const CLIPPED_OVER: f64 = 4.0;
 /// A reading must stand still for this long to be stuck, s.
 const STUCK_S: f64 = 0.4;
 /// Nor is it stuck for fewer rows than this.
@@ -69,6 +74,8 @@ const STUCK_ROWS: usize = 8;
 const GAP_S: f64 = 0.4;
 /// A burst stands out of the residual this many robust standard deviations.
 const BURST_PEAK: f64 = 9.0;
+/// ... or that of nine samples' mean by this many.
+const BURST_MEAN: f64 = 5.0;
 /// ... and ends where it no longer does by this many.
 const BURST_EDGE: f64 = 2.5;
 /// On both sides of a burst the residual is usual: its median stays below this many robust standard deviations (0.67 for
@@ -76,6 +83,8 @@ const BURST_EDGE: f64 = 2.5;
 const BURST_SIDE: f64 = 3.5;
 /// A glitch lies outside the middle 96 % of an axis' readings by more than this many times their range.
 const GLITCH_REACH: f64 = 1.0;
+/// An outlier is further off than this many robust standard deviations.
+const OUTLIER: f64 = 5.0;
 /// More than this share of a log is not a burst.
 pub const BURST_SHARE: f64 = 0.05;
 
@@ -230,22 +239,32 @@ fn gap(table: &Table, unique: &[usize], faults: &mut Faults) {
 fn clipping(table: &Table, unique: &[usize], axis: usize, faults: &mut Faults) {
     let unique: Vec<usize> = unique.iter().copied().filter(|row| !faults.set_aside[*row]).collect();
     let values: Vec<f64> = unique.iter().map(|&row| table.field_ut[axis][row]).collect();
-    let mut steps: Vec<f64> =
-        values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0).collect();
-    if steps.is_empty() {
+    let step = quantum(&values);
+    if step <= 0.0 {
         return;
     }
-    steps.sort_by(f64::total_cmp);
-    let width = (2.0 * second_difference_sigma(&values)).max(3.1 * quantum(&values));
-    for sign in [1.0, -1.0] {
-        let extreme = values.iter().fold(f64::NEG_INFINITY, |top, value| top.max(value * sign)) * sign;
-        let at: Vec<usize> =
-            unique.iter().copied().filter(|&row| table.field_ut[axis][row] == extreme).collect();
+    // A board that rests at its extreme, or passes it once, leaves it by noise and tremor alone: a visit ends beyond that.
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+    let away = (4.0 * second_difference_sigma(&values)).max(4.1 * step).max(VISIT_SHARE * (high - low));
+    for extreme in [high, low] {
+        let is_at = |value: f64| (value - extreme).abs() < 0.5 * step;
+        let at: Vec<usize> = unique.iter().copied().filter(|&row| is_at(table.field_ut[axis][row])).collect();
+        // How often the next steps inward are met: the end of a range stands out, a turning point rises to it.
         let near =
-            values.iter().filter(|value| **value != extreme && (*value - extreme).abs() <= width).count();
-        // Clipping comes in visits with other readings between them; a board that rests at its extreme does not.
-        let visits = 1 + at.windows(2).filter(|pair| pair[1] - pair[0] > 3).count();
-        if at.len() >= CLIPPED_SAMPLES && at.len() > 3 * near.max(1) && visits >= 2 {
+            values.iter().filter(|value| !is_at(**value) && (*value - extreme).abs() < 4.5 * step).count();
+        let usual = near as f64 / 4.0;
+        let (mut visits, mut inside) = (0, false);
+        for value in &values {
+            if is_at(*value) && !inside {
+                (visits, inside) = (visits + 1, true);
+            } else if (value - extreme).abs() > away {
+                inside = false;
+            }
+        }
+        let count = at.len() as f64;
+        let stands_out = count - CLIPPED_OVER * usual > 3.0 * count.sqrt();
+        if at.len() >= CLIPPED_SAMPLES && stands_out && visits >= 2 {
             for &row in &at {
                 faults.set_aside[row] = true;
             }
@@ -269,14 +288,15 @@ pub fn bursts(residuals: &[f64]) -> Vec<(usize, usize)> {
     for value in &mut off {
         *value /= sigma;
     }
-    let smooth = |at: usize| {
-        let (from, to) = (at.saturating_sub(2), (at + 3).min(n));
+    let around = |at: usize, side: usize| {
+        let (from, to) = (at.saturating_sub(side), (at + side + 1).min(n));
         off[from..to].iter().sum::<f64>() / (to - from) as f64
     };
+    let smooth = |at: usize| around(at, 2);
     let mut events: Vec<(usize, usize)> = Vec::new();
     let mut at = 0;
     while at < n {
-        if off[at] < BURST_PEAK {
+        if off[at] < BURST_PEAK && (off[at] < BURST_MEAN || around(at, 4) < BURST_MEAN) {
             at += 1;
             continue;
         }
@@ -301,13 +321,22 @@ pub fn bursts(residuals: &[f64]) -> Vec<(usize, usize)> {
             continue;
         }
         match events.last_mut() {
-            Some(last) if from <= last.1 + 3 => last.1 = to,
+            // The field of a magnet that turns by passes through what the magnitude does not see.
+            Some(last) if from <= last.1 + 3.max((to - last.0) / 5) => last.1 = to,
             _ => events.push((from, to)),
         }
         at = to + 1;
     }
     let flagged: usize = events.iter().map(|(from, to)| to - from + 1).sum();
     if flagged as f64 > BURST_SHARE * n as f64 { Vec::new() } else { events }
+}
+
+/// Which residuals stand out of the others, and should not bend the fit that bursts are looked for with.
+pub fn outliers(residuals: &[f64]) -> Vec<bool> {
+    let middle = median(&mut residuals.to_vec());
+    let mut off: Vec<f64> = residuals.iter().map(|r| (r - middle).abs()).collect();
+    let limit = OUTLIER * 1.4826 * median(&mut off.clone());
+    off.drain(..).map(|value| value > limit).collect()
 }
 
 /// The fault that a burst is.

@@ -2,6 +2,7 @@
 
 use super::alignment::{align, without_effects};
 use super::candidates::Catalogue;
+use super::certain::Withdrawn;
 use super::engine::{BadShape, Fitted, Known, Pass, Piece};
 use super::parameter;
 use super::screen::{Candidate, SIGNIFICANCE, Screening, Tested, rivalry, screen};
@@ -61,6 +62,8 @@ pub struct Explanation<'a> {
     pub last: Vec<Judged<'a>>,
     /// A step or a tone that the model holds once and the log shows again.
     pub repeated: Option<String>,
+    /// Effects that were found and are not certain.
+    pub withdrawn: Vec<Withdrawn>,
     /// How many candidates a round has.
     pub count: usize,
 }
@@ -246,6 +249,7 @@ impl<'a> Greedy<'_, 'a> {
             first: first.unwrap_or_default(),
             last,
             repeated,
+            withdrawn: Vec::new(),
             count,
         })
     }
@@ -262,12 +266,13 @@ impl<'a> Greedy<'_, 'a> {
             first: Vec::new(),
             last: Vec::new(),
             repeated: None,
+            withdrawn: Vec::new(),
             count: 1,
         })
     }
 
     /// The error falling as the effects of the final model are added in their order.
-    fn falling(
+    pub(super) fn falling(
         &self,
         base: &Fitted<'a>,
         fitted: &Fitted<'a>,

@@ -4,6 +4,7 @@ pub mod alignment;
 mod at_rest;
 pub mod base;
 pub mod candidates;
+pub mod certain;
 pub mod dip_errors;
 pub mod engine;
 pub mod faults;

@@ -67,6 +67,13 @@ impl View<'_, '_> {
                 }),
             }
         }
+        for withdrawn in &self.explanation.withdrawn {
+            let judged = self.explanation.first.iter().chain(&self.explanation.last);
+            let mut tested = judged.filter(|one| one.candidate.piece.id == withdrawn.id);
+            if let Some(one) = tested.next() {
+                list.push(row_of(one, Status::NotNeeded, Vec::new(), withdrawn.why.clone()));
+            }
+        }
         for one in &self.explanation.last {
             let id = &one.candidate.piece.id;
             if list.iter().any(|row| row.id == *id) {

@@ -89,27 +89,14 @@ fn study(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
         return Ok(undetermined(table, &samples, data_faults, why));
     }
     let known = Known { physical: PhysicalPrior::default(), earlier: options.earlier.clone() };
-    // Bursts show in the residual of the base model; the model improves as they go.
+    let found = bursts(&samples, table, &set_aside, axes, &known, options)?;
     let mut samples = samples;
-    let mut burst_samples = 0;
-    for _ in 0..4 {
-        let pass = Pass { samples: &samples, residual: Residual::Magnitude };
-        let Some((model, _)) = base::start(&samples, options.field_ut) else { break };
-        let Some(fitted) = pass.fit(model, Vec::new(), &known)? else { break };
-        let found = faults::bursts(&pass.residuals(&fitted.model, &[])?);
-        let share: usize = found.iter().map(|(from, to)| to - from + 1).sum();
-        burst_samples += share;
-        if found.is_empty()
-            || faults::have_company(&samples, &found)
-            || burst_samples as f64 > faults::BURST_SHARE * samples.len() as f64
-        {
-            break;
-        }
-        for (from, to) in found {
-            let (first, last) = (samples.row[from], samples.row[to]);
-            set_aside[first..=last].fill(true);
-            data_faults.push(faults::burst_fault(table, &samples, (from, to)));
-        }
+    for (from, to) in &found {
+        let (first, last) = (samples.row[*from], samples.row[*to]);
+        set_aside[first..=last].fill(true);
+        data_faults.push(faults::burst_fault(table, &samples, (*from, *to)));
+    }
+    if !found.is_empty() {
         samples = Samples::take(table, &set_aside, axes);
     }
     merge_bursts(&mut data_faults);
@@ -135,6 +122,44 @@ fn study(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
     }
     diagnosis.samples_set_aside = set_aside;
     Ok(diagnosis)
+}
+
+/// Bursts show in the residual of the base model. They bend a fit that holds them, so it is made without what stands out
+/// of it, until that is the same as before.
+fn bursts(
+    samples: &Samples,
+    table: &Table,
+    set_aside: &[bool],
+    axes: [bool; 3],
+    known: &Known,
+    options: &Options,
+) -> Result<Vec<(usize, usize)>, BadShape> {
+    let all = Pass { samples, residual: Residual::Magnitude };
+    let mut kept = samples.clone();
+    let mut outliers = vec![false; samples.len()];
+    let mut found = Vec::new();
+    for _ in 0..5 {
+        let pass = Pass { samples: &kept, residual: Residual::Magnitude };
+        let Some((model, _)) = base::start(&kept, options.field_ut) else { break };
+        let Some(fitted) = pass.fit(model, Vec::new(), known)? else { break };
+        let residuals = all.residuals(&fitted.model, &[])?;
+        found = faults::bursts(&residuals);
+        let now = faults::outliers(&residuals);
+        let share = now.iter().filter(|out| **out).count();
+        // So much is no outlier but structure; without any nothing can change.
+        if now == outliers || share == 0 || share * 5 > samples.len() {
+            break;
+        }
+        let mut aside = set_aside.to_vec();
+        for (row, _) in samples.row.iter().zip(&now).filter(|(_, out)| **out) {
+            aside[*row] = true;
+        }
+        kept = Samples::take(table, &aside, axes);
+        outliers = now;
+    }
+    let share: usize = found.iter().map(|(from, to)| to - from + 1).sum();
+    let much = share as f64 > faults::BURST_SHARE * samples.len() as f64;
+    Ok(if much || faults::have_company(samples, &found) { Vec::new() } else { found })
 }
 
 /// Attitude that does not carry nine parameters, in a log whose raw magnitude is nearly constant: the sensor was
@@ -351,8 +376,11 @@ fn magnitude(
             None => return Err(Refusal::CannotAdd(id.clone(), "the fit with it does not converge".into())),
         }
     }
-    let explanation =
-        if options.search && !hopeless { greedy.run(start)? } else { greedy.only(base.clone(), start)? };
+    let explanation = if options.search && !hopeless {
+        greedy.certain(greedy.run(start)?, &options.add)?
+    } else {
+        greedy.only(base.clone(), start)?
+    };
     let mut view = View { table, samples, catalogue: &catalogue, pass, known, explanation, lower_order };
     view.explanation.base = greedy.aligned(view.explanation.base.clone())?;
     view.finish(data_faults, pure_lag)
