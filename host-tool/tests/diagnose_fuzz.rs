@@ -1,0 +1,183 @@
+//! `diagnose` on logs whose columns are broken in every way a recorder has been seen to break them: it answers or refuses,
+//! never panics, and what it answers holds no NaN.
+//!
+//! `IRONOUT_FUZZ_CASES=10000 cargo test -p ironout-cli --test diagnose_fuzz` for a long run.
+
+mod common;
+
+use common::{folder, ironout, write};
+use ironout_cli::diagnose::{Options, Table, diagnose, json};
+use ironout_cli::input::{ReadOptions, read_stream};
+use ironout_host_tests::world::{EffectSpec, FaultSpec, Log, Motion, World, WorldOptions};
+use rand::{RngExt, SeedableRng, rngs::ChaCha12Rng};
+use serde_json::Value;
+
+fn pick<'a, T: ?Sized>(rng: &mut ChaCha12Rng, list: &[&'a T]) -> &'a T {
+    list[rng.random_range(0..list.len())]
+}
+
+/// A short log, often with something hidden in it, of a board that moved in some way.
+fn log(rng: &mut ChaCha12Rng) -> Log {
+    let effect = pick(
+        rng,
+        &["", "", "offset:temp_c=3", "drift=5", "periodic=3", "gain:temp_c=50", "lag=20ms", "eddy=9"],
+    );
+    let fault = pick(rng, &["", "", "", "burst", "clipping", "stuck", "gap", "repeats"]);
+    World::new(WorldOptions {
+        seed: rng.random(),
+        seconds: rng.random_range(0.5..16.0),
+        noise_ut: *pick(rng, &[&0.0, &0.05, &0.25, &5.0]),
+        lsb_ut: *pick(rng, &[&0.0, &0.1, &3.0]),
+        motion: *pick(rng, &[&Motion::Sphere, &Motion::Sphere, &Motion::Planar, &Motion::Rest]),
+        effects: EffectSpec::parse(effect).into_iter().collect(),
+        faults: FaultSpec::parse(fault).into_iter().collect(),
+        ..WorldOptions::default()
+    })
+    .run()
+}
+
+/// Breaks one column, or adds one.
+fn odd(rng: &mut ChaCha12Rng, log: &mut Log) {
+    let (rows, count) = (log.rows(), log.columns.len());
+    let mut at = rng.random_range(0..count);
+    if rng.random_bool(0.4) {
+        log.names.push(format!("extra{count}"));
+        log.columns.push(log.columns[at].clone());
+        at = count;
+    }
+    let from = rng.random_range(0..rows.max(1));
+    let value = *pick(rng, &[&0.0, &-0.0, &1.0, &-1e-5, &32767.0, &1e6, &1e12, &-1e150]);
+    let other = log.columns[rng.random_range(0..count)].clone();
+    let kind = rng.random_range(0..12);
+    let time = log.names[at] == "t_s";
+    for (row, cell) in log.columns[at].iter_mut().enumerate() {
+        *cell = match kind {
+            0 => value,
+            1 if row >= from => value,
+            2 if row == from => value,
+            3 => *cell * value,
+            4 => *cell + value,
+            5 => other[row],
+            // Nothing there: in a column that must have numbers, the log is refused.
+            6 if row >= from || row % 3 == 0 => f64::NAN,
+            7 => (row % 2) as f64 * value,
+            8 => other[row] * other[row] * 1e3,
+            9 => (*cell / 10.0).round() * 10.0,
+            10 if row >= from => -*cell,
+            11 => rng.random_range(-1.0..1.0) * value,
+            _ => *cell,
+        };
+    }
+    if time && rng.random_bool(0.9) {
+        // Most orders of rows are refused; this one is not.
+        log.columns[at].sort_by(f64::total_cmp);
+    }
+}
+
+/// The text of one case.
+fn case(seed: u64) -> Vec<u8> {
+    let mut rng = ChaCha12Rng::seed_from_u64(seed);
+    let mut log = log(&mut rng);
+    for _ in 0..rng.random_range(0..5) {
+        odd(&mut rng, &mut log);
+    }
+    if rng.random_bool(0.3) {
+        // Without the sensors beside the magnetometer, or without time.
+        let gone = *pick(&mut rng, &[&"a", &"g", &"t", &"h"]);
+        let keep: Vec<bool> = log.names.iter().map(|name| !name.starts_with(gone)).collect();
+        let mut kept = keep.iter();
+        log.names.retain(|_| kept.next() == Some(&true));
+        let mut kept = keep.iter();
+        log.columns.retain(|_| kept.next() == Some(&true));
+    }
+    let mut text = Vec::new();
+    log.write_csv(&mut text, "odd").expect("memory can be written");
+    text
+}
+
+/// What must be numbers in the answer: JSON writes a NaN as null.
+fn sound(object: &Value) {
+    let number = |value: &Value, what: &str| assert!(value.is_f64() || value.is_u64(), "{what} is {value}");
+    for step in object["steps"].as_array().expect("a list") {
+        number(&step["rms_ut"], "rms_ut");
+    }
+    for effect in object["effects"].as_array().expect("a list") {
+        effect["coefficients"]
+            .as_array()
+            .expect("a list")
+            .iter()
+            .for_each(|value| number(value, "a coefficient"));
+        effect["std_errors"].as_array().expect("a list").iter().for_each(|value| number(value, "an error"));
+        let named = effect["reference"].as_object().into_iter().chain(effect["parameters"].as_object());
+        named.flatten().for_each(|(name, value)| number(value, name));
+    }
+    for row in object["candidates"].as_array().expect("a list") {
+        assert!(
+            ["missing", "not-needed", "confounded", "untestable"]
+                .contains(&row["status"].as_str().expect("text"))
+        );
+        if let Some(p) = row["p_value"].as_f64() {
+            assert!((0.0..=1.0).contains(&p), "p {p}");
+        }
+    }
+    for one in object["where"].as_array().expect("a list") {
+        number(&one["explained"], "explained");
+        number(&one["p_value"], "p_value");
+    }
+    if let Some(calibration) = object["calibration"].as_object() {
+        calibration["offset_ut"].as_array().expect("three").iter().for_each(|value| number(value, "offset"));
+        for row in calibration["matrix"].as_array().expect("three") {
+            row.as_array().expect("three").iter().for_each(|value| number(value, "matrix"));
+        }
+        number(&calibration["field_ut"], "field_ut");
+    }
+    for pair in ["dip", "heading"] {
+        for (name, value) in object[pair].as_object().into_iter().flatten() {
+            number(value, name);
+        }
+    }
+}
+
+fn cases(default: u64) -> u64 {
+    std::env::var("IRONOUT_FUZZ_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(default)
+}
+
+#[test]
+fn odd_columns_are_diagnosed_or_refused() {
+    let (mut answered, count) = (0, cases(100));
+    for seed in 0..count {
+        let text = case(seed);
+        let result = std::panic::catch_unwind(|| {
+            let Ok(log) = read_stream(&text[..], text.len() as u64, &ReadOptions::default()) else {
+                return false;
+            };
+            let options = Options { search: true, ..Options::default() };
+            match diagnose(&Table::from(&log), &options) {
+                Ok(diagnosis) => sound(&json::object(&diagnosis)),
+                Err(refusal) => assert!(!format!("{refusal:?}").is_empty()),
+            }
+            true
+        });
+        match result {
+            Ok(diagnosed) => answered += u64::from(diagnosed),
+            Err(_) => {
+                let path = write(&folder("diagnose_fuzz"), "broken.csv", &text);
+                panic!("case {seed}: {}", path.display());
+            }
+        }
+    }
+    // Most are read: else nothing was tried.
+    assert!(2 * answered > count, "only {answered} of {count} logs were diagnosed");
+}
+
+#[test]
+fn odd_columns_are_told_in_words() {
+    let here = folder("diagnose_fuzz_words");
+    for seed in 0..cases(12) {
+        let log = write(&here, "log.csv", case(seed));
+        let run = ironout(["diagnose", log.to_str().expect("text")]);
+        assert!((0..=2).contains(&run.status), "case {seed}: status {}, {}", run.status, run.stderr);
+        assert!(!run.stderr.contains("panicked"), "case {seed}: {}", run.stderr);
+        assert!(!run.stdout.contains("NaN"), "case {seed}: {}", run.stdout);
+    }
+}
