@@ -219,6 +219,17 @@ impl<'a> Greedy<'_, 'a> {
                 }
                 continue;
             }
+            if fitted.pieces.len() + 2 <= MOST_EFFECTS
+                && let Some((both, next)) = self.pair(&fitted, &last)?
+            {
+                fitted = self.aligned(next)?;
+                order.extend(both);
+                while let Some((dropped, without)) = self.drop_one(&fitted)? {
+                    order.retain(|id| *id != dropped);
+                    fitted = self.aligned(without)?;
+                }
+                continue;
+            }
             // Nothing more to add: now that all is in, is each effect the best of those that explain the same?
             match self.reconsider(&fitted, count)? {
                 Reconsidered::Swap { from, to, .. } if swapped.contains(&(to.clone(), from.clone())) => {

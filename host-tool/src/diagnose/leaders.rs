@@ -24,26 +24,30 @@ impl<'a> Greedy<'_, 'a> {
     ) -> Result<Option<Fitted<'a>>, BadShape> {
         let mut pieces = fitted.pieces.clone();
         pieces.push(piece.clone());
-        let Some(mut next) = self.pass.fit(fitted.model, pieces, self.known)? else { return Ok(None) };
-        if piece.id == "step" {
-            next = self.at_its_time(next)?;
-        } else {
-            next = parameter::refine(&self.pass, next, self.catalogue, self.known)?;
-        }
+        let Some(next) = self.pass.fit(fitted.model, pieces, self.known)? else { return Ok(None) };
+        let next = self.settled(next)?;
         Ok(next.converged.then_some(next))
+    }
+
+    /// The model with what fixes the shapes moved to where the error is least. What was found before an effect came in
+    /// was found in the trace that this one left.
+    pub(super) fn settled(&self, fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
+        let next = parameter::refine(&self.pass, fitted, self.catalogue, self.known)?;
+        self.at_its_time(next)
     }
 
     /// A strong step bends the base that its time was searched at: searched again at the model with the step.
     fn at_its_time(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
         for _ in 0..3 {
             let mut pieces = fitted.pieces.clone();
-            let Some(step) = pieces.pop() else { break };
+            let Some(place) = pieces.iter().position(|piece| piece.id == "step") else { break };
+            let step = pieces.remove(place);
             let bare = self.pass.hold(fitted.model, pieces.clone(), self.known)?;
             let Some(found) = search::step(&self.pass, &bare, self.catalogue)? else { break };
             if found.piece.fixed == step.fixed {
                 break;
             }
-            pieces.push(Piece { coefficients: step.coefficients, ..found.piece });
+            pieces.insert(place, Piece { coefficients: step.coefficients, ..found.piece });
             match self.pass.fit(fitted.model, pieces, self.known)? {
                 Some(next) if next.squares < fitted.squares => fitted = next,
                 _ => break,

@@ -13,6 +13,7 @@ pub mod greedy;
 pub mod json;
 mod leaders;
 pub mod outcome;
+mod pairs;
 pub mod parameter;
 pub mod quality;
 mod rest;

@@ -48,7 +48,7 @@ pub struct Screening {
 }
 
 /// Columns of a piece that follows `base` columns and the pieces before it.
-fn ranges(base: usize, pieces: &[&Piece]) -> Vec<std::ops::Range<usize>> {
+pub(super) fn ranges(base: usize, pieces: &[&Piece]) -> Vec<std::ops::Range<usize>> {
     let mut next = base;
     pieces
         .iter()
@@ -61,7 +61,7 @@ fn ranges(base: usize, pieces: &[&Piece]) -> Vec<std::ops::Range<usize>> {
 }
 
 /// A prior with a trace of information on further columns, so that directions the data do not show stay at zero.
-fn ridge(prior: &Matrix, data: &Matrix, from: usize) -> Matrix {
+pub(super) fn ridge(prior: &Matrix, data: &Matrix, from: usize) -> Matrix {
     let mut out = prior.clone();
     let mut wide = Matrix::new(data.columns());
     wide.merge(&out);
