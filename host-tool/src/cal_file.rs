@@ -247,6 +247,14 @@ impl CalFile {
 }
 
 impl Information {
+    /// Of a normal matrix over [`PARAMETERS`]; `None` if it is not finite and positive definite.
+    pub fn of(matrix: &[[f64; 9]; 9]) -> Option<Self> {
+        let symmetric = |i: usize, j: usize| (matrix[i][j] + matrix[j][i]) / 2.0;
+        let matrix = (0..9).map(|i| (0..9).map(|j| symmetric(i, j)).collect()).collect();
+        let information = Information { parameters: PARAMETERS.map(String::from).to_vec(), matrix };
+        information.check().is_ok().then_some(information)
+    }
+
     /// The inverse of a covariance; `None` if it has none that is finite and positive definite.
     pub fn from_covariance(covariance: &[[f64; 9]; 9]) -> Option<Self> {
         let matrix = SMatrix::<f64, 9, 9>::from_fn(|i, j| (covariance[i][j] + covariance[j][i]) / 2.0);

@@ -4,6 +4,7 @@ use crate::failure::{Failure, Outcome};
 use crate::geomag::EarthField;
 use crate::input::{self, Mounting, ReadOptions};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use ironout::fit::Method;
 use std::path::PathBuf;
 
 const ABOUT: &str = "Calibrates magnetometers and shows what the calibration leaves over.
@@ -166,7 +167,7 @@ pub struct FieldArgs {
     /// The same from the world magnetic model: degrees north, degrees east, YYYY-MM-DD
     #[arg(long, value_name = "LAT,LON,DATE", allow_hyphen_values = true)]
     pub at: Option<String>,
-    /// How to fit
+    /// How to fit offset and matrix (with effects, or on top of --prior, everything is fitted at once)
     #[arg(long, value_enum, default_value_t = MethodArg::Adjusted)]
     pub method: MethodArg,
 }
@@ -181,6 +182,25 @@ pub struct Expected {
 }
 
 impl FieldArgs {
+    /// The method of the base model.
+    ///
+    /// # Errors
+    /// Where effects or an earlier calibration are to be fitted together with it, which these methods do not.
+    pub fn method_with(&self, add: &[String], prior: Option<&PathBuf>) -> Outcome<Method> {
+        let method = match self.method {
+            MethodArg::Adjusted => Method::Adjusted,
+            MethodArg::Trace => Method::Trace,
+            MethodArg::Constant => Method::Constant,
+        };
+        if method != Method::Adjusted && !(add.is_empty() && prior.is_none()) {
+            return Err(Failure::usage(format!(
+                "--method {}: with --add and --prior everything is fitted at once, which these methods do not: leave it out",
+                method.name()
+            )));
+        }
+        Ok(method)
+    }
+
     /// The expected field; errors name the option.
     pub fn expected(&self) -> Outcome<Expected> {
         if let Some(text) = &self.at {

@@ -12,6 +12,7 @@ pub mod effect_table;
 pub mod effects;
 pub mod failure;
 pub mod geomag;
+pub mod ground;
 pub mod input;
 pub mod output;
 pub mod pipeline;

@@ -4,8 +4,9 @@ use crate::cal_file::CalFile;
 use crate::diagnose::engine::Earlier;
 use crate::effects;
 use crate::failure::{Failure, Outcome};
+use crate::ground::triangle_of;
 use crate::input::Log;
-use crate::pipeline::triangle_of;
+
 use ironout::effect::{BuiltIn, Effect, Offset, Power};
 use std::path::Path;
 

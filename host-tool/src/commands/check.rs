@@ -2,10 +2,11 @@
 
 use crate::cal_file::CalFile;
 use crate::cli::CheckArgs;
+use crate::diagnose::Table;
 use crate::effects::Corrector;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
+use crate::ground::Data;
 use crate::output::{json_number, line};
-use crate::pipeline::Data;
 use ironout::calibration::{Calibration, norm};
 use ironout::coverage::CoverageMap;
 use nalgebra::{SMatrix, SVector};
@@ -98,11 +99,13 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     if let Some(notice) = corrector.notice() {
         eprintln!("note: {}: {notice}", log.path.display());
     }
-    let data = Data::new(&log);
-    let samples = data.moving(1.0);
+    let table = Table::from(&log);
+    let data = Data::new(&table);
+    let all: Vec<u32> = (0..data.rows.len() as u32).collect();
+    let samples = data.moving(&all, 1.0);
     let corrected = samples
         .iter()
-        .map(|&sample| corrector.field(data.rows[sample as usize] as usize))
+        .map(|&sample| corrector.field(data.row(sample)))
         .collect::<Outcome<Vec<[f64; 3]>>>()?;
     let residual: Vec<f64> = corrected.iter().map(|field| calibration.residual_ut(*field)).collect();
     let rms =

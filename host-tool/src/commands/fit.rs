@@ -1,26 +1,19 @@
 //! `ironout fit`: calibrate from a log.
 
-use crate::cli::{FitArgs, MethodArg};
+use crate::cli::FitArgs;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::pipeline::{self, Options};
 use crate::prior::Prior;
 use crate::{atomic, output};
-use ironout::fit::Method;
 
 /// Fits, reports, and keeps an accepted calibration.
 pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
     let expected = arguments.field.expected()?;
+    let method = arguments.field.method_with(&arguments.add, arguments.prior.as_ref())?;
     if let Some(path) = &arguments.output {
         atomic::not_over(&arguments.log.log, path)?;
     }
     let log = arguments.log.read()?;
-    let method = method(arguments.field.method);
-    if method != Method::Adjusted && !(arguments.add.is_empty() && arguments.prior.is_none()) {
-        return Err(Failure::usage(format!(
-            "--method {}: with --add and --prior everything is fitted at once, which these methods do not: leave it out",
-            method.name()
-        )));
-    }
     let prior = arguments.prior.as_deref().map(|path| Prior::read(path, &log)).transpose()?;
     let fitted = pipeline::run(&log, &Options { method, expected, add: arguments.add.clone(), prior })?;
     let to_text = |error: serde_json::Error| Failure::usage(error.to_string());
@@ -46,13 +39,4 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         eprintln!("{text}");
     }
     Ok(if fitted.accepted { EXIT_OK } else { EXIT_REFUSED })
-}
-
-/// The core's method for the option.
-pub fn method(argument: MethodArg) -> Method {
-    match argument {
-        MethodArg::Adjusted => Method::Adjusted,
-        MethodArg::Trace => Method::Trace,
-        MethodArg::Constant => Method::Constant,
-    }
 }

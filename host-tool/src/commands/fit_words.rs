@@ -2,9 +2,10 @@
 
 use crate::cli::{Expected, FitArgs};
 use crate::diagnose::outcome::FittedEffect;
+use crate::ground::{Alignment, Solution, Why};
 use crate::input::Log;
 use crate::output::{line, number};
-use crate::pipeline::{Alignment, FaultKind, Fitted, Solution};
+use crate::pipeline::Fitted;
 use ironout::fit::Model;
 
 /// Prints the whole solution.
@@ -30,21 +31,17 @@ fn samples(log: &Log, fitted: &Fitted) {
             parts.push(format!("{count} {what}"));
         }
     };
-    part(fitted.rows - fitted.samples, "repeated rows");
-    part(fitted.samples - fitted.moving, "at rest");
-    for (kind, count) in &fitted.aside {
-        match kind {
-            FaultKind::Clipping { axis } => part(*count, &format!("clipped on {}", ["x", "y", "z"][*axis])),
-            FaultKind::Outlier => part(*count, "set aside as outliers"),
-            FaultKind::Stuck => part(*count, "stuck"),
-        }
+    part(fitted.repeated, "repeated rows");
+    part(fitted.at_rest, "at rest");
+    for aside in &fitted.aside {
+        let what = match aside.why {
+            Why::Clipping { axis } => format!("clipped on {}", ["x", "y", "z"][axis]),
+            Why::Burst => "set aside as bursts".to_string(),
+            Why::Stuck => "stuck".to_string(),
+        };
+        part(aside.samples, &what);
     }
     line(&parts.join(", "));
-    if let Some(count) = fitted.too_many_outliers {
-        line(&format!(
-            "{count} samples lie far from the fit: too many to be faults of single samples, so none was set aside"
-        ));
-    }
 }
 
 fn table(solution: &Solution, expected: &Expected) {

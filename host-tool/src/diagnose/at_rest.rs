@@ -3,7 +3,6 @@
 use super::base;
 use super::candidates::Catalogue;
 use super::engine::{Known, Pass};
-use super::faults::DataFault;
 use super::greedy::Greedy;
 use super::outcome::{Diagnosis, Status, Verdict};
 use super::quality::{covariance, residue};
@@ -16,20 +15,13 @@ use super::view::View;
 use ironout::study::{Model, Residual};
 
 /// A board at rest: the vector itself is the residual.
-pub(super) fn at_rest(
-    table: &Table,
-    samples: &Samples,
-    data_faults: Vec<DataFault>,
-    options: &Options,
-) -> Result<Diagnosis, Refusal> {
+pub(super) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
     let catalogue = Catalogue::new(samples, table);
     let pass = Pass { samples, residual: Residual::Vector };
     let known = Known::default();
     let mean = base::mean_vector(samples);
     let model = Model::new(mean, base::NO_ROTATION, 1.0, base::NO_ROTATION, 0.0);
-    let nothing = || {
-        undetermined(table, samples, data_faults.clone(), "the board rests and nothing else changes".into())
-    };
+    let nothing = || undetermined(table, samples, "the board rests and nothing else changes".into());
     if catalogue.usable_columns().next().is_none() {
         return Ok(nothing());
     }
@@ -101,8 +93,16 @@ pub(super) fn at_rest(
         explanation.count,
     );
     let traces = Traces::of(&pass, &explanation.base, &explanation.fitted)?;
-    let view =
-        View { table, samples, catalogue: &catalogue, pass, known: &known, explanation, lower_order: false };
+    let view = View {
+        table,
+        samples,
+        catalogue: &catalogue,
+        pass,
+        known: &known,
+        explanation,
+        lower_order: false,
+        base: None,
+    };
     let in_group = |id: &String| confounded.iter().any(|group| group.ids.contains(id));
     let mut steps = view.steps(&None)?;
     steps.retain(|step| step.added.as_ref().is_none_or(|id| !in_group(id)));
@@ -127,6 +127,6 @@ pub(super) fn at_rest(
         shows,
         prior: "none".into(),
         traces,
-        ..undetermined(table, samples, data_faults, String::new())
+        ..undetermined(table, samples, String::new())
     })
 }

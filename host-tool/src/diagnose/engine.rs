@@ -12,6 +12,24 @@ pub const TERMS: usize = 20;
 /// Blocks of time for the held-out error.
 pub const BLOCKS: usize = 10;
 
+/// When a fit ends.
+#[derive(Debug, Clone, Copy)]
+pub struct End {
+    /// A step that would take less than this share of the squared residuals is the last.
+    step_left: f64,
+    /// After more steps than this that are small against their errors, the last of them is.
+    steps_near: u32,
+    /// By this share a step may raise the squared residuals.
+    rise: f64,
+}
+
+/// Good enough to go on from.
+const USUAL: End = End { step_left: 1e-9, steps_near: 4, rise: 0.0 };
+
+/// Where the steps themselves end, wherever they began: the shape of a coupling depends on the model, which its derivatives
+/// leave out, so that the least sum is not quite where no step is left.
+pub const SETTLED: End = End { step_left: 1e-15, steps_near: 20, rise: 1e-5 };
+
 /// A normal matrix of this host.
 pub type Matrix = Normal<f64, COLUMNS>;
 
@@ -332,6 +350,17 @@ impl Pass<'_> {
         pieces: Vec<Piece<'a>>,
         known: &Known,
     ) -> Result<Option<Fitted<'a>>, BadShape> {
+        self.fit_to(USUAL, model, pieces, known)
+    }
+
+    /// The same to another end.
+    pub fn fit_to<'a>(
+        &self,
+        end: End,
+        model: Model<f64>,
+        pieces: Vec<Piece<'a>>,
+        known: &Known,
+    ) -> Result<Option<Fitted<'a>>, BadShape> {
         let bounds = self.samples.bounds(BLOCKS);
         let evaluate = |model: &Model<f64>, pieces: &[Piece<'a>], sigma: Option<f64>| {
             let list: Vec<&Piece> = pieces.iter().collect();
@@ -358,7 +387,7 @@ impl Pass<'_> {
             };
             let delta = total.step(&factor);
             let predicted: f64 = (0..total.columns()).map(|i| -delta[i] * total.right(i)).sum();
-            if predicted <= 1e-9 * total.squares().max(1e-300) {
+            if predicted <= end.step_left * total.squares().max(1e-300) {
                 converged = true;
                 break;
             }
@@ -366,7 +395,7 @@ impl Pass<'_> {
             // that is near enough.
             let near = damping < 1.0 && predicted <= 0.01 * sigma * sigma;
             steps_near = if near { steps_near + 1 } else { 0 };
-            if steps_near > 4 {
+            if steps_near > end.steps_near {
                 converged = true;
                 break;
             }
@@ -375,7 +404,7 @@ impl Pass<'_> {
                 Some((model, pieces)) => {
                     let next = evaluate(&model, &pieces, Some(sigma))?;
                     let cost = next.2 + next.1.squares();
-                    (cost < total.squares()).then_some((model, pieces, next))
+                    (cost < total.squares() * (1.0 + end.rise)).then_some((model, pieces, next))
                 }
                 None => None,
             };

@@ -58,7 +58,8 @@ pub struct Faults {
     pub axes: [bool; 3],
 }
 
-const AXES: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
+/// The columns of the magnetometer.
+pub const AXES: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
 /// A visit to the end of a range ends this share of the range away from it.
 const VISIT_SHARE: f64 = 0.02;
 /// Fewer samples than this at the end of a range are no clipping.
@@ -81,6 +82,10 @@ const BURST_EDGE: f64 = 2.5;
 /// On both sides of a burst the residual is usual: its median stays below this many robust standard deviations (0.67 for
 /// noise alone; the burst itself has bent the fit a little).
 const BURST_SIDE: f64 = 3.5;
+/// A spike stands out of its neighbourhood this many robust standard deviations: chance does so once in 500 million samples.
+const SPIKE: f64 = 6.0;
+/// Neighbours on either side; a spike is shorter than that.
+const NEIGHBOURS: usize = 3;
 /// A glitch lies outside the middle 96 % of an axis' readings by more than this many times their range.
 const GLITCH_REACH: f64 = 1.0;
 /// An outlier is further off than this many robust standard deviations.
@@ -339,10 +344,60 @@ pub fn outliers(residuals: &[f64]) -> Vec<bool> {
     off.drain(..).map(|value| value > limit).collect()
 }
 
-/// The fault that a burst is.
-pub fn burst_fault(table: &Table, samples: &Samples, (from, to): (usize, usize)) -> DataFault {
-    let rows = (samples.row[from], samples.row[to]);
-    span(table, FaultKind::Burst, rows.0, rows.1, (to - from + 1) * samples.stride, &[0, 1, 2])
+/// Single readings far from those next to them in the residual of a fit: `(first, last)` sample of each. Whatever effect is
+/// missing from the model changes slowly beside them. Empty where so many stand out that it is the noise.
+pub fn spikes(residuals: &[f64]) -> Vec<(usize, usize)> {
+    let n = residuals.len();
+    if n < 50 {
+        return Vec::new();
+    }
+    let mut near = Vec::with_capacity(2 * NEIGHBOURS);
+    let off: Vec<f64> = (0..n)
+        .map(|at| {
+            near.clear();
+            near.extend_from_slice(&residuals[at.saturating_sub(NEIGHBOURS)..at]);
+            near.extend_from_slice(&residuals[at + 1..(at + 1 + NEIGHBOURS).min(n)]);
+            residuals[at] - median(&mut near)
+        })
+        .collect();
+    let mut sizes: Vec<f64> = off.iter().map(|value| value.abs()).collect();
+    let limit = SPIKE * 1.4826 * median(&mut sizes);
+    if limit.is_nan() || limit <= 0.0 {
+        return Vec::new();
+    }
+    let mut events: Vec<(usize, usize)> = Vec::new();
+    for at in (0..n).filter(|&at| off[at].abs() > limit) {
+        match events.last_mut() {
+            Some(last) if at == last.1 + 1 => last.1 = at,
+            _ => events.push((at, at)),
+        }
+    }
+    let flagged: usize = events.iter().map(|(from, to)| to - from + 1).sum();
+    if flagged as f64 > BURST_SHARE * n as f64 { Vec::new() } else { events }
+}
+
+/// The fault that a burst between two rows is.
+pub fn burst_fault(table: &Table, (from, to): (usize, usize), samples: usize) -> DataFault {
+    span(table, FaultKind::Burst, from, to, samples, &[0, 1, 2])
+}
+
+/// Bursts that touch are one.
+pub fn merge_bursts(list: &mut Vec<DataFault>) {
+    let mut merged: Vec<DataFault> = Vec::new();
+    let bursts = list.iter().filter(|fault| fault.kind == FaultKind::Burst).cloned();
+    let mut sorted: Vec<DataFault> = bursts.collect();
+    sorted.sort_by(|a, b| a.from_s.unwrap_or(0.0).total_cmp(&b.from_s.unwrap_or(0.0)));
+    for fault in sorted {
+        match merged.last_mut() {
+            Some(last) if fault.from_s.zip(last.to_s).is_some_and(|(from, to)| from <= to + 0.3) => {
+                last.to_s = fault.to_s.zip(last.to_s).map(|(a, b)| a.max(b));
+                last.samples += fault.samples;
+            }
+            _ => merged.push(fault),
+        }
+    }
+    list.retain(|fault| fault.kind != FaultKind::Burst);
+    list.extend(merged);
 }
 
 /// Whether a column of the log does something during bursts that it does not do elsewhere: then they are no fault but

@@ -3,7 +3,7 @@
 use super::alignment::{align, without_effects};
 use super::candidates::Catalogue;
 use super::certain::Withdrawn;
-use super::engine::{BadShape, Fitted, Known, Pass, Piece};
+use super::engine::{BadShape, Fitted, Known, Pass, Piece, SETTLED};
 use super::parameter;
 use super::screen::{Candidate, SIGNIFICANCE, Screening, Tested, rivalry, screen};
 use super::search;
@@ -15,6 +15,10 @@ pub const MOST_EFFECTS: usize = 6;
 const HELD_GAIN: f64 = 1e-3;
 /// The coupling's share along the identity has settled when it moves by less than this, s.
 const SETTLED_S: f64 = 2e-5;
+/// Rounds of fit and alignment at the end …
+const SETTLING: usize = 12;
+/// … until nothing moves by more than this share of the offset's and of the coefficients' size.
+const SETTLED_SHARE: f64 = 1e-7;
 /// Two candidates whose columns agree to this much, once the base is projected out, may be the same cause.
 const ALIKE: f64 = 0.8;
 
@@ -108,6 +112,16 @@ fn candidates<'a>(
     Ok(list)
 }
 
+/// Whether two fits of the same effects are the same to all digits that matter.
+fn unmoved(one: &Fitted, other: &Fitted) -> bool {
+    let near = |a: &[f64], b: &[f64]| {
+        let size = a.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SETTLED_SHARE * size)
+    };
+    near(&one.model.offset_ut, &other.model.offset_ut)
+        && one.pieces.iter().zip(&other.pieces).all(|(a, b)| near(&a.coefficients, &b.coefficients))
+}
+
 // One at a time, on the stack: the size does not matter.
 #[allow(clippy::large_enum_variant)]
 enum Reconsidered<'a> {
@@ -166,7 +180,8 @@ impl<'a> Greedy<'_, 'a> {
             };
             // What the coupling's share along the identity still lacks, together with the rotation.
             let dip = Pass { samples: &clean, residual: Residual::Dip };
-            let Some(fit) = dip.fit(fitted.model, vec![lag], self.known)? else { return Ok(fitted) };
+            let fit = dip.fit_to(SETTLED, fitted.model, vec![lag], self.known)?;
+            let Some(fit) = fit else { return Ok(fitted) };
             let lacking = fit.pieces[0].coefficients[0];
             for entry in [0, 4, 8] {
                 eddy.coefficients[entry] += lacking;
@@ -178,6 +193,27 @@ impl<'a> Greedy<'_, 'a> {
             }
             if lacking.abs() < SETTLED_S {
                 return Ok(fitted);
+            }
+        }
+        Ok(fitted)
+    }
+
+    /// A model with effects fitted so far that the way to it no longer shows: whoever adds the same effects, in whatever
+    /// order, gets the same digits.
+    pub fn settled(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
+        if fitted.pieces.is_empty() {
+            return Ok(fitted);
+        }
+        for _ in 0..SETTLING {
+            let before = fitted.clone();
+            let aligned = self.aligned(before.clone())?;
+            let next = self.pass.fit_to(SETTLED, aligned.model, aligned.pieces, self.known)?;
+            fitted = match next {
+                Some(next) => next,
+                None => return Ok(before),
+            };
+            if unmoved(&before, &fitted) {
+                break;
             }
         }
         Ok(fitted)

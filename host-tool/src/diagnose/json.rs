@@ -1,6 +1,9 @@
 //! The JSON object of `diagnose`.
 
 use super::outcome::Diagnosis;
+use crate::cal_file::StdErrors;
+use crate::ground::mounting_for;
+use ironout::calibration::Calibration;
 use serde_json::{Map, Value, json};
 
 /// A number, or null where it is unknown.
@@ -58,6 +61,12 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
             if let (Some(angle), Some(map)) = (row.angle_deg, object.as_object_mut()) {
                 map.insert("angle_deg".into(), number(Some(angle)));
             }
+            if let (Some(order), "axis-order", Some(map)) =
+                (&diagnosis.axis_order, row.id.as_str(), object.as_object_mut())
+            {
+                map.insert("order".into(), order.as_str().into());
+                map.insert("rotate".into(), mounting_for(order).into());
+            }
             object
         })
         .collect();
@@ -102,12 +111,32 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
     });
     if let Some(map) = object.as_object_mut() {
         map.insert("effects".into(), effects(diagnosis));
-        let calibration = diagnosis.calibration.map(|calibration| {
+        // With swapped axes the log is to be repaired first.
+        let calibration = diagnosis.calibration.filter(|_| diagnosis.axis_order.is_none());
+        let entry = |calibration: Calibration<f64>, std_errors: Option<&StdErrors>| {
             json!({
                 "offset_ut": calibration.offset_ut, "matrix": calibration.matrix, "field_ut": calibration.field_ut,
+                "std_errors": std_errors,
             })
+        };
+        let last = calibration.map(|calibration| entry(calibration, diagnosis.std_errors.as_ref()));
+        map.insert("calibration".into(), last.unwrap_or(Value::Null));
+        let base = diagnosis.base.as_ref().map(|base| {
+            let mut object = entry(base.solution.calibration, Some(&base.solution.std_errors));
+            if let Some(map) = object.as_object_mut() {
+                map.insert("method".into(), base.method.name().into());
+                let figures = [
+                    ("rms_ut", Some(base.solution.rms_ut)),
+                    ("holdout_rms_ut", base.holdout_rms_ut),
+                    ("noise_floor_ut", Some(base.noise_floor_ut)),
+                    ("residual_floor_ut", Some(base.residual_floor_ut)),
+                    ("predicted_error_ut", Some(base.solution.predicted_error_ut)),
+                ];
+                map.extend(figures.map(|(key, value)| (key.to_string(), number(value))));
+            }
+            object
         });
-        map.insert("calibration".into(), calibration.unwrap_or(Value::Null));
+        map.insert("base".into(), base.unwrap_or(Value::Null));
     }
     object
 }

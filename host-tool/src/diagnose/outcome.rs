@@ -1,8 +1,9 @@
 //! What a diagnosis says.
 
-use super::dip_errors::RotationErrors;
 use super::faults::DataFault;
 use super::traces::Traces;
+use crate::cal_file::{Information, StdErrors};
+use crate::ground::{Alignment, Base};
 use ironout::calibration::Calibration;
 
 /// The verdict of the contract.
@@ -179,16 +180,18 @@ pub struct Diagnosis {
     pub effects: Vec<FittedEffect>,
     /// The final calibration (full matrix where aligned).
     pub calibration: Option<Calibration<f64>>,
-    /// Standard errors of the offset.
-    pub offset_std_errors_ut: [f64; 3],
-    /// Standard errors of the triangular matrix.
-    pub matrix_std_errors: [[f64; 3]; 3],
-    /// Covariance of the rotation vector that aligns the matrix to the accelerometer, rad².
-    pub rotation_errors: Option<RotationErrors>,
-    /// How the axes stand in the log, if they are swapped.
+    /// Standard errors of offset and matrix.
+    pub std_errors: Option<StdErrors>,
+    /// Whether the matrix stands in the accelerometer's axes.
+    pub alignment: Alignment,
+    /// How the axes stand in the log, if they are swapped: `y,x,z` means that the log's first axis is the board's y.
     pub axis_order: Option<String>,
     /// Information about offset and triangle, effects projected out.
-    pub information: Option<[[f64; 9]; 9]>,
+    pub information: Option<Information>,
+    /// Whether the fit of the final model converged.
+    pub converged: bool,
+    /// The base model as `fit` gives it; `None` where the samples alone carry none.
+    pub base: Option<Base>,
     /// Predicted error of a corrected vector in the worst direction, µT.
     pub predicted_error_ut: Option<f64>,
     /// Samples used.

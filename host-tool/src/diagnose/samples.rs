@@ -95,10 +95,9 @@ fn column(name: &str, mut values: Vec<f64>, not_finite: usize) -> Column {
 }
 
 impl Samples {
-    /// Takes the rows that are not set aside.
-    pub fn take(table: &Table, set_aside: &[bool], axes: [bool; 3]) -> Samples {
-        let unique: Vec<usize> =
-            unique_rows(table).into_iter().filter(|&row| !set_aside[row] && !table.leaves_out(row)).collect();
+    /// Takes the rows that are not left out.
+    pub fn take(table: &Table, left_out: &[bool], axes: [bool; 3]) -> Samples {
+        let unique: Vec<usize> = unique_rows(table).into_iter().filter(|&row| !left_out[row]).collect();
         let stride = unique.len().div_ceil(MOST_SAMPLES).max(1);
         // The place within each stride wanders, so that thinning does not fold a high frequency onto a low one.
         let row: Vec<usize> = unique

@@ -1,10 +1,10 @@
 //! The whole diagnosis of one log.
 
 use super::at_rest::at_rest;
+use super::base;
 use super::candidates::Catalogue;
 use super::engine::{BadShape, Earlier, Fitted, Known, Pass, Piece};
-use super::faults::{self, DataFault, Faults};
-use super::greedy::Greedy;
+use super::greedy::{Greedy, held_out_rms};
 use super::outcome::{CandidateRow, Diagnosis, Status, StepRow, Verdict};
 use super::quality::{Residue, attitude_error};
 use super::samples::Samples;
@@ -13,8 +13,8 @@ use super::series::{rms, second_difference_sigma};
 use super::table::Table;
 use super::traces::Traces;
 use super::view::View;
-use super::{base, rest};
-use ironout::fit::{MAX_PREDICTED_ERROR, MIN_THICKNESS};
+use crate::ground::{Alignment, Base, Counted, Ground, with_room};
+use ironout::fit::{MAX_PREDICTED_ERROR, MIN_THICKNESS, Method};
 use ironout::study::{Model, PhysicalPrior, Residual};
 
 /// A log is taken as of a calibrated sensor if the raw magnitude spreads by at most this share of its mean ...
@@ -25,6 +25,9 @@ const CALIBRATED_OFFSET: f64 = 0.05;
 /// No effect is so many times the noise that finding it makes up for a predicted error this many times too large.
 const HOPELESS: f64 = 20.0;
 
+/// Fewer samples are no study.
+const FEWEST: usize = 30;
+
 /// The most effects that `--add` may name, as many as a calibration carries.
 pub(super) const MOST_ADDED: usize = 4;
 
@@ -33,6 +36,8 @@ pub(super) const MOST_ADDED: usize = 4;
 pub struct Options {
     /// The field to scale to, µT; the log's own mean where absent.
     pub field_ut: Option<f64>,
+    /// The method of the base model. A model with effects is fitted all at once, by Levenberg–Marquardt.
+    pub method: Method,
     /// Effects that stand in the model from the beginning.
     pub add: Vec<String>,
     /// Whether to search for more.
@@ -56,121 +61,66 @@ impl From<BadShape> for Refusal {
     }
 }
 
-/// The stack of a study: normal matrices of 64 columns are 33 KB each, and pass by value.
-const STACK_BYTES: usize = 64 << 20;
-
 /// The diagnosis of a log.
 pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
-    std::thread::scope(|scope| {
-        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
-        match thread.spawn_scoped(scope, || study(table, options)) {
-            Ok(running) => match running.join() {
-                Ok(result) => result,
-                Err(panic) => std::panic::resume_unwind(panic),
-            },
-            // No thread to be had: the caller's own stack may do.
-            Err(_) => study(table, options),
-        }
-    })
+    with_room(|| study(&Ground::of(table, options.method, options.field_ut), options))
 }
 
-fn study(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
-    let Faults { list, mut set_aside, axes } = faults::find(table);
-    let mut data_faults = list;
-    let samples = Samples::take(table, &set_aside, axes);
-    if samples.len() < 30 {
-        return Ok(undetermined(table, &samples, data_faults, "fewer than 30 different samples".into()));
+/// The diagnosis of a log whose samples are sorted out, with [`crate::ground::with_room`] to work in.
+pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
+    let counted = &ground.counted;
+    let mut diagnosis = of_kind(ground, options)?;
+    diagnosis.data_faults.clone_from(&counted.faults);
+    diagnosis.samples_used = counted.studied();
+    diagnosis.samples_set_aside = counted.set_aside();
+    diagnosis.base =
+        ground.base.as_ref().ok().filter(|_| !counted.rests && options.earlier.is_none()).cloned();
+    Ok(diagnosis)
+}
+
+fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
+    let Counted { table, samples, .. } = &ground.counted;
+    if samples.len() < FEWEST {
+        let why = match ground.counted.at_rest {
+            0 => format!("fewer than {FEWEST} different samples"),
+            rest => {
+                format!("{} samples in motion are too few ({rest} are of a resting board)", samples.len())
+            }
+        };
+        return Ok(undetermined(table, samples, why));
     }
-    if rest::at_rest(&samples) {
-        return at_rest(table, &samples, data_faults, options);
+    if ground.counted.rests {
+        return at_rest(table, samples, options);
     }
-    if axes != [true; 3] {
+    if ground.counted.axes != [true; 3] {
         let why = "an axis is a copy of another, so there is no ellipsoid: repair the driver".into();
-        return Ok(undetermined(table, &samples, data_faults, why));
+        return Ok(undetermined(table, samples, why));
     }
-    let known = Known { physical: PhysicalPrior::default(), earlier: options.earlier.clone() };
-    let found = bursts(&samples, table, &set_aside, axes, &known, options)?;
-    let mut samples = samples;
-    for (from, to) in &found {
-        let (first, last) = (samples.row[*from], samples.row[*to]);
-        set_aside[first..=last].fill(true);
-        data_faults.push(faults::burst_fault(table, &samples, (*from, *to)));
-    }
-    if !found.is_empty() {
-        samples = Samples::take(table, &set_aside, axes);
-    }
-    merge_bursts(&mut data_faults);
-    let Some((model, _)) = base::start(&samples, options.field_ut) else {
-        return Ok(undetermined(
-            table,
-            &samples,
-            data_faults,
-            "no sphere or ellipsoid fits the samples".into(),
-        ));
+    let known = Known { earlier: options.earlier.clone(), ..Known::default() };
+    let Some((model, _)) = base::start(samples, options.field_ut) else {
+        return Ok(undetermined(table, samples, "no sphere or ellipsoid fits the samples".into()));
     };
-    let set_aside = set_aside.iter().filter(|aside| **aside).count();
-    let mut diagnosis = magnitude(table, &samples, model, &known, options, data_faults.clone(), false)?;
+    // On top of an earlier calibration the base is fitted with it, which sums alone cannot.
+    let base = ground.base.as_ref().ok().filter(|_| options.earlier.is_none());
+    let mut diagnosis =
+        magnitude(table, samples, model, &known, options, Stand { base, lower_order: false })?;
     if diagnosis.verdict == Verdict::Undetermined && options.earlier.is_none() {
         // Only where the attitude is at fault: full attitude with a large residual is something else.
         let field = diagnosis.calibration.map_or(f64::NAN, |calibration| calibration.field_ut);
         let open = diagnosis.predicted_error_ut.is_none_or(|error| error > MAX_PREDICTED_ERROR * field);
-        if open && let Some(lower) = as_logged(table, &samples, options, data_faults)? {
+        if open && let Some(lower) = as_logged(table, samples, options)? {
             diagnosis = lower;
         } else {
             accuse_nobody(&mut diagnosis);
         }
     }
-    diagnosis.samples_set_aside = set_aside;
     Ok(diagnosis)
-}
-
-/// Bursts show in the residual of the base model. They bend a fit that holds them, so it is made without what stands out
-/// of it, until that is the same as before.
-fn bursts(
-    samples: &Samples,
-    table: &Table,
-    set_aside: &[bool],
-    axes: [bool; 3],
-    known: &Known,
-    options: &Options,
-) -> Result<Vec<(usize, usize)>, BadShape> {
-    let all = Pass { samples, residual: Residual::Magnitude };
-    let mut kept = samples.clone();
-    let mut outliers = vec![false; samples.len()];
-    let mut found = Vec::new();
-    for _ in 0..5 {
-        let pass = Pass { samples: &kept, residual: Residual::Magnitude };
-        let Some((model, _)) = base::start(&kept, options.field_ut) else { break };
-        let Some(fitted) = pass.fit(model, Vec::new(), known)? else { break };
-        let residuals = all.residuals(&fitted.model, &[])?;
-        found = faults::bursts(&residuals);
-        let now = faults::outliers(&residuals);
-        let share = now.iter().filter(|out| **out).count();
-        // So much is no outlier but structure; without any nothing can change.
-        if now == outliers || share == 0 || share * 5 > samples.len() {
-            break;
-        }
-        let mut aside = set_aside.to_vec();
-        for (row, _) in samples.row.iter().zip(&now).filter(|(_, out)| **out) {
-            aside[*row] = true;
-        }
-        kept = Samples::take(table, &aside, axes);
-        outliers = now;
-    }
-    let share: usize = found.iter().map(|(from, to)| to - from + 1).sum();
-    let much = share as f64 > faults::BURST_SHARE * samples.len() as f64;
-    Ok(if much || faults::have_company(samples, &found) { Vec::new() } else { found })
 }
 
 /// Attitude that does not carry nine parameters, in a log whose raw magnitude is nearly constant: the sensor was
 /// calibrated before, so its own scale and offset are kept and only effects are looked for. `None` where that does not
 /// hold, or explains nothing.
-fn as_logged(
-    table: &Table,
-    samples: &Samples,
-    options: &Options,
-    data_faults: Vec<DataFault>,
-) -> Result<Option<Diagnosis>, Refusal> {
+fn as_logged(table: &Table, samples: &Samples, options: &Options) -> Result<Option<Diagnosis>, Refusal> {
     let lengths: Vec<f64> = samples
         .readings
         .iter()
@@ -182,11 +132,12 @@ fn as_logged(
         return Ok(None);
     }
     let physical = PhysicalPrior { offset_fields: CALIBRATED_OFFSET, ..PhysicalPrior::sphere() };
-    let known = Known { physical, earlier: None };
+    let known = Known { physical, ..Known::default() };
     let field = options.field_ut.unwrap_or(mean);
     let matrix = base::NO_ROTATION.map(|row| row.map(|value| value * field / mean));
     let Some(model) = Model::new([0.0; 3], matrix, field, base::NO_ROTATION, 0.0) else { return Ok(None) };
-    let mut found = magnitude(table, samples, model, &known, options, data_faults, true)?;
+    let stand = Stand { base: None, lower_order: true };
+    let mut found = magnitude(table, samples, model, &known, options, stand)?;
     let error = |step: Option<&StepRow>| step.and_then(|step| step.holdout_rms_ut);
     let falls = error(found.steps.first()).zip(error(found.steps.last())).is_some_and(|(a, b)| b < 0.9 * a);
     if found.verdict == Verdict::Undetermined || !falls {
@@ -218,31 +169,7 @@ fn accuse_nobody(diagnosis: &mut Diagnosis) {
     }
 }
 
-/// Bursts that touch are one.
-fn merge_bursts(list: &mut Vec<DataFault>) {
-    let mut merged: Vec<DataFault> = Vec::new();
-    let bursts = list.iter().filter(|fault| fault.kind == faults::FaultKind::Burst).cloned();
-    let mut sorted: Vec<DataFault> = bursts.collect();
-    sorted.sort_by(|a, b| a.from_s.unwrap_or(0.0).total_cmp(&b.from_s.unwrap_or(0.0)));
-    for fault in sorted {
-        match merged.last_mut() {
-            Some(last) if fault.from_s.zip(last.to_s).is_some_and(|(from, to)| from <= to + 0.3) => {
-                last.to_s = fault.to_s.zip(last.to_s).map(|(a, b)| a.max(b));
-                last.samples += fault.samples;
-            }
-            _ => merged.push(fault),
-        }
-    }
-    list.retain(|fault| fault.kind != faults::FaultKind::Burst);
-    list.extend(merged);
-}
-
-pub(super) fn undetermined(
-    table: &Table,
-    samples: &Samples,
-    data_faults: Vec<DataFault>,
-    why: String,
-) -> Diagnosis {
+pub(super) fn undetermined(table: &Table, samples: &Samples, why: String) -> Diagnosis {
     let catalogue = Catalogue::new(samples, table);
     Diagnosis {
         verdict: Verdict::Undetermined,
@@ -252,19 +179,20 @@ pub(super) fn undetermined(
         noise_floor_ut: None,
         residual_floor_ut: None,
         candidates: untestable(&catalogue),
-        data_faults,
+        data_faults: Vec::new(),
         dip: None,
         heading: None,
         shows: Vec::new(),
         effects: Vec::new(),
         calibration: None,
-        offset_std_errors_ut: [f64::NAN; 3],
-        matrix_std_errors: [[f64::NAN; 3]; 3],
-        rotation_errors: None,
+        std_errors: None,
+        alignment: Alignment::None,
         axis_order: None,
         information: None,
+        converged: true,
+        base: None,
         predicted_error_ut: None,
-        samples_used: samples.len(),
+        samples_used: 0,
         samples_set_aside: 0,
         prior: String::new(),
         lower_order: false,
@@ -319,19 +247,28 @@ pub(super) fn added<'a>(
     Ok(found.map(|candidate| candidate.piece))
 }
 
+/// What a study of the magnitude stands on.
+#[derive(Clone, Copy)]
+struct Stand<'b> {
+    /// The base model as `fit` gives it, if the log carries one.
+    base: Option<&'b Base>,
+    /// Whether the sensor's own scale and offset are kept.
+    lower_order: bool,
+}
+
 fn magnitude(
     table: &Table,
     samples: &Samples,
     model: Model<f64>,
     known: &Known,
     options: &Options,
-    data_faults: Vec<DataFault>,
-    lower_order: bool,
+    stand: Stand,
 ) -> Result<Diagnosis, Refusal> {
+    let lower_order = stand.lower_order;
     let catalogue = Catalogue::new(samples, table);
     let pass = Pass { samples, residual: Residual::Magnitude };
     let Some(base) = pass.fit(model, Vec::new(), known)? else {
-        return Ok(undetermined(table, samples, data_faults, "the fit does not converge".into()));
+        return Ok(undetermined(table, samples, "the fit does not converge".into()));
     };
     // Even if all structure were explained: does the attitude carry a calibration, at the noise that is surely there?
     let residuals = pass.residuals(&base.model, &[])?;
@@ -339,7 +276,8 @@ fn magnitude(
     // What second differences leave may itself be an effect, a tone for example, many times the noise: only the hopeless
     // is not searched.
     let best = Residue { rms: rms(&residuals), floor: sigma, structure: 1.0, time: 1.0 };
-    let hopeless = !lower_order
+    let accepted = stand.base.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR);
+    let hopeless = !(lower_order || accepted)
         && attitude_error(&base, &best).is_none_or(|error| error > HOPELESS * MAX_PREDICTED_ERROR);
     let greedy = Greedy { pass, catalogue: &catalogue, known };
     let mut pure_lag = false;
@@ -369,21 +307,36 @@ fn magnitude(
                 continue;
             }
         }
-        let mut pieces = start.pieces.clone();
-        pieces.push(piece);
-        match pass.fit(start.model, pieces, known)? {
+        match greedy.with(&start, &piece)? {
             Some(next) => start = greedy.aligned(next)?,
-            None => return Err(Refusal::CannotAdd(id.clone(), "the fit with it does not converge".into())),
+            None => {
+                let why = format!(
+                    "the fit with {id} does not converge: this log hardly tells it from the calibration; leave it out, or record more"
+                );
+                return Ok(undetermined(table, samples, why));
+            }
         }
     }
-    let explanation = if options.search && !hopeless {
+    let mut explanation = if options.search && !hopeless {
         greedy.certain(greedy.run(start)?, &options.add)?
     } else {
         greedy.only(base.clone(), start)?
     };
-    let mut view = View { table, samples, catalogue: &catalogue, pass, known, explanation, lower_order };
-    view.explanation.base = greedy.aligned(view.explanation.base.clone())?;
-    view.finish(data_faults, pure_lag)
+    explanation.fitted = greedy.settled(explanation.fitted)?;
+    if let (Some(last), false) = (explanation.steps.last_mut(), explanation.fitted.pieces.is_empty()) {
+        (last.rms, last.held_out) = (explanation.fitted.rms(), held_out_rms(&explanation.fitted));
+    }
+    let first = match stand.base.and_then(Base::model) {
+        Some(model) => pass.hold(model, Vec::new(), known)?,
+        None => explanation.base.clone(),
+    };
+    explanation.base = greedy.aligned(first)?;
+    if explanation.fitted.pieces.is_empty() && stand.base.is_some() {
+        explanation.fitted = explanation.base.clone();
+    }
+    let base = stand.base;
+    View { table, samples, catalogue: &catalogue, pass, known, explanation, lower_order, base }
+        .finish(pure_lag)
 }
 
 pub(super) fn cannot_add(catalogue: &Catalogue, id: &str) -> String {

@@ -7,6 +7,8 @@ pub struct Table<'a> {
     pub time_s: Option<&'a [f64]>,
     /// The magnetometer, µT.
     pub field_ut: [&'a [f64]; 3],
+    /// The same as the sensor's 16-bit counts, and their scale, µT a count: from these a fit gives the board's bits.
+    pub counts: Option<(&'a [[i16; 3]], [f64; 3])>,
     /// Specific force, m/s².
     pub accel_mps2: Option<[&'a [f64]; 3]>,
     /// Rate of turn, rad/s.
@@ -15,8 +17,6 @@ pub struct Table<'a> {
     pub heading_deg: Option<&'a [f64]>,
     /// Every other numeric column.
     pub covariates: Vec<Named<'a>>,
-    /// Rows to leave out without calling them faulty, as those of a resting board; empty for none.
-    pub leave_out: Vec<bool>,
 }
 
 /// A covariate.
@@ -34,11 +34,6 @@ impl Table<'_> {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.field_ut[0].len()
-    }
-
-    /// Whether a row is to be left out.
-    pub fn leaves_out(&self, row: usize) -> bool {
-        self.leave_out.get(row).copied().unwrap_or(false)
     }
 
     /// The measured vector of a row.
@@ -65,6 +60,7 @@ impl<'a> From<&'a ironout_host_tests::world::Log> for Table<'a> {
         Table {
             time_s: log.column("t_s"),
             field_ut: triple(field).unwrap_or_default(),
+            counts: None,
             accel_mps2: triple(accel),
             gyro_radps: triple(gyro),
             heading_deg: log.column("heading_deg"),
@@ -75,7 +71,6 @@ impl<'a> From<&'a ironout_host_tests::world::Log> for Table<'a> {
                 .filter(|(name, _)| !known(name))
                 .map(|(name, values)| Named { name, values, not_finite: 0 })
                 .collect(),
-            leave_out: Vec::new(),
         }
     }
 }
@@ -86,6 +81,7 @@ impl<'a> From<&'a crate::input::Log> for Table<'a> {
         Table {
             time_s: log.time_s.as_deref(),
             field_ut: triple(&log.field_ut),
+            counts: log.counts.as_deref().zip(log.ut_per_count),
             accel_mps2: log.accel_mps2.as_ref().map(triple),
             gyro_radps: log.gyro_radps.as_ref().map(triple),
             heading_deg: log.heading_deg.as_deref(),
@@ -98,7 +94,6 @@ impl<'a> From<&'a crate::input::Log> for Table<'a> {
                     not_finite: column.not_finite,
                 })
                 .collect(),
-            leave_out: Vec::new(),
         }
     }
 }

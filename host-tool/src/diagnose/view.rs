@@ -5,7 +5,6 @@ use super::base;
 use super::candidates::Catalogue;
 use super::dip_errors::DipErrors;
 use super::engine::{BadShape, Known, Pass, Piece};
-use super::faults::DataFault;
 use super::greedy::Explanation;
 use super::outcome::{Diagnosis, Dip, Heading, StepRow, Verdict, Where};
 use super::quality::{
@@ -17,6 +16,8 @@ use super::series::rms;
 use super::study::Refusal;
 use super::table::Table;
 use super::traces::Traces;
+use crate::cal_file::Information;
+use crate::ground::Base;
 use ironout::calibration::Calibration;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::quality::MAX_RESIDUAL;
@@ -32,6 +33,8 @@ pub(super) struct View<'v, 'a> {
     pub(super) known: &'v Known,
     pub(super) explanation: Explanation<'a>,
     pub(super) lower_order: bool,
+    /// The base model as `fit` gives it, if the log carries one.
+    pub(super) base: Option<&'v Base>,
 }
 
 /// What the dip says in the end.
@@ -80,11 +83,7 @@ impl<'a> View<'_, 'a> {
         Ok(Some(study))
     }
 
-    pub(super) fn finish(
-        mut self,
-        data_faults: Vec<DataFault>,
-        force_lag: bool,
-    ) -> Result<Diagnosis, Refusal> {
+    pub(super) fn finish(mut self, force_lag: bool) -> Result<Diagnosis, Refusal> {
         let mut dip = self.dip(force_lag)?;
         if let Some(dip) = &dip {
             let model = dip.alignment.model;
@@ -99,9 +98,15 @@ impl<'a> View<'_, 'a> {
         let fitted = &self.explanation.fitted;
         let list: Vec<&Piece> = fitted.pieces.iter().collect();
         let residuals = self.pass.residuals(&fitted.model, &list)?;
-        let left = residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s());
+        // Without effects the final model is the base model, and what `fit` says of that holds.
+        let plain = self.base.filter(|_| fitted.pieces.is_empty() && !self.lower_order);
+        let left = match plain {
+            Some(base) => base.residue.clone(),
+            None => residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s()),
+        };
         let gain = noise_gain(fitted, Residual::Magnitude);
-        let predicted = predicted_error(fitted, &left);
+        let predicted =
+            plain.map_or_else(|| predicted_error(fitted, &left), |base| Some(base.predicted_share()));
         let covariance = covariance(fitted, left.time);
         if let (Some(dip), Some(rows)) = (&mut dip, &covariance) {
             dip.delay_error_s =
@@ -137,11 +142,9 @@ impl<'a> View<'_, 'a> {
             });
         }
         let effects = self.effects(&left, &dip)?;
-        let sigma =
-            |index: usize| covariance.as_ref().map_or(f64::NAN, |rows| rows[index][index].max(0.0).sqrt());
         let full = if dip.is_some() { fitted.model.full_matrix() } else { fitted.model.matrix };
         let headings = self.heading(&dip)?;
-        Ok(Diagnosis {
+        let mut diagnosis = Diagnosis {
             verdict,
             reasons,
             residual: Residual::Magnitude.name(),
@@ -149,7 +152,7 @@ impl<'a> View<'_, 'a> {
             noise_floor_ut: Some(left.floor / gain),
             residual_floor_ut: Some(left.floor),
             candidates,
-            data_faults,
+            data_faults: Vec::new(),
             dip: dip.as_ref().map(|dip| Dip {
                 rms_deg_before: self.base_dip().unwrap_or(dip.alignment.before_deg),
                 rms_deg_after: dip.after_deg,
@@ -158,29 +161,36 @@ impl<'a> View<'_, 'a> {
             heading: headings,
             shows: self.shows()?,
             effects,
-            // With swapped axes the log is to be repaired first.
-            calibration: swapped.is_none().then_some(Calibration {
+            calibration: Some(Calibration {
                 offset_ut: fitted.model.offset_ut,
                 matrix: full,
                 field_ut: field,
             }),
-            offset_std_errors_ut: [sigma(0), sigma(1), sigma(2)],
-            matrix_std_errors: [
-                [sigma(3), sigma(4), sigma(5)],
-                [0.0, sigma(6), sigma(7)],
-                [0.0, 0.0, sigma(8)],
-            ],
-            rotation_errors: (dip.as_ref().and_then(|dip| dip.errors.as_ref()))
-                .map(|errors| errors.rotation(covariance.as_deref())),
+            std_errors: None,
+            alignment: Default::default(),
             axis_order: swapped,
-            information: information(&self.pass, fitted, self.known, left.time),
+            information: (information(&self.pass, fitted, self.known, left.time))
+                .and_then(|matrix| Information::of(&matrix)),
+            converged: fitted.converged,
+            base: None,
             predicted_error_ut: predicted.map(|error| error * field),
-            samples_used: self.samples.len() * self.samples.stride,
+            samples_used: 0,
             samples_set_aside: 0,
             prior: self.prior_words(),
             lower_order: self.lower_order,
             traces: Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?,
-        })
+        };
+        super::standing::take_axes(&mut diagnosis, covariance.as_deref(), &dip);
+        if let (Some(base), false) = (self.base, self.lower_order) {
+            super::standing::first_row(&mut diagnosis, base, plain.is_some());
+        }
+        Ok(diagnosis)
+    }
+
+    /// Whether the base model is the final one, and `fit` is sure of it.
+    fn is_accepted(&self) -> bool {
+        let plain = self.base.filter(|_| self.explanation.fitted.pieces.is_empty());
+        plain.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR)
     }
 
     pub(super) fn prior_words(&self) -> String {
@@ -229,8 +239,8 @@ impl<'a> View<'_, 'a> {
     ) -> (Verdict, Vec<String>) {
         let mut reasons = Vec::new();
         match attitude_error(&self.explanation.fitted, left) {
-            // What is held fixed has no error to predict.
-            _ if self.lower_order => {}
+            // What is held fixed has no error to predict, and what `fit` accepts is determined.
+            _ if self.lower_order || self.is_accepted() => {}
             Some(error) if error <= MAX_PREDICTED_ERROR => {}
             Some(error) => reasons.push(format!(
                 "the corrected vector would be off by {:.1} % of the field in the worst direction (1σ): turn the board \

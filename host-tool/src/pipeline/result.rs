@@ -1,12 +1,14 @@
 //! What came out of a fit.
 
-use super::align::align_solution;
-use super::{Alignment, Data, FaultKind, Options, SetAside, Solution, floor, holdout};
+use super::Options;
 use crate::cal_file::{CalFile, EffectEntry, FitObject, VERSION};
 use crate::cli::Expected;
-use ironout::calibration::norm;
+use crate::diagnose::samples::Samples;
+use crate::diagnose::series::median;
+use crate::ground::{Alignment, Aside, Counted, Ground, Solution, mounting_for};
+use ironout::calibration::{Calibration, norm};
 use ironout::coverage::CoverageMap;
-use ironout::fit::{FitError, FitOptions, FitReport};
+use ironout::fit::FitError;
 use ironout::quality::{Reason, Verdict, judge_figures};
 
 /// The outcome of [`super::run`], for words and for JSON.
@@ -16,22 +18,18 @@ pub struct Fitted {
     pub expected: Expected,
     /// Rows of the log.
     pub rows: usize,
-    /// Samples: rows without repeats.
-    pub samples: usize,
-    /// Samples of a moving board.
-    pub moving: usize,
+    /// Rows that repeat the one before them.
+    pub repeated: usize,
+    /// Samples of a resting board.
+    pub at_rest: usize,
     /// Samples set aside, by reason.
-    pub aside: Vec<(FaultKind, usize)>,
-    /// Set where outliers were so many that they were kept.
-    pub too_many_outliers: Option<usize>,
+    pub aside: Vec<Aside>,
     /// Samples the fit is of.
     pub used: usize,
     /// The calibration, where there is one.
     pub solution: Option<Solution>,
     /// Rms of `‖measured‖` about its mean, over the mean: the error before any calibration.
     pub before: Option<(f64, f64)>,
-    /// Independent samples among those used.
-    pub effective_samples: Option<f64>,
     /// Rms error on held-out blocks of time, µT.
     pub holdout_rms_ut: Option<f64>,
     /// Noise of the sensor, σ per axis, µT.
@@ -53,25 +51,16 @@ pub struct Fitted {
 }
 
 impl Fitted {
-    pub(super) fn new(data: &Data, moving: usize, aside: &SetAside, options: &Options) -> Self {
-        let mut counts: Vec<(FaultKind, usize)> = Vec::new();
-        for (_, kind) in &aside.samples {
-            match counts.iter_mut().find(|(known, _)| known == kind) {
-                Some((_, count)) => *count += 1,
-                None => counts.push((*kind, 1)),
-            }
-        }
+    pub(super) fn new(counted: &Counted, options: &Options) -> Self {
         Fitted {
             expected: options.expected,
-            rows: data.log.rows,
-            samples: data.rows.len(),
-            moving,
-            aside: counts,
-            too_many_outliers: aside.too_many,
-            used: moving - aside.samples.len(),
+            rows: counted.table.rows(),
+            repeated: counted.repeated,
+            at_rest: counted.at_rest,
+            aside: counted.aside.clone(),
+            used: counted.used.len(),
             solution: None,
             before: None,
-            effective_samples: None,
             holdout_rms_ut: None,
             noise_floor_ut: None,
             residual_floor_ut: None,
@@ -84,48 +73,44 @@ impl Fitted {
         }
     }
 
-    pub(super) fn refuse(&mut self, error: FitError) {
+    pub(super) fn of_base(mut self, ground: &Ground) -> Self {
+        match &ground.base {
+            Err(error) => self.refuse(*error),
+            Ok(base) => {
+                self.holdout_rms_ut = base.holdout_rms_ut;
+                self.noise_floor_ut = Some(base.noise_floor_ut);
+                self.residual_floor_ut = Some(base.residual_floor_ut);
+                self.judge(&ground.counted, base.solution.clone());
+            }
+        }
+        self.reasons.extend(ground.note());
+        self
+    }
+
+    fn refuse(&mut self, error: FitError) {
         self.reasons = Verdict::of_error(error).reasons.iter().map(Reason::to_string).collect();
     }
 
-    pub(super) fn complete(&mut self, data: &Data, used: &[u32], core: &FitOptions, report: &FitReport) {
-        let calibration = report.calibration;
-        let residual = data.residual(used, &calibration);
-        self.effective_samples = core.effective_samples;
-        self.holdout_rms_ut = holdout::rms_ut(data, used, core, calibration.field_ut);
-
-        // rms‖Cᵀu‖: what a unit of noise on each axis makes of the corrected magnitude.
-        let gain = report.residual_floor_ut / report.noise_ut;
-        let fast = floor::second_difference_sigma(used, &residual).map(|sigma| sigma / gain);
-        let noise = fast.map_or(report.noise_ut, |fast| fast.min(report.noise_ut));
-        self.noise_floor_ut = Some(noise);
-        self.residual_floor_ut = Some(noise * gain);
-
-        let mut solution = Solution::of_report(report);
-        align_solution(data, used, &mut solution, &report.spread.covariance());
-        self.judge(data, used, solution);
-    }
-
     /// What a solution is worth: coverage, heading, verdict.
-    pub(super) fn judge(&mut self, data: &Data, used: &[u32], solution: Solution) {
+    pub(super) fn judge(&mut self, counted: &Counted, solution: Solution) {
         let calibration = solution.calibration;
-        self.before = Some(spread_of_magnitude(used.iter().map(|&sample| norm(data.field(sample)))));
-        self.dip_deg =
-            self.expected.earth.map(|earth| earth.dip_deg).or_else(|| data.dip_deg(used, &calibration));
+        let fields = || counted.used.iter().map(|&sample| counted.data.field(sample));
+        self.before = Some(spread_of_magnitude(fields().map(norm)));
+        self.dip_deg = (self.expected.earth.map(|earth| earth.dip_deg))
+            .or_else(|| median_dip_deg(&counted.samples, &calibration));
         self.heading_error_deg = self.dip_deg.map(|dip_deg| {
             let level_ut = calibration.field_ut * dip_deg.to_radians().cos();
             let error_ut = solution.predicted_error_ut.hypot(solution.rms_ut);
             error_ut.atan2(level_ut.abs()).to_degrees()
         });
         let mut map = CoverageMap::new();
-        for &sample in used {
-            map.add(calibration.apply(data.field(sample)).map(|value| value as f32));
-        }
+        fields().for_each(|field| map.add(calibration.apply(field).map(|value| value as f32)));
         let coverage = map.coverage();
         self.coverage = Some(f64::from(coverage.fraction));
         self.gap_deg = Some(f64::from(coverage.gap_deg));
         let figures = solution.figures(self.used as u64);
-        let verdict = judge_figures(&figures, Some(&coverage), self.clipped(), self.expected.field_ut);
+        let verdict =
+            judge_figures(&figures, Some(&coverage), counted.clipped() as u64, self.expected.field_ut);
         self.accepted = verdict.accepted;
         self.reasons = verdict.reasons.iter().map(Reason::to_string).collect();
         if let Alignment::Mirrored { order } = &solution.alignment {
@@ -134,23 +119,17 @@ impl Fitted {
                 0,
                 format!(
                     "against the accelerometer, the magnetometer's axes stand for {order}: the axes of a left hand, so that \
-                     corrected vectors would point elsewhere; mend the driver, or read the log with --rotate mag:{}",
-                    inverse_order(order)
+                     corrected vectors would point elsewhere; mend the driver, or read the log with --rotate {}",
+                    mounting_for(order)
                 ),
             );
         }
         self.solution = Some(solution);
     }
 
-    /// Samples at the end of the sensor's range.
-    fn clipped(&self) -> u64 {
-        let clipped = self.aside.iter().filter(|(kind, _)| matches!(kind, FaultKind::Clipping { .. }));
-        clipped.map(|(_, count)| *count as u64).sum()
-    }
-
     /// Samples set aside in all.
     pub fn set_aside(&self) -> usize {
-        self.aside.iter().map(|(_, count)| count).sum()
+        self.aside.iter().map(|one| one.samples).sum()
     }
 
     /// The object of `fit --json`.
@@ -184,15 +163,20 @@ impl Fitted {
     }
 }
 
-/// Body x,y,z from the log's axes, where `order` says which body axis each of the log's axes stands for.
-fn inverse_order(order: &str) -> String {
-    let axes: Vec<&str> = order.split(',').collect();
-    let names = ["x", "y", "z"].map(|body| {
-        let place = axes.iter().position(|axis| axis.trim_start_matches('-') == body).unwrap_or_default();
-        let sign = if axes.get(place).is_some_and(|axis| axis.starts_with('-')) { "-" } else { "" };
-        format!("{sign}{}", ["x", "y", "z"][place])
-    });
-    names.join(",")
+/// Median angle of the corrected field below the horizon that the accelerometer shows, degrees; `None` without one. The
+/// rotation that magnitudes leave open makes it wrong by a few degrees until the axes are aligned.
+fn median_dip_deg(samples: &Samples, calibration: &Calibration<f64>) -> Option<f64> {
+    let mut dips: Vec<f64> = samples
+        .readings
+        .iter()
+        .filter_map(|reading| {
+            let [x, y, z] = reading.down?;
+            let h = calibration.apply(reading.measured_ut);
+            let sine = (x * h[0] + y * h[1] + z * h[2]) / norm(h);
+            sine.is_finite().then(|| sine.clamp(-1.0, 1.0).asin().to_degrees())
+        })
+        .collect();
+    (dips.len() >= 20).then(|| median(&mut dips))
 }
 
 /// Mean of magnitudes, and their rms about it.

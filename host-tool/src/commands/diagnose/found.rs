@@ -6,7 +6,8 @@ use super::numbers::{
 };
 use super::place::{self, axis_label};
 use super::words::{Told, WIDTH, at_rest, name_of, title};
-use crate::diagnose::outcome::{Diagnosis, FittedEffect, Status, StepRow, Verdict};
+use crate::diagnose::outcome::{Diagnosis, FittedEffect, StepRow, Verdict};
+use crate::ground::mounting_for;
 use crate::input::Log;
 
 /// Width of the longest bar.
@@ -300,20 +301,7 @@ pub fn axis_order(diagnosis: &Diagnosis) -> Option<String> {
     if diagnosis.verdict == Verdict::Undetermined {
         return None;
     }
-    let row =
-        diagnosis.candidates.iter().find(|row| row.id == "axis-order" && row.status == Status::Missing)?;
-    let order = row.why.split("board's ").nth(1)?.split(':').next()?.trim();
-    let parts: Vec<&str> = order.split(',').map(str::trim).collect();
-    // "y,-x,z": the log's first axis is the board's y. `--rotate` asks for the inverse: the board's x from the log's axes.
-    let inverse: Vec<String> = ["x", "y", "z"]
-        .iter()
-        .filter_map(|axis| {
-            let at = parts.iter().position(|part| part.trim_start_matches('-') == *axis)?;
-            let sign = if parts[at].starts_with('-') { "-" } else { "" };
-            Some(format!("{sign}{}", ["x", "y", "z"].get(at)?))
-        })
-        .collect();
-    (inverse.len() == 3).then(|| format!("mag:{}", inverse.join(",")))
+    diagnosis.axis_order.as_deref().map(mounting_for)
 }
 
 /// Columns that the found effects read, and the gyro where one needs it.

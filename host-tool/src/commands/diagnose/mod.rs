@@ -21,12 +21,13 @@ use std::path::Path;
 /// Diagnoses a log; exit status 1 where the data do not support a calibration.
 pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
     let expected = arguments.field.expected()?;
+    let method = arguments.field.method_with(&arguments.add, arguments.prior.as_ref())?;
     let log = arguments.log.read()?;
     let prior = arguments.prior.as_deref().map(|path| Prior::read(path, &log)).transpose()?;
     // Without --field, the earlier calibration's own: its numbers are scaled to that.
     let field_ut = expected.field_ut.or_else(|| prior.as_ref().map(Prior::field_ut));
     let earlier = prior.map(|prior| prior.earlier(expected.field_ut));
-    let options = Options { field_ut, add: arguments.add.clone(), search: true, earlier };
+    let options = Options { field_ut, method, add: arguments.add.clone(), search: true, earlier };
     let working = Working::new("studying");
     let diagnosis = diagnose(&Table::from(&log), &options).map_err(|refusal| failure(refusal, &log.path))?;
     drop(working);

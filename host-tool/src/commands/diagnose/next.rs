@@ -2,8 +2,8 @@
 
 use crate::cli::{DiagnoseArgs, MethodArg, typed_option};
 
-/// The user's options about the field and the fit.
-fn fitting(arguments: &DiagnoseArgs) -> String {
+/// The user's options about the field and the fit. With effects, everything is fitted at once, whatever the base's method.
+fn fitting(arguments: &DiagnoseArgs, effects: &[String]) -> String {
     let mut words = String::new();
     if let Some(field) = arguments.field.field {
         words.push_str(&typed_option("--field", &field.to_string()));
@@ -13,6 +13,7 @@ fn fitting(arguments: &DiagnoseArgs) -> String {
     }
     match arguments.field.method {
         MethodArg::Adjusted => {}
+        _ if !effects.is_empty() => {}
         MethodArg::Trace => words.push_str(" --method trace"),
         MethodArg::Constant => words.push_str(" --method constant"),
     }
@@ -28,7 +29,12 @@ fn adding(effects: &[String]) -> String {
 
 /// `ironout fit LOG … --add ID … -o cal.json`.
 pub fn fit(arguments: &DiagnoseArgs, effects: &[String]) -> String {
-    format!("ironout fit {}{}{} -o cal.json", arguments.log.typed(), fitting(arguments), adding(effects))
+    format!(
+        "ironout fit {}{}{} -o cal.json",
+        arguments.log.typed(),
+        fitting(arguments, effects),
+        adding(effects)
+    )
 }
 
 /// `ironout check second.csv … --cal cal.json`.
@@ -39,7 +45,7 @@ pub fn check(arguments: &DiagnoseArgs) -> String {
 /// `ironout diagnose LOG …` with a further option.
 pub fn diagnose(arguments: &DiagnoseArgs, log: &str, further: &str) -> String {
     let space = if further.is_empty() { "" } else { " " };
-    let options = format!("{}{}", fitting(arguments), adding(&arguments.add));
+    let options = format!("{}{}", fitting(arguments, &arguments.add), adding(&arguments.add));
     format!("ironout diagnose {}{options}{space}{further}", arguments.log.typed_for(log))
 }
 
@@ -73,8 +79,9 @@ mod tests {
         assert_eq!(
             fit(&a, &["offset:temp_c".into(), "offset:current_a^2".into()]),
             "ironout fit 'my log'\\''s.csv' --map 'mx_ut=Mag X,my_ut=MagY,mz_ut=MagZ' --rotate=-y,x,z \
-             --at=-33.9,18.4,2026-03-01 --method trace --add offset:temp_c --add offset:current_a^2 -o cal.json"
+             --at=-33.9,18.4,2026-03-01 --add offset:temp_c --add offset:current_a^2 -o cal.json"
         );
+        assert!(fit(&a, &[]).ends_with("--method trace -o cal.json"));
         assert_eq!(
             check(&a),
             "ironout check second.csv --map 'mx_ut=Mag X,my_ut=MagY,mz_ut=MagZ' --rotate=-y,x,z --cal cal.json"

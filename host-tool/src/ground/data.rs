@@ -1,22 +1,20 @@
 //! The samples of a log and the core's sums of them.
 
 use crate::diagnose::Table;
-use crate::input::Log;
+use crate::diagnose::samples::unique_rows;
 use ironout::calibration::{Calibration, norm};
 use ironout::fit::FitError;
 use ironout::gate::{Motion, RestDetector, block_samples};
 use ironout::moments::Moments;
 use ironout::scatter::{Scatter, ScatterBuilder};
 
-/// Standard gravity.
-const GRAVITY_MPS2: f64 = 9.80665;
 /// Levels are looked for in this many samples.
 const LEVEL_SAMPLES: usize = 20_000;
 
 /// A log as samples: rows with equal triples in a run are one.
 pub struct Data<'a> {
     /// The log.
-    pub log: &'a Log,
+    pub table: &'a Table<'a>,
     /// The row of each sample.
     pub rows: Vec<u32>,
     /// The step the values were rounded to on each axis, µT.
@@ -33,34 +31,30 @@ pub enum Sums {
 }
 
 impl<'a> Data<'a> {
-    /// The samples of `log`.
-    pub fn new(log: &'a Log) -> Self {
-        let rows: Vec<u32> = log.samples().into_iter().map(|row| row as u32).collect();
-        let centre_ut = [0, 1, 2].map(|axis| middle(&log.field_ut[axis]));
-        let step_ut = [0, 1, 2].map(|axis| match log.ut_per_count {
-            Some(scale) if log.counts.is_some() => scale[axis],
-            _ => step(&log.field_ut[axis]),
+    /// The samples of a log.
+    pub fn new(table: &'a Table<'a>) -> Self {
+        let rows: Vec<u32> = unique_rows(table).into_iter().map(|row| row as u32).collect();
+        let centre_ut = table.field_ut.map(middle);
+        let step_ut = [0, 1, 2].map(|axis| match table.counts {
+            Some((_, scale)) => scale[axis],
+            None => step(table.field_ut[axis]),
         });
-        Data { log, rows, step_ut, centre_ut }
+        Data { table, rows, step_ut, centre_ut }
     }
 
     /// The measured vector of a sample, µT.
     pub fn field(&self, sample: u32) -> [f64; 3] {
-        self.log.field(self.rows[sample as usize] as usize)
+        self.table.field(self.row(sample))
     }
 
-    /// The log as the study sees it, with these samples only.
-    pub fn table_of(&self, samples: &[u32]) -> Table<'a> {
-        let mut leave_out = vec![true; self.log.rows];
-        for &sample in samples {
-            leave_out[self.rows[sample as usize] as usize] = false;
-        }
-        Table { leave_out, ..Table::from(self.log) }
+    /// The row of a sample.
+    pub fn row(&self, sample: u32) -> usize {
+        self.rows[sample as usize] as usize
     }
 
     /// Empty sums for this data.
     pub fn sums(&self) -> Sums {
-        match self.log.counts {
+        match self.table.counts {
             Some(_) => Sums::Exact(Box::new(Moments::new())),
             None => Sums::Float(Box::new(ScatterBuilder::new(self.centre_ut))),
         }
@@ -71,13 +65,12 @@ impl<'a> Data<'a> {
         samples.iter().map(|&s| norm(calibration.apply(self.field(s))) - calibration.field_ut).collect()
     }
 
-    /// The samples that the core's gate lets through: those of a moving board, block by block. The gate knows what rest
+    /// Those of `samples` that the core's gate lets through: of a moving board, block by block. The gate knows what rest
     /// looks like in microtesla; `unit` takes the log's values there (1, unless its scale is not the true one).
-    pub fn moving(&self, unit: f64) -> Vec<u32> {
+    pub fn moving(&self, samples: &[u32], unit: f64) -> Vec<u32> {
         let mut detector = RestDetector::new();
-        let mut moving = Vec::with_capacity(self.rows.len());
+        let mut moving = Vec::with_capacity(samples.len());
         let mut held: Vec<u32> = Vec::new();
-        let samples: Vec<u32> = (0..self.rows.len() as u32).collect();
         for block in samples.chunks(usize::from(block_samples(self.rate_hz()))) {
             let (mean_ut, variance_ut2) = self.mean_and_variance(block);
             held.extend_from_slice(block);
@@ -92,30 +85,9 @@ impl<'a> Data<'a> {
         moving
     }
 
-    /// Median angle of the corrected field below the horizon that the accelerometer shows, degrees; `None` without one.
-    /// The rotation that magnitudes leave open makes it wrong by a few degrees until the axes are aligned.
-    pub fn dip_deg(&self, samples: &[u32], calibration: &Calibration<f64>) -> Option<f64> {
-        let accel = self.log.accel_mps2.as_ref()?;
-        let mut dips: Vec<f64> = samples
-            .iter()
-            .filter_map(|&sample| {
-                let row = self.rows[sample as usize] as usize;
-                let up = [accel[0][row], accel[1][row], accel[2][row]];
-                let h = calibration.apply(self.field(sample));
-                let lengths = norm(up) * norm(h);
-                // Only where little but gravity acts.
-                let still = (norm(up) - GRAVITY_MPS2).abs() <= 0.1 * GRAVITY_MPS2;
-                let down = -(up[0] * h[0] + up[1] * h[1] + up[2] * h[2]) / lengths;
-                (still && down.is_finite()).then(|| down.clamp(-1.0, 1.0).asin().to_degrees())
-            })
-            .collect();
-        let middle = dips.len() / 2;
-        (dips.len() >= 20).then(|| *dips.select_nth_unstable_by(middle, f64::total_cmp).1)
-    }
-
     /// Samples a second, over the whole log; NaN without a time column.
     pub fn rate_hz(&self) -> f64 {
-        let seconds = self.log.time_s.as_ref().and_then(|time| Some(time.last()? - time.first()?));
+        let seconds = self.table.time_s.and_then(|time| Some(time.last()? - time.first()?));
         seconds.map_or(f64::NAN, |seconds| self.rows.len() as f64 / seconds)
     }
 
@@ -138,14 +110,14 @@ impl<'a> Data<'a> {
 impl Sums {
     /// Adds one sample.
     pub fn push(&mut self, data: &Data, sample: u32) {
-        let row = data.rows[sample as usize] as usize;
+        let row = data.row(sample);
         match self {
             Sums::Exact(moments) => {
-                if let Some(counts) = data.log.counts.as_ref().and_then(|counts| counts.get(row)) {
+                if let Some(counts) = data.table.counts.and_then(|(counts, _)| counts.get(row)) {
                     moments.push(*counts);
                 }
             }
-            Sums::Float(builder) => builder.push(data.log.field(row)),
+            Sums::Float(builder) => builder.push(data.table.field(row)),
         }
     }
 
@@ -166,7 +138,9 @@ impl Sums {
     /// The scatter of the sums.
     pub fn finish(&self, data: &Data) -> Result<Scatter, FitError> {
         match self {
-            Sums::Exact(moments) => Scatter::from_moments(moments, data.log.ut_per_count.unwrap_or([1.0; 3])),
+            Sums::Exact(moments) => {
+                Scatter::from_moments(moments, data.table.counts.map_or([1.0; 3], |(_, scale)| scale))
+            }
             Sums::Float(builder) => {
                 let mean_square = data.step_ut.iter().map(|step| step * step).sum::<f64>() / 3.0;
                 builder.finish(mean_square.sqrt())

@@ -1,5 +1,6 @@
 //! The calibration that a fit arrived at, whichever way it went.
 
+use super::Aligned;
 use crate::cal_file::{Information, StdErrors};
 use crate::diagnose::outcome::FittedEffect;
 use ironout::calibration::Calibration;
@@ -43,9 +44,10 @@ pub struct WithoutEffects {
 }
 
 /// Whether the matrix stands in the accelerometer's axes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub enum Alignment {
     /// There is no accelerometer (or it says too little).
+    #[default]
     None,
     /// The matrix is a full one.
     Done {
@@ -89,6 +91,13 @@ impl Solution {
             without_effects: None,
             prior: None,
         }
+    }
+
+    /// Takes the axes that the dip allows.
+    pub fn take(&mut self, aligned: Aligned) {
+        self.calibration.matrix = aligned.matrix;
+        self.std_errors.matrix = aligned.std_errors.matrix;
+        self.alignment = aligned.alignment;
     }
 
     /// What it is judged by.

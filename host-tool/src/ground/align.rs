@@ -1,66 +1,106 @@
 //! The rotation that magnitudes leave open, from an accelerometer: the matrix becomes a full 3×3.
 
-use super::solution::{Alignment, Solution};
-use super::{Data, MOST_SPREAD_DEG};
-use crate::diagnose::alignment::align;
-use crate::diagnose::base::NO_ROTATION;
-use crate::diagnose::dip_errors::{DipErrors, RotationErrors, TRIANGLE};
-use crate::diagnose::samples::Samples;
-use ironout::study::Model;
+use super::solution::Alignment;
+use crate::cal_file::StdErrors;
+use crate::diagnose::dip_errors::{RotationErrors, TRIANGLE};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// A calibration whose predicted error is beyond this share of the field says nothing about directions.
-pub const ALIGNABLE: f64 = 0.05;
+const ALIGNABLE: f64 = 0.05;
 /// A rotation is used where its standard error is below this, degrees.
 const KNOWN_DEG: f64 = 3.0;
+/// An accelerometer whose dip spreads by more than this, at best, shows no gravity (or is another board's), degrees.
+const MOST_SPREAD_DEG: f64 = 15.0;
 
-/// Aligns a solution with a triangular matrix, whose offset and triangle have this covariance.
-pub fn align_solution(data: &Data, used: &[u32], solution: &mut Solution, covariance: &[[f64; 9]; 9]) {
-    let sure = solution.predicted_error_ut <= ALIGNABLE * solution.calibration.field_ut;
-    if data.log.accel_mps2.is_none() || !sure {
-        return;
+/// What the dip says about a model.
+#[derive(Debug, Clone, Copy)]
+pub struct Found<'f> {
+    /// Spread of the dip with the triangular matrix, degrees.
+    pub before_deg: f64,
+    /// Spread of the dip after alignment, degrees.
+    pub after_deg: f64,
+    /// Angle of the rotation beside the symmetric matrix, degrees.
+    pub angle_deg: f64,
+    /// How the axes stand in the log, if they are swapped.
+    pub axis_order: Option<&'f str>,
+    /// Errors of the rotation vector.
+    pub rotation: Option<&'f RotationErrors>,
+}
+
+/// A matrix in the axes that it can be given in, with its errors.
+#[derive(Debug, Clone)]
+pub struct Aligned {
+    /// Full where aligned, else upper triangular.
+    pub matrix: [[f64; 3]; 3],
+    /// Standard errors of offset and matrix.
+    pub std_errors: StdErrors,
+    /// Whether it is aligned, and why not.
+    pub alignment: Alignment,
+}
+
+impl Aligned {
+    /// Of `full`, whose offset and triangle have this `covariance` and whose corrected vectors are predicted to be off by
+    /// `predicted_share` of the field: aligned where the dip says enough. `None` where `full` is singular.
+    pub fn of(
+        full: &[[f64; 3]; 3],
+        covariance: &[[f64; 9]; 9],
+        predicted_share: f64,
+        found: Option<Found>,
+    ) -> Option<Self> {
+        let triangle = triangle_of(full)?;
+        let alignment = match &found {
+            Some(found) if predicted_share <= ALIGNABLE => alignment(found, covariance),
+            _ => Alignment::None,
+        };
+        let rotation = found.and_then(|found| found.rotation);
+        let offset_ut = [0, 1, 2].map(|i| covariance[i][i].max(0.0).sqrt());
+        let (matrix, errors) = match &alignment {
+            Alignment::Done { .. } => (*full, full_errors(&triangle, full, covariance, rotation)),
+            _ => (triangle, full_errors(&triangle, &triangle, covariance, None)),
+        };
+        Some(Aligned { matrix, std_errors: StdErrors { offset_ut, matrix: errors }, alignment })
     }
-    let samples = Samples::take(&data.table_of(used), &vec![false; data.log.rows], [true; 3]);
-    let down = samples.readings.iter().filter(|reading| reading.down.is_some()).count();
-    let triangle = solution.calibration.matrix;
-    let (offset_ut, field_ut) = (solution.calibration.offset_ut, solution.calibration.field_ut);
-    let model = Model::new(offset_ut, triangle, field_ut, NO_ROTATION, 0.0);
-    let Some(model) = model.filter(|_| down * 10 > 3 * samples.len()) else { return };
-    // There are no effects here whose shape could fail.
-    let Ok(Some(found)) = align(&samples, &model) else { return };
-    let Ok(Some(errors)) = DipErrors::of(&samples, &found.model, &[], None) else { return };
-    let rotation = errors.rotation(None);
-    let turned = rotation.covariance(covariance);
-    let error_deg = (0..3).map(|i| turned[(i, i)].max(0.0).sqrt().to_degrees()).fold(0.0, f64::max);
+}
+
+fn alignment(found: &Found, covariance: &[[f64; 9]; 9]) -> Alignment {
+    let error_deg = found.rotation.map(|rotation| {
+        let turned = rotation.covariance(covariance);
+        (0..3).map(|i| turned[(i, i)].max(0.0).sqrt().to_degrees()).fold(0.0, f64::max)
+    });
+    if let Some(order) = found.axis_order.filter(|order| is_mirrored(order)) {
+        return Alignment::Mirrored { order: order.to_string() };
+    }
     if found.after_deg > MOST_SPREAD_DEG {
-        solution.alignment = Alignment::NoDip { after_deg: found.after_deg };
-        return;
+        return Alignment::NoDip { after_deg: found.after_deg };
     }
-    if error_deg > KNOWN_DEG {
-        return;
+    match error_deg {
+        Some(error_deg) if error_deg <= KNOWN_DEG => Alignment::Done {
+            angle_deg: found.angle_deg,
+            before_deg: found.before_deg,
+            after_deg: found.after_deg,
+            axis_order: found.axis_order.map(String::from),
+        },
+        _ => Alignment::None,
     }
-    let axis_order = found.axis_order;
-    if let Some(order) = axis_order.clone().filter(|order| is_mirrored(order)) {
-        solution.alignment = Alignment::Mirrored { order };
-        return;
-    }
-    solution.calibration.matrix = found.model.full_matrix();
-    solution.std_errors.matrix =
-        full_errors(&triangle, &solution.calibration.matrix, covariance, Some(&rotation));
-    solution.alignment = Alignment::Done {
-        angle_deg: found.angle_deg,
-        before_deg: found.before_deg,
-        after_deg: found.after_deg,
-        axis_order,
-    };
 }
 
 /// Whether an order of axes, as in `y,x,z`, turns right hands into left ones: then no rotation mends it.
-pub fn is_mirrored(order: &str) -> bool {
+fn is_mirrored(order: &str) -> bool {
     let names: Vec<&str> = order.split(',').map(|name| name.trim_start_matches('-')).collect();
     let swaps = (0..names.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
     let odd = swaps.filter(|&(i, j)| names[i] < names[j]).count() + order.matches('-').count();
     odd % 2 == 1
+}
+
+/// What `--rotate` takes to put the axes in order, where `order` says which body axis each of the log's axes stands for.
+pub fn mounting_for(order: &str) -> String {
+    let axes: Vec<&str> = order.split(',').collect();
+    let names = ["x", "y", "z"].map(|body| {
+        let place = axes.iter().position(|axis| axis.trim_start_matches('-') == body).unwrap_or_default();
+        let sign = if axes.get(place).is_some_and(|axis| axis.starts_with('-')) { "-" } else { "" };
+        format!("{sign}{}", ["x", "y", "z"][place])
+    });
+    format!("mag:{}", names.join(","))
 }
 
 fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
@@ -75,7 +115,7 @@ pub fn triangle_of(full: &[[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
 }
 
 /// Standard errors of a full matrix `M = R C`: `δM = R δC + φ × M`, where the rotation `φ` follows offset and triangle.
-pub fn full_errors(
+fn full_errors(
     triangle: &[[f64; 3]; 3],
     full: &[[f64; 3]; 3],
     covariance: &[[f64; 9]; 9],
@@ -105,6 +145,7 @@ pub fn full_errors(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::base::NO_ROTATION;
 
     #[test]
     fn without_a_rotation_the_errors_are_those_of_the_triangle() {
@@ -133,6 +174,13 @@ mod tests {
             [("x,y,z", false), ("y,x,z", true), ("y,x,-z", false), ("y,z,x", false), ("-x,-y,-z", true)]
         {
             assert_eq!(is_mirrored(order), mirrored, "{order}");
+        }
+    }
+
+    #[test]
+    fn the_mounting_undoes_the_order() {
+        for (order, mounting) in [("y,x,z", "mag:y,x,z"), ("y,z,x", "mag:z,x,y"), ("-y,x,z", "mag:y,-x,z")] {
+            assert_eq!(mounting_for(order), mounting);
         }
     }
 
