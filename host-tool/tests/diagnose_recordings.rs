@@ -69,7 +69,6 @@ fn the_cleanest_recording_is_diagnosed() {
 fn every_other_recording_has_an_answer_too() {
     for (name, options) in [
         ("cubesat-magnetorquer-mag2.csv", &[][..]),
-        ("hand-rotated-counts.csv", &["--ut-per-count", "0.1"]),
         ("hmc5883l-mpu6050-tilt-sphere.csv", &[]),
         ("hmc5883l-mpu6050-roll-and-tilt-at-45-90.csv", &[]),
         ("imu-gnss-board.csv", &["--ut-per-count", "0.1"]),
