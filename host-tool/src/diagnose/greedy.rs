@@ -200,7 +200,7 @@ impl<'a> Greedy<'_, 'a> {
 
     /// A model with effects fitted so far that the way to it no longer shows: whoever adds the same effects, in whatever
     /// order, gets the same digits.
-    pub fn settled(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
+    pub fn to_the_end(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
         if fitted.pieces.is_empty() {
             return Ok(fitted);
         }

@@ -322,7 +322,7 @@ fn magnitude(
     } else {
         greedy.only(base.clone(), start)?
     };
-    explanation.fitted = greedy.settled(explanation.fitted)?;
+    explanation.fitted = greedy.to_the_end(explanation.fitted)?;
     if let (Some(last), false) = (explanation.steps.last_mut(), explanation.fitted.pieces.is_empty()) {
         (last.rms, last.held_out) = (explanation.fitted.rms(), held_out_rms(&explanation.fitted));
     }
