@@ -7,6 +7,7 @@ use super::engine::{BadShape, Fitted, Known, Pass, Piece, SETTLED};
 use super::parameter;
 use super::screen::{Candidate, SIGNIFICANCE, Screening, Tested, rivalry, screen};
 use super::search;
+use super::undisturbed::prefer;
 use ironout::study::{Residual, held_out};
 
 /// More effects than any log carries.
@@ -247,7 +248,7 @@ impl<'a> Greedy<'_, 'a> {
             let next =
                 if fitted.pieces.len() < MOST_EFFECTS { self.choose(&fitted, &last, count)? } else { None };
             if let Some((winner, next)) = next {
-                fitted = self.aligned(next)?;
+                fitted = self.aligned(prefer(&self.pass, self.catalogue, next, self.known)?)?;
                 order.push(winner);
                 while let Some((dropped, without)) = self.drop_one(&fitted)? {
                     order.retain(|id| *id != dropped);

@@ -28,6 +28,7 @@ mod standing;
 mod study;
 pub mod table;
 pub mod traces;
+mod undisturbed;
 mod view;
 
 pub use outcome::Diagnosis;
