@@ -19,7 +19,7 @@ const PREFERRED: f64 = 10.0;
 /// Rounds in which coefficients and undisturbed vectors settle.
 const MOST_ROUNDS: usize = 30;
 /// After so many the error must be below that of the measured vector.
-const PATIENCE: usize = 4;
+const PATIENCE: usize = 6;
 /// Rounds from a measured vector to the undisturbed one.
 const MOST_STEPS: usize = 60;
 /// The undisturbed vector has settled when it moves by less than this, µT.
@@ -80,11 +80,18 @@ fn reads_measured(id: &str) -> bool {
 /// The model with its shapes at the undisturbed vector, settled. `None` where no effect reads the vector, or the fit fails.
 fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Option<Fitted<'a>>, BadShape> {
     let inner: Vec<_> = plain.pieces.iter().map(|piece| piece.effect.clone()).collect();
+    let mut at: Vec<_> = plain.pieces.iter().map(|piece| piece.coefficients).collect();
     let mut now = plain.clone();
     for round in 0..MOST_ROUNDS {
         let mut pieces = now.pieces.clone();
-        for (piece, inner) in pieces.iter_mut().zip(&inner).filter(|(piece, _)| reads_measured(&piece.id)) {
-            piece.effect = Arc::new(Undisturbed { inner: inner.clone(), coefficients: piece.coefficients });
+        for ((piece, inner), at) in pieces.iter_mut().zip(&inner).zip(&mut at) {
+            // Half way: coefficients that nearly make up for each other would overshoot.
+            for (old, new) in at.iter_mut().zip(piece.coefficients) {
+                *old = 0.5 * (*old + new);
+            }
+            if reads_measured(&piece.id) {
+                piece.effect = Arc::new(Undisturbed { inner: inner.clone(), coefficients: *at });
+            }
         }
         // A shape that ran away is no reason to give up the model that stands.
         let Ok(Some(next)) = pass.fit(now.model, pieces, known) else { return Ok(None) };
