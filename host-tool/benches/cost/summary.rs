@@ -31,15 +31,23 @@ fn in_turn(mut ours: impl FnMut(), mut theirs: impl FnMut()) -> [f64; 2] {
     [0, 1].map(|i| median(both.iter().map(|times| times[i]).collect()))
 }
 
+/// How many programs want a processor besides this one, where Linux says: times on a busy machine are not its best.
+fn load() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/loadavg").ok()?;
+    let mean: f64 = text.split_whitespace().next()?.parse().ok()?;
+    Some(format!("{:.0}", (mean - 1.0).max(0.0)))
+}
+
 /// Measures, and says it in words.
 ///
 /// # Errors
 /// The long log cannot be written, or the program does not run.
 pub fn measure() -> io::Result<String> {
     let mut text = format!(
-        "{} processor, {} cores; medians\n\n{:<44} ironout   magcal   ratio\n",
+        "{} processor, {} cores{}; medians\n\n{:<44} ironout   magcal   ratio\n",
         std::env::consts::ARCH,
         std::thread::available_parallelism().map_or(0, usize::from),
+        load().map_or_else(String::new, |load| format!(", {load} other programs at work")),
         "the same 10 000 counts in the same run"
     );
     beside_magcal(&mut text);
