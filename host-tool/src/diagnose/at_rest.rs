@@ -100,7 +100,7 @@ pub(super) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         pass,
         known: &known,
         explanation,
-        lower_order: false,
+        lower_order: None,
         base: None,
     };
     let in_group = |id: &String| confounded.iter().any(|group| group.ids.contains(id));

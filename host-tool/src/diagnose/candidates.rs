@@ -1,6 +1,7 @@
 //! The candidates that the columns of a log allow, and those that it does not.
 
 use super::engine::Piece;
+use super::families::Families;
 use super::samples::Samples;
 use super::table::Table;
 use ironout::effect::{
@@ -18,6 +19,8 @@ pub struct Catalogue<'a> {
     none: Arc<Vec<[f64; 2]>>,
     /// Every covariate's name.
     names: Vec<&'a str>,
+    /// Which covariates move together.
+    pub families: Families,
 }
 
 /// An effect that cannot be tested.
@@ -62,6 +65,7 @@ impl<'a> Catalogue<'a> {
             columns: samples.columns.iter().map(|column| inputs(&column.values)).collect(),
             none: Arc::new(Vec::new()),
             names: samples.columns.iter().map(|column| column.name.as_str()).collect(),
+            families: Families::of(samples),
         }
     }
 
@@ -84,8 +88,8 @@ impl<'a> Catalogue<'a> {
     pub fn offset(&self, index: usize) -> Piece<'a> {
         let column = &self.samples.columns[index];
         piece(
-            Offset::linear(self.names[index], column.mean),
-            &[("reference", column.mean)],
+            Offset::linear(self.names[index], column.reference),
+            &[("reference", column.reference)],
             self.columns[index].clone(),
         )
     }
@@ -95,11 +99,11 @@ impl<'a> Catalogue<'a> {
         let column = &self.samples.columns[index];
         let effect = Offset {
             column: self.names[index],
-            reference: column.mean_square,
+            reference: column.reference_square,
             power: Power::Squared,
             delay_s: None,
         };
-        piece(effect, &[("reference", column.mean_square)], self.columns[index].clone())
+        piece(effect, &[("reference", column.reference_square)], self.columns[index].clone())
     }
 
     /// `offset:COLUMN@delay`.
@@ -108,16 +112,16 @@ impl<'a> Catalogue<'a> {
         let values = self.samples.delayed(self.table, self.names[index], delay_s)?;
         let effect = Offset {
             column: self.names[index],
-            reference: column.mean,
+            reference: column.reference,
             power: Power::Linear,
             delay_s: Some(delay_s),
         };
-        Some(piece(effect, &[("reference", column.mean), ("delay_s", delay_s)], inputs(&values)))
+        Some(piece(effect, &[("reference", column.reference), ("delay_s", delay_s)], inputs(&values)))
     }
 
     /// `gain:COLUMN`.
     pub fn gain(&self, index: usize) -> Piece<'a> {
-        let reference = self.samples.columns[index].mean;
+        let reference = self.samples.columns[index].reference;
         piece(
             Gain { column: self.names[index], reference },
             &[("reference", reference)],
@@ -127,7 +131,7 @@ impl<'a> Catalogue<'a> {
 
     /// `field:COLUMN`.
     pub fn field(&self, index: usize) -> Piece<'a> {
-        let reference = self.samples.columns[index].mean;
+        let reference = self.samples.columns[index].reference;
         piece(
             AmbientField { column: self.names[index], reference },
             &[("reference", reference)],

@@ -2,7 +2,7 @@
 //! the shadow of a cause that the log does not hold, and a step must be sudden.
 
 use super::engine::{BadShape, Fitted, Matrix, Piece};
-use super::greedy::{Explanation, Greedy};
+use super::greedy::{Explanation, Greedy, plain_id};
 use super::quality::residue;
 use super::series::Autocorrelation;
 use ironout::study::f_tail;
@@ -75,6 +75,11 @@ impl<'a> Greedy<'_, 'a> {
         let mut least: Option<(f64, &String)> = None;
         for pair in explanation.steps.windows(2) {
             let Some(id) = pair[1].added.as_ref().filter(|id| !asked.contains(id)) else { continue };
+            // A square or a past beside the linear term of the same column blames no other cause.
+            let plain = plain_id(id);
+            if plain != id && fitted.pieces.iter().any(|piece| piece.id == plain) {
+                continue;
+            }
             let takes = pair[0].rms.powi(2) - pair[1].rms.powi(2);
             if takes < OUTWEIGHS * remains && least.is_none_or(|(known, _)| takes < known) {
                 least = Some((takes, id));

@@ -193,12 +193,22 @@ pub struct Earlier {
 }
 
 /// What is known besides the data.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Known {
     /// How magnetometers are.
     pub physical: PhysicalPrior,
+    /// How many rows of the data say as much as one independent row, where a prior is meant to stand against structure.
+    pub memory: f64,
+    /// Standard deviation of the mean gain about 1, where the field is given.
+    pub scale: Option<f64>,
     /// An earlier calibration.
     pub earlier: Option<Earlier>,
+}
+
+impl Default for Known {
+    fn default() -> Self {
+        Known { physical: PhysicalPrior::default(), memory: 1.0, scale: None, earlier: None }
+    }
 }
 
 impl Known {
@@ -214,9 +224,20 @@ impl Known {
         let base = residual.base_columns();
         let columns = base + pieces.iter().map(|piece| piece.k()).sum::<usize>();
         let mut prior = match residual {
-            Residual::Magnitude => base_prior(&self.physical, model, sigma, columns),
+            Residual::Magnitude => base_prior(&self.physical, model, sigma * self.memory.sqrt(), columns),
             Residual::Dip | Residual::Vector => Matrix::new(columns),
         };
+        if let (Some(spread), Residual::Magnitude) = (self.scale, residual) {
+            let weight = self.memory * (sigma / spread).powi(2);
+            let off = (0..3).map(|axis| model.matrix[axis][axis]).sum::<f64>() / 3.0 - 1.0;
+            let diagonal = [3, 6, 8];
+            for &i in &diagonal {
+                prior.pull(i, weight * off / 3.0);
+                for &j in diagonal.iter().filter(|j| **j >= i) {
+                    prior.inform(i, j, weight / 9.0);
+                }
+            }
+        }
         if let (Some(earlier), Residual::Magnitude) = (&self.earlier, residual) {
             let c = &model.matrix;
             let [x, y, z] = model.offset_ut;

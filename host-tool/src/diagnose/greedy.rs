@@ -4,6 +4,7 @@ use super::alignment::{align, without_effects};
 use super::candidates::Catalogue;
 use super::certain::Withdrawn;
 use super::engine::{BadShape, Fitted, Known, Pass, Piece, SETTLED};
+use super::kin::may_follow;
 use super::parameter;
 use super::screen::{Candidate, SIGNIFICANCE, Screening, Tested, rivalry, screen};
 use super::search;
@@ -12,6 +13,8 @@ use ironout::study::{Residual, held_out};
 
 /// More effects than any log carries.
 pub const MOST_EFFECTS: usize = 6;
+/// The same at rest, where a coil has a prompt, a late and a squared part.
+pub const MOST_AT_REST: usize = 9;
 /// A prior on the gains that is tighter than this holds them.
 const HELD_GAIN: f64 = 1e-3;
 /// The coupling's share along the identity has settled when it moves by less than this, s.
@@ -61,6 +64,8 @@ pub struct Explanation<'a> {
     pub steps: Vec<Step>,
     /// Groups that cannot be told apart.
     pub confounded: Vec<Confounded>,
+    /// Columns that move together: the first stands in the model for all of them.
+    pub families: Vec<Confounded>,
     /// The candidates tested against the base model.
     pub first: Vec<Judged<'a>>,
     /// The candidates tested last, against the final model.
@@ -129,7 +134,7 @@ enum Reconsidered<'a> {
     /// Another candidate is better than one in the model.
     Swap { from: String, to: String, fitted: Box<Fitted<'a>> },
     /// All stand; some of them with rivals that explain as much.
-    Stands(Vec<Confounded>),
+    Stands { confounded: Vec<Confounded>, families: Vec<Confounded> },
 }
 
 /// The search.
@@ -143,18 +148,28 @@ pub struct Greedy<'p, 'a> {
 }
 
 impl<'a> Greedy<'_, 'a> {
+    /// Whether the base is held, or most of it.
+    fn held(&self) -> bool {
+        self.known.physical.gain < HELD_GAIN || self.known.scale.is_some()
+    }
+
     fn judge(
         &self,
         fitted: &Fitted<'a>,
         periodic: bool,
     ) -> Result<(Vec<Judged<'a>>, usize, Option<f64>), BadShape> {
         let mut list = candidates(&self.pass, self.catalogue, fitted, periodic)?;
-        if self.known.physical.gain < HELD_GAIN {
-            // Whatever turns with the board would stand in for the soft iron that is held.
-            let turns = |id: &str| ["nonlinearity", "cross-axis"].contains(&id) || id.starts_with("gain:");
+        if self.held() {
+            // Whatever turns with the board would stand in for the soft iron that is held, and with little attitude a
+            // stronger field and an offset along it are the same.
+            let turns = |id: &str| {
+                ["nonlinearity", "cross-axis"].contains(&id)
+                    || id.starts_with("gain:")
+                    || id.starts_with("field:")
+            };
             list.retain(|candidate| !turns(&candidate.piece.id));
         }
-        let count = list.len();
+        let count = self.independent(&list);
         let Screening { held_out, tested } = screen(&self.pass, fitted, &list, count)?;
         let mut judged: Vec<Judged> = tested
             .into_iter()
@@ -230,10 +245,10 @@ impl<'a> Greedy<'_, 'a> {
         let mut order: Vec<String> = fitted.pieces.iter().map(|piece| piece.id.clone()).collect();
         let mut first = None;
         let (mut last, mut count) = (Vec::new(), 0);
-        let mut confounded = Vec::new();
+        let (mut confounded, mut families) = (Vec::new(), Vec::new());
         let mut swapped: Vec<(String, String)> = Vec::new();
         let mut repeated = None;
-        for round in 0..3 * MOST_EFFECTS {
+        for round in 0..3 * MOST_AT_REST {
             let (judged, tried, _) = self.judge(&fitted, true)?;
             count = tried;
             first.get_or_insert_with(|| judged.clone());
@@ -245,8 +260,8 @@ impl<'a> Greedy<'_, 'a> {
                 repeated = Some(id);
                 break;
             }
-            let next =
-                if fitted.pieces.len() < MOST_EFFECTS { self.choose(&fitted, &last, count)? } else { None };
+            let most = if self.pass.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };
+            let next = if fitted.pieces.len() < most { self.choose(&fitted, &last, count)? } else { None };
             if let Some((winner, next)) = next {
                 fitted = self.aligned(prefer(&self.pass, self.catalogue, next, self.known)?)?;
                 order.push(winner);
@@ -274,7 +289,7 @@ impl<'a> Greedy<'_, 'a> {
                     confounded = vec![Confounded { ids: vec![from, to] }];
                     break;
                 }
-                Reconsidered::Swap { from, to, fitted: next } if round < 2 * MOST_EFFECTS => {
+                Reconsidered::Swap { from, to, fitted: next } if round < 2 * MOST_AT_REST => {
                     swapped.push((from.clone(), to.clone()));
                     fitted = self.aligned(*next)?;
                     for id in order.iter_mut().filter(|id| **id == from) {
@@ -282,8 +297,8 @@ impl<'a> Greedy<'_, 'a> {
                     }
                 }
                 Reconsidered::Swap { .. } => break,
-                Reconsidered::Stands(groups) => {
-                    confounded = groups;
+                Reconsidered::Stands { confounded: groups, families: together } => {
+                    (confounded, families) = (groups, together);
                     break;
                 }
             }
@@ -294,6 +309,7 @@ impl<'a> Greedy<'_, 'a> {
             fitted,
             steps,
             confounded,
+            families,
             first: first.unwrap_or_default(),
             last,
             repeated,
@@ -311,6 +327,7 @@ impl<'a> Greedy<'_, 'a> {
             fitted,
             steps,
             confounded: Vec::new(),
+            families: Vec::new(),
             first: Vec::new(),
             last: Vec::new(),
             repeated: None,
@@ -362,7 +379,7 @@ impl<'a> Greedy<'_, 'a> {
 
     /// Compares every effect of the model with the candidates that could stand in its place.
     fn reconsider(&self, fitted: &Fitted<'a>, count: usize) -> Result<Reconsidered<'a>, BadShape> {
-        let mut groups = Vec::new();
+        let (mut groups, mut families) = (Vec::new(), Vec::new());
         for index in 0..fitted.pieces.len() {
             let mut pieces = fitted.pieces.clone();
             let own = pieces.remove(index);
@@ -371,12 +388,13 @@ impl<'a> Greedy<'_, 'a> {
             let (judged, ..) = self.judge(&without, own.id == "periodic")?;
             let Some(mine) = judged.iter().find(|one| one.candidate.piece.id == own.id) else { continue };
             let mut group = vec![own.id.clone()];
+            let mut family = vec![own.id.clone()];
             for other in &judged {
                 let id = &other.candidate.piece.id;
-                let standing = fitted.pieces.iter().any(|piece| &piece.id == id);
-                if standing
+                let kin = self.together(&own.id, id);
+                if fitted.pieces.iter().any(|piece| &piece.id == id)
                     || plain_id(id) == plain_id(&own.id)
-                    || !other.tested.accepted
+                    || !(other.tested.accepted || kin)
                     || other.tested.decrease < 0.3 * mine.tested.decrease
                 {
                     continue;
@@ -388,10 +406,20 @@ impl<'a> Greedy<'_, 'a> {
                 if pair.first * (count as f64) < SIGNIFICANCE {
                     continue;
                 }
+                if kin {
+                    // What several channels have in common stands for them; a channel that has more to say has been
+                    // tested beside it.
+                    if plain_id(id) == id {
+                        family.push(id.clone());
+                    }
+                    continue;
+                }
                 // The other explains all that this one does.
                 let fewer = other.tested.directions < mine.tested.directions;
                 if fewer || pair.second * (count as f64) * other.candidate.searched < SIGNIFICANCE {
-                    if let Some(next) = self.with(&without, &other.candidate.piece)? {
+                    if let Some(next) = self.with(&without, &other.candidate.piece)?
+                        && may_follow(&own.id, id, fitted, &next)
+                    {
                         return Ok(Reconsidered::Swap {
                             from: own.id,
                             to: id.clone(),
@@ -405,8 +433,11 @@ impl<'a> Greedy<'_, 'a> {
             if group.len() > 1 {
                 groups.push(Confounded { ids: group });
             }
+            if family.len() > 1 {
+                families.push(Confounded { ids: family });
+            }
         }
-        Ok(Reconsidered::Stands(groups))
+        Ok(Reconsidered::Stands { confounded: groups, families })
     }
 
     /// The earlier effect that the later ones have made superfluous, and the model without it.
@@ -415,6 +446,10 @@ impl<'a> Greedy<'_, 'a> {
         for index in 0..newest {
             let mut pieces = fitted.pieces.clone();
             let removed = pieces.remove(index);
+            let beside = |piece: &Piece| piece.id != removed.id && plain_id(&piece.id) == removed.id;
+            if self.pass.residual == Residual::Vector && pieces.iter().any(beside) {
+                continue;
+            }
             let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
             let candidate = Candidate {
                 piece: Piece { coefficients: Default::default(), ..removed.clone() },

@@ -2,6 +2,7 @@
 
 use super::engine::{BadShape, Fitted, Piece};
 use super::greedy::{Greedy, Judged, held_out_rms, plain_id};
+use super::kin::{NEARLY, in_time};
 use super::parameter;
 use super::screen::{RELEVANCE, SIGNIFICANCE, rivalry, screen, stands};
 use super::search;
@@ -13,6 +14,8 @@ const STRONG: f64 = 0.01;
 const STRONG_SHARE: f64 = 0.2;
 /// ... but at most so many.
 const STRONG_LEADERS: usize = 6;
+/// At rest the linear term comes before its square or its past if it takes this share of what they take.
+const PROMPT_SHARE: f64 = 0.3;
 
 impl<'a> Greedy<'_, 'a> {
     /// The model with one more effect, fully refitted, and what fixes its shape moved to where the error is least. `None`
@@ -97,6 +100,15 @@ impl<'a> Greedy<'_, 'a> {
     ) -> Result<Judged<'a>, BadShape> {
         let plain = plain_id(&leader.candidate.piece.id).to_string();
         let Some(column) = plain.strip_prefix("offset:") else { return Ok(leader.clone()) };
+        if self.pass.residual == Residual::Vector {
+            // What a column adds in proportion comes first; its square and its past are added beside it.
+            let prompt = judged.iter().find(|other| other.candidate.piece.id == plain);
+            return match prompt.filter(|other| other.tested.decrease > PROMPT_SHARE * leader.tested.decrease)
+            {
+                Some(prompt) if plain != leader.candidate.piece.id => Ok(prompt.clone()),
+                _ => Ok(leader.clone()),
+            };
+        }
         let mut best = leader.clone();
         if let Some(prompt) = judged.iter().find(|other| other.candidate.piece.id == plain)
             && prompt.candidate.piece.id != leader.candidate.piece.id
@@ -139,7 +151,9 @@ impl<'a> Greedy<'_, 'a> {
             key(a).total_cmp(&key(b))
         });
         let mut leaders: Vec<(Judged<'a>, Fitted<'a>, f64)> = Vec::new();
-        for one in passing.iter().take(3) {
+        // A shape in time may stand in for a cause that was logged: the best of those is fitted too.
+        let logged = passing.iter().position(|one| !in_time(&one.candidate.piece.id)).filter(|at| *at >= 3);
+        for one in passing.iter().take(3).chain(logged.and_then(|at| passing.get(at))) {
             if let Some(next) = self.with(fitted, &one.candidate.piece)?
                 && let Some(held) = held_out_rms(&next)
             {
@@ -147,11 +161,18 @@ impl<'a> Greedy<'_, 'a> {
             }
         }
         leaders.sort_by(|a, b| a.2.total_cmp(&b.2));
+        if let Some(held) = leaders.first().filter(|one| in_time(&one.0.candidate.piece.id)).map(|one| one.2)
+        {
+            leaders.retain(|one| one.2 < NEARLY * held);
+            leaders.sort_by_key(|one| in_time(&one.0.candidate.piece.id));
+        }
         let Some((leader, mut next, _)) = leaders.into_iter().next() else { return Ok(None) };
         let mut winner = self.best_variant(fitted, &leader, judged, count)?;
+        let held = |one: &Judged| one.tested.held_out.unwrap_or(f64::INFINITY);
         for other in &passing {
             if other.tested.directions < winner.tested.directions
                 && other.tested.decrease > 0.3 * winner.tested.decrease
+                && held(other) < NEARLY * NEARLY * held(&winner)
                 && let Some(pair) =
                     rivalry(&self.pass, fitted, &winner.candidate.piece, &other.candidate.piece, self.known)?
                 && pair.first * count as f64 > SIGNIFICANCE
@@ -159,6 +180,7 @@ impl<'a> Greedy<'_, 'a> {
                 winner = (*other).clone();
             }
         }
+        winner = self.for_its_family(fitted, winner, judged, count)?;
         if winner.candidate.piece.id != leader.candidate.piece.id {
             match self.with(fitted, &winner.candidate.piece)? {
                 Some(fit) => next = fit,

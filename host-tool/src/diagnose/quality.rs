@@ -178,7 +178,7 @@ fn shapes_of_attitude(fitted: &Fitted, centred_ut: Vector3<f64>) -> Vec<(usize, 
 /// calibration, never of the physical prior, which the next study brings itself.
 pub fn information(pass: &Pass, fitted: &Fitted, known: &Known, time: f64) -> Option<[[f64; 9]; 9]> {
     let free = PhysicalPrior { gain: 1e6, skew: 1e6, offset_fields: 1e9 };
-    let data_only = Known { physical: free, earlier: known.earlier.clone() };
+    let data_only = Known { physical: free, earlier: known.earlier.clone(), ..Known::default() };
     let data = Matrix::total(&fitted.blocks, None);
     let sigma = (fitted.squares / (fitted.rows - fitted.columns() as f64).max(1.0)).sqrt();
     let list: Vec<&Piece> = fitted.pieces.iter().collect();

@@ -1,7 +1,7 @@
 //! The candidates and effects of a diagnosis as rows, in words and numbers.
 
 use super::engine::{BadShape, Piece};
-use super::greedy::Judged;
+use super::greedy::{Confounded, Judged};
 use super::outcome::{CandidateRow, FittedEffect, Status, Verdict};
 use super::quality::{Residue, covariance, covariance_of};
 use super::screen::SIGNIFICANCE;
@@ -33,25 +33,33 @@ impl View<'_, '_> {
             why,
             angle_deg: None,
         };
-        let group_of = |id: &str| {
-            self.explanation
-                .confounded
+        let others_in = |groups: &[Confounded], id: &str| {
+            groups
                 .iter()
                 .find(|group| group.ids.iter().any(|other| other == id))
                 .map(|group| group.ids.iter().filter(|other| *other != id).cloned().collect::<Vec<_>>())
         };
+        let group_of = |id: &str| others_in(&self.explanation.confounded, id);
+        let kin_of = |id: &str| others_in(&self.explanation.families, id);
         for piece in &self.explanation.fitted.pieces {
             let tested = self.explanation.first.iter().find(|one| one.candidate.piece.id == piece.id);
             let partners = group_of(&piece.id);
             let status = if partners.is_some() { Status::Confounded } else { Status::Missing };
-            let why = match &partners {
-                Some(partners) => format!(
+            let kin = kin_of(&piece.id);
+            let why = match (&partners, &kin) {
+                (Some(partners), _) => format!(
                     "it explains the error, and so does {}: {}",
                     partners.join(", "),
                     separating(&piece.id, partners)
                 ),
-                None => piece.effect.explanation().to_string(),
+                (None, Some(kin)) => format!(
+                    "it stands for what it has in common with {}, whose columns move with it: {}",
+                    kin.join(", "),
+                    separating(&piece.id, kin)
+                ),
+                (None, None) => piece.effect.explanation().to_string(),
             };
+            let partners = partners.or(kin);
             match tested {
                 Some(one) => list.push(row_of(one, status, partners.unwrap_or_default(), why)),
                 None => list.push(CandidateRow {
@@ -82,8 +90,11 @@ impl View<'_, '_> {
             if id == "lag" && dip.is_some() {
                 continue;
             }
-            match group_of(id) {
+            match group_of(id).or_else(|| kin_of(id)) {
                 Some(partners) => {
+                    // What it explains by itself, not beside the one that stands in the model.
+                    let alone = self.explanation.first.iter().find(|other| other.candidate.piece.id == *id);
+                    let one = alone.unwrap_or(one);
                     let why = format!(
                         "it explains the error, and so does {}: {}",
                         partners.join(", "),
@@ -162,6 +173,21 @@ impl View<'_, '_> {
                 },
                 angle_deg: None,
             });
+        }
+        if self.lower_order.is_some() && self.catalogue.has_down() {
+            for (id, name) in [("misalignment", "misalignment"), ("axis-order", "axis order")] {
+                list.push(CandidateRow {
+                    id: id.into(),
+                    name: name.into(),
+                    status: Status::Untestable,
+                    residual: Residual::Dip.name(),
+                    holdout_rms_ut: None,
+                    p_value: None,
+                    confounded_with: Vec::new(),
+                    why: "too little attitude: turn the board through more of it".into(),
+                    angle_deg: None,
+                });
+            }
         }
         let more = untestable(self.catalogue);
         let known: Vec<String> = list.iter().map(|row| row.id.clone()).collect();

@@ -17,6 +17,11 @@ pub struct Column {
     pub mean: f64,
     /// Mean square over the samples.
     pub mean_square: f64,
+    /// Where its effects are zero: the mean, which keeps them apart from the base; the value at rest where the base is
+    /// known for that state.
+    pub reference: f64,
+    /// The same of its square.
+    pub reference_square: f64,
     /// Why it cannot be tested.
     pub problem: Option<String>,
 }
@@ -91,7 +96,15 @@ fn column(name: &str, mut values: Vec<f64>, not_finite: usize) -> Column {
     let spread = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n).sqrt();
     let constant = !spread.is_finite() || spread <= 1e-9 * mean.abs().max(1e-12);
     let problem = problem.or_else(|| constant.then(|| format!("{name} is constant")));
-    Column { name: name.to_string(), values, mean, mean_square, problem }
+    Column {
+        name: name.to_string(),
+        values,
+        mean,
+        mean_square,
+        reference: mean,
+        reference_square: mean_square,
+        problem,
+    }
 }
 
 impl Samples {
@@ -152,6 +165,22 @@ impl Samples {
                 reading.down = Some(a.map(|value| -value / n));
             }
         }
+    }
+
+    /// These samples with the effects of the columns zero where the columns rest.
+    pub fn from_rest(&self) -> Samples {
+        let mut samples = self.clone();
+        for column in &mut samples.columns {
+            let ends = column.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                (low.min(*value), high.max(*value))
+            });
+            // The nearest to zero that the column came: motors off, no current, or as little as there was.
+            if ends.0 <= ends.1 {
+                column.reference = 0.0_f64.clamp(ends.0, ends.1);
+                column.reference_square = column.reference * column.reference;
+            }
+        }
+        samples
     }
 
     /// Number of samples.

@@ -4,8 +4,9 @@ use super::at_rest::at_rest;
 use super::base;
 use super::candidates::Catalogue;
 use super::engine::{BadShape, Earlier, Fitted, Known, Pass, Piece};
-use super::greedy::{Greedy, held_out_rms};
-use super::outcome::{CandidateRow, Diagnosis, Status, StepRow, Verdict};
+use super::greedy::{Explanation, Greedy, held_out_rms};
+use super::lower_order::as_logged;
+use super::outcome::{CandidateRow, Diagnosis, Status, Verdict};
 use super::quality::{Residue, attitude_error};
 use super::samples::Samples;
 use super::screen::{Candidate, screen};
@@ -14,13 +15,8 @@ use super::table::Table;
 use super::traces::Traces;
 use super::view::View;
 use crate::ground::{Alignment, Base, Counted, Ground, with_room};
-use ironout::fit::{MAX_PREDICTED_ERROR, MIN_THICKNESS, Method};
-use ironout::study::{Model, PhysicalPrior, Residual};
-
-/// A log is taken as of a calibrated sensor if the raw magnitude spreads by at most this share of its mean ...
-const CALIBRATED_SPREAD: f64 = 0.15;
-/// ... and its offset is then known to this share of the field.
-const CALIBRATED_OFFSET: f64 = 0.05;
+use ironout::fit::{MAX_PREDICTED_ERROR, Method};
+use ironout::study::{Model, Residual};
 
 /// No effect is so many times the noise that finding it makes up for a predicted error this many times too large.
 const HOPELESS: f64 = 20.0;
@@ -102,8 +98,7 @@ fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     };
     // On top of an earlier calibration the base is fitted with it, which sums alone cannot.
     let base = ground.base.as_ref().ok().filter(|_| options.earlier.is_none());
-    let mut diagnosis =
-        magnitude(table, samples, model, &known, options, Stand { base, lower_order: false })?;
+    let mut diagnosis = magnitude(table, samples, model, &known, options, Stand { base, held: false })?;
     if diagnosis.verdict == Verdict::Undetermined && options.earlier.is_none() {
         // Only where the attitude is at fault: full attitude with a large residual is something else.
         let field = diagnosis.calibration.map_or(f64::NAN, |calibration| calibration.field_ut);
@@ -115,44 +110,6 @@ fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
         }
     }
     Ok(diagnosis)
-}
-
-/// Attitude that does not carry nine parameters, in a log whose raw magnitude is nearly constant: the sensor was
-/// calibrated before, so its own scale and offset are kept and only effects are looked for. `None` where that does not
-/// hold, or explains nothing.
-fn as_logged(table: &Table, samples: &Samples, options: &Options) -> Result<Option<Diagnosis>, Refusal> {
-    let lengths: Vec<f64> = samples
-        .readings
-        .iter()
-        .map(|reading| reading.measured_ut.iter().map(|value| value * value).sum::<f64>().sqrt())
-        .collect();
-    let mean = lengths.iter().sum::<f64>() / lengths.len().max(1) as f64;
-    let off: Vec<f64> = lengths.iter().map(|length| length - mean).collect();
-    if rms(&off) > CALIBRATED_SPREAD * mean || base::thickness(samples) < f64::from(MIN_THICKNESS) {
-        return Ok(None);
-    }
-    let physical = PhysicalPrior { offset_fields: CALIBRATED_OFFSET, ..PhysicalPrior::sphere() };
-    let known = Known { physical, ..Known::default() };
-    let field = options.field_ut.unwrap_or(mean);
-    let matrix = base::NO_ROTATION.map(|row| row.map(|value| value * field / mean));
-    let Some(model) = Model::new([0.0; 3], matrix, field, base::NO_ROTATION, 0.0) else { return Ok(None) };
-    let stand = Stand { base: None, lower_order: true };
-    let mut found = magnitude(table, samples, model, &known, options, stand)?;
-    let error = |step: Option<&StepRow>| step.and_then(|step| step.holdout_rms_ut);
-    let falls = error(found.steps.first()).zip(error(found.steps.last())).is_some_and(|(a, b)| b < 0.9 * a);
-    if found.verdict == Verdict::Undetermined || !falls {
-        return Ok(None);
-    }
-    // What was held fixed was not measured: effects only.
-    found.calibration = None;
-    found.information = None;
-    found.predicted_error_ut = None;
-    found.reasons.push(
-        "the attitude does not carry a calibration; the sensor is taken as calibrated before, and only effects were \
-         looked for"
-            .into(),
-    );
-    Ok(Some(found))
 }
 
 /// Where the base is not determined nothing that stands on it may be claimed.
@@ -249,12 +206,15 @@ pub(super) fn added<'a>(
 
 /// What a study of the magnitude stands on.
 #[derive(Clone, Copy)]
-struct Stand<'b> {
+pub(super) struct Stand<'b> {
     /// The base model as `fit` gives it, if the log carries one.
-    base: Option<&'b Base>,
-    /// Whether the sensor's own scale and offset are kept.
-    lower_order: bool,
+    pub(super) base: Option<&'b Base>,
+    /// Whether the base is held, or most of it.
+    pub(super) held: bool,
 }
+
+/// What explains a log, and whether `--add` names a pure lag; or why nothing does.
+pub(super) type Explained<'a> = Result<(Explanation<'a>, bool), String>;
 
 fn magnitude(
     table: &Table,
@@ -264,11 +224,29 @@ fn magnitude(
     options: &Options,
     stand: Stand,
 ) -> Result<Diagnosis, Refusal> {
-    let lower_order = stand.lower_order;
     let catalogue = Catalogue::new(samples, table);
     let pass = Pass { samples, residual: Residual::Magnitude };
+    let (explanation, pure_lag) = match explain(pass, &catalogue, model, known, options, stand)? {
+        Ok(explained) => explained,
+        Err(why) => return Ok(undetermined(table, samples, why)),
+    };
+    let base = stand.base;
+    View { table, samples, catalogue: &catalogue, pass, known, explanation, lower_order: None, base }
+        .finish(pure_lag)
+}
+
+/// Fits the base model from `model`, adds what `--add` names, and searches for more where the attitude can carry it or
+/// the base is held.
+pub(super) fn explain<'a>(
+    pass: Pass<'a>,
+    catalogue: &Catalogue<'a>,
+    model: Model<f64>,
+    known: &Known,
+    options: &Options,
+    stand: Stand,
+) -> Result<Explained<'a>, Refusal> {
     let Some(base) = pass.fit(model, Vec::new(), known)? else {
-        return Ok(undetermined(table, samples, "the fit does not converge".into()));
+        return Ok(Err("the fit does not converge".into()));
     };
     // Even if all structure were explained: does the attitude carry a calibration, at the noise that is surely there?
     let residuals = pass.residuals(&base.model, &[])?;
@@ -277,9 +255,9 @@ fn magnitude(
     // is not searched.
     let best = Residue { rms: rms(&residuals), floor: sigma, structure: 1.0, time: 1.0 };
     let accepted = stand.base.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR);
-    let hopeless = !(lower_order || accepted)
+    let hopeless = !(stand.held || accepted)
         && attitude_error(&base, &best).is_none_or(|error| error > HOPELESS * MAX_PREDICTED_ERROR);
-    let greedy = Greedy { pass, catalogue: &catalogue, known };
+    let greedy = Greedy { pass, catalogue, known };
     let mut pure_lag = false;
     let mut start = base.clone();
     for id in &options.add {
@@ -289,12 +267,12 @@ fn magnitude(
                 format!("a model carries at most {MOST_ADDED} effects"),
             ));
         }
-        let piece = added(&pass, &catalogue, &start, id)?;
+        let piece = added(&pass, catalogue, &start, id)?;
         let Some(piece) = piece else {
             if id == "misalignment" || id == "axis-order" {
                 continue;
             }
-            return Err(Refusal::CannotAdd(id.clone(), cannot_add(&catalogue, id)));
+            return Err(Refusal::CannotAdd(id.clone(), cannot_add(catalogue, id)));
         };
         if start.pieces.iter().any(|known| known.id == piece.id) {
             continue;
@@ -313,7 +291,7 @@ fn magnitude(
                 let why = format!(
                     "the fit with {id} does not converge: this log hardly tells it from the calibration; leave it out, or record more"
                 );
-                return Ok(undetermined(table, samples, why));
+                return Ok(Err(why));
             }
         }
     }
@@ -334,9 +312,7 @@ fn magnitude(
     if explanation.fitted.pieces.is_empty() && stand.base.is_some() {
         explanation.fitted = explanation.base.clone();
     }
-    let base = stand.base;
-    View { table, samples, catalogue: &catalogue, pass, known, explanation, lower_order, base }
-        .finish(pure_lag)
+    Ok(Ok((explanation, pure_lag)))
 }
 
 pub(super) fn cannot_add(catalogue: &Catalogue, id: &str) -> String {

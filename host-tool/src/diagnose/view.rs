@@ -32,7 +32,8 @@ pub(super) struct View<'v, 'a> {
     pub(super) pass: Pass<'a>,
     pub(super) known: &'v Known,
     pub(super) explanation: Explanation<'a>,
-    pub(super) lower_order: bool,
+    /// What is known of the base, in words, where not all of it is estimated.
+    pub(super) lower_order: Option<String>,
     /// The base model as `fit` gives it, if the log carries one.
     pub(super) base: Option<&'v Base>,
 }
@@ -84,7 +85,8 @@ impl<'a> View<'_, 'a> {
     }
 
     pub(super) fn finish(mut self, force_lag: bool) -> Result<Diagnosis, Refusal> {
-        let mut dip = self.dip(force_lag)?;
+        // Without an offset and a matrix of its own the log says nothing about a rotation either.
+        let mut dip = if self.lower_order.is_some() { None } else { self.dip(force_lag)? };
         if let Some(dip) = &dip {
             let model = dip.alignment.model;
             // A mirrored frame is minus a turned one, and its dip the other way.
@@ -99,7 +101,7 @@ impl<'a> View<'_, 'a> {
         let list: Vec<&Piece> = fitted.pieces.iter().collect();
         let residuals = self.pass.residuals(&fitted.model, &list)?;
         // Without effects the final model is the base model, and what `fit` says of that holds.
-        let plain = self.base.filter(|_| fitted.pieces.is_empty() && !self.lower_order);
+        let plain = self.base.filter(|_| fitted.pieces.is_empty() && self.lower_order.is_none());
         let left = match plain {
             Some(base) => base.residue.clone(),
             None => residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s()),
@@ -177,11 +179,11 @@ impl<'a> View<'_, 'a> {
             samples_used: 0,
             samples_set_aside: 0,
             prior: self.prior_words(),
-            lower_order: self.lower_order,
+            lower_order: self.lower_order.is_some(),
             traces: Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?,
         };
         super::standing::take_axes(&mut diagnosis, covariance.as_deref(), &dip);
-        if let (Some(base), false) = (self.base, self.lower_order) {
+        if let (Some(base), None) = (self.base, &self.lower_order) {
             super::standing::first_row(&mut diagnosis, base, plain.is_some());
         }
         Ok(diagnosis)
@@ -196,8 +198,8 @@ impl<'a> View<'_, 'a> {
     pub(super) fn prior_words(&self) -> String {
         if self.known.earlier.is_some() {
             "the information of the earlier calibration, and a weak physical prior".into()
-        } else if self.lower_order {
-            "none of the base is estimated but its scale: the sensor is taken as calibrated before, its offset within 5 % of the field".into()
+        } else if let Some(words) = &self.lower_order {
+            words.clone()
         } else {
             "weak: gains within some 20 % of each other, axes within some 10°, offset within a few fields"
                 .into()
@@ -240,7 +242,7 @@ impl<'a> View<'_, 'a> {
         let mut reasons = Vec::new();
         match attitude_error(&self.explanation.fitted, left) {
             // What is held fixed has no error to predict, and what `fit` accepts is determined.
-            _ if self.lower_order || self.is_accepted() => {}
+            _ if self.lower_order.is_some() || self.is_accepted() => {}
             Some(error) if error <= MAX_PREDICTED_ERROR => {}
             Some(error) => reasons.push(format!(
                 "the corrected vector would be off by {:.1} % of the field in the worst direction (1σ): turn the board \
@@ -255,7 +257,9 @@ impl<'a> View<'_, 'a> {
         if !reasons.is_empty() {
             return (Verdict::Undetermined, reasons);
         }
-        if let Some(error) = predicted.filter(|error| !self.lower_order && *error > MAX_PREDICTED_ERROR) {
+        if let Some(error) =
+            predicted.filter(|error| self.lower_order.is_none() && *error > MAX_PREDICTED_ERROR)
+        {
             reasons.push(format!(
                 "a calibration from this log would be off by {:.1} % of the field in the worst direction (1σ), for its \
                  noise and its effects: record longer",

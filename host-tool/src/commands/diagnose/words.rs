@@ -279,7 +279,9 @@ fn untestable(told: &Told, out: &mut Vec<String>) {
 /// Groups of effects that the log cannot tell apart, by id.
 pub fn groups(diagnosis: &Diagnosis) -> Vec<Vec<String>> {
     let mut groups: Vec<Vec<String>> = Vec::new();
-    for row in diagnosis.candidates.iter().filter(|row| row.status == Status::Confounded) {
+    // A step may stand for others too: it comes first among them.
+    let alike = |row: &&CandidateRow| row.status == Status::Confounded || !row.confounded_with.is_empty();
+    for row in diagnosis.candidates.iter().filter(alike) {
         let mut ids = vec![row.id.clone()];
         ids.extend(row.confounded_with.iter().cloned());
         match groups.iter_mut().find(|group| group.iter().any(|id| ids.contains(id))) {
@@ -304,7 +306,19 @@ fn confounded(told: &Told, out: &mut Vec<String>) {
             let held = row.and_then(|row| row.holdout_rms_ut).map_or(String::new(), |ut| {
                 format!(": with it alone the error on unseen time is {} µT", microtesla(ut))
             });
-            out.push(format!("  - {} ({id}){held}", name_of(told.diagnosis, id)));
+            let text = format!("{} ({id}){held}", name_of(told.diagnosis, id));
+            out.extend(hang(&text, "  - ", "    ", WIDTH));
+        }
+        let first = &group[0];
+        // One of several columns that move together stands in the model for all of them.
+        if told.diagnosis.steps.iter().any(|step| step.added.as_ref() == Some(first)) {
+            let text = format!(
+                "These columns move together, and {first} is nearest to what they have in common. With it in the model \
+                 none of the others explains significantly more; which of them carries the field, this log does not \
+                 tell. To find out, change one of them while the others stay (run the motors one at a time)."
+            );
+            out.extend(wrap(&text, "  ", WIDTH));
+            continue;
         }
         out.extend(wrap(
             "Each explains the error by itself, and with one of them in the model the other explains nothing more.",
@@ -312,7 +326,6 @@ fn confounded(told: &Told, out: &mut Vec<String>) {
             WIDTH,
         ));
         out.push("  To separate them:".into());
-        let first = &group[0];
         for other in &group[1..] {
             let text = format!("{first} or {other}: {}", advice::separating(first, other));
             out.extend(hang(&text, "  - ", "    ", WIDTH));
