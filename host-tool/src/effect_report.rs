@@ -1,5 +1,6 @@
 //! The table of hidden effects as a whole: measured, as text, as JSON, and kept beside its snapshot.
 
+use crate::dip_table;
 use crate::effect_table::{CASES, Case, HEADING, Row, Special, line, run};
 use ironout_host_tests::accuracy::snapshot;
 use serde_json::{Value, json};
@@ -13,6 +14,7 @@ pub const SEEDS: u64 = 20;
 pub struct Effects {
     seeds: u64,
     rows: Vec<(Case, Row)>,
+    dip: Vec<(&'static str, dip_table::Row)>,
 }
 
 impl Effects {
@@ -27,13 +29,35 @@ impl Effects {
                 (*case, row)
             })
             .collect();
-        Effects { seeds, rows }
+        say("");
+        say(dip_table::HEADING);
+        let dip = dip_table::CASES
+            .iter()
+            .map(|hidden| {
+                let row = dip_table::run(hidden, seeds);
+                say(&dip_table::line(hidden, &row));
+                (*hidden, row)
+            })
+            .collect();
+        Effects { seeds, rows, dip }
     }
 
     /// What the snapshot holds.
     pub fn text(&self) -> String {
         let lines = self.rows.iter().map(|(case, row)| line(case, row) + "\n");
-        heading(self.seeds) + &lines.collect::<String>()
+        let dip = self.dip.iter().map(|(hidden, row)| dip_table::line(hidden, row) + "\n");
+        format!(
+            "{}{}\n{}\n{}",
+            heading(self.seeds),
+            lines.collect::<String>(),
+            dip_table::HEADING,
+            dip.collect::<String>()
+        )
+    }
+
+    /// The rows that only the dip sees, one object each.
+    pub fn dip_json(&self) -> Value {
+        self.dip.iter().map(|(hidden, row)| dip_table::json(hidden, row)).collect()
     }
 
     /// One object a row; counts are of logs.

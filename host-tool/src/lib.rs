@@ -7,6 +7,7 @@ pub mod cal_file;
 pub mod cli;
 pub mod commands;
 pub mod diagnose;
+pub mod dip_table;
 pub mod effect_report;
 pub mod effect_table;
 pub mod effects;

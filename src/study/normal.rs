@@ -81,6 +81,11 @@ impl<T: Real, const P: usize> Normal<T, P> {
         }
     }
 
+    /// Adds to `rᵀr` without data: what a model departs from what is known.
+    pub fn depart(&mut self, squares: T) {
+        self.squares += squares;
+    }
+
     /// Adds `sign` times another matrix; `sign` −1 takes a block out again.
     fn combine(&mut self, other: &Self, sign: T) {
         let n = other.columns;

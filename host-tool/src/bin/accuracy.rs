@@ -27,6 +27,7 @@ fn main() -> ExitCode {
     if json {
         let mut object = solvers.json();
         object["effects"] = effects.json();
+        object["dip"] = effects.dip_json();
         println!("{object}");
     } else {
         print!("{text}\nHidden effects\n\n{found}");

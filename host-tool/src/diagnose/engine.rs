@@ -246,6 +246,9 @@ impl Known {
                 for j in 0..9 {
                     let weight = earlier.information[i][j] * sigma * sigma;
                     prior.pull(i, weight * (now[j] - earlier.parameters[j]));
+                    // Part of the cost: without it every step towards what is known would look like a worse fit.
+                    let (a, b) = (now[i] - earlier.parameters[i], now[j] - earlier.parameters[j]);
+                    prior.depart(weight * a * b);
                     if j >= i {
                         prior.inform(i, j, weight);
                     }

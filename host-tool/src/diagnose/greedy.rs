@@ -70,7 +70,7 @@ pub struct Explanation<'a> {
     pub first: Vec<Judged<'a>>,
     /// The candidates tested last, against the final model.
     pub last: Vec<Judged<'a>>,
-    /// A step or a tone that the model holds once and the log shows again.
+    /// A step or a tone that the model holds once and the log shows again, in words.
     pub repeated: Option<String>,
     /// Effects that were found and are not certain.
     pub withdrawn: Vec<Withdrawn>,
@@ -254,10 +254,12 @@ impl<'a> Greedy<'_, 'a> {
             first.get_or_insert_with(|| judged.clone());
             last = judged;
             // A second step or tone beside the one in the model: whatever else follows its trace is no cause.
-            if let Some((id, decrease)) = self.again(&fitted)?
+            if let Some((second, decrease)) = self.again(&fitted)?
                 && last.iter().all(|one| !one.tested.accepted || one.tested.decrease < decrease)
             {
-                repeated = Some(id);
+                fitted = self.without_proxies(fitted, &second, count)?;
+                order.retain(|id| fitted.pieces.iter().any(|piece| piece.id == *id));
+                repeated = Some(parameter::in_words(&second));
                 break;
             }
             let most = if self.pass.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };
@@ -360,9 +362,9 @@ impl<'a> Greedy<'_, 'a> {
         Ok(steps)
     }
 
-    /// A searched effect that the model holds once and that would be accepted a second time: its id, and what it takes
-    /// off the squared error.
-    fn again(&self, fitted: &Fitted<'a>) -> Result<Option<(String, f64)>, BadShape> {
+    /// A searched effect that the model holds once and that would be accepted a second time, fitted beside it, and what it
+    /// takes off the squared error.
+    fn again(&self, fitted: &Fitted<'a>) -> Result<Option<(Piece<'a>, f64)>, BadShape> {
         let mut list = Vec::new();
         for piece in &fitted.pieces {
             match piece.id.as_str() {
@@ -374,7 +376,49 @@ impl<'a> Greedy<'_, 'a> {
         let screening = screen(&self.pass, fitted, &list, 2)?;
         let found = screening.tested.iter().filter(|tested| tested.accepted);
         let best = found.max_by(|a, b| a.decrease.total_cmp(&b.decrease));
-        Ok(best.and_then(|tested| Some((list.get(tested.index)?.piece.id.clone(), tested.decrease))))
+        let Some((second, decrease)) =
+            best.and_then(|tested| Some((&list.get(tested.index)?.piece, tested.decrease)))
+        else {
+            return Ok(None);
+        };
+        let mut pieces = fitted.pieces.clone();
+        pieces.push(second.clone());
+        let both = self.pass.fit(fitted.model, pieces, self.known)?;
+        Ok(Some((both.and_then(|mut both| both.pieces.pop()).unwrap_or_else(|| second.clone()), decrease)))
+    }
+
+    /// The model without the effects that only stood in for a second step or tone.
+    fn without_proxies(
+        &self,
+        mut fitted: Fitted<'a>,
+        second: &Piece<'a>,
+        count: usize,
+    ) -> Result<Fitted<'a>, BadShape> {
+        let mut index = 0;
+        while let Some(removed) = fitted.pieces.get(index).cloned() {
+            index += 1;
+            if removed.id == second.id {
+                continue;
+            }
+            let mut pieces = fitted.pieces.clone();
+            pieces.remove(index - 1);
+            let both = pieces.iter().chain([second]).cloned().collect();
+            let Some(mut both) = self.pass.fit(fitted.model, both, self.known)? else { continue };
+            // The proxy has pulled at both places in time.
+            both = self.at_its_time(both)?;
+            both.pieces.reverse();
+            both = self.at_its_time(self.pass.hold(both.model, both.pieces, self.known)?)?;
+            let candidate =
+                Candidate { piece: Piece { coefficients: Default::default(), ..removed }, searched: 1.0 };
+            let screening = screen(&self.pass, &both, &[candidate], count)?;
+            if screening.tested.first().is_none_or(|tested| !tested.accepted)
+                && let Some(next) = self.pass.fit(fitted.model, pieces, self.known)?
+            {
+                fitted = self.aligned(self.at_its_time(next)?)?;
+                index = 0;
+            }
+        }
+        Ok(fitted)
     }
 
     /// Compares every effect of the model with the candidates that could stand in its place.

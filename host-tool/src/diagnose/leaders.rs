@@ -40,7 +40,7 @@ impl<'a> Greedy<'_, 'a> {
     }
 
     /// A strong step bends the base that its time was searched at: searched again at the model with the step.
-    fn at_its_time(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
+    pub(super) fn at_its_time(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
         for _ in 0..3 {
             let mut pieces = fitted.pieces.clone();
             let Some(place) = pieces.iter().position(|piece| piece.id == "step") else { break };

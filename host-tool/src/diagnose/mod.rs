@@ -13,6 +13,7 @@ pub(crate) mod fft;
 pub mod greedy;
 pub mod json;
 mod kin;
+mod late;
 mod leaders;
 mod lower_order;
 pub mod outcome;

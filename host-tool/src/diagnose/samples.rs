@@ -2,6 +2,7 @@
 
 use super::table::Table;
 use ironout::study::Reading;
+use std::borrow::Cow;
 
 /// A study searches over at most this many samples; a longer log is thinned evenly.
 pub const MOST_SAMPLES: usize = 40_000;
@@ -142,15 +143,16 @@ impl Samples {
         let mut samples = Samples { time, middle_s, readings, columns, row, stride, axes, quantum_ut: 0.0 };
         samples.quantum_ut =
             table.field_ut.iter().map(|axis| super::faults::quantum(axis)).fold(0.0, f64::max);
-        samples.find_down(table);
+        samples.find_down(table, 0.0);
         samples
     }
 
     /// Directions down, where the accelerometer measures little besides gravity.
-    fn find_down(&mut self, table: &Table) {
-        let Some(accel) = &table.accel_mps2 else { return };
+    fn find_down(&mut self, table: &Table, late_s: f64) {
+        let Some(accel) = late(table, &table.accel_mps2, late_s) else { return };
         let norm = |a: [f64; 3]| (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt();
-        let vectors: Vec<[f64; 3]> = self.row.iter().map(|&row| accel.map(|axis| axis[row])).collect();
+        let vectors: Vec<[f64; 3]> =
+            self.row.iter().map(|&row| accel.each_ref().map(|axis| axis[row])).collect();
         let mut norms: Vec<f64> =
             vectors.iter().map(|a| norm(*a)).filter(|n| n.is_finite() && *n > 0.0).collect();
         if norms.len() < 20 {
@@ -161,6 +163,7 @@ impl Samples {
         let quiet = norms.iter().filter(|n| near(**n)).count() * 10 > 3 * norms.len();
         for (reading, a) in self.readings.iter_mut().zip(vectors) {
             let n = norm(a);
+            reading.down = None;
             if n.is_finite() && n > 0.0 && (near(n) || !quiet) {
                 reading.down = Some(a.map(|value| -value / n));
             }
@@ -181,6 +184,21 @@ impl Samples {
             }
         }
         samples
+    }
+
+    /// The same samples with accelerometer and gyro as they were `late_s` earlier: what a magnetometer that is so late
+    /// stands beside. `None` without time.
+    pub fn beside_late(&self, table: &Table, late_s: f64) -> Option<Samples> {
+        table.time_s?;
+        let mut out = self.clone();
+        if let Some(gyro) = late(table, &table.gyro_radps, late_s) {
+            for (reading, &row) in out.readings.iter_mut().zip(&self.row) {
+                let turn = gyro.each_ref().map(|axis| axis[row]);
+                reading.turn_radps = turn.iter().all(|value| value.is_finite()).then_some(turn);
+            }
+        }
+        out.find_down(table, late_s);
+        Some(out)
     }
 
     /// Number of samples.
@@ -211,6 +229,15 @@ impl Samples {
         let late = delayed(&filled(named.values)?, time, delay_s);
         Some(self.row.iter().map(|&row| late[row]).collect())
     }
+}
+
+/// Three axes of another sensor as they were `late_s` earlier.
+fn late<'a>(table: &Table, axes: &Option<[&'a [f64]; 3]>, late_s: f64) -> Option<[Cow<'a, [f64]>; 3]> {
+    let axes = (*axes)?;
+    Some(axes.map(|axis| match table.time_s {
+        Some(time) if late_s != 0.0 => Cow::Owned(delayed(axis, time, late_s)),
+        _ => Cow::Borrowed(axis),
+    }))
 }
 
 /// A column with missing cells taken from their neighbours, linearly; `None` if all are missing.

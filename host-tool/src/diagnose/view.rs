@@ -6,13 +6,13 @@ use super::candidates::Catalogue;
 use super::dip_errors::DipErrors;
 use super::engine::{BadShape, Known, Pass, Piece};
 use super::greedy::Explanation;
+use super::late::{Late, scan};
 use super::outcome::{Diagnosis, Dip, Heading, StepRow, Verdict, Where};
 use super::quality::{
     Residue, attitude_error, covariance, information, noise_gain, predicted_error, residue,
 };
 use super::samples::Samples;
 use super::screen::{Candidate, screen};
-use super::series::rms;
 use super::study::Refusal;
 use super::table::Table;
 use super::traces::Traces;
@@ -23,6 +23,9 @@ use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::quality::MAX_RESIDUAL;
 use ironout::study::{Model, Residual};
 use nalgebra::Vector3;
+
+/// A dip that spreads by more than this after alignment, degrees, is worth a search for a sensor that is very late.
+const LOOSE_DEG: f64 = 3.0;
 
 /// Everything that the report of a magnitude study is made from.
 pub(super) struct View<'v, 'a> {
@@ -70,15 +73,36 @@ impl<'a> View<'_, 'a> {
         let held_deg = tested.held_out.map(|squares| (squares / base.rows).sqrt().to_degrees());
         study.tested = Some((tested.p_value, held_deg));
         let has_eddy = fitted.pieces.iter().any(|piece| piece.id == lag.id);
-        if (tested.accepted || force_lag || has_eddy)
+        let far = if tested.accepted || force_lag || has_eddy || after_deg < LOOSE_DEG {
+            None
+        } else {
+            scan(self.table, &clean, &base.model, after_deg)?
+        };
+        if (tested.accepted || force_lag || has_eddy || far.is_some())
             && let Some(with) = pass.fit(base.model, vec![lag], self.known)?
         {
-            let residuals = pass.residuals(&with.model, &with.pieces.iter().collect::<Vec<_>>())?;
-            study.errors = DipErrors::of(self.samples, &with.model, &fitted.pieces, with.pieces.first())?;
-            study.lag = with.pieces.into_iter().next();
+            let mut late =
+                Late { model: with.model, pieces: with.pieces, squares: with.squares, beside: None };
             if !has_eddy {
-                study.alignment.model = with.model;
-                study.after_deg = rms(&residuals).to_degrees();
+                late = late.settled(self.table, &clean, self.known, far)?;
+            }
+            // Errors where the delay is: the sensors beside it are moved, and the piece has the rest to do.
+            let raw = late.beside.and_then(|delay_s| self.samples.beside_late(self.table, delay_s));
+            let mut at = late.pieces.first().cloned();
+            if let (Some(piece), Some(beside)) = (&mut at, late.beside) {
+                piece.coefficients[0] -= beside;
+            }
+            let errors = DipErrors::of(
+                raw.as_ref().unwrap_or(self.samples),
+                &late.model,
+                &fitted.pieces,
+                at.as_ref(),
+            )?;
+            study.errors = errors;
+            study.lag = late.pieces.into_iter().next();
+            if !has_eddy {
+                study.alignment.model = late.model;
+                study.after_deg = (late.squares / with.rows.max(1.0)).sqrt().to_degrees();
             }
         }
         Ok(Some(study))
@@ -266,6 +290,10 @@ impl<'a> View<'_, 'a> {
                 100.0 * error
             ));
         }
+        if let Some(again) = &self.explanation.repeated {
+            reasons.push(format!("{again} stands beside the one in the model, which holds each effect once"));
+            return (Verdict::Unexplained, reasons);
+        }
         if left.structure > 0.0 {
             reasons.push(format!(
                 "{:.0} % of the residual's variance is structure that no candidate explains",
@@ -273,10 +301,8 @@ impl<'a> View<'_, 'a> {
             ));
             return (Verdict::Unexplained, reasons);
         }
-        if let Some(id) = &self.explanation.repeated {
-            reasons.push(format!(
-                "there is a second {id} beside the one in the model, which holds each effect once"
-            ));
+        if !self.explanation.fitted.converged {
+            reasons.push("the fit of the model with all that was found did not converge".into());
             return (Verdict::Unexplained, reasons);
         }
         if !self.explanation.confounded.is_empty() {
