@@ -259,7 +259,12 @@ impl<'a> Greedy<'_, 'a> {
             {
                 fitted = self.without_proxies(fitted, &second, count)?;
                 order.retain(|id| fitted.pieces.iter().any(|piece| piece.id == *id));
-                repeated = Some(parameter::in_words(&second));
+                let first = fitted.pieces.iter().find(|piece| piece.id == second.id);
+                repeated = Some(format!(
+                    "a second {} beside the {}",
+                    parameter::in_words(&second),
+                    first.map_or_else(|| "first".into(), parameter::in_words)
+                ));
                 break;
             }
             let most = if self.pass.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };

@@ -60,16 +60,14 @@ fn fixed(piece: &Piece, name: &str) -> Option<f64> {
     piece.fixed.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
 }
 
-/// A step or a tone with its place and size: "a second step of 2.1 µT at 40.3 s".
+/// A step or a tone with its place and size: "step of 2.1 µT at 40.30 s".
 pub fn in_words(piece: &Piece) -> String {
     let norm = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
     let c = &piece.coefficients;
     match (fixed(piece, "at_s"), fixed(piece, "frequency_hz")) {
-        (Some(at_s), _) => format!("a second step of {:.2} µT at {at_s:.2} s", norm(&c[..3])),
-        (_, Some(hz)) => {
-            format!("a second tone of {hz:.3} Hz, {:.2} µT in amplitude,", norm(&c[..6]))
-        }
-        _ => format!("a second {}", piece.id),
+        (Some(at_s), _) => format!("step of {:.2} µT at {at_s:.2} s", norm(&c[..3])),
+        (_, Some(hz)) => format!("tone of {:.2} µT at {hz:.3} Hz", norm(&c[..6])),
+        _ => piece.id.clone(),
     }
 }
 

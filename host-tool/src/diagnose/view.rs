@@ -291,7 +291,7 @@ impl<'a> View<'_, 'a> {
             ));
         }
         if let Some(again) = &self.explanation.repeated {
-            reasons.push(format!("{again} stands beside the one in the model, which holds each effect once"));
+            reasons.push(format!("there is {again}, and a model holds each effect once"));
             return (Verdict::Unexplained, reasons);
         }
         if left.structure > 0.0 {
