@@ -69,8 +69,11 @@ fn every_order_and_sign_of_the_axes_is_named() {
                 assert_eq!(row.status == Status::Missing, wanted.is_some());
                 let json = ironout_cli::diagnose::json::object(&diagnosis);
                 let rows = json["candidates"].as_array().expect("rows");
-                let stated =
-                    rows.iter().find(|row| row["id"] == "axis-order").and_then(|row| row.get("order")).cloned();
+                let stated = rows
+                    .iter()
+                    .find(|row| row["id"] == "axis-order")
+                    .and_then(|row| row.get("order"))
+                    .cloned();
                 assert_eq!(stated, wanted.map(serde_json::Value::from));
             }
         }
