@@ -66,7 +66,7 @@ pub const fn without(hidden: &'static str, column: &'static str) -> Case {
 }
 
 /// All rows of the table.
-pub const CASES: [Case; 40] = [
+pub const CASES: [Case; 42] = [
     effect("offset:temp_c=2"),
     effect("offset:temp_c=4"),
     effect("offset:current_a=2"),
@@ -82,12 +82,14 @@ pub const CASES: [Case; 40] = [
     effect("step=2"),
     effect("step=4"),
     effect("lag=2"),
+    effect("lag=4"),
     effect("lag=15ms"),
     effect("lag=20ms"),
     effect("eddy=2"),
     effect("eddy=4"),
     effect("nonlinearity=2"),
     effect("nonlinearity=3"),
+    effect("nonlinearity=4"),
     effect("cross-axis=2"),
     effect("cross-axis=4"),
     effect("periodic=2"),
