@@ -11,6 +11,7 @@ mod families;
 pub mod faults;
 pub(crate) mod fft;
 pub mod greedy;
+mod heading;
 pub mod json;
 mod kin;
 mod late;

@@ -167,7 +167,15 @@ impl View<'_, '_> {
                 confounded_with: Vec::new(),
                 why: match swapped {
                     Some(order) => format!(
-                        "the log's axes stand for the board's {order}: correct the driver, or use --rotate"
+                        "the log's axes stand for the board's {order}: correct the driver, or use --rotate; the field then \
+                         points {}{}",
+                        dip_in_words(self.explanation.fitted.model.sin_dip),
+                        match self.table.heading_deg {
+                            Some(_) => "",
+                            None => {
+                                ", and if that is the wrong hemisphere all three signs are the other way round"
+                            }
+                        }
                     ),
                     None => "the axes stand in the board's order".into(),
                 },
@@ -287,4 +295,10 @@ pub(super) fn describe(piece: &Piece, std_errors: Vec<f64>) -> FittedEffect {
         reference,
         parameters,
     }
+}
+
+/// Where the corrected field points, from the sine of its angle with gravity.
+fn dip_in_words(sin_dip: f64) -> String {
+    let dip_deg = sin_dip.clamp(-1.0, 1.0).asin().to_degrees();
+    format!("{:.0}° {} the horizon", dip_deg.abs(), if dip_deg < 0.0 { "above" } else { "below" })
 }

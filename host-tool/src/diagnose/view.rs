@@ -6,6 +6,7 @@ use super::candidates::Catalogue;
 use super::dip_errors::DipErrors;
 use super::engine::{BadShape, Known, Pass, Piece};
 use super::greedy::Explanation;
+use super::heading::{backwards, heading_error, mirrored, negated};
 use super::late::{Late, scan};
 use super::outcome::{Diagnosis, Dip, Heading, StepRow, Verdict, Where};
 use super::quality::{
@@ -22,7 +23,6 @@ use ironout::calibration::Calibration;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::quality::MAX_RESIDUAL;
 use ironout::study::{Model, Residual};
-use nalgebra::Vector3;
 
 /// A dip that spreads by more than this after alignment, degrees, is worth a search for a sensor that is very late.
 const LOOSE_DEG: f64 = 3.0;
@@ -111,15 +111,12 @@ impl<'a> View<'_, 'a> {
     pub(super) fn finish(mut self, force_lag: bool) -> Result<Diagnosis, Refusal> {
         // Without an offset and a matrix of its own the log says nothing about a rotation either.
         let mut dip = if self.lower_order.is_some() { None } else { self.dip(force_lag)? };
-        if let Some(dip) = &dip {
+        if let Some(dip) = &mut dip {
             let model = dip.alignment.model;
             // A mirrored frame is minus a turned one, and its dip the other way.
-            let mirror = |model: Model<f64>| {
-                let rotation = model.rotation.map(|row| row.map(|value| -value));
-                Model::new(model.offset_ut, model.matrix, model.field_ut, rotation, -model.sin_dip)
-            };
-            let kept = if dip.alignment.mirrored { mirror(model) } else { None };
+            let kept = if dip.alignment.mirrored { mirrored(&model) } else { None };
             self.explanation.fitted.model = kept.unwrap_or(model);
+            self.choose_hemisphere(dip);
         }
         let fitted = &self.explanation.fitted;
         let list: Vec<&Piece> = fitted.pieces.iter().collect();
@@ -211,6 +208,21 @@ impl<'a> View<'_, 'a> {
             super::standing::first_row(&mut diagnosis, base, plain.is_some());
         }
         Ok(diagnosis)
+    }
+
+    /// The dip cannot tell a field from its opposite, a reference heading can: where every heading is backwards, all
+    /// three axes are taken the other way round.
+    fn choose_hemisphere(&mut self, dip: &mut DipStudy) {
+        let fitted = &self.explanation.fitted;
+        let (Some(reference), Some(twin)) = (self.table.heading_deg, mirrored(&fitted.model)) else { return };
+        let error = |model: &Model<f64>| heading_error(self.samples, model, &fitted.pieces, reference);
+        if !error(&fitted.model).zip(error(&twin)).is_some_and(|(own, other)| backwards(own, other)) {
+            return;
+        }
+        self.explanation.fitted.model = twin;
+        dip.alignment.mirrored = !dip.alignment.mirrored;
+        let order = negated(dip.alignment.axis_order.as_deref().unwrap_or("x,y,z"));
+        dip.alignment.axis_order = (order != "x,y,z").then_some(order);
     }
 
     /// Whether the base model is the final one, and `fit` is sure of it.
@@ -344,30 +356,4 @@ impl<'a> View<'_, 'a> {
             self.explanation.count,
         ))
     }
-}
-
-/// Rms of the heading's error against the reference, degrees.
-fn heading_error(samples: &Samples, model: &Model<f64>, pieces: &[Piece], reference: &[f64]) -> Option<f64> {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (index, reading) in samples.readings.iter().enumerate() {
-        let (Some(down), Some(truth)) = (reading.down, reference.get(samples.row[index])) else { continue };
-        if !truth.is_finite() {
-            continue;
-        }
-        let terms: Vec<_> = pieces.iter().map(|piece| piece.term(index)).collect();
-        let Ok(h) = model.correct(reading, &terms) else { continue };
-        let (h, down) = (Vector3::from(h), Vector3::from(down));
-        let north = h - down * h.dot(&down);
-        let east = down.cross(&north);
-        // Near the vertical the nose has no heading.
-        let level = (1.0 - down.x * down.x).sqrt();
-        if level < 0.3 || north.norm() < 1e-6 {
-            continue;
-        }
-        let heading = east.x.atan2(north.x).to_degrees();
-        let error = (heading - truth + 540.0).rem_euclid(360.0) - 180.0;
-        sum += error * error;
-        count += 1.0;
-    }
-    (count >= 20.0).then(|| (sum / count).sqrt())
 }
