@@ -2,6 +2,7 @@
 //!
 //! `cargo effects-accuracy` runs all seeds and holds the table to its snapshot; `cargo test` runs a few.
 
+use crate::diagnose::faults::FaultKind;
 use crate::diagnose::outcome::Verdict;
 use crate::diagnose::{Diagnosis, Options, Table, diagnose};
 use ironout_host_tests::world::{
@@ -65,8 +66,15 @@ pub const fn without(hidden: &'static str, column: &'static str) -> Case {
     Case { without: column, verdict: Verdict::Unexplained, ..effect(hidden) }
 }
 
+impl Case {
+    /// How many logs of this case stand beside `seeds` of the others: a false alarm is rare, and takes more to see.
+    pub fn logs(&self, seeds: u64) -> u64 {
+        if self.hidden.is_empty() && self.verdict == Verdict::Complete { 10 * seeds } else { seeds }
+    }
+}
+
 /// All rows of the table.
-pub const CASES: [Case; 42] = [
+pub const CASES: [Case; 53] = [
     effect("offset:temp_c=2"),
     effect("offset:temp_c=4"),
     effect("offset:current_a=2"),
@@ -101,6 +109,9 @@ pub const CASES: [Case; 42] = [
     clean(1.5, 0.0),
     clean(0.25, 0.6),
     clean(0.25, 0.9),
+    clean(0.05, 0.9),
+    clean(0.25, 0.95),
+    clean(1.5, 0.6),
     Case { special: Special::Ramp, verdict: Verdict::Confounded, ..effect("offset:temp_c=3") },
     Case { special: Special::Planar, verdict: Verdict::Undetermined, ..effect("") },
     without("offset:current_a=3", "current_a"),
@@ -108,7 +119,15 @@ pub const CASES: [Case; 42] = [
     fault("burst"),
     fault("clipping"),
     fault("stuck"),
+    fault("gap"),
     fault("repeats"),
+    fault("bursty-arrival"),
+    effect("offset:temp_c=3,burst"),
+    effect("offset:temp_c=3,clipping"),
+    effect("offset:temp_c=3,stuck"),
+    effect("offset:temp_c=3,gap"),
+    effect("offset:temp_c=3,repeats"),
+    effect("offset:temp_c=3,bursty-arrival"),
 ];
 
 /// What became of the logs of one kind.
@@ -118,7 +137,8 @@ pub struct Row {
     pub logs: u32,
     /// The first effect added is one of those hidden.
     pub named_first: u32,
-    /// Exactly the hidden effects were added, and the verdict is right.
+    /// Exactly the hidden effects were added, the faults are reported as what they are, and the verdict is right. Where the
+    /// cause is not in the log: nothing was added but `drift`, which blames nobody.
     pub exact: u32,
     /// The verdict is right.
     pub verdict: u32,
@@ -149,6 +169,22 @@ fn id_of(effect: &HiddenEffect) -> Option<String> {
     })
 }
 
+/// The faults that a log of this case must be reported with.
+fn faults_of(case: &Case) -> Vec<FaultKind> {
+    case.hidden
+        .split(',')
+        .filter_map(|item| match FaultSpec::parse(item).ok()? {
+            FaultSpec::Burst => Some(FaultKind::Burst),
+            FaultSpec::Clipping => Some(FaultKind::Clipping),
+            FaultSpec::Stuck => Some(FaultKind::Stuck),
+            FaultSpec::Gap => Some(FaultKind::Gap),
+            FaultSpec::CopiedAxis => Some(FaultKind::CopiedAxis),
+            // No fault.
+            FaultSpec::Repeats | FaultSpec::BurstyArrival => None,
+        })
+        .collect()
+}
+
 /// The log of one case and seed.
 pub fn log(case: &Case, seed: u64) -> Log {
     let items = || case.hidden.split(',').filter(|item| !item.is_empty());
@@ -175,7 +211,15 @@ fn add(row: &mut Row, case: &Case, log: &Log, diagnosis: &Diagnosis) {
     found.sort();
     let right = diagnosis.verdict == case.verdict;
     row.verdict += u32::from(right);
-    row.exact += u32::from(right && found == wanted);
+    let named = match case.verdict {
+        Verdict::Unexplained => found.iter().all(|id| id == "drift"),
+        _ => found == wanted,
+    };
+    let faults_found: Vec<FaultKind> = diagnosis.data_faults.iter().map(|fault| fault.kind).collect();
+    let hidden_faults = faults_of(case);
+    let faults_named = hidden_faults.iter().all(|kind| faults_found.contains(kind))
+        && faults_found.iter().all(|kind| hidden_faults.contains(kind));
+    row.exact += u32::from(right && named && faults_named);
     let last = diagnosis.steps.last().and_then(|step| step.holdout_rms_ut);
     if let Some((error, floor)) = last.zip(diagnosis.residual_floor_ut) {
         row.worst_over_floor = row.worst_over_floor.max(error / floor);
@@ -224,7 +268,7 @@ pub fn run(case: &Case, seeds: u64) -> Row {
 }
 
 /// The heading of [`line()`].
-pub const HEADING: &str = "hidden                                noise   rho  without      verdict       first  exact  right  \
+pub const HEADING: &str = "hidden                                noise   rho  without      verdict       logs  first  exact  right  \
                            error/floor  coefficients inside 1 and 3 errors";
 
 /// One line of the table.
@@ -245,16 +289,17 @@ pub fn line(case: &Case, row: &Row) -> String {
     let first =
         if case.verdict == Verdict::Missing { share(row.named_first, row.logs) } else { "    -".into() };
     let exact = match case.verdict {
-        Verdict::Missing | Verdict::Complete => share(row.exact, row.logs),
+        Verdict::Missing | Verdict::Complete | Verdict::Unexplained => share(row.exact, row.logs),
         _ => "    -".into(),
     };
     let text = format!(
-        "{:<37} {:>5.2} {:>5.1}  {:<12} {:<13} {first}  {exact}  {}  {:>11.3}  {} {} of {all}",
+        "{:<37} {:>5.2} {:>5.2}  {:<12} {:<13} {:>4}  {first}  {exact}  {}  {:>11.3}  {} {} of {all}",
         format!("{}{special}", case.hidden),
         case.noise_ut,
         case.correlation,
         case.without,
         case.verdict.name(),
+        row.logs,
         share(row.verdict, row.logs),
         row.worst_over_floor,
         share(one, all),

@@ -14,14 +14,17 @@ fn the_readme_shows_the_tables_own_figures() {
 
 #[test]
 fn every_kind_of_log_gets_its_verdict() {
-    let seeds = 1;
     let mut misses = Vec::new();
     let mut coefficients = [0; 3];
     for case in &CASES {
-        let row = run(case, seeds);
+        // Few false alarms would hide in one log.
+        let clean = case.logs(1) > 1;
+        let row = run(case, if clean { 3 } else { 1 });
         let named = case.verdict != Verdict::Missing || row.named_first == row.logs;
         let explained = case.verdict != Verdict::Missing || row.worst_over_floor <= 1.05;
-        if row.verdict < row.logs || !named || !explained {
+        let exact =
+            matches!(case.verdict, Verdict::Confounded | Verdict::Undetermined) || row.exact == row.logs;
+        if row.verdict < row.logs || !named || !explained || !exact {
             misses.push(line(case, &row));
         }
         for (sum, count) in coefficients.iter_mut().zip(row.coefficients) {
