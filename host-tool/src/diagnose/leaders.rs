@@ -4,7 +4,7 @@ use super::engine::{BadShape, Fitted, Piece};
 use super::greedy::{Greedy, Judged, held_out_rms, plain_id};
 use super::kin::{NEARLY, in_time};
 use super::parameter;
-use super::screen::{RELEVANCE, SIGNIFICANCE, rivalry, screen, stands};
+use super::screen::{ACCUSED, RELEVANCE, SIGNIFICANCE, rivalry, screen, stands};
 use super::search;
 use ironout::study::Residual;
 
@@ -84,7 +84,7 @@ impl<'a> Greedy<'_, 'a> {
             tested.decrease = fitted.squares - next.squares;
             tested.p_value = (test.p_value * one.candidate.searched).min(1.0);
             tested.held_out = held_out.map(|rms| rms * rms * next.rows);
-            tested.accepted = tested.p_value * (count as f64) < SIGNIFICANCE
+            tested.accepted = tested.p_value * (count as f64) < ACCUSED
                 && held_out.is_some_and(|after| after * after < before * before * (1.0 - RELEVANCE));
         }
         Ok(())

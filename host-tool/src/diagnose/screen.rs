@@ -5,7 +5,11 @@ use super::spectrum::{Frame, Rows, Verdict};
 use ironout::study::{Gain, f_tail, held_out};
 
 /// A candidate is added if its probability under chance, times all that was searched, is below this.
-pub const SIGNIFICANCE: f64 = 0.005;
+pub const SIGNIFICANCE: f64 = 0.01;
+
+/// A candidate is added only below this: a whole log is to be falsely accused once in some hundred, also where the noise's
+/// spectrum is itself uncertain. What is worth adding lies far below.
+pub const ACCUSED: f64 = 0.002;
 
 /// ... and if it takes at least this share off the squared held-out error: less is true perhaps, but not relevant.
 pub const RELEVANCE: f64 = 0.02;
@@ -171,7 +175,7 @@ pub fn screen(
                     (None, Some(_)) => true,
                     _ => false,
                 };
-                tested.accepted = tested.p_value * (count as f64) < SIGNIFICANCE && falls;
+                tested.accepted = tested.p_value * (count as f64) < ACCUSED && falls;
             }
             screening.tested.push(tested);
         }
