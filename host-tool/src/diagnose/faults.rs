@@ -75,8 +75,6 @@ const STUCK_ROWS: usize = 8;
 const GAP_S: f64 = 0.4;
 /// A burst stands out of the residual this many robust standard deviations.
 const BURST_PEAK: f64 = 9.0;
-/// ... or that of nine samples' mean by this many.
-const BURST_MEAN: f64 = 5.0;
 /// ... and ends where it no longer does by this many.
 const BURST_EDGE: f64 = 2.5;
 /// On both sides of a burst the residual is usual: its median stays below this many robust standard deviations (0.67 for
@@ -301,7 +299,7 @@ pub fn bursts(residuals: &[f64]) -> Vec<(usize, usize)> {
     let mut events: Vec<(usize, usize)> = Vec::new();
     let mut at = 0;
     while at < n {
-        if off[at] < BURST_PEAK && (off[at] < BURST_MEAN || around(at, 4) < BURST_MEAN) {
+        if off[at] < BURST_PEAK {
             at += 1;
             continue;
         }
