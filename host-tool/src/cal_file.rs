@@ -3,6 +3,7 @@
 use crate::diagnose::outcome::FittedEffect;
 use crate::effects;
 use crate::failure::{Failure, Outcome};
+use crate::reading::Reading;
 use ironout::calibration::Calibration;
 use ironout::extended::{ExtendedCalibration, MAX_EFFECTS};
 use ironout::fit::Method;
@@ -123,6 +124,9 @@ pub struct CalFile {
     pub fit: FitObject,
     /// What the fit knows, to build on; null where the fit gave none.
     pub information: Option<Information>,
+    /// How the log was read; absent in files of earlier programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reading: Option<Reading>,
 }
 
 impl CalFile {
@@ -242,6 +246,9 @@ impl CalFile {
         if let Some(information) = &self.information {
             information.check()?;
         }
+        if let Some(reading) = &self.reading {
+            reading.check()?;
+        }
         Ok(())
     }
 }
@@ -313,7 +320,7 @@ fn positive_definite(mut a: Vec<Vec<f64>>) -> bool {
     true
 }
 
-fn not_a_calibration(why: &str) -> Failure {
+pub(crate) fn not_a_calibration(why: &str) -> Failure {
     Failure::usage(format!(
         "this is no calibration that can be used: {why}; make one with ironout fit LOG -o CAL.json"
     ))
@@ -350,6 +357,7 @@ mod tests {
                 reasons: vec![],
             },
             information: Information::from_covariance(&covariance),
+            reading: Some(Reading { ut_per_count: Some([0.1; 3]), rotate: vec!["roll180".into()] }),
         }
     }
 
@@ -398,7 +406,7 @@ mod tests {
 
     #[test]
     fn what_is_no_calibration_is_named() {
-        let cases: [(&str, Outcome<CalFile>); 13] = [
+        let cases: [(&str, Outcome<CalFile>); 15] = [
             ("nearly singular", reread(|v| v["matrix"][2][2] = 1e-3.into())),
             ("rms_ut is negative", reread(|v| v["rms_ut"] = (-1.0).into())),
             ("no method", reread(|v| v["method"] = "zzz".into())),
@@ -411,6 +419,8 @@ mod tests {
             ("microtesla", reread(|v| v["field_ut"] = (-4.0).into())),
             ("refused", reread(|v| v["accepted"] = false.into())),
             ("positive definite", reread(|v| v["information"]["matrix"][4][4] = (-1.0).into())),
+            ("ut_per_count", reread(|v| v["reading"]["ut_per_count"][1] = 0.0.into())),
+            ("sideways", reread(|v| v["reading"]["rotate"][0] = "sideways".into())),
             ("symmetric", reread(|v| v["information"]["matrix"][4][5] = 1e3.into())),
         ];
         for (word, outcome) in cases {

@@ -19,6 +19,7 @@ pub mod output;
 pub mod pipeline;
 pub mod prior;
 pub mod progress;
+pub mod reading;
 
 use clap::Parser;
 use failure::{EXIT_USAGE, Failure};

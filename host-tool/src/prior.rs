@@ -1,6 +1,7 @@
 //! What an earlier calibration knows, for a fit or a study on top of it.
 
 use crate::cal_file::CalFile;
+use crate::cli::LogArgs;
 use crate::diagnose::engine::Earlier;
 use crate::effects;
 use crate::failure::{Failure, Outcome};
@@ -24,9 +25,12 @@ impl Prior {
     /// mean of their columns, which is where a new fit puts their reference.
     ///
     /// # Errors
-    /// A file that is no calibration, holds no information, or carries effects that this log cannot be related to.
-    pub fn read(path: &Path, log: &Log) -> Outcome<Self> {
+    /// A file that is no calibration, is of another scale or mounting, holds no information, or carries effects that this log cannot be related to.
+    pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Self> {
         let file = CalFile::read(path)?;
+        if let Some(reading) = &file.reading {
+            reading.must_fit(path, log, arguments)?;
+        }
         let calibration = file.calibration()?;
         let missing = |what: &str| {
             Failure::usage(format!("this calibration has no {what}: fit it again with this program"))

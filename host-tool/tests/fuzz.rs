@@ -186,6 +186,7 @@ fn csv_logs() {
             map: vec![],
             mounting: Mounting::default(),
             ut_per_count: Some([0.1; 3]),
+            default_ut_per_count: None,
             progress: false,
         };
         match read_stream(bytes, bytes.len() as u64, &options) {

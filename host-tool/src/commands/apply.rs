@@ -21,7 +21,7 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
         atomic::not_over(&arguments.cal, output)?;
     }
     let calibration = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
-    let log = arguments.log.read()?;
+    let log = arguments.log.read_for(&cal, &arguments.cal)?;
     let corrector = Corrector::new(calibration, &log)?;
     if let Some(notice) = corrector.notice() {
         eprintln!("note: {}: {notice}", log.path.display());

@@ -94,7 +94,7 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     let cal = CalFile::read(&arguments.cal)?;
     let extended = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
     let calibration = extended.base;
-    let log = arguments.log.read()?;
+    let log = arguments.log.read_for(&cal, &arguments.cal)?;
     let corrector = Corrector::new(extended, &log)?;
     if let Some(notice) = corrector.notice() {
         eprintln!("note: {}: {notice}", log.path.display());

@@ -4,6 +4,7 @@ use crate::cli::FitArgs;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::pipeline::{self, Options};
 use crate::prior::Prior;
+use crate::reading::Reading;
 use crate::{atomic, output};
 
 /// Fits, reports, and keeps an accepted calibration.
@@ -14,14 +15,18 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         atomic::not_over(&arguments.log.log, path)?;
     }
     let log = arguments.log.read()?;
-    let prior = arguments.prior.as_deref().map(|path| Prior::read(path, &log)).transpose()?;
+    let prior = arguments.prior.as_deref().map(|path| Prior::read(path, &log, &arguments.log)).transpose()?;
     let fitted = pipeline::run(&log, &Options { method, expected, add: arguments.add.clone(), prior })?;
     let to_text = |error: serde_json::Error| Failure::usage(error.to_string());
     // Written before anything is printed: a file that cannot be written is an error, and the only answer.
     let mut written = None;
     if let Some(path) = &arguments.output {
         written = Some(if fitted.accepted {
-            let text = serde_json::to_string_pretty(&fitted.cal_file(method.name())).map_err(to_text)?;
+            let text = {
+                let mut cal = fitted.cal_file(method.name());
+                cal.reading = Some(Reading::of(&log, &arguments.log));
+                serde_json::to_string_pretty(&cal).map_err(to_text)?
+            };
             atomic::write(path, |out| writeln!(out, "{text}"))?;
             format!("wrote {}", path.display())
         } else if path.exists() {

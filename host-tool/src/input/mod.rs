@@ -26,6 +26,8 @@ pub struct ReadOptions {
     pub mounting: Mounting,
     /// `--ut-per-count`: microtesla a count for x, y, z.
     pub ut_per_count: Option<[f64; 3]>,
+    /// The same where the log is in counts and no scale is given: that of a calibration.
+    pub default_ut_per_count: Option<[f64; 3]>,
     /// Show a progress bar on long work (only where standard error is a terminal).
     pub progress: bool,
 }

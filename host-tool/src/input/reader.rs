@@ -154,6 +154,9 @@ impl Plan {
                 (ut, None)
             }
             (None, Some(counts), Some(scale)) => (counts, Some(scale)),
+            (None, Some(counts), None) if options.default_ut_per_count.is_some() => {
+                (counts, options.default_ut_per_count)
+            }
             (None, Some(_), None) => {
                 return Err(Failure::usage(
                     "the magnetometer is in counts: give its scale with --ut-per-count UT, one number or three \
@@ -173,6 +176,15 @@ impl Plan {
         };
         let accel = optional(Role::Accel, "the accelerometer is", "ax_mps2,ay_mps2,az_mps2");
         let gyro = optional(Role::Gyro, "the gyroscope is", "gx_radps,gy_radps,gz_radps");
+        for (matrix, has, what) in [
+            (options.mounting.accelerometer, accel.is_some(), "accelerometer"),
+            (options.mounting.gyroscope, gyro.is_some(), "gyroscope"),
+        ] {
+            // Turning everything at once is no wish for what is not there.
+            if matrix.is_some() && matrix != options.mounting.magnetometer && !has {
+                notices.push(format!("--rotate turns the {what}, which is not in the log"));
+            }
+        }
         let heading = find(Role::Heading);
         let time = seconds.or(microseconds);
         let strict = time.into_iter().chain(field).collect();

@@ -8,8 +8,12 @@ use crate::diagnose::series::median;
 use crate::ground::{Alignment, Aside, Counted, Ground, Solution, mounting_for};
 use ironout::calibration::{Calibration, norm};
 use ironout::coverage::CoverageMap;
-use ironout::fit::FitError;
+use ironout::fit::{FitError, MAX_PREDICTED_ERROR};
 use ironout::quality::{Reason, Verdict, judge_figures};
+
+/// From this coverage on, and with gaps smaller than this, no side of the board is missing.
+const ALL_ROUND: f32 = 0.9;
+const ALL_ROUND_GAP_DEG: f32 = 40.0;
 
 /// The outcome of [`super::run`], for words and for JSON.
 #[derive(Debug, Clone)]
@@ -112,7 +116,8 @@ impl Fitted {
         let verdict =
             judge_figures(&figures, Some(&coverage), counted.clipped() as u64, self.expected.field_ut);
         self.accepted = verdict.accepted;
-        self.reasons = verdict.reasons.iter().map(Reason::to_string).collect();
+        let all_round = coverage.fraction > ALL_ROUND && coverage.gap_deg < ALL_ROUND_GAP_DEG;
+        self.reasons = verdict.reasons.iter().map(|reason| in_words(reason, all_round)).collect();
         if let Alignment::Mirrored { order } = &solution.alignment {
             self.accepted = false;
             self.reasons.insert(
@@ -159,7 +164,20 @@ impl Fitted {
     /// The calibration file.
     pub fn cal_file(&self, method: &str) -> CalFile {
         let information = self.solution.as_ref().and_then(|solution| solution.information.clone());
-        CalFile { version: VERSION, fit: self.object(method), information }
+        CalFile { version: VERSION, fit: self.object(method), information, reading: None }
+    }
+}
+
+/// A reason; where the board was turned `all_round`, more directions are no remedy.
+fn in_words(reason: &Reason, all_round: bool) -> String {
+    match reason {
+        Reason::ErrorTooLarge { percent, .. } if all_round => format!(
+            "the predicted error of the corrected vector is {percent:.1} % of the field, more than {:.0} %, though all directions \
+             were seen: the error is too large beside the length of the log; record longer, and see with ironout diagnose what \
+             is missing in the model",
+            MAX_PREDICTED_ERROR * 100.0
+        ),
+        other => other.to_string(),
     }
 }
 

@@ -23,7 +23,7 @@ pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
     let expected = arguments.field.expected()?;
     let method = arguments.field.method_with(&arguments.add, arguments.prior.as_ref())?;
     let log = arguments.log.read()?;
-    let prior = arguments.prior.as_deref().map(|path| Prior::read(path, &log)).transpose()?;
+    let prior = arguments.prior.as_deref().map(|path| Prior::read(path, &log, &arguments.log)).transpose()?;
     // Without --field, the earlier calibration's own: its numbers are scaled to that.
     let field_ut = expected.field_ut.or_else(|| prior.as_ref().map(Prior::field_ut));
     let earlier = prior.map(|prior| prior.earlier(expected.field_ut));
