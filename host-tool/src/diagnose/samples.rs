@@ -198,6 +198,15 @@ impl Samples {
             }
         }
         out.find_down(table, late_s);
+        // Before the log began nobody knows how they were.
+        let (first, last) = (*table.time_s?.first()?, *table.time_s?.last()?);
+        for (reading, &row) in out.readings.iter_mut().zip(&self.row) {
+            let at = table.time_s?[row] - late_s;
+            if at < first || at > last {
+                reading.down = None;
+                reading.turn_radps = None;
+            }
+        }
         Some(out)
     }
 
