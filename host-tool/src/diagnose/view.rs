@@ -13,7 +13,7 @@ use super::quality::{
     Residue, attitude_error, covariance, information, noise_gain, predicted_error, residue,
 };
 use super::samples::Samples;
-use super::screen::{Candidate, screen};
+use super::screen::{Candidate, SIGNIFICANCE, screen};
 use super::study::Refusal;
 use super::table::Table;
 use super::traces::Traces;
@@ -22,10 +22,15 @@ use crate::ground::Base;
 use ironout::calibration::Calibration;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::quality::MAX_RESIDUAL;
-use ironout::study::{Model, Residual};
+use ironout::study::{Model, Residual, f_tail};
 
 /// A dip that spreads by more than this after alignment, degrees, is worth a search for a sensor that is very late.
 const LOOSE_DEG: f64 = 3.0;
+
+/// The squared error on unseen time exceeds what is expected of noise by chance by so many times that excess ...
+const UNSEEN_SLACK: f64 = 2.0;
+/// ... and by this share of the noise's square.
+const UNSEEN_LEAST: f64 = 0.1;
 
 /// Everything that the report of a magnitude study is made from.
 pub(super) struct View<'v, 'a> {
@@ -98,6 +103,14 @@ impl<'a> View<'_, 'a> {
                 &fitted.pieces,
                 at.as_ref(),
             )?;
+            let delay_s = late.pieces.first().map_or(0.0, |piece| piece.coefficients[0]);
+            if tested.accepted && !force_lag && !has_eddy {
+                let p_value = self.chance_of_delay(&errors, delay_s)?;
+                study.tested = Some((p_value, held_deg));
+                if 2.0 * p_value >= SIGNIFICANCE {
+                    return Ok(Some(study));
+                }
+            }
             study.errors = errors;
             study.lag = late.pieces.into_iter().next();
             if !has_eddy {
@@ -106,6 +119,21 @@ impl<'a> View<'_, 'a> {
             }
         }
         Ok(Some(study))
+    }
+
+    /// The probability that a sensor which is not late shows this delay, with the errors of the base and the effects
+    /// counted in. No sensor is early: what points there is chance, or columns whose clocks differ.
+    fn chance_of_delay(&self, errors: &Option<DipErrors>, delay_s: f64) -> Result<f64, BadShape> {
+        let fitted = &self.explanation.fitted;
+        let list: Vec<&Piece> = fitted.pieces.iter().collect();
+        let residuals = self.pass.residuals(&fitted.model, &list)?;
+        let left = residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s());
+        let (Some(errors), Some(rows)) = (errors, covariance(fitted, left.time)) else { return Ok(1.0) };
+        let variance = errors.delay_variance(&rows);
+        if delay_s <= 0.0 || variance.is_nan() || variance <= 0.0 {
+            return Ok(1.0);
+        }
+        Ok(f_tail(delay_s * delay_s / variance, 1.0, fitted.rows / left.time.max(1.0)))
     }
 
     pub(super) fn finish(mut self, force_lag: bool) -> Result<Diagnosis, Refusal> {
@@ -225,6 +253,16 @@ impl<'a> View<'_, 'a> {
         dip.alignment.axis_order = (order != "x,y,z").then_some(order);
     }
 
+    /// The held-out error over the noise floor, where it is more than that many parameters and that noise's memory make of
+    /// it: a model that explains the samples it has seen by chance, or structure that passes for noise.
+    fn fails_on_unseen_time(&self, left: &Residue) -> Option<f64> {
+        let fitted = &self.explanation.fitted;
+        let ratio = super::greedy::held_out_rms(fitted)? / left.floor;
+        let independent = fitted.rows / left.time.max(1.0);
+        let expected = 1.0 + 2.0 * fitted.columns() as f64 / independent.max(1.0);
+        (ratio * ratio > expected + UNSEEN_SLACK * (expected - 1.0) + UNSEEN_LEAST).then_some(ratio)
+    }
+
     /// Whether the base model is the final one, and `fit` is sure of it.
     fn is_accepted(&self) -> bool {
         let plain = self.base.filter(|_| self.explanation.fitted.pieces.is_empty());
@@ -287,7 +325,8 @@ impl<'a> View<'_, 'a> {
             )),
             None => reasons.push("the attitude does not determine the ellipsoid".into()),
         }
-        if left.rms > MAX_RESIDUAL * field {
+        // Noise so large carries no calibration; structure so large is a missing effect, whatever the attitude.
+        if left.rms > MAX_RESIDUAL * field && left.structure <= 0.0 {
             reasons.push(format!("the residual is {:.1} % of the field", 100.0 * left.rms / field));
         }
         if !reasons.is_empty() {
@@ -310,6 +349,13 @@ impl<'a> View<'_, 'a> {
             reasons.push(format!(
                 "{:.0} % of the residual's variance is structure that no candidate explains",
                 100.0 * left.structure
+            ));
+            return (Verdict::Unexplained, reasons);
+        }
+        if let Some(times) = self.fails_on_unseen_time(left) {
+            reasons.push(format!(
+                "on unseen time the error is {times:.1} times what the noise leaves: what stands in the model does not \
+                 hold there"
             ));
             return (Verdict::Unexplained, reasons);
         }

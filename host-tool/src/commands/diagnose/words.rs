@@ -217,7 +217,14 @@ fn tested(told: &Told, out: &mut Vec<String>) {
     if (small.is_empty() && rest.is_empty()) || diagnosis.verdict == Verdict::Undetermined {
         return;
     }
-    title(out, "Tested and not needed");
+    // While structure remains, one of these may still have a share in it.
+    title(
+        out,
+        match diagnosis.verdict {
+            Verdict::Unexplained => "Tested, and not shown by this log",
+            _ => "Tested and not needed",
+        },
+    );
     if !rest.is_empty() {
         let ids: Vec<&str> = rest.iter().map(|row| row.id.as_str()).collect();
         for (family, members) in families(&ids) {
