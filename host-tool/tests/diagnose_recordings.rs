@@ -82,7 +82,7 @@ fn a_quadrotor_in_flight_gets_an_honest_answer() {
 fn the_throttle_asked_for_is_no_calibration() {
     let Some(path) = recording("px4-quad-flight.csv") else { return };
     let path = path.to_str().expect("a path of text");
-    let run = ironout(&["fit", path, "--add", "offset:throttle_us", "--json"]);
+    let run = ironout(["fit", path, "--add", "offset:throttle_us", "--json"]);
     assert_eq!(run.status, 1, "{}", run.stderr);
     let object = run.json();
     assert_eq!(object["accepted"], false);
