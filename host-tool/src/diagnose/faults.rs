@@ -334,6 +334,12 @@ pub fn bursts(residuals: &[f64]) -> Vec<(usize, usize)> {
     if flagged as f64 > BURST_SHARE * n as f64 { Vec::new() } else { events }
 }
 
+/// Whether some residual of `from..=to` stands out of all of them as an outlier does.
+pub fn stands_out(residuals: &[f64], from: usize, to: usize) -> bool {
+    let outliers = outliers(residuals);
+    outliers.get(from..=to.min(residuals.len().saturating_sub(1))).is_some_and(|part| part.contains(&true))
+}
+
 /// Which residuals stand out of the others, and should not bend the fit that bursts are looked for with.
 pub fn outliers(residuals: &[f64]) -> Vec<bool> {
     let middle = median(&mut residuals.to_vec());
