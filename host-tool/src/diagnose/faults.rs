@@ -334,10 +334,13 @@ pub fn bursts(residuals: &[f64]) -> Vec<(usize, usize)> {
     if flagged as f64 > BURST_SHARE * n as f64 { Vec::new() } else { events }
 }
 
-/// Whether some residual of `from..=to` stands out of all of them as an outlier does.
+/// Whether some residual of `from..=to` stands out of all of them as the peak of a burst does.
 pub fn stands_out(residuals: &[f64], from: usize, to: usize) -> bool {
-    let outliers = outliers(residuals);
-    outliers.get(from..=to.min(residuals.len().saturating_sub(1))).is_some_and(|part| part.contains(&true))
+    let middle = median(&mut residuals.to_vec());
+    let mut off: Vec<f64> = residuals.iter().map(|r| (r - middle).abs()).collect();
+    let limit = BURST_PEAK * 1.4826 * median(&mut off.clone());
+    off.truncate(to + 1);
+    off.iter().skip(from).any(|value| *value > limit)
 }
 
 /// Which residuals stand out of the others, and should not bend the fit that bursts are looked for with.
@@ -355,22 +358,37 @@ pub fn spikes(residuals: &[f64]) -> Vec<(usize, usize)> {
     if n < 50 {
         return Vec::new();
     }
-    let mut near = Vec::with_capacity(2 * NEIGHBOURS);
-    let off: Vec<f64> = (0..n)
+    let mut near = Vec::with_capacity(NEIGHBOURS);
+    let mut beside = |from: usize, to: usize| {
+        near.clear();
+        near.extend_from_slice(&residuals[from..to]);
+        median(&mut near)
+    };
+    // From the neighbours before and from those after. A level that changes for good lies with one of the two.
+    let off: Vec<[f64; 2]> = (0..n)
         .map(|at| {
-            near.clear();
-            near.extend_from_slice(&residuals[at.saturating_sub(NEIGHBOURS)..at]);
-            near.extend_from_slice(&residuals[at + 1..(at + 1 + NEIGHBOURS).min(n)]);
-            residuals[at] - median(&mut near)
+            let (before, after) = (at.saturating_sub(NEIGHBOURS)..at, at + 1..(at + 1 + NEIGHBOURS).min(n));
+            let [before, after] = [before, after]
+                .map(|range| if range.is_empty() { f64::NAN } else { beside(range.start, range.end) });
+            let [before, after] = match (before.is_nan(), after.is_nan()) {
+                (true, _) => [after; 2],
+                (_, true) => [before; 2],
+                _ => [before, after],
+            };
+            [residuals[at] - before, residuals[at] - after]
         })
         .collect();
-    let mut sizes: Vec<f64> = off.iter().map(|value| value.abs()).collect();
+    let mut sizes: Vec<f64> = off.iter().map(|[before, after]| 0.5 * (before + after).abs()).collect();
     let limit = SPIKE * 1.4826 * median(&mut sizes);
     if limit.is_nan() || limit <= 0.0 {
         return Vec::new();
     }
+    let stands = |at: usize| {
+        let [before, after] = off[at];
+        before * after > 0.0 && before.abs().min(after.abs()) > limit
+    };
     let mut events: Vec<(usize, usize)> = Vec::new();
-    for at in (0..n).filter(|&at| off[at].abs() > limit) {
+    for at in (0..n).filter(|&at| stands(at)) {
         match events.last_mut() {
             Some(last) if at == last.1 + 1 => last.1 = at,
             _ => events.push((at, at)),
