@@ -33,6 +33,7 @@ fn every_kind_of_log_gets_its_verdict() {
     }
     assert!(misses.is_empty(), "\n{HEADING}\n{}", misses.join("\n"));
     let [all, one, three] = coefficients.map(f64::from);
-    assert!((0.55..0.80).contains(&(one / all)), "{:.2} within one standard error", one / all);
+    // All kinds share the noise of the one seed, so the share swings; twenty seeds hold it in `cargo accuracy`.
+    assert!((0.50..0.90).contains(&(one / all)), "{:.2} within one standard error", one / all);
     assert!(three / all >= 0.95, "{:.3} within three standard errors", three / all);
 }

@@ -6,8 +6,8 @@ use ironout::effect::{AmbientField, BuiltIn, Drift, Effect, Gain, Id, Offset, Pe
 use ironout::extended::{ExtendedCalibration, FittedEffect};
 use std::fmt::Write as _;
 
-/// Looks at a disturbance that depends on the field it disturbs; the library stops sooner where it stands sooner.
-const LOOKS: usize = 8;
+/// The most looks at a disturbance that depends on the field it disturbs, as in the library.
+const LOOKS: usize = 12;
 
 /// The file.
 pub fn text(calibration: &ExtendedCalibration, summary: &str) -> Outcome<String> {
@@ -158,9 +158,12 @@ fn extended(calibration: &ExtendedCalibration, summary: &str) -> Outcome<String>
     if turning {
         text.push_str(", const ironout_real turn_radps[3]");
     }
+    text.push_str(", ironout_real corrected_ut[3])\n{\n    ironout_real centred[3], left[3], sum[3];\n");
+    if looks > 1 {
+        text.push_str("    ironout_real moved, size;\n");
+    }
     text.push_str(
-        ", ironout_real corrected_ut[3])\n{\n    ironout_real centred[3], left[3], sum[3];\n    int i, look;\n\n    \
-         for (i = 0; i < 3; i++) {\n        centred[i] = measured_ut[i] - ironout_offset_ut[i];\n        \
+        "    int i, look;\n\n    for (i = 0; i < 3; i++) {\n        centred[i] = measured_ut[i] - ironout_offset_ut[i];\n        \
          left[i] = centred[i];\n    }\n",
     );
     let _ = writeln!(text, "    for (look = 0; look < {looks}; look++) {{");
@@ -171,13 +174,32 @@ fn extended(calibration: &ExtendedCalibration, summary: &str) -> Outcome<String>
     for fitted in calibration.effects.iter() {
         let _ = write!(text, "        {{ /* {} */\n{}        }}\n", Id(&fitted.effect), body(fitted));
     }
+    // The disturbance stands where a look moves it no further, as in the library.
+    text.push_str(match looks {
+        1 => "        for (i = 0; i < 3; i++) {\n            left[i] = centred[i] - sum[i];\n        }\n    }\n",
+        _ => STANDS,
+    });
     text.push_str(
-        "        for (i = 0; i < 3; i++) {\n            left[i] = centred[i] - sum[i];\n        }\n    }\n    \
-         for (i = 0; i < 3; i++) {\n        corrected_ut[i] = ironout_matrix[i][0] * left[0] + ironout_matrix[i][1] * left[1] + \
+        "    for (i = 0; i < 3; i++) {\n        corrected_ut[i] = ironout_matrix[i][0] * left[0] + ironout_matrix[i][1] * left[1] + \
          ironout_matrix[i][2] * left[2];\n    }\n}\n\n#endif /* IRONOUT_CALIBRATION_H */\n",
     );
     Ok(text)
 }
+
+/// The end of a look at effects that depend on the field they disturb.
+const STANDS: &str = "        moved = 0;
+        size = 0;
+        for (i = 0; i < 3; i++) {
+            ironout_real next = centred[i] - sum[i];
+            moved += (next - left[i]) * (next - left[i]);
+            size += next * next;
+            left[i] = next;
+        }
+        if (!(moved > (ironout_real)1e-10 * size)) {
+            break;
+        }
+    }
+";
 
 /// `turning = A (ω × C v)`.
 const TURNING: &str = "        ironout_real field[3], turned[3], turning[3];
