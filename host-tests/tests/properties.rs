@@ -109,12 +109,16 @@ proptest! {
         offset_ut in prop::array::uniform3(-400.0f64..400.0),
         diagonal in prop::array::uniform3(0.2f64..5.0),
         upper in prop::array::uniform3(-0.8f64..0.8),
+        angles in prop::array::uniform3(-3.0f64..3.0),
         field in prop::array::uniform3(-80.0f64..80.0),
     ) {
         let [x, y, z] = diagonal;
         let [xy, xz, yz] = upper;
-        let calibration =
-            Calibration { offset_ut, matrix: [[x, xy, xz], [0.0, y, yz], [0.0, 0.0, z]], field_ut: 50.0 };
+        // Turned to an accelerometer: a full matrix.
+        let turned = *Rotation3::from_euler_angles(angles[0], angles[1], angles[2]).matrix()
+            * Matrix3::new(x, xy, xz, 0.0, y, yz, 0.0, 0.0, z);
+        let matrix = std::array::from_fn(|i| std::array::from_fn(|j| turned[(i, j)]));
+        let calibration = Calibration { offset_ut, matrix, field_ut: 50.0 };
         let back = calibration.apply(calibration.distort(field).unwrap());
         for axis in 0..3 {
             prop_assert!((back[axis] - field[axis]).abs() < 1e-9, "{back:?} {field:?}");
