@@ -2,7 +2,7 @@
 //!
 //! It runs the commands of the tutorial (`simulate`, `fit`, `fit --add`, `apply`) and reads the files they write, so that
 //! the picture shows the program's own figures. Left the samples of a slice before and after, right the error that the
-//! missing effect made, and how it falls.
+//! missing effect makes over time, and how it falls.
 
 use std::error::Error;
 use std::ffi::OsString;
@@ -14,8 +14,8 @@ use std::process::ExitCode;
 const EFFECT: &str = "offset:current_a";
 /// Samples whose corrected vector is this near the plane of x and y, as a share of its length, are in the slice.
 const SLICE: f64 = 0.15;
-/// Every such row of the log is drawn in the plot of the residual.
-const EVERY: usize = 2;
+/// The stretch of time drawn, s.
+const TIME_S: [f64; 2] = [20.0, 50.0];
 
 const RAW: &str = "#c2410c";
 const GOOD: &str = "#0f766e";
@@ -59,6 +59,7 @@ struct Corrected {
     corrected_ut: Vec<[f64; 3]>,
     residual_ut: Vec<f64>,
     current_a: Vec<f64>,
+    time_s: Vec<f64>,
 }
 
 impl Corrected {
@@ -71,8 +72,14 @@ impl Corrected {
         };
         let raw = [at("mx_ut")?, at("my_ut")?, at("mz_ut")?];
         let corrected = [at("cx_ut")?, at("cy_ut")?, at("cz_ut")?];
-        let (residual, current) = (at("residual_ut")?, at("current_a")?);
-        let mut read = Self { raw_ut: vec![], corrected_ut: vec![], residual_ut: vec![], current_a: vec![] };
+        let (residual, current, time) = (at("residual_ut")?, at("current_a")?, at("t_s")?);
+        let mut read = Self {
+            raw_ut: vec![],
+            corrected_ut: vec![],
+            residual_ut: vec![],
+            current_a: vec![],
+            time_s: vec![],
+        };
         for line in lines {
             let cells: Result<Vec<f64>, _> = line.split(',').map(str::parse).collect();
             // A repeated row has no corrected vector.
@@ -84,6 +91,7 @@ impl Corrected {
             read.corrected_ut.push(corrected.map(|i| cells[i]));
             read.residual_ut.push(cells[residual]);
             read.current_a.push(cells[current]);
+            read.time_s.push(cells[time]);
         }
         Ok(read)
     }
@@ -153,21 +161,15 @@ const TITLE: &str = r##"font-size="15" font-weight="600" fill="#0f172a""##;
 
 fn draw(plain: &Corrected, full: &Corrected, errors: &[Errors; 2]) -> String {
     let mut svg = String::from(
-        r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 960 430" font-family="Helvetica, Arial, sans-serif" role="img" aria-label="A simulated log before and after calibration, and the error falling once the missing effect is in the model">
-<rect width="960" height="430" fill="#ffffff"/>
+        r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 960 436" font-family="Helvetica, Arial, sans-serif" role="img" aria-label="A simulated log before and after calibration, and the error falling once the missing effect is in the model">
+<rect width="960" height="436" fill="#ffffff"/>
 <g fill="none">
 "##,
     );
     slice(&mut svg, full, errors[1].field_ut);
-    let residual = |top: f64, own: &Corrected, colour: &str| {
-        let mut svg = String::new();
-        against_current(&mut svg, top, own, colour);
-        svg
-    };
-    let upper = residual(52.0, plain, RAW);
-    let lower = residual(162.0, full, GOOD);
-    svg += &upper;
-    svg += &lower;
+    current(&mut svg, full);
+    residual(&mut svg, STRIPS[1].0, plain, RAW);
+    residual(&mut svg, STRIPS[2].0, full, GOOD);
     svg += "</g>\n";
     labels(&mut svg, errors);
     bars(&mut svg, errors);
@@ -201,14 +203,39 @@ fn slice(svg: &mut String, log: &Corrected, field_ut: f64) {
     );
 }
 
-/// The residual of the magnitude against the motor current.
-fn against_current(svg: &mut String, top: f64, log: &Corrected, colour: &str) {
-    let most = log.current_a.iter().copied().fold(1.0, f64::max);
-    let frame = Frame { left: 450.0, top, width: 480.0, height: 96.0, x: [0.0, most * 1.02], y: [-3.0, 3.0] };
-    frame.line(svg, (0.0, 0.0), (frame.x[1], 0.0), FAINT);
-    frame.line(svg, (0.0, -3.0), (0.0, 3.0), INK);
-    let points = log.current_a.iter().copied().zip(log.residual_ut.iter().copied()).step_by(EVERY);
-    frame.dots(svg, points, colour, 2.2);
+/// The strips over time: top, height, ends of the scale, and what they show.
+const STRIPS: [(f64, f64, [f64; 2], &str); 3] = [
+    (48.0, 44.0, [0.0, 12.0], "motor current"),
+    (114.0, 72.0, [-3.0, 3.0], "error, offset and matrix only"),
+    (208.0, 72.0, [-3.0, 3.0], "error, with the current in the model"),
+];
+
+fn strip(top: f64) -> Frame {
+    let (top, height, y, _) = STRIPS.into_iter().find(|strip| strip.0 == top).unwrap_or(STRIPS[0]);
+    Frame { left: 450.0, top, width: 480.0, height, x: TIME_S, y }
+}
+
+/// What is drawn of a log over time.
+fn over_time<'a>(log: &'a Corrected, values: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
+    let times = log.time_s.iter().copied();
+    times.zip(values.iter().copied()).filter(|(time, _)| (TIME_S[0]..TIME_S[1]).contains(time))
+}
+
+fn current(svg: &mut String, log: &Corrected) {
+    let frame = strip(STRIPS[0].0);
+    let mut path = String::new();
+    for (time, value) in over_time(log, &log.current_a) {
+        let (x, y) = frame.at(time, value);
+        let _ = write!(path, "{}{x:.1} {y:.1}", if path.is_empty() { 'M' } else { 'L' });
+    }
+    let _ = writeln!(svg, r#"<path d="{path}" stroke="{INK}" stroke-width="1.3"/>"#);
+}
+
+/// The error of the corrected magnitude.
+fn residual(svg: &mut String, top: f64, log: &Corrected, colour: &str) {
+    let frame = strip(top);
+    frame.line(svg, (TIME_S[0], 0.0), (TIME_S[1], 0.0), FAINT);
+    frame.dots(svg, over_time(log, &log.residual_ut), colour, 2.2);
 }
 
 fn labels(svg: &mut String, errors: &[Errors; 2]) {
@@ -218,21 +245,19 @@ fn labels(svg: &mut String, errors: &[Errors; 2]) {
     text(svg, (130.0, 410.0), "start", &key(GOOD), "● corrected");
     let circle = format!("┄ the field, {:.1} µT", errors[1].field_ut);
     text(svg, (235.0, 410.0), "start", SMALL, &circle);
-    text(svg, (450.0, 28.0), "start", TITLE, "Error of the magnitude against the motor current");
-    for (top, words, colour) in
-        [(52.0, "offset and matrix", RAW), (162.0, "with the current in the model", GOOD)]
-    {
-        text(svg, (462.0, top + 8.0), "start", &key(colour), words);
-        for (y, label) in [(4.0, "3 µT"), (52.0, "0"), (100.0, "−3")] {
-            text(svg, (442.0, top + y), "end", r##"font-size="11" fill="#64748b""##, label);
-        }
+    text(svg, (450.0, 28.0), "start", TITLE, "Half a minute of the same log");
+    let faint = r##"font-size="11" fill="#64748b""##;
+    for ((top, height, [low, high], words), colour) in STRIPS.into_iter().zip([INK, RAW, GOOD]) {
+        text(svg, (930.0, top - 4.0), "end", &key(colour), words);
+        let unit = if low < 0.0 { "µT" } else { "A" };
+        text(svg, (442.0, top + 8.0), "end", faint, &format!("{high} {unit}"));
+        text(svg, (442.0, top + height), "end", faint, &format!("{low}").replace('-', "−"));
     }
-    text(svg, (930.0, 270.0), "end", r##"font-size="11" fill="#64748b""##, "0 to 10 A");
 }
 
 /// The falling error, on stretches of time that the fit had not seen.
 fn bars(svg: &mut String, errors: &[Errors; 2]) {
-    text(svg, (450.0, 304.0), "start", TITLE, "The error falling, rms on unseen time");
+    text(svg, (450.0, 318.0), "start", TITLE, "The error falling, rms on unseen time");
     let scale = 240.0 / errors[0].unseen_ut;
     let effect = format!("+ {EFFECT}");
     for (row, (name, value, colour)) in [
@@ -243,7 +268,7 @@ fn bars(svg: &mut String, errors: &[Errors; 2]) {
     .into_iter()
     .enumerate()
     {
-        let y = 318.0 + 30.0 * row as f64;
+        let y = 332.0 + 30.0 * row as f64;
         text(svg, (450.0, y + 15.0), "start", SMALL, name);
         let width = value * scale;
         let _ = writeln!(

@@ -65,6 +65,41 @@ fn every_figure_of_the_microcontroller_is_explained() {
     }
 }
 
+/// The numbers and words of the one line of a snapshot that begins with these words.
+fn line<'a>(snapshot: &'a str, start: &str) -> &'a str {
+    snapshot
+        .lines()
+        .find_map(|line| line.trim_start().strip_prefix(start))
+        .unwrap_or_else(|| panic!("the snapshots have no line {start}"))
+}
+
+#[test]
+fn the_readmes_figures_are_those_of_the_tables() {
+    let readme = include_str!("../../README.md");
+    let accuracy = include_str!("../snapshots/accuracy.txt");
+    let effects = include_str!("../snapshots/effects.txt");
+    let m4 = include_str!("../snapshots/m4.txt");
+    let sweep: Vec<&str> = line(accuracy, "1.0 %    2000     25 %   0.5 F |").split_whitespace().collect();
+    let rate = |text: &str, at: usize| text.split_whitespace().skip(at).take(3).collect::<Vec<_>>().join(" ");
+    let value = |key: &str| line(m4, key).split_whitespace().next().unwrap_or_default().to_owned();
+    let figures = [
+        format!("`magcal` 0.1: {}) | {} |", sweep[3], sweep[2]),
+        format!("| {} | 1000 logs |", rate(line(accuracy, "limited   adjusted"), 0)),
+        format!(
+            "| {}; {} |",
+            rate(line(effects, "effects hidden"), 2),
+            rate(line(effects, "nothing hidden"), 3)
+        ),
+        format!("| {}; {} |", value("push "), value("state_bytes ")),
+    ];
+    for figure in &figures {
+        assert!(
+            readme.contains(figure),
+            "README.md, \"Five figures\", is out of date: it should say {figure}"
+        );
+    }
+}
+
 #[test]
 fn a_table_goes_between_its_markers() {
     let document = "a\n<!-- t:begin -->\nold\n<!-- t:end -->\nb\n";
