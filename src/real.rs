@@ -72,7 +72,8 @@ pub(crate) mod decompose {
         ($scalar:ty) => {
             impl Decompose for $scalar {
                 fn symmetric_eigen(matrix: &[[Self; 9]; 9]) -> Option<Eigen<Self>> {
-                    let matrix = SMatrix::<Self, 9, 9>::from(*matrix);
+                    // Rows first here, columns first there: what rounding left unsymmetric stays where it was.
+                    let matrix = SMatrix::<Self, 9, 9>::from(*matrix).transpose();
                     let eigen = SymmetricEigen::try_new(matrix, Self::EPSILON, 200)?;
                     // Stored by columns: the vectors one after another.
                     Some((eigen.eigenvalues.into(), eigen.eigenvectors.into()))
