@@ -158,7 +158,7 @@ impl<'a> Corrector<'a> {
 
     /// What the user should know where effects go by the time: a log's clock is its own.
     pub fn notice(&self) -> Option<String> {
-        let timed = |fitted: &&FittedEffect<f64>| fitted.effect.time_reference_s().is_some();
+        let timed = |fitted: &&FittedEffect<f64>| fitted.effect.parts().time_reference_s().is_some();
         let names: Vec<String> = (self.calibration.effects.iter().filter(timed))
             .map(|fitted| ironout::effect::Id(&fitted.effect).to_string())
             .collect();

@@ -22,10 +22,10 @@ impl Effect<f64> for Slope {
     fn id(&self, out: &mut dyn std::fmt::Write) -> std::fmt::Result {
         out.write_str("parameter")
     }
-    fn name(&self) -> &str {
+    fn name(&self) -> &'static str {
         "parameter of a shape"
     }
-    fn explanation(&self) -> &str {
+    fn explanation(&self) -> &'static str {
         "A small error of a frequency or of a delay bends the shape. It is estimated together with the amplitudes."
     }
     fn columns(&self) -> [Option<Column<'_, f64>>; MAX_INPUTS] {
@@ -34,7 +34,7 @@ impl Effect<f64> for Slope {
     fn coefficients(&self) -> usize {
         1
     }
-    fn unit(&self) -> &str {
+    fn unit(&self) -> &'static str {
         match self {
             Slope::Frequency { .. } => "Hz",
             Slope::Delay { .. } => "s",

@@ -35,10 +35,10 @@ impl Effect<f64> for Undisturbed<'_> {
     fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
         self.inner.id(out)
     }
-    fn name(&self) -> &str {
+    fn name(&self) -> &'static str {
         self.inner.name()
     }
-    fn explanation(&self) -> &str {
+    fn explanation(&self) -> &'static str {
         self.inner.explanation()
     }
     fn columns(&self) -> [Option<Column<'_, f64>>; MAX_INPUTS] {
@@ -50,7 +50,7 @@ impl Effect<f64> for Undisturbed<'_> {
     fn coefficients(&self) -> usize {
         self.inner.coefficients()
     }
-    fn unit(&self) -> &str {
+    fn unit(&self) -> &'static str {
         self.inner.unit()
     }
     fn reads_centre(&self) -> bool {
