@@ -3,8 +3,8 @@
 mod common;
 
 use common::{accepted_board, world_board};
-use ironout_host_tests::board::SimBoard;
-use ironout_host_tests::world::Motion;
+use ironout_rig::board::SimBoard;
+use ironout_simulation::Motion;
 use proptest::collection::vec;
 use proptest::prelude::*;
 

@@ -8,8 +8,8 @@ use ironout::effect::{BuiltIn, ColumnName, Drift, Gain, Offset, Power};
 use ironout::extended::{Conditions, Effects, ExtendedCalibration, FittedEffect};
 use ironout::fit::{Method, Model};
 use ironout::record::Record;
-use ironout_host_tests::board::SimBoard;
-use ironout_host_tests::world::Motion;
+use ironout_rig::board::SimBoard;
+use ironout_simulation::Motion;
 
 fn fitted(effect: BuiltIn<f64>, theta: [f64; 3]) -> FittedEffect<f64> {
     let pad = |values: [f64; 3]| std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0));

@@ -3,7 +3,7 @@
 use ironout::fit::{FitError, FitOptions, FitReport, Method, fit};
 use ironout::moments::{Moments, Reading};
 use ironout::scatter::{Scatter, ScatterBuilder};
-use ironout_host_tests::paper::{Sampler, Truth, eq_16};
+use ironout_simulation::paper::{Sampler, Truth, eq_16};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 fn scatter(samples: &[[f64; 3]]) -> Scatter {

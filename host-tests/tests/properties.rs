@@ -7,7 +7,7 @@ use ironout::fit::{FitOptions, FitReport, Method, fit};
 use ironout::moments::Moments;
 use ironout::scatter::{Scatter, ScatterBuilder};
 use ironout::session::{Session, SessionConfig};
-use ironout_host_tests::paper::Sampler;
+use ironout_simulation::paper::Sampler;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 

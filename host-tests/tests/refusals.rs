@@ -5,7 +5,7 @@ use ironout::moments::Moments;
 use ironout::quality::{Reason, Verdict, judge};
 use ironout::scatter::{Scatter, ScatterBuilder};
 use ironout::session::{Hint, Session, SessionConfig, State};
-use ironout_host_tests::paper::{Sampler, Truth};
+use ironout_simulation::paper::{Sampler, Truth};
 use nalgebra::{Matrix3, Vector3};
 
 const UP: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);

@@ -5,8 +5,8 @@ mod common;
 use common::{accepted_board, calibrate, last, value, world_board};
 use ironout::device::{ButtonEvent, Light, SensorFault};
 use ironout::session::Session;
-use ironout_host_tests::board::SimBoard;
-use ironout_host_tests::world::Motion;
+use ironout_rig::board::SimBoard;
+use ironout_simulation::Motion;
 
 /// The magnitudes of the corrected field over `seconds`, and how many samples there were.
 fn streamed_norms(board: &mut SimBoard, seconds: u64) -> Vec<f64> {

@@ -8,8 +8,8 @@ use embedded_storage::{ReadStorage, Storage};
 use ironout_drivers::at24c::{At24c, EepromError, Geometry};
 use ironout_drivers::lsm303dlhc::{Config, DataRate, Lsm303dlhc, Range};
 use ironout_drivers::{Error, Magnetometer};
-use ironout_host_tests::bus::{Clock, FaultControl, Faulty, SimBus};
-use ironout_host_tests::chips::{At24cChip, Lsm303dlhcChip, TornPage};
+use ironout_rig::bus::{Clock, FaultControl, Faulty, SimBus};
+use ironout_rig::chips::{At24cChip, Lsm303dlhcChip, TornPage};
 
 const NOBODY: ErrorKind = ErrorKind::NoAcknowledge(NoAcknowledgeSource::Address);
 

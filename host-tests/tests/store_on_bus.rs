@@ -4,10 +4,10 @@ mod common;
 
 use common::{accepted_board, calibrate, last, value, world_board};
 use ironout::record::{MAX_RECORD_BYTES, RECORD_BYTES};
-use ironout_host_tests::board::SimBoard;
-use ironout_host_tests::bus::Hit;
-use ironout_host_tests::chips::TornPage;
-use ironout_host_tests::world::Motion;
+use ironout_rig::board::SimBoard;
+use ironout_rig::bus::Hit;
+use ironout_rig::chips::TornPage;
+use ironout_simulation::Motion;
 
 /// A board with one calibration in use and another one solved, and what `cal show` says of the first.
 fn board_with_a_second_solution(seed: u64) -> (SimBoard, Vec<String>) {

@@ -1,7 +1,7 @@
 //! The simulated world keeps its promises: the same seed gives the same log, the sphere is covered, an effect has the
 //! strength it was asked for.
 
-use ironout_host_tests::world::{EffectSpec, Log, Motion, World, WorldOptions};
+use ironout_simulation::{EffectSpec, Log, Motion, World, WorldOptions};
 
 fn log(seed: u64, effects: &[&str], motion: Motion) -> Log {
     let effects = effects.iter().map(|text| EffectSpec::parse(text).expect("known effect")).collect();

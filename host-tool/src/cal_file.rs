@@ -1,15 +1,14 @@
 //! `CAL.json`: what `fit --json` prints, with a version and the information behind it.
 
-use crate::diagnose::outcome::FittedEffect;
-use crate::effects;
 use crate::failure::{Failure, Outcome};
 use crate::reading::Reading;
 use ironout::calibration::Calibration;
 use ironout::extended::{ExtendedCalibration, MAX_EFFECTS};
 use ironout::fit::Method;
-use nalgebra::{Matrix3, SMatrix};
+use ironout_analysis::Fitted;
+use ironout_analysis::calibration::{EffectEntry, Information, StdErrors};
+use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
@@ -19,55 +18,6 @@ pub const VERSION: u32 = 1;
 const MOST_STRETCH: f64 = 20.0;
 /// A calibration file is a few kilobytes; more is something else.
 const MAX_BYTES: u64 = 4 << 20;
-
-/// Standard errors (1σ) of the parameters, from noise only.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StdErrors {
-    /// Of the offset, µT.
-    pub offset_ut: [f64; 3],
-    /// Of the matrix.
-    pub matrix: [[f64; 3]; 3],
-}
-
-/// One effect in the model beyond offset and matrix.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct EffectEntry {
-    /// As `diagnose` names it: `offset:temp_c`.
-    pub id: String,
-    /// In words.
-    pub name: String,
-    /// Columns of the log it needs.
-    pub columns: Vec<String>,
-    /// Coefficients, in `unit`.
-    pub coefficients: Vec<f64>,
-    /// Their standard errors; null for a coefficient that the log did not show.
-    pub std_errors: Vec<Option<f64>>,
-    /// Unit of the coefficients.
-    pub unit: String,
-    /// The value of each column at which the effect is zero (for its square: whose square is).
-    pub reference: BTreeMap<String, f64>,
-    /// `at_s`, `frequency_hz`, `delay_s` where the effect has one.
-    pub parameters: BTreeMap<String, f64>,
-}
-
-impl From<&FittedEffect> for EffectEntry {
-    fn from(fitted: &FittedEffect) -> Self {
-        EffectEntry {
-            id: fitted.id.clone(),
-            name: fitted.name.clone(),
-            columns: fitted.columns.clone(),
-            coefficients: fitted.coefficients.clone(),
-            std_errors: fitted
-                .std_errors
-                .iter()
-                .map(|error| Some(*error).filter(|e| e.is_finite()))
-                .collect(),
-            unit: fitted.unit.clone(),
-            reference: fitted.reference.iter().cloned().collect(),
-            parameters: fitted.parameters.iter().map(|(name, value)| (name.to_string(), *value)).collect(),
-        }
-    }
-}
 
 /// The object of `fit --json`. Unknown values are null.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -92,27 +42,31 @@ pub struct FitObject {
     pub reasons: Vec<String>,
 }
 
-/// The normal matrix behind a calibration: the inverse of the parameters' covariance.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Information {
-    /// What each row and column stands for.
-    pub parameters: Vec<String>,
-    /// Symmetric, positive definite; units are the inverse squares of the parameters'.
-    pub matrix: Vec<Vec<f64>>,
+impl FitObject {
+    /// Of a fit by `method`.
+    pub fn of(fitted: &Fitted, method: &str) -> Self {
+        let solution = fitted.solution.as_ref();
+        FitObject {
+            method: method.to_string(),
+            samples_used: fitted.used as u64,
+            samples_set_aside: fitted.set_aside() as u64,
+            field_ut: solution.map(|s| s.calibration.field_ut),
+            offset_ut: solution.map(|s| s.calibration.offset_ut),
+            matrix: solution.map(|s| s.calibration.matrix),
+            effects: solution.map_or(Vec::new(), |s| s.effects.iter().map(EffectEntry::from).collect()),
+            std_errors: solution.map(|s| s.std_errors.clone()),
+            rms_ut: solution.map(|s| s.rms_ut),
+            holdout_rms_ut: fitted.holdout_rms_ut,
+            noise_floor_ut: fitted.noise_floor_ut,
+            residual_floor_ut: fitted.residual_floor_ut,
+            heading_error_deg: fitted.heading_error_deg,
+            coverage: fitted.coverage,
+            gap_deg: fitted.gap_deg,
+            accepted: fitted.accepted,
+            reasons: fitted.reasons.clone(),
+        }
+    }
 }
-
-/// Names of the nine parameters, in the order of [`Information`].
-pub const PARAMETERS: [&str; 9] = [
-    "offset_ut[0]",
-    "offset_ut[1]",
-    "offset_ut[2]",
-    "matrix[0][0]",
-    "matrix[0][1]",
-    "matrix[0][2]",
-    "matrix[1][1]",
-    "matrix[1][2]",
-    "matrix[2][2]",
-];
 
 /// A calibration file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -130,17 +84,23 @@ pub struct CalFile {
 }
 
 impl CalFile {
+    /// Of a fit by `method`.
+    pub fn of(fitted: &Fitted, method: &str) -> Self {
+        let information = fitted.solution.as_ref().and_then(|solution| solution.information.clone());
+        CalFile { version: VERSION, fit: FitObject::of(fitted, method), information, reading: None }
+    }
+
     /// Reads and checks a calibration file: every number finite, the matrix invertible, the information
     /// positive definite, the version known. Errors name file, line and what to do.
     pub fn read(path: &Path) -> Outcome<Self> {
         let mut text = String::new();
         let file = std::fs::File::open(path).map_err(|error| Failure::io("open", path, &error))?;
         file.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(|error| match error.kind() {
-            std::io::ErrorKind::InvalidData => not_a_calibration("it is not text").in_file(path),
+            std::io::ErrorKind::InvalidData => Failure::not_a_calibration("it is not text").in_file(path),
             _ => Failure::io("read", path, &error),
         })?;
         if text.len() as u64 > MAX_BYTES {
-            return Err(not_a_calibration("it is larger than 4 MB").in_file(path));
+            return Err(Failure::not_a_calibration("it is larger than 4 MB").in_file(path));
         }
         Self::parse(&text).map_err(|failure| failure.in_file(path))
     }
@@ -148,7 +108,7 @@ impl CalFile {
     /// [`CalFile::read`] from the text of the file.
     pub fn parse(text: &str) -> Outcome<Self> {
         let place = |error: serde_json::Error, what: String| {
-            let failure = not_a_calibration(&what);
+            let failure = Failure::not_a_calibration(&what);
             if error.line() == 0 { failure } else { failure.at_line(error.line() as u64) }
         };
         let value: serde_json::Value = serde_json::from_str(text).map_err(|error| {
@@ -165,7 +125,7 @@ impl CalFile {
                 ))
                 .at_column("version"));
             }
-            None => return Err(not_a_calibration("it has no version").at_column("version")),
+            None => return Err(Failure::not_a_calibration("it has no version").at_column("version")),
         }
         let cal: CalFile = serde_json::from_value(value).map_err(|error| {
             let what = error.to_string();
@@ -177,7 +137,7 @@ impl CalFile {
 
     /// The calibration in it.
     pub fn calibration(&self) -> Outcome<Calibration<f64>> {
-        let unknown = |key: &str| not_a_calibration(&format!("{key} is null")).at_column(key);
+        let unknown = |key: &str| Failure::not_a_calibration(&format!("{key} is null")).at_column(key);
         Ok(Calibration {
             offset_ut: self.fit.offset_ut.ok_or_else(|| unknown("offset_ut"))?,
             matrix: self.fit.matrix.ok_or_else(|| unknown("matrix"))?,
@@ -189,10 +149,11 @@ impl CalFile {
     pub fn extended(&self) -> Outcome<ExtendedCalibration> {
         let mut calibration = ExtendedCalibration::plain(self.calibration()?);
         for entry in &self.fit.effects {
-            let fitted =
-                effects::from_entry(entry).map_err(|why| not_a_calibration(&why).at_column("effects"))?;
+            let fitted = ironout_analysis::effects::from_entry(entry)
+                .map_err(|why| Failure::not_a_calibration(&why).at_column("effects"))?;
             calibration.effects.push(fitted).map_err(|_| {
-                not_a_calibration(&format!("it carries more than {MAX_EFFECTS} effects")).at_column("effects")
+                Failure::not_a_calibration(&format!("it carries more than {MAX_EFFECTS} effects"))
+                    .at_column("effects")
             })?;
         }
         Ok(calibration)
@@ -201,33 +162,39 @@ impl CalFile {
     fn check(&self) -> Outcome<()> {
         let calibration = self.calibration()?;
         if !(calibration.field_ut.is_finite() && (0.1..=1e5).contains(&calibration.field_ut)) {
-            return Err(not_a_calibration(&format!(
+            return Err(Failure::not_a_calibration(&format!(
                 "field_ut is {} and should be a magnitude in microtesla",
                 calibration.field_ut
             ))
             .at_column("field_ut"));
         }
         if !calibration.is_sound() {
-            return Err(not_a_calibration("the matrix is singular or mirrors the axes").at_column("matrix"));
+            return Err(
+                Failure::not_a_calibration("the matrix is singular or mirrors the axes").at_column("matrix")
+            );
         }
         if calibration.offset_ut.iter().any(|value| value.abs() > 1e6) {
-            return Err(not_a_calibration("the offset is beyond any magnetometer").at_column("offset_ut"));
+            return Err(
+                Failure::not_a_calibration("the offset is beyond any magnetometer").at_column("offset_ut")
+            );
         }
         if calibration.matrix.iter().flatten().any(|value| value.abs() > 1e3) {
-            return Err(not_a_calibration("the matrix is beyond any magnetometer").at_column("matrix"));
+            return Err(
+                Failure::not_a_calibration("the matrix is beyond any magnetometer").at_column("matrix")
+            );
         }
         if !self.extended()?.is_sound() {
-            return Err(not_a_calibration("an effect holds a number that is not finite").at_column("effects"));
+            return Err(Failure::not_a_calibration("an effect holds a number that is not finite")
+                .at_column("effects"));
         }
         if Method::parse(&self.fit.method).is_none() {
-            return Err(
-                not_a_calibration(&format!("there is no method {:?}", self.fit.method)).at_column("method")
-            );
+            return Err(Failure::not_a_calibration(&format!("there is no method {:?}", self.fit.method))
+                .at_column("method"));
         }
         let c = Matrix3::from_fn(|i, j| calibration.matrix[i][j]);
         let stretch = c.singular_values();
         if !(stretch.min() > MOST_STRETCH.recip() * stretch.max()) {
-            return Err(not_a_calibration("the matrix is nearly singular").at_column("matrix"));
+            return Err(Failure::not_a_calibration("the matrix is nearly singular").at_column("matrix"));
         }
         let fit = &self.fit;
         for (key, value) in [
@@ -237,93 +204,23 @@ impl CalFile {
             ("residual_floor_ut", fit.residual_floor_ut),
         ] {
             if value.is_some_and(|value| !(value >= 0.0 && value.is_finite())) {
-                return Err(not_a_calibration(&format!("{key} is negative")).at_column(key));
+                return Err(Failure::not_a_calibration(&format!("{key} is negative")).at_column(key));
             }
         }
         if !self.fit.accepted {
-            return Err(not_a_calibration(&format!("the fit was refused ({})", self.fit.reasons.join("; "))));
+            return Err(Failure::not_a_calibration(&format!(
+                "the fit was refused ({})",
+                self.fit.reasons.join("; ")
+            )));
         }
         if let Some(information) = &self.information {
-            information.check()?;
+            information.check().map_err(|what| Failure::not_a_calibration(what).at_column("information"))?;
         }
         if let Some(reading) = &self.reading {
             reading.check()?;
         }
         Ok(())
     }
-}
-
-impl Information {
-    /// Of a normal matrix over [`PARAMETERS`]; `None` if it is not finite and positive definite.
-    pub fn of(matrix: &[[f64; 9]; 9]) -> Option<Self> {
-        let symmetric = |i: usize, j: usize| (matrix[i][j] + matrix[j][i]) / 2.0;
-        let matrix = (0..9).map(|i| (0..9).map(|j| symmetric(i, j)).collect()).collect();
-        let information = Information { parameters: PARAMETERS.map(String::from).to_vec(), matrix };
-        information.check().is_ok().then_some(information)
-    }
-
-    /// The inverse of a covariance; `None` if it has none that is finite and positive definite.
-    pub fn from_covariance(covariance: &[[f64; 9]; 9]) -> Option<Self> {
-        let matrix = SMatrix::<f64, 9, 9>::from_fn(|i, j| (covariance[i][j] + covariance[j][i]) / 2.0);
-        // Offsets are in µT and matrix entries near 1: equal diagonals before inverting keep the digits.
-        let scale = SMatrix::<f64, 9, 1>::from_fn(|i, _| 1.0 / matrix[(i, i)].sqrt());
-        let unit = SMatrix::<f64, 9, 9>::from_fn(|i, j| matrix[(i, j)] * scale[i] * scale[j]);
-        let inverse = unit.cholesky()?.inverse();
-        let matrix: Vec<Vec<f64>> = (0..9)
-            .map(|i| {
-                (0..9).map(|j| (inverse[(i, j)] + inverse[(j, i)]) / 2.0 * scale[i] * scale[j]).collect()
-            })
-            .collect();
-        matrix
-            .iter()
-            .flatten()
-            .all(|value| value.is_finite())
-            .then(|| Information { parameters: PARAMETERS.map(String::from).to_vec(), matrix })
-    }
-
-    fn check(&self) -> Outcome<()> {
-        let n = self.parameters.len();
-        let bad = |what: &str| Err(not_a_calibration(what).at_column("information"));
-        if !(9..=64).contains(&n) || self.matrix.len() != n || self.matrix.iter().any(|row| row.len() != n) {
-            return bad("the information matrix has the wrong shape");
-        }
-        let scale: Vec<f64> = (0..n).map(|i| self.matrix[i][i].sqrt()).collect();
-        if scale.iter().any(|value| !value.is_finite() || *value <= 0.0) {
-            return bad("the information matrix is not positive definite");
-        }
-        let unit: Vec<Vec<f64>> =
-            (0..n).map(|i| (0..n).map(|j| self.matrix[i][j] / (scale[i] * scale[j])).collect()).collect();
-        if (0..n).any(|i| (0..i).any(|j| (unit[i][j] - unit[j][i]).abs() > 1e-6)) {
-            return bad("the information matrix is not symmetric");
-        }
-        if !positive_definite(unit) {
-            return bad("the information matrix is not positive definite");
-        }
-        Ok(())
-    }
-}
-
-/// Cholesky's pivots, of any size: a file may carry effects.
-fn positive_definite(mut a: Vec<Vec<f64>>) -> bool {
-    for k in 0..a.len() {
-        let (done, rest) = a.split_at_mut(k + 1);
-        let row = &done[k];
-        let pivot = row[k];
-        if pivot.is_nan() || pivot <= 1e-15 {
-            return false;
-        }
-        for below in rest {
-            let factor = below[k] / pivot;
-            below.iter_mut().zip(row).for_each(|(value, above)| *value -= factor * above);
-        }
-    }
-    true
-}
-
-pub(crate) fn not_a_calibration(why: &str) -> Failure {
-    Failure::usage(format!(
-        "this is no calibration that can be used: {why}; make one with ironout fit LOG -o CAL.json"
-    ))
 }
 
 #[cfg(test)]

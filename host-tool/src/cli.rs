@@ -1,12 +1,11 @@
 //! The command line: what can be asked, with help and examples.
 
-use crate::cal_file::CalFile;
 use crate::failure::{Failure, Outcome};
 use crate::geomag::EarthField;
 use crate::input::{self, Mounting, ReadOptions};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use ironout::fit::Method;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const ABOUT: &str = "Calibrates magnetometers and shows what the calibration leaves over.
 
@@ -107,30 +106,6 @@ impl LogArgs {
             typed.push_str(&typed_option(option, value));
         }
         typed
-    }
-
-    /// Reads the log and passes its notices on to standard error.
-    pub fn read(&self) -> Outcome<input::Log> {
-        self.read_with(None)
-    }
-
-    /// The same for a calibration, which knows the scale of the counts that it was fitted to.
-    ///
-    /// # Errors
-    /// Those of reading, and a log that is read in another scale or mounting than the calibration's.
-    pub fn read_for(&self, cal: &CalFile, file: &Path) -> Outcome<input::Log> {
-        let Some(reading) = &cal.reading else { return self.read() };
-        let log = self.read_with(reading.ut_per_count)?;
-        reading.must_fit(file, &log, self)?;
-        Ok(log)
-    }
-
-    fn read_with(&self, default_ut_per_count: Option<[f64; 3]>) -> Outcome<input::Log> {
-        let log = input::read_log(&self.log, &ReadOptions { default_ut_per_count, ..self.options()? })?;
-        for notice in &log.notices {
-            eprintln!("note: {}: {notice}", self.log.display());
-        }
-        Ok(log)
     }
 }
 

@@ -36,6 +36,13 @@ impl Failure {
         Failure { exit: EXIT_REFUSED, ..Failure::usage(message) }
     }
 
+    /// A file that should hold a calibration.
+    pub fn not_a_calibration(why: &str) -> Self {
+        Failure::usage(format!(
+            "this is no calibration that can be used: {why}; make one with ironout fit LOG -o CAL.json"
+        ))
+    }
+
     /// Names the file.
     pub fn in_file(mut self, path: &Path) -> Self {
         self.file = Some(path.display().to_string());

@@ -2,97 +2,65 @@
 
 use crate::cal_file::CalFile;
 use crate::cli::LogArgs;
-use crate::diagnose::engine::Earlier;
-use crate::effects;
 use crate::failure::{Failure, Outcome};
-use crate::ground::triangle_of;
+
 use crate::input::Log;
+use ironout_analysis::base::axes::triangle_of;
+use ironout_analysis::base::prior::Prior;
+use ironout_analysis::effects;
 
 use ironout::effect::{BuiltIn, Effect, Offset, Power};
 use std::path::Path;
 
-/// An earlier calibration as information about offset and triangle.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Prior {
-    offset_ut: [f64; 3],
-    triangle: [[f64; 3]; 3],
-    information: [[f64; 9]; 9],
-    field_ut: f64,
-}
-
-impl Prior {
-    /// Reads a calibration file as information for this log. The offsets of its effects are carried over to the log's own
-    /// mean of their columns, which is where a new fit puts their reference.
-    ///
-    /// # Errors
-    /// A file that is no calibration, is of another scale or mounting, holds no information, or carries effects that this log cannot be related to.
-    pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Self> {
-        let file = CalFile::read(path)?;
-        if let Some(reading) = &file.reading {
-            reading.must_fit(path, log, arguments)?;
-        }
-        let calibration = file.calibration()?;
-        let missing = |what: &str| {
-            Failure::usage(format!("this calibration has no {what}: fit it again with this program"))
+/// Reads a calibration file as information for this log. The offsets of its effects are carried over to the log's own
+/// mean of their columns, which is where a new fit puts their reference.
+///
+/// # Errors
+/// A file that is no calibration, is of another scale or mounting, holds no information, or carries effects that this log cannot be related to.
+pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Prior> {
+    let file = CalFile::read(path)?;
+    if let Some(reading) = &file.reading {
+        reading.must_fit(path, log, &arguments.rotate)?;
+    }
+    let calibration = file.calibration()?;
+    let missing = |what: &str| {
+        Failure::usage(format!("this calibration has no {what}: fit it again with this program"))
+            .in_file(path)
+    };
+    let triangle = triangle_of(&calibration.matrix).ok_or_else(|| missing("invertible matrix"))?;
+    let known = file.information.as_ref().ok_or_else(|| missing("information"))?;
+    let rows = known.matrix.iter().take(9).filter(|row| row.len() >= 9);
+    if rows.count() < 9 {
+        return Err(missing("information about nine parameters"));
+    }
+    let mut offset_ut = calibration.offset_ut;
+    for entry in &file.fit.effects {
+        let cannot = |why: String| {
+            Failure::usage(format!("its effect {} cannot be carried over to this log: {why}", entry.id))
                 .in_file(path)
         };
-        let triangle = triangle_of(&calibration.matrix).ok_or_else(|| missing("invertible matrix"))?;
-        let known = file.information.as_ref().ok_or_else(|| missing("information"))?;
-        let rows = known.matrix.iter().take(9).filter(|row| row.len() >= 9);
-        if rows.count() < 9 {
-            return Err(missing("information about nine parameters"));
+        let fitted = effects::from_entry(entry).map_err(cannot)?;
+        let BuiltIn::Offset(Offset { column, reference, power: Power::Linear, .. }) = fitted.effect else {
+            return Err(cannot(format!(
+                "only offsets in proportion to a column are ({})",
+                Effect::<f64>::name(&fitted.effect)
+            )));
+        };
+        let values = log.covariate(column.as_str()).map(|covariate| &covariate.values);
+        let values: Vec<f64> =
+            values.into_iter().flatten().copied().filter(|value| value.is_finite()).collect();
+        if values.is_empty() {
+            return Err(cannot(format!("the log has no column {column}")));
         }
-        let mut offset_ut = calibration.offset_ut;
-        for entry in &file.fit.effects {
-            let cannot = |why: String| {
-                Failure::usage(format!("its effect {} cannot be carried over to this log: {why}", entry.id))
-                    .in_file(path)
-            };
-            let fitted = effects::from_entry(entry).map_err(cannot)?;
-            let BuiltIn::Offset(Offset { column, reference, power: Power::Linear, .. }) = fitted.effect
-            else {
-                return Err(cannot(format!(
-                    "only offsets in proportion to a column are ({})",
-                    Effect::<f64>::name(&fitted.effect)
-                )));
-            };
-            let values = log.covariate(column.as_str()).map(|covariate| &covariate.values);
-            let values: Vec<f64> =
-                values.into_iter().flatten().copied().filter(|value| value.is_finite()).collect();
-            if values.is_empty() {
-                return Err(cannot(format!("the log has no column {column}")));
-            }
-            let change = values.iter().sum::<f64>() / values.len() as f64 - reference;
-            for (offset, coefficient) in offset_ut.iter_mut().zip(fitted.coefficients) {
-                *offset += coefficient * change;
-            }
-        }
-        Ok(Prior {
-            offset_ut,
-            triangle,
-            information: std::array::from_fn(|i| std::array::from_fn(|j| known.matrix[i][j])),
-            field_ut: calibration.field_ut,
-        })
-    }
-
-    /// The field it is scaled to, µT.
-    pub fn field_ut(&self) -> f64 {
-        self.field_ut
-    }
-
-    /// For the study of a log that is scaled to `field_ut`; `None` keeps the calibration's own field.
-    pub fn earlier(&self, field_ut: Option<f64>) -> Earlier {
-        let scale = field_ut.map_or(1.0, |field| field / self.field_ut);
-        let c = self.triangle;
-        let [x, y, z] = self.offset_ut;
-        let triangle = [c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]].map(|value| value * scale);
-        let [a, b, d, e, f, g] = triangle;
-        let unit = |i: usize| if i < 3 { 1.0 } else { 1.0 / scale };
-        Earlier {
-            parameters: [x, y, z, a, b, d, e, f, g],
-            information: std::array::from_fn(|i| {
-                std::array::from_fn(|j| self.information[i][j] * unit(i) * unit(j))
-            }),
+        let change = values.iter().sum::<f64>() / values.len() as f64 - reference;
+        for (offset, coefficient) in offset_ut.iter_mut().zip(fitted.coefficients) {
+            *offset += coefficient * change;
         }
     }
+    Ok(Prior {
+        offset_ut,
+        triangle,
+        information: std::array::from_fn(|i| std::array::from_fn(|j| known.matrix[i][j])),
+        field_ut: calibration.field_ut,
+    })
 }

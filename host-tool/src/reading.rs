@@ -1,7 +1,5 @@
 //! How the log of a calibration was read: a calibration is one of a scale and of a mounting.
 
-use crate::cal_file::not_a_calibration;
-use crate::cli::LogArgs;
 use crate::failure::{Failure, Outcome};
 use crate::input::{Log, Mounting};
 use serde::{Deserialize, Serialize};
@@ -21,8 +19,8 @@ pub struct Reading {
 
 impl Reading {
     /// Of a log that was read with these options.
-    pub fn of(log: &Log, arguments: &LogArgs) -> Self {
-        Reading { ut_per_count: log.ut_per_count, rotate: arguments.rotate.clone() }
+    pub fn of(log: &Log, rotate: &[String]) -> Self {
+        Reading { ut_per_count: log.ut_per_count, rotate: rotate.to_vec() }
     }
 
     /// Whether the numbers can be meant.
@@ -34,18 +32,18 @@ impl Reading {
             .ut_per_count
             .is_some_and(|scale| scale.iter().any(|value| !(value.is_finite() && *value > 0.0)))
         {
-            return Err(not_a_calibration("ut_per_count is not positive").at_column("reading"));
+            return Err(Failure::not_a_calibration("ut_per_count is not positive").at_column("reading"));
         }
         Mounting::parse(&self.rotate)
             .map(|_| ())
-            .map_err(|failure| not_a_calibration(&failure.message).at_column("reading"))
+            .map_err(|failure| Failure::not_a_calibration(&failure.message).at_column("reading"))
     }
 
     /// Whether a log was read as that of the calibration in `file` was.
     ///
     /// # Errors
     /// Another scale or another mounting of the magnetometer: its corrected vectors would be wrong.
-    pub fn must_fit(&self, file: &Path, log: &Log, arguments: &LogArgs) -> Outcome<()> {
+    pub fn must_fit(&self, file: &Path, log: &Log, rotate: &[String]) -> Outcome<()> {
         let words = |scale: [f64; 3]| scale.map(|value| value.to_string()).join(",");
         if let (Some(own), Some(given)) = (self.ut_per_count, log.ut_per_count)
             && own.iter().zip(given).any(|(own, given)| (own - given).abs() > SAME * own)
@@ -60,7 +58,7 @@ impl Reading {
         }
         let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let turned = |rotate: &[String]| Ok(Mounting::parse(rotate)?.magnetometer.unwrap_or(identity));
-        let (own, given) = (turned(&self.rotate)?, turned(&arguments.rotate)?);
+        let (own, given) = (turned(&self.rotate)?, turned(rotate)?);
         if own.iter().flatten().zip(given.iter().flatten()).any(|(own, given)| (own - given).abs() > 1e-6) {
             let typed = |rotate: &[String]| match rotate {
                 [] => "no --rotate".to_string(),
@@ -70,7 +68,7 @@ impl Reading {
                 "this calibration is of a log read with {}, and this one is read with {}: in another mounting it turns the \
                  field elsewhere; read the log in the same way, or fit again",
                 typed(&self.rotate),
-                typed(&arguments.rotate)
+                typed(rotate)
             ))
             .in_file(file)
             .at_column("reading"));

@@ -6,9 +6,10 @@
 mod common;
 
 use common::{folder, ironout, write};
-use ironout_cli::diagnose::{Options, Table, diagnose, json};
+use ironout_analysis::outcome::json;
+use ironout_analysis::{Options, Table, diagnose};
 use ironout_cli::input::{ReadOptions, read_stream};
-use ironout_host_tests::world::{EffectSpec, FaultSpec, Log, Motion, World, WorldOptions};
+use ironout_simulation::{EffectSpec, FaultSpec, Log, Motion, World, WorldOptions};
 use rand::{RngExt, SeedableRng, rngs::ChaCha12Rng};
 use serde_json::Value;
 

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Run, folder, ironout, write};
-use ironout_host_tests::world::{Motion, World, WorldOptions};
+use ironout_simulation::{Motion, World, WorldOptions};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

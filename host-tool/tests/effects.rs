@@ -3,8 +3,8 @@
 mod common;
 
 use common::{folder, ironout, write};
+use ironout_analysis::{Corrector, Table};
 use ironout_cli::cal_file::CalFile;
-use ironout_cli::effects::Corrector;
 use ironout_cli::input::{ReadOptions, read_log};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -354,12 +354,13 @@ fn the_c_header_and_the_tool_correct_alike() {
     let here = folder("effects_c");
     let log_path = simulate(&here, "log.csv", &["--seconds", "20", "--seed", "9"]);
     let log = read_log(&log_path, &ReadOptions::default()).expect("a log");
+    let table = Table::from(&log);
     let rows: Vec<usize> = (0..log.rows).step_by(37).collect();
     for (group, effects) in every_effect().iter().enumerate() {
         let cal = write(&here, "cal.json", file_with(effects));
         let file = CalFile::read(&cal).expect("a calibration");
         let corrector =
-            Corrector::new(file.extended().expect("effects"), &log).expect("all columns are there");
+            Corrector::new(file.extended().expect("effects"), &table).expect("all columns are there");
         let run = ironout(["export", text(&cal), "--as", "c"]);
         assert_eq!(run.status, 0, "{}", run.stderr);
         write(&here, "calibration.h", &run.stdout);
@@ -418,7 +419,7 @@ fn the_c_header_and_the_tool_correct_alike() {
         assert_eq!(printed.lines().count(), rows.len());
         for (&row, line) in rows.iter().zip(printed.lines()) {
             let there: Vec<f64> = line.split(' ').map(|word| word.parse().expect("a number")).collect();
-            let here = corrector.field(row).expect("corrected");
+            let here = corrector.correct(row).expect("corrected");
             for axis in 0..3 {
                 assert!(
                     (there[axis] - here[axis]).abs() < 1e-6,
@@ -446,8 +447,9 @@ fn the_rust_constants_with_effects_run_live_as_the_tool_corrects() {
 
     let log_path = simulate(&here, "log.csv", &["--seconds", "20", "--seed", "10"]);
     let log = read_log(&log_path, &ReadOptions::default()).expect("a log");
+    let table = Table::from(&log);
     let file = CalFile::read(&cal).expect("a calibration");
-    let corrector = Corrector::new(file.extended().expect("effects"), &log).expect("all columns are there");
+    let corrector = Corrector::new(file.extended().expect("effects"), &table).expect("all columns are there");
     assert_eq!(*corrector.calibration(), exported::CALIBRATION_F64);
     // On the board: columns fed as they come, the late one kept in the board's own delay line, all in single precision.
     let mut live = ironout::extended::Live::new(&exported::CALIBRATION).expect("it can run");
@@ -465,7 +467,7 @@ fn the_rust_constants_with_effects_run_live_as_the_tool_corrects() {
             assert!(time[row] < 0.35, "row {row}: {:?}", live.waits_for());
             continue;
         };
-        let here = corrector.field(row).expect("corrected");
+        let here = corrector.correct(row).expect("corrected");
         for axis in 0..3 {
             worst = worst.max((f64::from(board[axis]) - here[axis]).abs());
         }

@@ -146,7 +146,7 @@ fn of_clean_logs_and_of_faulty_ones() {
 
 #[test]
 fn of_correlated_noise() {
-    use ironout_host_tests::world::{World, WorldOptions};
+    use ironout_simulation::{World, WorldOptions};
     for (index, (noise_ut, noise_correlation)) in [(0.25, 0.6), (0.5, 0.9)].into_iter().enumerate() {
         let options =
             WorldOptions { seed: 43 + index as u64, noise_ut, noise_correlation, ..Default::default() };

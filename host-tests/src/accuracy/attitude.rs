@@ -1,6 +1,6 @@
 //! How people turn a board when they do not turn it enough: directions of the field in the board's axes over time.
 
-use crate::paper::Sampler;
+use ironout_simulation::paper::Sampler;
 use nalgebra::{Rotation3, Unit, Vector3};
 
 /// A way to move.

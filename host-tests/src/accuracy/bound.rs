@@ -1,7 +1,7 @@
 //! Errors over the Cramér–Rao bound, bias and honesty of the standard errors, over noise × samples × coverage × hard iron.
 
 use super::solvers::{SOLVERS, Solver, solve};
-use crate::paper::{Sampler, Truth};
+use ironout_simulation::paper::{Sampler, Truth};
 use nalgebra::{SVector, Vector3};
 
 /// One cell of the sweep; lengths in fields.

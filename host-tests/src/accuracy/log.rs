@@ -1,7 +1,7 @@
 //! A simulated recording: a board with hard and soft iron, moved in some way, read by a sensor with noise and steps.
 
 use super::attitude::Motion;
-use crate::paper::{Sampler, Truth};
+use ironout_simulation::paper::{Sampler, Truth};
 use nalgebra::{Matrix3, Vector3};
 
 /// The field of every log, µT.

@@ -1,7 +1,7 @@
 //! The paper's simulation, eq. (16), beside the paper's own result, eq. (17).
 
 use super::solvers::{SOLVERS, solve};
-use crate::paper::{Sampler, Truth, eq_16, eq_17};
+use ironout_simulation::paper::{Sampler, Truth, eq_16, eq_17};
 use nalgebra::Vector3;
 
 /// One line: rms errors of the offset and of the matrix.

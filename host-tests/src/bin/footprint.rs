@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 #[cfg(unix)]
 fn main() -> ExitCode {
-    use ironout_host_tests::qemu::Firmware;
+    use ironout_rig::qemu::Firmware;
 
     let board = std::env::args().nth(1).unwrap_or_else(|| "mps2".to_owned());
     let measured = Firmware::build_for(&format!("board-{board}")).and_then(|firmware| firmware.footprint());

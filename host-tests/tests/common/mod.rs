@@ -1,8 +1,8 @@
 //! What the tests on the simulated board share.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
-use ironout_host_tests::board::SimBoard;
-use ironout_host_tests::world::{Motion, World, WorldOptions};
+use ironout_rig::board::SimBoard;
+use ironout_simulation::{Motion, World, WorldOptions};
 
 /// Where the simulated board's hard iron is, µT.
 pub const HARD_IRON_UT: [f64; 3] = [93.0, 40.0, -70.0];

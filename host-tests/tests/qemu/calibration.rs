@@ -4,7 +4,7 @@ use crate::support::{FIELD_UT, attitudes, board, log, numbers, ok, start};
 use ironout::gate::block_samples;
 use ironout::session::{Session, SessionConfig};
 use ironout_drivers::lsm303dlhc::{Range, register::OVERFLOW};
-use ironout_host_tests::qemu::{self, Emulator, Reply};
+use ironout_rig::qemu::{self, Emulator, Reply};
 
 /// The range that the board's firmware configures.
 const RANGE: Range = Range::Gauss1_9;

@@ -1,7 +1,7 @@
 //! What no well-behaved client sends: each line is answered once, and the console works afterwards.
 
 use crate::support::{ask, board, ok, start};
-use ironout_host_tests::qemu::{self, Emulator, Options, PoweredOff};
+use ironout_rig::qemu::{self, Emulator, Options, PoweredOff};
 use std::time::{Duration, Instant};
 
 /// Sends bytes that make one line, and returns the code it is refused with.

@@ -3,7 +3,7 @@
 //! A sound firmware has no way into them, so that a debugger has to push it.
 
 use crate::support::{board_with, bytes, eeprom, firmware, log, ok, record};
-use ironout_host_tests::qemu::{self, Debugger, Emulator, Options};
+use ironout_rig::qemu::{self, Debugger, Emulator, Options};
 use std::time::Duration;
 
 /// Lets `push` do its work with the machine stopped, and returns what the board says of it after its restart.

@@ -1,7 +1,7 @@
 //! The stored calibration: which of two records counts, and what becomes of a torn one.
 
 use crate::support::{ask, board_with, bytes, eeprom, ok, record, start};
-use ironout_host_tests::qemu::{self, Emulator, Options, PoweredOff};
+use ironout_rig::qemu::{self, Emulator, Options, PoweredOff};
 
 /// The offset in use, or `None` without a calibration.
 fn offset_in_use(board: &mut Emulator) -> Option<String> {

@@ -5,7 +5,7 @@ use ironout::calibration::Calibration;
 use ironout::extended::Effects;
 use ironout::fit::{Method, Model};
 use ironout::record::{MAX_RECORD_BYTES, Record};
-use ironout_host_tests::qemu::{Emulator, Firmware, Options, PoweredOff, Reply};
+use ironout_rig::qemu::{Emulator, Firmware, Options, PoweredOff, Reply};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::OnceLock;
 

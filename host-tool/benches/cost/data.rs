@@ -7,8 +7,8 @@ use ironout::fit::{FitOptions, Method, fit};
 use ironout::moments::Moments;
 use ironout::scatter::Scatter;
 use ironout::study::{Model, Reading, Residual, Study, Term};
-use ironout_host_tests::paper::{Sampler, eq_16};
-use ironout_host_tests::world::{EffectSpec, Log, World, WorldOptions};
+use ironout_simulation::paper::{Sampler, eq_16};
+use ironout_simulation::{EffectSpec, Log, World, WorldOptions};
 use std::hint::black_box;
 use std::io::{self, Write};
 

@@ -3,7 +3,7 @@
 use crate::data::{log, write_long};
 use divan::Bencher;
 use divan::counter::{BytesCount, ItemsCount};
-use ironout_cli::diagnose::{Options, Table, diagnose};
+use ironout_analysis::{Options, Table, diagnose};
 use ironout_cli::input::{ReadOptions, read_stream};
 use std::hint::black_box;
 
@@ -34,7 +34,7 @@ fn read_csv(bencher: Bencher) {
 #[divan::bench(args = ["nothing", "offset:temp_c=3", "drift=3,eddy=3"], sample_count = 5)]
 fn diagnose_80_s(bencher: Bencher, hidden: &str) {
     let log = log(if hidden == "nothing" { "" } else { hidden });
-    let table = Table::from(&log);
+    let table = Table::from_columns(log.named()).expect("a simulated log has a magnetometer");
     let options = Options { search: true, ..Options::default() };
     bencher.bench_local(|| diagnose(black_box(&table), &options).expect("the log is good").verdict);
 }

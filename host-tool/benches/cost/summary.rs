@@ -2,7 +2,7 @@
 
 use crate::{child, data, files};
 use ironout::fit::Method;
-use ironout_cli::diagnose::{Options, Table, diagnose};
+use ironout_analysis::{Options, Table, diagnose};
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::io::{self, BufWriter, Write as _};
@@ -107,7 +107,7 @@ fn logs(text: &mut String) {
         csv.len() as f64 / read / 1e6
     );
     let log = data::log("offset:temp_c=3");
-    let table = Table::from(&log);
+    let table = Table::from_columns(log.named()).expect("a simulated log has a magnetometer");
     let options = Options { search: true, ..Options::default() };
     let study = median((0..5).map(|_| seconds(|| _ = black_box(diagnose(&table, &options)))).collect());
     let _ = writeln!(text, "diagnose, 80 s at 50 Hz, a temperature offset hidden: {study:.2} s");

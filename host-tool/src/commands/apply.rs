@@ -2,13 +2,14 @@
 
 use crate::cal_file::CalFile;
 use crate::cli::ApplyArgs;
-use crate::effects::Corrector;
+use crate::corrected::Corrected;
 use crate::failure::{EXIT_OK, Failure, Outcome};
 use crate::input::{Lines, Log};
 use crate::output::{json_number, line};
-use crate::pipeline::spread_of_magnitude;
-use crate::{atomic, progress::Progress};
+use crate::{atomic, progress::Progress, source};
 use ironout::calibration::norm;
+use ironout_analysis::Table;
+use ironout_analysis::fit::fitted::spread_of_magnitude;
 use std::path::Path;
 
 /// What the corrected log gains.
@@ -21,11 +22,9 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
         atomic::not_over(&arguments.cal, output)?;
     }
     let calibration = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
-    let log = arguments.log.read_for(&cal, &arguments.cal)?;
-    let corrector = Corrector::new(calibration, &log)?;
-    if let Some(notice) = corrector.notice() {
-        eprintln!("note: {}: {notice}", log.path.display());
-    }
+    let log = source::read_for(&arguments.log, &cal, &arguments.cal)?;
+    let table = Table::from(&log);
+    let corrector = Corrected::new(calibration, &log, &table)?;
     if let Some(output) = &arguments.output {
         write(&log, &corrector, output)?;
     }
@@ -73,7 +72,7 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
 }
 
 /// Copies the log line by line, comments too, and adds the corrected columns to each.
-fn write(log: &Log, corrector: &Corrector, output: &Path) -> Outcome<()> {
+fn write(log: &Log, corrector: &Corrected, output: &Path) -> Outcome<()> {
     atomic::not_over(&log.path, output)?;
     let file = std::fs::File::open(&log.path).map_err(|error| Failure::io("open", &log.path, &error))?;
     let mut lines = Lines::new(file);

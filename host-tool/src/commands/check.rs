@@ -2,13 +2,14 @@
 
 use crate::cal_file::CalFile;
 use crate::cli::CheckArgs;
-use crate::diagnose::Table;
-use crate::effects::Corrector;
+use crate::corrected::Corrected;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
-use crate::ground::Data;
 use crate::output::{json_number, line};
+use crate::source;
 use ironout::calibration::{Calibration, norm};
 use ironout::coverage::CoverageMap;
+use ironout_analysis::Table;
+use ironout_analysis::samples::data::Data;
 use nalgebra::{SMatrix, SVector};
 
 /// Fewer samples say nothing.
@@ -94,12 +95,9 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     let cal = CalFile::read(&arguments.cal)?;
     let extended = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
     let calibration = extended.base;
-    let log = arguments.log.read_for(&cal, &arguments.cal)?;
-    let corrector = Corrector::new(extended, &log)?;
-    if let Some(notice) = corrector.notice() {
-        eprintln!("note: {}: {notice}", log.path.display());
-    }
+    let log = source::read_for(&arguments.log, &cal, &arguments.cal)?;
     let table = Table::from(&log);
+    let corrector = Corrected::new(extended, &log, &table)?;
     let data = Data::new(&table);
     let all: Vec<u32> = (0..data.rows.len() as u32).collect();
     let samples = data.moving(&all, 1.0);

@@ -1,11 +1,11 @@
 //! `ironout fit`: calibrate from a log.
 
+use crate::cal_file::{CalFile, FitObject};
 use crate::cli::FitArgs;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
-use crate::pipeline::{self, Options};
-use crate::prior::Prior;
 use crate::reading::Reading;
-use crate::{atomic, output};
+use crate::{atomic, output, prior, refusal, source};
+use ironout_analysis::{Options, Table, fit};
 
 /// Fits, reports, and keeps an accepted calibration.
 pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
@@ -14,17 +14,25 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
     if let Some(path) = &arguments.output {
         atomic::not_over(&arguments.log.log, path)?;
     }
-    let log = arguments.log.read()?;
-    let prior = arguments.prior.as_deref().map(|path| Prior::read(path, &log, &arguments.log)).transpose()?;
-    let fitted = pipeline::run(&log, &Options { method, expected, add: arguments.add.clone(), prior })?;
+    let log = source::read(&arguments.log)?;
+    let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &arguments.log)).transpose()?;
+    let options = Options {
+        method,
+        field_ut: expected.field_ut,
+        dip_deg: expected.earth.map(|earth| earth.dip_deg),
+        add: arguments.add.clone(),
+        search: false,
+        prior,
+    };
+    let fitted = fit(&Table::from(&log), &options).map_err(|refusal| refusal::failure(refusal, &log.path))?;
     let to_text = |error: serde_json::Error| Failure::usage(error.to_string());
     // Written before anything is printed: a file that cannot be written is an error, and the only answer.
     let mut written = None;
     if let Some(path) = &arguments.output {
         written = Some(if fitted.accepted {
             let text = {
-                let mut cal = fitted.cal_file(method.name());
-                cal.reading = Some(Reading::of(&log, &arguments.log));
+                let mut cal = CalFile::of(&fitted, method.name());
+                cal.reading = Some(Reading::of(&log, &arguments.log.rotate));
                 serde_json::to_string_pretty(&cal).map_err(to_text)?
             };
             atomic::write(path, |out| writeln!(out, "{text}"))?;
@@ -36,7 +44,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         });
     }
     if json {
-        output::line(&serde_json::to_string(&fitted.object(method.name())).map_err(to_text)?);
+        output::line(&serde_json::to_string(&FitObject::of(&fitted, method.name())).map_err(to_text)?);
     } else {
         super::fit_words::print(arguments, &log, &fitted, &expected);
     }

@@ -1,12 +1,14 @@
 //! What `fit` says to people.
 
 use crate::cli::{Expected, FitArgs};
-use crate::diagnose::outcome::FittedEffect;
-use crate::ground::{Alignment, Solution, Why};
 use crate::input::Log;
 use crate::output::{line, number};
-use crate::pipeline::Fitted;
 use ironout::fit::Model;
+use ironout_analysis::Fitted;
+use ironout_analysis::base::axes::Alignment;
+use ironout_analysis::base::counted::Why;
+use ironout_analysis::base::solution::Solution;
+use ironout_analysis::calibration::FittedEffect;
 
 /// Prints the whole solution.
 pub fn print(arguments: &FitArgs, log: &Log, fitted: &Fitted, expected: &Expected) {

@@ -22,7 +22,7 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Export(arguments) => export::run(arguments, cli.json),
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
         Command::Demo(arguments) => demo::run(arguments, cli.json),
-        Command::Diagnose(arguments) => diagnose::run(arguments, cli.json),
+        Command::Diagnose(arguments) => diagnose::run::run(arguments, cli.json),
         Command::Report(_) => later::not_built("report"),
         Command::Import(_) => later::not_built("import"),
         Command::Live(_) => later::not_built("live"),

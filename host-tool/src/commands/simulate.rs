@@ -3,7 +3,7 @@
 use crate::cli::SimulateArgs;
 use crate::failure::{Failure, Outcome};
 use crate::{atomic, output};
-use ironout_host_tests::world::{EffectSpec, FaultSpec, Log, Motion, Temperature, World, WorldOptions};
+use ironout_simulation::{EffectSpec, FaultSpec, Log, Motion, Temperature, World, WorldOptions};
 
 /// More rows than this are a slip of the pen, not a log.
 const MAX_ROWS: f64 = 2e7;

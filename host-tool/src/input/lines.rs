@@ -1,7 +1,7 @@
 //! The lines of a log and the cells of a line.
 
-use super::guard::{Guard, Stop};
 use crate::failure::{Failure, Outcome};
+use crate::input::guard::{Guard, Stop};
 use std::io::{self, BufRead, BufReader, Read};
 
 /// One line of a log, without its end.

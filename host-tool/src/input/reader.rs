@@ -1,11 +1,11 @@
 //! From the bytes of a CSV file to a [`Log`].
 
-use super::columns::{self, Column, Role};
-use super::lines::{Cutter, Lines};
-use super::mount::{determinant, rotate};
-use super::store::Store;
-use super::{Covariate, Log, ReadOptions};
 use crate::failure::{Failure, Outcome};
+use crate::input::columns::{self, Column, Role};
+use crate::input::lines::{Cutter, Lines};
+use crate::input::log::{Covariate, Log, ReadOptions};
+use crate::input::mount::{determinant, rotate};
+use crate::input::store::Store;
 use crate::progress::Progress;
 use std::fs::File;
 use std::io::Read;

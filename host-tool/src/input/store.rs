@@ -1,8 +1,8 @@
 //! One column while a log is read.
 
-use super::columns::{Column, Role, shorten};
-use super::number;
 use crate::failure::{Failure, Outcome};
+use crate::input::columns::{Column, Role, shorten};
+use crate::input::number;
 
 /// The values of one column, and what was wrong with them.
 pub struct Store {

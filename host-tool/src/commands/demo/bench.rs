@@ -1,7 +1,7 @@
 //! The board of the demo: emulated where QEMU is, simulated where it is not. Both run the same application.
 
 use crate::failure::{Failure, Outcome};
-use ironout_host_tests::board::SimBoard;
+use ironout_rig::board::SimBoard;
 use std::cell::Cell;
 use std::rc::Rc;
 
@@ -87,7 +87,7 @@ pub use emulated::Emulated;
 mod emulated {
     use super::{Answer, Bench};
     use crate::failure::{Failure, Outcome};
-    use ironout_host_tests::qemu::{Emulator, Error, Firmware, Options};
+    use ironout_rig::qemu::{Emulator, Error, Firmware, Options};
 
     /// The firmware in QEMU.
     pub struct Emulated(Emulator);

@@ -1,11 +1,11 @@
 //! The end of the explanation: the verdict in a sentence, and what to do about it.
 
-use super::numbers::{degrees, microtesla, wrap};
-use super::words::{Told, WIDTH, at_rest, groups, listed, name_of, title};
-use super::{found, next};
 use crate::cli::{DiagnoseArgs, typed_option};
-use crate::diagnose::faults::FaultKind;
-use crate::diagnose::outcome::{Diagnosis, Verdict};
+use crate::commands::diagnose::numbers::{degrees, microtesla, wrap};
+use crate::commands::diagnose::told::{Told, WIDTH, at_rest, groups, listed, name_of, title};
+use crate::commands::diagnose::{found, next};
+use ironout_analysis::outcome::outcome::{Diagnosis, Verdict};
+use ironout_analysis::samples::faults::FaultKind;
 
 /// What the error does from the first step to the last, in words; empty where it does nothing.
 fn fall(diagnosis: &Diagnosis) -> String {

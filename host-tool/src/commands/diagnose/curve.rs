@@ -242,7 +242,7 @@ pub fn spectrum(time_s: &[f64], residual: &[f64]) -> Option<(Curve, f64, f64)> {
     let mut data: Vec<(f64, f64)> =
         residual[..n].iter().enumerate().map(|(i, r)| (r * window(i), 0.0)).collect();
     data.resize(size, (0.0, 0.0));
-    crate::diagnose::fft::forward(&mut data);
+    ironout_analysis::samples::fft::forward(&mut data);
     let mut values = vec![Some(0.0_f64); BINS];
     let mut peak = (0.0, 0.0);
     for (k, (re, im)) in data.iter().enumerate().take(size / 2).skip(1) {

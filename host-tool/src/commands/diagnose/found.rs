@@ -1,14 +1,15 @@
 //! The effects that were found: cause, coefficients, and the error falling.
 
-use super::curve::{bar, limits, sparkline};
-use super::numbers::{
+use crate::commands::diagnose::curve::{bar, limits, sparkline};
+use crate::commands::diagnose::numbers::{
     degrees, microtesla, probability, readable_unit, significant, unit_of, with_error, wrap,
 };
-use super::place::{self, axis_label};
-use super::words::{Told, WIDTH, at_rest, name_of, title};
-use crate::diagnose::outcome::{Diagnosis, FittedEffect, StepRow, Verdict};
-use crate::ground::mounting_for;
+use crate::commands::diagnose::place::{self, axis_label};
+use crate::commands::diagnose::told::{Told, WIDTH, at_rest, name_of, title};
 use crate::input::Log;
+use ironout_analysis::base::axes::mounting_for;
+use ironout_analysis::calibration::FittedEffect;
+use ironout_analysis::outcome::outcome::{Diagnosis, StepRow, Verdict};
 
 /// Width of the longest bar.
 const BAR: usize = 40;

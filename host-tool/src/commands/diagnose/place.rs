@@ -1,10 +1,10 @@
 //! Where the base model fails: against each column, time, attitude and in the spectrum.
 
-use super::curve::{Curve, Residuals, limits, sparkline, spectrum};
-use super::numbers::{microtesla, percent, probability, significant, unit_of, wrap};
-use super::words::{Told, WIDTH, at_rest, title};
-use crate::diagnose::outcome::{Diagnosis, Where};
+use crate::commands::diagnose::curve::{Curve, Residuals, limits, sparkline, spectrum};
+use crate::commands::diagnose::numbers::{microtesla, percent, probability, significant, unit_of, wrap};
+use crate::commands::diagnose::told::{Told, WIDTH, at_rest, title};
 use crate::input::Log;
+use ironout_analysis::outcome::outcome::{Diagnosis, Where};
 
 /// More columns than this are summed up.
 const MOST: usize = 12;

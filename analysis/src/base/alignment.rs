@@ -1,0 +1,210 @@
+//! The rotation to the accelerometer, from constant dip, and which axes of a driver are swapped.
+
+use crate::base::engine::Pass;
+use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
+use crate::base::start::NO_ROTATION;
+use crate::samples::samples::Samples;
+use ironout::study::{Model, Residual};
+use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
+
+/// A rotation beyond this is no mounting error: some axes are swapped or turned round.
+const SWAPPED_DEG: f64 = 45.0;
+
+/// ... if undoing it leaves at most this share of the dip's spread.
+const SWAPPED_LEAVES: f64 = 0.3;
+/// ... and no more than this, degrees: a dip that still spreads has another cause, which turns the estimate as well.
+const SWAPPED_MOST_DEG: f64 = 3.0;
+
+/// What the dip says about a model.
+#[derive(Debug, Clone)]
+pub struct Alignment {
+    /// The model with its rotation and dip.
+    pub model: Model<f64>,
+    /// Spread of the dip with the triangular matrix, degrees.
+    pub before_deg: f64,
+    /// Spread of the dip after alignment, degrees.
+    pub after_deg: f64,
+    /// Angle of the rotation beside the symmetric matrix (after any swapped axes were undone), degrees. The triangular
+    /// matrix has a rotation of its own, which is a convention and no error of mounting.
+    pub angle_deg: f64,
+    /// How the axes stand in the log, if they are swapped: `y,x,z` means that the log's first axis is the board's y.
+    pub axis_order: Option<String>,
+    /// Whether that order turns a right-handed frame into a left-handed one: the field is then minus what the proper
+    /// rotation gives.
+    pub mirrored: bool,
+}
+
+fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| rows[i][j])
+}
+
+fn rows(m: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    core::array::from_fn(|i| core::array::from_fn(|j| m[(i, j)]))
+}
+
+fn angle_deg(rotation: &Matrix3<f64>) -> f64 {
+    ((rotation.trace() - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+/// Samples whose measured vectors have had the effects taken out.
+pub fn without_effects(samples: &Samples, model: &Model<f64>, pieces: &[Piece]) -> Samples {
+    let mut out = samples.clone();
+    if pieces.is_empty() {
+        return out;
+    }
+    let inverse = matrix(&model.full_matrix()).try_inverse().unwrap_or_else(Matrix3::identity);
+    for (index, reading) in out.readings.iter_mut().enumerate() {
+        let terms: Vec<_> = pieces.iter().map(|piece| piece.term(index)).collect();
+        if let Ok(corrected) = model.correct(reading, &terms) {
+            let raw = inverse * Vector3::from(corrected) + Vector3::from(model.offset_ut);
+            reading.measured_ut = raw.into();
+        }
+    }
+    out
+}
+
+/// Spread of the dip about its own mean, with a given rotation, degrees; and the sine of the mean dip.
+fn spread(samples: &Samples, full: &Matrix3<f64>, offset: &Vector3<f64>) -> Option<(f64, f64)> {
+    let mut angles = Vec::with_capacity(samples.len());
+    for reading in &samples.readings {
+        let Some(down) = reading.down else { continue };
+        let h = full * (Vector3::from(reading.measured_ut) - offset);
+        angles.push((h.dot(&Vector3::from(down)) / h.norm()).clamp(-1.0, 1.0).asin());
+    }
+    if angles.len() < 20 {
+        return None;
+    }
+    let n = angles.len() as f64;
+    let mean = angles.iter().sum::<f64>() / n;
+    let variance = angles.iter().map(|angle| (angle - mean).powi(2)).sum::<f64>() / n;
+    Some((variance.sqrt().to_degrees(), mean.sin()))
+}
+
+/// The rotation from all samples at once: `downᵀ R u` is constant, linear in the nine entries of `R`.
+fn global(samples: &Samples, model: &Model<f64>) -> Option<Matrix3<f64>> {
+    let triangle = matrix(&model.matrix);
+    let offset = Vector3::from(model.offset_ut);
+    let mut normal = SMatrix::<f64, 10, 10>::zeros();
+    for reading in &samples.readings {
+        let Some(down) = reading.down else { continue };
+        let u = (triangle * (Vector3::from(reading.measured_ut) - offset)).normalize();
+        let mut row = SVector::<f64, 10>::zeros();
+        for i in 0..3 {
+            for j in 0..3 {
+                row[3 * i + j] = down[i] * u[j];
+            }
+        }
+        row[9] = -1.0;
+        normal += row * row.transpose();
+    }
+    let eigen = SymmetricEigen::try_new(normal, 1e-14, 500)?;
+    let least = eigen.eigenvalues.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?.0;
+    let vector = eigen.eigenvectors.column(least);
+    let raw = Matrix3::from_fn(|i, j| vector[3 * i + j]);
+    let raw = if raw.determinant() < 0.0 { -raw } else { raw };
+    let svd = raw.try_svd(true, true, 1e-12, 200)?;
+    let rotation = svd.u? * svd.v_t?;
+    (rotation.determinant() > 0.0 && rotation.iter().all(|value| value.is_finite())).then_some(rotation)
+}
+
+/// Gauss–Newton on rotation and dip from a starting rotation: the model and the spread, degrees.
+fn refine(
+    samples: &Samples,
+    model: &Model<f64>,
+    rotation: Matrix3<f64>,
+) -> Result<Option<(Model<f64>, f64)>, BadShape> {
+    let pass = Pass { samples, residual: Residual::Dip };
+    let offset = Vector3::from(model.offset_ut);
+    let Some((_, sine)) = spread(samples, &(rotation * matrix(&model.matrix)), &offset) else {
+        return Ok(None);
+    };
+    let make = |model: &Model<f64>, sine| {
+        Model::new(model.offset_ut, model.matrix, model.field_ut, rows(&rotation), sine)
+    };
+    let Some(mut model) = make(model, sine) else { return Ok(None) };
+    let mut best: Option<(Model<f64>, f64)> = None;
+    for _ in 0..25 {
+        let total = Matrix::total(&pass.blocks(&samples.bounds(2), &model, &[])?, None);
+        let squares = total.squares();
+        if best.as_ref().is_some_and(|(_, least)| squares >= *least * (1.0 - 1e-10)) {
+            break;
+        }
+        best = Some((model, squares));
+        let Some(factor) = total.damped_factor(1e-9) else { break };
+        let step: [f64; COLUMNS] = total.step(&factor);
+        let Some(next) = model.aligned(&step) else { break };
+        model = next;
+    }
+    Ok(best.and_then(|(model, _)| {
+        let full = matrix(&model.full_matrix());
+        spread(samples, &full, &offset).map(|(spread, _)| (model, spread))
+    }))
+}
+
+/// Aligns a model. `samples` have no effects left in them ([`without_effects`]).
+pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>, BadShape> {
+    let offset = Vector3::from(model.offset_ut);
+    let Some((before_deg, _)) = spread(samples, &matrix(&model.matrix), &offset) else { return Ok(None) };
+    // A model that was aligned before needs a small correction; a new one is asked from two sides.
+    let mut starts = vec![matrix(&model.rotation)];
+    if model.rotation == NO_ROTATION {
+        starts.extend(global(samples, model));
+    }
+    let mut best: Option<(Model<f64>, f64)> = None;
+    for start in starts {
+        if let Some((model, spread)) = refine(samples, model, start)?
+            && best.as_ref().is_none_or(|(_, least)| spread < least * 0.98)
+        {
+            best = Some((model, spread));
+        }
+    }
+    let Some((model, after_deg)) = best else { return Ok(None) };
+    let rotation = matrix(&model.rotation);
+    // Named only where it leaves little of the dip's spread: other errors turn an estimate too.
+    let swapped = angle_deg(&rotation) > SWAPPED_DEG
+        && after_deg < SWAPPED_LEAVES * before_deg
+        && after_deg < SWAPPED_MOST_DEG;
+    let (axis_order, angle_deg, mirrored) =
+        if swapped { nearest_order(&rotation) } else { (None, beside_symmetric(&model), false) };
+    Ok(Some(Alignment { model, before_deg, after_deg, angle_deg, axis_order, mirrored }))
+}
+
+/// Angle of the rotation `U` in `R C = U S` with `S` symmetric, degrees.
+fn beside_symmetric(model: &Model<f64>) -> f64 {
+    let full = matrix(&model.full_matrix());
+    match full.try_svd(true, true, 1e-12, 200).and_then(|svd| Some(svd.u? * svd.v_t?)) {
+        Some(rotation) => angle_deg(&rotation),
+        None => angle_deg(&matrix(&model.rotation)),
+    }
+}
+
+/// The signed permutation that leaves the least rotation. `P` and `−P` differ only by the hemisphere, which the dip
+/// does not tell: of the two the one with fewer sign flips.
+fn nearest_order(rotation: &Matrix3<f64>) -> (Option<String>, f64, bool) {
+    const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let mut best: Option<(f64, u32, String, bool)> = None;
+    for order in ORDERS {
+        for signs in 0..8_u32 {
+            let sign = |axis: usize| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
+            // Body axis `order[j]` is read as the log's axis j, with a sign.
+            let p = Matrix3::from_fn(|i, j| if order[j] == i { sign(j) } else { 0.0 });
+            let whole = if p.determinant() > 0.0 { *rotation } else { -rotation };
+            let left = angle_deg(&(whole * p.transpose()));
+            let names: Vec<String> = (0..3)
+                .map(|j| format!("{}{}", if sign(j) < 0.0 { "-" } else { "" }, ["x", "y", "z"][order[j]]))
+                .collect();
+            let flips = signs.count_ones();
+            let better = best.as_ref().is_none_or(|(angle, count, ..)| {
+                left < angle - 1e-6 || ((left - angle).abs() <= 1e-6 && flips < *count)
+            });
+            if better {
+                best = Some((left, flips, names.join(","), p.determinant() < 0.0));
+            }
+        }
+    }
+    match best {
+        Some((left, _, order, mirrored)) if order != "x,y,z" => (Some(order), left, mirrored),
+        Some((left, ..)) => (None, left, false),
+        None => (None, 0.0, false),
+    }
+}

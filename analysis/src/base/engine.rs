@@ -1,0 +1,310 @@
+//! Passes over the samples, and the full (nonlinear) fit of a model with effects.
+
+use crate::base::known::Known;
+use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::samples::samples::Samples;
+use ironout::study::{Model, NotFinite, Residual};
+
+/// When a fit ends.
+#[derive(Debug, Clone, Copy)]
+pub struct End {
+    /// A step that would take less than this share of the squared residuals is the last.
+    step_left: f64,
+    /// After more steps than this that are small against their errors, the last of them is.
+    steps_near: u32,
+    /// By this share a step may raise the squared residuals.
+    rise: f64,
+}
+
+/// Good enough to go on from.
+const USUAL: End = End { step_left: 1e-9, steps_near: 4, rise: 0.0 };
+
+/// Where the steps themselves end, wherever they began: the shape of a coupling depends on the model, which its derivatives
+/// leave out, so that the least sum is not quite where no step is left.
+pub const SETTLED: End = End { step_left: 1e-15, steps_near: 20, rise: 1e-5 };
+
+/// What a pass runs over and how.
+#[derive(Clone, Copy)]
+pub struct Pass<'a> {
+    /// The samples.
+    pub samples: &'a Samples,
+    /// The residual.
+    pub residual: Residual,
+}
+
+impl Pass<'_> {
+    /// Rows of samples `range`, each as `use_row(sample, row, residual)`.
+    pub fn rows(
+        &self,
+        range: std::ops::Range<usize>,
+        model: &Model<f64>,
+        pieces: &[&Piece],
+        mut use_row: impl FnMut(usize, &[f64; COLUMNS], f64),
+    ) -> Result<(), BadShape> {
+        let mut terms = Vec::with_capacity(pieces.len());
+        for sample in range {
+            terms.clear();
+            terms.extend(pieces.iter().map(|piece| piece.term(sample)));
+            let mut axis = 0;
+            let axes = self.samples.axes;
+            let vector = self.residual == Residual::Vector;
+            let done = model.rows::<TERMS, COLUMNS>(
+                self.residual,
+                &self.samples.readings[sample],
+                &terms,
+                |row, r| {
+                    if !vector || axes[axis % 3] {
+                        use_row(sample, row, r);
+                    }
+                    axis += 1;
+                },
+            );
+            match done {
+                Ok(()) | Err(NotFinite::Sample) => {}
+                Err(NotFinite::Effect(index)) => {
+                    return Err(BadShape(
+                        pieces.get(index).map_or_else(String::new, |piece| piece.id.clone()),
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Normal matrices of the blocks between `bounds`, on two threads.
+    pub fn blocks(
+        &self,
+        bounds: &[usize],
+        model: &Model<f64>,
+        pieces: &[&Piece],
+    ) -> Result<Vec<Matrix>, BadShape> {
+        let columns = self.residual.base_columns() + pieces.iter().map(|piece| piece.k()).sum::<usize>();
+        let ranges: Vec<_> = bounds.windows(2).map(|pair| pair[0]..pair[1]).collect();
+        let work = |ranges: &[std::ops::Range<usize>]| -> Result<Vec<Matrix>, BadShape> {
+            ranges
+                .iter()
+                .map(|range| {
+                    let mut matrix = Matrix::new(columns);
+                    self.rows(range.clone(), model, pieces, |_, row, r| matrix.push(row, r))?;
+                    Ok(matrix)
+                })
+                .collect()
+        };
+        if self.samples.len() < 8000 || ranges.len() < 2 {
+            return work(&ranges);
+        }
+        let (first, second) = ranges.split_at(ranges.len() / 2);
+        std::thread::scope(|scope| {
+            let other = scope.spawn(|| work(second));
+            let mut blocks = work(first)?;
+            match other.join() {
+                Ok(rest) => blocks.extend(rest?),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+            Ok(blocks)
+        })
+    }
+
+    /// The residuals, in the order of the samples (axis by axis for the vector).
+    pub fn residuals(&self, model: &Model<f64>, pieces: &[&Piece]) -> Result<Vec<f64>, BadShape> {
+        Ok(self.moved(model, pieces, &[])?.swap_remove(0))
+    }
+
+    /// Residuals of the model, and of the linearised model moved by each of `steps`.
+    pub fn moved(
+        &self,
+        model: &Model<f64>,
+        pieces: &[&Piece],
+        steps: &[[f64; COLUMNS]],
+    ) -> Result<Vec<Vec<f64>>, BadShape> {
+        let n = self.samples.len();
+        let mut out = vec![Vec::with_capacity(n); steps.len().max(1)];
+        self.rows(0..n, model, pieces, |_, row, r| {
+            if steps.is_empty() {
+                out[0].push(r);
+            }
+            for (series, step) in out.iter_mut().zip(steps) {
+                series.push(r + row.iter().zip(step).map(|(a, b)| a * b).sum::<f64>());
+            }
+        })?;
+        if self.residual == Residual::Vector {
+            let axes = self.samples.axes.iter().filter(|used| **used).count().max(1);
+            for series in &mut out {
+                *series =
+                    (0..axes).flat_map(|axis| series.iter().skip(axis).step_by(axes).copied()).collect();
+            }
+        }
+        Ok(out)
+    }
+}
+
+/// A fitted model.
+#[derive(Clone)]
+pub struct Fitted<'a> {
+    /// The base model.
+    pub model: Model<f64>,
+    /// The effects with their coefficients.
+    pub pieces: Vec<Piece<'a>>,
+    /// The pass at the solution, by block of time.
+    pub blocks: Vec<Matrix>,
+    /// The prior at the solution.
+    pub prior: Matrix,
+    /// Sum of squared residuals.
+    pub squares: f64,
+    /// Rows.
+    pub rows: f64,
+    /// Whether the fit came to where a further step is small against its own error.
+    pub converged: bool,
+}
+
+impl Fitted<'_> {
+    /// Columns of base and effects.
+    pub fn columns(&self) -> usize {
+        self.blocks.first().map_or(0, Matrix::columns)
+    }
+
+    /// Rms residual.
+    pub fn rms(&self) -> f64 {
+        (self.squares / self.rows.max(1.0)).sqrt()
+    }
+
+    /// Spread of the residual, parameters counted.
+    pub fn sigma(&self) -> f64 {
+        (self.squares / (self.rows - self.columns() as f64).max(1.0)).sqrt()
+    }
+
+    /// Sum of the blocks with the prior.
+    pub fn total(&self) -> Matrix {
+        Matrix::total(&self.blocks, Some(&self.prior))
+    }
+}
+
+fn stepped<'a>(
+    residual: Residual,
+    model: &Model<f64>,
+    pieces: &[Piece<'a>],
+    delta: &[f64; COLUMNS],
+) -> Option<(Model<f64>, Vec<Piece<'a>>)> {
+    let model = match residual {
+        Residual::Magnitude => model.stepped(delta)?,
+        Residual::Dip => model.aligned(delta)?,
+        Residual::Vector => {
+            let [x, y, z] = model.offset_ut;
+            let offset = [x + delta[0], y + delta[1], z + delta[2]];
+            Model::new(offset, model.matrix, model.field_ut, model.rotation, model.sin_dip)?
+        }
+    };
+    let mut pieces = pieces.to_vec();
+    let mut column = residual.base_columns();
+    for piece in &mut pieces {
+        let k = piece.k();
+        for coefficient in &mut piece.coefficients[..k] {
+            *coefficient += delta[column];
+            column += 1;
+        }
+    }
+    Some((model, pieces))
+}
+
+impl Pass<'_> {
+    /// A model as it is, without a fit.
+    pub fn hold<'a>(
+        &self,
+        model: Model<f64>,
+        pieces: Vec<Piece<'a>>,
+        known: &Known,
+    ) -> Result<Fitted<'a>, BadShape> {
+        let list: Vec<&Piece> = pieces.iter().collect();
+        let blocks = self.blocks(&self.samples.bounds(BLOCKS), &model, &list)?;
+        let data = Matrix::total(&blocks, None);
+        let (squares, rows) = (data.squares(), f64::from(data.rows()));
+        let sigma = (squares / (rows - data.columns() as f64).max(1.0)).sqrt();
+        let prior = known.matrix(self.residual, &model, sigma, &list, &data);
+        Ok(Fitted { model, pieces, blocks, prior, squares, rows, converged: true })
+    }
+
+    /// Levenberg–Marquardt from `model` and the pieces' coefficients.
+    pub fn fit<'a>(
+        &self,
+        model: Model<f64>,
+        pieces: Vec<Piece<'a>>,
+        known: &Known,
+    ) -> Result<Option<Fitted<'a>>, BadShape> {
+        self.fit_to(USUAL, model, pieces, known)
+    }
+
+    /// The same to another end.
+    pub fn fit_to<'a>(
+        &self,
+        end: End,
+        model: Model<f64>,
+        pieces: Vec<Piece<'a>>,
+        known: &Known,
+    ) -> Result<Option<Fitted<'a>>, BadShape> {
+        let bounds = self.samples.bounds(BLOCKS);
+        let evaluate = |model: &Model<f64>, pieces: &[Piece<'a>], sigma: Option<f64>| {
+            let list: Vec<&Piece> = pieces.iter().collect();
+            let blocks = self.blocks(&bounds, model, &list)?;
+            let data = Matrix::total(&blocks, None);
+            let rows = f64::from(data.rows());
+            let sigma = sigma.unwrap_or((data.squares() / (rows - data.columns() as f64).max(1.0)).sqrt());
+            let prior = known.matrix(self.residual, model, sigma, &list, &data);
+            Ok((blocks, prior, data.squares(), rows, sigma))
+        };
+        let (mut model, mut pieces) = (model, pieces);
+        let (mut blocks, mut prior, mut squares, mut rows, mut sigma) = evaluate(&model, &pieces, None)?;
+        let mut damping = 0.0;
+        let mut converged = false;
+        let mut steps_near = 0;
+        for _ in 0..40 {
+            let total = Matrix::total(&blocks, Some(&prior));
+            let Some(factor) = total.damped_factor(damping) else {
+                if damping > 1e3 {
+                    return Ok(None);
+                }
+                damping = if damping == 0.0 { 1e-6 } else { damping * 10.0 };
+                continue;
+            };
+            let delta = total.step(&factor);
+            let predicted: f64 = (0..total.columns()).map(|i| -delta[i] * total.right(i)).sum();
+            if predicted <= end.step_left * total.squares().max(1e-300) {
+                converged = true;
+                break;
+            }
+            // A step of a tenth of its standard error; where rounding or the columns' own error lets no further one pass,
+            // that is near enough.
+            let near = damping < 1.0 && predicted <= 0.01 * sigma * sigma;
+            steps_near = if near { steps_near + 1 } else { 0 };
+            if steps_near > end.steps_near {
+                converged = true;
+                break;
+            }
+            let moved = stepped(self.residual, &model, &pieces, &delta);
+            let better = match moved {
+                Some((model, pieces)) => {
+                    let next = evaluate(&model, &pieces, Some(sigma))?;
+                    let cost = next.2 + next.1.squares();
+                    (cost < total.squares() * (1.0 + end.rise)).then_some((model, pieces, next))
+                }
+                None => None,
+            };
+            match better {
+                Some((next_model, next_pieces, next)) => {
+                    (model, pieces) = (next_model, next_pieces);
+                    (blocks, _, squares, rows, _) = next;
+                    let list: Vec<&Piece> = pieces.iter().collect();
+                    let data = Matrix::total(&blocks, None);
+                    sigma = (squares / (rows - data.columns() as f64).max(1.0)).sqrt();
+                    prior = known.matrix(self.residual, &model, sigma, &list, &data);
+                    damping = if damping < 1e-7 { 0.0 } else { damping * 0.1 };
+                }
+                None if near || damping > 1e4 => {
+                    converged = near;
+                    break;
+                }
+                None => damping = if damping == 0.0 { 1e-4 } else { damping * 10.0 },
+            }
+        }
+        Ok(Some(Fitted { model, pieces, blocks, prior, squares, rows, converged }))
+    }
+}

@@ -1,0 +1,77 @@
+//! What `fit` and `diagnose` both stand on: which samples of a log count, and the base model of them.
+//!
+//! 1. a triple that repeats is one sample;
+//! 2. faults of the data that show without a model are set aside (`samples::faults`);
+//! 3. a resting board adds nothing (the core's gate);
+//! 4. bursts that show in the residual of a first fit are set aside;
+//! 5. the core's fit of what is left: exact sums for 16-bit counts, the board's bits;
+//! 6. noise floor and number of independent samples from its residual (`base::quality`), and the held-out error;
+//! 7. with an accelerometer, the rotation that magnitudes leave open.
+//!
+//! The study of effects goes on from the same samples, and states this base as its first row.
+
+use crate::base::counted::Counted;
+use crate::base::model::Base;
+use crate::table::Table;
+use ironout::fit::{FitError, Method};
+
+/// Magnitudes that the field has on Earth, with room for indoor iron, µT …
+const EARTH_UT: std::ops::RangeInclusive<f64> = 12.0..=120.0;
+/// … and one in the middle.
+const TYPICAL_UT: f64 = 50.0;
+
+/// The stack of a study: normal matrices of 64 columns are 33 KB each, and pass by value.
+const STACK_BYTES: usize = 64 << 20;
+
+/// The samples of a log and their base model.
+pub struct Ground<'a> {
+    /// Which samples count.
+    pub counted: Counted<'a>,
+    /// The base model, or why there is none.
+    pub base: Result<Base, FitError>,
+    /// The magnitude of the measurements, µT, where the Earth's field nowhere has it.
+    pub odd_field_ut: Option<f64>,
+}
+
+impl<'a> Ground<'a> {
+    /// Of a log, fitted by `method` and scaled to `field_ut` (the mean of the log where unknown).
+    pub fn of(table: &'a Table<'a>, method: Method, field_ut: Option<f64>) -> Self {
+        let lay = |unit: f64| {
+            let counted = Counted::of(table, unit);
+            let base = Base::of(&counted, method, field_ut);
+            Ground { counted, base, odd_field_ut: None }
+        };
+        let ground = lay(1.0);
+        let own_ut = ground.base.as_ref().ok().map(|base| base.solution.measured_field_ut);
+        match own_ut.filter(|field| !EARTH_UT.contains(field)) {
+            None => ground,
+            // No field of the Earth: the scale of the counts is not the true one, or --map took another unit.
+            Some(odd) => Ground { odd_field_ut: Some(odd), ..lay(TYPICAL_UT / odd) },
+        }
+    }
+
+    /// What to know about the unit of the columns.
+    pub fn note(&self) -> Option<String> {
+        self.odd_field_ut.map(|field| {
+            format!(
+                "note: the measurements have a magnitude of {field:.4} µT, which the Earth's field (22 to 67 µT) nowhere has: check \
+                 the unit of the columns (1 gauss is 100 µT, 1000 nT are 1 µT) or --ut-per-count"
+            )
+        })
+    }
+}
+
+/// Runs `work` where a study has room for its matrices.
+pub fn with_room<T: Send>(work: impl Fn() -> T + Sync) -> T {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
+        match thread.spawn_scoped(scope, &work) {
+            Ok(running) => match running.join() {
+                Ok(result) => result,
+                Err(panic) => std::panic::resume_unwind(panic),
+            },
+            // No thread to be had: the caller's own stack may do.
+            Err(_) => work(),
+        }
+    })
+}

@@ -1,0 +1,17 @@
+//! The base model: hard iron, soft iron and alignment, with the noise as its residual shows it; and the linearised model
+//! that everything behind it is fitted with.
+
+pub mod alignment;
+pub mod axes;
+pub mod counted;
+pub mod dip_errors;
+pub mod engine;
+pub mod ground;
+pub mod holdout;
+pub mod known;
+pub mod model;
+pub mod piece;
+pub mod prior;
+pub mod quality;
+pub mod solution;
+pub mod start;

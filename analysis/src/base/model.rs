@@ -1,0 +1,112 @@
+//! The base model: the core's fit of the samples that count, as on the board, with the noise as its residual shows it.
+
+use crate::base::alignment::align;
+use crate::base::axes::{Aligned, Found};
+use crate::base::counted::Counted;
+use crate::base::dip_errors::DipErrors;
+use crate::base::holdout;
+use crate::base::quality::{Residue, residue};
+use crate::base::solution::Solution;
+use crate::base::start::NO_ROTATION;
+use crate::samples::data::Data;
+use crate::samples::series::{rms, second_difference_sigma};
+use ironout::fit::{FitError, FitOptions, FitReport, Method, fit};
+use ironout::study::Model;
+use ironout::whiteness::independent_share;
+
+/// A base model and what is known about it.
+#[derive(Debug, Clone)]
+pub struct Base {
+    /// The method.
+    pub method: Method,
+    /// The core's answer, with the number of independent samples.
+    pub report: FitReport,
+    /// What its residual is made of.
+    pub residue: Residue,
+    /// Calibration, errors and alignment.
+    pub solution: Solution,
+    /// Rms error on held-out blocks of time, µT.
+    pub holdout_rms_ut: Option<f64>,
+    /// Noise of the sensor, σ per axis, µT.
+    pub noise_floor_ut: f64,
+    /// What that noise makes of the corrected magnitude, rms, µT.
+    pub residual_floor_ut: f64,
+}
+
+impl Base {
+    /// Fits the samples that count.
+    ///
+    /// # Errors
+    /// The core's.
+    pub fn of(counted: &Counted, method: Method, field_ut: Option<f64>) -> Result<Self, FitError> {
+        let (data, used) = (&counted.data, &counted.used);
+        let white = FitOptions { method, field_ut, ..FitOptions::default() };
+        let first = fit_samples(data, used, &white)?;
+        let residual = data.residual(used, &first.calibration);
+        // Where noise has a memory, averaging removes less of it.
+        let quick = second_difference_sigma(&residual);
+        let share = independent_share(quick * quick, rms(&residual).powi(2));
+        let options = FitOptions { effective_samples: Some((used.len() as f64 * share).max(1.0)), ..white };
+        let report = fit_samples(data, used, &options)?;
+        let residual = data.residual(used, &report.calibration);
+        let step_s = counted.samples.step_s() / counted.samples.stride as f64;
+        let residue = residue(&residual, report.model.parameters(), counted.samples.quantum_ut, step_s);
+        // rms‖Cᵀu‖: what a unit of noise on each axis makes of the corrected magnitude.
+        let gain = report.residual_floor_ut / report.noise_ut;
+        let mut base = Base {
+            method,
+            holdout_rms_ut: holdout::rms_ut(data, used, &options, report.calibration.field_ut),
+            noise_floor_ut: residue.floor / gain,
+            residual_floor_ut: residue.floor,
+            solution: Solution::of_report(&report),
+            residue,
+            report,
+        };
+        if let Some(aligned) = base.aligned(counted) {
+            base.solution.take(aligned);
+        }
+        Ok(base)
+    }
+
+    /// The model of the core's fit, for a study to go on from.
+    pub fn model(&self) -> Option<Model<f64>> {
+        let calibration = &self.report.calibration;
+        Model::new(calibration.offset_ut, calibration.matrix, calibration.field_ut, NO_ROTATION, 0.0)
+    }
+
+    /// Predicted error of a corrected vector in the worst direction, as a share of the field.
+    pub fn predicted_share(&self) -> f64 {
+        self.report.predicted_error_ut / self.report.calibration.field_ut
+    }
+
+    fn aligned(&self, counted: &Counted) -> Option<Aligned> {
+        let samples = &counted.samples;
+        let down = samples.readings.iter().filter(|reading| reading.down.is_some()).count();
+        if counted.rests || down * 10 <= 3 * samples.len() {
+            return None;
+        }
+        // There are no effects here whose shape could fail.
+        let found = align(samples, &self.model()?).ok()??;
+        let rotation =
+            DipErrors::of(samples, &found.model, &[], None).ok()?.map(|errors| errors.rotation(None));
+        let dip = Found {
+            before_deg: found.before_deg,
+            after_deg: found.after_deg,
+            angle_deg: found.angle_deg,
+            axis_order: found.axis_order.as_deref(),
+            rotation: rotation.as_ref(),
+        };
+        let covariance = self.report.spread.covariance();
+        Aligned::of(&found.model.full_matrix(), &covariance, self.predicted_share(), Some(dip))
+    }
+}
+
+/// The core's fit of these samples.
+fn fit_samples(data: &Data, samples: &[u32], options: &FitOptions) -> Result<FitReport, FitError> {
+    let mut sums = data.sums();
+    samples.iter().for_each(|&sample| sums.push(data, sample));
+    let scatter = sums.finish(data)?;
+    let mut report = fit(&scatter, options)?;
+    report.add_noise_bias(&scatter);
+    Ok(report)
+}

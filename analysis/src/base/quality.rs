@@ -1,0 +1,201 @@
+//! Precision of a fitted model, the noise floor, and whether structure remains.
+
+use crate::base::engine::{Fitted, Pass};
+use crate::base::known::Known;
+use crate::base::piece::{COLUMNS, Matrix, Piece};
+use crate::samples::series::{Autocorrelation, rms, second_difference_sigma};
+use ironout::effect::{Quantities, no_shape};
+use ironout::study::{PhysicalPrior, Residual};
+use nalgebra::{Matrix3, SMatrix, Vector3};
+
+/// Structure is certain where the correlation beyond the noise's memory exceeds chance this much (mean squares).
+const STRUCTURE_RATIO: f64 = 6.0;
+/// Or a slow part stands beside independent noise by this many standard errors ...
+const STRUCTURE_SIGMAS: f64 = 6.0;
+/// ... with at least this share of the variance.
+const SLOW_SHARE: f64 = 0.1;
+/// ... that takes longer than this to fade, samples ...
+const SLOW_MEMORY: usize = 13;
+/// ... or longer than this, s: a sensor's own slow noise (its 1/f noise, a filter before the part that is white) is
+/// forgotten sooner than anything that turns with the board.
+const SLOW_MEMORY_S: f64 = 0.42;
+/// Structure makes at least this share of the residual's variance.
+const STRUCTURE_SHARE: f64 = 0.04;
+
+/// What the residual of a model is made of.
+#[derive(Debug, Clone)]
+pub struct Residue {
+    /// Rms, µT.
+    pub rms: f64,
+    /// The part of it that is noise, µT.
+    pub floor: f64,
+    /// Share of the variance that is structure; zero where none is certain.
+    pub structure: f64,
+    /// Integrated autocorrelation time, samples.
+    pub time: f64,
+}
+
+/// Splits a residual into noise and structure. Noise with a short memory is noise.
+/// `quantum_ut` is the step of the readings, `step_s` that of their times (0 where unknown).
+pub fn residue(residuals: &[f64], parameters: usize, quantum_ut: f64, step_s: f64) -> Residue {
+    let n = residuals.len();
+    let correlation = Autocorrelation::of(residuals);
+    let freedom = n.saturating_sub(parameters).max(1) as f64;
+    let whole = rms(residuals) * (n as f64 / freedom).sqrt();
+    let smooth = second_difference_sigma(residuals).min(whole);
+    let share = 1.0 - (smooth / whole.max(1e-300)).powi(2);
+    // Independent noise that is more than the column's rounding, with something slow beside it: two causes, of which the
+    // slow one is structure. Noise with a memory alone has no independent part, and noise of both kinds a short memory.
+    let rounding = quantum_ut * quantum_ut / 12.0 / whole.max(1e-300).powi(2);
+    let fades = correlation.fades_after();
+    let slow_to_fade = fades > SLOW_MEMORY || fades as f64 * step_s > SLOW_MEMORY_S;
+    let beside = correlation.two_parts(n).is_some_and(|(independent, slow, sigmas)| {
+        sigmas > STRUCTURE_SIGMAS && independent > 3.0 * rounding && slow > SLOW_SHARE && slow_to_fade
+    });
+    let structured = (correlation.structure(n) > STRUCTURE_RATIO || beside) && share > STRUCTURE_SHARE;
+    Residue {
+        rms: rms(residuals),
+        floor: if structured { smooth } else { whole },
+        structure: if structured { share } else { 0.0 },
+        time: correlation.time,
+    }
+}
+
+/// Covariance of all columns: `σ² τ N⁻¹`.
+pub fn covariance(fitted: &Fitted, time: f64) -> Option<Vec<[f64; COLUMNS]>> {
+    covariance_of(&fitted.total(), fitted, time)
+}
+
+/// What the magnitude leaves open and the fit holds, it holds tightly: it adds no error of its own.
+fn held(total: &Matrix, fitted: &Fitted) -> Matrix {
+    let mut total = total.clone();
+    let mut column = Residual::Magnitude.base_columns();
+    for piece in &fitted.pieces {
+        if piece.k() == 9 {
+            let weight = 1e6 * (0..9).map(|i| total.entry(column + i, column + i)).sum::<f64>() / 9.0;
+            for i in [0, 4, 8] {
+                for j in [0, 4, 8].into_iter().filter(|j| *j >= i) {
+                    total.inform(column + i, column + j, weight);
+                }
+            }
+        }
+        column += piece.k();
+    }
+    total
+}
+
+/// The same of a normal matrix with further columns, whose share in the errors of the others counts.
+pub fn covariance_of(total: &Matrix, fitted: &Fitted, time: f64) -> Option<Vec<[f64; COLUMNS]>> {
+    let factor = held(total, fitted).factor()?;
+    let freedom = (fitted.rows - fitted.columns() as f64).max(1.0);
+    let variance = fitted.squares / freedom * time;
+    Some(
+        (0..fitted.columns())
+            .map(|column| factor.inverse_column(column).map(|value| value * variance))
+            .collect(),
+    )
+}
+
+/// Predicted 1σ error (rms length) of the corrected vector in the worst direction, in units of the field:
+/// `δh = δC y − C δb − C Φ δθ` with `y = A h`. Of the effects those count that read nothing but the field: the offset
+/// trades against them, and only together do their errors mean anything. Those of a column vanish at its reference.
+pub fn predicted_error(fitted: &Fitted, left: &Residue) -> Option<f64> {
+    // Structure is no noise: what it does to the calibration is for the verdict, not for the attitude's.
+    let noise = (left.floor / left.rms.max(1e-300)).powi(2);
+    let time = if left.structure > 0.0 { noise.min(1.0) } else { left.time };
+    error_of_vector(fitted, &covariance(fitted, time)?)
+}
+
+/// The same as the attitude alone decides it: were the effects known, and every sample's noise its own. A log that is
+/// only too short for its noise or for its effects can still be diagnosed.
+pub fn attitude_error(fitted: &Fitted, left: &Residue) -> Option<f64> {
+    let base = Residual::Magnitude.base_columns();
+    let keep: [usize; 9] = core::array::from_fn(|column| column);
+    let factor = fitted.total().select(&keep).factor()?;
+    let variance = left.floor * left.floor;
+    let mut covariance = vec![[0.0; COLUMNS]; fitted.columns()];
+    for (column, row) in covariance.iter_mut().enumerate().take(base) {
+        *row = factor.inverse_column(column).map(|value| value * variance);
+    }
+    error_of_vector(fitted, &covariance)
+}
+
+fn error_of_vector(fitted: &Fitted, covariance: &[[f64; COLUMNS]]) -> Option<f64> {
+    let matrix = Matrix3::from_fn(|i, j| fitted.model.matrix[i][j]);
+    let inverse = matrix.try_inverse()?;
+    let columns = fitted.columns();
+    let triangle = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+    let directions = 200;
+    let mut worst = 0.0_f64;
+    for index in 0..directions {
+        // A spiral of equal areas.
+        let z = 1.0 - (2.0 * f64::from(index) + 1.0) / f64::from(directions);
+        let (r, angle) = ((1.0 - z * z).sqrt(), f64::from(index) * 2.399_963_229_728_653);
+        let y = inverse * Vector3::new(r * angle.cos(), r * angle.sin(), z) * fitted.model.field_ut;
+        let shapes = shapes_of_attitude(fitted, y);
+        let mut square = 0.0;
+        for row in 0..3 {
+            let mut weights = [0.0; COLUMNS];
+            for axis in 0..3 {
+                weights[axis] = -matrix[(row, axis)];
+            }
+            for (slot, (_, j)) in triangle.into_iter().enumerate().filter(|(_, (i, _))| *i == row) {
+                weights[3 + slot] = y[j];
+            }
+            for (column, shape) in &shapes {
+                weights[*column] = -(matrix * shape)[row];
+            }
+            let used: Vec<usize> = (0..columns).filter(|column| weights[*column] != 0.0).collect();
+            for &i in &used {
+                square += used.iter().map(|&j| weights[i] * covariance[i][j] * weights[j]).sum::<f64>();
+            }
+        }
+        worst = worst.max(square);
+    }
+    Some(worst.sqrt() / fitted.model.field_ut).filter(|error| error.is_finite())
+}
+
+/// The columns of the effects that read nothing but the field, each with its shape where the undisturbed sensor reads
+/// `centred_ut` beside its offset.
+fn shapes_of_attitude(fitted: &Fitted, centred_ut: Vector3<f64>) -> Vec<(usize, Vector3<f64>)> {
+    let mut out = Vec::new();
+    let mut column = Residual::Magnitude.base_columns();
+    let offset = Vector3::from(fitted.model.offset_ut);
+    let at =
+        Quantities { centred_ut: centred_ut.into(), ..Quantities::of_vector((offset + centred_ut).into()) };
+    for piece in &fitted.pieces {
+        if piece.effect.columns().iter().all(Option::is_none) {
+            let mut shape = no_shape();
+            piece.effect.shape(&at, &mut shape);
+            out.extend(
+                shape.into_iter().take(piece.k()).enumerate().map(|(i, v)| (column + i, Vector3::from(v))),
+            );
+        }
+        column += piece.k();
+    }
+    out
+}
+
+/// Information about offset and triangle with the effects projected out, over variance: of the data and of an earlier
+/// calibration, never of the physical prior, which the next study brings itself.
+pub fn information(pass: &Pass, fitted: &Fitted, known: &Known, time: f64) -> Option<[[f64; 9]; 9]> {
+    let free = PhysicalPrior { gain: 1e6, skew: 1e6, offset_fields: 1e9 };
+    let data_only = Known { physical: free, earlier: known.earlier.clone(), ..Known::default() };
+    let data = Matrix::total(&fitted.blocks, None);
+    let sigma = (fitted.squares / (fitted.rows - fitted.columns() as f64).max(1.0)).sqrt();
+    let list: Vec<&Piece> = fitted.pieces.iter().collect();
+    let prior = data_only.matrix(pass.residual, &fitted.model, sigma, &list, &data);
+    let covariance = covariance_of(&Matrix::total(&fitted.blocks, Some(&prior)), fitted, time)?;
+    let nine = SMatrix::<f64, 9, 9>::from_fn(|i, j| covariance[i][j]);
+    let inverse = nine.cholesky()?.inverse();
+    Some(core::array::from_fn(|i| core::array::from_fn(|j| inverse[(i, j)])))
+}
+
+/// How the noise of one axis shows in the residual: rms of `‖Cᵀu‖`, from the offset columns of the normal matrix.
+pub fn noise_gain(fitted: &Fitted, residual: Residual) -> f64 {
+    if residual != Residual::Magnitude {
+        return 1.0;
+    }
+    let data = Matrix::total(&fitted.blocks, None);
+    ((0..3).map(|i| data.entry(i, i)).sum::<f64>() / fitted.rows.max(1.0)).sqrt()
+}

@@ -1,0 +1,83 @@
+//! The calibration that a fit arrived at, whichever way it went.
+
+use crate::base::axes::{Aligned, Alignment};
+use crate::calibration::{FittedEffect, Information, StdErrors};
+use ironout::calibration::Calibration;
+use ironout::fit::{FitReport, Model};
+use ironout::quality::Figures;
+
+/// A calibration and what is known about it.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// Offset, matrix (full where aligned) and field.
+    pub calibration: Calibration<f64>,
+    /// Their standard errors.
+    pub std_errors: StdErrors,
+    /// The effects in the model.
+    pub effects: Vec<FittedEffect>,
+    /// Rms of the corrected magnitude about the field, µT.
+    pub rms_ut: f64,
+    /// Predicted 1σ error of a corrected vector in the worst direction, µT.
+    pub predicted_error_ut: f64,
+    /// The magnitude the measurements have themselves, µT.
+    pub measured_field_ut: f64,
+    /// Which parameters the data carried.
+    pub model: Model,
+    /// What it knows about offset and triangle.
+    pub information: Option<Information>,
+    /// How it was aligned to the accelerometer, if the log has one.
+    pub alignment: Alignment,
+    /// The errors without the effects.
+    pub without_effects: Option<WithoutEffects>,
+    /// What was known besides the log, in words.
+    pub prior: Option<String>,
+}
+
+/// Rms of the corrected magnitude with offset and matrix alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WithoutEffects {
+    /// On the log, µT.
+    pub rms_ut: f64,
+    /// On held-out blocks of it, µT.
+    pub holdout_rms_ut: Option<f64>,
+}
+
+impl Solution {
+    /// That of the core's fit.
+    pub fn of_report(report: &FitReport) -> Self {
+        Solution {
+            calibration: report.calibration,
+            std_errors: StdErrors {
+                offset_ut: report.std_errors.offset_ut,
+                matrix: report.std_errors.matrix,
+            },
+            effects: Vec::new(),
+            rms_ut: report.rms_ut,
+            predicted_error_ut: report.predicted_error_ut,
+            measured_field_ut: report.measured_field_ut,
+            model: report.model,
+            information: Information::from_covariance(&report.spread.covariance()),
+            alignment: Alignment::None,
+            without_effects: None,
+            prior: None,
+        }
+    }
+
+    /// Takes the axes that the dip allows.
+    pub fn take(&mut self, aligned: Aligned) {
+        self.calibration.matrix = aligned.matrix;
+        self.std_errors.matrix = aligned.std_errors.matrix;
+        self.alignment = aligned.alignment;
+    }
+
+    /// What it is judged by.
+    pub fn figures(&self, samples: u64) -> Figures {
+        Figures {
+            calibration: self.calibration,
+            samples,
+            predicted_error_ut: self.predicted_error_ut,
+            rms_ut: self.rms_ut,
+            measured_field_ut: self.measured_field_ut,
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! What is known of a calibration besides its numbers: errors, information, and the effects in it, as plain data.
+
+use nalgebra::SMatrix;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Standard errors (1σ) of the parameters, from noise only.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StdErrors {
+    /// Of the offset, µT.
+    pub offset_ut: [f64; 3],
+    /// Of the matrix.
+    pub matrix: [[f64; 3]; 3],
+}
+
+/// One effect in the model beyond offset and matrix.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EffectEntry {
+    /// As `diagnose` names it: `offset:temp_c`.
+    pub id: String,
+    /// In words.
+    pub name: String,
+    /// Columns of the log it needs.
+    pub columns: Vec<String>,
+    /// Coefficients, in `unit`.
+    pub coefficients: Vec<f64>,
+    /// Their standard errors; null for a coefficient that the log did not show.
+    pub std_errors: Vec<Option<f64>>,
+    /// Unit of the coefficients.
+    pub unit: String,
+    /// The value of each column at which the effect is zero (for its square: whose square is).
+    pub reference: BTreeMap<String, f64>,
+    /// `at_s`, `frequency_hz`, `delay_s` where the effect has one.
+    pub parameters: BTreeMap<String, f64>,
+}
+
+/// The normal matrix behind a calibration: the inverse of the parameters' covariance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Information {
+    /// What each row and column stands for.
+    pub parameters: Vec<String>,
+    /// Symmetric, positive definite; units are the inverse squares of the parameters'.
+    pub matrix: Vec<Vec<f64>>,
+}
+
+/// Names of the nine parameters, in the order of [`Information`].
+pub const PARAMETERS: [&str; 9] = [
+    "offset_ut[0]",
+    "offset_ut[1]",
+    "offset_ut[2]",
+    "matrix[0][0]",
+    "matrix[0][1]",
+    "matrix[0][2]",
+    "matrix[1][1]",
+    "matrix[1][2]",
+    "matrix[2][2]",
+];
+
+impl Information {
+    /// Of a normal matrix over [`PARAMETERS`]; `None` if it is not finite and positive definite.
+    pub fn of(matrix: &[[f64; 9]; 9]) -> Option<Self> {
+        let symmetric = |i: usize, j: usize| (matrix[i][j] + matrix[j][i]) / 2.0;
+        let matrix = (0..9).map(|i| (0..9).map(|j| symmetric(i, j)).collect()).collect();
+        let information = Information { parameters: PARAMETERS.map(String::from).to_vec(), matrix };
+        information.check().is_ok().then_some(information)
+    }
+
+    /// The inverse of a covariance; `None` if it has none that is finite and positive definite.
+    pub fn from_covariance(covariance: &[[f64; 9]; 9]) -> Option<Self> {
+        let matrix = SMatrix::<f64, 9, 9>::from_fn(|i, j| (covariance[i][j] + covariance[j][i]) / 2.0);
+        // Offsets are in µT and matrix entries near 1: equal diagonals before inverting keep the digits.
+        let scale = SMatrix::<f64, 9, 1>::from_fn(|i, _| 1.0 / matrix[(i, i)].sqrt());
+        let unit = SMatrix::<f64, 9, 9>::from_fn(|i, j| matrix[(i, j)] * scale[i] * scale[j]);
+        let inverse = unit.cholesky()?.inverse();
+        let matrix: Vec<Vec<f64>> = (0..9)
+            .map(|i| {
+                (0..9).map(|j| (inverse[(i, j)] + inverse[(j, i)]) / 2.0 * scale[i] * scale[j]).collect()
+            })
+            .collect();
+        matrix
+            .iter()
+            .flatten()
+            .all(|value| value.is_finite())
+            .then(|| Information { parameters: PARAMETERS.map(String::from).to_vec(), matrix })
+    }
+
+    /// Whether it has the shape of an information matrix, and is one.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn check(&self) -> Result<(), &'static str> {
+        let n = self.parameters.len();
+        if !(9..=64).contains(&n) || self.matrix.len() != n || self.matrix.iter().any(|row| row.len() != n) {
+            return Err("the information matrix has the wrong shape");
+        }
+        let scale: Vec<f64> = (0..n).map(|i| self.matrix[i][i].sqrt()).collect();
+        if scale.iter().any(|value| !value.is_finite() || *value <= 0.0) {
+            return Err("the information matrix is not positive definite");
+        }
+        let unit: Vec<Vec<f64>> =
+            (0..n).map(|i| (0..n).map(|j| self.matrix[i][j] / (scale[i] * scale[j])).collect()).collect();
+        if (0..n).any(|i| (0..i).any(|j| (unit[i][j] - unit[j][i]).abs() > 1e-6)) {
+            return Err("the information matrix is not symmetric");
+        }
+        if !positive_definite(unit) {
+            return Err("the information matrix is not positive definite");
+        }
+        Ok(())
+    }
+}
+
+/// Cholesky's pivots, of any size: a file may carry effects.
+fn positive_definite(mut a: Vec<Vec<f64>>) -> bool {
+    for k in 0..a.len() {
+        let (done, rest) = a.split_at_mut(k + 1);
+        let row = &done[k];
+        let pivot = row[k];
+        if pivot.is_nan() || pivot <= 1e-15 {
+            return false;
+        }
+        for below in rest {
+            let factor = below[k] / pivot;
+            below.iter_mut().zip(row).for_each(|(value, above)| *value -= factor * above);
+        }
+    }
+    true
+}
+
+/// An effect with fitted coefficients.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedEffect {
+    /// Its id.
+    pub id: String,
+    /// Its name.
+    pub name: String,
+    /// The physical cause.
+    pub explanation: String,
+    /// The columns it reads.
+    pub columns: Vec<String>,
+    /// Coefficients in `unit`.
+    pub coefficients: Vec<f64>,
+    /// Their standard errors.
+    pub std_errors: Vec<f64>,
+    /// Their unit.
+    pub unit: String,
+    /// Where it vanishes: column and value.
+    pub reference: Vec<(String, f64)>,
+    /// `at_s`, `frequency_hz`, `delay_s`.
+    pub parameters: Vec<(&'static str, f64)>,
+}
+
+impl From<&FittedEffect> for EffectEntry {
+    fn from(fitted: &FittedEffect) -> Self {
+        EffectEntry {
+            id: fitted.id.clone(),
+            name: fitted.name.clone(),
+            columns: fitted.columns.clone(),
+            coefficients: fitted.coefficients.clone(),
+            std_errors: fitted
+                .std_errors
+                .iter()
+                .map(|error| Some(*error).filter(|e| e.is_finite()))
+                .collect(),
+            unit: fitted.unit.clone(),
+            reference: fitted.reference.iter().cloned().collect(),
+            parameters: fitted.parameters.iter().map(|(name, value)| (name.to_string(), *value)).collect(),
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! A calibration with effects on the rows of a log.
+
+use crate::samples::samples::{delayed, filled};
+use crate::table::Table;
+use ironout::effect::{Effect, MAX_INPUTS, TIME};
+use ironout::extended::{Conditions, ExtendedCalibration, FittedEffect, NotCorrected};
+
+/// A column that an effect of the calibration needs and that the log does not have as it is needed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CannotCorrect {
+    /// The column.
+    pub column: String,
+    /// What is wrong with it, and who needs it.
+    pub why: String,
+}
+
+impl std::fmt::Display for CannotCorrect {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "column {}: {}", self.column, self.why)
+    }
+}
+
+impl std::error::Error for CannotCorrect {}
+
+/// Corrects the rows of one log: every column of every effect at hand, at the time at which it acts.
+pub struct Corrector<'a> {
+    calibration: ExtendedCalibration,
+    table: &'a Table<'a>,
+    /// For each effect the values of its columns, a row each.
+    inputs: Vec<[Option<Vec<f64>>; MAX_INPUTS]>,
+    turn_radps: Option<[Vec<f64>; 3]>,
+}
+
+impl<'a> Corrector<'a> {
+    /// Finds what the calibration's effects need in the log. A cell that is empty is taken between its neighbours.
+    ///
+    /// # Errors
+    /// The column that is missing, empty or not finite, and the effect that needs it.
+    pub fn new(calibration: ExtendedCalibration, table: &'a Table<'a>) -> Result<Self, CannotCorrect> {
+        let mut inputs = Vec::new();
+        let mut turn_radps = None;
+        for fitted in calibration.effects.iter() {
+            let id = ironout::effect::Id(&fitted.effect).to_string();
+            let missing = |column: &str, why: &str| CannotCorrect {
+                column: column.to_string(),
+                why: format!("{why}; the calibration's effect {id} needs it"),
+            };
+            let mut own: [Option<Vec<f64>>; MAX_INPUTS] = Default::default();
+            for (slot, column) in own.iter_mut().zip(fitted.effect.columns()) {
+                let Some(column) = column else { continue };
+                if column.name == TIME {
+                    let time = table.time_s.map(<[f64]>::to_vec);
+                    *slot = Some(time.ok_or_else(|| missing(TIME, "the log has no time column"))?);
+                    continue;
+                }
+                let covariate = table.covariate(column.name).ok_or_else(|| {
+                    let names: Vec<&str> = table.covariates.iter().map(|c| c.name).collect();
+                    let has = if names.is_empty() { "none".into() } else { names.join(", ") };
+                    missing(column.name, &format!("the log has no such column (of that kind it has {has})"))
+                })?;
+                if covariate.not_finite > 0 {
+                    return Err(missing(column.name, "some of its cells are NaN or infinite"));
+                }
+                let filled = filled(covariate.values)
+                    .ok_or_else(|| missing(column.name, "every cell of it is empty"))?;
+                let delay_s = column.delay_s;
+                *slot = Some(if delay_s > 0.0 {
+                    let time = table.time_s;
+                    delayed(
+                        &filled,
+                        time.ok_or_else(|| missing(TIME, "the log has no time column"))?,
+                        delay_s,
+                    )
+                } else {
+                    filled
+                });
+            }
+            inputs.push(own);
+            if fitted.effect.needs_gyro() {
+                let axes = table.gyro_radps.as_ref();
+                let axes = axes.ok_or_else(|| missing("gx_radps", "the log has no rate of turn"))?;
+                let [x, y, z] = axes.map(filled);
+                let all = x.zip(y).zip(z).map(|((x, y), z)| [x, y, z]);
+                turn_radps = Some(all.ok_or_else(|| missing("gx_radps", "every cell of it is empty"))?);
+            }
+        }
+        Ok(Self { calibration, table, inputs, turn_radps })
+    }
+
+    /// What the user should know where effects go by the time: a log's clock is its own.
+    pub fn notice(&self) -> Option<String> {
+        let timed = |fitted: &&FittedEffect<f64>| fitted.effect.parts().time_reference_s().is_some();
+        let names: Vec<String> = (self.calibration.effects.iter().filter(timed))
+            .map(|fitted| ironout::effect::Id(&fitted.effect).to_string())
+            .collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "{} by this log's clock: right for a log on the same clock as the one it was fitted to",
+                if names.len() == 1 {
+                    format!("{} goes", names[0])
+                } else {
+                    format!("{} go", names.join(" and "))
+                }
+            )
+        })
+    }
+
+    /// The calibration.
+    pub fn calibration(&self) -> &ExtendedCalibration {
+        &self.calibration
+    }
+
+    /// What one row was measured under.
+    pub fn conditions(&self, row: usize) -> Conditions<f64> {
+        let mut conditions = Conditions::unknown();
+        conditions.turn_radps = self.turn_radps.as_ref().map(|axes| axes.each_ref().map(|axis| axis[row]));
+        for (values, columns) in conditions.inputs.iter_mut().zip(&self.inputs) {
+            for (value, column) in values.iter_mut().zip(columns) {
+                if let Some(column) = column {
+                    *value = column[row];
+                }
+            }
+        }
+        conditions
+    }
+
+    /// The corrected field of one row, µT.
+    ///
+    /// # Errors
+    /// That of the core, which can only be [`NotCorrected::NotFinite`] here.
+    pub fn correct(&self, row: usize) -> Result<[f64; 3], NotCorrected> {
+        self.calibration.apply(self.table.field(row), &self.conditions(row))
+    }
+}

@@ -1,0 +1,175 @@
+//! What came out of a fit.
+
+use crate::base::axes::{Alignment, mounting_for};
+use crate::base::counted::{Aside, Counted};
+use crate::base::ground::Ground;
+use crate::base::solution::Solution;
+use crate::outcome::request::Options;
+use crate::samples::samples::Samples;
+use crate::samples::series::median;
+use ironout::calibration::{Calibration, norm};
+use ironout::coverage::CoverageMap;
+use ironout::fit::{FitError, MAX_PREDICTED_ERROR};
+use ironout::quality::{Reason, Verdict, judge_figures};
+
+/// From this coverage on, and with gaps smaller than this, no side of the board is missing.
+const ALL_ROUND: f32 = 0.9;
+const ALL_ROUND_GAP_DEG: f32 = 40.0;
+
+/// The outcome of a fit.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    /// The magnitude of the field as it was given, µT.
+    pub expected_field_ut: Option<f64>,
+    /// Rows of the log.
+    pub rows: usize,
+    /// Rows that repeat the one before them.
+    pub repeated: usize,
+    /// Samples of a resting board.
+    pub at_rest: usize,
+    /// Samples set aside, by reason.
+    pub aside: Vec<Aside>,
+    /// Samples the fit is of.
+    pub used: usize,
+    /// The calibration, where there is one.
+    pub solution: Option<Solution>,
+    /// Rms of `‖measured‖` about its mean, over the mean: the error before any calibration.
+    pub before: Option<(f64, f64)>,
+    /// Rms error on held-out blocks of time, µT.
+    pub holdout_rms_ut: Option<f64>,
+    /// Noise of the sensor, σ per axis, µT.
+    pub noise_floor_ut: Option<f64>,
+    /// What that noise makes of the corrected magnitude, rms, µT.
+    pub residual_floor_ut: Option<f64>,
+    /// Dip of the field: of the world magnetic model, or as the accelerometer shows it.
+    pub dip_deg: Option<f64>,
+    /// Predicted 1σ error of the heading of a level reading, degrees; unknown without the dip.
+    pub heading_error_deg: Option<f64>,
+    /// Covered part of the sphere of directions.
+    pub coverage: Option<f64>,
+    /// The largest gap between directions, degrees.
+    pub gap_deg: Option<f64>,
+    /// Whether the calibration may be used.
+    pub accepted: bool,
+    /// Why not, or what to know.
+    pub reasons: Vec<String>,
+}
+
+impl Fitted {
+    pub(crate) fn new(counted: &Counted, options: &Options) -> Self {
+        Fitted {
+            expected_field_ut: options.field_ut,
+            rows: counted.table.rows(),
+            repeated: counted.repeated,
+            at_rest: counted.at_rest,
+            aside: counted.aside.clone(),
+            used: counted.used.len(),
+            solution: None,
+            before: None,
+            holdout_rms_ut: None,
+            noise_floor_ut: None,
+            residual_floor_ut: None,
+            dip_deg: options.dip_deg,
+            heading_error_deg: None,
+            coverage: None,
+            gap_deg: None,
+            accepted: false,
+            reasons: Vec::new(),
+        }
+    }
+
+    pub(crate) fn of_base(mut self, ground: &Ground) -> Self {
+        match &ground.base {
+            Err(error) => self.refuse(*error),
+            Ok(base) => {
+                self.holdout_rms_ut = base.holdout_rms_ut;
+                self.noise_floor_ut = Some(base.noise_floor_ut);
+                self.residual_floor_ut = Some(base.residual_floor_ut);
+                self.judge(&ground.counted, base.solution.clone());
+            }
+        }
+        self.reasons.extend(ground.note());
+        self
+    }
+
+    fn refuse(&mut self, error: FitError) {
+        self.reasons = Verdict::of_error(error).reasons.iter().map(Reason::to_string).collect();
+    }
+
+    /// What a solution is worth: coverage, heading, verdict.
+    pub(crate) fn judge(&mut self, counted: &Counted, solution: Solution) {
+        let calibration = solution.calibration;
+        let fields = || counted.used.iter().map(|&sample| counted.data.field(sample));
+        self.before = Some(spread_of_magnitude(fields().map(norm)));
+        self.dip_deg = self.dip_deg.or_else(|| median_dip_deg(&counted.samples, &calibration));
+        self.heading_error_deg = self.dip_deg.map(|dip_deg| {
+            let level_ut = calibration.field_ut * dip_deg.to_radians().cos();
+            let error_ut = solution.predicted_error_ut.hypot(solution.rms_ut);
+            error_ut.atan2(level_ut.abs()).to_degrees()
+        });
+        let mut map = CoverageMap::new();
+        fields().for_each(|field| map.add(calibration.apply(field).map(|value| value as f32)));
+        let coverage = map.coverage();
+        self.coverage = Some(f64::from(coverage.fraction));
+        self.gap_deg = Some(f64::from(coverage.gap_deg));
+        let figures = solution.figures(self.used as u64);
+        let verdict =
+            judge_figures(&figures, Some(&coverage), counted.clipped() as u64, self.expected_field_ut);
+        self.accepted = verdict.accepted;
+        let all_round = coverage.fraction > ALL_ROUND && coverage.gap_deg < ALL_ROUND_GAP_DEG;
+        self.reasons = verdict.reasons.iter().map(|reason| in_words(reason, all_round)).collect();
+        if let Alignment::Mirrored { order } = &solution.alignment {
+            self.accepted = false;
+            self.reasons.insert(
+                0,
+                format!(
+                    "against the accelerometer, the magnetometer's axes stand for {order}: the axes of a left hand, so that \
+                     corrected vectors would point elsewhere; mend the driver, or read the log with --rotate {}",
+                    mounting_for(order)
+                ),
+            );
+        }
+        self.solution = Some(solution);
+    }
+
+    /// Samples set aside in all.
+    pub fn set_aside(&self) -> usize {
+        self.aside.iter().map(|one| one.samples).sum()
+    }
+}
+
+/// A reason; where the board was turned `all_round`, more directions are no remedy.
+fn in_words(reason: &Reason, all_round: bool) -> String {
+    match reason {
+        Reason::ErrorTooLarge { percent, .. } if all_round => format!(
+            "the predicted error of the corrected vector is {percent:.1} % of the field, more than {:.0} %, though all directions \
+             were seen: the error is too large beside the length of the log; record longer, and see with ironout diagnose what \
+             is missing in the model",
+            MAX_PREDICTED_ERROR * 100.0
+        ),
+        other => other.to_string(),
+    }
+}
+
+/// Median angle of the corrected field below the horizon that the accelerometer shows, degrees; `None` without one. The
+/// rotation that magnitudes leave open makes it wrong by a few degrees until the axes are aligned.
+fn median_dip_deg(samples: &Samples, calibration: &Calibration<f64>) -> Option<f64> {
+    let mut dips: Vec<f64> = samples
+        .readings
+        .iter()
+        .filter_map(|reading| {
+            let [x, y, z] = reading.down?;
+            let h = calibration.apply(reading.measured_ut);
+            let sine = (x * h[0] + y * h[1] + z * h[2]) / norm(h);
+            sine.is_finite().then(|| sine.clamp(-1.0, 1.0).asin().to_degrees())
+        })
+        .collect();
+    (dips.len() >= 20).then(|| median(&mut dips))
+}
+
+/// Mean of magnitudes, and their rms about it.
+pub fn spread_of_magnitude(magnitudes: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let n = magnitudes.clone().count().max(1) as f64;
+    let mean = magnitudes.clone().sum::<f64>() / n;
+    (mean, (magnitudes.map(|m| (m - mean) * (m - mean)).sum::<f64>() / n).sqrt())
+}

@@ -1,0 +1,6 @@
+//! What a fit says.
+
+pub mod extended;
+pub mod fitted;
+pub mod ids;
+pub mod run;

@@ -1,0 +1,24 @@
+//! From a log to a judged calibration: the base model that `diagnose` begins with too ([`crate::base::ground`]), coverage, and
+//! the core's verdict. With effects or on top of an earlier calibration the study fits the same samples.
+
+use crate::base::ground::{Ground, with_room};
+use crate::fit::fitted::Fitted;
+use crate::fit::{extended, ids};
+use crate::outcome::request::{Options, Refusal};
+use crate::table::Table;
+
+/// Fits a log. The fit may be refused; the counts of what was used and set aside are there all the same.
+///
+/// # Errors
+/// Only where `options` ask for an effect that is not known or that this log does not allow.
+pub fn fit(table: &Table, options: &Options) -> Result<Fitted, Refusal> {
+    ids::check(table, &options.add)?;
+    with_room(|| {
+        let ground = Ground::of(table, options.method, options.scale_ut());
+        let fitted = Fitted::new(&ground.counted, options);
+        if options.add.is_empty() && options.prior.is_none() {
+            return Ok(fitted.of_base(&ground));
+        }
+        extended::run(&ground, options, fitted)
+    })
+}

@@ -1,0 +1,29 @@
+//! From a table of columns to a calibration or a diagnosis.
+//!
+//! No files, no arguments, no printing, no clock: a log comes in as a [`Table`] of borrowed columns, and plain data go out.
+//!
+//! - [`fit`] gives offset, matrix and effects with their errors, and a verdict;
+//! - [`diagnose`] compares model and measurement and names what is missing;
+//! - [`Corrector`] applies a calibration to the rows of a log.
+//!
+//! The rooms follow the data; each imports only what stands before it: [`samples`] → [`base`] → [`residual`] → [`search`] →
+//! [`outcome`] → [`mod@fit`].
+
+pub mod base;
+pub mod calibration;
+pub mod correct;
+pub mod effects;
+pub mod fit;
+pub mod outcome;
+pub mod residual;
+pub mod samples;
+pub mod search;
+pub mod table;
+
+pub use correct::{CannotCorrect, Corrector};
+pub use fit::fitted::Fitted;
+pub use fit::run::fit;
+pub use outcome::outcome::Diagnosis;
+pub use outcome::request::{Options, Refusal};
+pub use outcome::study::diagnose;
+pub use table::{BadTable, Named, Table};

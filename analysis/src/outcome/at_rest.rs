@@ -1,0 +1,132 @@
+//! A board at rest: the vector itself is the residual.
+
+use crate::base::engine::Pass;
+use crate::base::known::Known;
+use crate::base::quality::{covariance, residue};
+use crate::base::start;
+use crate::outcome::blank::undetermined;
+use crate::outcome::explain::{MOST_ADDED, added, cannot_add};
+use crate::outcome::outcome::{Diagnosis, Status, Verdict};
+use crate::outcome::request::{Options, Refusal};
+use crate::outcome::rows::describe;
+use crate::outcome::view::View;
+use crate::residual::traces::Traces;
+use crate::samples::samples::Samples;
+use crate::search::candidates::Catalogue;
+use crate::search::state::Greedy;
+use crate::table::Table;
+use ironout::study::{Model, Residual};
+
+/// A board at rest: the vector itself is the residual.
+pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
+    let catalogue = Catalogue::new(samples, table);
+    let pass = Pass { samples, residual: Residual::Vector };
+    let known = Known::default();
+    let mean = samples.mean_vector();
+    let model = Model::new(mean, start::NO_ROTATION, 1.0, start::NO_ROTATION, 0.0);
+    let nothing = || undetermined(table, samples, "the board rests and nothing else changes".into());
+    if catalogue.usable_columns().next().is_none() {
+        return Ok(nothing());
+    }
+    let Some(base) = model.map(|model| pass.fit(model, Vec::new(), &known)).transpose()?.flatten() else {
+        return Ok(nothing());
+    };
+    let greedy = Greedy { pass, catalogue: &catalogue, known: &known };
+    let mut start = base.clone();
+    for id in &options.add {
+        if start.pieces.len() >= MOST_ADDED {
+            return Err(Refusal::cannot_add(id, format!("a model carries at most {MOST_ADDED} effects")));
+        }
+        let Some(piece) = added(&pass, &catalogue, &start, id)? else {
+            return Err(Refusal::cannot_add(id, cannot_add(&catalogue, id)));
+        };
+        let mut pieces = start.pieces.clone();
+        pieces.push(piece);
+        if let Some(next) = pass.fit(start.model, pieces, &known)? {
+            start = next;
+        }
+    }
+    let explanation = if options.search {
+        greedy.certain(greedy.run(start)?, &options.add)?
+    } else {
+        greedy.only(base, start)?
+    };
+    let (used, confounded) = (explanation.fitted.pieces.len(), explanation.confounded.clone());
+    let fitted = &explanation.fitted;
+    let residuals = pass.residuals(&fitted.model, &fitted.pieces.iter().collect::<Vec<_>>())?;
+    let left = residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s());
+    let covariance = covariance(fitted, left.time);
+    let mut column = 3;
+    let effects = fitted
+        .pieces
+        .iter()
+        .map(|piece| {
+            let errors = (column..column + piece.k())
+                .map(|index| covariance.as_ref().map_or(f64::NAN, |rows| rows[index][index].max(0.0).sqrt()))
+                .collect();
+            column += piece.k();
+            describe(piece, errors)
+        })
+        .collect();
+    let mut reasons = vec![
+        "the board rests: the vector itself is the residual, there is no calibration in this log".into(),
+    ];
+    let verdict = if left.structure > 0.0 {
+        reasons.push(format!(
+            "{:.0} % of the variance is structure that no candidate explains",
+            100.0 * left.structure
+        ));
+        Verdict::Unexplained
+    } else if !confounded.is_empty() {
+        Verdict::Confounded
+    } else if used > 0 {
+        Verdict::Missing
+    } else {
+        Verdict::Complete
+    };
+    let base_residuals = pass.residuals(&explanation.base.model, &[])?;
+    let shows = crate::outcome::shows::shows(
+        samples,
+        &base_residuals,
+        &explanation.first,
+        &explanation.base,
+        explanation.count,
+    );
+    let traces = Traces::of(&pass, &explanation.base, &explanation.fitted)?;
+    let view = View {
+        table,
+        samples,
+        catalogue: &catalogue,
+        pass,
+        known: &known,
+        explanation,
+        lower_order: None,
+        base: None,
+    };
+    let in_group = |id: &String| confounded.iter().any(|group| group.ids.contains(id));
+    let mut steps = view.steps(&None)?;
+    steps.retain(|step| step.added.as_ref().is_none_or(|id| !in_group(id)));
+    let mut candidates = view.candidates(&None, false, None, verdict);
+    for row in &mut candidates {
+        if row.residual == "magnitude" {
+            row.residual = Residual::Vector.name();
+        }
+        if row.status == Status::Untestable && row.id == "lag" {
+            row.why = "the board rests".into();
+        }
+    }
+    Ok(Diagnosis {
+        verdict,
+        reasons,
+        residual: Residual::Vector.name(),
+        steps,
+        noise_floor_ut: Some(left.floor),
+        residual_floor_ut: Some(left.floor),
+        candidates,
+        effects,
+        shows,
+        prior: "none".into(),
+        traces,
+        ..undetermined(table, samples, String::new())
+    })
+}

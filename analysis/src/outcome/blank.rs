@@ -1,0 +1,62 @@
+//! A diagnosis that says nothing yet, with the candidates that the log does not allow.
+
+use crate::base::axes::Alignment;
+use crate::outcome::outcome::{CandidateRow, Diagnosis, Status, Verdict};
+use crate::residual::traces::Traces;
+use crate::samples::samples::Samples;
+use crate::search::candidates::Catalogue;
+use crate::table::Table;
+use ironout::study::Residual;
+
+pub(crate) fn undetermined(table: &Table, samples: &Samples, why: String) -> Diagnosis {
+    let catalogue = Catalogue::new(samples, table);
+    Diagnosis {
+        verdict: Verdict::Undetermined,
+        reasons: vec![why],
+        residual: Residual::Magnitude.name(),
+        steps: Vec::new(),
+        noise_floor_ut: None,
+        residual_floor_ut: None,
+        candidates: untestable(&catalogue),
+        data_faults: Vec::new(),
+        dip: None,
+        heading: None,
+        shows: Vec::new(),
+        effects: Vec::new(),
+        calibration: None,
+        std_errors: None,
+        alignment: Alignment::None,
+        axis_order: None,
+        information: None,
+        converged: true,
+        base: None,
+        predicted_error_ut: None,
+        samples_used: 0,
+        samples_set_aside: 0,
+        prior: String::new(),
+        lower_order: false,
+        traces: Traces::default(),
+    }
+}
+
+pub(crate) fn untestable(catalogue: &Catalogue) -> Vec<CandidateRow> {
+    catalogue
+        .untestable()
+        .into_iter()
+        .map(|one| CandidateRow {
+            residual: if ["misalignment", "axis-order", "lag"].contains(&one.id.as_str()) {
+                "dip"
+            } else {
+                "magnitude"
+            },
+            id: one.id,
+            name: one.name,
+            status: Status::Untestable,
+            holdout_rms_ut: None,
+            p_value: None,
+            confounded_with: Vec::new(),
+            why: one.why,
+            angle_deg: None,
+        })
+        .collect()
+}

@@ -1,0 +1,145 @@
+//! What explains a log: the base model, the effects that were asked for, and those that a search finds.
+
+use crate::base::engine::{Fitted, Pass};
+use crate::base::known::Known;
+use crate::base::model::Base;
+use crate::base::piece::Piece;
+use crate::base::quality::{Residue, attitude_error};
+use crate::outcome::request::{Options, Refusal};
+use crate::samples::series::{rms, second_difference_sigma};
+use crate::search::candidates::Catalogue;
+use crate::search::screen::{Candidate, screen};
+use crate::search::search;
+use crate::search::state::{Explanation, Greedy, held_out_rms};
+use ironout::fit::MAX_PREDICTED_ERROR;
+use ironout::study::{Model, Residual};
+
+/// No effect is so many times the noise that finding it makes up for a predicted error this many times too large.
+const HOPELESS: f64 = 20.0;
+
+/// The most effects that `--add` may name, as many as a calibration carries.
+pub(crate) const MOST_ADDED: usize = 4;
+
+/// The pieces of `--add`, in their order; searched parameters are searched.
+pub(crate) fn added<'a>(
+    pass: &Pass,
+    catalogue: &Catalogue<'a>,
+    fitted: &Fitted<'a>,
+    id: &str,
+) -> Result<Option<Piece<'a>>, Refusal> {
+    let plain = catalogue.plain(pass.residual == Residual::Vector).into_iter().find(|piece| piece.id == id);
+    if plain.is_some() {
+        return Ok(plain);
+    }
+    let found = match id {
+        "step" => search::step(pass, fitted, catalogue)?,
+        "periodic" => search::periodic(pass, fitted, catalogue)?,
+        _ => match id.strip_prefix("offset:").and_then(|rest| rest.strip_suffix("@delay")) {
+            Some(column) => match catalogue.usable(column) {
+                Some(index) => search::delay(pass, fitted, catalogue, index)?,
+                None => None,
+            },
+            None => None,
+        },
+    };
+    Ok(found.map(|candidate| candidate.piece))
+}
+
+/// What a study of the magnitude stands on.
+#[derive(Clone, Copy)]
+pub(crate) struct Stand<'b> {
+    /// The base model as `fit` gives it, if the log carries one.
+    pub(crate) base: Option<&'b Base>,
+    /// Whether the base is held, or most of it.
+    pub(crate) held: bool,
+}
+
+/// What explains a log, and whether `--add` names a pure lag; or why nothing does.
+pub(crate) type Explained<'a> = Result<(Explanation<'a>, bool), String>;
+
+/// Fits the base model from `model`, adds what `--add` names, and searches for more where the attitude can carry it or
+/// the base is held.
+pub(crate) fn explain<'a>(
+    pass: Pass<'a>,
+    catalogue: &Catalogue<'a>,
+    model: Model<f64>,
+    known: &Known,
+    options: &Options,
+    stand: Stand,
+) -> Result<Explained<'a>, Refusal> {
+    let Some(base) = pass.fit(model, Vec::new(), known)? else {
+        return Ok(Err("the fit does not converge".into()));
+    };
+    // Even if all structure were explained: does the attitude carry a calibration, at the noise that is surely there?
+    let residuals = pass.residuals(&base.model, &[])?;
+    let sigma = second_difference_sigma(&residuals);
+    // What second differences leave may itself be an effect, a tone for example, many times the noise: only the hopeless
+    // is not searched.
+    let best = Residue { rms: rms(&residuals), floor: sigma, structure: 1.0, time: 1.0 };
+    let accepted = stand.base.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR);
+    let hopeless = !(stand.held || accepted)
+        && attitude_error(&base, &best).is_none_or(|error| error > HOPELESS * MAX_PREDICTED_ERROR);
+    let greedy = Greedy { pass, catalogue, known };
+    let mut pure_lag = false;
+    let mut start = base.clone();
+    for id in &options.add {
+        if start.pieces.len() >= MOST_ADDED {
+            return Err(Refusal::cannot_add(id, format!("a model carries at most {MOST_ADDED} effects")));
+        }
+        let piece = added(&pass, catalogue, &start, id)?;
+        let Some(piece) = piece else {
+            if id == "misalignment" || id == "axis-order" {
+                continue;
+            }
+            return Err(Refusal::cannot_add(id, cannot_add(catalogue, id)));
+        };
+        if start.pieces.iter().any(|known| known.id == piece.id) {
+            continue;
+        }
+        if id == "lag" && catalogue.has_down() {
+            // Which of the two lags it is, the data decide.
+            let alone = screen(&pass, &start, &[Candidate { piece: piece.clone(), searched: 1.0 }], 1)?;
+            if !alone.tested.first().is_some_and(|tested| tested.accepted) {
+                pure_lag = true;
+                continue;
+            }
+        }
+        match greedy.with(&start, &piece)? {
+            Some(next) => start = greedy.aligned(next)?,
+            None => {
+                let why = format!(
+                    "the fit with {id} does not converge: this log hardly tells it from the calibration; leave it out, or record more"
+                );
+                return Ok(Err(why));
+            }
+        }
+    }
+    let mut explanation = if options.search && !hopeless {
+        greedy.certain(greedy.run(start)?, &options.add)?
+    } else {
+        greedy.only(base.clone(), start)?
+    };
+    explanation.fitted = greedy.to_the_end(explanation.fitted)?;
+    if let (Some(last), false) = (explanation.steps.last_mut(), explanation.fitted.pieces.is_empty()) {
+        (last.rms, last.held_out) = (explanation.fitted.rms(), held_out_rms(&explanation.fitted));
+    }
+    let first = match stand.base.and_then(Base::model) {
+        Some(model) => pass.hold(model, Vec::new(), known)?,
+        None => explanation.base.clone(),
+    };
+    explanation.base = greedy.aligned(first)?;
+    if explanation.fitted.pieces.is_empty() && stand.base.is_some() {
+        explanation.fitted = explanation.base.clone();
+    }
+    Ok(Ok((explanation, pure_lag)))
+}
+
+pub(crate) fn cannot_add(catalogue: &Catalogue, id: &str) -> String {
+    if let Some(one) = catalogue.untestable().into_iter().find(|one| one.id == id) {
+        return one.why;
+    }
+    let mut known: Vec<String> = catalogue.plain(false).into_iter().map(|piece| piece.id).collect();
+    known.extend(["step", "periodic"].map(String::from));
+    known.extend(catalogue.usable_columns().map(|(_, name)| format!("offset:{name}@delay")));
+    format!("unknown effect; this log allows {}", known.join(", "))
+}

@@ -1,0 +1,118 @@
+//! The diagnosis that a finished search of the magnitude comes to.
+
+use crate::base::piece::Piece;
+use crate::base::quality::{covariance, information, noise_gain, predicted_error, residue};
+use crate::calibration::Information;
+use crate::outcome::outcome::{Diagnosis, Dip, StepRow, Verdict};
+use crate::outcome::request::Refusal;
+use crate::outcome::standing;
+use crate::outcome::view::View;
+use crate::residual::heading::mirrored;
+use crate::residual::traces::Traces;
+use crate::search::state::held_out_rms;
+use ironout::calibration::Calibration;
+use ironout::study::Residual;
+
+impl View<'_, '_> {
+    pub(crate) fn finish(mut self, force_lag: bool) -> Result<Diagnosis, Refusal> {
+        // Without an offset and a matrix of its own the log says nothing about a rotation either.
+        let mut dip = if self.lower_order.is_some() { None } else { self.dip(force_lag)? };
+        if let Some(dip) = &mut dip {
+            let model = dip.alignment.model;
+            // A mirrored frame is minus a turned one, and its dip the other way.
+            let kept = if dip.alignment.mirrored { mirrored(&model) } else { None };
+            self.explanation.fitted.model = kept.unwrap_or(model);
+            self.choose_hemisphere(dip);
+        }
+        let fitted = &self.explanation.fitted;
+        let list: Vec<&Piece> = fitted.pieces.iter().collect();
+        let residuals = self.pass.residuals(&fitted.model, &list)?;
+        // Without effects the final model is the base model, and what `fit` says of that holds.
+        let plain = self.base.filter(|_| fitted.pieces.is_empty() && self.lower_order.is_none());
+        let left = match plain {
+            Some(base) => base.residue.clone(),
+            None => residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s()),
+        };
+        let gain = noise_gain(fitted, Residual::Magnitude);
+        let predicted =
+            plain.map_or_else(|| predicted_error(fitted, &left), |base| Some(base.predicted_share()));
+        let covariance = covariance(fitted, left.time);
+        if let (Some(dip), Some(rows)) = (&mut dip, &covariance) {
+            dip.delay_error_s =
+                dip.errors.as_ref().map_or(f64::NAN, |errors| errors.delay_variance(rows).sqrt());
+        }
+        let field = fitted.model.field_ut;
+        let mut steps = self.steps(&dip)?;
+        let has_eddy = fitted.pieces.iter().any(|piece| piece.id == "lag");
+        let pure_lag = dip.as_ref().is_some_and(|dip| dip.lag.is_some()) && !has_eddy;
+        if let (true, Some(dip)) = (pure_lag, &dip) {
+            steps.push(StepRow {
+                added: Some("lag".into()),
+                rms_ut: fitted.rms(),
+                holdout_rms_ut: held_out_rms(fitted),
+                dip_rms_deg: Some(dip.after_deg),
+            });
+        }
+        let swapped = dip.as_ref().and_then(|dip| dip.alignment.axis_order.clone());
+        let groups = &self.explanation.confounded;
+        let in_group = |id: &str| groups.iter().any(|group| group.ids.iter().any(|other| other == id));
+        let (mut verdict, reasons) = self.verdict(&left, predicted, field);
+        if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
+            verdict = Verdict::Missing;
+        }
+        steps.retain(|step| step.added.as_ref().is_none_or(|id| !in_group(id)));
+        let candidates = self.candidates(&dip, pure_lag, swapped.as_deref(), verdict);
+        if let (Some(_), Some(dip)) = (&swapped, &dip) {
+            steps.push(StepRow {
+                added: Some("axis-order".into()),
+                rms_ut: fitted.rms(),
+                holdout_rms_ut: held_out_rms(fitted),
+                dip_rms_deg: Some(dip.after_deg),
+            });
+        }
+        let effects = self.effects(&left, &dip)?;
+        let full = if dip.is_some() { fitted.model.full_matrix() } else { fitted.model.matrix };
+        let headings = self.heading(&dip)?;
+        let mut diagnosis = Diagnosis {
+            verdict,
+            reasons,
+            residual: Residual::Magnitude.name(),
+            steps,
+            noise_floor_ut: Some(left.floor / gain),
+            residual_floor_ut: Some(left.floor),
+            candidates,
+            data_faults: Vec::new(),
+            dip: dip.as_ref().map(|dip| Dip {
+                rms_deg_before: self.base_dip().unwrap_or(dip.alignment.before_deg),
+                rms_deg_after: dip.after_deg,
+                misalignment_deg: dip.alignment.angle_deg,
+            }),
+            heading: headings,
+            shows: self.shows()?,
+            effects,
+            calibration: Some(Calibration {
+                offset_ut: fitted.model.offset_ut,
+                matrix: full,
+                field_ut: field,
+            }),
+            std_errors: None,
+            alignment: Default::default(),
+            axis_order: swapped,
+            information: (information(&self.pass, fitted, self.known, left.time))
+                .and_then(|matrix| Information::of(&matrix)),
+            converged: fitted.converged,
+            base: None,
+            predicted_error_ut: predicted.map(|error| error * field),
+            samples_used: 0,
+            samples_set_aside: 0,
+            prior: self.prior_words(),
+            lower_order: self.lower_order.is_some(),
+            traces: Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?,
+        };
+        standing::take_axes(&mut diagnosis, covariance.as_deref(), &dip);
+        if let (Some(base), None) = (self.base, &self.lower_order) {
+            standing::first_row(&mut diagnosis, base, plain.is_some());
+        }
+        Ok(diagnosis)
+    }
+}

@@ -1,0 +1,15 @@
+//! What a diagnosis says.
+
+pub mod at_rest;
+pub mod blank;
+pub mod explain;
+pub mod finish;
+pub mod json;
+pub mod lower_order;
+pub mod outcome;
+pub mod request;
+pub mod rows;
+pub mod shows;
+pub mod standing;
+pub mod study;
+pub mod view;

@@ -1,0 +1,185 @@
+//! What a diagnosis says.
+
+use crate::base::axes::Alignment;
+use crate::base::model::Base;
+use crate::calibration::{FittedEffect, Information, StdErrors};
+use crate::residual::traces::Traces;
+use crate::samples::faults::DataFault;
+use ironout::calibration::Calibration;
+
+/// The verdict of the contract.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing is missing.
+    Complete,
+    /// Effects were missing; with them, nothing is.
+    Missing,
+    /// Something is missing that several candidates explain alike.
+    Confounded,
+    /// Structure remains that no candidate explains.
+    Unexplained,
+    /// The data do not support a calibration, so nothing can be said.
+    Undetermined,
+}
+
+impl Verdict {
+    /// The word of the contract.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Verdict::Complete => "complete",
+            Verdict::Missing => "missing",
+            Verdict::Confounded => "confounded",
+            Verdict::Unexplained => "unexplained",
+            Verdict::Undetermined => "undetermined",
+        }
+    }
+}
+
+/// One row of the falling error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepRow {
+    /// The effect added; `None` for the base model.
+    pub added: Option<String>,
+    /// Rms of the residual, µT.
+    pub rms_ut: f64,
+    /// The same on held-out blocks of time.
+    pub holdout_rms_ut: Option<f64>,
+    /// Spread of the dip, degrees.
+    pub dip_rms_deg: Option<f64>,
+}
+
+/// What became of a candidate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// It was missing, and is in the steps.
+    Missing,
+    /// The data do not ask for it.
+    NotNeeded,
+    /// Others explain the same.
+    Confounded,
+    /// The log cannot tell.
+    Untestable,
+}
+
+impl Status {
+    /// The word of the contract.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Status::Missing => "missing",
+            Status::NotNeeded => "not-needed",
+            Status::Confounded => "confounded",
+            Status::Untestable => "untestable",
+        }
+    }
+}
+
+/// One candidate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CandidateRow {
+    /// Its id.
+    pub id: String,
+    /// Its name.
+    pub name: String,
+    /// What became of it.
+    pub status: Status,
+    /// The residual that it was tested in.
+    pub residual: &'static str,
+    /// Held-out rms with it, µT (degrees where the residual is the dip).
+    pub holdout_rms_ut: Option<f64>,
+    /// Probability that chance does as well, all searches counted.
+    pub p_value: Option<f64>,
+    /// Those that explain the same.
+    pub confounded_with: Vec<String>,
+    /// Why.
+    pub why: String,
+    /// Angle of a misalignment, degrees.
+    pub angle_deg: Option<f64>,
+}
+
+/// How much of the base model's residual something explains.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Where {
+    /// A column, `time`, `attitude` or `spectrum`.
+    pub against: String,
+    /// Share of the residual's variance.
+    pub explained: f64,
+    /// Probability that chance does as well.
+    pub p_value: f64,
+    /// Mean residual in bins of what it is against, µT: the shape for a plot.
+    pub shape: Vec<f64>,
+}
+
+/// Spread of the dip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dip {
+    /// With the triangular matrix of the base model, degrees.
+    pub rms_deg_before: f64,
+    /// Aligned, with all effects, degrees.
+    pub rms_deg_after: f64,
+    /// Rotation between the triangular matrix' frame and the accelerometer, degrees.
+    pub misalignment_deg: f64,
+}
+
+/// Error of the heading against the reference.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Heading {
+    /// With the triangular matrix of the base model, degrees rms.
+    pub rms_deg_before: f64,
+    /// Aligned, with all effects, degrees rms.
+    pub rms_deg_after: f64,
+}
+
+/// A diagnosis.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Why, in words.
+    pub reasons: Vec<String>,
+    /// `magnitude`, or `vector` for a board at rest.
+    pub residual: &'static str,
+    /// The error falling.
+    pub steps: Vec<StepRow>,
+    /// Noise of the sensor, σ per axis, µT.
+    pub noise_floor_ut: Option<f64>,
+    /// What it makes of the residual, µT.
+    pub residual_floor_ut: Option<f64>,
+    /// Every candidate.
+    pub candidates: Vec<CandidateRow>,
+    /// Faults of the data.
+    pub data_faults: Vec<DataFault>,
+    /// The dip.
+    pub dip: Option<Dip>,
+    /// The heading.
+    pub heading: Option<Heading>,
+    /// Where the base model fails.
+    pub shows: Vec<Where>,
+    /// The effects of the final model.
+    pub effects: Vec<FittedEffect>,
+    /// The final calibration (full matrix where aligned).
+    pub calibration: Option<Calibration<f64>>,
+    /// Standard errors of offset and matrix.
+    pub std_errors: Option<StdErrors>,
+    /// Whether the matrix stands in the accelerometer's axes.
+    pub alignment: Alignment,
+    /// How the axes stand in the log, if they are swapped: `y,x,z` means that the log's first axis is the board's y.
+    pub axis_order: Option<String>,
+    /// Information about offset and triangle, effects projected out.
+    pub information: Option<Information>,
+    /// Whether the fit of the final model converged.
+    pub converged: bool,
+    /// The base model as `fit` gives it; `None` where the samples alone carry none.
+    pub base: Option<Base>,
+    /// Predicted error of a corrected vector in the worst direction, µT.
+    pub predicted_error_ut: Option<f64>,
+    /// Samples used.
+    pub samples_used: usize,
+    /// Samples set aside.
+    pub samples_set_aside: usize,
+    /// The prior that was used, in words.
+    pub prior: String,
+    /// Whether a lower-order base (no soft iron) was used.
+    pub lower_order: bool,
+    /// The residuals, for plots.
+    pub traces: Traces,
+}

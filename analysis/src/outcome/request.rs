@@ -1,0 +1,98 @@
+//! What is asked of a fit or a diagnosis, and why there may be none.
+
+use crate::base::piece::BadShape;
+use crate::base::prior::Prior;
+use ironout::fit::Method;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// What to fit or to diagnose, and how.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Options {
+    /// The method of the base model. A model with effects is fitted all at once, by Levenberg–Marquardt.
+    #[serde(with = "method_word")]
+    pub method: Method,
+    /// The magnitude of the field, µT; the log's own mean, or that of the earlier calibration, where absent.
+    pub field_ut: Option<f64>,
+    /// The dip of the field below the horizon, degrees, where it is known; a fit predicts the error of the heading with it.
+    pub dip_deg: Option<f64>,
+    /// Ids of effects that stand in the model from the beginning.
+    pub add: Vec<String>,
+    /// Whether a diagnosis searches for more. A fit never does.
+    pub search: bool,
+    /// An earlier calibration to build on.
+    pub prior: Option<Prior>,
+}
+
+impl Options {
+    /// The field to scale to: as expected, or else that of the earlier calibration.
+    pub fn scale_ut(&self) -> Option<f64> {
+        self.field_ut.or_else(|| self.prior.as_ref().map(|prior| prior.field_ut))
+    }
+}
+
+/// A method as its word.
+mod method_word {
+    use ironout::fit::Method;
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(method: &Method, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(method.name())
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Method, D::Error> {
+        let word = String::deserialize(deserializer)?;
+        Method::parse(&word).ok_or_else(|| D::Error::custom(format!("there is no method {word:?}")))
+    }
+}
+
+/// Why there is no answer.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub enum Refusal {
+    /// The shape of this effect is not finite.
+    BadShape(String),
+    /// `add` names an effect that is not known, or that this log does not allow.
+    CannotAdd {
+        /// Its id.
+        id: String,
+        /// The column at fault.
+        column: Option<String>,
+        /// What is wrong, and what to do.
+        why: String,
+    },
+    /// `add` names more effects than a calibration carries.
+    TooMany {
+        /// How many it names.
+        given: usize,
+        /// How many a calibration carries.
+        most: usize,
+    },
+}
+
+impl Refusal {
+    /// An effect that cannot be added.
+    pub(crate) fn cannot_add(id: &str, why: impl Into<String>) -> Self {
+        Refusal::CannotAdd { id: id.to_string(), column: None, why: why.into() }
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Refusal::BadShape(id) => write!(f, "the shape of effect {id} is not finite"),
+            Refusal::CannotAdd { id, why, .. } => write!(f, "{id}: {why}"),
+            Refusal::TooMany { given, most } => {
+                write!(f, "a calibration carries at most {most} effects, and {given} are given")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+impl From<BadShape> for Refusal {
+    fn from(BadShape(id): BadShape) -> Self {
+        Refusal::BadShape(id)
+    }
+}

@@ -1,0 +1,305 @@
+//! The candidates and effects of a diagnosis as rows, in words and numbers.
+
+use crate::base::piece::{BadShape, Piece};
+use crate::base::quality::{Residue, covariance, covariance_of};
+use crate::calibration::FittedEffect;
+use crate::outcome::blank::untestable;
+use crate::outcome::outcome::{CandidateRow, Status, Verdict};
+use crate::outcome::view::{DipStudy, View};
+use crate::search::screen::SIGNIFICANCE;
+use crate::search::state::{Confounded, Judged};
+use ironout::study::Residual;
+
+/// A rotation between the sensors beyond this is worth a word, degrees: soft iron itself may turn the field by less.
+const MISALIGNED_DEG: f64 = 4.0;
+
+impl View<'_, '_> {
+    pub(crate) fn candidates(
+        &self,
+        dip: &Option<DipStudy>,
+        pure_lag: bool,
+        swapped: Option<&str>,
+        verdict: Verdict,
+    ) -> Vec<CandidateRow> {
+        let rows = self.explanation.fitted.rows;
+        let mut list: Vec<CandidateRow> = Vec::new();
+        let row_of = |one: &Judged, status: Status, partners: Vec<String>, why: String| CandidateRow {
+            id: one.candidate.piece.id.clone(),
+            name: one.candidate.piece.effect.name().to_string(),
+            status,
+            residual: Residual::Magnitude.name(),
+            holdout_rms_ut: one.tested.held_out.map(|squares| (squares / rows).sqrt()),
+            p_value: Some((one.tested.p_value * self.explanation.count as f64).min(1.0)),
+            confounded_with: partners,
+            why,
+            angle_deg: None,
+        };
+        let others_in = |groups: &[Confounded], id: &str| {
+            groups
+                .iter()
+                .find(|group| group.ids.iter().any(|other| other == id))
+                .map(|group| group.ids.iter().filter(|other| *other != id).cloned().collect::<Vec<_>>())
+        };
+        let group_of = |id: &str| others_in(&self.explanation.confounded, id);
+        let kin_of = |id: &str| others_in(&self.explanation.families, id);
+        for piece in &self.explanation.fitted.pieces {
+            let tested = self.explanation.first.iter().find(|one| one.candidate.piece.id == piece.id);
+            let partners = group_of(&piece.id);
+            let status = if partners.is_some() { Status::Confounded } else { Status::Missing };
+            let kin = kin_of(&piece.id);
+            let why = match (&partners, &kin) {
+                (Some(partners), _) => format!(
+                    "it explains the error, and so does {}: {}",
+                    partners.join(", "),
+                    separating(&piece.id, partners)
+                ),
+                (None, Some(kin)) => format!(
+                    "it stands for what it has in common with {}, whose columns move with it: {}",
+                    kin.join(", "),
+                    separating(&piece.id, kin)
+                ),
+                (None, None) => piece.effect.explanation().to_string(),
+            };
+            let partners = partners.or(kin);
+            match tested {
+                Some(one) => list.push(row_of(one, status, partners.unwrap_or_default(), why)),
+                None => list.push(CandidateRow {
+                    id: piece.id.clone(),
+                    name: piece.effect.name().to_string(),
+                    status,
+                    residual: Residual::Magnitude.name(),
+                    holdout_rms_ut: None,
+                    p_value: None,
+                    confounded_with: partners.unwrap_or_default(),
+                    why,
+                    angle_deg: None,
+                }),
+            }
+        }
+        for withdrawn in &self.explanation.withdrawn {
+            let judged = self.explanation.first.iter().chain(&self.explanation.last);
+            let mut tested = judged.filter(|one| one.candidate.piece.id == withdrawn.id);
+            if let Some(one) = tested.next() {
+                list.push(row_of(one, Status::NotNeeded, Vec::new(), withdrawn.why.clone()));
+            }
+        }
+        for one in &self.explanation.last {
+            let id = &one.candidate.piece.id;
+            if list.iter().any(|row| row.id == *id) {
+                continue;
+            }
+            if id == "lag" && dip.is_some() {
+                continue;
+            }
+            match group_of(id).or_else(|| kin_of(id)) {
+                Some(partners) => {
+                    // What it explains by itself, not beside the one that stands in the model.
+                    let alone = self.explanation.first.iter().find(|other| other.candidate.piece.id == *id);
+                    let one = alone.unwrap_or(one);
+                    let why = format!(
+                        "it explains the error, and so does {}: {}",
+                        partners.join(", "),
+                        separating(id, &partners)
+                    );
+                    list.push(row_of(one, Status::Confounded, partners, why));
+                }
+                None => {
+                    let why = if verdict == Verdict::Undetermined {
+                        "the data do not support a calibration, so this cannot be told".to_string()
+                    } else if one.tested.p_value * (self.explanation.count as f64) < SIGNIFICANCE {
+                        "there, but too small to matter".to_string()
+                    } else {
+                        "the data do not ask for it".to_string()
+                    };
+                    let status =
+                        if verdict == Verdict::Undetermined { Status::Untestable } else { Status::NotNeeded };
+                    list.push(row_of(one, status, Vec::new(), why));
+                }
+            }
+        }
+        if let Some(dip) = dip {
+            if !list.iter().any(|row| row.id == "lag") {
+                let (p, held) = dip.tested.unwrap_or((1.0, None));
+                let why = match &dip.lag {
+                    Some(piece) if pure_lag => format!(
+                        "the sensor is {:.1} ± {:.1} ms late: {}",
+                        1e3 * piece.coefficients[0],
+                        1e3 * dip.delay_error_s,
+                        piece.effect.explanation()
+                    ),
+                    _ => "neither the magnitude nor the dip asks for it".to_string(),
+                };
+                if self.catalogue.lag().is_some() {
+                    list.push(CandidateRow {
+                        id: "lag".into(),
+                        name: "sensor lag".into(),
+                        status: if pure_lag { Status::Missing } else { Status::NotNeeded },
+                        residual: Residual::Dip.name(),
+                        holdout_rms_ut: held,
+                        p_value: Some((2.0 * p).min(1.0)),
+                        confounded_with: Vec::new(),
+                        why,
+                        angle_deg: None,
+                    });
+                }
+            }
+            let angle = dip.alignment.angle_deg;
+            list.push(CandidateRow {
+                id: "misalignment".into(),
+                name: "misalignment".into(),
+                status: if angle > MISALIGNED_DEG { Status::Missing } else { Status::NotNeeded },
+                residual: Residual::Dip.name(),
+                holdout_rms_ut: None,
+                p_value: None,
+                confounded_with: Vec::new(),
+                why: format!(
+                    "the axes of magnetometer and accelerometer differ by {angle:.1}° beside the triangular matrix; the \
+                     full matrix contains it"
+                ),
+                angle_deg: Some(angle),
+            });
+            list.push(CandidateRow {
+                id: "axis-order".into(),
+                name: "axis order".into(),
+                status: if swapped.is_some() { Status::Missing } else { Status::NotNeeded },
+                residual: Residual::Dip.name(),
+                holdout_rms_ut: None,
+                p_value: None,
+                confounded_with: Vec::new(),
+                why: match swapped {
+                    Some(order) => format!(
+                        "the log's axes stand for the board's {order}: correct the driver, or use --rotate; the field then \
+                         points {}{}",
+                        dip_in_words(self.explanation.fitted.model.sin_dip),
+                        match self.table.heading_deg {
+                            Some(_) => "",
+                            None => {
+                                ", and if that is the wrong hemisphere all three signs are the other way round"
+                            }
+                        }
+                    ),
+                    None => "the axes stand in the board's order".into(),
+                },
+                angle_deg: None,
+            });
+        }
+        if self.lower_order.is_some() && self.catalogue.has_down() {
+            for (id, name) in [("misalignment", "misalignment"), ("axis-order", "axis order")] {
+                list.push(CandidateRow {
+                    id: id.into(),
+                    name: name.into(),
+                    status: Status::Untestable,
+                    residual: Residual::Dip.name(),
+                    holdout_rms_ut: None,
+                    p_value: None,
+                    confounded_with: Vec::new(),
+                    why: "too little attitude: turn the board through more of it".into(),
+                    angle_deg: None,
+                });
+            }
+        }
+        let more = untestable(self.catalogue);
+        let known: Vec<String> = list.iter().map(|row| row.id.clone()).collect();
+        list.extend(more.into_iter().filter(|row| !known.contains(&row.id)));
+        list
+    }
+
+    pub(crate) fn effects(
+        &self,
+        left: &Residue,
+        dip: &Option<DipStudy>,
+    ) -> Result<Vec<FittedEffect>, BadShape> {
+        let fitted = &self.explanation.fitted;
+        let covariance = match crate::search::parameter::with_slopes(&self.pass, fitted)? {
+            Some(total) => covariance_of(&total, fitted, left.time),
+            None => covariance(fitted, left.time),
+        };
+        let delay = dip.as_ref().filter(|dip| dip.lag.is_some()).and_then(|dip| dip.errors.as_ref());
+        let mut column = Residual::Magnitude.base_columns();
+        let mut list = Vec::new();
+        for piece in &fitted.pieces {
+            let mut errors: Vec<f64> = (column..column + piece.k())
+                .map(|index| covariance.as_ref().map_or(f64::NAN, |rows| rows[index][index].max(0.0).sqrt()))
+                .collect();
+            if piece.k() == 9
+                && let (Some(delay), Some(rows)) = (delay, &covariance)
+            {
+                // The share along the identity is the dip's, and follows what the magnitude says of the rest.
+                for index in [0, 4, 8] {
+                    let variance = delay.delay_variance(rows) + 2.0 * delay.delay_with(rows, column + index);
+                    errors[index] = (errors[index].powi(2) + variance).max(0.0).sqrt();
+                }
+            } else if piece.k() == 9 && piece.id == "lag" {
+                // Without the dip the share along the identity is not known at all.
+                for index in [0, 4, 8] {
+                    errors[index] = f64::NAN;
+                }
+            }
+            column += piece.k();
+            list.push(describe(piece, errors));
+        }
+        let has_eddy = fitted.pieces.iter().any(|piece| piece.id == "lag");
+        if !has_eddy && let Some(piece) = dip.as_ref().and_then(|dip| dip.lag.as_ref()) {
+            list.push(describe(piece, vec![dip.as_ref().map_or(f64::NAN, |dip| dip.delay_error_s)]));
+        }
+        Ok(list)
+    }
+}
+
+/// Which recording would tell the candidates apart.
+fn separating(id: &str, partners: &[String]) -> String {
+    let all = || std::iter::once(id).chain(partners.iter().map(String::as_str));
+    let timed = all().any(|id| ["drift", "step"].contains(&id));
+    let columns: Vec<&str> = all().filter_map(|id| id.split_once(':').map(|(_, column)| column)).collect();
+    match (timed, columns.first()) {
+        (true, Some(column)) => format!(
+            "record a log in which {column} goes up and down again while time goes on (let it cool down, switch it on and off)"
+        ),
+        (false, Some(first)) => {
+            let other = columns.iter().find(|column| *column != first).unwrap_or(first);
+            if other == first {
+                format!("record a log in which {first} changes at many attitudes")
+            } else {
+                format!("record a log in which {first} and {other} change one at a time")
+            }
+        }
+        (true, None) => "record a longer log: a drift goes on, a step does not".into(),
+        _ => "record a log with more attitudes, and with the board still in some of them".into(),
+    }
+}
+
+/// An effect with its fitted coefficients, in the words and numbers of the contract.
+pub(crate) fn describe(piece: &Piece, std_errors: Vec<f64>) -> FittedEffect {
+    let k = piece.k();
+    let mut reference = Vec::new();
+    let mut parameters = Vec::new();
+    let columns: Vec<String> =
+        piece.effect.columns().iter().flatten().map(|column| column.name.to_string()).collect();
+    for (name, value) in &piece.fixed {
+        match *name {
+            "reference" => {
+                // The column's value, not its square's.
+                let value = if piece.id.ends_with("^2") { value.max(0.0).sqrt() } else { *value };
+                reference.extend(columns.first().map(|column| (column.clone(), value)));
+            }
+            other => parameters.push((other, *value)),
+        }
+    }
+    FittedEffect {
+        id: piece.id.clone(),
+        name: piece.effect.name().to_string(),
+        explanation: piece.effect.explanation().to_string(),
+        columns,
+        coefficients: piece.coefficients[..k].to_vec(),
+        std_errors,
+        unit: piece.effect.unit().to_string(),
+        reference,
+        parameters,
+    }
+}
+
+/// Where the corrected field points, from the sine of its angle with gravity.
+fn dip_in_words(sin_dip: f64) -> String {
+    let dip_deg = sin_dip.clamp(-1.0, 1.0).asin().to_degrees();
+    format!("{:.0}° {} the horizon", dip_deg.abs(), if dip_deg < 0.0 { "above" } else { "below" })
+}

@@ -1,0 +1,70 @@
+//! What a diagnosis shares with `fit`: the axes of its matrix, and the base model as its first row.
+
+use crate::base::axes::{Aligned, Alignment, Found};
+use crate::base::model::Base;
+use crate::base::piece::COLUMNS;
+use crate::outcome::outcome::{Diagnosis, Dip};
+use crate::outcome::view::DipStudy;
+
+/// Gives the calibration the axes that the dip allows, and the errors in them.
+pub(crate) fn take_axes(
+    diagnosis: &mut Diagnosis,
+    covariance: Option<&[[f64; COLUMNS]]>,
+    dip: &Option<DipStudy>,
+) {
+    let (Some(calibration), Some(covariance)) = (&mut diagnosis.calibration, covariance) else { return };
+    if covariance.len() < 9 {
+        return;
+    }
+    let nine = std::array::from_fn(|i| std::array::from_fn(|j| covariance[i][j]));
+    let rotation =
+        dip.as_ref().and_then(|dip| dip.errors.as_ref()).map(|errors| errors.rotation(Some(covariance)));
+    let found = dip.as_ref().map(|dip| Found {
+        before_deg: diagnosis.dip.map_or(dip.alignment.before_deg, |dip| dip.rms_deg_before),
+        after_deg: dip.after_deg,
+        angle_deg: dip.alignment.angle_deg,
+        axis_order: diagnosis.axis_order.as_deref(),
+        rotation: rotation.as_ref(),
+    });
+    let predicted_share =
+        diagnosis.predicted_error_ut.map_or(f64::INFINITY, |error| error / calibration.field_ut);
+    let Some(aligned) = Aligned::of(&calibration.matrix, &nine, predicted_share, found) else { return };
+    calibration.matrix = aligned.matrix;
+    diagnosis.std_errors = Some(aligned.std_errors);
+    diagnosis.alignment = aligned.alignment;
+}
+
+/// States the base model as `fit` gives it in the first row; of a `plain` diagnosis, which adds nothing to the magnitude's
+/// model, everything else too.
+pub(crate) fn first_row(diagnosis: &mut Diagnosis, base: &Base, plain: bool) {
+    let solution = &base.solution;
+    if let Some(first) = diagnosis.steps.first_mut() {
+        first.rms_ut = solution.rms_ut;
+        first.holdout_rms_ut = base.holdout_rms_ut;
+        if let Alignment::Done { after_deg, .. } = &solution.alignment {
+            first.dip_rms_deg = Some(*after_deg);
+        }
+    }
+    if !plain {
+        return;
+    }
+    for row in diagnosis.steps.iter_mut().skip(1) {
+        (row.rms_ut, row.holdout_rms_ut) = (solution.rms_ut, base.holdout_rms_ut);
+    }
+    diagnosis.noise_floor_ut = Some(base.noise_floor_ut);
+    diagnosis.residual_floor_ut = Some(base.residual_floor_ut);
+    diagnosis.predicted_error_ut = Some(solution.predicted_error_ut);
+    diagnosis.information.clone_from(&solution.information);
+    if diagnosis.steps.len() == 1 {
+        diagnosis.calibration = Some(solution.calibration);
+        diagnosis.std_errors = Some(solution.std_errors.clone());
+        diagnosis.alignment = solution.alignment.clone();
+        if let Alignment::Done { angle_deg, before_deg, after_deg, .. } = solution.alignment {
+            diagnosis.dip = Some(Dip {
+                rms_deg_before: before_deg,
+                rms_deg_after: after_deg,
+                misalignment_deg: angle_deg,
+            });
+        }
+    }
+}

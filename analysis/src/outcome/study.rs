@@ -1,0 +1,112 @@
+//! The whole diagnosis of one log.
+
+use crate::base::counted::Counted;
+use crate::base::engine::Pass;
+use crate::base::ground::{Ground, with_room};
+use crate::base::known::Known;
+use crate::base::start;
+use crate::outcome::at_rest::at_rest;
+use crate::outcome::blank::undetermined;
+use crate::outcome::explain::{Stand, explain};
+use crate::outcome::lower_order::as_logged;
+use crate::outcome::outcome::{Diagnosis, Status, Verdict};
+use crate::outcome::request::{Options, Refusal};
+use crate::outcome::view::View;
+use crate::samples::samples::Samples;
+use crate::search::candidates::Catalogue;
+use crate::table::Table;
+use ironout::fit::MAX_PREDICTED_ERROR;
+use ironout::study::{Model, Residual};
+
+/// Fewer samples are no study.
+const FEWEST: usize = 30;
+
+/// The diagnosis of a log.
+pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
+    with_room(|| study(&Ground::of(table, options.method, options.scale_ut()), options))
+}
+
+/// The diagnosis of a log whose samples are sorted out, with [`with_room`] to work in.
+pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
+    let counted = &ground.counted;
+    let mut diagnosis = of_kind(ground, options)?;
+    diagnosis.data_faults.clone_from(&counted.faults);
+    diagnosis.samples_used = counted.studied();
+    diagnosis.samples_set_aside = counted.set_aside();
+    diagnosis.base = ground.base.as_ref().ok().filter(|_| !counted.rests && options.prior.is_none()).cloned();
+    Ok(diagnosis)
+}
+
+fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
+    let Counted { table, samples, .. } = &ground.counted;
+    if samples.len() < FEWEST {
+        let why = match ground.counted.at_rest {
+            0 => format!("fewer than {FEWEST} different samples"),
+            rest => {
+                format!("{} samples in motion are too few ({rest} are of a resting board)", samples.len())
+            }
+        };
+        return Ok(undetermined(table, samples, why));
+    }
+    if ground.counted.rests {
+        return at_rest(table, samples, options);
+    }
+    if ground.counted.axes != [true; 3] {
+        let why = "an axis is a copy of another, so there is no ellipsoid: repair the driver".into();
+        return Ok(undetermined(table, samples, why));
+    }
+    let known = Known {
+        earlier: options.prior.as_ref().map(|prior| prior.earlier(options.field_ut)),
+        ..Known::default()
+    };
+    let Some((model, _)) = start::start(samples, options.scale_ut()) else {
+        return Ok(undetermined(table, samples, "no sphere or ellipsoid fits the samples".into()));
+    };
+    // On top of an earlier calibration the base is fitted with it, which sums alone cannot.
+    let base = ground.base.as_ref().ok().filter(|_| options.prior.is_none());
+    let mut diagnosis = magnitude(table, samples, model, &known, options, Stand { base, held: false })?;
+    if diagnosis.verdict == Verdict::Undetermined && options.prior.is_none() {
+        // Only where the attitude is at fault: full attitude with a large residual is something else.
+        let field = diagnosis.calibration.map_or(f64::NAN, |calibration| calibration.field_ut);
+        let open = diagnosis.predicted_error_ut.is_none_or(|error| error > MAX_PREDICTED_ERROR * field);
+        if open && let Some(lower) = as_logged(table, samples, options)? {
+            diagnosis = lower;
+        } else {
+            accuse_nobody(&mut diagnosis);
+        }
+    }
+    Ok(diagnosis)
+}
+
+/// Where the base is not determined nothing that stands on it may be claimed.
+fn accuse_nobody(diagnosis: &mut Diagnosis) {
+    diagnosis.steps.truncate(1);
+    diagnosis.effects.clear();
+    diagnosis.axis_order = None;
+    for row in diagnosis.candidates.iter_mut().filter(|row| row.status != Status::Untestable) {
+        row.status = Status::Untestable;
+        row.why = "the data do not support a calibration, so this cannot be told".into();
+        row.p_value = None;
+        row.holdout_rms_ut = None;
+        row.confounded_with.clear();
+    }
+}
+
+fn magnitude(
+    table: &Table,
+    samples: &Samples,
+    model: Model<f64>,
+    known: &Known,
+    options: &Options,
+    stand: Stand,
+) -> Result<Diagnosis, Refusal> {
+    let catalogue = Catalogue::new(samples, table);
+    let pass = Pass { samples, residual: Residual::Magnitude };
+    let (explanation, pure_lag) = match explain(pass, &catalogue, model, known, options, stand)? {
+        Ok(explained) => explained,
+        Err(why) => return Ok(undetermined(table, samples, why)),
+    };
+    let base = stand.base;
+    View { table, samples, catalogue: &catalogue, pass, known, explanation, lower_order: None, base }
+        .finish(pure_lag)
+}

@@ -1,0 +1,299 @@
+//! What a finished search says: verdict, floors, dip and heading.
+
+use crate::base::alignment::{Alignment, align, without_effects};
+use crate::base::dip_errors::DipErrors;
+use crate::base::engine::Pass;
+use crate::base::known::Known;
+use crate::base::model::Base;
+use crate::base::piece::{BadShape, Piece};
+use crate::base::quality::{Residue, attitude_error, covariance, residue};
+use crate::base::start;
+use crate::outcome::outcome::{Heading, StepRow, Verdict, Where};
+use crate::residual::heading::{backwards, heading_error, mirrored, negated};
+use crate::residual::late::{Late, scan};
+use crate::samples::samples::Samples;
+use crate::search::candidates::Catalogue;
+use crate::search::screen::{Candidate, SIGNIFICANCE, screen};
+use crate::search::state::Explanation;
+use crate::table::Table;
+use ironout::fit::MAX_PREDICTED_ERROR;
+use ironout::quality::MAX_RESIDUAL;
+use ironout::study::{Model, Residual, f_tail};
+
+/// A dip that spreads by more than this after alignment, degrees, is worth a search for a sensor that is very late.
+const LOOSE_DEG: f64 = 3.0;
+
+/// The squared error on unseen time exceeds what is expected of noise by chance by so many times that excess ...
+const UNSEEN_SLACK: f64 = 2.0;
+/// ... and by this share of the noise's square.
+const UNSEEN_LEAST: f64 = 0.1;
+
+/// Everything that the report of a magnitude study is made from.
+pub(crate) struct View<'v, 'a> {
+    pub(crate) table: &'a Table<'a>,
+    pub(crate) samples: &'a Samples,
+    pub(crate) catalogue: &'v Catalogue<'a>,
+    pub(crate) pass: Pass<'a>,
+    pub(crate) known: &'v Known,
+    pub(crate) explanation: Explanation<'a>,
+    /// What is known of the base, in words, where not all of it is estimated.
+    pub(crate) lower_order: Option<String>,
+    /// The base model as `fit` gives it, if the log carries one.
+    pub(crate) base: Option<&'v Base>,
+}
+
+/// What the dip says in the end.
+pub(crate) struct DipStudy<'a> {
+    pub(crate) alignment: Alignment,
+    pub(crate) lag: Option<Piece<'a>>,
+    pub(crate) after_deg: f64,
+    pub(crate) errors: Option<DipErrors>,
+    /// Standard error of the delay, s.
+    pub(crate) delay_error_s: f64,
+    /// p-value and held-out rms in degrees of the pure lag.
+    pub(crate) tested: Option<(f64, Option<f64>)>,
+}
+
+impl<'a> View<'_, 'a> {
+    pub(crate) fn dip(&self, force_lag: bool) -> Result<Option<DipStudy<'a>>, BadShape> {
+        let fitted = &self.explanation.fitted;
+        let clean = without_effects(self.samples, &fitted.model, &fitted.pieces);
+        let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(None) };
+        let after_deg = alignment.after_deg;
+        let errors = DipErrors::of(self.samples, &alignment.model, &fitted.pieces, None)?;
+        let mut study =
+            DipStudy { alignment, lag: None, after_deg, errors, delay_error_s: f64::NAN, tested: None };
+        let Some(lag) = self.catalogue.lag() else { return Ok(Some(study)) };
+        let pass = Pass { samples: &clean, residual: Residual::Dip };
+        let Some(base) = pass.fit(study.alignment.model, Vec::new(), self.known)? else {
+            return Ok(Some(study));
+        };
+        let candidate = Candidate { piece: lag.clone(), searched: 1.0 };
+        let screening = screen(&pass, &base, std::slice::from_ref(&candidate), 2)?;
+        let Some(tested) = screening.tested.into_iter().next() else { return Ok(Some(study)) };
+        let held_deg = tested.held_out.map(|squares| (squares / base.rows).sqrt().to_degrees());
+        study.tested = Some((tested.p_value, held_deg));
+        let has_eddy = fitted.pieces.iter().any(|piece| piece.id == lag.id);
+        let far = if tested.accepted || force_lag || has_eddy || after_deg < LOOSE_DEG {
+            None
+        } else {
+            scan(self.table, &clean, &base.model, after_deg)?
+        };
+        if (tested.accepted || force_lag || has_eddy || far.is_some())
+            && let Some(with) = pass.fit(base.model, vec![lag], self.known)?
+        {
+            let mut late =
+                Late { model: with.model, pieces: with.pieces, squares: with.squares, beside: None };
+            if !has_eddy {
+                late = late.settled(self.table, &clean, self.known, far)?;
+            }
+            // Errors where the delay is: the sensors beside it are moved, and the piece has the rest to do.
+            let raw = late.beside.and_then(|delay_s| self.samples.beside_late(self.table, delay_s));
+            let mut at = late.pieces.first().cloned();
+            if let (Some(piece), Some(beside)) = (&mut at, late.beside) {
+                piece.coefficients[0] -= beside;
+            }
+            let errors = DipErrors::of(
+                raw.as_ref().unwrap_or(self.samples),
+                &late.model,
+                &fitted.pieces,
+                at.as_ref(),
+            )?;
+            let delay_s = late.pieces.first().map_or(0.0, |piece| piece.coefficients[0]);
+            if tested.accepted && !force_lag && !has_eddy {
+                let p_value = self.chance_of_delay(&errors, delay_s)?;
+                study.tested = Some((p_value, held_deg));
+                if 2.0 * p_value >= SIGNIFICANCE {
+                    return Ok(Some(study));
+                }
+            }
+            study.errors = errors;
+            study.lag = late.pieces.into_iter().next();
+            if !has_eddy {
+                study.alignment.model = late.model;
+                study.after_deg = (late.squares / with.rows.max(1.0)).sqrt().to_degrees();
+            }
+        }
+        Ok(Some(study))
+    }
+
+    /// The probability that a sensor which is not late shows this delay, with the errors of the base and the effects
+    /// counted in. No sensor is early: what points there is chance, or columns whose clocks differ.
+    fn chance_of_delay(&self, errors: &Option<DipErrors>, delay_s: f64) -> Result<f64, BadShape> {
+        let fitted = &self.explanation.fitted;
+        let list: Vec<&Piece> = fitted.pieces.iter().collect();
+        let residuals = self.pass.residuals(&fitted.model, &list)?;
+        let left = residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s());
+        let (Some(errors), Some(rows)) = (errors, covariance(fitted, left.time)) else { return Ok(1.0) };
+        let variance = errors.delay_variance(&rows);
+        if delay_s <= 0.0 || variance.is_nan() || variance <= 0.0 {
+            return Ok(1.0);
+        }
+        Ok(f_tail(delay_s * delay_s / variance, 1.0, fitted.rows / left.time.max(1.0)))
+    }
+
+    /// The dip cannot tell a field from its opposite, a reference heading can: where every heading is backwards, all
+    /// three axes are taken the other way round.
+    pub(crate) fn choose_hemisphere(&mut self, dip: &mut DipStudy) {
+        let fitted = &self.explanation.fitted;
+        let (Some(reference), Some(twin)) = (self.table.heading_deg, mirrored(&fitted.model)) else { return };
+        let error = |model: &Model<f64>| heading_error(self.samples, model, &fitted.pieces, reference);
+        if !error(&fitted.model).zip(error(&twin)).is_some_and(|(own, other)| backwards(own, other)) {
+            return;
+        }
+        self.explanation.fitted.model = twin;
+        dip.alignment.mirrored = !dip.alignment.mirrored;
+        let order = negated(dip.alignment.axis_order.as_deref().unwrap_or("x,y,z"));
+        dip.alignment.axis_order = (order != "x,y,z").then_some(order);
+    }
+
+    /// The held-out error over the noise floor, where it is more than that many parameters and that noise's memory make of
+    /// it: a model that explains the samples it has seen by chance, or structure that passes for noise.
+    pub(crate) fn fails_on_unseen_time(&self, left: &Residue) -> Option<f64> {
+        let fitted = &self.explanation.fitted;
+        let ratio = crate::search::state::held_out_rms(fitted)? / left.floor;
+        let independent = fitted.rows / left.time.max(1.0);
+        let expected = 1.0 + 2.0 * fitted.columns() as f64 / independent.max(1.0);
+        (ratio * ratio > expected + UNSEEN_SLACK * (expected - 1.0) + UNSEEN_LEAST).then_some(ratio)
+    }
+
+    /// Whether the base model is the final one, and `fit` is sure of it.
+    pub(crate) fn is_accepted(&self) -> bool {
+        let plain = self.base.filter(|_| self.explanation.fitted.pieces.is_empty());
+        plain.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR)
+    }
+
+    pub(crate) fn prior_words(&self) -> String {
+        if self.known.earlier.is_some() {
+            "the information of the earlier calibration, and a weak physical prior".into()
+        } else if let Some(words) = &self.lower_order {
+            words.clone()
+        } else {
+            "weak: gains within some 20 % of each other, axes within some 10°, offset within a few fields"
+                .into()
+        }
+    }
+
+    pub(crate) fn base_dip(&self) -> Option<f64> {
+        let base = &self.explanation.base;
+        align(self.samples, &base.model).ok().flatten().map(|alignment| alignment.before_deg)
+    }
+
+    pub(crate) fn steps(&self, dip: &Option<DipStudy>) -> Result<Vec<StepRow>, BadShape> {
+        let count = self.explanation.steps.len();
+        let base_dip =
+            align(self.samples, &self.explanation.base.model)?.map(|alignment| alignment.after_deg);
+        Ok(self
+            .explanation
+            .steps
+            .iter()
+            .enumerate()
+            .map(|(index, step)| StepRow {
+                added: step.added.clone(),
+                rms_ut: step.rms,
+                holdout_rms_ut: step.held_out,
+                dip_rms_deg: match dip {
+                    Some(dip) if index + 1 == count && index > 0 => Some(dip.alignment.after_deg),
+                    Some(_) if index == 0 => base_dip,
+                    _ => None,
+                },
+            })
+            .collect())
+    }
+
+    pub(crate) fn verdict(
+        &self,
+        left: &Residue,
+        predicted: Option<f64>,
+        field: f64,
+    ) -> (Verdict, Vec<String>) {
+        let mut reasons = Vec::new();
+        match attitude_error(&self.explanation.fitted, left) {
+            // What is held fixed has no error to predict, and what `fit` accepts is determined.
+            _ if self.lower_order.is_some() || self.is_accepted() => {}
+            Some(error) if error <= MAX_PREDICTED_ERROR => {}
+            Some(error) => reasons.push(format!(
+                "the corrected vector would be off by {:.1} % of the field in the worst direction (1σ): turn the board \
+                 through more attitudes",
+                100.0 * error
+            )),
+            None => reasons.push("the attitude does not determine the ellipsoid".into()),
+        }
+        // Noise so large carries no calibration; structure so large is a missing effect, whatever the attitude.
+        if left.rms > MAX_RESIDUAL * field && left.structure <= 0.0 {
+            reasons.push(format!("the residual is {:.1} % of the field", 100.0 * left.rms / field));
+        }
+        if !reasons.is_empty() {
+            return (Verdict::Undetermined, reasons);
+        }
+        if let Some(error) =
+            predicted.filter(|error| self.lower_order.is_none() && *error > MAX_PREDICTED_ERROR)
+        {
+            reasons.push(format!(
+                "a calibration from this log would be off by {:.1} % of the field in the worst direction (1σ), for its \
+                 noise and its effects: record longer",
+                100.0 * error
+            ));
+        }
+        if let Some(again) = &self.explanation.repeated {
+            reasons.push(format!("there is {again}, and a model holds each effect once"));
+            return (Verdict::Unexplained, reasons);
+        }
+        if left.structure > 0.0 {
+            reasons.push(format!(
+                "{:.0} % of the residual's variance is structure that no candidate explains",
+                100.0 * left.structure
+            ));
+            return (Verdict::Unexplained, reasons);
+        }
+        if let Some(times) = self.fails_on_unseen_time(left) {
+            reasons.push(format!(
+                "on unseen time the error is {times:.1} times what the noise leaves: what stands in the model does not \
+                 hold there"
+            ));
+            return (Verdict::Unexplained, reasons);
+        }
+        if !self.explanation.fitted.converged {
+            reasons.push("the fit of the model with all that was found did not converge".into());
+            return (Verdict::Unexplained, reasons);
+        }
+        if !self.explanation.confounded.is_empty() {
+            for group in &self.explanation.confounded {
+                reasons.push(format!("{} explain the same", group.ids.join(", ")));
+            }
+            return (Verdict::Confounded, reasons);
+        }
+        if self.explanation.fitted.pieces.is_empty() {
+            (Verdict::Complete, reasons)
+        } else {
+            (Verdict::Missing, reasons)
+        }
+    }
+
+    pub(crate) fn heading(&self, dip: &Option<DipStudy>) -> Result<Option<Heading>, BadShape> {
+        let Some(reference) = self.table.heading_deg else { return Ok(None) };
+        let base = &self.explanation.base;
+        let triangular =
+            Model::new(base.model.offset_ut, base.model.matrix, base.model.field_ut, start::NO_ROTATION, 0.0);
+        let fitted = &self.explanation.fitted;
+        let mut pieces = fitted.pieces.clone();
+        if !pieces.iter().any(|piece| piece.id == "lag") {
+            pieces.extend(dip.as_ref().and_then(|dip| dip.lag.clone()));
+        }
+        let before = triangular.and_then(|model| heading_error(self.samples, &model, &[], reference));
+        let after = heading_error(self.samples, &fitted.model, &pieces, reference);
+        Ok(before.zip(after).map(|(rms_deg_before, rms_deg_after)| Heading { rms_deg_before, rms_deg_after }))
+    }
+
+    pub(crate) fn shows(&self) -> Result<Vec<Where>, BadShape> {
+        let base = &self.explanation.base;
+        let residuals = self.pass.residuals(&base.model, &[])?;
+        Ok(crate::outcome::shows::shows(
+            self.samples,
+            &residuals,
+            &self.explanation.first,
+            base,
+            self.explanation.count,
+        ))
+    }
+}

@@ -1,0 +1,420 @@
+//! The noise's spectrum, and the test of a candidate that knows it.
+//!
+//! Noise with a memory weighs most on the columns that vary as slowly as it does, and hardly on fast ones. So the test
+//! takes the variance of what it measures, `X'r`, from the noise's power where the candidate's own columns have theirs:
+//! `X'ΓX = Σ_f S(f) |X(f)|²`. One number of independent samples for all candidates would be too strict for the fast and
+//! too kind to the slow.
+
+use crate::base::engine::{Fitted, Pass};
+use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
+use crate::samples::fft;
+use ironout::study::{MIN_EIGENVALUE, Residual, f_tail};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use std::ops::Range;
+
+/// The longest autoregression of the noise.
+const LONGEST_ORDER: usize = 24;
+/// Room behind a series, so that its end does not meet its beginning within the autoregression.
+const PADDING: usize = 64;
+/// Rounds of filling in what the fit has taken out of the noise.
+const ROUNDS: usize = 6;
+
+/// Rows of a pass, series after series (for the vector axis after axis).
+pub struct Rows {
+    columns: usize,
+    /// Row by row.
+    values: Vec<f64>,
+    /// The residuals.
+    residuals: Vec<f64>,
+}
+
+impl Rows {
+    /// Of the fitted model with further pieces.
+    pub fn of(pass: &Pass, fitted: &Fitted, all: &[&Piece]) -> Result<Rows, BadShape> {
+        let columns = pass.residual.base_columns() + all.iter().map(|piece| piece.k()).sum::<usize>();
+        let columns = columns.min(COLUMNS);
+        let mut rows = Rows { columns, values: Vec::new(), residuals: Vec::new() };
+        pass.rows(0..pass.samples.len(), &fitted.model, all, |_, row, r| {
+            rows.values.extend_from_slice(&row[..columns]);
+            rows.residuals.push(r);
+        })?;
+        if pass.residual == Residual::Vector {
+            let axes = pass.samples.axes.iter().filter(|used| **used).count().max(1);
+            let n = rows.residuals.len();
+            let order = (0..axes).flat_map(|axis| (axis..n).step_by(axes));
+            let mut sorted = Rows { columns, values: Vec::new(), residuals: Vec::new() };
+            for index in order {
+                sorted.values.extend_from_slice(&rows.values[index * columns..(index + 1) * columns]);
+                sorted.residuals.push(rows.residuals[index]);
+            }
+            rows = sorted;
+        }
+        Ok(rows)
+    }
+
+    fn len(&self) -> usize {
+        self.residuals.len()
+    }
+
+    /// Residuals of the linearised model moved by `step`.
+    pub fn moved(&self, step: &[f64; COLUMNS]) -> Vec<f64> {
+        self.values
+            .chunks_exact(self.columns.max(1))
+            .zip(&self.residuals)
+            .map(|(row, r)| r + row.iter().zip(step).map(|(a, b)| a * b).sum::<f64>())
+            .collect()
+    }
+}
+
+/// Transforms of real series, two at a time.
+fn transforms(series: &[Vec<f64>], size: usize) -> Vec<Vec<(f64, f64)>> {
+    let mut out = Vec::with_capacity(series.len());
+    for pair in series.chunks(2) {
+        let mut data = vec![(0.0, 0.0); size];
+        for (slot, value) in data.iter_mut().zip(&pair[0]) {
+            slot.0 = *value;
+        }
+        if let Some(second) = pair.get(1) {
+            for (slot, value) in data.iter_mut().zip(second) {
+                slot.1 = *value;
+            }
+        }
+        fft::forward(&mut data);
+        let half = size / 2;
+        let at = |bin: usize| (data[bin], data[(size - bin) % size]);
+        let first = (0..=half).map(|bin| {
+            let (a, b) = at(bin);
+            (0.5 * (a.0 + b.0), 0.5 * (a.1 - b.1))
+        });
+        out.push(first.collect());
+        if pair.len() > 1 {
+            let second = (0..=half).map(|bin| {
+                let (a, b) = at(bin);
+                (0.5 * (a.1 + b.1), 0.5 * (b.0 - a.0))
+            });
+            out.push(second.collect());
+        }
+    }
+    out
+}
+
+/// How often a bin of the half spectrum stands in the whole.
+fn weight(bin: usize, size: usize) -> f64 {
+    if bin == 0 || 2 * bin == size { 1.0 } else { 2.0 }
+}
+
+/// The length of transforms of `n` values.
+fn padded(n: usize) -> usize {
+    (n + PADDING).next_power_of_two()
+}
+
+/// The power of noise by frequency.
+pub struct Spectrum {
+    /// Half spectrum; its mean over the whole circle is the variance.
+    power: Vec<f64>,
+    size: usize,
+    /// The autoregression behind it: coefficients, and their covariance.
+    coefficients: Vec<f64>,
+    uncertain: DMatrix<f64>,
+    /// Independent values behind the variance.
+    freedom: f64,
+}
+
+impl Spectrum {
+    /// Of a residual. `absorbed` is the share that the fit takes out of the noise at each bin: it is filled in again with
+    /// what the spectrum itself expects there (expectation and maximisation by turns, which ends at the most likely
+    /// spectrum). The spectrum is that of an autoregression, its order chosen by Akaike's criterion: it sees a short
+    /// memory at all frequencies and so says what a band holds of which the fit has left little.
+    pub fn of(residuals: &[f64], absorbed: &[f64]) -> Spectrum {
+        let n = residuals.len();
+        let size = padded(n);
+        let transform = transforms(std::slice::from_ref(&residuals.to_vec()), size).swap_remove(0);
+        let seen: Vec<f64> = transform.iter().map(|(re, im)| (re * re + im * im) / n.max(1) as f64).collect();
+        let share = |bin: usize| absorbed.get(bin).copied().unwrap_or(0.0).clamp(0.0, 1.0);
+        let total = |power: &dyn Fn(usize) -> f64| {
+            (0..seen.len()).map(|bin| weight(bin, size) * power(bin)).sum::<f64>() / size as f64
+        };
+        let left = 1.0 - total(&|bin| share(bin));
+        let variance = total(&|bin| seen[bin]) / left.max(0.1);
+        let order = LONGEST_ORDER.min(n / 40);
+        let mut power = vec![variance; seen.len()];
+        let freedom = n as f64 * left;
+        let mut model = Autoregression { coefficients: Vec::new(), error: variance };
+        let mut covariance = Vec::new();
+        let mut turns = vec![(0.0, 0.0); size];
+        for _ in 0..ROUNDS {
+            for (bin, (a, b)) in seen.iter().zip(&power).enumerate() {
+                let whole = (a + share(bin) * b, 0.0);
+                turns[bin] = whole;
+                turns[(size - bin) % size] = whole;
+            }
+            fft::forward(&mut turns);
+            covariance = (0..=order).map(|lag| turns[lag].0 / size as f64).collect();
+            model = Autoregression::of(&covariance, freedom);
+            power = model.power(size);
+        }
+        let p = model.coefficients.len();
+        let memory = DMatrix::from_fn(p, p, |i, j| covariance[i.abs_diff(j)]);
+        let inverse = memory.cholesky().map_or_else(|| DMatrix::zeros(p, p), |factor| factor.inverse());
+        let uncertain = inverse * (model.error / freedom);
+        Spectrum { power, size, coefficients: model.coefficients, uncertain, freedom }
+    }
+
+    /// Degrees of freedom of the power where `shares` (they add up to 1) of a candidate's variance lie: two over the
+    /// variance of its logarithm, from the errors of the autoregression.
+    fn freedom(&self, shares: &[f64]) -> f64 {
+        let p = self.coefficients.len();
+        let mut slope = DVector::zeros(p);
+        for (bin, share) in shares.iter().enumerate().filter(|(_, share)| **share > 1e-6) {
+            let angle = std::f64::consts::TAU * bin as f64 / self.size as f64;
+            // A = 1 − Σ a_j e^(−iωj), and ∂ log S / ∂a_j = 2 Re(e^(−iωj) / A).
+            let (mut re, mut im) = (1.0, 0.0);
+            for (j, a) in self.coefficients.iter().enumerate() {
+                let (sin, cos) = (angle * (j + 1) as f64).sin_cos();
+                (re, im) = (re - a * cos, im + a * sin);
+            }
+            let square = (re * re + im * im).max(1e-12);
+            for j in 0..p {
+                let (sin, cos) = (angle * (j + 1) as f64).sin_cos();
+                slope[j] += share * 2.0 * (cos * re - sin * im) / square;
+            }
+        }
+        let variance = 2.0 / self.freedom + slope.dot(&(&self.uncertain * &slope));
+        2.0 / variance
+    }
+
+    /// Variance.
+    pub fn variance(&self) -> f64 {
+        self.power.iter().enumerate().map(|(bin, p)| weight(bin, self.size) * p).sum::<f64>()
+            / self.size as f64
+    }
+
+    /// Autocorrelation at the lags below `lags`.
+    pub fn correlation(&self, lags: usize) -> Vec<f64> {
+        let mut turns = vec![(0.0, 0.0); self.size];
+        for (bin, power) in self.power.iter().enumerate() {
+            turns[bin] = (*power, 0.0);
+            turns[(self.size - bin) % self.size] = (*power, 0.0);
+        }
+        fft::forward(&mut turns);
+        let zero = turns[0].0.max(f64::MIN_POSITIVE);
+        turns.iter().take(lags).map(|value| value.0 / zero).collect()
+    }
+}
+
+/// A series that follows from its own past and fresh noise.
+struct Autoregression {
+    coefficients: Vec<f64>,
+    /// Variance of the fresh noise.
+    error: f64,
+}
+
+impl Autoregression {
+    /// That of the autocovariance `covariance` from `n` values, of the order that Akaike's criterion likes best.
+    fn of(covariance: &[f64], n: f64) -> Autoregression {
+        let mut now: Vec<f64> = Vec::new();
+        let mut error = covariance[0].max(f64::MIN_POSITIVE);
+        let mut best = (n * error.ln(), now.clone(), error);
+        for order in 1..covariance.len() {
+            // Levinson's recursion.
+            let expected: f64 = now.iter().enumerate().map(|(i, a)| a * covariance[order - 1 - i]).sum();
+            let reflection = (covariance[order] - expected) / error;
+            if !reflection.is_finite() || reflection.abs() >= 1.0 {
+                break;
+            }
+            let mut next: Vec<f64> =
+                (0..now.len()).map(|i| now[i] - reflection * now[now.len() - 1 - i]).collect();
+            next.push(reflection);
+            now = next;
+            error *= 1.0 - reflection * reflection;
+            let criterion = n * error.ln() + 2.0 * order as f64;
+            if criterion < best.0 {
+                best = (criterion, now.clone(), error);
+            }
+        }
+        Autoregression { coefficients: best.1, error: best.2 }
+    }
+
+    /// Its power by bin.
+    fn power(&self, size: usize) -> Vec<f64> {
+        let mut filter = vec![(0.0, 0.0); size];
+        filter[0].0 = 1.0;
+        for (slot, a) in filter.iter_mut().skip(1).zip(&self.coefficients) {
+            slot.0 = -a;
+        }
+        fft::forward(&mut filter);
+        let power = |(re, im): &(f64, f64)| self.error / (re * re + im * im).max(1e-12);
+        filter.iter().take(size / 2 + 1).map(power).collect()
+    }
+}
+
+/// Columns made orthogonal to each other.
+struct Orthogonal {
+    /// Their transforms.
+    transforms: Vec<Vec<(f64, f64)>>,
+    /// The residual along each.
+    along: Vec<f64>,
+}
+
+/// The columns of a fit made orthogonal, and candidates beyond them.
+pub struct Frame<'r> {
+    rows: &'r Rows,
+    /// Scaled Cholesky factor of the base.
+    factor: DMatrix<f64>,
+    scale: Vec<f64>,
+    base: Vec<usize>,
+    /// The rows in the base's own frame, row by row.
+    turned: Vec<f64>,
+    /// Share of the noise that the base takes out, by bin.
+    absorbed: Vec<f64>,
+    size: usize,
+}
+
+/// A candidate's test with the noise's spectrum.
+pub struct Verdict {
+    /// Probability that chance does as well.
+    pub p_value: f64,
+    /// By how much the noise's memory widens the candidate's errors (variance), 1 for white noise.
+    pub time: f64,
+}
+
+impl<'r> Frame<'r> {
+    /// Of the columns `base` of a normal matrix over the same rows.
+    pub fn new(rows: &'r Rows, total: &Matrix, base: Vec<usize>) -> Option<Frame<'r>> {
+        let p = base.len();
+        let scale: Vec<f64> = base.iter().map(|&i| total.entry(i, i).sqrt().recip()).collect();
+        let normal = DMatrix::from_fn(p, p, |i, j| total.entry(base[i], base[j]) * scale[i] * scale[j]);
+        let factor = normal.cholesky()?.unpack();
+        let size = padded(rows.len());
+        let mut turned = Vec::with_capacity(rows.len() * p);
+        for row in rows.values.chunks_exact(rows.columns.max(1)) {
+            let start = turned.len();
+            for i in 0..p {
+                let mut sum = row[base[i]] * scale[i];
+                for j in 0..i {
+                    sum -= factor[(i, j)] * turned[start + j];
+                }
+                turned.push(sum / factor[(i, i)]);
+            }
+        }
+        let mut absorbed = vec![0.0; size / 2 + 1];
+        let columns: Vec<Vec<f64>> =
+            (0..p).map(|i| turned.iter().skip(i).step_by(p.max(1)).copied().collect()).collect();
+        add_power(&mut absorbed, &transforms(&columns, size), rows.len());
+        Some(Frame { rows, factor, scale, base, turned, absorbed, size })
+    }
+
+    fn forward(&self, values: impl Fn(usize) -> f64) -> DVector<f64> {
+        let p = self.base.len();
+        let mut out = DVector::zeros(p);
+        for i in 0..p {
+            let mut sum = values(self.base[i]) * self.scale[i];
+            for j in 0..i {
+                sum -= self.factor[(i, j)] * out[j];
+            }
+            out[i] = sum / self.factor[(i, i)];
+        }
+        out
+    }
+
+    /// The directions of the columns `candidate` that are new.
+    fn beyond(&self, total: &Matrix, candidate: Range<usize>) -> Option<Orthogonal> {
+        let (p, k) = (self.base.len(), candidate.len());
+        let norm = |column: usize| {
+            let square = total.entry(column, column);
+            if square > 0.0 { square.sqrt().recip() } else { 0.0 }
+        };
+        let scale: Vec<f64> = candidate.clone().map(norm).collect();
+        let through: Vec<DVector<f64>> = candidate
+            .clone()
+            .zip(&scale)
+            .map(|(column, s)| self.forward(|i| total.entry(i, column)) * *s)
+            .collect();
+        let known = self.forward(|i| total.right(i));
+        let right =
+            DVector::from_fn(k, |i, _| total.right(candidate.start + i) * scale[i] - through[i].dot(&known));
+        let schur = DMatrix::from_fn(k, k, |i, j| {
+            total.entry(candidate.start + i, candidate.start + j) * scale[i] * scale[j]
+                - through[i].dot(&through[j])
+        });
+        if !schur.iter().chain(right.iter()).all(|value| value.is_finite()) {
+            return None;
+        }
+        let eigen = SymmetricEigen::new(schur);
+        let new: Vec<DVector<f64>> = (0..k)
+            .filter(|i| eigen.eigenvalues[*i] > MIN_EIGENVALUE)
+            .map(|i| eigen.eigenvectors.column(i) / eigen.eigenvalues[i].sqrt())
+            .collect();
+        let along = new.iter().map(|direction| direction.dot(&right)).collect();
+        // Weights of the candidate's own columns and of the base's, by direction.
+        let own: Vec<Vec<f64>> =
+            new.iter().map(|direction| direction.iter().zip(&scale).map(|(a, s)| a * s).collect()).collect();
+        let taken: Vec<DVector<f64>> = new
+            .iter()
+            .map(|direction| {
+                through.iter().zip(direction.iter()).fold(DVector::zeros(p), |sum, (t, a)| sum + t * *a)
+            })
+            .collect();
+        let mut columns = vec![Vec::with_capacity(self.rows.len()); new.len()];
+        let turned = self.turned.chunks_exact(p.max(1));
+        for (row, base) in self.rows.values.chunks_exact(self.rows.columns.max(1)).zip(turned) {
+            for ((out, own), taken) in columns.iter_mut().zip(&own).zip(&taken) {
+                let value: f64 = row[candidate.clone()].iter().zip(own).map(|(a, b)| a * b).sum();
+                out.push(value - base.iter().zip(taken.iter()).map(|(a, b)| a * b).sum::<f64>());
+            }
+        }
+        Some(Orthogonal { transforms: transforms(&columns, self.size), along })
+    }
+
+    /// The spectrum of a residual from which base and the columns `with` have been fitted.
+    pub fn spectrum(&self, total: &Matrix, with: Range<usize>, residuals: &[f64]) -> Option<Spectrum> {
+        let mut absorbed = self.absorbed.clone();
+        if !with.is_empty() {
+            add_power(&mut absorbed, &self.beyond(total, with)?.transforms, self.rows.len());
+        }
+        Some(Spectrum::of(residuals, &absorbed))
+    }
+
+    /// Tests the columns `candidate` against the base.
+    pub fn test(&self, total: &Matrix, candidate: Range<usize>, noise: &Spectrum) -> Option<Verdict> {
+        let Orthogonal { transforms, along } = self.beyond(total, candidate)?;
+        let k = along.len();
+        if k == 0 {
+            return None;
+        }
+        let variance = DMatrix::from_fn(k, k, |i, j| {
+            let (a, b) = (&transforms[i], &transforms[j]);
+            let sum: f64 = (0..noise.power.len())
+                .map(|bin| {
+                    let both = a[bin].0 * b[bin].0 + a[bin].1 * b[bin].1;
+                    weight(bin, self.size) * noise.power[bin] * both
+                })
+                .sum();
+            sum / self.size as f64
+        });
+        let time = variance.trace() / (k as f64 * noise.variance());
+        let along = DVector::from_vec(along);
+        let statistic = along.dot(&variance.cholesky()?.solve(&along));
+        let mut shares: Vec<f64> = (0..noise.power.len())
+            .map(|bin| {
+                let both: f64 = transforms.iter().map(|t| t[bin].0 * t[bin].0 + t[bin].1 * t[bin].1).sum();
+                weight(bin, self.size) * noise.power[bin] * both
+            })
+            .collect();
+        let sum: f64 = shares.iter().sum();
+        shares.iter_mut().for_each(|share| *share /= sum);
+        let freedom = noise.freedom(&shares);
+        Some(Verdict { p_value: f_tail(statistic / k as f64, k as f64, freedom), time })
+    }
+}
+
+fn add_power(sum: &mut [f64], transforms: &[Vec<(f64, f64)>], n: usize) {
+    for transform in transforms {
+        for (slot, (re, im)) in sum.iter_mut().zip(transform) {
+            *slot += (re * re + im * im) / n.max(1) as f64;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,47 @@
+//! The residuals sample by sample, for whoever draws them.
+
+use crate::base::engine::{Fitted, Pass};
+use crate::base::piece::{BadShape, Piece};
+use crate::samples::samples::Samples;
+use ironout::study::Residual;
+
+/// Residuals of the base model and of the final one.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Traces {
+    /// Row of the log of each sample.
+    pub rows: Vec<usize>,
+    /// Residual of the base model, µT: one series for the magnitude, one for each axis in use of a resting board.
+    pub base_ut: Vec<Vec<f64>>,
+    /// Residual of the final model, likewise.
+    pub final_ut: Vec<Vec<f64>>,
+    /// Unit vectors of the field as the base model corrects it; empty for a resting board.
+    pub directions: Vec<[f64; 3]>,
+}
+
+impl Traces {
+    /// Of two models over the same samples.
+    pub fn of(pass: &Pass, base: &Fitted, last: &Fitted) -> Result<Traces, BadShape> {
+        let samples: &Samples = pass.samples;
+        let residuals = |fitted: &Fitted| -> Result<Vec<Vec<f64>>, BadShape> {
+            let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
+            let all = pass.residuals(&fitted.model, &pieces)?;
+            Ok(all.chunks(samples.len().max(1)).map(<[f64]>::to_vec).collect())
+        };
+        let direction = |index: usize| {
+            let terms: Vec<_> = base.pieces.iter().map(|piece| piece.term(index)).collect();
+            let h = base.model.correct(&samples.readings[index], &terms).unwrap_or_default();
+            let length = h.iter().map(|value| value * value).sum::<f64>().sqrt();
+            if length > 0.0 { h.map(|value| value / length) } else { [0.0; 3] }
+        };
+        let directions = match pass.residual {
+            Residual::Vector => Vec::new(),
+            _ => (0..samples.len()).map(direction).collect(),
+        };
+        Ok(Traces {
+            rows: samples.row.clone(),
+            base_ut: residuals(base)?,
+            final_ut: residuals(last)?,
+            directions,
+        })
+    }
+}

@@ -1,0 +1,9 @@
+//! The samples of a log, and what is wrong with them.
+
+pub mod data;
+pub mod families;
+pub mod faults;
+pub mod fft;
+pub mod rest;
+pub mod samples;
+pub mod series;

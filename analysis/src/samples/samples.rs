@@ -1,0 +1,314 @@
+//! The samples of a study: repeated triples dropped, faulty rows set aside, long logs thinned.
+
+use crate::table::Table;
+use ironout::study::Reading;
+use std::borrow::Cow;
+
+/// A study searches over at most this many samples; a longer log is thinned evenly.
+pub const MOST_SAMPLES: usize = 40_000;
+
+/// A covariate at the samples.
+#[derive(Debug, Clone)]
+pub struct Column {
+    /// Name in the log.
+    pub name: String,
+    /// Values at the samples.
+    pub values: Vec<f64>,
+    /// Mean over the samples.
+    pub mean: f64,
+    /// Mean square over the samples.
+    pub mean_square: f64,
+    /// Where its effects are zero: the mean, which keeps them apart from the base; the value at rest where the base is
+    /// known for that state.
+    pub reference: f64,
+    /// The same of its square.
+    pub reference_square: f64,
+    /// Why it cannot be tested.
+    pub problem: Option<String>,
+}
+
+/// What a study runs over.
+#[derive(Debug, Clone)]
+pub struct Samples {
+    /// Time, s.
+    pub time: Option<Vec<f64>>,
+    /// Mean time of the first and the last sample, s.
+    pub middle_s: f64,
+    /// Vectors, rates and directions down.
+    pub readings: Vec<Reading<f64>>,
+    /// Covariates.
+    pub columns: Vec<Column>,
+    /// Row of the log of each sample.
+    pub row: Vec<usize>,
+    /// Every how many unique rows one sample was kept.
+    pub stride: usize,
+    /// Axes that carry data of their own.
+    pub axes: [bool; 3],
+    /// The coarsest step of the readings, µT.
+    pub quantum_ut: f64,
+}
+
+/// Rows that begin a run of equal field triples: a log faster than its sensor repeats them.
+pub fn unique_rows(table: &Table) -> Vec<usize> {
+    (0..table.rows()).filter(|&row| row == 0 || table.field(row) != table.field(row - 1)).collect()
+}
+
+/// Fills missing cells from their neighbours, linearly.
+fn fill_gaps(values: &mut [f64]) {
+    let mut last: Option<usize> = None;
+    for i in 0..values.len() {
+        if !values[i].is_finite() {
+            continue;
+        }
+        match last {
+            None => {
+                let value = values[i];
+                values[..i].fill(value);
+            }
+            Some(from) if i > from + 1 => {
+                let (a, b) = (values[from], values[i]);
+                for k in from + 1..i {
+                    values[k] = a + (b - a) * (k - from) as f64 / (i - from) as f64;
+                }
+            }
+            Some(_) => {}
+        }
+        last = Some(i);
+    }
+    if let Some(from) = last {
+        let value = values[from];
+        values[from..].fill(value);
+    }
+}
+
+fn column(name: &str, mut values: Vec<f64>, not_finite: usize) -> Column {
+    let missing = values.iter().filter(|value| !value.is_finite()).count();
+    let problem = if not_finite > 0 {
+        Some(format!("{not_finite} cells of {name} are NaN or infinite"))
+    } else if 2 * missing > values.len() {
+        Some(format!("{name} is empty in {missing} of {} samples", values.len()))
+    } else {
+        None
+    };
+    fill_gaps(&mut values);
+    let n = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let mean_square = values.iter().map(|value| value * value).sum::<f64>() / n;
+    let spread = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n).sqrt();
+    let constant = !spread.is_finite() || spread <= 1e-9 * mean.abs().max(1e-12);
+    let problem = problem.or_else(|| constant.then(|| format!("{name} is constant")));
+    Column {
+        name: name.to_string(),
+        values,
+        mean,
+        mean_square,
+        reference: mean,
+        reference_square: mean_square,
+        problem,
+    }
+}
+
+impl Samples {
+    /// Mean of the measured vectors.
+    pub fn mean_vector(&self) -> [f64; 3] {
+        let n = self.len().max(1) as f64;
+        let mut sum = [0.0; 3];
+        for reading in &self.readings {
+            for (total, value) in sum.iter_mut().zip(reading.measured_ut) {
+                *total += value;
+            }
+        }
+        sum.map(|value| value / n)
+    }
+
+    /// Takes the rows that are not left out.
+    pub fn take(table: &Table, left_out: &[bool], axes: [bool; 3]) -> Samples {
+        let unique: Vec<usize> = unique_rows(table).into_iter().filter(|&row| !left_out[row]).collect();
+        let stride = unique.len().div_ceil(MOST_SAMPLES).max(1);
+        // The place within each stride wanders, so that thinning does not fold a high frequency onto a low one.
+        let row: Vec<usize> = unique
+            .chunks(stride)
+            .enumerate()
+            .map(|(index, chunk)| chunk[(index.wrapping_mul(2_654_435_761) >> 7) % chunk.len()])
+            .collect();
+        let pick = |axis: &[f64]| -> Vec<f64> { row.iter().map(|&row| axis[row]).collect() };
+        let triple = |axes: &[&[f64]; 3], row: usize| {
+            let vector = axes.map(|axis| axis[row]);
+            vector.iter().all(|value| value.is_finite()).then_some(vector)
+        };
+        let readings = row
+            .iter()
+            .map(|&row| Reading {
+                measured_ut: table.field(row),
+                turn_radps: table.gyro_radps.as_ref().and_then(|gyro| triple(gyro, row)),
+                down: None,
+            })
+            .collect();
+        let time = table.time_s.map(pick);
+        let middle_s =
+            time.as_ref().map_or(0.0, |t| 0.5 * (t.first().unwrap_or(&0.0) + t.last().unwrap_or(&0.0)));
+        let columns = table
+            .covariates
+            .iter()
+            .map(|named| column(named.name, pick(named.values), named.not_finite))
+            .collect();
+        let mut samples = Samples { time, middle_s, readings, columns, row, stride, axes, quantum_ut: 0.0 };
+        samples.quantum_ut =
+            table.field_ut.iter().map(|axis| crate::samples::series::quantum(axis)).fold(0.0, f64::max);
+        samples.find_down(table, 0.0);
+        samples
+    }
+
+    /// Directions down, where the accelerometer measures little besides gravity.
+    fn find_down(&mut self, table: &Table, late_s: f64) {
+        let Some(accel) = late(table, &table.accel_mps2, late_s) else { return };
+        let norm = |a: [f64; 3]| (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt();
+        let vectors: Vec<[f64; 3]> =
+            self.row.iter().map(|&row| accel.each_ref().map(|axis| axis[row])).collect();
+        let mut norms: Vec<f64> =
+            vectors.iter().map(|a| norm(*a)).filter(|n| n.is_finite() && *n > 0.0).collect();
+        if norms.len() < 20 {
+            return;
+        }
+        let gravity = crate::samples::series::median(&mut norms);
+        let near = |n: f64| (n / gravity - 1.0).abs() < 0.1;
+        let quiet = norms.iter().filter(|n| near(**n)).count() * 10 > 3 * norms.len();
+        for (reading, a) in self.readings.iter_mut().zip(vectors) {
+            let n = norm(a);
+            reading.down = None;
+            if n.is_finite() && n > 0.0 && (near(n) || !quiet) {
+                reading.down = Some(a.map(|value| -value / n));
+            }
+        }
+    }
+
+    /// These samples with the effects of the columns zero where the columns rest.
+    pub fn from_rest(&self) -> Samples {
+        let mut samples = self.clone();
+        for column in &mut samples.columns {
+            let ends = column.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                (low.min(*value), high.max(*value))
+            });
+            // The nearest to zero that the column came: motors off, no current, or as little as there was.
+            if ends.0 <= ends.1 {
+                column.reference = 0.0_f64.clamp(ends.0, ends.1);
+                column.reference_square = column.reference * column.reference;
+            }
+        }
+        samples
+    }
+
+    /// The same samples with accelerometer and gyro as they were `late_s` earlier: what a magnetometer that is so late
+    /// stands beside. `None` without time.
+    pub fn beside_late(&self, table: &Table, late_s: f64) -> Option<Samples> {
+        table.time_s?;
+        let mut out = self.clone();
+        if let Some(gyro) = late(table, &table.gyro_radps, late_s) {
+            for (reading, &row) in out.readings.iter_mut().zip(&self.row) {
+                let turn = gyro.each_ref().map(|axis| axis[row]);
+                reading.turn_radps = turn.iter().all(|value| value.is_finite()).then_some(turn);
+            }
+        }
+        out.find_down(table, late_s);
+        // Before the log began nobody knows how they were.
+        let (first, last) = (*table.time_s?.first()?, *table.time_s?.last()?);
+        for (reading, &row) in out.readings.iter_mut().zip(&self.row) {
+            let at = table.time_s?[row] - late_s;
+            if at < first || at > last {
+                reading.down = None;
+                reading.turn_radps = None;
+            }
+        }
+        Some(out)
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.readings.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.readings.is_empty()
+    }
+
+    /// Mean time from one sample to the next, s; 0 without times.
+    pub fn step_s(&self) -> f64 {
+        let ends = self.time.as_ref().and_then(|time| Some(time.last()? - time.first()?));
+        ends.map_or(0.0, |seconds| seconds / self.len().saturating_sub(1).max(1) as f64)
+    }
+
+    /// Bounds of `blocks` contiguous blocks of equal size.
+    pub fn bounds(&self, blocks: usize) -> Vec<usize> {
+        (0..=blocks).map(|k| self.len() * k / blocks).collect()
+    }
+
+    /// A covariate `delay_s` earlier, from all rows of the log, linearly between them.
+    pub fn delayed(&self, table: &Table, name: &str, delay_s: f64) -> Option<Vec<f64>> {
+        let time = table.time_s?;
+        let named = table.covariates.iter().find(|named| named.name == name)?;
+        let late = delayed(&filled(named.values)?, time, delay_s);
+        Some(self.row.iter().map(|&row| late[row]).collect())
+    }
+}
+
+/// Three axes of another sensor as they were `late_s` earlier.
+fn late<'a>(table: &Table, axes: &Option<[&'a [f64]; 3]>, late_s: f64) -> Option<[Cow<'a, [f64]>; 3]> {
+    let axes = (*axes)?;
+    Some(axes.map(|axis| match table.time_s {
+        Some(time) if late_s != 0.0 => Cow::Owned(delayed(axis, time, late_s)),
+        _ => Cow::Borrowed(axis),
+    }))
+}
+
+/// A column with missing cells taken from their neighbours, linearly; `None` if all are missing.
+pub fn filled(values: &[f64]) -> Option<Vec<f64>> {
+    values.iter().any(|value| value.is_finite()).then(|| {
+        let mut values = values.to_vec();
+        fill_gaps(&mut values);
+        values
+    })
+}
+
+/// A column without missing cells `delay_s` earlier, linearly between the rows; before the log began, as in its first
+/// row.
+pub fn delayed(values: &[f64], time_s: &[f64], delay_s: f64) -> Vec<f64> {
+    let mut at = 0;
+    time_s
+        .iter()
+        .map(|now| {
+            let wanted = now - delay_s;
+            while at + 1 < time_s.len() && time_s[at + 1] <= wanted {
+                at += 1;
+            }
+            let next = (at + 1).min(time_s.len() - 1);
+            let (from, span) = (time_s[at], time_s[next] - time_s[at]);
+            if wanted <= from || span <= 0.0 {
+                values[at]
+            } else {
+                values[at] + (values[next] - values[at]) * (wanted - from) / span
+            }
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_delayed_column_is_taken_between_its_rows() {
+        let time: Vec<f64> = (0..10).map(|i| f64::from(i) * 0.1).collect();
+        let values: Vec<f64> = (0..10).map(|i| f64::from(i * i)).collect();
+        let late = delayed(&values, &time, 0.15);
+        assert_eq!(late[0], 0.0);
+        assert!((late[5] - 12.5).abs() < 1e-9, "{late:?}");
+    }
+
+    #[test]
+    fn missing_cells_lie_between_their_neighbours() {
+        let gap = f64::NAN;
+        assert_eq!(filled(&[gap, 1.0, gap, gap, 4.0, gap]), Some(vec![1.0, 1.0, 2.0, 3.0, 4.0, 4.0]));
+        assert_eq!(filled(&[gap, gap]), None);
+    }
+}

@@ -1,0 +1,142 @@
+//! What a finished search may be certain of: an effect that took less of the error than what remains unexplained may be
+//! the shadow of a cause that the log does not hold, and a step must be sudden.
+
+use crate::base::engine::Fitted;
+use crate::base::piece::{BadShape, Matrix, Piece};
+use crate::base::quality::residue;
+use crate::samples::series::Autocorrelation;
+use crate::search::state::{Explanation, Greedy, Withdrawn, plain_id};
+use ironout::study::f_tail;
+
+/// An effect stays if it takes at least this many times as much off the mean square as structure remains.
+const OUTWEIGHS: f64 = 1.0;
+/// A step is looked at this far before and after it, s ...
+const AROUND_STEP_S: f64 = 1.5;
+/// ... with at least this many samples on each side; with fewer it is believed.
+const AROUND_STEP: usize = 10;
+/// A jump beside an offset that changes steadily is believed below this probability.
+const SUDDEN: f64 = 1e-3;
+
+impl<'a> Greedy<'_, 'a> {
+    /// The explanation without the effects that are not certain. Those that were `asked` for stay.
+    pub fn certain(
+        &self,
+        mut explanation: Explanation<'a>,
+        asked: &[String],
+    ) -> Result<Explanation<'a>, BadShape> {
+        while let Some(doubtful) = self.doubtful(&explanation, asked)? {
+            let mut pieces = explanation.fitted.pieces.clone();
+            pieces.retain(|piece| piece.id != doubtful.id);
+            let Some(without) = self.pass.fit(explanation.fitted.model, pieces, self.known)? else { break };
+            explanation.fitted = self.aligned(without)?;
+            explanation.confounded.retain(|group| !group.ids.contains(&doubtful.id));
+            let order: Vec<String> = explanation
+                .steps
+                .iter()
+                .filter_map(|step| step.added.clone())
+                .filter(|id| *id != doubtful.id)
+                .collect();
+            explanation.steps = self.falling(&explanation.base, &explanation.fitted, &order)?;
+            explanation.withdrawn.push(doubtful);
+        }
+        Ok(explanation)
+    }
+
+    fn doubtful(
+        &self,
+        explanation: &Explanation<'a>,
+        asked: &[String],
+    ) -> Result<Option<Withdrawn>, BadShape> {
+        let fitted = &explanation.fitted;
+        let list: Vec<&Piece> = fitted.pieces.iter().collect();
+        let residuals = self.pass.residuals(&fitted.model, &list)?;
+        let samples = self.pass.samples;
+        let left = residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s());
+        let remains = left.structure * left.rms * left.rms;
+        // Where all is explained there is nothing to doubt.
+        if remains <= 0.0 {
+            return Ok(None);
+        }
+        for piece in fitted.pieces.iter().filter(|piece| piece.id == "step" && !asked.contains(&piece.id)) {
+            if !self.sudden(fitted, piece)? {
+                let why = "the offset changes, but not at once: some slow cause that the log does not hold looks \
+                           like a step";
+                return Ok(Some(Withdrawn { id: piece.id.clone(), why: why.into() }));
+            }
+        }
+        let mut least: Option<(f64, &String)> = None;
+        for pair in explanation.steps.windows(2) {
+            let Some(id) = pair[1].added.as_ref().filter(|id| !asked.contains(id)) else { continue };
+            // A square or a past beside the linear term of the same column blames no other cause.
+            let plain = plain_id(id);
+            if plain != id && fitted.pieces.iter().any(|piece| piece.id == plain) {
+                continue;
+            }
+            let takes = pair[0].rms.powi(2) - pair[1].rms.powi(2);
+            if takes < OUTWEIGHS * remains && least.is_none_or(|(known, _)| takes < known) {
+                least = Some((takes, id));
+            }
+        }
+        Ok(least.map(|(takes, id)| Withdrawn {
+            id: id.clone(),
+            why: format!(
+                "it takes {:.0} % off the squared error, but {:.0} % is structure that nothing in the log explains: a \
+                 cause that the log does not hold may look like it",
+                100.0 * takes / explanation.base.rms().powi(2).max(1e-300),
+                100.0 * remains / explanation.base.rms().powi(2).max(1e-300),
+            ),
+        }))
+    }
+
+    /// Whether the offset jumps at a step, rather than changes steadily around it.
+    fn sudden(&self, fitted: &Fitted<'a>, step: &Piece<'a>) -> Result<bool, BadShape> {
+        let at = step.fixed.iter().find(|(name, _)| *name == "at_s").map(|(_, value)| *value);
+        let (Some(at), Some(time), Some(drift)) = (at, &self.pass.samples.time, self.catalogue.drift())
+        else {
+            return Ok(true);
+        };
+        let place = |seconds: f64| time.partition_point(|t| *t < at + seconds);
+        let (from, middle, to) = (place(-AROUND_STEP_S), place(0.0), place(AROUND_STEP_S));
+        if middle - from < AROUND_STEP || to - middle < AROUND_STEP {
+            return Ok(true);
+        }
+        // The model without the step; around it the offset may lie elsewhere and change steadily.
+        let absent = Piece { coefficients: Default::default(), ..step.clone() };
+        let drift = Piece { id: "drift around the step".into(), ..drift };
+        let others = fitted.pieces.iter().filter(|piece| piece.id != step.id);
+        let all: Vec<&Piece> = others.chain([&drift, &absent]).collect();
+        let base = self.pass.residual.base_columns();
+        let columns = base + all.iter().map(|piece| piece.k()).sum::<usize>();
+        if columns > crate::base::piece::COLUMNS || all.len() > crate::base::piece::TERMS {
+            return Ok(true);
+        }
+        let (mut matrix, mut stands) = (Matrix::new(columns), Matrix::new(columns));
+        let mut residuals = Vec::with_capacity(to - from);
+        let mut rows = Vec::with_capacity(to - from);
+        self.pass.rows(from..to, &fitted.model, &all, |_, row, r| {
+            let jump: f64 =
+                row[columns - 3..columns].iter().zip(&step.coefficients).map(|(a, b)| a * b).sum();
+            matrix.push(row, r);
+            stands.push(row, r + jump);
+            rows.push(*row);
+            residuals.push(r);
+        })?;
+        // The first three columns are those of the offset, of all residuals that know a step.
+        let keep: Vec<usize> = (0..3).chain(columns - 6..columns).collect();
+        let part = matrix.select(&keep);
+        let Some(gain) = part.test(0..6, 6..9).filter(|gain| gain.directions > 0) else { return Ok(true) };
+        // The jump as found must fit here too.
+        let with = stands.select(&keep).test(0..6, 6..9).map(|gain| gain.squares_before);
+        if with.is_none_or(|with| with > gain.squares_before) {
+            return Ok(false);
+        }
+        let Some(factor) = part.factor() else { return Ok(true) };
+        let delta = part.step(&factor);
+        for (r, row) in residuals.iter_mut().zip(&rows) {
+            *r += keep.iter().zip(&delta).map(|(column, d)| row[*column] * d).sum::<f64>();
+        }
+        let count = residuals.len() as f64;
+        let (f, k, freedom) = gain.f_statistic(6, count, count / Autocorrelation::of(&residuals).time);
+        Ok(f_tail(f, k, freedom) < SUDDEN)
+    }
+}

@@ -1,0 +1,316 @@
+//! Effects added one at a time until none helps, earlier ones dropped when they no longer do.
+
+use crate::base::engine::{Fitted, Pass};
+use crate::base::piece::{BadShape, Piece};
+use crate::search::candidates::Catalogue;
+use crate::search::kin::may_follow;
+use crate::search::parameter;
+use crate::search::screen::{Candidate, SIGNIFICANCE, Screening, rivalry, screen};
+use crate::search::search;
+use crate::search::state::{Confounded, Explanation, Greedy, Judged, plain_id};
+use crate::search::undisturbed::prefer;
+use ironout::study::Residual;
+
+/// More effects than any log carries.
+pub const MOST_EFFECTS: usize = 6;
+/// The same at rest, where a coil has a prompt, a late and a squared part.
+pub const MOST_AT_REST: usize = 9;
+/// Two candidates whose columns agree to this much, once the base is projected out, may be the same cause.
+const ALIKE: f64 = 0.8;
+
+/// The candidates of one round, the searched ones at their best places.
+fn candidates<'a>(
+    pass: &Pass,
+    catalogue: &Catalogue<'a>,
+    fitted: &Fitted<'a>,
+    periodic: bool,
+) -> Result<Vec<Candidate<'a>>, BadShape> {
+    let at_rest = pass.residual == Residual::Vector;
+    let mut list: Vec<Candidate> =
+        catalogue.plain(at_rest).into_iter().map(|piece| Candidate { piece, searched: 1.0 }).collect();
+    list.extend(search::step(pass, fitted, catalogue)?);
+    if periodic {
+        list.extend(search::periodic(pass, fitted, catalogue)?);
+    }
+    for (index, name) in catalogue.usable_columns() {
+        let id = format!("offset:{name}");
+        // A late column stands beside the prompt one, or shows through it.
+        if fitted.pieces.iter().any(|piece| piece.id == id) {
+            list.extend(search::delay(pass, fitted, catalogue, index)?);
+        }
+    }
+    list.retain(|candidate| !fitted.pieces.iter().any(|piece| piece.id == candidate.piece.id));
+    Ok(list)
+}
+
+// One at a time, on the stack: the size does not matter.
+#[allow(clippy::large_enum_variant)]
+enum Reconsidered<'a> {
+    /// Another candidate is better than one in the model.
+    Swap { from: String, to: String, fitted: Box<Fitted<'a>> },
+    /// All stand; some of them with rivals that explain as much.
+    Stands { confounded: Vec<Confounded>, families: Vec<Confounded> },
+}
+
+impl<'a> Greedy<'_, 'a> {
+    fn judge(
+        &self,
+        fitted: &Fitted<'a>,
+        periodic: bool,
+    ) -> Result<(Vec<Judged<'a>>, usize, Option<f64>), BadShape> {
+        let mut list = candidates(&self.pass, self.catalogue, fitted, periodic)?;
+        if self.held() {
+            // Whatever turns with the board would stand in for the soft iron that is held, and with little attitude a
+            // stronger field and an offset along it are the same.
+            let turns = |id: &str| {
+                ["nonlinearity", "cross-axis"].contains(&id)
+                    || id.starts_with("gain:")
+                    || id.starts_with("field:")
+            };
+            list.retain(|candidate| !turns(&candidate.piece.id));
+        }
+        let count = self.independent(&list);
+        let Screening { held_out, tested } = screen(&self.pass, fitted, &list, count)?;
+        let mut judged: Vec<Judged> = tested
+            .into_iter()
+            .filter_map(|tested| Some(Judged { candidate: list.get(tested.index)?.clone(), tested }))
+            .collect();
+        self.judge_strong(fitted, &mut judged, count)?;
+        Ok((judged, count, held_out))
+    }
+
+    /// Runs the search from a base model and the effects that stand in it from the beginning.
+    pub fn run(&self, start: Fitted<'a>) -> Result<Explanation<'a>, BadShape> {
+        let mut fitted = self.aligned(start)?;
+        let base = match fitted.pieces.is_empty() {
+            true => fitted.clone(),
+            false => self.pass.fit(fitted.model, Vec::new(), self.known)?.unwrap_or_else(|| fitted.clone()),
+        };
+        let mut order: Vec<String> = fitted.pieces.iter().map(|piece| piece.id.clone()).collect();
+        let mut first = None;
+        let (mut last, mut count) = (Vec::new(), 0);
+        let (mut confounded, mut families) = (Vec::new(), Vec::new());
+        let mut swapped: Vec<(String, String)> = Vec::new();
+        let mut repeated = None;
+        for round in 0..3 * MOST_AT_REST {
+            let (judged, tried, _) = self.judge(&fitted, true)?;
+            count = tried;
+            first.get_or_insert_with(|| judged.clone());
+            last = judged;
+            // A second step or tone beside the one in the model: whatever else follows its trace is no cause.
+            if let Some((second, decrease)) = self.again(&fitted)?
+                && last.iter().all(|one| !one.tested.accepted || one.tested.decrease < decrease)
+            {
+                fitted = self.without_proxies(fitted, &second, count)?;
+                order.retain(|id| fitted.pieces.iter().any(|piece| piece.id == *id));
+                let first = fitted.pieces.iter().find(|piece| piece.id == second.id);
+                repeated = Some(format!(
+                    "a second {} beside the {}",
+                    parameter::in_words(&second),
+                    first.map_or_else(|| "first".into(), parameter::in_words)
+                ));
+                break;
+            }
+            let most = if self.pass.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };
+            let next = if fitted.pieces.len() < most { self.choose(&fitted, &last, count)? } else { None };
+            if let Some((winner, next)) = next {
+                fitted = self.aligned(prefer(&self.pass, self.catalogue, next, self.known)?)?;
+                order.push(winner);
+                while let Some((dropped, without)) = self.drop_one(&fitted)? {
+                    order.retain(|id| *id != dropped);
+                    fitted = self.aligned(without)?;
+                }
+                continue;
+            }
+            if fitted.pieces.len() + 2 <= MOST_EFFECTS
+                && let Some((both, next)) = self.pair(&fitted, &last)?
+            {
+                fitted = self.aligned(next)?;
+                order.extend(both);
+                while let Some((dropped, without)) = self.drop_one(&fitted)? {
+                    order.retain(|id| *id != dropped);
+                    fitted = self.aligned(without)?;
+                }
+                continue;
+            }
+            // Nothing more to add: now that all is in, is each effect the best of those that explain the same?
+            match self.reconsider(&fitted, count)? {
+                Reconsidered::Swap { from, to, .. } if swapped.contains(&(to.clone(), from.clone())) => {
+                    // Each is better than the other: the log cannot tell.
+                    confounded = vec![Confounded { ids: vec![from, to] }];
+                    break;
+                }
+                Reconsidered::Swap { from, to, fitted: next } if round < 2 * MOST_AT_REST => {
+                    swapped.push((from.clone(), to.clone()));
+                    fitted = self.aligned(*next)?;
+                    for id in order.iter_mut().filter(|id| **id == from) {
+                        id.clone_from(&to);
+                    }
+                }
+                Reconsidered::Swap { .. } => break,
+                Reconsidered::Stands { confounded: groups, families: together } => {
+                    (confounded, families) = (groups, together);
+                    break;
+                }
+            }
+        }
+        let steps = self.falling(&base, &fitted, &order)?;
+        Ok(Explanation {
+            base,
+            fitted,
+            steps,
+            confounded,
+            families,
+            first: first.unwrap_or_default(),
+            last,
+            repeated,
+            withdrawn: Vec::new(),
+            count,
+        })
+    }
+
+    /// A searched effect that the model holds once and that would be accepted a second time, fitted beside it, and what it
+    /// takes off the squared error.
+    fn again(&self, fitted: &Fitted<'a>) -> Result<Option<(Piece<'a>, f64)>, BadShape> {
+        let mut list = Vec::new();
+        for piece in &fitted.pieces {
+            match piece.id.as_str() {
+                "step" => list.extend(search::step(&self.pass, fitted, self.catalogue)?),
+                parameter::PERIODIC => list.extend(search::periodic(&self.pass, fitted, self.catalogue)?),
+                _ => {}
+            }
+        }
+        let screening = screen(&self.pass, fitted, &list, 2)?;
+        let found = screening.tested.iter().filter(|tested| tested.accepted);
+        let best = found.max_by(|a, b| a.decrease.total_cmp(&b.decrease));
+        let Some((second, decrease)) =
+            best.and_then(|tested| Some((&list.get(tested.index)?.piece, tested.decrease)))
+        else {
+            return Ok(None);
+        };
+        let mut pieces = fitted.pieces.clone();
+        pieces.push(second.clone());
+        let both = self.pass.fit(fitted.model, pieces, self.known)?;
+        Ok(Some((both.and_then(|mut both| both.pieces.pop()).unwrap_or_else(|| second.clone()), decrease)))
+    }
+
+    /// The model without the effects that only stood in for a second step or tone.
+    fn without_proxies(
+        &self,
+        mut fitted: Fitted<'a>,
+        second: &Piece<'a>,
+        count: usize,
+    ) -> Result<Fitted<'a>, BadShape> {
+        let mut index = 0;
+        while let Some(removed) = fitted.pieces.get(index).cloned() {
+            index += 1;
+            if removed.id == second.id {
+                continue;
+            }
+            let mut pieces = fitted.pieces.clone();
+            pieces.remove(index - 1);
+            let both = pieces.iter().chain([second]).cloned().collect();
+            let Some(mut both) = self.pass.fit(fitted.model, both, self.known)? else { continue };
+            // The proxy has pulled at both places in time.
+            both = self.at_its_time(both)?;
+            both.pieces.reverse();
+            both = self.at_its_time(self.pass.hold(both.model, both.pieces, self.known)?)?;
+            let candidate =
+                Candidate { piece: Piece { coefficients: Default::default(), ..removed }, searched: 1.0 };
+            let screening = screen(&self.pass, &both, &[candidate], count)?;
+            if screening.tested.first().is_none_or(|tested| !tested.accepted)
+                && let Some(next) = self.pass.fit(fitted.model, pieces, self.known)?
+            {
+                fitted = self.aligned(self.at_its_time(next)?)?;
+                index = 0;
+            }
+        }
+        Ok(fitted)
+    }
+
+    /// Compares every effect of the model with the candidates that could stand in its place.
+    fn reconsider(&self, fitted: &Fitted<'a>, count: usize) -> Result<Reconsidered<'a>, BadShape> {
+        let (mut groups, mut families) = (Vec::new(), Vec::new());
+        for index in 0..fitted.pieces.len() {
+            let mut pieces = fitted.pieces.clone();
+            let own = pieces.remove(index);
+            let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
+            let own = Piece { coefficients: Default::default(), ..own };
+            let (judged, ..) = self.judge(&without, own.id == "periodic")?;
+            let Some(mine) = judged.iter().find(|one| one.candidate.piece.id == own.id) else { continue };
+            let mut group = vec![own.id.clone()];
+            let mut family = vec![own.id.clone()];
+            for other in &judged {
+                let id = &other.candidate.piece.id;
+                let kin = self.together(&own.id, id);
+                if fitted.pieces.iter().any(|piece| &piece.id == id)
+                    || plain_id(id) == plain_id(&own.id)
+                    || !(other.tested.accepted || kin)
+                    || other.tested.decrease < 0.3 * mine.tested.decrease
+                {
+                    continue;
+                }
+                let Some(pair) = rivalry(&self.pass, &without, &own, &other.candidate.piece, self.known)?
+                else {
+                    continue;
+                };
+                if pair.first * (count as f64) < SIGNIFICANCE {
+                    continue;
+                }
+                if kin {
+                    // What several channels have in common stands for them; a channel that has more to say has been
+                    // tested beside it.
+                    if plain_id(id) == id {
+                        family.push(id.clone());
+                    }
+                    continue;
+                }
+                // The other explains all that this one does.
+                let fewer = other.tested.directions < mine.tested.directions;
+                if fewer || pair.second * (count as f64) * other.candidate.searched < SIGNIFICANCE {
+                    if let Some(next) = self.with(&without, &other.candidate.piece)?
+                        && may_follow(&own.id, id, fitted, &next)
+                    {
+                        return Ok(Reconsidered::Swap {
+                            from: own.id,
+                            to: id.clone(),
+                            fitted: Box::new(next),
+                        });
+                    }
+                } else if other.tested.directions == mine.tested.directions && pair.correlation > ALIKE {
+                    group.push(id.clone());
+                }
+            }
+            if group.len() > 1 {
+                groups.push(Confounded { ids: group });
+            }
+            if family.len() > 1 {
+                families.push(Confounded { ids: family });
+            }
+        }
+        Ok(Reconsidered::Stands { confounded: groups, families })
+    }
+
+    /// The earlier effect that the later ones have made superfluous, and the model without it.
+    fn drop_one(&self, fitted: &Fitted<'a>) -> Result<Option<(String, Fitted<'a>)>, BadShape> {
+        let newest = fitted.pieces.len().saturating_sub(1);
+        for index in 0..newest {
+            let mut pieces = fitted.pieces.clone();
+            let removed = pieces.remove(index);
+            let beside = |piece: &Piece| piece.id != removed.id && plain_id(&piece.id) == removed.id;
+            if self.pass.residual == Residual::Vector && pieces.iter().any(beside) {
+                continue;
+            }
+            let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
+            let candidate = Candidate {
+                piece: Piece { coefficients: Default::default(), ..removed.clone() },
+                searched: 1.0,
+            };
+            let screening = screen(&self.pass, &without, &[candidate], 1)?;
+            if screening.tested.first().is_none_or(|tested| !tested.accepted) {
+                return Ok(Some((removed.id, without)));
+            }
+        }
+        Ok(None)
+    }
+}

@@ -1,0 +1,193 @@
+//! The leading candidates fully fitted, and which of them is added.
+
+use crate::base::engine::Fitted;
+use crate::base::piece::{BadShape, Piece};
+use crate::search::kin::{NEARLY, in_time};
+use crate::search::parameter;
+use crate::search::screen::{ACCUSED, RELEVANCE, SIGNIFICANCE, rivalry, screen, stands};
+use crate::search::search;
+use crate::search::state::{Greedy, Judged, held_out_rms, plain_id};
+use ironout::study::Residual;
+
+/// A residual beyond this share of the field is strong: what is screened there at one linearisation is not yet right.
+const STRONG: f64 = 0.01;
+/// A candidate that takes this share off the squared error at that linearisation is fitted fully ...
+const STRONG_SHARE: f64 = 0.2;
+/// ... but at most so many.
+const STRONG_LEADERS: usize = 6;
+/// At rest the linear term comes before its square or its past if it takes this share of what they take.
+const PROMPT_SHARE: f64 = 0.3;
+
+impl<'a> Greedy<'_, 'a> {
+    /// The model with one more effect, fully refitted, and what fixes its shape moved to where the error is least. `None`
+    /// where the fit does not converge.
+    pub(crate) fn with(
+        &self,
+        fitted: &Fitted<'a>,
+        piece: &Piece<'a>,
+    ) -> Result<Option<Fitted<'a>>, BadShape> {
+        let mut pieces = fitted.pieces.clone();
+        pieces.push(piece.clone());
+        let Some(next) = self.pass.fit(fitted.model, pieces, self.known)? else { return Ok(None) };
+        let next = self.settled(next)?;
+        Ok(next.converged.then_some(next))
+    }
+
+    /// The model with what fixes the shapes moved to where the error is least. What was found before an effect came in
+    /// was found in the trace that this one left.
+    pub(crate) fn settled(&self, fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
+        let next = parameter::refine(&self.pass, fitted, self.catalogue, self.known)?;
+        self.at_its_time(next)
+    }
+
+    /// A strong step bends the base that its time was searched at: searched again at the model with the step.
+    pub(crate) fn at_its_time(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
+        for _ in 0..3 {
+            let mut pieces = fitted.pieces.clone();
+            let Some(place) = pieces.iter().position(|piece| piece.id == "step") else { break };
+            let step = pieces.remove(place);
+            let bare = self.pass.hold(fitted.model, pieces.clone(), self.known)?;
+            let Some(found) = search::step(&self.pass, &bare, self.catalogue)? else { break };
+            if found.piece.fixed == step.fixed {
+                break;
+            }
+            pieces.insert(place, Piece { coefficients: step.coefficients, ..found.piece });
+            match self.pass.fit(fitted.model, pieces, self.known)? {
+                Some(next) if next.squares < fitted.squares => fitted = next,
+                _ => break,
+            }
+        }
+        Ok(fitted)
+    }
+
+    /// Strong effects bend the base at which the candidates were screened. The leaders are fitted fully, and judged by
+    /// what that takes off the error.
+    pub(crate) fn judge_strong(
+        &self,
+        fitted: &Fitted<'a>,
+        judged: &mut [Judged<'a>],
+        count: usize,
+    ) -> Result<(), BadShape> {
+        let limit = match self.pass.residual {
+            Residual::Magnitude => STRONG * fitted.model.field_ut,
+            Residual::Dip | Residual::Vector => return Ok(()),
+        };
+        let Some(before) = held_out_rms(fitted).filter(|_| fitted.rms() > limit) else { return Ok(()) };
+        let mut leaders: Vec<&mut Judged> =
+            judged.iter_mut().filter(|one| one.tested.decrease > STRONG_SHARE * fitted.squares).collect();
+        leaders.sort_by(|a, b| b.tested.decrease.total_cmp(&a.tested.decrease));
+        for one in leaders.into_iter().take(STRONG_LEADERS) {
+            let Some(next) = self.with(fitted, &one.candidate.piece)? else { continue };
+            let Some(test) = stands(&self.pass, &next)? else { continue };
+            let tested = &mut one.tested;
+            let held_out = held_out_rms(&next);
+            tested.time = test.time;
+            tested.decrease = fitted.squares - next.squares;
+            tested.p_value = (test.p_value * one.candidate.searched).min(1.0);
+            tested.held_out = held_out.map(|rms| rms * rms * next.rows);
+            tested.accepted = tested.p_value * (count as f64) < ACCUSED
+                && held_out.is_some_and(|after| after * after < before * before * (1.0 - RELEVANCE));
+        }
+        Ok(())
+    }
+
+    /// A late or squared column against the plain one: the plain wins unless the variant is significantly better.
+    fn best_variant(
+        &self,
+        fitted: &Fitted<'a>,
+        leader: &Judged<'a>,
+        judged: &[Judged<'a>],
+        count: usize,
+    ) -> Result<Judged<'a>, BadShape> {
+        let plain = plain_id(&leader.candidate.piece.id).to_string();
+        let Some(column) = plain.strip_prefix("offset:") else { return Ok(leader.clone()) };
+        if self.pass.residual == Residual::Vector {
+            // What a column adds in proportion comes first; its square and its past are added beside it.
+            let prompt = judged.iter().find(|other| other.candidate.piece.id == plain);
+            return match prompt.filter(|other| other.tested.decrease > PROMPT_SHARE * leader.tested.decrease)
+            {
+                Some(prompt) if plain != leader.candidate.piece.id => Ok(prompt.clone()),
+                _ => Ok(leader.clone()),
+            };
+        }
+        let mut best = leader.clone();
+        if let Some(prompt) = judged.iter().find(|other| other.candidate.piece.id == plain)
+            && prompt.candidate.piece.id != leader.candidate.piece.id
+            && prompt.tested.accepted
+            && let Some(rivals) =
+                rivalry(&self.pass, fitted, &leader.candidate.piece, &prompt.candidate.piece, self.known)?
+            && rivals.first * count as f64 > SIGNIFICANCE
+        {
+            best = prompt.clone();
+        }
+        if let Some(index) = self.catalogue.usable(column)
+            && let Some(late) = search::delay(&self.pass, fitted, self.catalogue, index)?
+            && !fitted.pieces.iter().any(|piece| piece.id == late.piece.id)
+            && let Some(rivals) = rivalry(&self.pass, fitted, &late.piece, &best.candidate.piece, self.known)?
+            && rivals.first * late.searched * (count as f64) < SIGNIFICANCE
+            && rivals.second > 1e3 * rivals.first
+        {
+            let screening = screen(&self.pass, fitted, std::slice::from_ref(&late), count)?;
+            if let Some(tested) = screening.tested.into_iter().next()
+                && tested.accepted
+                && tested.decrease > best.tested.decrease
+            {
+                return Ok(Judged { candidate: late, tested });
+            }
+        }
+        Ok(best)
+    }
+
+    /// The next effect: the three leaders fully refitted, the best by its held-out error, and the one with fewer
+    /// coefficients where it explains as much.
+    pub(crate) fn choose(
+        &self,
+        fitted: &Fitted<'a>,
+        judged: &[Judged<'a>],
+        count: usize,
+    ) -> Result<Option<(String, Fitted<'a>)>, BadShape> {
+        let mut passing: Vec<&Judged> = judged.iter().filter(|one| one.tested.accepted).collect();
+        passing.sort_by(|a, b| {
+            let key = |one: &Judged| one.tested.held_out.unwrap_or(f64::INFINITY);
+            key(a).total_cmp(&key(b))
+        });
+        let mut leaders: Vec<(Judged<'a>, Fitted<'a>, f64)> = Vec::new();
+        // A shape in time may stand in for a cause that was logged: the best of those is fitted too.
+        let logged = passing.iter().position(|one| !in_time(&one.candidate.piece.id)).filter(|at| *at >= 3);
+        for one in passing.iter().take(3).chain(logged.and_then(|at| passing.get(at))) {
+            if let Some(next) = self.with(fitted, &one.candidate.piece)?
+                && let Some(held) = held_out_rms(&next)
+            {
+                leaders.push(((*one).clone(), next, held));
+            }
+        }
+        leaders.sort_by(|a, b| a.2.total_cmp(&b.2));
+        if let Some(held) = leaders.first().filter(|one| in_time(&one.0.candidate.piece.id)).map(|one| one.2)
+        {
+            leaders.retain(|one| one.2 < NEARLY * held);
+            leaders.sort_by_key(|one| in_time(&one.0.candidate.piece.id));
+        }
+        let Some((leader, mut next, _)) = leaders.into_iter().next() else { return Ok(None) };
+        let mut winner = self.best_variant(fitted, &leader, judged, count)?;
+        let held = |one: &Judged| one.tested.held_out.unwrap_or(f64::INFINITY);
+        for other in &passing {
+            if other.tested.directions < winner.tested.directions
+                && other.tested.decrease > 0.3 * winner.tested.decrease
+                && held(other) < NEARLY * NEARLY * held(&winner)
+                && let Some(pair) =
+                    rivalry(&self.pass, fitted, &winner.candidate.piece, &other.candidate.piece, self.known)?
+                && pair.first * count as f64 > SIGNIFICANCE
+            {
+                winner = (*other).clone();
+            }
+        }
+        winner = self.for_its_family(fitted, winner, judged, count)?;
+        if winner.candidate.piece.id != leader.candidate.piece.id {
+            match self.with(fitted, &winner.candidate.piece)? {
+                Some(fit) => next = fit,
+                None => winner = leader,
+            }
+        }
+        Ok(Some((winner.candidate.piece.id.clone(), next)))
+    }
+}

@@ -1,0 +1,13 @@
+//! The search for what is missing: candidates, their tests, and which of them are added.
+
+pub mod candidates;
+pub mod certain;
+pub mod greedy;
+pub mod kin;
+pub mod leaders;
+pub mod pairs;
+pub mod parameter;
+pub mod screen;
+pub mod search;
+pub mod state;
+pub mod undisturbed;

@@ -1,0 +1,82 @@
+//! Two effects that hide each other: each alone is lost in the structure that the other leaves.
+
+use crate::base::engine::Fitted;
+use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::base::quality::residue;
+use crate::search::screen::{SIGNIFICANCE, ranges, ridge, rivalry};
+use crate::search::state::{Greedy, Judged};
+use ironout::study::held_out;
+
+/// Candidates of which pairs are made, those first that take off the most by themselves.
+const LEADERS: usize = 14;
+/// Pairs that are looked at closely.
+const CLOSE: usize = 3;
+/// A pair leaves at most this share of the squared held-out error: it is the last resort, not a refinement.
+const LEAVES: f64 = 0.7;
+
+impl<'a> Greedy<'_, 'a> {
+    /// The model with the two candidates that explain together what neither does alone, where structure remains: their
+    /// ids, the stronger first. Each must be certain beside the other, with all pairs as the number of tries.
+    pub(crate) fn pair(
+        &self,
+        fitted: &Fitted<'a>,
+        judged: &[Judged<'a>],
+    ) -> Result<Option<([String; 2], Fitted<'a>)>, BadShape> {
+        let inner: Vec<&Piece> = fitted.pieces.iter().collect();
+        let residuals = self.pass.residuals(&fitted.model, &inner)?;
+        let samples = self.pass.samples;
+        let left = residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s());
+        if left.structure <= 0.0 {
+            return Ok(None);
+        }
+        let base = fitted.columns();
+        let mut leaders: Vec<&Judged> = judged.iter().filter(|one| one.tested.directions > 0).collect();
+        leaders.sort_by(|a, b| b.tested.decrease.total_cmp(&a.tested.decrease));
+        let mut columns = base;
+        leaders.truncate(LEADERS.min(TERMS.saturating_sub(inner.len())));
+        leaders.retain(|one| {
+            let wide = columns + one.candidate.piece.k();
+            let fits = wide <= COLUMNS;
+            columns = if fits { wide } else { columns };
+            fits
+        });
+        let batch: Vec<&Piece> = leaders.iter().map(|one| &one.candidate.piece).collect();
+        let all: Vec<&Piece> = inner.iter().chain(&batch).copied().collect();
+        let bounds = samples.bounds(BLOCKS);
+        let blocks = self.pass.blocks(&bounds, &fitted.model, &all)?;
+        let prior = ridge(&fitted.prior, &Matrix::total(&blocks, Some(&fitted.prior)), base);
+        let spans = ranges(base, &batch);
+        let own: Vec<usize> = (0..base).collect();
+        let Some(alone) = held_out(&blocks, Some(&prior), &own) else { return Ok(None) };
+        let mut pairs = Vec::new();
+        for (i, first) in spans.iter().enumerate() {
+            for (j, second) in spans.iter().enumerate().skip(i + 1) {
+                let keep: Vec<usize> =
+                    own.iter().copied().chain(first.clone()).chain(second.clone()).collect();
+                let held = held_out(&blocks, Some(&prior), &keep).map(|held| held.squares);
+                pairs.extend(held.filter(|held| *held < LEAVES * alone.squares).map(|held| (held, i, j)));
+            }
+        }
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // All candidates could have made a pair, not the leaders alone.
+        let tries = (judged.len() * judged.len().saturating_sub(1) / 2) as f64;
+        let mut best: Option<(f64, [String; 2], Fitted<'a>)> = None;
+        for (_, i, j) in pairs.into_iter().take(CLOSE) {
+            let (a, b) = (&leaders[i].candidate, &leaders[j].candidate);
+            let Some(two) = rivalry(&self.pass, fitted, &a.piece, &b.piece, self.known)? else { continue };
+            let certain = |p: f64, searched: f64| p * searched * tries < SIGNIFICANCE;
+            if !certain(two.first, a.searched) || !certain(two.second, b.searched) {
+                continue;
+            }
+            let mut pieces = fitted.pieces.clone();
+            pieces.extend([a.piece.clone(), b.piece.clone()]);
+            let Some(next) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
+            let next = self.settled(next)?;
+            let Some(held) = crate::search::state::held_out_rms(&next) else { continue };
+            if best.as_ref().is_none_or(|(least, ..)| held < *least) {
+                best = Some((held, [a.piece.id.clone(), b.piece.id.clone()], next));
+            }
+        }
+        Ok(best.map(|(_, ids, next)| (ids, next)))
+    }
+}

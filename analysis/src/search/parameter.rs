@@ -1,0 +1,171 @@
+//! What fixes the shape of a searched effect as a parameter of its own: the frequency of a periodic disturbance, the
+//! lateness of a column. Their refinement, and their share in the errors.
+
+use crate::base::engine::{Fitted, Pass};
+use crate::base::known::Known;
+use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
+use crate::search::candidates::Catalogue;
+use ironout::effect::{Column, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Periodic, Quantities, Shape, TIME};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// The id of the periodic effect.
+pub const PERIODIC: &str = "periodic";
+
+/// How a disturbance changes with its parameter: one column, the coefficient is a change of the parameter.
+enum Slope {
+    /// A change of frequency, Hz.
+    Frequency { frequency_hz: f64, reference_s: f64, coefficients: [f64; 6] },
+    /// A change of delay, s; the input is the rate of change of the late column.
+    Delay { coefficients: [f64; 3] },
+}
+
+impl Effect<f64> for Slope {
+    fn id(&self, out: &mut dyn std::fmt::Write) -> std::fmt::Result {
+        out.write_str("parameter")
+    }
+    fn name(&self) -> &'static str {
+        "parameter of a shape"
+    }
+    fn explanation(&self) -> &'static str {
+        "A small error of a frequency or of a delay bends the shape. It is estimated together with the amplitudes."
+    }
+    fn columns(&self) -> [Option<Column<'_, f64>>; MAX_INPUTS] {
+        [Some(Column::now(TIME)), None]
+    }
+    fn coefficients(&self) -> usize {
+        1
+    }
+    fn unit(&self) -> &'static str {
+        match self {
+            Slope::Frequency { .. } => "Hz",
+            Slope::Delay { .. } => "s",
+        }
+    }
+    fn reads_centre(&self) -> bool {
+        false
+    }
+    fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
+        let [input, _] = at.inputs;
+        shape[0] = match self {
+            Slope::Frequency { frequency_hz, reference_s, coefficients: c } => {
+                let since = input - reference_s;
+                let (sin, cos) = (TAU * frequency_hz * since).sin_cos();
+                core::array::from_fn(|axis| TAU * since * (c[axis] * cos - c[3 + axis] * sin))
+            }
+            Slope::Delay { coefficients } => coefficients.map(|c| -c * input),
+        };
+    }
+}
+
+fn fixed(piece: &Piece, name: &str) -> Option<f64> {
+    piece.fixed.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
+}
+
+/// A step or a tone with its place and size: "step of 2.1 µT at 40.30 s".
+pub fn in_words(piece: &Piece) -> String {
+    let norm = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
+    let c = &piece.coefficients;
+    match (fixed(piece, "at_s"), fixed(piece, "frequency_hz")) {
+        (Some(at_s), _) => format!("step of {:.2} µT at {at_s:.2} s", norm(&c[..3])),
+        (_, Some(hz)) => format!("tone of {:.2} µT at {hz:.3} Hz", norm(&c[..6])),
+        _ => piece.id.clone(),
+    }
+}
+
+/// Rate of change of a piece's first input over the samples.
+fn rates(piece: &Piece, time: &[f64]) -> Vec<[f64; MAX_INPUTS]> {
+    let n = piece.inputs.len().min(time.len());
+    (0..n)
+        .map(|at| {
+            let (from, to) = (at.saturating_sub(1), (at + 1).min(n - 1));
+            let span = time[to] - time[from];
+            [if span > 0.0 { (piece.inputs[to][0] - piece.inputs[from][0]) / span } else { 0.0 }, 0.0]
+        })
+        .collect()
+}
+
+/// The column of a piece's parameter, if it has one that is not a time of its own.
+fn slope<'a>(pass: &Pass, piece: &Piece<'a>) -> Option<Piece<'a>> {
+    let c = &piece.coefficients;
+    let (effect, inputs) = if piece.id == PERIODIC {
+        let mut coefficients = [0.0; 6];
+        coefficients.copy_from_slice(&c[..6]);
+        let (frequency_hz, reference_s) = (fixed(piece, "frequency_hz")?, fixed(piece, "reference")?);
+        (Slope::Frequency { frequency_hz, reference_s, coefficients }, piece.inputs.clone())
+    } else {
+        fixed(piece, "delay_s")?;
+        let rates = rates(piece, pass.samples.time.as_deref()?);
+        (Slope::Delay { coefficients: [c[0], c[1], c[2]] }, Arc::new(rates))
+    };
+    Some(Piece {
+        id: format!("parameter of {}", piece.id),
+        effect: Arc::new(effect),
+        coefficients: [0.0; MAX_COEFFICIENTS],
+        fixed: Vec::new(),
+        inputs,
+    })
+}
+
+/// Normal matrix with one more column for every searched parameter of the model, the last columns in the order of the
+/// pieces. `None` where there is none.
+pub fn with_slopes(pass: &Pass, fitted: &Fitted) -> Result<Option<Matrix>, BadShape> {
+    let slopes: Vec<Piece> = fitted.pieces.iter().filter_map(|piece| slope(pass, piece)).collect();
+    if slopes.is_empty() || fitted.columns() + slopes.len() > COLUMNS {
+        return Ok(None);
+    }
+    let all: Vec<&Piece> = fitted.pieces.iter().chain(&slopes).collect();
+    let blocks = pass.blocks(&pass.samples.bounds(2), &fitted.model, &all)?;
+    Ok(Some(Matrix::total(&blocks, Some(&fitted.prior))))
+}
+
+/// The piece with its parameter moved.
+fn moved<'a>(piece: &Piece<'a>, change: f64, catalogue: &Catalogue<'a>) -> Option<Piece<'a>> {
+    let next = if piece.id == PERIODIC {
+        let (frequency_hz, reference_s) =
+            (fixed(piece, "frequency_hz")? + change, fixed(piece, "reference")?);
+        Piece {
+            effect: Arc::new(Periodic { frequency_hz, reference_s }),
+            fixed: vec![("reference", reference_s), ("frequency_hz", frequency_hz)],
+            ..piece.clone()
+        }
+    } else {
+        let now = fixed(piece, "delay_s")?;
+        let column = piece.id.strip_prefix("offset:")?.strip_suffix("@delay")?;
+        catalogue.offset_delayed(catalogue.usable(column)?, (now + change).max(0.2 * now))?
+    };
+    Some(Piece { coefficients: piece.coefficients, ..next })
+}
+
+/// Moves searched parameters to where the error is least, and refits.
+pub fn refine<'a>(
+    pass: &Pass,
+    mut fitted: Fitted<'a>,
+    catalogue: &Catalogue<'a>,
+    known: &Known,
+) -> Result<Fitted<'a>, BadShape> {
+    for _ in 0..4 {
+        let Some(total) = with_slopes(pass, &fitted)? else { return Ok(fitted) };
+        let Some(factor) = total.factor() else { return Ok(fitted) };
+        let step = total.step(&factor);
+        let mut changes = step[fitted.columns()..].iter();
+        let mut pieces = fitted.pieces.clone();
+        for piece in &mut pieces {
+            if slope(pass, piece).is_some()
+                && let Some(change) = changes.next()
+                && let Some(next) = moved(piece, *change, catalogue)
+            {
+                *piece = next;
+            }
+        }
+        let before = fitted.squares;
+        match pass.fit(fitted.model, pieces, known)? {
+            Some(next) if next.squares < before => fitted = next,
+            _ => return Ok(fitted),
+        }
+        if before - fitted.squares < 1e-4 * before / fitted.rows.max(1.0) {
+            break;
+        }
+    }
+    Ok(fitted)
+}

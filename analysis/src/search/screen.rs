@@ -1,0 +1,281 @@
+//! Tests of candidates against a fitted model.
+
+use crate::base::engine::{Fitted, Pass};
+use crate::base::known::Known;
+use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::residual::spectrum::{Frame, Rows, Verdict};
+use ironout::study::{Gain, f_tail, held_out};
+
+/// A candidate is added if its probability under chance, times all that was searched, is below this.
+pub const SIGNIFICANCE: f64 = 0.01;
+
+/// A candidate is added only below this: a whole log is to be falsely accused once in some hundred, also where the noise's
+/// spectrum is itself uncertain. What is worth adding lies far below.
+pub const ACCUSED: f64 = 0.002;
+
+/// ... and if it takes at least this share off the squared held-out error: less is true perhaps, but not relevant.
+pub const RELEVANCE: f64 = 0.02;
+
+/// A candidate with the number of places that were searched for its fixed parameter.
+#[derive(Clone)]
+pub struct Candidate<'a> {
+    /// The effect, with coefficients of zero.
+    pub piece: Piece<'a>,
+    /// Independent values of its parameter that were tried; 1 where it has none.
+    pub searched: f64,
+}
+
+/// What a test of a candidate says.
+#[derive(Debug, Clone)]
+pub struct Tested {
+    /// Its place in the list.
+    pub index: usize,
+    /// Directions that are new.
+    pub directions: usize,
+    /// What it takes off the squared error.
+    pub decrease: f64,
+    /// Probability that chance does as well, with the search but not the number of candidates.
+    pub p_value: f64,
+    /// Squared held-out error with it.
+    pub held_out: Option<f64>,
+    /// By how much the noise's memory widens its errors (variance), as the residual with it shows.
+    pub time: f64,
+    /// Whether it should be added.
+    pub accepted: bool,
+}
+
+/// What a screening found.
+#[derive(Debug, Clone, Default)]
+pub struct Screening {
+    /// Squared held-out error without any candidate.
+    pub held_out: Option<f64>,
+    /// Every candidate, in order.
+    pub tested: Vec<Tested>,
+}
+
+/// Columns of a piece that follows `base` columns and the pieces before it.
+pub(crate) fn ranges(base: usize, pieces: &[&Piece]) -> Vec<std::ops::Range<usize>> {
+    let mut next = base;
+    pieces
+        .iter()
+        .map(|piece| {
+            let range = next..next + piece.k();
+            next = range.end;
+            range
+        })
+        .collect()
+}
+
+/// A prior with a trace of information on further columns, so that directions the data do not show stay at zero.
+pub(crate) fn ridge(prior: &Matrix, data: &Matrix, from: usize) -> Matrix {
+    let mut out = prior.clone();
+    let mut wide = Matrix::new(data.columns());
+    wide.merge(&out);
+    out = wide;
+    for column in from..data.columns() {
+        let size = data.entry(column, column);
+        out.inform(column, column, if size > 0.0 { 1e-7 * size } else { 1.0 });
+    }
+    out
+}
+
+/// Tests each candidate by itself against the fitted model. `count` is the number of candidates of the whole search.
+pub fn screen(
+    pass: &Pass,
+    fitted: &Fitted,
+    candidates: &[Candidate],
+    count: usize,
+) -> Result<Screening, BadShape> {
+    let base = fitted.columns();
+    let inner: Vec<&Piece> = fitted.pieces.iter().collect();
+    let bounds = pass.samples.bounds(BLOCKS);
+    let own: Vec<usize> = (0..base).collect();
+    let mut screening = Screening {
+        held_out: held_out(&fitted.blocks, Some(&fitted.prior), &own).map(|held| held.squares),
+        tested: Vec::new(),
+    };
+    let mut start = 0;
+    while start < candidates.len() {
+        let mut columns = base;
+        let mut end = start;
+        while end < candidates.len() && end - start + inner.len() < TERMS {
+            columns += candidates[end].piece.k();
+            if columns > COLUMNS {
+                break;
+            }
+            end += 1;
+        }
+        if end == start {
+            break;
+        }
+        let batch: Vec<&Piece> = candidates[start..end].iter().map(|candidate| &candidate.piece).collect();
+        let all: Vec<&Piece> = inner.iter().copied().chain(batch.iter().copied()).collect();
+        let blocks = pass.blocks(&bounds, &fitted.model, &all)?;
+        let total = Matrix::total(&blocks, Some(&fitted.prior));
+        let prior = ridge(&fitted.prior, &total, base);
+        let safe = Matrix::total(&blocks, Some(&prior));
+        let spans = ranges(base, &batch);
+        let keeps: Vec<Vec<usize>> =
+            spans.iter().map(|span| own.iter().copied().chain(span.clone()).collect()).collect();
+        let gains: Vec<Option<Gain<f64>>> = spans
+            .iter()
+            .map(|span| total.test(0..base, span.clone()).filter(|gain| gain.directions > 0))
+            .collect();
+        let rows = f64::from(total.rows());
+        let chance = |gain: &Gain<f64>, index: usize| {
+            let (f, k, freedom) = gain.f_statistic(base, rows, rows);
+            (f_tail(f, k, freedom) * candidates[index].searched).min(1.0)
+        };
+        // The noise's memory mostly makes chance more likely: it is looked at where that can matter.
+        let close: Vec<usize> = (0..batch.len())
+            .filter(|offset| {
+                let index = start + offset;
+                gains[*offset]
+                    .as_ref()
+                    .is_some_and(|gain| chance(gain, index) * (count as f64) < SIGNIFICANCE)
+            })
+            .collect();
+        let rows = match close.is_empty() {
+            true => None,
+            false => Some(Rows::of(pass, fitted, &all)?),
+        };
+        let frame = rows.as_ref().and_then(|rows| Frame::new(rows, &total, own.clone()));
+        let coloured = |offset: usize| {
+            let (rows, frame) = rows.as_ref().zip(frame.as_ref())?;
+            let part = safe.select(&keeps[offset]);
+            let mut step = [0.0; COLUMNS];
+            for (column, value) in keeps[offset].iter().zip(part.step(&part.factor()?)) {
+                step[*column] = value;
+            }
+            let span = spans[offset].clone();
+            let noise = frame.spectrum(&total, span.clone(), &rows.moved(&step))?;
+            frame.test(&total, span, &noise)
+        };
+        for (offset, keep) in keeps.iter().enumerate() {
+            let index = start + offset;
+            let coloured = if close.contains(&offset) { coloured(offset) } else { None };
+            let mut tested = Tested {
+                index,
+                directions: 0,
+                decrease: 0.0,
+                p_value: 1.0,
+                held_out: held_out(&blocks, Some(&prior), keep).map(|held| held.squares),
+                time: coloured.as_ref().map_or(1.0, |test| test.time),
+                accepted: false,
+            };
+            if let Some(gain) = &gains[offset] {
+                tested.directions = gain.directions;
+                tested.decrease = gain.decrease;
+                tested.p_value = match (coloured, close.contains(&offset)) {
+                    (Some(test), _) => (test.p_value * candidates[index].searched).min(1.0),
+                    (None, true) => 1.0,
+                    (None, false) => chance(gain, index),
+                };
+                let falls = match (screening.held_out, tested.held_out) {
+                    (Some(before), Some(after)) => after < before * (1.0 - RELEVANCE),
+                    // Without the candidate some block cannot be predicted at all; with it, it can.
+                    (None, Some(_)) => true,
+                    _ => false,
+                };
+                tested.accepted = tested.p_value * (count as f64) < ACCUSED && falls;
+            }
+            screening.tested.push(tested);
+        }
+        start = end;
+    }
+    Ok(screening)
+}
+
+/// How two candidates stand to each other: the p-value of each given the other, and their largest and smallest
+/// canonical correlation.
+#[derive(Debug, Clone, Copy)]
+pub struct Rivalry {
+    /// Of the first, given the second.
+    pub first: f64,
+    /// Of the second, given the first.
+    pub second: f64,
+    /// The least of the canonical correlations (as many as the narrower has directions).
+    pub correlation: f64,
+}
+
+/// Compares two candidates at the better of the two models that hold one of them, fully fitted: what one explains beyond
+/// the other is read where the residual is noise, and not at a base that a strong effect still bends.
+pub fn rivalry<'a>(
+    pass: &Pass,
+    fitted: &Fitted<'a>,
+    first: &Piece<'a>,
+    second: &Piece<'a>,
+    known: &Known,
+) -> Result<Option<Rivalry>, BadShape> {
+    let base = fitted.columns();
+    let (k1, k2) = (first.k(), second.k());
+    if base + k1 + k2 > COLUMNS {
+        return Ok(None);
+    }
+    let with = |piece: &Piece<'a>| {
+        let pieces = fitted.pieces.iter().chain([piece]).cloned().collect();
+        pass.fit(fitted.model, pieces, known)
+    };
+    let (Some(one), Some(other)) = (with(first)?, with(second)?) else { return Ok(None) };
+    let better = if one.squares <= other.squares { &one } else { &other };
+    let fresh = |piece: &Piece<'a>| -> Piece<'a> {
+        better.pieces.iter().find(|own| own.id == piece.id).unwrap_or(piece).clone()
+    };
+    let (first, second) = (fresh(first), fresh(second));
+    let all: Vec<&Piece> = better.pieces[..fitted.pieces.len()].iter().chain([&first, &second]).collect();
+    let blocks = pass.blocks(&pass.samples.bounds(1), &better.model, &all)?;
+    let prior =
+        known.matrix(pass.residual, &better.model, better.sigma(), &all, &Matrix::total(&blocks, None));
+    let total = Matrix::total(&blocks, Some(&prior));
+    let safe = Matrix::total(&blocks, Some(&ridge(&prior, &total, base)));
+    let Some(factor) = safe.factor() else { return Ok(None) };
+    let rows = Rows::of(pass, better, &all)?;
+    let residuals = rows.moved(&safe.step(&factor));
+    // Back to where neither stands in the model.
+    let mut away = [0.0; COLUMNS];
+    let coefficients = [&first, &second].into_iter().flat_map(|piece| &piece.coefficients[..piece.k()]);
+    for (slot, value) in away[base..].iter_mut().zip(coefficients) {
+        *slot = -value;
+    }
+    let total = total.moved(&away);
+    let noise = Frame::new(&rows, &total, (0..base).collect())
+        .and_then(|frame| frame.spectrum(&total, base..base + k1 + k2, &residuals));
+    let own = 0..base;
+    let (a, b) = (base..base + k1, base + k1..base + k1 + k2);
+    let columns = |with: &std::ops::Range<usize>| own.clone().chain(with.clone()).collect::<Vec<_>>();
+    let given = |first: &std::ops::Range<usize>, last: &std::ops::Range<usize>| {
+        // Nothing new, or the rest is not determined without it: no evidence.
+        noise
+            .as_ref()
+            .and_then(|noise| Frame::new(&rows, &total, columns(first))?.test(&total, last.clone(), noise))
+            .map_or(1.0, |test| test.p_value)
+    };
+    let correlations = total.canonical_correlations(own.clone(), a.clone(), b.clone()).unwrap_or_default();
+    let mut sorted = correlations;
+    sorted.sort_by(|x, y| y.total_cmp(x));
+    let directions = [&a, &b]
+        .map(|span| total.test(own.clone(), span.clone()).map_or(0, |gain| gain.directions))
+        .into_iter()
+        .min()
+        .unwrap_or(0);
+    let correlation = if directions == 0 { 0.0 } else { sorted[directions - 1] };
+    Ok(Some(Rivalry { first: given(&b, &a), second: given(&a, &b), correlation }))
+}
+
+/// The test of a fitted model's last effect, where the model stands.
+pub fn stands(pass: &Pass, fitted: &Fitted) -> Result<Option<Verdict>, BadShape> {
+    let Some(piece) = fitted.pieces.last() else { return Ok(None) };
+    let columns = fitted.columns();
+    let base = columns - piece.k();
+    let rows = Rows::of(pass, fitted, &fitted.pieces.iter().collect::<Vec<_>>())?;
+    let residuals = rows.moved(&[0.0; COLUMNS]);
+    let mut away = [0.0; COLUMNS];
+    for (slot, value) in away[base..columns].iter_mut().zip(piece.coefficients) {
+        *slot = -value;
+    }
+    let total = fitted.total().moved(&away);
+    Ok(Frame::new(&rows, &total, (0..base).collect()).and_then(|frame| {
+        let noise = frame.spectrum(&total, base..columns, &residuals)?;
+        frame.test(&total, base..columns, &noise)
+    }))
+}

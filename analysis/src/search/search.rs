@@ -1,0 +1,226 @@
+//! Searches over the parameter that fixes a shape: when a step happened, how late a column acts, at what frequency.
+
+use crate::base::engine::{Fitted, Pass};
+use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
+use crate::samples::fft;
+use crate::samples::series::median;
+use crate::search::candidates::Catalogue;
+use crate::search::screen::Candidate;
+
+/// Places where a step is looked for at first.
+const STEP_SEGMENTS: usize = 48;
+/// The lowest frequency of periodic interference, Hz: two slower sinusoids imitate almost any covariate.
+const LOWEST_HZ: f64 = 1.0;
+
+/// Where an offset step takes the most off the squared error.
+pub fn step<'a>(
+    pass: &Pass,
+    fitted: &Fitted,
+    catalogue: &Catalogue<'a>,
+) -> Result<Option<Candidate<'a>>, BadShape> {
+    let Some(time) = &pass.samples.time else { return Ok(None) };
+    let n = pass.samples.len();
+    let base = fitted.columns();
+    if n < 4 * STEP_SEGMENTS || base + 3 > COLUMNS {
+        return Ok(None);
+    }
+    let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
+    let mut bounds: Vec<usize> = (0..=STEP_SEGMENTS).map(|k| n * k / STEP_SEGMENTS).collect();
+    let mut total: Option<Matrix> = None;
+    let mut after = Matrix::new(base);
+    let mut best = (0.0, 0);
+    loop {
+        let segments = pass.blocks(&bounds, &fitted.model, &pieces)?;
+        let whole = total.get_or_insert_with(|| Matrix::total(&segments, Some(&fitted.prior)));
+        let mut suffix = Matrix::new(base);
+        suffix.merge(&after);
+        let mut sums = vec![suffix.clone()];
+        for segment in segments.iter().rev() {
+            suffix.merge(segment);
+            sums.push(suffix.clone());
+        }
+        sums.reverse();
+        best = (0.0, best.1);
+        // The first and last bound are no places for a step unless they lie inside the log.
+        for (place, bound) in bounds.iter().enumerate() {
+            if *bound < n / 50 || *bound > n - n / 50 {
+                continue;
+            }
+            let masked = with_step(whole, &sums[place], base);
+            let decrease = masked.test(0..base, base..base + 3).map_or(0.0, |gain| gain.decrease);
+            if decrease > best.0 {
+                best = (decrease, place);
+            }
+        }
+        if best.0 <= 0.0 {
+            return Ok(None);
+        }
+        let (low, high) = (bounds[best.1.saturating_sub(1)], bounds[(best.1 + 1).min(bounds.len() - 1)]);
+        let at = bounds[best.1];
+        if bounds.windows(2).all(|pair| pair[1] - pair[0] <= 1) || high - low <= 2 {
+            let at_s = if at == 0 { time[0] } else { 0.5 * (time[at - 1] + time[at]) };
+            let piece = catalogue.step(at_s);
+            return Ok(piece.map(|piece| Candidate { piece, searched: STEP_SEGMENTS as f64 }));
+        }
+        // Finer around the best place.
+        after = sums[(best.1 + 1).min(sums.len() - 1)].clone();
+        let parts = (high - low).min(32);
+        bounds = (0..=parts).map(|k| low + (high - low) * k / parts).collect();
+    }
+}
+
+/// The normal matrix with three more columns: those of the offset from some time on, whose own matrix is `suffix`.
+fn with_step(whole: &Matrix, suffix: &Matrix, base: usize) -> Matrix {
+    let mut out = Matrix::new(base + 3);
+    out.merge(whole);
+    for axis in 0..3 {
+        for column in 0..base {
+            out.inform(column, base + axis, suffix.entry(column, axis));
+        }
+        for other in axis..3 {
+            out.inform(base + axis, base + other, suffix.entry(axis, other));
+        }
+        out.pull(base + axis, suffix.right(axis));
+    }
+    out
+}
+
+/// How much each candidate alone takes off the squared error.
+fn decreases(pass: &Pass, fitted: &Fitted, candidates: &[Piece]) -> Result<Vec<f64>, BadShape> {
+    let base = fitted.columns();
+    let mut out = Vec::new();
+    let width = candidates.iter().map(Piece::k).max().unwrap_or(1);
+    let batch = ((COLUMNS - base) / width).clamp(1, crate::base::piece::TERMS - fitted.pieces.len());
+    for chunk in candidates.chunks(batch) {
+        let all: Vec<&Piece> = fitted.pieces.iter().chain(chunk).collect();
+        let blocks = pass.blocks(&pass.samples.bounds(2), &fitted.model, &all)?;
+        let total = Matrix::total(&blocks, Some(&fitted.prior));
+        let mut column = base;
+        for piece in chunk {
+            let span = column..column + piece.k();
+            column = span.end;
+            out.push(total.test(0..base, span).map_or(0.0, |gain| gain.decrease));
+        }
+    }
+    Ok(out)
+}
+
+fn largest(values: &[f64]) -> usize {
+    values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index)
+}
+
+/// How late `offset:COLUMN` acts, if it acts late.
+pub fn delay<'a>(
+    pass: &Pass,
+    fitted: &Fitted,
+    catalogue: &Catalogue<'a>,
+    column: usize,
+) -> Result<Option<Candidate<'a>>, BadShape> {
+    let Some(time) = &pass.samples.time else { return Ok(None) };
+    let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > 0.0).collect();
+    let step = median(&mut gaps) / pass.samples.stride as f64;
+    let seconds = time.last().unwrap_or(&0.0) - time.first().unwrap_or(&0.0);
+    if step.is_nan() || step <= 0.0 {
+        return Ok(None);
+    }
+    let longest = (2.0_f64).max(10.0 * step).min(seconds / 10.0);
+    let mut delays = Vec::new();
+    let (mut one, mut two) = (1.0, 2.0);
+    while one * step <= longest {
+        delays.push(one * step);
+        (one, two) = (two, one + two);
+    }
+    let searched = delays.len() as f64;
+    if delays.is_empty() {
+        return Ok(None);
+    }
+    for round in 0..3 {
+        let pieces: Vec<Piece> = delays.iter().filter_map(|d| catalogue.offset_delayed(column, *d)).collect();
+        let gains = decreases(pass, fitted, &pieces)?;
+        let best = largest(&gains);
+        if round == 2 || gains.get(best).is_none_or(|gain| *gain <= 0.0) {
+            return Ok(pieces.into_iter().nth(best).map(|piece| Candidate { piece, searched }));
+        }
+        let low = if best == 0 { 0.5 * delays[0] } else { delays[best - 1] };
+        let high = delays.get(best + 1).copied().unwrap_or(delays[best]);
+        delays = (0..9).map(|k| low + (high - low) * f64::from(k) / 8.0).collect();
+    }
+    Ok(None)
+}
+
+/// The frequency of the strongest periodic disturbance.
+pub fn periodic<'a>(
+    pass: &Pass,
+    fitted: &Fitted,
+    catalogue: &Catalogue<'a>,
+) -> Result<Option<Candidate<'a>>, BadShape> {
+    let samples = pass.samples;
+    let Some(time) = &samples.time else { return Ok(None) };
+    let n = samples.len();
+    let (Some(&first), Some(&last)) = (time.first(), time.last()) else { return Ok(None) };
+    let seconds = last - first;
+    if n < 64 || seconds <= 2.0 || fitted.columns() + 6 > COLUMNS {
+        return Ok(None);
+    }
+    let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    // Rows that arrive in bursts have a short median step: the mean one tells the sensor's rate.
+    let step = median(&mut gaps).max(seconds / n as f64 * 0.9);
+    let nyquist = 0.5 / step;
+    if nyquist <= LOWEST_HZ {
+        return Ok(None);
+    }
+    let cells = (seconds / step).ceil() as usize + 1;
+    let size = (2 * cells).next_power_of_two();
+    let uniform = gaps.iter().all(|gap| (gap / step - 1.0).abs() < 0.2);
+    let mut series = vec![vec![(0.0, 0.0); size]; 3];
+    let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
+    let vector = pass.residual == ironout::study::Residual::Vector;
+    pass.rows(0..n, &fitted.model, &pieces, |sample, row, r| {
+        let cell = if uniform { sample } else { ((time[sample] - first) / step).round() as usize };
+        for (axis, out) in series.iter_mut().enumerate() {
+            let weight = if vector { -row[axis] } else { row[axis] };
+            if let Some(value) = out.get_mut(cell) {
+                value.0 += weight * r;
+            }
+        }
+    })?;
+    for line in &mut series {
+        fft::forward(line);
+    }
+    let resolution = 1.0 / (size as f64 * step);
+    let from = (LOWEST_HZ / resolution).ceil() as usize;
+    let to = ((nyquist / resolution).floor() as usize).min(size / 2);
+    let power: Vec<f64> = (0..=to)
+        .map(|bin| series.iter().map(|line| line[bin].0 * line[bin].0 + line[bin].1 * line[bin].1).sum())
+        .collect();
+    let mut peaks: Vec<usize> = (from.max(1)..to)
+        .filter(|&bin| power[bin] >= power[bin - 1] && power[bin] >= power[bin + 1])
+        .collect();
+    peaks.sort_by(|a, b| power[*b].total_cmp(&power[*a]));
+    peaks.truncate(2);
+    if peaks.is_empty() {
+        return Ok(None);
+    }
+    let searched = ((nyquist - LOWEST_HZ) * seconds).max(1.0);
+    let width = 1.0 / seconds;
+    let mut frequencies: Vec<f64> = peaks
+        .iter()
+        .flat_map(|bin| (-2..=2).map(move |k| *bin as f64 * resolution + f64::from(k) * 0.3 * width))
+        .filter(|hz| (LOWEST_HZ..=nyquist).contains(hz))
+        .collect();
+    let mut spacing = 0.3 * width;
+    let mut best = None;
+    for _ in 0..3 {
+        let pieces: Vec<Piece> = frequencies.iter().filter_map(|hz| catalogue.periodic(*hz)).collect();
+        let gains = decreases(pass, fitted, &pieces)?;
+        let at = largest(&gains);
+        let Some(hz) = frequencies.get(at).copied() else { break };
+        best = Some(hz);
+        spacing *= 0.25;
+        frequencies = (-3..=3)
+            .map(|k| hz + f64::from(k) * spacing)
+            .filter(|hz| (LOWEST_HZ..=nyquist).contains(hz))
+            .collect();
+    }
+    Ok(best.and_then(|hz| catalogue.periodic(hz)).map(|piece| Candidate { piece, searched }))
+}

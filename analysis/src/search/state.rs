@@ -1,0 +1,220 @@
+//! The state of a search, and what every step of it does with a model: fit it, align it, settle it, and tell the error
+//! falling.
+
+use crate::base::alignment::{align, without_effects};
+use crate::base::engine::{Fitted, Pass, SETTLED};
+use crate::base::known::Known;
+use crate::base::piece::BadShape;
+use crate::search::candidates::Catalogue;
+use crate::search::screen::{Candidate, Tested};
+use ironout::study::{Residual, held_out};
+
+/// A prior on the gains that is tighter than this holds them.
+const HELD_GAIN: f64 = 1e-3;
+/// The coupling's share along the identity has settled when it moves by less than this, s.
+const SETTLED_S: f64 = 2e-5;
+/// Rounds of fit and alignment at the end …
+const SETTLING: usize = 12;
+/// … until nothing moves by more than this share of the offset's and of the coefficients' size.
+const SETTLED_SHARE: f64 = 1e-7;
+
+/// The state of the model after one addition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    /// The effect added; `None` for the base model.
+    pub added: Option<String>,
+    /// Rms residual, µT (rad for the dip).
+    pub rms: f64,
+    /// Rms residual on held-out blocks.
+    pub held_out: Option<f64>,
+}
+
+/// Candidates that explain the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Confounded {
+    /// Their ids, the one that stands in the model first.
+    pub ids: Vec<String>,
+}
+
+/// A candidate of the last round.
+#[derive(Clone)]
+pub struct Judged<'a> {
+    /// It.
+    pub candidate: Candidate<'a>,
+    /// Its test.
+    pub tested: Tested,
+}
+
+/// What the search found.
+#[derive(Clone)]
+pub struct Explanation<'a> {
+    /// The base model.
+    pub base: Fitted<'a>,
+    /// The model with everything found.
+    pub fitted: Fitted<'a>,
+    /// The error falling.
+    pub steps: Vec<Step>,
+    /// Groups that cannot be told apart.
+    pub confounded: Vec<Confounded>,
+    /// Columns that move together: the first stands in the model for all of them.
+    pub families: Vec<Confounded>,
+    /// The candidates tested against the base model.
+    pub first: Vec<Judged<'a>>,
+    /// The candidates tested last, against the final model.
+    pub last: Vec<Judged<'a>>,
+    /// A step or a tone that the model holds once and the log shows again, in words.
+    pub repeated: Option<String>,
+    /// Effects that were found and are not certain.
+    pub withdrawn: Vec<Withdrawn>,
+    /// How many candidates a round has.
+    pub count: usize,
+}
+
+/// Rms on held-out blocks.
+pub fn held_out_rms(fitted: &Fitted) -> Option<f64> {
+    let own: Vec<usize> = (0..fitted.columns()).collect();
+    held_out(&fitted.blocks, Some(&fitted.prior), &own)?.rms()
+}
+
+fn state(added: Option<String>, fitted: &Fitted) -> Step {
+    Step { added, rms: fitted.rms(), held_out: held_out_rms(fitted) }
+}
+
+/// The part of an id before `^` or `@`.
+pub(crate) fn plain_id(id: &str) -> &str {
+    id.split(['^', '@']).next().unwrap_or(id)
+}
+
+/// An effect that was found and is not certain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Withdrawn {
+    /// Its id.
+    pub id: String,
+    /// Why it is not certain.
+    pub why: String,
+}
+
+/// Whether two fits of the same effects are the same to all digits that matter.
+fn unmoved(one: &Fitted, other: &Fitted) -> bool {
+    let near = |a: &[f64], b: &[f64]| {
+        let size = a.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SETTLED_SHARE * size)
+    };
+    near(&one.model.offset_ut, &other.model.offset_ut)
+        && one.pieces.iter().zip(&other.pieces).all(|(a, b)| near(&a.coefficients, &b.coefficients))
+}
+
+/// The search.
+pub struct Greedy<'p, 'a> {
+    /// What it runs over.
+    pub pass: Pass<'p>,
+    /// What it may add.
+    pub catalogue: &'p Catalogue<'a>,
+    /// What is known besides.
+    pub known: &'p Known,
+}
+
+impl<'a> Greedy<'_, 'a> {
+    /// Whether the base is held, or most of it.
+    pub(crate) fn held(&self) -> bool {
+        self.known.physical.gain < HELD_GAIN || self.known.scale.is_some()
+    }
+
+    /// Gives a fitted model its rotation to the accelerometer, and eddy currents their share along the identity, which
+    /// only the dip sees. The magnitude does not depend on the rotation, but what turns with the gyro does.
+    pub fn aligned(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
+        if self.pass.residual != Residual::Magnitude || !self.catalogue.has_down() {
+            return Ok(fitted);
+        }
+        for _ in 0..8 {
+            let clean = without_effects(self.pass.samples, &fitted.model, &fitted.pieces);
+            let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(fitted) };
+            fitted.model = alignment.model;
+            let (Some(eddy), Some(lag)) =
+                (fitted.pieces.iter_mut().find(|piece| piece.k() == 9), self.catalogue.lag())
+            else {
+                return Ok(fitted);
+            };
+            // What the coupling's share along the identity still lacks, together with the rotation.
+            let dip = Pass { samples: &clean, residual: Residual::Dip };
+            let fit = dip.fit_to(SETTLED, fitted.model, vec![lag], self.known)?;
+            let Some(fit) = fit else { return Ok(fitted) };
+            let lacking = fit.pieces[0].coefficients[0];
+            for entry in [0, 4, 8] {
+                eddy.coefficients[entry] += lacking;
+            }
+            fitted.model = fit.model;
+            match self.pass.fit(fitted.model, fitted.pieces.clone(), self.known)? {
+                Some(next) => fitted = next,
+                None => return Ok(fitted),
+            }
+            if lacking.abs() < SETTLED_S {
+                return Ok(fitted);
+            }
+        }
+        Ok(fitted)
+    }
+
+    /// A model with effects fitted so far that the way to it no longer shows: whoever adds the same effects, in whatever
+    /// order, gets the same digits.
+    pub fn to_the_end(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
+        if fitted.pieces.is_empty() {
+            return Ok(fitted);
+        }
+        for _ in 0..SETTLING {
+            let before = fitted.clone();
+            let aligned = self.aligned(before.clone())?;
+            let next = self.pass.fit_to(SETTLED, aligned.model, aligned.pieces, self.known)?;
+            fitted = match next {
+                Some(next) => next,
+                None => return Ok(before),
+            };
+            if unmoved(&before, &fitted) {
+                break;
+            }
+        }
+        Ok(fitted)
+    }
+
+    /// No search: the effects that stand in the model, and the tests of the others.
+    pub fn only(&self, base: Fitted<'a>, fitted: Fitted<'a>) -> Result<Explanation<'a>, BadShape> {
+        let order: Vec<String> = fitted.pieces.iter().map(|piece| piece.id.clone()).collect();
+        let steps = self.falling(&base, &fitted, &order)?;
+        Ok(Explanation {
+            base,
+            fitted,
+            steps,
+            confounded: Vec::new(),
+            families: Vec::new(),
+            first: Vec::new(),
+            last: Vec::new(),
+            repeated: None,
+            withdrawn: Vec::new(),
+            count: 1,
+        })
+    }
+
+    /// The error falling as the effects of the final model are added in their order.
+    pub(crate) fn falling(
+        &self,
+        base: &Fitted<'a>,
+        fitted: &Fitted<'a>,
+        order: &[String],
+    ) -> Result<Vec<Step>, BadShape> {
+        let mut steps = vec![state(None, base)];
+        let mut now = base.clone();
+        for (index, id) in order.iter().enumerate() {
+            if index + 1 == order.len() {
+                now = fitted.clone();
+            } else if let Some(piece) = fitted.pieces.iter().find(|piece| piece.id == *id) {
+                let mut pieces = now.pieces.clone();
+                pieces.push(piece.clone());
+                if let Some(next) = self.pass.fit(now.model, pieces, self.known)? {
+                    now = next;
+                }
+            }
+            steps.push(state(Some(id.clone()), &now));
+        }
+        Ok(steps)
+    }
+}

@@ -1,0 +1,122 @@
+//! The log as the diagnosis sees it: borrowed columns.
+
+/// Borrowed columns of equal length. A missing cell is NaN.
+#[derive(Debug, Clone, Default)]
+pub struct Table<'a> {
+    /// Time, s, not decreasing.
+    pub time_s: Option<&'a [f64]>,
+    /// The magnetometer, µT.
+    pub field_ut: [&'a [f64]; 3],
+    /// The same as the sensor's 16-bit counts, and their scale, µT a count: from these a fit gives the board's bits.
+    pub counts: Option<(&'a [[i16; 3]], [f64; 3])>,
+    /// Specific force, m/s².
+    pub accel_mps2: Option<[&'a [f64]; 3]>,
+    /// Rate of turn, rad/s.
+    pub gyro_radps: Option<[&'a [f64]; 3]>,
+    /// Reference heading, degrees.
+    pub heading_deg: Option<&'a [f64]>,
+    /// Every other numeric column.
+    pub covariates: Vec<Named<'a>>,
+}
+
+/// A column that the log format asks for and that is not there, or one whose length is not that of the others.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum BadTable {
+    /// Of `mx_ut`, `my_ut`, `mz_ut` this one is missing.
+    Missing(&'static str),
+    /// Of `ax_mps2` … or `gx_radps` … this one is missing beside the others.
+    Incomplete(&'static str),
+    /// This column has another number of rows than `mx_ut`.
+    Ragged(String),
+}
+
+impl std::fmt::Display for BadTable {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            BadTable::Missing(name) => write!(f, "there is no column {name}"),
+            BadTable::Incomplete(name) => write!(f, "{name} is missing: all three axes are needed"),
+            BadTable::Ragged(name) => write!(f, "column {name} has another number of rows than mx_ut"),
+        }
+    }
+}
+
+impl std::error::Error for BadTable {}
+
+/// A covariate.
+#[derive(Debug, Clone)]
+pub struct Named<'a> {
+    /// Its header.
+    pub name: &'a str,
+    /// Its values.
+    pub values: &'a [f64],
+    /// Cells that hold NaN or an infinity written out.
+    pub not_finite: usize,
+}
+
+impl<'a> Table<'a> {
+    /// From columns named as in the log format: `mx_ut,my_ut,mz_ut` are needed, `t_s`, `ax_mps2 …`, `gx_radps …` and
+    /// `heading_deg` are known, every other is a covariate. A missing cell is NaN.
+    ///
+    /// # Errors
+    /// [`BadTable`].
+    pub fn from_columns(columns: impl IntoIterator<Item = (&'a str, &'a [f64])>) -> Result<Self, BadTable> {
+        const FIELD: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
+        const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
+        const GYRO: [&str; 3] = ["gx_radps", "gy_radps", "gz_radps"];
+        let columns: Vec<(&str, &[f64])> = columns.into_iter().collect();
+        let find = |name: &str| columns.iter().find(|(own, _)| *own == name).map(|(_, values)| *values);
+        let triple = |names: [&'static str; 3]| -> Result<Option<[&'a [f64]; 3]>, BadTable> {
+            let found = names.map(find);
+            match found {
+                [Some(x), Some(y), Some(z)] => Ok(Some([x, y, z])),
+                [None, None, None] => Ok(None),
+                _ => {
+                    let missing = names.into_iter().zip(found).find(|(_, values)| values.is_none());
+                    Err(BadTable::Incomplete(missing.map_or(names[0], |(name, _)| name)))
+                }
+            }
+        };
+        let field_ut = triple(FIELD).map_err(|error| match error {
+            BadTable::Incomplete(name) => BadTable::Missing(name),
+            other => other,
+        })?;
+        let field_ut = field_ut.ok_or(BadTable::Missing(FIELD[0]))?;
+        if let Some((name, _)) = columns.iter().find(|(_, values)| values.len() != field_ut[0].len()) {
+            return Err(BadTable::Ragged((*name).to_string()));
+        }
+        let known = |name: &str| {
+            FIELD.contains(&name)
+                || ACCEL.contains(&name)
+                || GYRO.contains(&name)
+                || ["t_s", "heading_deg"].contains(&name)
+        };
+        Ok(Table {
+            time_s: find("t_s"),
+            field_ut,
+            counts: None,
+            accel_mps2: triple(ACCEL)?,
+            gyro_radps: triple(GYRO)?,
+            heading_deg: find("heading_deg"),
+            covariates: columns
+                .iter()
+                .filter(|(name, _)| !known(name))
+                .map(|&(name, values)| Named { name, values, not_finite: 0 })
+                .collect(),
+        })
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.field_ut[0].len()
+    }
+
+    /// The measured vector of a row.
+    pub fn field(&self, row: usize) -> [f64; 3] {
+        self.field_ut.map(|axis| axis[row])
+    }
+
+    /// The covariate of that name.
+    pub fn covariate(&self, name: &str) -> Option<&Named<'a>> {
+        self.covariates.iter().find(|covariate| covariate.name == name)
+    }
+}

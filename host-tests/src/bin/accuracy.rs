@@ -1,0 +1,55 @@
+//! `cargo accuracy`: how good calibrations are, what the verdict lets through, and how well hidden effects are found, as
+//! tables held to their snapshots.
+//!
+//! `--json` prints one object on standard output; `--accept` stores the tables as the new snapshots and writes the README's.
+
+use ironout_host_tests::accuracy::effect_report::{Effects, SEEDS};
+use ironout_host_tests::accuracy::{gates, snapshot, table};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let (mut json, mut accept) = (false, false);
+    for argument in std::env::args().skip(1) {
+        match argument.as_str() {
+            "--json" => json = true,
+            "--accept" => accept = true,
+            _ => {
+                eprintln!("usage: cargo accuracy [--json] [--accept]");
+                return ExitCode::from(2);
+            }
+        }
+    }
+    eprintln!("calibrations and verdicts …");
+    let solvers = table::measure(table::FULL);
+    eprintln!("hidden effects, minutes …");
+    let effects = Effects::measure(SEEDS, |line| eprintln!("{line}"));
+    let (text, found) = (solvers.text(), effects.text());
+    if json {
+        let mut object = solvers.json();
+        object["effects"] = effects.json();
+        object["dip"] = effects.dip_json();
+        println!("{object}");
+    } else {
+        print!("{text}\nHidden effects\n\n{found}");
+    }
+    let held = if accept {
+        solvers.store().and_then(|()| effects.store())
+    } else {
+        snapshot::hold(&table::snapshot_path(), &text)
+            .and_then(|()| snapshot::hold(&Effects::snapshot_path(), &found))
+    };
+    let mut good = true;
+    if let Err(error) = held {
+        eprintln!("{error}\nif the change is meant: cargo accuracy --accept, and look at the difference");
+        good = false;
+    }
+    let wrong = solvers.wrongly_accepted();
+    if wrong > 0 {
+        let percent = gates::WRONG * 100.0;
+        eprintln!(
+            "{wrong} calibrations of limited attitude were accepted though off by more than {percent} %"
+        );
+        good = false;
+    }
+    if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

@@ -1,0 +1,243 @@
+//! The story of the demo, told on a board.
+
+use crate::cli::DemoArgs;
+use crate::commands::demo::bench::{self, Answer, Bench, Simulated};
+use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
+use crate::output::line;
+use crate::progress::Progress;
+use ironout_simulation::{World, WorldOptions};
+
+/// The Earth's field of the demo, µT.
+const FIELD_UT: f64 = 48.0;
+/// Hard iron on every axis: the emulated sensor knows no negative fields, so all of them are lifted above zero.
+const HARD_IRON_UT: [f64; 3] = [93.0; 3];
+/// Soft iron of 10 %.
+const SOFT_IRON: [[f64; 3]; 3] = [[1.10, 0.04, -0.03], [0.02, 0.96, 0.05], [-0.04, 0.03, 0.92]];
+/// Attitudes of the trace, and the world's time between them.
+const ATTITUDES: usize = 400;
+const STEP_S: f64 = 0.075;
+/// Attitudes in which the result is looked at, others than those of the trace.
+const PROBES: usize = 100;
+/// The demo has failed if the error after is larger, in percent of the field.
+const GOOD_PERCENT: f64 = 1.0;
+
+/// Tells the story, or gives its figures as JSON.
+pub fn run(arguments: &DemoArgs, json: bool) -> Outcome<u8> {
+    let tell = |text: &str| {
+        if !json {
+            line(text);
+        }
+    };
+    tell("A magnetometer is calibrated on a board, by the board itself.\n");
+    let (board, emulated) = power_up(arguments, &tell)?;
+    let story = Story { board, json, emulated };
+    let figures = story.run()?;
+    let after = figures.after.max(figures.restarted);
+    if json {
+        line(
+            &serde_json::json!({
+                "emulated": emulated, "attitudes": ATTITUDES, "field_ut": FIELD_UT,
+                "truth_offset_ut": HARD_IRON_UT, "offset_ut": figures.offset_ut,
+                "before_percent": figures.before, "after_percent": figures.after,
+                "after_restart_percent": figures.restarted,
+            })
+            .to_string(),
+        );
+    } else {
+        line(&format!(
+            "\nerror of the field's magnitude, rms of F:  before {:.1} %  →  after {:.3} %  →  after the power cut {:.3} %",
+            figures.before, figures.after, figures.restarted
+        ));
+        if !emulated {
+            line(
+                "(simulated bus; with qemu-system-arm installed the same firmware runs on an emulated Cortex-M4F)",
+            );
+        }
+    }
+    Ok(if after <= GOOD_PERCENT { EXIT_OK } else { EXIT_REFUSED })
+}
+
+#[cfg(unix)]
+fn power_up(arguments: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench>, bool)> {
+    use ironout_rig::qemu::{self, Error, Firmware};
+    if arguments.no_qemu {
+        return Ok((simulated(tell), false));
+    }
+    if !qemu::installed() {
+        tell(&format!("{}\nUntil then, the same session on the simulated bus.\n", Error::NotInstalled));
+        return Ok((simulated(tell), false));
+    }
+    tell("Building the firmware for the emulated board (cargo fw-mps2; a minute the first time) …");
+    let firmware = match Firmware::build() {
+        Ok(firmware) => firmware,
+        Err(error @ (Error::NoTarget { .. } | Error::NoSource(_))) => {
+            tell(&format!("{error}\nUntil then, the same session on the simulated bus.\n"));
+            return Ok((simulated(tell), false));
+        }
+        Err(error) => return Err(Failure::usage(error.to_string())),
+    };
+    if let Ok(footprint) = firmware.footprint() {
+        let kilo = |bytes: u64| bytes as f64 / 1024.0;
+        tell(&format!(
+            "  flash {:.1} KB, RAM {:.1} KB with its stack",
+            kilo(footprint.flash()),
+            kilo(footprint.ram())
+        ));
+    }
+    tell(
+        "Booting it in QEMU: a Cortex-M4F with an LSM303DLHC and an EEPROM on its I²C bus, and a serial console.",
+    );
+    let board = bench::Emulated::start(&firmware).map_err(|error| Failure::usage(error.to_string()))?;
+    Ok((Box::new(board), true))
+}
+
+#[cfg(not(unix))]
+fn power_up(_: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench>, bool)> {
+    Ok((simulated(tell), false))
+}
+
+fn simulated(tell: &dyn Fn(&str)) -> Box<dyn Bench> {
+    tell("A simulated LSM303DLHC and EEPROM on a simulated I²C bus, under the same drivers and application.");
+    Box::new(Simulated::start())
+}
+
+struct Figures {
+    before: f64,
+    after: f64,
+    restarted: f64,
+    offset_ut: Vec<f64>,
+}
+
+struct Story {
+    board: Box<dyn Bench>,
+    json: bool,
+    emulated: bool,
+}
+
+impl Story {
+    fn run(mut self) -> Outcome<Figures> {
+        let world = World::new(WorldOptions {
+            seed: 2014,
+            field_ut: FIELD_UT,
+            hard_iron_ut: Some(HARD_IRON_UT),
+            soft_iron: Some(SOFT_IRON),
+            seconds: ATTITUDES as f64 * STEP_S,
+            ..WorldOptions::default()
+        });
+        self.ask("version")?;
+        self.ask("status")?;
+        self.say(&format!(
+            "\nThe board stands in a field of {FIELD_UT} µT and carries its own iron: {} µT on every axis, and soft iron \
+             of 10 %.\nWithout a calibration it measures:",
+            HARD_IRON_UT[0]
+        ));
+        self.ok(&format!("field {FIELD_UT}"))?;
+        let before = self.raw_error(&world)?;
+        self.say(&format!(
+            "  a magnitude that is off by {before:.1} % of the field (rms over {PROBES} attitudes)\n"
+        ));
+
+        self.ok("cal start")?;
+        self.say(&format!("Turning it through {ATTITUDES} attitudes …"));
+        self.turn(&world)?;
+        self.ask("status")?;
+        self.ok("cal stop")?;
+        self.ok("cal accept")?;
+        let shown = self.ok("cal show")?;
+        self.say(&format!(
+            "the truth: offset_ut={},{},{}",
+            HARD_IRON_UT[0], HARD_IRON_UT[1], HARD_IRON_UT[2]
+        ));
+        let offset_ut = numbers(shown.values("offset_ut").next().unwrap_or_default(), 0);
+        let after = self.corrected_error(&world)?;
+        self.say(&format!("  now the magnitude is off by {after:.3} %\n"));
+
+        let how = if self.emulated { " (kill -9)" } else { "" };
+        self.say(&format!("Cutting the power{how}, and starting the board again:"));
+        let mut restarted =
+            Story { board: self.board.power_cut()?, json: self.json, emulated: self.emulated };
+        restarted.ask("status")?;
+        let again = restarted.corrected_error(&world)?;
+        restarted.say(&format!("  the stored calibration is applied from the start: off by {again:.3} %"));
+        Ok(Figures { before, after, restarted: again, offset_ut })
+    }
+
+    fn say(&self, text: &str) {
+        if !self.json {
+            line(text);
+        }
+    }
+
+    /// A command and its answer, both shown.
+    fn ask(&mut self, command: &str) -> Outcome<Answer> {
+        let answer = self.board.command(command)?;
+        self.say(&format!("  > {command}"));
+        answer.info.iter().for_each(|info| self.say(&format!("    + {info}")));
+        self.say(&format!("    {}", answer.closing));
+        Ok(answer)
+    }
+
+    /// A command that has to be answered `ok`.
+    fn ok(&mut self, command: &str) -> Outcome<Answer> {
+        let answer = self.ask(command)?;
+        if answer.is_ok() {
+            return Ok(answer);
+        }
+        Err(Failure::refused(format!("the board answered `{command}` with: {}", answer.closing)))
+    }
+
+    fn turn(&mut self, world: &World) -> Outcome<()> {
+        self.quiet("stream raw")?;
+        let mut progress = Progress::new("turning", ATTITUDES as u64, !self.json);
+        for attitude in 0..ATTITUDES {
+            self.board.expose(world.sensor_ut(attitude as f64 * STEP_S))?;
+            progress.at(attitude as u64);
+        }
+        self.quiet("stream off")
+    }
+
+    fn quiet(&mut self, command: &str) -> Outcome<()> {
+        let answer = self.board.command(command)?;
+        if answer.is_ok() {
+            return Ok(());
+        }
+        Err(Failure::refused(format!("the board answered `{command}` with: {}", answer.closing)))
+    }
+
+    /// Rms of the magnitude about F over F, percent, of what the board streams in attitudes of their own.
+    fn error(
+        &mut self,
+        world: &World,
+        stream: &str,
+        magnitude: impl Fn(&str) -> Option<f64>,
+    ) -> Outcome<f64> {
+        self.quiet(stream)?;
+        let mut squares = 0.0;
+        for probe in 0..PROBES {
+            let t_s = (probe as f64 + 0.37) * STEP_S * (ATTITUDES / PROBES) as f64;
+            let text = self.board.expose(world.sensor_ut(t_s))?;
+            let norm = magnitude(&text)
+                .ok_or_else(|| Failure::refused(format!("the board streamed \"{text}\" after `{stream}`")))?;
+            squares += (norm - FIELD_UT) * (norm - FIELD_UT);
+        }
+        self.quiet("stream off")?;
+        Ok((squares / PROBES as f64).sqrt() / FIELD_UT * 100.0)
+    }
+
+    fn raw_error(&mut self, world: &World) -> Outcome<f64> {
+        let scale = ironout_drivers::lsm303dlhc::Range::Gauss1_9.ut_per_count().map(f64::from);
+        self.error(world, "stream raw", |text| {
+            let counts: [f64; 3] = numbers(text.strip_prefix("R,")?, 1).try_into().ok()?;
+            Some(ironout::calibration::norm([0, 1, 2].map(|axis| counts[axis] * scale[axis])))
+        })
+    }
+
+    fn corrected_error(&mut self, world: &World) -> Outcome<f64> {
+        self.error(world, "stream cal", |text| numbers(text.strip_prefix("C,")?, 4).first().copied())
+    }
+}
+
+/// The numbers of a comma-separated line, from the `skip`th on; what is none is left out.
+fn numbers(text: &str, skip: usize) -> Vec<f64> {
+    text.split(',').skip(skip).filter_map(|word| word.trim().parse().ok()).collect()
+}

@@ -1,0 +1,41 @@
+//! `ironout diagnose`: find the missing effect.
+
+use crate::cli::DiagnoseArgs;
+use crate::commands::diagnose::{told, words};
+use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
+use crate::output;
+use crate::progress::Working;
+use crate::{prior, refusal, source};
+use ironout_analysis::outcome::json;
+use ironout_analysis::outcome::outcome::Verdict;
+use ironout_analysis::{Diagnosis, Options, Table, diagnose};
+
+/// Diagnoses a log; exit status 1 where the data do not support a calibration.
+pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
+    let expected = arguments.field.expected()?;
+    let method = arguments.field.method_with(&arguments.add, arguments.prior.as_ref())?;
+    let log = source::read(&arguments.log)?;
+    let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &arguments.log)).transpose()?;
+    let options = Options {
+        method,
+        field_ut: expected.field_ut,
+        dip_deg: None,
+        add: arguments.add.clone(),
+        search: true,
+        prior,
+    };
+    let working = Working::new("studying");
+    let diagnosis =
+        diagnose(&Table::from(&log), &options).map_err(|refusal| refusal::failure(refusal, &log.path))?;
+    drop(working);
+    if as_json {
+        output::line(&json::object(&diagnosis).to_string());
+    } else {
+        output::text(&words::text(&told::Told { log: &log, arguments, diagnosis: &diagnosis }));
+    }
+    Ok(status(&diagnosis))
+}
+
+fn status(diagnosis: &Diagnosis) -> u8 {
+    if diagnosis.verdict == Verdict::Undetermined { EXIT_REFUSED } else { EXIT_OK }
+}

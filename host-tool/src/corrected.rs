@@ -1,0 +1,39 @@
+//! A calibration on the rows of a log, its failures with their place.
+
+use crate::failure::{Failure, Outcome};
+use crate::input::Log;
+use ironout::extended::ExtendedCalibration;
+use ironout_analysis::{Corrector, Table};
+
+/// Corrects the rows of one log.
+pub struct Corrected<'a> {
+    log: &'a Log,
+    corrector: Corrector<'a>,
+}
+
+impl<'a> Corrected<'a> {
+    /// Finds what the calibration's effects need in the log, and says on standard error what to know about them.
+    ///
+    /// # Errors
+    /// The column that is missing, empty or not finite, and the effect that needs it.
+    pub fn new(calibration: ExtendedCalibration, log: &'a Log, table: &'a Table<'a>) -> Outcome<Self> {
+        let corrector = Corrector::new(calibration, table)
+            .map_err(|error| Failure::usage(error.why).in_file(&log.path).at_column(error.column))?;
+        if let Some(notice) = corrector.notice() {
+            eprintln!("note: {}: {notice}", log.path.display());
+        }
+        Ok(Corrected { log, corrector })
+    }
+
+    /// The calibration.
+    pub fn calibration(&self) -> &ExtendedCalibration {
+        self.corrector.calibration()
+    }
+
+    /// The corrected field of one row, µT; a failure that names the row.
+    pub fn field(&self, row: usize) -> Outcome<[f64; 3]> {
+        self.corrector.correct(row).map_err(|error| {
+            Failure::usage(format!("row {} cannot be corrected: {error}", row + 1)).in_file(&self.log.path)
+        })
+    }
+}

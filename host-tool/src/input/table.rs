@@ -1,0 +1,27 @@
+//! A log as the analysis sees it.
+
+use crate::input::log::Log;
+use ironout_analysis::{Named, Table};
+
+impl<'a> From<&'a Log> for Table<'a> {
+    fn from(log: &'a Log) -> Self {
+        let triple = |axes: &'a [Vec<f64>; 3]| axes.each_ref().map(Vec::as_slice);
+        Table {
+            time_s: log.time_s.as_deref(),
+            field_ut: triple(&log.field_ut),
+            counts: log.counts.as_deref().zip(log.ut_per_count),
+            accel_mps2: log.accel_mps2.as_ref().map(triple),
+            gyro_radps: log.gyro_radps.as_ref().map(triple),
+            heading_deg: log.heading_deg.as_deref(),
+            covariates: log
+                .covariates
+                .iter()
+                .map(|column| Named {
+                    name: &column.name,
+                    values: &column.values,
+                    not_finite: column.not_finite,
+                })
+                .collect(),
+        }
+    }
+}
