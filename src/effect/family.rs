@@ -135,16 +135,9 @@ pub struct Subject<'a> {
     pub column: &'a str,
     /// Its form.
     pub form: &'static Form,
-    /// How many coefficients.
-    pub coefficients: usize,
 }
 
-impl<'a> Subject<'a> {
-    /// Of an effect.
-    pub fn of(family: &dyn Family, form: &'static Form, column: &'a str) -> Self {
-        Subject { follows: family.follows(), column, form, coefficients: form.coefficients }
-    }
-
+impl Subject<'_> {
     /// Whether it happens at one moment.
     pub fn is_sudden(&self) -> bool {
         self.form.searched == Some(Searched::At)
@@ -211,6 +204,10 @@ pub trait Family: Sync {
             Follows::Attitude | Follows::Turning => None,
         };
         [column, None]
+    }
+    /// Whether it goes by the time of the log it was found in, so that it cannot correct another one.
+    fn is_bound_to_its_log(&self) -> bool {
+        matches!(self.follows(), Follows::Time | Follows::Tone)
     }
     /// What a log must have besides the column.
     fn need(&self, form: &Form) -> Option<Need> {

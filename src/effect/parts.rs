@@ -2,14 +2,15 @@
 
 use super::column_name::ColumnName;
 
-/// What of a shape is searched for, since the fit is not linear in it.
+/// What of a shape is searched for, since the fit is not linear in it. How a search goes about it depends on what a shape
+/// of that kind looks like, so this is fixed too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Searched {
-    /// The time at which something happens, s.
+    /// The time from which on an offset of three coefficients is there, s.
     At,
-    /// A frequency, Hz.
+    /// The frequency of three sines and three cosines, in this order, Hz.
     Frequency,
-    /// How late a column acts, s.
+    /// How late a column acts that adds a vector of three coefficients, s.
     Delay,
 }
 

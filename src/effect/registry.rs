@@ -3,7 +3,7 @@
 use super::built_in::{Typed, built_in_effects};
 use super::column_name::ColumnName;
 use super::definition::Effect;
-use super::family::{Family, Need};
+use super::family::{Advice, Family, Need, Subject};
 use super::parts::{Form, InParts, Parts};
 use super::quantities::{Coefficients, Column, MAX_INPUTS, Quantities, Shape};
 use super::{cross_axis, drift, field, gain, lag, nonlinearity, offset, periodic, step};
@@ -32,7 +32,7 @@ impl<T: Real> InParts for BuiltIn<T> {
     }
 }
 
-/// An id taken apart.
+/// An id taken apart. Shown by its `Display` it is the id again.
 #[derive(Clone, Copy)]
 pub struct Named<'a> {
     /// The family.
@@ -41,6 +41,35 @@ pub struct Named<'a> {
     pub column: &'a str,
     /// The form that the id ends in, of several the first.
     pub form: &'static Form,
+}
+
+impl<'a> Named<'a> {
+    /// The effect as another one sees it that is to be told from it.
+    pub fn subject(&self) -> Subject<'a> {
+        Subject { follows: self.family.follows(), column: self.column, form: self.form }
+    }
+
+    /// The recording that would tell two effects apart, whichever of the two knows one.
+    pub fn apart(&self, other: &Named<'a>) -> Option<Advice<'a>> {
+        let (one, two) = (self.subject(), other.subject());
+        self.family.apart(&one, &two).or_else(|| other.family.apart(&two, &one))
+    }
+
+    /// Whether both follow the same column in the same way, though perhaps late or squared.
+    pub fn is_variant_of(&self, other: &Named) -> bool {
+        self.family.kind() == other.family.kind() && self.column == other.column
+    }
+
+    /// The same with the form of so many coefficients, where its family has one under the same id.
+    pub fn of_coefficients(self, k: usize) -> Self {
+        let alike = |form: &&&'static Form| form.suffix == self.form.suffix && form.coefficients == k;
+        Named { form: self.family.forms().iter().find(alike).copied().unwrap_or(self.form), ..self }
+    }
+
+    /// Whether it is the form that its family offers first.
+    pub fn is_plain(&self) -> bool {
+        self.family.forms().first() == Some(&self.form)
+    }
 }
 
 /// The families that a program knows. Copies are cheap.
@@ -118,6 +147,20 @@ impl Registry {
             offer(column, true);
         }
         offer("", false);
+    }
+}
+
+/// The kinds that it adds to this crate's.
+impl fmt::Debug for Registry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.own.iter().map(|family| family.kind())).finish()
+    }
+}
+
+/// Registries are the same if they add the same kinds in the same order.
+impl PartialEq for Registry {
+    fn eq(&self, other: &Self) -> bool {
+        self.own.iter().map(|family| family.kind()).eq(other.own.iter().map(|family| family.kind()))
     }
 }
 

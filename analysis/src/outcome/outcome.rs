@@ -6,6 +6,7 @@ use crate::calibration::{FittedEffect, Information, StdErrors};
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
 use ironout::calibration::Calibration;
+use ironout::effect::Registry;
 
 /// The verdict of the contract.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -182,4 +183,6 @@ pub struct Diagnosis {
     pub lower_order: bool,
     /// The residuals, for plots.
     pub traces: Traces,
+    /// The families of effects that the ids are of.
+    pub registry: Registry,
 }
