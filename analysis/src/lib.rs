@@ -18,10 +18,12 @@ pub mod effects;
 pub mod export;
 pub mod fit;
 pub mod outcome;
+mod plain;
 pub mod residual;
 pub mod samples;
 pub mod search;
 pub mod table;
+mod threads;
 
 pub use correct::{CannotCorrect, Corrector};
 pub use fit::fitted::Fitted;

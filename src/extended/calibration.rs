@@ -5,7 +5,7 @@ use super::fitted::{Effects, FittedEffect};
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, Effect, InParts};
 use crate::math::Real;
-use crate::study::Model;
+use crate::model::Model;
 
 /// A calibration with the effects that belong to it. See the [module](super).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,11 @@
 //! The correction of one sample, and what it needs to know.
 
 use super::fitted::{Effects, MAX_EFFECTS};
-use crate::calibration::{Calibration, inverse_3x3};
+use crate::calibration::Calibration;
 use crate::effect::{Coefficients, Effect, MAX_INPUTS, Quantities};
 use crate::math::Real;
+use crate::model::settle;
+use crate::vector::{cross, inverse_3x3, minus, times};
 use core::fmt;
 
 /// What a sample was measured under, besides its vector.
@@ -68,32 +70,6 @@ impl<T: Real> Prepared<T> {
     }
 }
 
-#[inline]
-fn cross<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-#[inline]
-fn times<T: Real>(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
-    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
-#[inline]
-fn minus<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// The most looks at a disturbance that depends on the field it disturbs; a weak one stands after two or three.
-pub(crate) const MOST_LOOKS: usize = 12;
-
-/// Whether two looks differ by less than a hundred-thousandth of the vector.
-#[inline]
-pub(crate) fn stands<T: Real>(now: [T; 3], before: [T; 3]) -> bool {
-    let [x, y, z] = minus(now, before);
-    let [a, b, c] = now;
-    !(x * x + y * y + z * z > T::of(1e-10) * (a * a + b * b + c * c))
-}
-
 /// The correction itself, once everything that the effects need is known to be there. Effects that read the centre are
 /// evaluated again until their disturbance stands: the first time with the centre as if there were none.
 #[inline]
@@ -111,28 +87,19 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
         turning_ut_per_s: [T::zero(); 3],
         inputs: [T::zero(); MAX_INPUTS],
     };
-    let look = |at: &mut Quantities<T>| {
+    let look = |point: [T; 3]| {
+        at.centred_ut = point;
         if let (true, Some(turn)) = (prepared.turning, turn_radps) {
             at.turning_ut_per_s = times(&prepared.inverse, cross(turn, times(&base.matrix, at.centred_ut)));
         }
         let mut left = centred;
         for (effect, coefficients, inputs) in effects.clone() {
             at.inputs = *inputs;
-            left = minus(left, effect.disturbance(at, coefficients));
+            left = minus(left, effect.disturbance(&at, coefficients));
         }
-        left
+        Ok::<_, NotCorrected>(left)
     };
-    let mut left = look(&mut at);
-    if prepared.looks_again {
-        for _ in 1..MOST_LOOKS {
-            let before = at.centred_ut;
-            if stands(left, before) {
-                break;
-            }
-            at.centred_ut = left;
-            left = look(&mut at);
-        }
-    }
+    let left = settle(centred, prepared.looks_again, look)?;
     let corrected = times(&base.matrix, left);
     if is_finite(corrected) {
         return Ok(corrected);

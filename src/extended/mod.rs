@@ -6,12 +6,12 @@
 //!
 //! # An effect of one's own, from the fit to the correction
 //!
-//! One type and nothing else: the same [`Study`](crate::study::Study), the same fit, the same correction.
+//! One type and nothing else: the same `Study`, the same fit, the same correction.
 //!
 //! ```
 //! use ironout::effect::{Column, Effect, Quantities, Shape};
 //! use ironout::extended::{ExtendedCalibration, FittedEffect, Live};
-//! use ironout::study::{Model, Normal, PhysicalPrior, Reading, Residual, Study, Term, base_prior, refit};
+//! use ironout::study::{Model, Normal, PhysicalPrior, Observation, Residual, Study, Term, base_prior, refit};
 //!
 //! /// A servo whose magnet turns with its arm: its field turns in the board's x-y plane.
 //! #[derive(Clone, Copy)]
@@ -61,7 +61,7 @@
 //!     for i in 0..3000 {
 //!         let (measured_ut, angle) = sample(i);
 //!         let term = Term { effect: &servo.effect, coefficients: servo.coefficients, inputs: [angle, 0.0] };
-//!         study.push(0, &Reading { measured_ut, turn_radps: None, down: None }, &[term])?;
+//!         study.push(0, &Observation { measured_ut, turn_radps: None, down: None }, &[term])?;
 //!     }
 //!     let prior: Normal<f64, 11> = base_prior(&PhysicalPrior::default(), &model, 0.01, 11);
 //!     model = refit(&study, Some(&prior), core::slice::from_mut(&mut servo)).ok_or("not determined")?;
@@ -94,7 +94,6 @@ mod tests;
 
 pub use calibration::ExtendedCalibration;
 pub use correction::{Conditions, NotCorrected};
-pub(crate) use correction::{MOST_LOOKS, stands};
 pub use delay::{DELAY_PLACES, DelayLine};
 pub use fitted::{Effects, FittedEffect, MAX_EFFECTS};
 pub use live::{Live, LiveError, MAX_DELAYED, Slots};

@@ -3,7 +3,7 @@
 use super::{Conditions, ExtendedCalibration, FittedEffect, Live, MAX_EFFECTS, NotCorrected};
 use crate::calibration::Calibration;
 use crate::effect::{AmbientField, BuiltIn, ColumnName, Eddy, Effect, Gain, Offset, Quantities, Shape};
-use crate::study::{Model, Reading, Term};
+use crate::model::{Model, Observation, Term};
 use core::fmt;
 
 fn fitted(effect: BuiltIn<f64>, size: f64) -> FittedEffect<f64> {
@@ -35,7 +35,7 @@ fn the_study_and_the_correction_mean_the_same() {
         coefficients: effects[i].coefficients,
         inputs: [3.0, 0.0],
     });
-    let reading = Reading { measured_ut: measured, turn_radps: Some(turn), down: None };
+    let reading = Observation { measured_ut: measured, turn_radps: Some(turn), down: None };
     let there = model.correct(&reading, &terms).unwrap();
     for axis in 0..3 {
         assert!((here[axis] - there[axis]).abs() < 1e-12, "{here:?} against {there:?}");
