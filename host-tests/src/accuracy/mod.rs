@@ -3,6 +3,7 @@
 
 pub mod attitude;
 pub mod bound;
+pub mod correlated;
 pub mod gates;
 pub mod log;
 pub mod paper_table;
