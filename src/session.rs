@@ -342,3 +342,6 @@ impl Session {
         }
     }
 }
+
+#[cfg(test)]
+mod memory;
