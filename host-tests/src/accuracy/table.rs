@@ -1,6 +1,7 @@
 //! The tables, as text that a person reads and a diff shows, and as JSON.
 
 use super::bound::{self, Accuracy, Cell};
+use super::correlated;
 use super::gates::{self, Group};
 use super::paper_table;
 use super::snapshot;
@@ -20,10 +21,12 @@ pub struct Size {
     pub full: u64,
     /// Logs of the paper's simulation.
     pub paper: u64,
+    /// Logs of each cell of correlated noise.
+    pub correlated: u64,
 }
 
 /// The full run.
-pub const FULL: Size = Size { seeds: 100, limited: 1000, full: 500, paper: 200 };
+pub const FULL: Size = Size { seeds: 100, limited: 1000, full: 500, paper: 200, correlated: 20 };
 
 /// Everything measured.
 pub struct Report {
@@ -35,6 +38,8 @@ pub struct Report {
     pub full: Vec<Group>,
     /// The paper's simulation.
     pub paper: Vec<paper_table::Row>,
+    /// Noise with a memory.
+    pub correlated: Vec<correlated::Row>,
 }
 
 /// Runs everything.
@@ -48,6 +53,7 @@ pub fn measure(size: Size) -> Report {
         limited: with_total(gates::run(true, 0, size.limited, |_, _, _, _| {})),
         full: gates::run(false, 0, size.full, |_, _, _, _| {}),
         paper: paper_table::rows(size.paper),
+        correlated: correlated::measure(size.correlated),
     }
 }
 
@@ -112,13 +118,14 @@ impl Report {
             "The paper's simulation, eq. (16)\n\n{}\n{}\n\
              Verdicts on limited attitude. wrong: accepted though a corrected vector is off by more than {} % of the field\n\
              somewhere; good: none is off by {} %; lost: of these, refused. magcal has no verdict: its answers count as accepted.\n\n{}\n\
-             Verdicts on full attitude\n\n{}",
+             Verdicts on full attitude\n\n{}\n{}",
             paper_table::text(&self.paper),
             sweep(&self.sweep),
             gates::WRONG * 100.0,
             gates::RIGHT * 100.0,
             verdicts(&self.limited),
-            verdicts(&self.full)
+            verdicts(&self.full),
+            correlated::text(&self.correlated)
         )
     }
 
@@ -177,7 +184,8 @@ impl Report {
             .iter()
             .map(|r| json!({"sigma": r.sigma, "samples": r.n, "method": r.who, "b": r.b, "a": r.a, "refused": r.refused}))
             .collect();
-        json!({"paper": paper, "sweep": sweep, "limited": groups(&self.limited), "full": groups(&self.full)})
+        json!({"paper": paper, "sweep": sweep, "limited": groups(&self.limited), "full": groups(&self.full),
+               "correlated": correlated::json(&self.correlated)})
     }
 }
 
