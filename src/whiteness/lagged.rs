@@ -79,6 +79,12 @@ impl Lagged {
         Self { sums: [0; SUMS], left: 1 << 31, pairs: 0, resolution: 24, unit: 4, thinning: 0 }
     }
 
+    /// Pairs behind the sums; those before a thinning count half.
+    #[cfg(test)]
+    pub fn pairs(&self) -> u16 {
+        self.pairs
+    }
+
     /// Whether the pair with this number, counted from the start, is to be taken.
     #[inline]
     pub fn takes(&self, number: u16) -> bool {

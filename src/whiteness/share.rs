@@ -149,8 +149,100 @@ pub fn independent_share(white: f64, total: f64) -> f64 {
 mod tests {
     use super::*;
 
+    /// What pairs see of noise of variance one whose neighbours have the covariance `covariance`, and each further sample
+    /// `rho` times the last, through motion that leaves the gradients `aligned` at neighbours.
+    fn seen(covariance: f64, rho: f64, aligned: f64) -> Observed {
+        let pairs = |lag: i32| {
+            let aligned = power(aligned, lag);
+            Differences {
+                mean_square: 2.0 * (1.0 - covariance * power(rho, lag - 1) * aligned),
+                rounding: 0.0,
+                gradient2: 8.0 * (1.0 - aligned),
+                pairs: 1000,
+            }
+        };
+        Observed {
+            variance: 1.0,
+            quantisation: 0.0,
+            gradient2: 4.0,
+            near: pairs(1),
+            far: Some(pairs(7)),
+            lag: 7,
+            samples: 1e9,
+            parameters: 9.0,
+        }
+    }
+
     #[test]
-    fn first_order_noise_is_recognised() {
+    fn first_order_noise_is_recognised_however_the_board_turns() {
+        for rho in [0.0, 0.5, 0.9, 0.95] {
+            for aligned in [1.0, 0.99, 0.9] {
+                let share = effective_share(&seen(rho, rho, aligned)).expect("there are pairs");
+                assert!((share * (1.0 + rho) / (1.0 - rho) - 1.0).abs() < 1e-3, "{rho} {aligned}: {share}");
+            }
+        }
+    }
+
+    #[test]
+    fn slow_noise_under_white_noise_is_told_from_quick_noise() {
+        for (slow, rho) in [(0.5, 0.95), (0.3, 0.98), (0.8, 0.9)] {
+            let share = effective_share(&seen(slow * rho, rho, 1.0)).expect("there are pairs");
+            let right = 1.0 / (1.0 + 2.0 * slow * rho / (1.0 - rho));
+            assert!((share / right - 1.0).abs() < 0.01, "{slow} {rho}: {share} for {right}");
+        }
+        // A far correlation within its own error is none.
+        let mut chance = seen(0.1, 0.1, 1.0);
+        chance.far = Some(Differences { mean_square: 2.0 * (1.0 - 0.05), ..chance.near });
+        let share = effective_share(&chance).expect("there are pairs");
+        assert!((share - 0.9 / 1.1).abs() < 1e-3, "{share}");
+    }
+
+    #[test]
+    fn a_sensors_steps_are_white_where_noise_moves_it_over_them() {
+        let (rho, steps) = (0.9, 0.4);
+        let mut through = seen(rho * (1.0 - steps), rho, 1.0);
+        (through.quantisation, through.far) = (steps, None);
+        let share = effective_share(&through).expect("there are pairs");
+        let right = 1.0 / (steps + (1.0 - steps) * (1.0 + rho) / (1.0 - rho));
+        assert!((share / right - 1.0).abs() < 0.01, "{share} for {right}");
+        // Steps that show only in part are correlated themselves.
+        through.near.mean_square = 0.5 * steps;
+        let share = effective_share(&through).expect("there are pairs");
+        assert!((share - 0.1 / 1.9).abs() < 0.01, "{share}");
+    }
+
+    #[test]
+    fn what_the_parameters_took_of_the_noise_is_given_back() {
+        // Noise of variance one, of which nine parameters leave 1 − 9·19/1000 in the residual.
+        let (rho, samples) = (0.9, 1000.0);
+        let left = 1.0 - 9.0 * 19.0 / samples;
+        let mut few = seen(rho, rho, 1.0);
+        (few.samples, few.variance) = (samples, left / (1.0 - 9.0 / samples));
+        let share = effective_share(&few).expect("there are pairs");
+        // The variance of the mean: that of the residual over its share is the noise's own.
+        assert!((few.variance / share / 19.0 - 1.0).abs() < 0.02, "{share}");
+        // Noise so slow that no variance explains what is left: as good as no independent samples.
+        few.near.mean_square = 2.0 * 0.005;
+        let share = effective_share(&few).expect("there are pairs");
+        assert!(share * samples < 40.0, "{share}");
+    }
+
+    #[test]
+    fn jumps_and_too_few_pairs_say_nothing() {
+        let mut jumps = seen(0.0, 0.0, 1.0);
+        jumps.near.gradient2 = 8.0;
+        assert_eq!(effective_share(&jumps), None);
+        let mut few = seen(0.5, 0.5, 1.0);
+        few.near.pairs = 7;
+        assert_eq!(effective_share(&few), None);
+        let nothing = Observed { variance: f64::NAN, ..seen(0.5, 0.5, 1.0) };
+        assert_eq!(effective_share(&nothing), None);
+        let more = Differences { mean_square: 3.0, ..seen(0.0, 0.0, 1.0).near };
+        assert_eq!(effective_share(&Observed { near: more, ..seen(0.0, 0.0, 1.0) }), Some(1.0));
+    }
+
+    #[test]
+    fn first_order_noise_is_recognised_in_second_differences() {
         for rho in [0.0f64, 0.5, 0.9] {
             let white = 1.0 - 4.0 / 3.0 * rho + rho * rho / 3.0;
             let share = independent_share(white, 1.0);

@@ -106,3 +106,44 @@ impl Whiteness {
         effective_share(&observed)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pairs of neighbours and of samples seven apart.
+    fn pairs(whiteness: &Whiteness) -> [usize; 2] {
+        [&whiteness.near, &whiteness.far].map(|lagged| usize::from(lagged.pairs()))
+    }
+
+    #[test]
+    fn a_board_at_rest_adds_a_block_and_a_moving_one_every_sample() {
+        let mut whiteness = Whiteness::new(16);
+        for i in 0..160i16 {
+            whiteness.push([i, 2 * i, -i]);
+            if i % 16 == 15 {
+                whiteness.heed(Gated::Added(16));
+            }
+        }
+        // Half of the samples each, less the first that have no partner.
+        assert_eq!(pairs(&whiteness), [79, 77]);
+        for i in 0..800i16 {
+            // The gate does not know yet, and then it drops all.
+            whiteness.push([i % 2, 0, 0]);
+            whiteness.heed(if i % 112 == 111 { Gated::Dropped(112) } else { Gated::Pending });
+        }
+        assert_eq!(pairs(&whiteness), [79 + 8, 77 + 8]);
+    }
+
+    #[test]
+    fn no_pair_reaches_across_a_gap() {
+        let mut whiteness = Whiteness::new(100);
+        for i in 0..60i16 {
+            if i % 6 == 0 {
+                whiteness.interrupt();
+            }
+            whiteness.push([i, 0, 0]);
+        }
+        assert_eq!(pairs(&whiteness), [20, 0]);
+    }
+}
