@@ -166,22 +166,34 @@ impl Lagged {
         if self.pairs == 0 {
             return None;
         }
-        let (mut mean_square, mut rounding2, mut gradient2) = (0.0, 0.0, 0.0);
         let unit = power_of_two(self.unit);
         let scale =
             power_of_two(34 - self.resolution) / power_of_two(self.resolution) / f64::from(self.pairs);
-        for ((row, column), sum) in upper_triangle().zip(&self.sums) {
-            let scale = if row == column { scale } else { 2.0 * scale };
-            let factor = |at: usize| ellipsoid.difference[at] * if at < 6 { unit } else { 1.0 };
-            let weight = scale * factor(row) * factor(column);
-            mean_square += weight * f64::from(*sum);
-            rounding2 += weight * weight;
-            if row >= 6 {
-                gradient2 += scale * ellipsoid.gradient[row - 6][column - 6] * f64::from(*sum);
+        let mut weights = ellipsoid.difference;
+        weights.iter_mut().take(6).for_each(|weight| *weight *= unit);
+        let (mut mean_square, mut gradient2) = (0.0, 0.0);
+        let (mut squares, mut fourths) = (0.0, 0.0);
+        let mut sums = self.sums.iter();
+        for (row, weight) in weights.iter().enumerate() {
+            let mut along = 0.0;
+            // The columns first: they end before the sums do, and take none that belongs to the next row.
+            for ((column, weight), sum) in weights.iter().enumerate().skip(row).zip(&mut sums) {
+                let sum = f64::from(*sum) * if column == row { 1.0 } else { 2.0 };
+                along += weight * sum;
+                if row >= 6 {
+                    gradient2 += ellipsoid.gradient[row - 6][column - 6] * sum;
+                }
             }
+            mean_square += weight * along;
+            let square = (weight * weight) as f32;
+            squares += square;
+            fourths += square * square;
         }
-        // The variance of rounding at random is a sixth on average.
-        let rounding = math::sqrt(rounding2 * f64::from(self.pairs) / 6.0);
+        mean_square *= scale;
+        gradient2 *= scale;
+        // Rounding at random has a variance of a sixth on average; sums off the diagonal count twice.
+        let rounding2 = (2.0 * squares * squares - fourths) * f32::from(self.pairs) / 6.0;
+        let rounding = scale * f64::from(math::sqrtf(rounding2));
         Some(Differences { mean_square, rounding, gradient2, pairs: self.pairs })
     }
 }

@@ -19,8 +19,8 @@ const LEAST_ALIGNED: f64 = 0.4;
 /// A memory that the neighbours alone do not explain counts beyond this many standard errors.
 const SIGMAS: f64 = 2.5;
 /// Steps in which the noise's variance is looked for above the residual's.
-const STEP: f64 = 1.04;
-const STEPS: usize = 60;
+const STEP: f64 = 1.1;
+const STEPS: usize = 12;
 /// Pairs below which nothing is concluded.
 const LEAST_PAIRS: u16 = 8;
 
