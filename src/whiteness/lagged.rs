@@ -13,8 +13,6 @@ use crate::math;
 
 /// Products of nine with nine.
 const SUMS: usize = 45;
-/// Where the squares stand among them, row by row.
-const SQUARES: [usize; 9] = [0, 9, 17, 24, 30, 35, 39, 42, 44];
 /// Pairs after which every other one is left out from there on.
 const MOST_PAIRS: u16 = 2048;
 /// Bits of a scaled difference between two samples.
@@ -70,7 +68,7 @@ fn upper(a: i32, b: i32) -> i32 {
 
 /// Bits that the largest of three magnitudes takes.
 #[inline(always)]
-fn bits([x, y, z]: [i32; 3]) -> u32 {
+fn bits(x: i32, y: i32, z: i32) -> u32 {
     32 - (x.unsigned_abs() | y.unsigned_abs() | z.unsigned_abs()).leading_zeros()
 }
 
@@ -94,14 +92,14 @@ impl Lagged {
     /// Takes a pair, in counts about a fixed centre, each within ±2¹⁶.
     #[inline(never)]
     pub fn push(&mut self, from: [i32; 3], to: [i32; 3]) {
-        let mut difference = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
-        let mut sum = [to[0] + from[0], to[1] + from[1], to[2] + from[2]];
-        self.fit_scale(bits(difference), bits(sum));
+        let ([ax, ay, az], [bx, by, bz]) = (from, to);
+        let (x, y, z) = (bx - ax, by - ay, bz - az);
+        let (sx, sy, sz) = (bx + ax, by + ay, bz + az);
+        self.fit_scale(bits(x, y, z), bits(sx, sy, sz));
         // |difference| < 2²⁸ and |sum| < 2³¹, so that the upper half of their product is below 2²⁷.
-        difference = difference.map(|d| d << self.resolution);
-        sum = sum.map(|s| s << (29 - self.unit));
-        let [x, y, z] = difference;
-        let [sx, sy, sz] = sum;
+        let (fine, wide) = (self.resolution & 31, 29 - (self.unit & 31).min(29));
+        let (x, y, z) = (x << fine, y << fine, z << fine);
+        let (sx, sy, sz) = (sx << wide, sy << wide, sz << wide);
         let v = [
             upper(x, sx) << 2,
             upper(y, sy) << 2,
@@ -130,7 +128,7 @@ impl Lagged {
         if self.pairs == MOST_PAIRS {
             self.pairs /= 2;
             self.thinning = (self.thinning + 1).min(15);
-            self.scale_down(|_| 1);
+            self.scale_down(1, 0);
         }
     }
 
@@ -138,7 +136,8 @@ impl Lagged {
     #[inline]
     fn fit_scale(&mut self, difference_bits: u32, sum_bits: u32) {
         let mut coarser = (difference_bits + u32::from(self.resolution)).saturating_sub(DIFFERENCE_BITS);
-        if SQUARES.iter().any(|at| self.sums[*at] >= LARGE) {
+        // None is negative, and none above reaches twice this.
+        if self.squares().into_iter().fold(0, |all, square| all | square) >= LARGE {
             coarser = coarser.max(1);
         }
         let wider = sum_bits.saturating_sub(u32::from(self.unit) + 2);
@@ -146,17 +145,29 @@ impl Lagged {
             // Both stay far within a byte: counts have 16 bits.
             self.resolution = self.resolution.saturating_sub(coarser as u8);
             self.unit += wider as u8;
-            self.scale_down(|factors| 2 * coarser + factors * wider);
+            self.scale_down(2 * coarser, wider);
         }
     }
 
-    /// Divides each sum by 2 to the power of `by`, rounded; `by` is told how many of its two factors are quadratic.
+    /// The sums of squares: no other is larger than the largest of them.
+    #[inline(always)]
+    fn squares(&self) -> [i32; 9] {
+        let s = &self.sums;
+        [s[0], s[9], s[17], s[24], s[30], s[35], s[39], s[42], s[44]]
+    }
+
+    /// Divides each sum by 2 to the power of `by`, rounded, and once more by 2 to the power of `wider` for each of its factors
+    /// that is quadratic.
     #[inline(never)]
-    fn scale_down(&mut self, by: impl Fn(u32) -> u32) {
-        for ((row, column), sum) in upper_triangle().zip(&mut self.sums) {
-            let by = by(quadratic_factors(row, column));
-            if by > 0 {
-                *sum = ((i64::from(*sum) + (1 << (by - 1))) >> by) as i32;
+    fn scale_down(&mut self, by: u32, wider: u32) {
+        let mut sums = self.sums.iter_mut();
+        for row in 0..9u32 {
+            let (quadratic, linear) = if row < 6 { (by + 2 * wider, by + wider) } else { (by, by) };
+            // The columns first: they end before the sums do, and take none that belongs to the next row.
+            for (column, sum) in (row..9).zip(&mut sums) {
+                let by = if column < 6 { quadratic } else { linear }.min(31);
+                // Below 2³⁰, so that half a unit more does not overflow.
+                *sum = (*sum + ((1i32 << by >> 1) & i32::MAX)) >> by;
             }
         }
     }
@@ -200,15 +211,6 @@ impl Lagged {
 
 fn power_of_two(exponent: u8) -> f64 {
     (1u64 << exponent.min(63)) as f64
-}
-
-/// Rows and columns of the sums.
-fn upper_triangle() -> impl Iterator<Item = (usize, usize)> {
-    (0..9).flat_map(|row| (row..9).map(move |column| (row, column)))
-}
-
-fn quadratic_factors(row: usize, column: usize) -> u32 {
-    u32::from(row < 6) + u32::from(column < 6)
 }
 
 /// The quadric `‖C(x−b)‖²/F² − 1` of a calibration, over differences of counts.
@@ -350,6 +352,6 @@ mod tests {
             let sign = if i % 2 == 0 { 1 } else { -1 };
             lagged.push([65_535 * sign; 3], [0, sign, -sign]);
         }
-        assert!(SQUARES.iter().all(|at| lagged.sums[*at] > 0), "{lagged:?}");
+        assert!(lagged.squares().iter().all(|square| *square > 0), "{lagged:?}");
     }
 }

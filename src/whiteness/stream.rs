@@ -48,7 +48,10 @@ impl Whiteness {
     /// Takes a sample, before the rest gate does.
     pub fn push(&mut self, counts: [i16; 3]) {
         let centre = *self.centre.get_or_insert(counts);
-        let about = |sample: [i16; 3]| core::array::from_fn(|a| i32::from(sample[a]) - i32::from(centre[a]));
+        let about = |[x, y, z]: [i16; 3]| {
+            let [cx, cy, cz] = centre.map(i32::from);
+            [i32::from(x) - cx, i32::from(y) - cy, i32::from(z) - cz]
+        };
         let next = usize::from(self.next) % LAG;
         // A board at rest would drown the noise of the moving one; a block after one that moved is taken as moving.
         if self.trusted > 0 {
