@@ -89,12 +89,16 @@ impl Lagged {
         number & ((1 << self.thinning) - 1) == 0
     }
 
-    /// Takes a pair, in counts about a fixed centre, each within ±2¹⁶.
+    /// Takes a pair, counts; `centre` is the same for all.
     #[inline(never)]
-    pub fn push(&mut self, from: [i32; 3], to: [i32; 3]) {
-        let ([ax, ay, az], [bx, by, bz]) = (from, to);
+    pub fn push(&mut self, from: &[i16; 3], to: &[i16; 3], centre: &[i16; 3]) {
+        // Written out, so that it is straight code also where the crate is compiled for size.
+        let wide = |a: i16| i32::from(a);
+        let (ax, ay, az) = (wide(from[0]), wide(from[1]), wide(from[2]));
+        let (bx, by, bz) = (wide(to[0]), wide(to[1]), wide(to[2]));
         let (x, y, z) = (bx - ax, by - ay, bz - az);
-        let (sx, sy, sz) = (bx + ax, by + ay, bz + az);
+        let (sx, sy, sz) =
+            (bx + ax - 2 * wide(centre[0]), by + ay - 2 * wide(centre[1]), bz + az - 2 * wide(centre[2]));
         self.fit_scale(bits(x, y, z), bits(sx, sy, sz));
         // |difference| < 2²⁸ and |sum| < 2³¹, so that the upper half of their product is below 2²⁷.
         let (fine, wide) = (self.resolution & 31, 29 - (self.unit & 31).min(29));
@@ -111,7 +115,6 @@ impl Lagged {
             y >> 1,
             z >> 1,
         ];
-        // Written out, so that it is straight code also where the crate is compiled for size.
         let mut left = self.left;
         add_products!(self.sums, left, v,
             [0; 0 0, 1 1, 2 2, 3 3, 4 4, 5 5, 6 6, 7 7, 8 8]
@@ -136,8 +139,9 @@ impl Lagged {
     #[inline]
     fn fit_scale(&mut self, difference_bits: u32, sum_bits: u32) {
         let mut coarser = (difference_bits + u32::from(self.resolution)).saturating_sub(DIFFERENCE_BITS);
-        // None is negative, and none above reaches twice this.
-        if self.squares().into_iter().fold(0, |all, square| all | square) >= LARGE {
+        // None is negative, and none reaches twice this.
+        let s = &self.sums;
+        if s[0] | s[9] | s[17] | s[24] | s[30] | s[35] | s[39] | s[42] | s[44] >= LARGE {
             coarser = coarser.max(1);
         }
         let wider = sum_bits.saturating_sub(u32::from(self.unit) + 2);
@@ -147,13 +151,6 @@ impl Lagged {
             self.unit += wider as u8;
             self.scale_down(2 * coarser, wider);
         }
-    }
-
-    /// The sums of squares: no other is larger than the largest of them.
-    #[inline(always)]
-    fn squares(&self) -> [i32; 9] {
-        let s = &self.sums;
-        [s[0], s[9], s[17], s[24], s[30], s[35], s[39], s[42], s[44]]
     }
 
     /// Divides each sum by 2 to the power of `by`, rounded, and once more by 2 to the power of `wider` for each of its factors
@@ -291,7 +288,6 @@ mod tests {
         };
         let mut lagged = Lagged::new();
         let centre = sample(0.0);
-        let about = |x: [i16; 3]| core::array::from_fn(|a| i32::from(x[a]) - i32::from(centre[a]));
         let q = |x: [i16; 3]| {
             let corrected = cal.apply(x.map(|x| f64::from(x) * scale));
             corrected.iter().map(|h| h * h).sum::<f64>() / 2500.0 - 1.0
@@ -304,7 +300,7 @@ mod tests {
                 continue;
             }
             let before = lagged.thinning;
-            lagged.push(about(from), about(to));
+            lagged.push(&from, &to, &centre);
             square += (q(to) - q(from)) * (q(to) - q(from));
             let moved = core::array::from_fn(|a| cal.offset_ut[a] + f64::from(to[a] - from[a]) * scale);
             let along = cal.apply(moved);
@@ -349,9 +345,14 @@ mod tests {
     fn the_ends_of_the_range_do_not_overflow() {
         let mut lagged = Lagged::new();
         for i in 0..20_000u16 {
-            let sign = if i % 2 == 0 { 1 } else { -1 };
-            lagged.push([65_535 * sign; 3], [0, sign, -sign]);
+            let (low, high) = (i16::MIN, i16::MAX);
+            let [from, to] = if i % 2 == 0 { [low, high] } else { [high, low] };
+            lagged.push(&[from; 3], &[to, 0, i as i16], &[low; 3]);
         }
-        assert!(lagged.squares().iter().all(|square| *square > 0), "{lagged:?}");
+        // The squares of the differences, row by row.
+        for at in [0, 9, 17, 24, 30, 35, 39, 42, 44] {
+            assert!(lagged.sums[at] > 0, "{at}: {lagged:?}");
+        }
+        assert!(lagged.sums.iter().all(|sum| sum.abs() < 2 * LARGE), "{lagged:?}");
     }
 }

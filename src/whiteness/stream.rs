@@ -48,10 +48,6 @@ impl Whiteness {
     /// Takes a sample, before the rest gate does.
     pub fn push(&mut self, counts: [i16; 3]) {
         let centre = *self.centre.get_or_insert(counts);
-        let about = |[x, y, z]: [i16; 3]| {
-            let [cx, cy, cz] = centre.map(i32::from);
-            [i32::from(x) - cx, i32::from(y) - cy, i32::from(z) - cz]
-        };
         let next = usize::from(self.next) % LAG;
         // A board at rest would drown the noise of the moving one; a block after one that moved is taken as moving.
         if self.trusted > 0 {
@@ -59,10 +55,10 @@ impl Whiteness {
             let pair = self.number >> 1;
             if self.number & 1 == 0 {
                 if self.in_a_row > 0 && self.near.takes(pair) {
-                    self.near.push(about(self.last[(next + LAG - 1) % LAG]), about(counts));
+                    self.near.push(&self.last[(next + LAG - 1) % LAG], &counts, &centre);
                 }
             } else if usize::from(self.in_a_row) == LAG && self.far.takes(pair) {
-                self.far.push(about(self.last[next]), about(counts));
+                self.far.push(&self.last[next], &counts, &centre);
             }
         }
         self.number = self.number.wrapping_add(1);
