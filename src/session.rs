@@ -10,7 +10,7 @@ use crate::gate::{Gated, RestGate};
 use crate::moments::Moments;
 use crate::quality::{Verdict, judge};
 use crate::scatter::Scatter;
-use crate::whiteness::ThirdDifferences;
+use crate::whiteness::Whiteness;
 use core::fmt;
 
 /// Where a session stands.
@@ -148,7 +148,7 @@ pub struct Session {
     moments: Moments,
     gate: RestGate,
     sketch: Sketch,
-    differences: ThirdDifferences,
+    whiteness: Whiteness,
     last: Option<[i16; 3]>,
     at_rest: u64,
     repeated: u64,
@@ -165,7 +165,7 @@ impl Session {
             moments: Moments::new(),
             gate: RestGate::new(config.ut_per_count, config.samples_per_block),
             sketch: Sketch::new(config.ut_per_count.map(|v| v as f32)),
-            differences: ThirdDifferences::new(config.ut_per_count.map(|v| v as f32)),
+            whiteness: Whiteness::new(config.samples_per_block),
             last: None,
             at_rest: 0,
             repeated: 0,
@@ -216,7 +216,7 @@ impl Session {
         }
         if saturated || counts.iter().any(|c| *c == i16::MIN || *c == i16::MAX) {
             self.saturated += 1;
-            self.differences.interrupt();
+            self.whiteness.interrupt();
             return;
         }
         // A sensor slower than its reader repeats itself; a repeated triple is one sample.
@@ -226,7 +226,7 @@ impl Session {
         }
         self.last = Some(counts);
         self.sketch.add(counts);
-        self.differences.push(counts);
+        self.whiteness.push(counts);
         let gated = self.gate.push(counts, &mut self.moments);
         self.take_note(gated);
     }
@@ -235,7 +235,7 @@ impl Session {
         if let Gated::Dropped(n) = gated {
             self.at_rest += n;
         }
-        self.differences.close(gated);
+        self.whiteness.heed(gated);
     }
 
     fn fit(&self) -> Result<FitReport, FitError> {
@@ -243,8 +243,8 @@ impl Session {
         let options =
             FitOptions { method: self.config.method, field_ut: self.config.field_ut, ..Default::default() };
         let report = fit(&scatter, &options)?;
-        let noise_ut2 = report.noise_ut * report.noise_ut;
-        let share = self.differences.independent_share(noise_ut2, scatter.quantisation_ut2);
+        let share =
+            self.whiteness.independent_share(&report, self.config.ut_per_count, scatter.quantisation_ut2);
         let mut report = match share {
             Some(share) => {
                 let effective_samples = Some((report.samples as f64 * share).max(1.0));
@@ -342,3 +342,6 @@ impl Session {
         }
     }
 }
+
+#[cfg(test)]
+mod memory;
