@@ -72,6 +72,13 @@ impl Default for Moments {
     }
 }
 
+/// `Σx` and `Σx²` on each axis, counts and counts².
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct AxisSums {
+    pub(crate) linear: [i64; 3],
+    pub(crate) square: [i64; 3],
+}
+
 /// Adds to the places of an array.
 macro_rules! add {
     ($sums:expr, [$($place:literal $value:expr),*]) => {
@@ -176,6 +183,12 @@ impl Moments {
     /// Forgets all samples.
     pub fn clear(&mut self) {
         *self = Self::new();
+    }
+
+    /// The sums of the counts and of their squares on each axis.
+    pub(crate) const fn axis_sums(&self) -> AxisSums {
+        let [xx, _, _, yy, _, zz] = self.quadratic;
+        AxisSums { linear: self.linear, square: [xx, yy, zz] }
     }
 
     /// Number of samples.
