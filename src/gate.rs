@@ -171,6 +171,11 @@ impl RestGate {
         self.ahead.count() - self.decided.count()
     }
 
+    /// Whether the last sample closed no block.
+    pub const fn block_is_open(&self) -> bool {
+        self.in_block > 0
+    }
+
     fn add(&mut self) -> Gated {
         let n = self.pending();
         self.decided = self.ahead;
@@ -212,6 +217,7 @@ impl RestGate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::f_tail;
 
     /// Samples of 1600 that pass, at a turning rate of `degrees_per_sample` and a noise of about `noise` counts.
     fn passed(degrees_per_sample: f64, noise: f64) -> u64 {
@@ -255,5 +261,120 @@ mod tests {
             ]);
         }
         assert_eq!(gate.moments().count(), 160);
+    }
+
+    /// Normal numbers of a seed, by Box and Muller: the tails are what the tests are about.
+    struct Normal(u64);
+
+    impl Normal {
+        fn next(&mut self) -> f32 {
+            let mut uniform = || {
+                self.0 =
+                    self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                ((self.0 >> 12) as f64 + 0.5) / (1u64 << 52) as f64
+            };
+            let length = math::sqrt(-2.0 * math::ln(uniform()));
+            (length * math::cos(core::f64::consts::TAU * uniform())) as f32
+        }
+
+        /// Mean and variance of a block at rest.
+        fn block(&mut self, samples: u32, sigma_ut: f32) -> ([f32; 3], f32) {
+            let mut variance = 0.0;
+            let mean = core::array::from_fn(|_| {
+                let (mut sum, mut squares) = (0.0, 0.0);
+                for _ in 0..samples {
+                    let value = sigma_ut * self.next();
+                    sum += value;
+                    squares += value * value;
+                }
+                variance += (squares - sum * sum / samples as f32) / (3.0 * (samples - 1) as f32);
+                sum / samples as f32
+            });
+            (mean, variance)
+        }
+    }
+
+    /// Resting blocks of 100 000 that pass for motion, each compared with one before it, or all in one long rest.
+    fn passed_at_rest(samples: u32, sigma_ut: f32, long: bool) -> u32 {
+        let mut normal = Normal(u64::from(samples) + 17);
+        let mut detector = RestDetector::new();
+        let mut passed = 0;
+        for i in 0..100_000 {
+            if i == 0 || !long {
+                detector = RestDetector::new();
+                let (mean, variance) = normal.block(samples, sigma_ut);
+                assert_eq!(detector.judge(mean, variance, samples), Motion::Moved, "the first block");
+            }
+            let (mean, variance) = normal.block(samples, sigma_ut);
+            passed += u32::from(detector.judge(mean, variance, samples) == Motion::Moved);
+        }
+        passed
+    }
+
+    #[test]
+    fn of_a_hundred_thousand_resting_blocks_none_passes_whatever_their_length() {
+        // The known-variance limit lets 295 of those of four samples pass. One of the eight runs may have one in 10⁵, as ten
+        // in a million would, before it is worth a look.
+        for samples in [4, 5, 8, 16] {
+            let alone = passed_at_rest(samples, 1.0, false);
+            let long = passed_at_rest(samples, 1.0, true);
+            assert!(
+                alone <= 1 && long <= 1,
+                "{samples} samples a block: {alone} alone, {long} in a long rest"
+            );
+        }
+    }
+
+    #[test]
+    fn the_limit_is_that_of_fishers_distribution() {
+        for blocks in 1..=8 {
+            for samples in [4, 5, 6, 8, 12, 16, 32, 100, 256] {
+                let freedom = f64::from(3 * (samples - 1) * blocks);
+                let chance = f_tail(f64::from(limit(freedom as f32)) / 3.0, 3.0, freedom);
+                assert!((0.5e-6..=1.0e-6).contains(&chance), "{blocks} blocks of {samples}: {chance:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_moving_sensor_stands_out_of_a_rest_and_the_longer_it_lasted_the_sooner() {
+        let step_ut = |rested: u32| {
+            let mut normal = Normal(5);
+            let mut detector = RestDetector::new();
+            detector.judge([0.0; 3], 1.0, 4);
+            for _ in 0..rested {
+                let (mean, variance) = normal.block(4, 1.0);
+                detector.judge(mean, variance, 4);
+            }
+            // The least step along x that is motion.
+            (1..200).map(|tenths| tenths as f32 * 0.1).find(|step| {
+                let mut detector = detector;
+                detector.judge([*step, 0.0, 0.0], 1.0, 4) == Motion::Moved
+            })
+        };
+        let (soon, late) = (step_ut(1).unwrap_or(99.0), step_ut(8).unwrap_or(99.0));
+        assert!(late < 5.0 && late < 0.8 * soon, "{soon} uT after one block, {late} uT after eight");
+    }
+
+    #[test]
+    fn what_was_held_is_added_with_the_motion_after_it_and_dropped_with_rest() {
+        let mut gate = RestGate::new([0.1; 3], 4);
+        let push = |gate: &mut RestGate, x: i16| (0..4).map(|i| gate.push([x + i % 2, 0, 0])).last();
+        assert_eq!(push(&mut gate, 100), Some(Gated::Added(4)));
+        assert_eq!(push(&mut gate, 100), Some(Gated::Pending));
+        assert_eq!((gate.moments().count(), gate.pending()), (4, 4));
+        assert_eq!(push(&mut gate, 900), Some(Gated::Added(8)), "what was held was slow motion");
+        for _ in 0..6 {
+            assert_eq!(push(&mut gate, 900), Some(Gated::Pending));
+        }
+        assert_eq!(push(&mut gate, 900), Some(Gated::Dropped(28)));
+        assert_eq!(push(&mut gate, 900), Some(Gated::Dropped(4)));
+        assert_eq!(push(&mut gate, 100), Some(Gated::Added(4)));
+        assert_eq!(gate.push([103, 0, 0]), Gated::Pending);
+        assert_eq!(gate.flush(), Gated::Added(1));
+        // Exactly these are in the sums: at 100, 100, 900, 100, each as x, x+1, x, x+1, and the last.
+        assert_eq!(gate.moments().count(), 17);
+        assert_eq!(gate.moments().sum(1, 0, 0), Some(4 * (100 + 100 + 900 + 100) + 8 + 103));
+        assert_eq!(gate.pending(), 0);
     }
 }

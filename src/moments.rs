@@ -294,3 +294,20 @@ const TRACE_COLUMNS: [Column; 9] = [
 ];
 
 const _: () = assert!(core::mem::size_of::<Moments>() <= 400, "the accumulator's memory is a promise");
+
+#[cfg(test)]
+mod tests {
+    use super::Moments;
+
+    #[test]
+    fn a_degree_that_is_not_kept_has_no_sum_however_large_it_is() {
+        let mut moments = Moments::new();
+        moments.push([3, -2, 1]);
+        assert_eq!(moments.sum(2, 1, 1), Some(-18));
+        for large in [3, 5, usize::MAX] {
+            for [i, j, k] in [[large, 1, 1], [1, large, 1], [1, 1, large], [large, large, large]] {
+                assert_eq!(moments.sum(i, j, k), None, "{i} {j} {k}");
+            }
+        }
+    }
+}

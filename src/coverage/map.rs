@@ -18,8 +18,8 @@ const PROBE_STRIDE: usize = 61;
 const ROWS: usize = 16;
 const PLACES: usize = 32;
 /// Cosines of the angles from the pole at which one row ends and the next begins, down to the equator.
-const ROW_ENDS: [f32; 7] =
-    [0.980_785_3, 0.923_879_5, 0.831_469_6, 0.707_106_77, 0.555_570_24, 0.382_683_43, 0.195_090_32];
+const ROW_ENDS: [f32; ROWS / 2] =
+    [0.980_785_3, 0.923_879_5, 0.831_469_6, 0.707_106_77, 0.555_570_24, 0.382_683_43, 0.195_090_32, 0.0];
 /// Cosine of the least angle between a direction and any in the row so many rows away.
 const REACH: [f32; ROWS] = [
     1.0,
@@ -40,7 +40,7 @@ const REACH: [f32; ROWS] = [
     -0.923_879_5,
 ];
 /// Tangents of the angles between the places of an eighth turn.
-const PLACE_ENDS: [f32; 3] = [0.198_912_37, 0.414_213_57, 0.668_178_6];
+const PLACE_ENDS: [f32; PLACES / 8] = [0.198_912_37, 0.414_213_57, 0.668_178_6, 1.0];
 /// The length of a direction kept.
 const UNIT: f32 = 32767.0;
 
@@ -51,7 +51,7 @@ pub struct CoverageMap {
     /// The places of each row that were seen.
     seen: [u32; ROWS],
     /// A direction seen there.
-    directions: [[[i16; 3]; PLACES]; ROWS],
+    directions: [[i16; 3]; ROWS * PLACES],
 }
 
 impl Default for CoverageMap {
@@ -82,11 +82,17 @@ impl Coverage {
 #[inline]
 fn cell([x, y, z]: [f32; 3]) -> (usize, usize) {
     let height = z.abs();
-    let from_pole = ROW_ENDS.iter().filter(|end| height <= **end).count();
+    // Halving, written out: this runs for each of some hundred cells of a sketch.
+    let before_row = |row: usize| height <= ROW_ENDS[row % ROW_ENDS.len()];
+    let mut from_pole = if before_row(3) { 4 } else { 0 };
+    from_pole += if before_row(from_pole + 1) { 2 } else { 0 };
+    from_pole += if before_row(from_pole) { 1 } else { 0 };
     let row = if z >= 0.0 { from_pole } else { ROWS - 1 - from_pole };
     let (ax, ay) = (x.abs(), y.abs());
     let (less, more) = if ax >= ay { (ay, ax) } else { (ax, ay) };
-    let step = PLACE_ENDS.iter().filter(|end| less > **end * more).count();
+    let beyond_place = |place: usize| less > PLACE_ENDS[place % PLACE_ENDS.len()] * more;
+    let mut step = if beyond_place(1) { 2 } else { 0 };
+    step += if beyond_place(step) { 1 } else { 0 };
     let in_quarter = if ax >= ay { step } else { PLACES / 4 - 1 - step };
     let in_half = if x >= 0.0 { in_quarter } else { PLACES / 2 - 1 - in_quarter };
     (row, if y >= 0.0 { in_half } else { PLACES - 1 - in_half })
@@ -105,8 +111,9 @@ fn inverse_root(v: f32) -> f32 {
 
 impl CoverageMap {
     /// An empty map.
+    #[inline]
     pub const fn new() -> Self {
-        Self { bins: 0, seen: [0; ROWS], directions: [[[0; 3]; PLACES]; ROWS] }
+        Self { bins: 0, seen: [0; ROWS], directions: [[0; 3]; ROWS * PLACES] }
     }
 
     /// Adds the direction of a corrected vector; its length does not matter. Zero and non-finite vectors are left out.
@@ -118,16 +125,18 @@ impl CoverageMap {
             return;
         }
         let per_length = inverse_root(square);
-        let u = corrected.map(|v| v * per_length);
+        let u = [x * per_length, y * per_length, z * per_length];
         let (row, place) = cell(u);
         let slice = (((u[2] + 1.0) * (0.5 * SLICES as f32)) as usize).min(SLICES - 1);
         self.bins |= 1 << (slice * SECTORS + place / (PLACES / SECTORS));
         let Some(seen) = self.seen.get_mut(row) else { return };
         if *seen & (1 << place) == 0
-            && let Some(direction) = self.directions.get_mut(row).and_then(|row| row.get_mut(place))
+            && let Some(direction) = self.directions.get_mut(row * PLACES + place)
         {
             *seen |= 1 << place;
-            *direction = u.map(|v| (v * UNIT) as i16);
+            // By way of an i32, which is one instruction.
+            let kept = |v: f32| (v * UNIT) as i32 as i16;
+            *direction = [kept(u[0]), kept(u[1]), kept(u[2])];
         }
     }
 
@@ -152,28 +161,29 @@ impl CoverageMap {
     /// The same in one row, or `best` if that is nearer. On either side it is the place next to the probe's own.
     #[inline]
     fn nearest_in_row(&self, row: usize, place: usize, probe: [f32; 3], best: f32) -> f32 {
-        let (Some(seen), Some(directions)) = (self.seen.get(row), self.directions.get(row)) else {
-            return best;
-        };
+        let Some(seen) = self.seen.get(row) else { return best };
         let around = seen.rotate_right(place as u32);
         if around == 0 {
             return best;
         }
         let onward = place + around.trailing_zeros() as usize;
         let back = place + PLACES - 1 - around.leading_zeros() as usize;
-        [onward, back].into_iter().filter_map(|place| directions.get(place % PLACES)).fold(
-            best,
-            |best, seen| {
+        [onward, back]
+            .into_iter()
+            .filter_map(|place| self.directions.get(row * PLACES + place % PLACES))
+            .fold(best, |best, seen| {
                 let cosine = f32::from(seen[0]) * probe[0]
                     + f32::from(seen[1]) * probe[1]
                     + f32::from(seen[2]) * probe[2];
                 best.max(cosine * (1.0 / UNIT))
-            },
-        )
+            })
     }
 
     /// Coverage and largest gap so far.
     pub fn coverage(&self) -> Coverage {
+        if self.bins == 0 {
+            return Coverage { fraction: 0.0, gap_deg: 180.0, gap_direction: [0.0, 0.0, 1.0] };
+        }
         let mut worst = (1.0f32, [0.0f32, 0.0, 1.0]);
         let mut number = 0;
         for _ in 0..PROBES {

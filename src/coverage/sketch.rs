@@ -19,9 +19,9 @@ const FIRST_CELL_UT: f32 = 2.0;
 /// coverage is drawn after the solve, when the centre is known at last. 216 bytes, integers only.
 ///
 /// Cells are powers of two of counts wide, on each axis its own. When the box outgrows the grid along an axis, neighbouring
-/// cells become one, in place: so the box always spans at least half the grid, and a cell is an eighth to a sixteenth of a
-/// turn wide where the whole sphere was seen. A push merges or moves cells along one axis at most, which bounds its cost; a
-/// sample for which that is not enough is left out, and the next ones find more room.
+/// cells become one, in place: so the box always spans some half of the grid at least, and a cell is 10 to 20° wide where the whole
+/// sphere was seen. A push merges or moves the cells along one axis at most, once, which bounds its
+/// cost; a sample for which that is not enough is left out, and the next ones find more room.
 #[derive(Clone, Debug)]
 pub struct Sketch {
     /// Slices along x; two words of six rows along y; ten bits a row along z.
@@ -29,7 +29,8 @@ pub struct Sketch {
     /// The box of the samples; its lower end is above its upper one before there are any.
     low: [i16; 3],
     high: [i16; 3],
-    /// Number of the grid's first cell, counted from zero counts; even, so that cells merge where coarser ones begin.
+    /// Number of the grid's first cell, counted from zero counts; even where the box grows, so that cells merge where
+    /// coarser ones begin.
     origin: [i16; 3],
     /// Logarithm to base two of a cell's width in counts.
     shift: [u8; 3],
@@ -48,10 +49,20 @@ impl Sketch {
     /// Takes a sample into account.
     #[inline]
     pub fn add(&mut self, counts: [i16; 3]) {
-        let inside = (0..3).all(|a| self.low[a] <= counts[a] && counts[a] <= self.high[a]);
-        if inside || self.grow(counts) {
+        if !self.add_inside(counts) && self.grow(counts) {
             self.mark(counts);
         }
+    }
+
+    /// Takes a sample into account if it lies in the box of those before it; `false` if it does not. Some 60 instructions at
+    /// most, where [`Self::add`] may take a thousand.
+    #[inline]
+    pub fn add_inside(&mut self, counts: [i16; 3]) -> bool {
+        let inside = (0..3).all(|a| self.low[a] <= counts[a] && counts[a] <= self.high[a]);
+        if inside {
+            self.mark(counts);
+        }
+        inside
     }
 
     #[inline]
@@ -107,27 +118,30 @@ impl Sketch {
 
     fn fits(&self, axis: usize, low: i16, high: i16) -> bool {
         let origin = i32::from(self.origin[axis]);
-        self.number(axis, low) >= origin && self.number(axis, high) < origin + CELLS[axis]
+        origin & 1 == 0 && self.number(axis, low) >= origin && self.number(axis, high) < origin + CELLS[axis]
     }
 
-    /// Moves the grid to where a box fits, or merges pairs of cells and then does, if that is enough.
+    /// One step towards room for a box along an axis: merges pairs of cells, or moves the grid. A merged grid may begin with
+    /// an odd cell; it is moved before it grows.
     fn make_room(&mut self, axis: usize, low: i16, high: i16) {
-        let span = |sketch: &Self| sketch.number(axis, high) - i32::from(even(sketch.number(axis, low)));
-        if span(self) >= CELLS[axis] && self.shift[axis] < 14 {
+        let origin = i32::from(self.origin[axis]);
+        let (low_cell, high_cell) = (self.number(axis, low), self.number(axis, high));
+        let too_long = high_cell - i32::from(even(low_cell)) >= CELLS[axis];
+        if too_long && origin & 1 == 0 {
             self.merge_pairs(axis);
-            self.shift[axis] += 1;
+            self.shift[axis] = (self.shift[axis] + 1).min(15);
             self.origin[axis] /= 2;
+            return;
         }
-        let target = if span(self) >= CELLS[axis] {
-            // Not enough: the box as it was has room, and another sample will come.
-            even(i32::from(self.origin[axis]))
+        let target = if too_long {
+            even(origin)
         } else if low < self.low[axis] {
             // The room goes to the side on which the box grows.
-            even(self.number(axis, high) - CELLS[axis] + 2)
+            even(high_cell - CELLS[axis] + 2)
         } else {
-            even(self.number(axis, low))
+            even(low_cell)
         };
-        self.move_cells(axis, i32::from(self.origin[axis]) - i32::from(target));
+        self.move_cells(axis, origin - i32::from(target));
         self.origin[axis] = target;
     }
 
