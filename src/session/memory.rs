@@ -1,6 +1,7 @@
 //! Noise with a memory: the session must see through it, however the samples are spaced.
 
-use super::{Session, SessionConfig};
+use super::config::SessionConfig;
+use super::machine::Session;
 use crate::calibration::Calibration;
 use crate::fit::{FitReport, Method};
 use crate::math;

@@ -5,10 +5,10 @@
 
 use super::attitude::Motion;
 use super::log::{FIELD_UT, Log};
-use crate::paper::{Sampler, Truth};
 use ironout::fit::Method;
 use ironout::gate::block_samples;
 use ironout::session::{Session, SessionConfig};
+use ironout_simulation::paper::{Sampler, Truth};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use serde_json::{Value, json};
 
