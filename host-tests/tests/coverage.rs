@@ -3,7 +3,7 @@
 use ironout::calibration::{Calibration, inverse_3x3};
 use ironout::coverage::{BINS, Coverage, CoverageMap, Sketch};
 use ironout_host_tests::accuracy::attitude::Motion;
-use ironout_host_tests::paper::Sampler;
+use ironout_simulation::paper::Sampler;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeSet;
 
