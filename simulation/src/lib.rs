@@ -17,6 +17,11 @@ mod scale;
 mod scenery;
 mod world;
 
+/// The examples of the readme, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 pub use attitude::Motion;
 pub use effects::{Drawn, EffectKind, EffectSpec, HiddenEffect, Scene, Simulated, SpecError};
 pub use faults::FaultSpec;

@@ -3,12 +3,14 @@
 
 pub mod attitude;
 pub mod bound;
+pub mod correlated;
 pub mod dip_table;
 pub mod effect_report;
 pub mod effect_table;
 pub mod gates;
 pub mod log;
 pub mod paper_table;
+pub mod pooled;
 pub mod simulated;
 pub mod snapshot;
 pub mod solvers;

@@ -1,10 +1,12 @@
 //! The tables, as text that a person reads and a diff shows, and as JSON.
 
 use super::bound::{self, Accuracy, Cell};
+use super::correlated;
 use super::gates::{self, Group};
 use super::paper_table;
-use super::snapshot;
 use super::solvers::{SOLVERS, Solver};
+use crate::measured;
+use crate::rate::Rate;
 use serde_json::{Value, json};
 use std::io;
 use std::path::PathBuf;
@@ -20,10 +22,12 @@ pub struct Size {
     pub full: u64,
     /// Logs of the paper's simulation.
     pub paper: u64,
+    /// Logs of each cell of correlated noise.
+    pub correlated: u64,
 }
 
 /// The full run.
-pub const FULL: Size = Size { seeds: 100, limited: 1000, full: 500, paper: 200 };
+pub const FULL: Size = Size { seeds: 100, limited: 1000, full: 500, paper: 200, correlated: 20 };
 
 /// Everything measured.
 pub struct Report {
@@ -35,6 +39,8 @@ pub struct Report {
     pub full: Vec<Group>,
     /// The paper's simulation.
     pub paper: Vec<paper_table::Row>,
+    /// Noise with a memory.
+    pub correlated: Vec<correlated::Row>,
 }
 
 /// Runs everything.
@@ -48,6 +54,7 @@ pub fn measure(size: Size) -> Report {
         limited: with_total(gates::run(true, 0, size.limited, |_, _, _, _| {})),
         full: gates::run(false, 0, size.full, |_, _, _, _| {}),
         paper: paper_table::rows(size.paper),
+        correlated: correlated::measure(size.correlated),
     }
 }
 
@@ -105,20 +112,45 @@ pub fn verdicts(groups: &[Group]) -> String {
     text
 }
 
+/// What the verdicts' counts are worth: the last group of each kind of attitude stands for all of it.
+pub fn rates(attitudes: &[(&str, &[Group])]) -> String {
+    let mut text = String::from(
+        "attitude  method    wrong of those accepted         lost of those good, with 95 % intervals\n",
+    );
+    for (name, groups) in attitudes {
+        let Some(all) = groups.last() else { continue };
+        for (solver, tally) in SOLVERS.iter().zip(&all.tallies) {
+            let wrong = Rate { count: tally.wrongly_accepted as u64, of: tally.accepted as u64 };
+            let lost = Rate { count: tally.wrongly_refused as u64, of: tally.good as u64 };
+            text += &format!("{name:<9} {:<9} {wrong:<31} {lost}\n", solver.name());
+        }
+    }
+    text
+}
+
 impl Report {
     /// Everything as text: what the snapshot holds.
     pub fn text(&self) -> String {
         format!(
-            "The paper's simulation, eq. (16)\n\n{}\n{}\n\
-             Verdicts on limited attitude. wrong: accepted though a corrected vector is off by more than {} % of the field\n\
-             somewhere; good: none is off by {} %; lost: of these, refused. magcal has no verdict: its answers count as accepted.\n\n{}\n\
-             Verdicts on full attitude\n\n{}",
+            "The paper's simulation, eq. (16)\n\n{}\n{}\n{}\n{}",
             paper_table::text(&self.paper),
             sweep(&self.sweep),
+            self.judged(),
+            correlated::text(&self.correlated)
+        )
+    }
+
+    /// The verdicts on both kinds of logs, and their rates.
+    fn judged(&self) -> String {
+        format!(
+            "Verdicts on limited attitude. wrong: accepted though a corrected vector is off by more than {} % of the field\n\
+             somewhere; good: none is off by {} %; lost: of these, refused. magcal has no verdict: its answers count as accepted.\n\n{}\n\
+             Verdicts on full attitude\n\n{}\n{}",
             gates::WRONG * 100.0,
             gates::RIGHT * 100.0,
             verdicts(&self.limited),
-            verdicts(&self.full)
+            verdicts(&self.full),
+            rates(&[("limited", &self.limited), ("full", &self.full)])
         )
     }
 
@@ -131,19 +163,17 @@ impl Report {
             .sum()
     }
 
-    /// Writes the snapshot, and the README's tables.
+    /// Writes the snapshot, and the tables of the document of measurements.
     ///
     /// # Errors
-    /// A file that cannot be written, or a README without the tables' markers.
+    /// A file that cannot be written, or a document without the tables' markers.
     pub fn store(&self) -> io::Result<()> {
         std::fs::write(snapshot_path(), self.text())?;
-        snapshot::into_readme(&[
-            ("accuracy-paper", paper_table::markdown(&self.paper)),
-            ("accuracy-sweep", format!("```text\n{}```", sweep(&self.sweep))),
-            (
-                "accuracy-verdicts",
-                format!("```text\n{}\n{}```", verdicts(&self.limited), verdicts(&self.full)),
-            ),
+        measured::write(&[
+            ("accuracy-paper", paper_table::text(&self.paper)),
+            ("accuracy-sweep", sweep(&self.sweep)),
+            ("accuracy-verdicts", self.judged()),
+            ("accuracy-correlated", correlated::text(&self.correlated)),
         ])
     }
 
@@ -177,7 +207,8 @@ impl Report {
             .iter()
             .map(|r| json!({"sigma": r.sigma, "samples": r.n, "method": r.who, "b": r.b, "a": r.a, "refused": r.refused}))
             .collect();
-        json!({"paper": paper, "sweep": sweep, "limited": groups(&self.limited), "full": groups(&self.full)})
+        json!({"paper": paper, "sweep": sweep, "limited": groups(&self.limited), "full": groups(&self.full),
+               "correlated": correlated::json(&self.correlated)})
     }
 }
 
