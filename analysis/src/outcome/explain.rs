@@ -3,6 +3,7 @@
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::model::Base;
+use crate::base::mounting;
 use crate::base::piece::Piece;
 use crate::base::quality::{Residue, attitude_error};
 use crate::outcome::request::{Options, Refusal};
@@ -11,6 +12,7 @@ use crate::search::candidates::Catalogue;
 use crate::search::screen::{Candidate, screen};
 use crate::search::search;
 use crate::search::state::{Explanation, Greedy, held_out_rms};
+use ironout::effect::Named;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::{Model, Residual};
 
@@ -31,18 +33,10 @@ pub(crate) fn added<'a>(
     if plain.is_some() {
         return Ok(plain);
     }
-    let found = match id {
-        "step" => search::step(pass, fitted, catalogue)?,
-        "periodic" => search::periodic(pass, fitted, catalogue)?,
-        _ => match id.strip_prefix("offset:").and_then(|rest| rest.strip_suffix("@delay")) {
-            Some(column) => match catalogue.usable(column) {
-                Some(index) => search::delay(pass, fitted, catalogue, index)?,
-                None => None,
-            },
-            None => None,
-        },
+    let Some(named) = catalogue.registry.parse(id).filter(|named| named.form.offered) else {
+        return Ok(None);
     };
-    Ok(found.map(|candidate| candidate.piece))
+    Ok(search::best(pass, fitted, catalogue, &named)?.map(|candidate| candidate.piece))
 }
 
 /// What a study of the magnitude stands on.
@@ -88,7 +82,7 @@ pub(crate) fn explain<'a>(
         }
         let piece = added(&pass, catalogue, &start, id)?;
         let Some(piece) = piece else {
-            if id == "misalignment" || id == "axis-order" {
+            if mounting::is_one(id) {
                 continue;
             }
             return Err(Refusal::cannot_add(id, cannot_add(catalogue, id)));
@@ -96,8 +90,8 @@ pub(crate) fn explain<'a>(
         if start.pieces.iter().any(|known| known.id == piece.id) {
             continue;
         }
-        if id == "lag" && catalogue.has_down() {
-            // Which of the two lags it is, the data decide.
+        if !piece.hidden_delay().is_empty() && catalogue.has_down() {
+            // Whether it is the coupling or the pure delay, the data decide.
             let alone = screen(&pass, &start, &[Candidate { piece: piece.clone(), searched: 1.0 }], 1)?;
             if !alone.tested.first().is_some_and(|tested| tested.accepted) {
                 pure_lag = true;
@@ -139,7 +133,8 @@ pub(crate) fn cannot_add(catalogue: &Catalogue, id: &str) -> String {
         return one.why;
     }
     let mut known: Vec<String> = catalogue.plain(false).into_iter().map(|piece| piece.id).collect();
-    known.extend(["step", "periodic"].map(String::from));
-    known.extend(catalogue.usable_columns().map(|(_, name)| format!("offset:{name}@delay")));
+    known.extend(catalogue.searched().iter().map(Named::to_string));
+    let late = catalogue.usable_columns().flat_map(|column| catalogue.late(column));
+    known.extend(late.map(|named| named.to_string()));
     format!("unknown effect; this log allows {}", known.join(", "))
 }

@@ -7,6 +7,7 @@ use crate::plain;
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
 use ironout::calibration::Calibration;
+use ironout::effect::Registry;
 use serde::Serialize;
 
 /// The verdict of the contract.
@@ -187,4 +188,7 @@ pub struct Diagnosis {
     pub lower_order: bool,
     /// The residuals, for plots.
     pub traces: Traces,
+    /// The families of effects that the ids are of.
+    #[serde(skip)]
+    pub registry: Registry,
 }
