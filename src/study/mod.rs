@@ -31,3 +31,6 @@ pub use refit::refit;
 #[doc(hidden)]
 pub use schur::Improvement as Gain;
 pub use schur::{Improvement, MIN_EIGENVALUE};
+
+#[cfg(test)]
+mod tests;
