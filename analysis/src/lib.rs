@@ -32,3 +32,8 @@ pub use outcome::outcome::Diagnosis;
 pub use outcome::request::{Options, Refusal};
 pub use outcome::study::diagnose;
 pub use table::{BadTable, Named, Table};
+
+/// The examples of the readme, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

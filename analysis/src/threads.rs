@@ -23,10 +23,7 @@ pub fn with_room<T: Send>(work: impl Fn() -> T + Sync) -> T {
 }
 
 /// What `work` makes of two halves, the second on a thread of its own.
-pub fn halves<H: Sync, T: Send>(halves: (&H, &H), work: impl Fn(&H) -> T + Sync) -> (T, T)
-where
-    H: ?Sized,
-{
+pub fn halves<H: ?Sized + Sync, T: Send>(halves: (&H, &H), work: impl Fn(&H) -> T + Sync) -> (T, T) {
     let (first, second) = halves;
     scope(|scope| match Builder::new().spawn_scoped(scope, || work(second)) {
         Ok(running) => {

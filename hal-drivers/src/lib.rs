@@ -31,3 +31,8 @@ mod magnetometer;
 
 pub use error::Error;
 pub use magnetometer::{Magnetometer, Reading};
+
+/// The examples of the readme, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -3,3 +3,5 @@
 
 pub mod accuracy;
 pub mod m4;
+pub mod measured;
+pub mod rate;

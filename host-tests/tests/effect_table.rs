@@ -1,16 +1,7 @@
 //! Hidden effects are found in simulated logs: a few seeds of the table that `cargo effects-accuracy` writes in full.
 
 use ironout_analysis::outcome::outcome::Verdict;
-use ironout_host_tests::accuracy::effect_report::Effects;
 use ironout_host_tests::accuracy::effect_table::{CASES, HEADING, line, run};
-
-#[test]
-fn the_readme_shows_the_tables_own_figures() {
-    let snapshot =
-        std::fs::read_to_string(Effects::snapshot_path()).expect("the snapshot lies in the repository");
-    let readme = include_str!("../../README.md");
-    assert!(readme.contains(&format!("```text\n{snapshot}```\n")), "run cargo effects-accuracy --accept");
-}
 
 #[test]
 fn every_kind_of_log_gets_its_verdict() {

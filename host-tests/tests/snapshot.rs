@@ -1,6 +1,6 @@
-//! Tables against their snapshots, and in the documents.
+//! Tables against their snapshots.
 
-use ironout_host_tests::accuracy::snapshot::{between_markers, differences};
+use ironout_host_tests::accuracy::snapshot::differences;
 
 #[test]
 fn a_changed_figure_shows_and_a_last_digit_does_not() {
@@ -18,12 +18,4 @@ fn a_changed_figure_shows_and_a_last_digit_does_not() {
     ] {
         assert_eq!(differences(stored, worse).len(), 1, "{worse}");
     }
-}
-
-#[test]
-fn a_table_goes_between_its_markers() {
-    let readme = "a\n<!-- t:begin -->\nold\n<!-- t:end -->\nb\n";
-    let changed = between_markers(readme, "t", "new\n").expect("it has the markers");
-    assert_eq!(changed, "a\n<!-- t:begin -->\nnew\n<!-- t:end -->\nb\n");
-    assert_eq!(between_markers(readme, "u", ""), None);
 }

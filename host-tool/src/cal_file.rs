@@ -23,7 +23,7 @@ const MAX_BYTES: u64 = 4 << 20;
 
 /// The object of `fit --json`. Unknown values are null.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[allow(missing_docs)] // the contract in the README explains each key
+#[allow(missing_docs)] // docs/command-line.md explains each key
 pub struct FitObject {
     pub method: String,
     pub samples_used: u64,

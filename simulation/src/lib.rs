@@ -12,6 +12,11 @@ mod log;
 pub mod paper;
 mod scale;
 
+/// The examples of the readme, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 pub use attitude::Motion;
 pub use effects::{EffectKind, EffectSpec, HiddenEffect, SpecError};
 pub use faults::FaultSpec;

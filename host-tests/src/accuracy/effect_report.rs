@@ -2,7 +2,8 @@
 
 use crate::accuracy::dip_table;
 use crate::accuracy::effect_table::{CASES, Case, HEADING, Row, Special, line, run};
-use crate::accuracy::snapshot;
+use crate::accuracy::pooled;
+use crate::measured;
 use serde_json::{Value, json};
 use std::io;
 use std::path::PathBuf;
@@ -20,7 +21,7 @@ impl Effects {
     /// Runs `seeds` logs of each kind; `say` hears every line as it is done.
     pub fn measure(seeds: u64, mut say: impl FnMut(&str)) -> Self {
         heading().lines().for_each(&mut say);
-        let rows = CASES
+        let rows: Vec<(Case, Row)> = CASES
             .iter()
             .map(|case| {
                 // Few seeds are for a quick look.
@@ -39,6 +40,8 @@ impl Effects {
                 (*hidden, row)
             })
             .collect();
+        say("");
+        pooled::text(&rows).lines().for_each(&mut say);
         Effects { rows, dip }
     }
 
@@ -47,11 +50,12 @@ impl Effects {
         let lines = self.rows.iter().map(|(case, row)| line(case, row) + "\n");
         let dip = self.dip.iter().map(|(hidden, row)| dip_table::line(hidden, row) + "\n");
         format!(
-            "{}{}\n{}\n{}",
+            "{}{}\n{}\n{}\n{}",
             heading(),
             lines.collect::<String>(),
             dip_table::HEADING,
-            dip.collect::<String>()
+            dip.collect::<String>(),
+            pooled::text(&self.rows)
         )
     }
 
@@ -83,14 +87,14 @@ impl Effects {
         PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/snapshots/effects.txt"))
     }
 
-    /// Writes the snapshot, and the README's table.
+    /// Writes the snapshot, and the table of the document of measurements.
     ///
     /// # Errors
-    /// A file that cannot be written, or a README without the table's markers.
+    /// A file that cannot be written, or a document without the table's markers.
     pub fn store(&self) -> io::Result<()> {
         let text = self.text();
         std::fs::write(Self::snapshot_path(), &text)?;
-        snapshot::into_readme(&[("accuracy-effects", format!("```text\n{text}```"))])
+        measured::write(&[("accuracy-effects", text)])
     }
 }
 

@@ -9,6 +9,7 @@ pub mod effect_table;
 pub mod gates;
 pub mod log;
 pub mod paper_table;
+pub mod pooled;
 pub mod simulated;
 pub mod snapshot;
 pub mod solvers;

@@ -70,7 +70,7 @@ fn number(value: Option<f64>) -> String {
     value.map_or("refused".into(), |v| format!("{v:.4}"))
 }
 
-/// For the snapshot.
+/// As a table.
 pub fn text(rows: &[Row]) -> String {
     let mut text = String::from("noise    samples  method       |b^-b|   |A^-A|  refused\n");
     for r in rows {
@@ -85,31 +85,6 @@ pub fn text(rows: &[Row]) -> String {
             number(r.a),
             r.refused * 100.0
         );
-    }
-    text
-}
-
-/// For the README.
-pub fn markdown(rows: &[Row]) -> String {
-    let mut text =
-        String::from("| noise σ | samples | method | rms ‖b̂ − b‖ | rms ‖Â − A‖ |\n|---|---|---|---|---|\n");
-    for r in rows {
-        let n = if r.n > 0 { r.n.to_string() } else { "not stated".into() };
-        if r.who == "bound" {
-            text += &format!(
-                "| {:.3} | {n} | *Cramér–Rao bound of b and A together* | | *{}* |\n",
-                r.sigma,
-                number(r.a)
-            );
-            continue;
-        }
-        let note = if r.refused > 0.0 && r.b.is_some() {
-            format!(" ({:.0} % refused)", r.refused * 100.0)
-        } else {
-            String::new()
-        };
-        let who = if r.who.starts_with("eq") { "the paper's own estimate, eq. (17)" } else { r.who };
-        text += &format!("| {:.3} | {n} | {who}{note} | {} | {} |\n", r.sigma, number(r.b), number(r.a));
     }
     text
 }

@@ -1,4 +1,4 @@
-//! Tables held to their snapshots, and copied into the README.
+//! Tables held to their snapshots.
 
 use std::io;
 use std::path::Path;
@@ -57,27 +57,4 @@ fn close(a: &str, b: &str) -> bool {
     decimals(b) == Some(places)
         && a.ends_with('*') == b.ends_with('*')
         && (x - y).abs() <= step.max(TOLERANCE * x.abs())
-}
-
-/// `readme` with the text between the markers of `name` replaced; `None` where it has none.
-pub fn between_markers(readme: &str, name: &str, table: &str) -> Option<String> {
-    let (begin, end) = (format!("<!-- {name}:begin -->"), format!("<!-- {name}:end -->"));
-    let from = readme.find(&begin)? + begin.len();
-    let to = from + readme[from..].find(&end)?;
-    Some(format!("{}\n{}\n{}", &readme[..from], table.trim_end(), &readme[to..]))
-}
-
-/// Writes tables between their markers in the README.
-///
-/// # Errors
-/// The README cannot be read or written, or lacks markers.
-pub fn into_readme(tables: &[(&str, String)]) -> io::Result<()> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../README.md");
-    let mut readme = std::fs::read_to_string(path)?;
-    for (name, table) in tables {
-        readme = between_markers(&readme, name, table).ok_or_else(|| {
-            io::Error::other(format!("README.md has no <!-- {name}:begin --> and <!-- {name}:end -->"))
-        })?;
-    }
-    std::fs::write(path, readme)
 }

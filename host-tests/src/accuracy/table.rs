@@ -3,8 +3,9 @@
 use super::bound::{self, Accuracy, Cell};
 use super::gates::{self, Group};
 use super::paper_table;
-use super::snapshot;
 use super::solvers::{SOLVERS, Solver};
+use crate::measured;
+use crate::rate::Rate;
 use serde_json::{Value, json};
 use std::io;
 use std::path::PathBuf;
@@ -105,20 +106,44 @@ pub fn verdicts(groups: &[Group]) -> String {
     text
 }
 
+/// What the verdicts' counts are worth: the last group of each kind of attitude stands for all of it.
+pub fn rates(attitudes: &[(&str, &[Group])]) -> String {
+    let mut text = String::from(
+        "attitude  method    wrong of those accepted         lost of those good, with 95 % intervals\n",
+    );
+    for (name, groups) in attitudes {
+        let Some(all) = groups.last() else { continue };
+        for (solver, tally) in SOLVERS.iter().zip(&all.tallies) {
+            let wrong = Rate { count: tally.wrongly_accepted as u64, of: tally.accepted as u64 };
+            let lost = Rate { count: tally.wrongly_refused as u64, of: tally.good as u64 };
+            text += &format!("{name:<9} {:<9} {wrong:<31} {lost}\n", solver.name());
+        }
+    }
+    text
+}
+
 impl Report {
     /// Everything as text: what the snapshot holds.
     pub fn text(&self) -> String {
         format!(
-            "The paper's simulation, eq. (16)\n\n{}\n{}\n\
-             Verdicts on limited attitude. wrong: accepted though a corrected vector is off by more than {} % of the field\n\
-             somewhere; good: none is off by {} %; lost: of these, refused. magcal has no verdict: its answers count as accepted.\n\n{}\n\
-             Verdicts on full attitude\n\n{}",
+            "The paper's simulation, eq. (16)\n\n{}\n{}\n{}",
             paper_table::text(&self.paper),
             sweep(&self.sweep),
+            self.judged()
+        )
+    }
+
+    /// The verdicts on both kinds of logs, and their rates.
+    fn judged(&self) -> String {
+        format!(
+            "Verdicts on limited attitude. wrong: accepted though a corrected vector is off by more than {} % of the field\n\
+             somewhere; good: none is off by {} %; lost: of these, refused. magcal has no verdict: its answers count as accepted.\n\n{}\n\
+             Verdicts on full attitude\n\n{}\n{}",
             gates::WRONG * 100.0,
             gates::RIGHT * 100.0,
             verdicts(&self.limited),
-            verdicts(&self.full)
+            verdicts(&self.full),
+            rates(&[("limited", &self.limited), ("full", &self.full)])
         )
     }
 
@@ -131,19 +156,16 @@ impl Report {
             .sum()
     }
 
-    /// Writes the snapshot, and the README's tables.
+    /// Writes the snapshot, and the tables of the document of measurements.
     ///
     /// # Errors
-    /// A file that cannot be written, or a README without the tables' markers.
+    /// A file that cannot be written, or a document without the tables' markers.
     pub fn store(&self) -> io::Result<()> {
         std::fs::write(snapshot_path(), self.text())?;
-        snapshot::into_readme(&[
-            ("accuracy-paper", paper_table::markdown(&self.paper)),
-            ("accuracy-sweep", format!("```text\n{}```", sweep(&self.sweep))),
-            (
-                "accuracy-verdicts",
-                format!("```text\n{}\n{}```", verdicts(&self.limited), verdicts(&self.full)),
-            ),
+        measured::write(&[
+            ("accuracy-paper", paper_table::text(&self.paper)),
+            ("accuracy-sweep", sweep(&self.sweep)),
+            ("accuracy-verdicts", self.judged()),
         ])
     }
 

@@ -1,7 +1,7 @@
 //! `cargo accuracy`: how good calibrations are, what the verdict lets through, and how well hidden effects are found, as
 //! tables held to their snapshots.
 //!
-//! `--json` prints one object on standard output; `--accept` stores the tables as the new snapshots and writes the README's.
+//! `--json` prints one object on standard output; `--accept` stores the tables as the new snapshots and writes those of `docs/measured.md`.
 
 use ironout_host_tests::accuracy::effect_report::{Effects, SEEDS};
 use ironout_host_tests::accuracy::{gates, snapshot, table};

@@ -1,17 +1,16 @@
 //! `cargo bench`: what everything costs on the host, beside the crate `magcal` on the same counts in the same run, and
 //! `diagnose` on a million rows as a program of its own. The last lines are the ratios; times are shown, not asserted.
 //!
-//! `cargo bench -- WORD` runs what WORD matches, without the last lines. `IRONOUT_ACCEPT=1 cargo bench` writes them into the
-//! README.
+//! `cargo bench -- WORD` runs what WORD matches, without the last lines. `IRONOUT_ACCEPT=1 cargo bench` writes them into
+//! `docs/measured.md`.
 
 mod child;
 mod core;
 mod data;
 mod files;
-// The one splice of tables into the documents; the tool depends on no crate of the tests.
-#[allow(dead_code)]
-#[path = "../../../host-tests/src/accuracy/snapshot.rs"]
-mod snapshot;
+// The one splice of tables into the document; the tool depends on no crate of the tests.
+#[path = "../../../host-tests/src/measured.rs"]
+mod measured;
 mod summary;
 
 fn main() {
@@ -25,7 +24,7 @@ fn main() {
         Ok(text) => {
             println!("\n{text}");
             if std::env::var_os("IRONOUT_ACCEPT").is_some()
-                && let Err(error) = snapshot::into_readme(&[("bench", format!("```text\n{text}```"))])
+                && let Err(error) = measured::write(&[("bench", text)])
             {
                 eprintln!("{error}");
                 std::process::exit(1);

@@ -1,6 +1,6 @@
 //! Reading logs: CSV with a header, one row a sample, units in the names.
 //!
-//! The format is firm (README, "Log format"): what is not understood is an error with file, line, column and
+//! The format is firm (docs/command-line.md, "Log format"): what is not understood is an error with file, line, column and
 //! remedy, or a notice; nothing is guessed.
 
 mod columns;
