@@ -17,6 +17,7 @@ pub use crate::vector::{inverse_3x3, norm};
 /// assert_eq!(cal.apply([100.0_f64, -12.0, 3.0]), [10.0, 0.0, 0.0]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Calibration<T = f64> {
     /// Hard iron and zero offset `b`, µT in the sensor's axes.
     pub offset_ut: [T; 3],

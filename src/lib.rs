@@ -47,11 +47,12 @@
 //! | [`moments`], [`gate`], [`coverage`], [`whiteness`] | what streams: exact sums, the rest gate, the directions seen, the independence of samples |
 //! | [`scatter`], [`fit`], [`quality`] | what solves: centred moments, the methods, the verdict with reasons |
 //! | [`calibration`], [`extended`] | what is applied: offset and matrix, and with them the effects that were found |
-//! | [`effect`], [`study`] | what the model does not know yet: shapes of physical causes, and the test for them |
+//! | [`effect`], [`model`], [`study`] | what the base does not know yet: shapes of physical causes, the model linearised with them, and the test for them |
 //! | [`session`] | the state machine around them |
 //! | [`record`], [`store`] | what survives a restart: a checked record in two slots |
 //! | [`protocol`], [`device`] | the console's language, and the board's whole application without I/O |
 //!
+//! Each room imports only what stands before it in the order of `docs/architecture.md`, which `cargo layers` checks.
 //! Data flow one way: a fit never reads a driver, a driver never knows a calibration, and nothing here names a pin or a bus.
 //!
 //! # What is not promised

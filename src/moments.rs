@@ -25,6 +25,7 @@ const QUARTICS: usize = 15;
 
 /// Which reading of the paper's eq. (14) a normal matrix is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Normalisation {
     /// The paper's nine columns of eq. (13), `[x² x y² y z² z xy zy xz]`, with the constant 1 on the left:
     /// `Ĥ²` of eq. (14) is the squared magnitude of the *true* field, a constant, less `bᵀQb`; scaled to 1.
@@ -39,6 +40,7 @@ pub use Normalisation as Reading;
 
 /// A normal matrix `DᵀD` (9×9) and right side `DᵀĤ²` (9) in counts, row and column order as in [`Normalisation`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct NormalMatrix {
     /// `DᵀD`, symmetric, counts to the power of the two columns' degrees.
     pub dtd: [[f64; 9]; 9],

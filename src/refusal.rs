@@ -6,6 +6,7 @@ use core::fmt;
 // A word for the tag: what follows it is then copied by words, not by bytes.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FitError {
     /// Fewer samples than the fit can be judged by.
     TooFewSamples {

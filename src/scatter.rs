@@ -11,6 +11,7 @@ use crate::refusal::FitError;
 
 /// Centred, scaled moments `m_ijk = (1/n) Σ ξⁱηʲζᵏ` with `ξ = (x_ut − centre_ut)/scale_ut`, and the quadric fits' only input.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Scatter {
     /// `m_ijk`, ordered as [`monomial::EXPONENTS`]; the first is 1.
     pub(crate) moments: [f64; COUNT],
@@ -165,6 +166,7 @@ impl Scatter {
 /// Subtracting a centre near the mean first keeps the `f64` sums as good as exact ones; take the mean of a first pass,
 /// or any sample.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ScatterBuilder {
     sums: [f64; COUNT],
     centre_ut: [f64; 3],

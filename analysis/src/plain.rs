@@ -1,7 +1,7 @@
 //! The core's types as plain data, for serde: the core itself knows of no format.
 
 use ironout::calibration::Calibration;
-use ironout::fit::{Method, Model};
+use ironout::fit::{Method, Order};
 use serde::de::Error;
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -30,7 +30,7 @@ pub fn calibration_if_any<S: Serializer>(
 }
 
 /// `ellipsoid`, or the lower order that the data carried.
-pub fn model<S: Serializer>(model: &Model, serializer: S) -> Result<S::Ok, S::Error> {
+pub fn model<S: Serializer>(model: &Order, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(model.name())
 }
 

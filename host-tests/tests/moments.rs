@@ -1,6 +1,6 @@
 //! The accumulator's sums are exact: equal, bit for bit, to 128-bit arithmetic, in any order and in any grouping.
 
-use ironout::moments::{Moments, Reading};
+use ironout::moments::{Moments, Normalisation};
 use ironout::monomial::EXPONENTS;
 use proptest::prelude::*;
 
@@ -83,15 +83,15 @@ proptest! {
     #[test]
     fn normal_matrices_are_those_of_the_rows(samples in log(80)) {
         let moments = pushed(&samples);
-        for reading in [Reading::Constant, Reading::Trace] {
+        for reading in [Normalisation::Constant, Normalisation::Trace] {
             let mut dtd = [[0i128; 9]; 9];
             let mut dth = [0i128; 9];
             for s in &samples {
                 let [x, y, z] = s.map(i128::from);
                 let (row, left) = match reading {
                     // Eq. (13), and the constant 1 for Ĥ².
-                    Reading::Constant => ([x * x, x, y * y, y, z * z, z, x * y, z * y, x * z], 1),
-                    Reading::Trace => (
+                    Normalisation::Constant => ([x * x, x, y * y, y, z * z, z, x * y, z * y, x * z], 1),
+                    Normalisation::Trace => (
                         [
                             x * x + y * y - 2 * z * z,
                             x * x + z * z - 2 * y * y,

@@ -1,7 +1,7 @@
 //! The paper's simulation: what each reading recovers, with and without noise.
 
 use ironout::fit::{FitError, FitOptions, FitReport, Method, fit};
-use ironout::moments::{Moments, Reading};
+use ironout::moments::{Moments, Normalisation};
 use ironout::scatter::{Scatter, ScatterBuilder};
 use ironout_simulation::paper::{Sampler, Truth, eq_16};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -77,7 +77,7 @@ fn eq_14_read_literally_calibrates_nothing() {
         for s in truth.samples(&mut Sampler::new(seed + 100), 400, 0.01, UP, 1.0) {
             moments.push(s.map(|v| (v * 4000.0).round() as i16));
         }
-        let normal = moments.normal_matrix(Reading::Constant);
+        let normal = moments.normal_matrix(Normalisation::Constant);
         // DᵀĤ² with Ĥ² = x² + y² + z² of the measurement, row by row from the same sums.
         let columns = [
             [2, 0, 0],

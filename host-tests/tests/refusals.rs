@@ -1,6 +1,6 @@
 //! What must not become a calibration, and says why; and what must, although it looks poor.
 
-use ironout::fit::{FitError, FitOptions, Method, Model, fit};
+use ironout::fit::{FitError, FitOptions, Method, Order, fit};
 use ironout::moments::Moments;
 use ironout::quality::{Reason, Verdict, judge};
 use ironout::scatter::{Scatter, ScatterBuilder};
@@ -127,7 +127,7 @@ fn lower_orders_are_chosen_by_evidence_and_judged_with_what_they_leave_out() {
         let chosen = fit(&scatter(&data).unwrap(), &FitOptions::default()).unwrap();
         let error = |offset: [f64; 3]| (Vector3::from(offset) - hard_iron_only.b * FIELD_UT).norm();
         let full_error = full.map_or(f64::INFINITY, |r| error(r.calibration.offset_ut));
-        spheres += usize::from(chosen.model == Model::Sphere);
+        spheres += usize::from(chosen.model == Order::Sphere);
         improved += usize::from(error(chosen.calibration.offset_ut) <= full_error);
         assert!(!judge(&chosen, None, 0, None).accepted, "a cap and 60 samples say nothing of the soft iron");
     }
@@ -136,7 +136,7 @@ fn lower_orders_are_chosen_by_evidence_and_judged_with_what_they_leave_out() {
     // With a soft iron that the data show, the evidence is for nine.
     let bent = Truth { a: Matrix3::new(1.2, 0.15, -0.1, 0.0, 0.9, 0.1, 0.0, 0.0, 1.0), ..hard_iron_only };
     let report = fit(&scatter(&samples(&bent, 3, 200, 0.02, 0.6)).unwrap(), &FitOptions::default()).unwrap();
-    assert_eq!(report.model, Model::Ellipsoid);
+    assert_eq!(report.model, Order::Ellipsoid);
 }
 
 fn session() -> Session {

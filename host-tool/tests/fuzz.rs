@@ -5,7 +5,7 @@
 
 use ironout::calibration::Calibration;
 use ironout::extended::Effects;
-use ironout::fit::{Method, Model};
+use ironout::fit::{Method, Order};
 use ironout::protocol::{Line, LineSplitter, parse};
 use ironout::record::Record;
 use ironout_cli::cal_file::CalFile;
@@ -148,7 +148,7 @@ fn good_record() -> Record {
         },
         effects: Effects::none(),
         method: Method::Adjusted,
-        model: Model::Ellipsoid,
+        model: Order::Ellipsoid,
         samples: 3000,
         noise_ut: 0.25,
         rms_ut: 0.26,

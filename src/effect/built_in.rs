@@ -96,6 +96,9 @@ macro_rules! built_in_effects {
             fn shape(&self, at: &Quantities<T>, shape: &mut Shape<T>) {
                 match self { $($(BuiltIn::$variant(effect) => effect.shape(at, shape),)+)+ }
             }
+            fn time_s(&self, now_s: f64) -> f64 {
+                match self { $($(BuiltIn::$variant(effect) => Effect::<T>::time_s(effect, now_s),)+)+ }
+            }
             fn reads_centre(&self) -> bool {
                 match self { $($(BuiltIn::$variant(effect) => Effect::<T>::reads_centre(effect),)+)+ }
             }

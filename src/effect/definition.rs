@@ -26,6 +26,12 @@ pub trait Effect<T: Real> {
     fn unit(&self) -> &'static str;
     /// Writes `Φ` for one sample into the first k vectors of `shape`.
     fn shape(&self, at: &Quantities<T>, shape: &mut Shape<T>);
+    /// What is put into [`TIME`](super::TIME) for it at the time `now_s`: a time with the same shape. That is `now_s` itself
+    /// unless the shape repeats; a shape that does gets whole periods taken off here, in double precision, since a single has
+    /// lost the phase after an hour.
+    fn time_s(&self, now_s: f64) -> f64 {
+        now_s
+    }
     /// Whether the shape reads [`Quantities::centred_ut`] or [`Quantities::turning_ut_per_s`], which themselves depend on
     /// the disturbance: the live correction then looks again until it stands. An effect that says no is cheaper.
     fn reads_centre(&self) -> bool {
@@ -72,6 +78,9 @@ impl<T: Real, E: Effect<T> + ?Sized> Effect<T> for &E {
     }
     fn shape(&self, at: &Quantities<T>, shape: &mut Shape<T>) {
         (**self).shape(at, shape);
+    }
+    fn time_s(&self, now_s: f64) -> f64 {
+        (**self).time_s(now_s)
     }
     fn reads_centre(&self) -> bool {
         (**self).reads_centre()

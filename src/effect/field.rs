@@ -1,8 +1,8 @@
 //! A change of the Earth's field itself.
 
+use super::apart;
 use super::built_in::Typed;
 use super::code::{CNumber, RustCode};
-use super::columns;
 use super::definition::Effect;
 use super::family::{Acts, Advice, Amount, Family, Follows, Subject};
 use super::parts::{Form, Parts, Zero};
@@ -59,7 +59,7 @@ impl Family for AmbientFields {
         Amount::Share
     }
     fn apart<'a>(&self, own: &Subject<'a>, other: &Subject<'a>) -> Option<Advice<'a>> {
-        columns::apart(own, other)
+        apart::apart(own, other)
     }
     fn rust(&self, parts: &Parts<&str>, code: &RustCode<'_>, out: &mut dyn fmt::Write) -> fmt::Result {
         let (column, reference) = (code.column, code.number(parts.reference));

@@ -1,8 +1,9 @@
 //! Gains that follow a column.
 
+use super::apart;
 use super::built_in::Typed;
 use super::code::{CNumber, RustCode, c_along};
-use super::columns::{self, ColumnKind as Kind, Usual};
+use super::columns::{ColumnKind as Kind, Usual};
 use super::definition::Effect;
 use super::family::{Acts, Advice, Amount, Family, Follows, Subject};
 use super::parts::{Form, Parts, Zero};
@@ -61,7 +62,7 @@ impl Family for Gains {
         Amount::Share
     }
     fn apart<'a>(&self, own: &Subject<'a>, other: &Subject<'a>) -> Option<Advice<'a>> {
-        columns::apart(own, other)
+        apart::apart(own, other)
     }
     fn rust(&self, parts: &Parts<&str>, code: &RustCode<'_>, out: &mut dyn fmt::Write) -> fmt::Result {
         let (column, reference) = (code.column, code.number(parts.reference));

@@ -60,6 +60,7 @@
 //! assert_eq!(shape[1], [0.0, 0.5, 0.0]);
 //! ```
 
+mod apart;
 mod attitude;
 mod built_in;
 mod code;

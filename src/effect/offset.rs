@@ -1,8 +1,9 @@
 //! An additive field that follows a column.
 
+use super::apart;
 use super::built_in::Typed;
 use super::code::{CNumber, RustCode, c_along};
-use super::columns::{self, ColumnKind as Kind, Usual};
+use super::columns::{ColumnKind as Kind, Usual};
 use super::definition::Effect;
 use super::family::{Advice, Amount, Family, Follows, Subject};
 use super::parts::{Form, Parts, Searched, Zero};
@@ -104,7 +105,7 @@ impl Family for Offsets {
         Amount::Field
     }
     fn apart<'a>(&self, own: &Subject<'a>, other: &Subject<'a>) -> Option<Advice<'a>> {
-        columns::apart(own, other)
+        apart::apart(own, other)
     }
     fn rust(&self, parts: &Parts<&str>, code: &RustCode<'_>, out: &mut dyn fmt::Write) -> fmt::Result {
         let power = if parts.form.is_squared() { Power::Squared } else { Power::Linear };

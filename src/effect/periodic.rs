@@ -120,9 +120,17 @@ impl<T: Real> Effect<T> for Periodic {
         "µT (sine, then cosine)"
     }
 
+    /// The time of the same phase in the first period of the clock.
+    fn time_s(&self, now_s: f64) -> f64 {
+        let turns = self.frequency_hz * now_s;
+        let first = (turns - math::floor(turns)) / self.frequency_hz;
+        // A frequency of zero has no period.
+        if first.is_finite() { first } else { now_s }
+    }
+
     fn shape(&self, at: &Quantities<T>, shape: &mut Shape<T>) {
         let [time, _] = at.inputs;
-        // The phase in double precision and whole turns removed first: after an hour a single has lost it.
+        // Whole turns removed in double precision before the sine.
         let turns = self.frequency_hz * (time.as_f64() - self.reference_s);
         let phase = TAU * (turns - math::floor(turns));
         diagonal([T::of(math::sin(phase)); 3], 0, shape);

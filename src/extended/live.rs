@@ -46,6 +46,11 @@ impl Slots {
         Self(1 << (effect * MAX_INPUTS + input))
     }
 
+    /// All inputs of an effect.
+    const fn all_of(effect: usize) -> Self {
+        Self(((1 << MAX_INPUTS) - 1) << (effect * MAX_INPUTS))
+    }
+
     /// Whether no effect reads the column.
     pub const fn is_empty(self) -> bool {
         self.0 == 0
@@ -166,25 +171,21 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
     }
 
     #[inline]
-    fn put(&mut self, Slots(mut slots): Slots, value: T) {
-        if value.is_finite() {
-            self.known.0 |= slots;
-        } else {
-            self.known.0 &= !slots;
-        }
-        let inputs = self.inputs.as_flattened_mut();
-        while slots != 0 {
-            if let Some(input) = inputs.get_mut(slots.trailing_zeros() as usize % INPUTS) {
-                *input = value;
-            }
-            slots &= slots - 1;
-        }
+    fn put(&mut self, slots: Slots, value: T) {
+        put(&mut self.known, &mut self.inputs, slots, value);
     }
 
-    /// Moves the time on, s: what effects of time and of delayed columns go by. Not needed where there are none
+    /// Moves the time on, s, in double precision also where the correction is in single: what effects of time and of delayed columns go by. Not needed where there are none
     /// ([`Live::needs_time`]).
     pub fn advance(&mut self, now_s: f64) {
-        self.put(self.time, T::of(now_s));
+        for (index, place) in self.places.iter().enumerate() {
+            // Each effect has its own, reduced before it loses its places in a single.
+            let own = Slots(self.time.0 & Slots::all_of(index).0);
+            if !own.is_empty() {
+                let time_s = T::of(place.effect.time_s(now_s));
+                put(&mut self.known, &mut self.inputs, own, time_s);
+            }
+        }
         for index in 0..self.late.len() {
             let Some(late) = self.late.get_mut(index) else { break };
             let (slot, value) = (late.slot, late.line.push(now_s, late.now));
@@ -242,5 +243,27 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
     #[inline]
     pub fn residual_ut(&self, corrected_ut: [T; 3]) -> T {
         self.base.residual_ut(corrected_ut)
+    }
+}
+
+/// Sets inputs to a value, which is known from now on if it is finite.
+#[inline]
+fn put<T: Real>(
+    known: &mut Slots,
+    inputs: &mut [[T; MAX_INPUTS]; MAX_EFFECTS],
+    Slots(mut slots): Slots,
+    value: T,
+) {
+    if value.is_finite() {
+        known.0 |= slots;
+    } else {
+        known.0 &= !slots;
+    }
+    let inputs = inputs.as_flattened_mut();
+    while slots != 0 {
+        if let Some(input) = inputs.get_mut(slots.trailing_zeros() as usize % INPUTS) {
+            *input = value;
+        }
+        slots &= slots - 1;
     }
 }

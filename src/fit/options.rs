@@ -13,6 +13,7 @@ pub const FIELD_RANGE_UT: core::ops::RangeInclusive<f32> = 1e-3..=1e6;
 
 /// How the quadric is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Method {
     /// Adjusted least squares: the default.
     #[default]
@@ -41,6 +42,7 @@ impl Method {
 
 /// What to fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FitOptions {
     /// The method.
     pub method: Method,

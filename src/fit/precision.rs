@@ -104,6 +104,7 @@ fn join(b: [f32; 3], c: Upper) -> [f32; 9] {
 /// A square root of the covariance of `(b₁, b₂, b₃, C₁₁, C₁₂, C₁₃, C₂₂, C₂₃, C₃₃)`: nine independent changes of one standard
 /// deviation each, whose squares add up.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Spread {
     changes: [[f32; 9]; 9],
 }

@@ -7,6 +7,7 @@ use crate::quadric::Order;
 
 /// Why a fit ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Termination {
     /// One linear solve, nothing to iterate.
     Direct,
@@ -23,6 +24,7 @@ pub enum Termination {
 
 /// Standard errors of a calibration, one σ, from noise only.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StdErrors {
     /// Of the offset, µT.
     pub offset_ut: [f64; 3],
@@ -32,6 +34,7 @@ pub struct StdErrors {
 
 /// A calibration and what is known about it.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FitReport {
     /// The calibration: upper triangular matrix, positive diagonal.
     pub calibration: Calibration<f64>,

@@ -9,6 +9,7 @@ use crate::vector::{
 
 /// The base model: `h = R C (ĥ − b − Σ Φθ)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Model<T> {
     /// `b`, µT.
     pub offset_ut: [T; 3],

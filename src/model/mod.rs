@@ -13,4 +13,4 @@ mod sample;
 
 pub use base::Model;
 pub(crate) use looks::settle;
-pub use sample::{NotFinite, Observation, Residual, Term};
+pub use sample::{NoRow, NotFinite, Observation, Residual, Term};

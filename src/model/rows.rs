@@ -1,21 +1,32 @@
 //! The rows of a sample: residual and derivatives at the foot point.
 
 use super::base::Model;
-use super::sample::{NotFinite, Observation, Residual, Term};
+use super::sample::{NoRow, NotFinite, Observation, Residual, Term};
 use crate::effect::{Shape, no_shape};
 use crate::math::{self, Real};
 use crate::vector::{cross, dot, minus, norm, scaled, times, transposed_times};
 
 impl<T: Real> Model<T> {
-    /// The rows of one sample: calls `push(row, residual)` once, or for the vector three times. `N` is the most terms
-    /// that are read. Nothing is pushed for the dip where the sample has no direction down.
+    /// The rows of one sample: calls `push(row, residual)` once, or for the vector three times. `N` is the most terms, `P` the
+    /// most columns. Nothing is pushed for the dip where the sample has no direction down.
+    ///
+    /// # Errors
+    /// [`NoRow`] for a sample or a shape that is not finite, and for terms that there is no room for: a column that is left out
+    /// would be a wrong fit.
     pub fn rows<const N: usize, const P: usize>(
         &self,
         residual: Residual,
         reading: &Observation<T>,
         terms: &[Term<'_, T>],
         mut push: impl FnMut(&[T; P], T),
-    ) -> Result<(), NotFinite> {
+    ) -> Result<(), NoRow> {
+        if terms.len() > N {
+            return Err(NoRow::TooManyTerms { terms: terms.len(), most: N });
+        }
+        let columns = columns(residual, terms);
+        if columns > P {
+            return Err(NoRow::TooWide { columns, width: P });
+        }
         let mut shapes = [no_shape::<T>(); N];
         let measured = reading.measured_ut;
         if residual == Residual::Vector {
@@ -31,7 +42,11 @@ impl<T: Real> Model<T> {
                 fill(&mut row, &unit.map(|entry| -entry), unit, terms, &shapes);
                 push(&row, value);
             }
-            return if left.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(NotFinite::Sample) };
+            return if left.iter().all(|value| value.is_finite()) {
+                Ok(())
+            } else {
+                Err(NotFinite::Sample.into())
+            };
         }
         let (at, reaction) = self.at_foot(reading, terms, &mut shapes)?;
         let mut row = [T::zero(); P];
@@ -50,7 +65,7 @@ impl<T: Real> Model<T> {
             fill(&mut row, &[x, y, z, -T::one() / mean], pull, terms, &shapes);
             let value = T::of(math::asin(sine.as_f64()) - math::asin(self.sin_dip.as_f64()));
             if !value.is_finite() {
-                return Err(NotFinite::Sample);
+                return Err(NotFinite::Sample.into());
             }
             push(&row, value);
             return Ok(());
@@ -71,6 +86,11 @@ impl<T: Real> Model<T> {
         push(&row, at.residual);
         Ok(())
     }
+}
+
+/// Columns of a row: those of the base model, and the terms' coefficients.
+fn columns<T: Real>(residual: Residual, terms: &[Term<'_, T>]) -> usize {
+    terms.iter().fold(residual.base_columns(), |sum, term| sum.saturating_add(term.effect.coefficients()))
 }
 
 /// Base columns, then `−pull·Φ` of every term.

@@ -5,6 +5,7 @@ use core::fmt;
 
 /// Which residual a row belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Residual {
     /// `‖h‖ − F`, µT; base columns: offset (3), then the upper triangle of `C` (6).
     Magnitude,
@@ -36,6 +37,7 @@ impl Residual {
 
 /// One sample as the study sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Observation<T> {
     /// Measured vector, µT.
     pub measured_ut: [T; 3],
@@ -58,6 +60,7 @@ pub struct Term<'a, T> {
 
 /// Something in a row was not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NotFinite {
     /// The sample or the model.
     Sample,
@@ -75,3 +78,45 @@ impl fmt::Display for NotFinite {
 }
 
 impl core::error::Error for NotFinite {}
+
+/// Why a sample gave no row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum NoRow {
+    /// Something in it is not finite.
+    NotFinite(NotFinite),
+    /// More terms than there is room for: the columns of the last would be missing from the row.
+    TooManyTerms {
+        /// Terms there are.
+        terms: usize,
+        /// The most there may be.
+        most: usize,
+    },
+    /// Base model and terms have more columns than the row has places.
+    TooWide {
+        /// Columns there are.
+        columns: usize,
+        /// Places in a row.
+        width: usize,
+    },
+}
+
+impl From<NotFinite> for NoRow {
+    fn from(cause: NotFinite) -> Self {
+        NoRow::NotFinite(cause)
+    }
+}
+
+impl fmt::Display for NoRow {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NoRow::NotFinite(cause) => cause.fmt(f),
+            NoRow::TooManyTerms { terms, most } => write!(f, "{terms} terms, and there is room for {most}"),
+            NoRow::TooWide { columns, width } => {
+                write!(f, "{columns} columns of base model and coefficients, and there is room for {width}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for NoRow {}

@@ -2,6 +2,7 @@
 
 /// Which of the quadric's nine columns carry a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Order {
     /// All nine: offset, gains, non-orthogonality.
     Ellipsoid,

@@ -5,6 +5,7 @@ use crate::math::Real;
 
 /// What the blocks say about rows they were not fitted with.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HeldOut<T> {
     /// Sum of squared residuals over all held-out blocks.
     pub squares: T,

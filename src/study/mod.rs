@@ -21,7 +21,7 @@ mod schur;
 
 #[doc(hidden)]
 pub use crate::model::Observation as Reading;
-pub use crate::model::{Model, NotFinite, Observation, Residual, Term};
+pub use crate::model::{Model, NoRow, NotFinite, Observation, Residual, Term};
 pub use fdist::f_tail;
 pub use holdout::{HeldOut, held_out};
 pub use normal::{Factor, Normal};
@@ -31,3 +31,6 @@ pub use refit::refit;
 #[doc(hidden)]
 pub use schur::Improvement as Gain;
 pub use schur::{Improvement, MIN_EIGENVALUE};
+
+#[cfg(test)]
+mod tests;

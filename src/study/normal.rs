@@ -4,6 +4,7 @@ use crate::math::Real;
 
 /// `JᵀJ`, `Jᵀr`, `rᵀr` and the number of rows, for up to `P` columns of which `columns` are used.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Normal<T, const P: usize> {
     pub(super) columns: usize,
     /// Upper triangle.
@@ -220,6 +221,7 @@ impl<T: Real, const P: usize> Normal<T, P> {
 
 /// `L` with `L Lᵀ = S N S`, `S` the scale to unit columns.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Factor<T, const P: usize> {
     pub(super) n: usize,
     pub(super) lower: [[T; P]; P],

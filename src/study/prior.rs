@@ -6,6 +6,7 @@ use crate::model::Model;
 
 /// The weak physical prior on the base model, as standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PhysicalPrior {
     /// Of each axis' gain against the mean gain.
     pub gain: f64,

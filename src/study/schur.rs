@@ -14,6 +14,7 @@ type SmallVector<T> = [T; MAX_COEFFICIENTS];
 
 /// How much a candidate lowers the squared error.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Improvement<T> {
     /// Squared error with the base alone, refitted.
     pub squares_before: T,

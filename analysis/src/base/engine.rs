@@ -4,7 +4,7 @@ use crate::base::known::Known;
 use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::samples::samples::Samples;
 use crate::threads::halves;
-use ironout::study::{Model, NotFinite, Residual};
+use ironout::study::{Model, NoRow, NotFinite, Residual};
 
 /// When a fit ends.
 #[derive(Debug, Clone, Copy)]
@@ -61,10 +61,15 @@ impl Pass<'_> {
                 },
             );
             match done {
-                Ok(()) | Err(NotFinite::Sample) => {}
-                Err(NotFinite::Effect(index)) => {
-                    return Err(BadShape(
+                Ok(()) | Err(NoRow::NotFinite(NotFinite::Sample)) => {}
+                Err(NoRow::NotFinite(NotFinite::Effect(index))) => {
+                    return Err(BadShape::NotFinite(
                         pieces.get(index).map_or_else(String::new, |piece| piece.id.clone()),
+                    ));
+                }
+                Err(NoRow::TooManyTerms { .. } | NoRow::TooWide { .. }) => {
+                    return Err(BadShape::NoRoom(
+                        pieces.last().map_or_else(String::new, |piece| piece.id.clone()),
                     ));
                 }
             }

@@ -103,6 +103,11 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// An effect of the user's own whose shape is not finite.
+/// An effect that gives no rows.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BadShape(pub String);
+pub enum BadShape {
+    /// The shape of this one, an effect of the user's own, is not finite.
+    NotFinite(String),
+    /// There is no room for this one beside the others.
+    NoRoom(String),
+}

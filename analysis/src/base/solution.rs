@@ -4,7 +4,7 @@ use crate::base::axes::{Aligned, Alignment};
 use crate::calibration::{FittedEffect, Information, StdErrors};
 use crate::plain;
 use ironout::calibration::Calibration;
-use ironout::fit::{FitReport, Model};
+use ironout::fit::{FitReport, Order};
 use ironout::quality::Figures;
 use serde::Serialize;
 
@@ -26,7 +26,7 @@ pub struct Solution {
     pub measured_field_ut: f64,
     /// Which parameters the data carried.
     #[serde(serialize_with = "plain::model")]
-    pub model: Model,
+    pub model: Order,
     /// What it knows about offset and triangle.
     pub information: Option<Information>,
     /// How it was aligned to the accelerometer, if the log has one.

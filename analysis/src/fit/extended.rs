@@ -8,7 +8,7 @@ use crate::outcome::outcome::Diagnosis;
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::study::study;
 use ironout::calibration::norm;
-use ironout::fit::Model;
+use ironout::fit::Order;
 
 /// Fits offset, matrix and effects together.
 ///
@@ -89,7 +89,7 @@ fn solution(counted: &Counted, diagnosis: &Diagnosis, options: &Options) -> Opti
         rms_ut: last.rms_ut,
         predicted_error_ut: diagnosis.predicted_error_ut.unwrap_or(f64::INFINITY),
         measured_field_ut: (squares / counted.used.len().max(1) as f64).sqrt(),
-        model: if diagnosis.lower_order { Model::Sphere } else { Model::Ellipsoid },
+        model: if diagnosis.lower_order { Order::Sphere } else { Order::Ellipsoid },
         information: diagnosis.information.clone(),
         alignment: diagnosis.alignment.clone(),
         without_effects: first

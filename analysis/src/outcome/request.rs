@@ -1,6 +1,6 @@
 //! What is asked of a fit or a diagnosis, and why there may be none.
 
-use crate::base::piece::BadShape;
+use crate::base::piece::{BadShape, COLUMNS, TERMS};
 use crate::base::prior::Prior;
 use crate::plain;
 use ironout::effect::Registry;
@@ -42,6 +42,8 @@ impl Options {
 pub enum Refusal {
     /// The shape of this effect is not finite.
     BadShape(String),
+    /// There is no room for this effect beside the others.
+    NoRoom(String),
     /// `add` names an effect that is not known, or that this log does not allow.
     CannotAdd {
         /// Its id.
@@ -71,6 +73,11 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Refusal::BadShape(id) => write!(f, "the shape of effect {id} is not finite"),
+            Refusal::NoRoom(id) => write!(
+                f,
+                "no room for effect {id} beside the others: {TERMS} effects with {COLUMNS} coefficients at most, the base \
+                 model's among them"
+            ),
             Refusal::CannotAdd { id, why, .. } => write!(f, "{id}: {why}"),
             Refusal::TooMany { given, most } => {
                 write!(f, "a calibration carries at most {most} effects, and {given} are given")
@@ -82,7 +89,10 @@ impl fmt::Display for Refusal {
 impl std::error::Error for Refusal {}
 
 impl From<BadShape> for Refusal {
-    fn from(BadShape(id): BadShape) -> Self {
-        Refusal::BadShape(id)
+    fn from(bad: BadShape) -> Self {
+        match bad {
+            BadShape::NotFinite(id) => Refusal::BadShape(id),
+            BadShape::NoRoom(id) => Refusal::NoRoom(id),
+        }
     }
 }

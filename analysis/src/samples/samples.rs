@@ -1,7 +1,7 @@
 //! The samples of a study: repeated triples dropped, faulty rows set aside, long logs thinned.
 
 use crate::table::Table;
-use ironout::study::Reading;
+use ironout::study::Observation;
 use std::borrow::Cow;
 
 /// A study searches over at most this many samples; a longer log is thinned evenly.
@@ -35,7 +35,7 @@ pub struct Samples {
     /// Mean time of the first and the last sample, s.
     pub middle_s: f64,
     /// Vectors, rates and directions down.
-    pub readings: Vec<Reading<f64>>,
+    pub readings: Vec<Observation<f64>>,
     /// Covariates.
     pub columns: Vec<Column>,
     /// Row of the log of each sample.
@@ -138,7 +138,7 @@ impl Samples {
         };
         let readings = row
             .iter()
-            .map(|&row| Reading {
+            .map(|&row| Observation {
                 measured_ut: table.field(row),
                 turn_radps: table.gyro_radps.as_ref().and_then(|gyro| triple(gyro, row)),
                 down: None,

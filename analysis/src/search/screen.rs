@@ -4,7 +4,7 @@ use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::residual::spectrum::{Frame, Rows, Verdict};
-use ironout::study::{Gain, f_tail, held_out};
+use ironout::study::{Improvement, f_tail, held_out};
 
 /// A candidate is added if its probability under chance, times all that was searched, is below this.
 pub const SIGNIFICANCE: f64 = 0.01;
@@ -117,12 +117,12 @@ pub fn screen(
         let spans = ranges(base, &batch);
         let keeps: Vec<Vec<usize>> =
             spans.iter().map(|span| own.iter().copied().chain(span.clone()).collect()).collect();
-        let gains: Vec<Option<Gain<f64>>> = spans
+        let gains: Vec<Option<Improvement<f64>>> = spans
             .iter()
             .map(|span| total.test(0..base, span.clone()).filter(|gain| gain.directions > 0))
             .collect();
         let rows = f64::from(total.rows());
-        let chance = |gain: &Gain<f64>, index: usize| {
+        let chance = |gain: &Improvement<f64>, index: usize| {
             let (f, k, freedom) = gain.f_statistic(base, rows, rows);
             (f_tail(f, k, freedom) * candidates[index].searched).min(1.0)
         };

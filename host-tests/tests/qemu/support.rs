@@ -3,7 +3,7 @@
 use defmt_decoder::{DecodeError, Table};
 use ironout::calibration::Calibration;
 use ironout::extended::Effects;
-use ironout::fit::{Method, Model};
+use ironout::fit::{Method, Order};
 use ironout::record::{MAX_RECORD_BYTES, Record};
 use ironout_rig::qemu::{Emulator, Firmware, Options, PoweredOff, Reply};
 use nalgebra::{Matrix3, Vector3};
@@ -73,7 +73,7 @@ pub fn record(sequence: u32, offset_ut: f64) -> Record {
         calibration: Calibration { offset_ut: [offset_ut; 3], ..Calibration::identity(FIELD_UT) },
         effects: Effects::none(),
         method: Method::Adjusted,
-        model: Model::Ellipsoid,
+        model: Order::Ellipsoid,
         samples: 400,
         noise_ut: 0.05,
         rms_ut: 0.05,

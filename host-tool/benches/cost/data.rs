@@ -6,7 +6,7 @@ use ironout::extended::{ExtendedCalibration, FittedEffect, Live, Slots};
 use ironout::fit::{FitOptions, Method, fit};
 use ironout::moments::Moments;
 use ironout::scatter::Scatter;
-use ironout::study::{Model, Reading, Residual, Study, Term};
+use ironout::study::{Model, Observation, Residual, Study, Term};
 use ironout_simulation::paper::{Sampler, eq_16};
 use ironout_simulation::{EffectSpec, Log, World, WorldOptions};
 use std::hint::black_box;
@@ -114,7 +114,7 @@ pub fn study(calibration: &Calibration<f32>, counts: &[[i16; 3]]) -> u32 {
             term.inputs[0] = input;
         }
         let measured_ut = c.map(|v| f32::from(v) * SCALE as f32);
-        let reading = Reading { measured_ut, turn_radps: None, down: None };
+        let reading = Observation { measured_ut, turn_radps: None, down: None };
         study.push(row * 4 / SAMPLES, &reading, &terms).expect("the samples are finite");
     }
     study.blocks().iter().map(|block| block.rows()).sum()

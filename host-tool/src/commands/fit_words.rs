@@ -3,7 +3,7 @@
 use crate::cli::{Expected, FitArgs};
 use crate::input::Log;
 use crate::output::{line, number};
-use ironout::fit::Model;
+use ironout::fit::Order;
 use ironout_analysis::Fitted;
 use ironout_analysis::base::axes::Alignment;
 use ironout_analysis::base::counted::Why;
@@ -66,9 +66,9 @@ fn table(solution: &Solution, expected: &Expected) {
         _ => "the log's own mean: give --field or --at to scale to the true one".to_string(),
     };
     line(&format!("field        {:11.3} µT  ({source})", calibration.field_ut));
-    if solution.model != Model::Ellipsoid {
+    if solution.model != Order::Ellipsoid {
         line(match solution.model {
-            Model::Sphere => "model        one gain for all axes: the attitudes do not carry nine parameters",
+            Order::Sphere => "model        one gain for all axes: the attitudes do not carry nine parameters",
             _ => {
                 "model        a gain an axis, axes at right angles: the attitudes do not carry nine parameters"
             }
