@@ -1,6 +1,7 @@
 //! A calibration: what turns a measured vector into the field.
 
 use crate::math::Real;
+use crate::sensor::Sensor;
 
 /// `corrected = matrix · (measured − offset)`: hard iron and zero offset removed, soft iron, gains and
 /// non-orthogonality undone (paper eq. (3) inverted, `h = C(ĥ − b)`).
@@ -43,6 +44,14 @@ impl<T: Real> Calibration<T> {
             measured_ut[2] - self.offset_ut[2],
         ];
         self.matrix.map(|row| row[0] * x + row[1] * y + row[2] * z)
+    }
+
+    /// The corrected field of the counts of a valid sample of `sensor`, µT in the board's axes.
+    #[inline]
+    pub fn apply_counts(&self, sensor: &Sensor, counts: [i16; 3]) -> [T; 3] {
+        let scale = sensor.board_ut_per_count();
+        let axis = |i: usize| T::of(f64::from(f32::from(counts[i]) * scale[i]));
+        self.apply([axis(0), axis(1), axis(2)])
     }
 
     /// `‖corrected‖ − F`, µT: how far a corrected vector is from the magnitude it should have.

@@ -113,7 +113,8 @@ const fn fibonacci() -> [[f32; 3]; PROBES] {
     out
 }
 
-/// The name of the side a direction points through, in the board's axes: x front, y right, z bottom.
+/// The name of the side a direction points through, in the board's axes: x front, y right, z bottom. Its length does not
+/// matter; `any` where it has none.
 pub fn side_name(direction: [f32; 3]) -> &'static str {
     const NAMES: [&str; 27] = [
         "back-left-top",
@@ -144,6 +145,8 @@ pub fn side_name(direction: [f32; 3]) -> &'static str {
         "front-right",
         "front-right-bottom",
     ];
+    let length = norm(direction);
+    let direction = if length > 0.0 { direction.map(|v| v / length) } else { direction };
     let third = |v: f32| {
         if v > 0.4 {
             2
@@ -237,8 +240,8 @@ impl Sketch {
         map.coverage()
     }
 
-    /// The coverage before there is a calibration: about the middle of the extremes seen.
-    pub fn coverage_about_middle(&self) -> Coverage {
+    /// The middle of the extremes seen, µT.
+    pub fn middle_ut(&self) -> [f32; 3] {
         let mut low = [i16::MAX; 3];
         let mut high = [i16::MIN; 3];
         for p in &self.points {
@@ -247,9 +250,12 @@ impl Sketch {
                 high[a] = high[a].max(p[a]);
             }
         }
-        let offset_ut =
-            core::array::from_fn(|a| (f32::from(low[a]) + f32::from(high[a])) * 0.5 * self.ut_per_count[a]);
-        self.coverage(&Calibration { offset_ut, ..Calibration::identity(1.0) })
+        core::array::from_fn(|a| (f32::from(low[a]) + f32::from(high[a])) * 0.5 * self.ut_per_count[a])
+    }
+
+    /// The coverage before there is a calibration: about the middle of the extremes seen.
+    pub fn coverage_about_middle(&self) -> Coverage {
+        self.coverage(&Calibration { offset_ut: self.middle_ut(), ..Calibration::identity(1.0) })
     }
 }
 

@@ -4,12 +4,14 @@
 //! counts, whoever talks to the user asks for the status.
 
 use crate::calibration::Calibration;
-use crate::coverage::{Coverage, Sketch};
+use crate::coverage::{Coverage, Sketch, side_name};
 use crate::fit::{FitError, FitOptions, FitReport, MAX_PREDICTED_ERROR, Method, fit};
-use crate::gate::{Gated, RestGate};
+use crate::gate::{Gated, RestGate, block_samples};
 use crate::moments::Moments;
 use crate::quality::{Verdict, judge};
+use crate::record::Record;
 use crate::scatter::Scatter;
+use crate::sensor::{Sample, Sensor};
 use crate::whiteness::ThirdDifferences;
 use core::fmt;
 
@@ -51,6 +53,19 @@ pub struct SessionConfig {
     pub samples_per_block: u16,
 }
 
+impl SessionConfig {
+    /// For a sensor whose every conversion is taken: its scale in the board's axes, its rate; the default method, and no
+    /// expected magnitude.
+    pub fn of(sensor: &Sensor) -> Self {
+        Self {
+            ut_per_count: sensor.board_ut_per_count().map(f64::from),
+            field_ut: None,
+            method: Method::default(),
+            samples_per_block: block_samples(f64::from(sensor.rate_hz)),
+        }
+    }
+}
+
 /// A request that does not fit the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateError {
@@ -78,10 +93,13 @@ pub enum Hint {
     Start,
     /// Turn the board: nothing has moved yet.
     Move,
-    /// Point a side of the board along the field.
-    Point {
-        /// The side, for example `front-left`.
-        side: &'static str,
+    /// Turn the board so that the field comes through a side it has not come through yet. Where the field is now says where
+    /// to, so that nobody needs to know where north is, nor on which half of the Earth the board is.
+    Turn {
+        /// The side it has not come through, for example `front-left`.
+        missing: &'static str,
+        /// The side it comes through now.
+        now: &'static str,
     },
     /// The data carry a calibration: stop.
     Stop,
@@ -96,7 +114,9 @@ impl fmt::Display for Hint {
         match self {
             Self::Start => write!(f, "start a calibration with: cal start"),
             Self::Move => write!(f, "turn the board slowly in all directions"),
-            Self::Point { side } => write!(f, "keep turning; point the {side} side to the ground and north"),
+            Self::Turn { missing, now } => {
+                write!(f, "keep turning; bring the {missing} side to where the {now} side is now")
+            }
             Self::Stop => write!(f, "enough directions seen; solve with: cal stop"),
             Self::Accept => write!(f, "store and apply the solution with: cal accept"),
             Self::Again => write!(f, "the data were refused; begin again with: cal start"),
@@ -104,17 +124,24 @@ impl fmt::Display for Hint {
     }
 }
 
-/// A snapshot of a session.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Status {
-    /// Where it stands.
-    pub state: State,
+/// What a session has taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counts {
     /// Samples in motion, in the sums.
     pub n: u64,
     /// Samples left out: at rest, repeated or saturated.
     pub skipped: u64,
     /// Of those, samples at the sensor's limits.
     pub saturated: u64,
+}
+
+/// A snapshot of a session.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Status {
+    /// Where it stands.
+    pub state: State,
+    /// What was taken.
+    pub counts: Counts,
     /// Fraction of directions seen, 0 … 1.
     pub coverage: f32,
     /// Largest gap in the directions, degrees.
@@ -208,13 +235,14 @@ impl Session {
         *self = Self::new(self.config);
     }
 
-    /// Takes one sample, in any state: outside of `Collecting` it is left alone. A sample that is `saturated`, or at the
+    /// Takes one sample, in any state: outside of `Collecting` it is left alone. A sample out of range, or at the
     /// ends of the 16-bit range, is counted but not used.
-    pub fn push(&mut self, counts: [i16; 3], saturated: bool) {
+    pub fn push(&mut self, sample: Sample) {
         if self.state != State::Collecting {
             return;
         }
-        if saturated || counts.iter().any(|c| *c == i16::MIN || *c == i16::MAX) {
+        let counts = sample.counts;
+        if !sample.is_valid() || counts.iter().any(|c| *c == i16::MIN || *c == i16::MAX) {
             self.saturated += 1;
             self.differences.interrupt();
             return;
@@ -263,6 +291,18 @@ impl Session {
         }
     }
 
+    /// Where the field comes from as the board lies now, in its axes; not of unit length. Before there is a calibration:
+    /// about the middle of what was seen.
+    fn field_now(&self, report: Option<&FitReport>) -> [f32; 3] {
+        let counts = self.last.unwrap_or_default();
+        let measured_ut = core::array::from_fn(|a| f32::from(counts[a]) * self.config.ut_per_count[a] as f32);
+        let calibration = match report {
+            Some(report) => report.calibration.cast(),
+            None => Calibration { offset_ut: self.sketch.middle_ut(), ..Calibration::identity(1.0) },
+        };
+        calibration.apply(measured_ut)
+    }
+
     /// Solves for the calibration and judges it.
     ///
     /// # Errors
@@ -295,16 +335,24 @@ impl Session {
         if self.state == State::Solved { self.outcome.as_ref().and_then(|o| o.report.as_ref()) } else { None }
     }
 
-    /// Hands the solution over; idle again.
+    /// Hands the solution over, as it is stored; idle again.
     ///
     /// # Errors
     /// [`StateError`] unless solved.
-    pub fn accept(&mut self) -> Result<Calibration<f64>, StateError> {
-        let calibration = self.solution().map(|report| report.calibration);
+    pub fn accept(&mut self) -> Result<Record, StateError> {
         let error = StateError { state: self.state };
-        let calibration = calibration.ok_or(error)?;
+        let record = self.solution().map(Record::of).ok_or(error)?;
         self.cancel();
-        Ok(calibration)
+        Ok(record)
+    }
+
+    /// What was taken so far, without a solve.
+    pub fn counts(&self) -> Counts {
+        Counts {
+            n: self.moments.count() + self.gate.pending(),
+            skipped: self.at_rest + self.repeated + self.saturated,
+            saturated: self.saturated,
+        }
     }
 
     /// A snapshot; while collecting it solves the data so far to tell what they carry.
@@ -325,14 +373,14 @@ impl Session {
             State::Collecting if predicted_error.is_some_and(|e| e <= 0.5 * MAX_PREDICTED_ERROR) => {
                 Hint::Stop
             }
-            State::Collecting => Hint::Point { side: coverage.missing_side() },
+            State::Collecting => {
+                Hint::Turn { missing: coverage.missing_side(), now: side_name(self.field_now(report)) }
+            }
         };
         let empty = self.sketch.points().is_empty();
         Status {
             state: self.state,
-            n: self.moments.count() + self.gate.pending(),
-            skipped: self.at_rest + self.repeated + self.saturated,
-            saturated: self.saturated,
+            counts: self.counts(),
             coverage: if empty { 0.0 } else { coverage.fraction },
             gap_deg: if empty { 180.0 } else { coverage.gap_deg },
             rms_ut: report.map(|r| r.rms_ut),

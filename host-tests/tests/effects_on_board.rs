@@ -30,6 +30,7 @@ fn record(effects: &[FittedEffect<f64>]) -> Record {
         samples: 3000,
         noise_ut: 0.25,
         rms_ut: 0.25,
+        axes: None,
     }
 }
 
