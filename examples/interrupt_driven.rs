@@ -19,11 +19,7 @@ use std::cell::RefCell;
 const READINGS: usize = 16;
 
 /// The handler of the data-ready line.
-fn on_data_ready(
-    sensor: &mut impl Magnetometer,
-    readings: &mut Producer<'_, (u64, Reading)>,
-    now_ms: u64,
-) {
+fn on_data_ready(sensor: &mut impl Magnetometer, readings: &mut Producer<'_, (u64, Reading)>, now_ms: u64) {
     // The first conversion after a change of the gain is not ready: the driver drops it. A bus error is a conversion less.
     if sensor.data_ready().unwrap_or(false)
         && let Ok(reading) = sensor.read()
@@ -72,15 +68,19 @@ fn main() {
         while from_uart.peek().is_some_and(|&byte| device.take_byte(byte)) {
             from_uart.dequeue();
         }
-        let was_collecting = device.light();
+        let light = device.light();
         match device.poll(clock.ms(), &mut out) {
             Action::Sensor(task) => {
                 let answer = serve_sensor(&mut *sensor.borrow_mut(), task);
                 device.complete_sensor(answer, clock.ms());
             }
-            Action::Store(task) => device.complete_store(&store::serve(&mut store, &task), clock.ms()),
+            Action::Store(task) => {
+                device.complete_store(&store::serve(&mut store, &task), clock.ms());
+                // The simulated wait for the memory let time pass without interrupts; here they are.
+                pass_until_ms(clock.ms() + 1);
+            }
             // On a 25 MHz processor some turns take this long; the interrupts go on meanwhile.
-            Action::Again if device.light() != was_collecting => pass_until_ms(clock.ms() + 60),
+            Action::Again if device.light() != light => pass_until_ms(clock.ms() + 60),
             Action::Again => pass_until_ms(clock.ms() + 1),
             Action::Sleep => {
                 sent += &out;

@@ -1,5 +1,6 @@
 //! The hardware of the two example firmwares: an LSM303DLHC and an AT24C32 on a simulated I²C bus, on a board that is turned in a
 //! field of 50 µT. Not part of what the examples show.
+#![allow(dead_code, reason = "each example uses its own part")]
 
 use std::cell::RefCell;
 use std::rc::Rc;

@@ -241,7 +241,10 @@ impl SensorWatch {
             (SensorAnswer::Failed(fault), State::Absent { pause_ms, .. }) => {
                 self.lose(fault, t_ms, pause_ms.saturating_mul(2).min(LONGEST_PAUSE_MS));
             }
-            (SensorAnswer::Reading(_) | SensorAnswer::NotReady, State::Absent { .. }) => {}
+            // No answer to a start; it is asked for again after the pause.
+            (SensorAnswer::Reading(_) | SensorAnswer::NotReady, State::Absent { fault, pause_ms, .. }) => {
+                self.state = State::Absent { fault, retry_at_ms: t_ms.saturating_add(pause_ms), pause_ms };
+            }
         }
     }
 

@@ -139,10 +139,7 @@ impl Collector {
             }
             Err(error) => (Verdict::of_error(error), None),
         };
-        Stopped {
-            outcome: Outcome { verdict, report, coverage },
-            counts: self.counts(),
-        }
+        Stopped { outcome: Outcome { verdict, report, coverage }, counts: self.counts() }
     }
 
     /// A snapshot; it solves the data so far to tell what they carry.
