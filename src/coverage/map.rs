@@ -269,17 +269,18 @@ mod tests {
 
     #[test]
     fn half_a_sphere_is_half_covered_and_names_the_missing_side() {
-        let sides: [(fn(&[f32; 3]) -> bool, &str); 6] = [
-            (|p| p[2] > 0.0, "top"),
-            (|p| p[2] < 0.0, "bottom"),
-            (|p| p[0] > 0.0, "back"),
-            (|p| p[0] < 0.0, "front"),
-            (|p| p[1] > 0.0, "left"),
-            (|p| p[1] < 0.0, "right"),
+        // The axis and the sign of the half that was seen.
+        let sides = [
+            (2, 1.0, "top"),
+            (2, -1.0, "bottom"),
+            (0, 1.0, "back"),
+            (0, -1.0, "front"),
+            (1, 1.0, "left"),
+            (1, -1.0, "right"),
         ];
-        for (half, missing) in sides {
+        for (axis, sign, missing) in sides {
             let mut map = CoverageMap::new();
-            for p in PROBE.iter().filter(|p| half(p)) {
+            for p in PROBE.iter().filter(|p| p[axis] * sign > 0.0) {
                 map.add(p.map(|v| 48.0 * v));
             }
             let c = map.coverage();

@@ -84,8 +84,17 @@ impl Collector {
     }
 
     pub(super) fn fit(&self, config: &SessionConfig) -> Result<FitReport, FitError> {
+        self.fit_with(config, true)
+    }
+
+    fn fit_with(&self, config: &SessionConfig, lower_orders: bool) -> Result<FitReport, FitError> {
         let scatter = Scatter::from_moments(self.gate.moments(), config.ut_per_count)?;
-        let options = FitOptions { method: config.method, field_ut: config.field_ut, ..Default::default() };
+        let options = FitOptions {
+            method: config.method,
+            field_ut: config.field_ut,
+            lower_orders,
+            ..Default::default()
+        };
         let report = fit(&scatter, &options)?;
         let noise_ut2 = report.noise_ut * report.noise_ut;
         let share = self.differences.independent_share(noise_ut2, scatter.quantisation_ut2);
@@ -142,9 +151,10 @@ impl Collector {
         Stopped { outcome: Outcome { verdict, report, coverage }, counts: self.counts() }
     }
 
-    /// A snapshot; it solves the data so far to tell what they carry.
+    /// A snapshot; it solves the data so far to tell what they carry. Without the lower orders, which take more than twice the
+    /// time and only say that there is not enough yet: samples go on coming meanwhile.
     pub(super) fn status(&self, config: &SessionConfig) -> Status {
-        let report = self.fit(config).ok();
+        let report = self.fit_with(config, false).ok();
         let coverage = self.coverage(config, report.as_ref());
         let figures = Status::of(State::Collecting, report.as_ref());
         let hint = if self.sketch.extent_ut(config.scale()) < MOVED_UT {

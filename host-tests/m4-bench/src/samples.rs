@@ -83,7 +83,7 @@ impl Iterator for Turned {
         if self.sample % 500 < 300 {
             self.moved += 1;
         }
-        if self.sample % 25 != 0 {
+        if !self.sample.is_multiple_of(25) {
             // A radian a second and more; the tilt comes back to a place only after the whole calibration.
             let turn = 0.023 * f64::from(self.moved);
             let z = libm::sin(0.003_7 * f64::from(self.moved) - 1.4);
