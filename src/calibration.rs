@@ -1,6 +1,7 @@
 //! A calibration: what turns a measured vector into the field.
 
 use crate::real::Real;
+use crate::sensor::Sensor;
 use crate::vector::{determinant, minus, times};
 
 pub use crate::vector::{inverse_3x3, norm};
@@ -42,6 +43,14 @@ impl<T: Real> Calibration<T> {
     #[inline]
     pub fn apply(&self, measured_ut: [T; 3]) -> [T; 3] {
         times(&self.matrix, minus(measured_ut, self.offset_ut))
+    }
+
+    /// The corrected field of the counts of a valid sample of `sensor`, µT in the board's axes.
+    #[inline]
+    pub fn apply_counts(&self, sensor: &Sensor, counts: [i16; 3]) -> [T; 3] {
+        let scale = sensor.board_ut_per_count();
+        let axis = |i: usize| T::of(f64::from(f32::from(counts[i]) * scale[i]));
+        self.apply([axis(0), axis(1), axis(2)])
     }
 
     /// `‖corrected‖ − F`, µT: how far a corrected vector is from the magnitude it should have.

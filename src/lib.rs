@@ -14,29 +14,29 @@
 //! # Calibrating
 //!
 //! ```
+//! use ironout::sensor::{Sample, Sensor};
 //! use ironout::session::{Session, SessionConfig};
-//! use ironout::fit::Method;
 //!
+//! let sensor = Sensor::uniform("a chip", 0.1, 50.0); // a driver says it: driver.describe()
 //! let mut session = Session::new(SessionConfig {
-//!     ut_per_count: [0.1; 3],     // the sensor's scale
-//!     field_ut: Some(50.0),       // the field where the board is; None keeps the mean magnitude
-//!     method: Method::Adjusted,
-//!     samples_per_block: 16,      // 0.32 s at 50 Hz: what the rest gate looks at
+//!     field_ut: Some(50.0), // the field where the board is; without it the mean magnitude is kept
+//!     ..SessionConfig::of(&sensor)
 //! });
 //! session.start();
 //! for i in 0..1500 {
-//!     // On a board: magnetometer.read()?.counts
+//!     // On a board: sensor.sample(&driver.read()?)
 //!     let (tilt, turn) = (i as f64 * 0.013, i as f64 * 0.11);
 //!     let field = [tilt.cos() * turn.cos(), tilt.cos() * turn.sin(), tilt.sin()].map(|v| 500.0 * v);
-//!     session.push([field[0] as i16 + 930, field[1] as i16 - 120, (1.1 * field[2]) as i16 + 45], false);
+//!     session.push(Sample::valid([field[0] as i16 + 930, field[1] as i16 - 120, (1.1 * field[2]) as i16 + 45]));
 //! }
 //! let outcome = session.stop()?;
 //! assert!(outcome.verdict.accepted, "{:?}", outcome.verdict.reasons);
-//! let calibration = session.accept()?;
-//! assert!((calibration.offset_ut[0] - 93.0).abs() < 0.1);
-//! // Live, in single precision:
-//! let corrected = calibration.cast::<f32>().apply([143.0, -12.0, 4.5]);
-//! # let _ = corrected;
+//! let record = session.accept()?; // what is worth storing
+//! assert!((record.calibration.offset_ut[0] - 93.0).abs() < 0.1);
+//! // Live, in single precision, straight from counts:
+//! let calibration = record.calibration.cast::<f32>();
+//! let corrected_ut = calibration.apply_counts(&sensor, [1430, -120, 45]);
+//! assert!((corrected_ut[0] - 50.0).abs() < 0.1);
 //! # Ok::<(), ironout::session::StateError>(())
 //! ```
 //!
@@ -48,6 +48,7 @@
 //! | [`scatter`], [`fit`], [`quality`] | what solves: centred moments, the methods, the verdict with reasons |
 //! | [`calibration`], [`extended`] | what is applied: offset and matrix, and with them the effects that were found |
 //! | [`effect`], [`model`], [`study`] | what the base does not know yet: shapes of physical causes, the model linearised with them, and the test for them |
+//! | [`sensor`] | what a sensor is: its description and its samples |
 //! | [`session`] | the state machine around them |
 //! | [`record`], [`store`] | what survives a restart: a checked record in two slots |
 //! | [`protocol`], [`device`] | the console's language, and the board's whole application without I/O |
@@ -81,6 +82,7 @@ mod real;
 pub mod record;
 mod refusal;
 pub mod scatter;
+pub mod sensor;
 pub mod session;
 pub mod store;
 pub mod study;

@@ -74,7 +74,7 @@ impl fmt::Display for Reason {
                 )?;
                 match missing_side {
                     Some(side) => {
-                        write!(f, "keep turning, and point the {side} side along the field (north and down)")
+                        write!(f, "keep turning until the field has come through the {side} side too")
                     }
                     None => write!(f, "turn through more directions"),
                 }

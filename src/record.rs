@@ -6,17 +6,18 @@
 //! | bytes | what |
 //! |---|---|
 //! | 0–3 | `IRON` |
-//! | 4 | version of the layout: 1 without effects, 2 with them |
+//! | 4 | version of the layout: 1 without effects, 2 with them, 3 with short standard errors |
 //! | 5 | method of the fit, 6: its model, 7: number of effects (0 in version 1) |
 //! | 8–11 | sequence number: of two sound records the newer counts |
-//! | 12–13 | length of the record with its CRC, 14–15: reserved, 0 |
+//! | 12–13 | length of the record with its CRC, 14: how the sensor was mounted (`AxisMap::code`; 0: not stated), 15: reserved, 0 |
 //! | 16–23 | `field_ut`, 24–47: `offset_ut`, 48–119: `matrix`, rows first |
 //! | 120–127 | samples (u64), 128–135: `noise_ut`, 136–143: `rms_ut` |
 //! | 144–… | the effects, from version 2 on |
 //! | last 4 | CRC-32 (ISO-HDLC) of everything before |
 //!
 //! An effect is: its kind (one byte), bytes of its column's name (one byte), that name, its reference where it has one, then
-//! its delay, time or frequency where it has one, its coefficients, and their standard errors in single precision.
+//! its delay, time or frequency where it has one, its coefficients, and their standard errors: in single precision, or in version
+//! 3 the upper half of one (8 bits of mantissa: 0.4 %). Version 3 is written only where version 2 would be too long.
 //!
 //! The first 16 bytes and the place of the CRC belong to every version. So firmware that meets a newer record can tell it
 //! from a damaged one, and a longer record is checked by its own length. A record without effects is written in version 1,
@@ -30,19 +31,23 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 use crate::calibration::Calibration;
 use crate::extended::{Effects, ExtendedCalibration};
-use crate::fit::{Method, Order as Model};
+use crate::fit::{FitReport, Method, Order as Model};
+use crate::sensor::AxisMap;
 
 /// The version of the layout of a record without effects …
 pub const VERSION: u8 = 1;
-/// … and of one with them.
+/// … of one with them …
 pub const VERSION_WITH_EFFECTS: u8 = 2;
+/// … and of one with so many coefficients that their standard errors are kept in 16 bits, to fit.
+pub const VERSION_SHORT_ERRORS: u8 = 3;
 /// Bytes of a record without effects.
 pub const RECORD_BYTES: usize = 148;
-/// The longest record: any four different effects fit.
+/// The longest record: any four different effects of the catalogue fit, whatever their columns are called.
 pub const MAX_RECORD_BYTES: usize = 512;
 
 const MAGIC: [u8; 4] = *b"IRON";
 const HEADER_BYTES: usize = 16;
+const LENGTH_AT: usize = 12;
 const CRC_BYTES: usize = 4;
 /// Without a table: a record is checked a few times in a session, a table costs 1 KB of flash.
 const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
@@ -66,6 +71,9 @@ pub struct Record {
     pub noise_ut: f64,
     /// Residual rms of the corrected magnitude, µT.
     pub rms_ut: f64,
+    /// How the sensor was mounted; `None` where the record does not say. Offset and matrix are in the board's axes, and right
+    /// only with this mounting.
+    pub axes: Option<AxisMap>,
 }
 
 /// Why bytes are no record that can be used.
@@ -135,6 +143,21 @@ impl fmt::Display for DoesNotFit {
 impl core::error::Error for DoesNotFit {}
 
 impl Record {
+    /// The record of a fit, without effects; its sequence number is given when it is stored.
+    pub fn of(report: &FitReport) -> Self {
+        Self {
+            sequence: 0,
+            calibration: report.calibration,
+            effects: Effects::none(),
+            method: report.method,
+            model: report.model,
+            samples: report.samples,
+            noise_ut: report.noise_ut,
+            rms_ut: report.rms_ut,
+            axes: None,
+        }
+    }
+
     /// Offset, matrix, field and effects.
     pub fn extended(&self) -> ExtendedCalibration<f64> {
         ExtendedCalibration { base: self.calibration, effects: self.effects }
@@ -145,14 +168,17 @@ impl Record {
     /// # Errors
     /// [`DoesNotFit`]; never without effects.
     pub fn encode(&self) -> Result<Encoded, DoesNotFit> {
+        let version = if self.effects.is_empty() { VERSION } else { VERSION_WITH_EFFECTS };
+        self.encode_as(version).or_else(|DoesNotFit| self.encode_as(VERSION_SHORT_ERRORS))
+    }
+
+    fn encode_as(&self, version: u8) -> Result<Encoded, DoesNotFit> {
         let mut writer = Writer { bytes: [0; MAX_RECORD_BYTES], at: 0 };
         let effects = self.effects.len() as u8;
-        let version = if effects == 0 { VERSION } else { VERSION_WITH_EFFECTS };
         writer.put(&MAGIC);
         writer.put(&[version, method_code(self.method), model_code(self.model), effects]);
         writer.put(&self.sequence.to_le_bytes());
-        let length_at = writer.at;
-        writer.put(&[0; 4]);
+        writer.put(&[0, 0, self.axes.map_or(0, AxisMap::code), 0]);
         let calibration = &self.calibration;
         writer.float(calibration.field_ut);
         for value in calibration.offset_ut.iter().chain(calibration.matrix.iter().flatten()) {
@@ -162,14 +188,14 @@ impl Record {
         writer.float(self.noise_ut);
         writer.float(self.rms_ut);
         for fitted in self.effects.iter() {
-            effect::write(&mut writer, fitted);
+            effect::write(&mut writer, fitted, version == VERSION_SHORT_ERRORS);
         }
         let end = writer.at;
         let length = end + CRC_BYTES;
         if length > MAX_RECORD_BYTES {
             return Err(DoesNotFit);
         }
-        writer.at = length_at;
+        writer.at = LENGTH_AT;
         writer.put(&(length as u16).to_le_bytes());
         writer.at = end;
         let crc = CRC.checksum(writer.bytes.get(..end).unwrap_or_default());
@@ -193,11 +219,11 @@ impl Record {
         let [version, method, model, count] = reader.take()?;
         let sequence = u32::from_le_bytes(reader.take()?);
         let length = usize::from(u16::from_le_bytes(reader.take()?));
-        let _reserved: [u8; 2] = reader.take()?;
+        let [axes, _reserved] = reader.take()?;
         check_crc(bytes, length)?;
         let known = match version {
             VERSION => length == RECORD_BYTES && count == 0,
-            VERSION_WITH_EFFECTS => length > RECORD_BYTES && count > 0,
+            VERSION_WITH_EFFECTS | VERSION_SHORT_ERRORS => length > RECORD_BYTES && count > 0,
             _ => false,
         };
         if !known {
@@ -216,17 +242,33 @@ impl Record {
         let (noise_ut, rms_ut) = (reader.float()?, reader.float()?);
         let mut effects = Effects::none();
         for _ in 0..count {
-            let fitted = effect::read(&mut reader).ok_or(unsound)?;
+            let fitted = effect::read(&mut reader, version == VERSION_SHORT_ERRORS).ok_or(unsound)?;
             effects.push(fitted).map_err(|_| unsound)?;
         }
         let calibration = Calibration { offset_ut, matrix, field_ut };
         let (Some(method), Some(model)) = (method_of(method), model_of(model)) else {
             return Err(unsound);
         };
-        let record = Self { sequence, calibration, effects, method, model, samples, noise_ut, rms_ut };
+        let axes = match axes {
+            0 => None,
+            code => Some(AxisMap::of_code(code).ok_or(unsound)?),
+        };
+        let record = Self { sequence, calibration, effects, method, model, samples, noise_ut, rms_ut, axes };
         let numbers = noise_ut.is_finite() && rms_ut.is_finite() && record.extended().is_sound();
         if numbers && reader.at == reader.bytes.len() { Ok(record) } else { Err(unsound) }
     }
+}
+
+/// How many bytes the record says it has, from its beginning in `bytes`; `None` where that is no beginning of a record, or too
+/// little of one.
+pub(crate) fn stated_length(bytes: &[u8]) -> Option<usize> {
+    let mut reader = Reader { bytes, at: 0 };
+    if reader.take::<4>().ok()? != MAGIC {
+        return None;
+    }
+    reader.at = LENGTH_AT;
+    let length = usize::from(u16::from_le_bytes(reader.take().ok()?));
+    (HEADER_BYTES + CRC_BYTES..=MAX_RECORD_BYTES).contains(&length).then_some(length)
 }
 
 fn check_crc(bytes: &[u8], length: usize) -> Result<(), RecordError> {

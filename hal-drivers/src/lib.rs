@@ -8,29 +8,29 @@
 //! |---|---|
 //! | any | [`Magnetometer`], the trait the application is written against |
 //! | ST LSM303DLHC (magnetic half) | [`lsm303dlhc`] |
-//! | 24-series I²C EEPROM with two-byte addresses, where a calibration is kept | [`at24c`] |
 //!
 //! ```
 //! use ironout_drivers::lsm303dlhc::{Config, Lsm303dlhc, Range};
 //! use ironout_drivers::{Error, Magnetometer};
 //!
-//! fn field_ut<I2C: embedded_hal::i2c::I2c>(bus: I2C) -> Result<[f32; 3], Error<I2C::Error>> {
-//!     let mut sensor = Lsm303dlhc::new(bus, Config { range: Range::Gauss1_9, ..Config::default() });
-//!     sensor.init()?;
-//!     let (scale, reading) = (sensor.ut_per_count(), sensor.read()?);
-//!     Ok(core::array::from_fn(|i| f32::from(reading.counts[i]) * scale[i]))
+//! /// The field in µT; `None` where it is out of range.
+//! fn field_ut<I2C: embedded_hal::i2c::I2c>(bus: I2C) -> Result<Option<[f32; 3]>, Error<I2C::Error>> {
+//!     let mut driver = Lsm303dlhc::new(bus, Config { range: Range::Gauss1_9, ..Config::default() });
+//!     driver.init()?;
+//!     while !driver.data_ready()? {}
+//!     let sensor = driver.describe();
+//!     Ok(sensor.measured_ut(sensor.sample(&driver.read()?)))
 //! }
 //! ```
+//!
+//! An EEPROM for the calibration needs no driver of ours: `eeprom24x` over the same bus is what `ironout::store::StorageSlots`
+//! takes.
 #![no_std]
 #![forbid(unsafe_code)]
 
-pub mod at24c;
-mod error;
 pub mod lsm303dlhc;
-mod magnetometer;
 
-pub use error::Error;
-pub use magnetometer::{Magnetometer, Reading};
+pub use ironout_sensor::{Axis, AxisMap, Error, Magnetometer, Reading, Sample, Sensor, Validity};
 
 /// The examples of the readme, compiled and run.
 #[cfg(doctest)]

@@ -14,6 +14,18 @@ fn read(bytes: [u8; 6]) -> Reading {
     reading
 }
 
+/// What `init` sends for `config`, and what a healthy chip answers.
+fn init_transactions(config: Config) -> Vec<Transaction> {
+    let (cra, crb) = (config.cra(), config.range.crb());
+    vec![
+        Transaction::write_read(MAG, vec![0x0a], b"H43".to_vec()),
+        Transaction::write(MAG, vec![0x00, cra]),
+        Transaction::write(MAG, vec![0x01, crb]),
+        Transaction::write(MAG, vec![0x02, 0x00]),
+        Transaction::write_read(MAG, vec![0x00], vec![cra, crb, 0x00]),
+    ]
+}
+
 #[test]
 fn the_registers_stand_in_the_order_x_z_y_high_byte_first() {
     let reading = read([0x01, 0x02, 0xfe, 0xd4, 0x00, 0x07]);
@@ -40,7 +52,7 @@ fn z_has_its_own_scale_at_every_range() {
     for range in Range::ALL {
         let config = Config { range, ..Config::default() };
         let scale = Lsm303dlhc::new(Mock::new(&[]), config);
-        let [x, y, z] = scale.ut_per_count();
+        let [x, y, z] = scale.describe().ut_per_count;
         scale.destroy().done();
         assert_eq!(x, y);
         assert!(z > 1.1 * x && z < 1.14 * x, "{range:?}: {x} {z}");
@@ -57,6 +69,21 @@ fn data_ready_is_bit_0_of_the_status_alone() {
     let mut sensor = Lsm303dlhc::new(bus, Config::default());
     assert_eq!(sensor.data_ready(), Ok(false));
     assert_eq!(sensor.data_ready(), Ok(true));
+    sensor.destroy().done();
+}
+
+#[test]
+fn the_first_conversion_after_a_configuration_may_be_of_the_gain_before_and_is_dropped() {
+    let config = Config::default();
+    let ready = || Transaction::write_read(MAG, vec![0x09], vec![0x01]);
+    let conversion = || Transaction::write_read(MAG, vec![0x03], vec![0x00, 0x01, 0x00, 0x03, 0x00, 0x02]);
+    let mut transactions = init_transactions(config);
+    transactions.extend([ready(), conversion(), ready(), conversion()]);
+    let mut sensor = Lsm303dlhc::new(Mock::new(&transactions), config);
+    sensor.init().unwrap();
+    assert_eq!(sensor.data_ready(), Ok(false), "it is read and dropped");
+    assert_eq!(sensor.data_ready(), Ok(true));
+    assert_eq!(sensor.read().map(|reading| reading.counts), Ok([1, 2, 3]));
     sensor.destroy().done();
 }
 

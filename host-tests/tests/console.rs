@@ -91,12 +91,14 @@ fn shape(line: &str) -> String {
         _ => "#".to_owned(),
     };
     let text: String = words.map(|(word, end)| kept(word) + end).collect();
-    match text.split_once("point the ") {
-        Some((before, after)) => {
-            format!("{before}point the # {}", after.split_once(' ').map_or("", |(_, rest)| rest))
+    // The sides to turn from and to are figures as well.
+    let mut words: Vec<&str> = text.split(' ').collect();
+    for at in 1..words.len() {
+        if words[at] == "side" {
+            words[at - 1] = "#";
         }
-        None => text,
     }
+    words.join(" ")
 }
 
 #[test]

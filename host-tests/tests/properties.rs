@@ -6,6 +6,7 @@ use ironout::coverage::Sketch;
 use ironout::fit::{FitOptions, FitReport, Method, fit};
 use ironout::moments::Moments;
 use ironout::scatter::{Scatter, ScatterBuilder};
+use ironout::sensor::Sample;
 use ironout::session::{Session, SessionConfig};
 use ironout_simulation::paper::Sampler;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -295,10 +296,12 @@ proptest! {
         for call in calls {
             match call {
                 Call::Start => session.start(),
-                Call::Push(counts, saturated) => counts.iter().for_each(|c| session.push(*c, saturated)),
+                Call::Push(counts, saturated) => counts.iter().for_each(|c| {
+                    session.push(if saturated { Sample::out_of_range(*c) } else { Sample::valid(*c) });
+                }),
                 Call::Turn(seed, n) => {
                     for s in good(seed, n) {
-                        session.push(s.map(|v| (v * 500.0).round() as i16), false);
+                        session.push(Sample::valid(s.map(|v| (v * 500.0).round() as i16)));
                     }
                 }
                 Call::Stop => {
@@ -310,8 +313,8 @@ proptest! {
                     }
                 }
                 Call::Accept => {
-                    if let Ok(calibration) = session.accept() {
-                        prop_assert!(calibration.is_sound(), "{calibration:?}");
+                    if let Ok(record) = session.accept() {
+                        prop_assert!(record.calibration.is_sound(), "{record:?}");
                     }
                 }
                 Call::Cancel => session.cancel(),

@@ -8,9 +8,13 @@ use ironout::effect::{
 use ironout::extended::{Effects, FittedEffect};
 use ironout::fit::{Method, Model};
 use ironout::record::{
-    DoesNotFit, MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, VERSION, VERSION_WITH_EFFECTS, is_newer,
+    DoesNotFit, MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, VERSION, VERSION_SHORT_ERRORS,
+    VERSION_WITH_EFFECTS, is_newer,
 };
-use ironout::store::{self, Slot, SlotState, Slots, Store, StoreError};
+use ironout::sensor::AxisMap;
+use ironout::store::{
+    BadPlace, Done, Slot, SlotState, Slots, StorageSlots, Store, StoreError, StoreJob, run,
+};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -28,6 +32,7 @@ fn record(offset_x_ut: f64) -> Record {
         samples: 3000,
         noise_ut: 0.25,
         rms_ut: 0.26,
+        axes: None,
     }
 }
 
@@ -87,22 +92,22 @@ impl Memory {
 }
 
 impl Store for Memory {
-    fn read_slot(&mut self, slot: Slot, bytes: &mut [u8]) -> Result<(), StoreError> {
+    fn read_slot(&mut self, slot: Slot, at: usize, bytes: &mut [u8]) -> Result<(), StoreError> {
         if self.reads_fail {
             return Err(StoreError::Read(slot));
         }
-        let at = slot.index() * MAX_RECORD_BYTES;
+        let at = slot.index() * MAX_RECORD_BYTES + at;
         bytes.copy_from_slice(&self.bytes[at..at + bytes.len()]);
         Ok(())
     }
 
-    fn write_slot(&mut self, slot: Slot, bytes: &[u8]) -> Result<(), StoreError> {
+    fn write_slot(&mut self, slot: Slot, at: usize, bytes: &[u8]) -> Result<(), StoreError> {
         for (i, &byte) in bytes.iter().enumerate() {
             if self.writes_left == 0 {
                 return Err(StoreError::Write(slot));
             }
             self.writes_left -= 1;
-            self.bytes[slot.index() * MAX_RECORD_BYTES + i] = byte;
+            self.bytes[slot.index() * MAX_RECORD_BYTES + at + i] = byte;
         }
         Ok(())
     }
@@ -147,10 +152,117 @@ fn effects_that_take_more_room_than_a_slot_are_refused_and_the_record_in_use_sta
     let wide = with(&[BuiltIn::Eddy(Eddy); 4]);
     assert_eq!(wide.encode(), Err(DoesNotFit));
     let mut memory = Memory::new();
-    store::save(&mut memory, None, record(1.0)).unwrap();
+    save(&mut memory, None, record(1.0)).unwrap();
     let before = memory.bytes;
-    assert_eq!(store::save(&mut memory, None, wide), Err(StoreError::DoesNotFit));
+    assert_eq!(save(&mut memory, None, wide), Err(StoreError::DoesNotFit));
     assert_eq!(memory.bytes, before);
+}
+
+#[test]
+fn any_four_different_effects_fit_whatever_their_columns_are_called() {
+    let name = |n: usize| ColumnName::new(&format!("{n:032}")).unwrap();
+    // What is in a record at most once, and what may be there for several columns, steps or tones.
+    let of_column = |n: usize| {
+        let late =
+            |power| BuiltIn::Offset(Offset { column: name(n), reference: 0.1, power, delay_s: Some(0.3) });
+        [
+            late(Power::Linear),
+            late(Power::Squared),
+            BuiltIn::Gain(Gain { column: name(n), reference: 25.0 }),
+            BuiltIn::Field(AmbientField { column: name(n), reference: 0.5 }),
+            BuiltIn::Step(Step { at_s: n as f64 }),
+            BuiltIn::Periodic(Periodic { frequency_hz: 1.0 + n as f64, reference_s: 0.1 }),
+        ]
+    };
+    let mut choices: Vec<BuiltIn<f64>> = (0..4).flat_map(of_column).collect();
+    choices.extend([
+        BuiltIn::Drift(Drift { reference_s: 0.3 }),
+        BuiltIn::Lag(Lag),
+        BuiltIn::Eddy(Eddy),
+        BuiltIn::Nonlinearity(Nonlinearity),
+        BuiltIn::CrossAxis(CrossAxis),
+    ]);
+    let (mut longest, mut short) = (0, 0);
+    for a in 0..choices.len() {
+        for b in a + 1..choices.len() {
+            for c in b + 1..choices.len() {
+                for d in c + 1..choices.len() {
+                    let record = with(&[choices[a], choices[b], choices[c], choices[d]]);
+                    let bytes = bytes(&record);
+                    longest = longest.max(bytes.len());
+                    let back = Record::decode(&bytes).unwrap();
+                    if bytes[4] == VERSION_SHORT_ERRORS {
+                        short += 1;
+                        for (kept, written) in back.effects.iter().zip(record.effects.iter()) {
+                            assert_eq!(kept.coefficients, written.coefficients);
+                            for (kept, written) in kept.std_errors.iter().zip(written.std_errors) {
+                                assert!((written..=1.01 * written).contains(kept), "{kept} for {written}");
+                            }
+                        }
+                    } else {
+                        assert_eq!(back, record);
+                    }
+                }
+            }
+        }
+    }
+    assert!(longest <= MAX_RECORD_BYTES && short > 0, "{longest} bytes, {short} with short errors");
+}
+
+#[test]
+fn how_the_sensor_was_mounted_is_kept_and_a_mounting_that_is_none_is_unsound() {
+    for code in 0..=48 {
+        let written = Record { axes: AxisMap::of_code(code), ..record(1.0) };
+        assert_eq!(bytes(&written)[14], code);
+        assert_eq!(Record::decode(&bytes(&written)), Ok(written));
+    }
+    let mut odd = bytes(&record(1.0));
+    odd[14] = 49;
+    assert_eq!(Record::decode(&with_crc(odd)), Err(RecordError::Unsound { sequence: 0 }));
+}
+
+#[test]
+fn a_sound_record_of_newer_firmware_is_neither_overwritten_nor_undercut() {
+    let mut newer = bytes(&Record { sequence: 41, ..record(1.0) });
+    newer[4] = 9;
+    let newer = with_crc(newer);
+    let mut memory = Memory::new();
+    memory.bytes[..newer.len()].copy_from_slice(&newer);
+    memory.bytes[MAX_RECORD_BYTES..][..200].fill(0x5a);
+    let newer_state = SlotState::Unusable(RecordError::Unsupported { version: 9, sequence: 41 });
+    assert_eq!(inspect(&mut memory).0.states, [newer_state, SlotState::Unusable(RecordError::Torn)]);
+    let (slot, stored) = save(&mut memory, None, record(2.0)).unwrap();
+    assert_eq!((slot, stored.sequence), (Slot::B, 42), "over the torn one, and newer than both");
+    assert_eq!(inspect(&mut memory).0.states, [newer_state, SlotState::Current(42)]);
+}
+
+#[test]
+fn slots_that_would_share_a_page_or_reach_beyond_the_end_are_refused() {
+    struct Rom(usize);
+    impl embedded_storage::ReadStorage for Rom {
+        type Error = ();
+        fn read(&mut self, _: u32, _: &mut [u8]) -> Result<(), ()> {
+            Ok(())
+        }
+        fn capacity(&self) -> usize {
+            self.0
+        }
+    }
+    impl embedded_storage::Storage for Rom {
+        fn write(&mut self, _: u32, _: &[u8]) -> Result<(), ()> {
+            Ok(())
+        }
+    }
+    let new = |capacity, base, page_bytes| StorageSlots::new(Rom(capacity), base, page_bytes).map(drop);
+    for (base, page_bytes) in [(0, 1), (0, 32), (64, 64), (512, 128), (3, 1)] {
+        assert_eq!(new(4096, base, page_bytes), Ok(()), "{base} {page_bytes}");
+    }
+    for (base, page_bytes) in [(16, 32), (0, 48), (0, 1024), (0, 0)] {
+        assert_eq!(new(4096, base, page_bytes), Err(BadPlace::SharedPage { base, page_bytes }));
+    }
+    assert_eq!(new(1024, 0, 32), Ok(()));
+    assert_eq!(new(1024, 32, 32), Err(BadPlace::BeyondEnd { end: 1056, capacity: 1024 }));
+    assert!(new(usize::MAX, u32::MAX - 31, 32).is_err());
 }
 
 #[test]
@@ -213,9 +325,9 @@ fn a_newer_layout_is_told_from_damage_and_unsound_numbers_are_refused() {
 
     let mut longer = good.clone();
     longer.splice(144..144, [7; 88]);
-    (longer[4], longer[7]) = (3, 1);
+    (longer[4], longer[7]) = (4, 1);
     longer[12..14].copy_from_slice(&236_u16.to_le_bytes());
-    let newer = RecordError::Unsupported { version: 3, sequence: 9 };
+    let newer = RecordError::Unsupported { version: 4, sequence: 9 };
     assert_eq!(Record::decode(&with_crc(longer)), Err(newer));
 
     for (at, value) in [(16, f64::NAN), (16, -48.0), (24, f64::INFINITY), (48, 0.0), (128, f64::NAN)] {
@@ -256,6 +368,25 @@ proptest! {
     }
 }
 
+/// What stands in the slots, and the current record.
+fn inspect(store: &mut impl Store) -> (Slots, Option<Record>) {
+    match run(StoreJob::inspect(), store, |_| {}) {
+        Ok(Done::Inspected(slots, record)) => (slots, record),
+        other => panic!("{other:?}"),
+    }
+}
+
+fn save(store: &mut impl Store, in_use: Option<Slot>, record: Record) -> Result<(Slot, Record), StoreError> {
+    match run(StoreJob::save(in_use, record), store, |_| {})? {
+        Done::Saved(slot, record) => Ok((slot, record)),
+        other => panic!("{other:?}"),
+    }
+}
+
+fn erase(store: &mut impl Store) -> Result<(), StoreError> {
+    run(StoreJob::erase(), store, |_| {}).map(|done| assert_eq!(done, Done::Erased))
+}
+
 #[test]
 fn sequence_numbers_are_compared_on_the_circle() {
     assert!(is_newer(2, 1) && !is_newer(1, 2) && !is_newer(1, 1));
@@ -265,16 +396,15 @@ fn sequence_numbers_are_compared_on_the_circle() {
 #[test]
 fn records_alternate_between_the_slots_and_the_newer_is_current() {
     let mut memory = Memory::new();
-    assert_eq!(Slots::inspect(&mut memory).states, [SlotState::Unusable(RecordError::Empty); 2]);
+    assert_eq!(inspect(&mut memory).0.states, [SlotState::Unusable(RecordError::Empty); 2]);
     for n in 1..=5_u32 {
-        let (slot, stored) = store::save(&mut memory, None, record(f64::from(n))).unwrap();
+        let (slot, stored) = save(&mut memory, None, record(f64::from(n))).unwrap();
         assert_eq!(slot, if n % 2 == 1 { Slot::A } else { Slot::B });
         assert_eq!(stored.sequence, n);
-        let slots = Slots::inspect(&mut memory);
-        assert_eq!(slots.current(), Some((slot, &stored)));
+        let (slots, current) = inspect(&mut memory);
+        assert_eq!((slots.current(), current), (Some((slot, n)), Some(stored)));
         if n > 1 {
-            let SlotState::Stale(old) = slots.states[slot.other().index()] else { panic!("{slots:?}") };
-            assert_eq!(old.sequence, n - 1);
+            assert_eq!(slots.states[slot.other().index()], SlotState::Stale(n - 1));
         }
     }
 }
@@ -282,26 +412,22 @@ fn records_alternate_between_the_slots_and_the_newer_is_current() {
 #[test]
 fn power_lost_at_any_byte_of_a_write_leaves_the_record_before_it() {
     let mut memory = Memory::new();
-    let (_, first) = store::save(&mut memory, None, record(1.0)).unwrap();
-    let (_, second) = store::save(&mut memory, None, record(2.0)).unwrap();
+    let (_, first) = save(&mut memory, None, record(1.0)).unwrap();
+    let (_, second) = save(&mut memory, None, record(2.0)).unwrap();
     let before = memory.bytes;
     for cut in 0..RECORD_BYTES {
         memory = Memory { bytes: before, writes_left: cut, reads_fail: false };
-        assert_eq!(
-            store::save(&mut memory, None, record(3.0)),
-            Err(StoreError::Write(Slot::A)),
-            "cut at {cut}"
-        );
+        assert_eq!(save(&mut memory, None, record(3.0)), Err(StoreError::Write(Slot::A)), "cut at {cut}");
         memory.writes_left = usize::MAX;
-        let slots = Slots::inspect(&mut memory);
-        assert_eq!(slots.current(), Some((Slot::B, &second)), "cut at {cut}");
+        let (slots, current) = inspect(&mut memory);
+        assert_eq!((slots.current(), current), (Some((Slot::B, 2)), Some(second)), "cut at {cut}");
         match slots.states[0] {
             // Up to the first byte that differs, the old record is whole.
-            SlotState::Stale(old) => assert!(old == first && cut <= 8, "cut at {cut}"),
+            SlotState::Stale(old) => assert!(old == first.sequence && cut <= 8, "cut at {cut}"),
             SlotState::Unusable(RecordError::Torn) => assert!(cut > 8, "cut at {cut}"),
             state => panic!("cut at {cut}: {state:?}"),
         }
-        let (slot, third) = store::save(&mut memory, None, record(3.0)).unwrap();
+        let (slot, third) = save(&mut memory, None, record(3.0)).unwrap();
         assert_eq!((slot, third.sequence), (Slot::A, 3), "the next write repairs the torn slot");
     }
 }
@@ -309,29 +435,29 @@ fn power_lost_at_any_byte_of_a_write_leaves_the_record_before_it() {
 #[test]
 fn power_lost_while_erasing_never_brings_an_older_record_back() {
     let mut memory = Memory::new();
-    store::save(&mut memory, None, record(1.0)).unwrap();
-    let (_, second) = store::save(&mut memory, None, record(2.0)).unwrap();
+    save(&mut memory, None, record(1.0)).unwrap();
+    let (_, second) = save(&mut memory, None, record(2.0)).unwrap();
     let before = memory.bytes;
     for cut in 0..2 * RECORD_BYTES {
         memory = Memory { bytes: before, writes_left: cut, reads_fail: false };
-        assert!(store::erase(&mut memory).is_err());
-        let current = Slots::inspect(&mut memory).current().map(|(_, record)| *record);
+        assert!(erase(&mut memory).is_err());
+        let (_, current) = inspect(&mut memory);
         assert!(current.is_none() || current == Some(second), "cut at {cut}: {current:?}");
     }
     memory = Memory { bytes: before, writes_left: usize::MAX, reads_fail: false };
-    store::erase(&mut memory).unwrap();
-    assert_eq!(Slots::inspect(&mut memory).states, [SlotState::Unusable(RecordError::Empty); 2]);
+    erase(&mut memory).unwrap();
+    assert_eq!(inspect(&mut memory).0.states, [SlotState::Unusable(RecordError::Empty); 2]);
 }
 
 #[test]
 fn nothing_is_written_into_a_memory_that_cannot_be_read() {
     let mut memory = Memory::new();
-    store::save(&mut memory, None, record(1.0)).unwrap();
+    save(&mut memory, None, record(1.0)).unwrap();
     let before = memory.bytes;
     memory.reads_fail = true;
-    assert_eq!(store::save(&mut memory, None, record(2.0)), Err(StoreError::Read(Slot::A)));
+    assert_eq!(save(&mut memory, None, record(2.0)), Err(StoreError::Read(Slot::A)));
     assert_eq!(memory.bytes, before);
-    assert_eq!(Slots::inspect(&mut memory).states, [SlotState::Unreadable; 2]);
+    assert_eq!(inspect(&mut memory).0.states, [SlotState::Unreadable; 2]);
 }
 
 /// Flips one bit of the first `flips` reads, as a disturbed bus does.
@@ -341,28 +467,28 @@ struct Flipping<'a> {
 }
 
 impl Store for Flipping<'_> {
-    fn read_slot(&mut self, slot: Slot, bytes: &mut [u8]) -> Result<(), StoreError> {
-        self.memory.read_slot(slot, bytes)?;
-        if self.flips > 0 {
+    fn read_slot(&mut self, slot: Slot, at: usize, bytes: &mut [u8]) -> Result<(), StoreError> {
+        self.memory.read_slot(slot, at, bytes)?;
+        if self.flips > 0 && (at..at + bytes.len()).contains(&40) {
             self.flips -= 1;
-            bytes[40] ^= 4;
+            bytes[40 - at] ^= 4;
         }
         Ok(())
     }
-    fn write_slot(&mut self, slot: Slot, bytes: &[u8]) -> Result<(), StoreError> {
-        self.memory.write_slot(slot, bytes)
+    fn write_slot(&mut self, slot: Slot, at: usize, bytes: &[u8]) -> Result<(), StoreError> {
+        self.memory.write_slot(slot, at, bytes)
     }
 }
 
 #[test]
 fn a_bit_flipped_on_the_bus_does_not_make_the_record_in_use_look_torn() {
     let mut memory = Memory::new();
-    let (_, stored) = store::save(&mut memory, None, record(1.0)).unwrap();
+    let (_, stored) = save(&mut memory, None, record(1.0)).unwrap();
     let mut flipping = Flipping { memory: &mut memory, flips: 2 };
-    assert_eq!(Slots::inspect(&mut flipping).current(), Some((Slot::A, &stored)));
+    assert_eq!(inspect(&mut flipping).1, Some(stored));
     flipping.flips = usize::MAX;
     // When every read is disturbed, the slot known to be in use is left alone all the same.
-    let attempt = store::save(&mut flipping, Some(Slot::A), record(2.0));
+    let attempt = save(&mut flipping, Some(Slot::A), record(2.0));
     assert_eq!(attempt, Err(StoreError::NotConfirmed(Slot::B)));
     assert_eq!(Record::decode(&memory.bytes), Ok(stored));
 }

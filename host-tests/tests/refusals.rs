@@ -4,6 +4,7 @@ use ironout::fit::{FitError, FitOptions, Method, Order, fit};
 use ironout::moments::Moments;
 use ironout::quality::{Reason, Verdict, judge};
 use ironout::scatter::{Scatter, ScatterBuilder};
+use ironout::sensor::Sample;
 use ironout::session::{Hint, Session, SessionConfig, State};
 use ironout_simulation::paper::{Sampler, Truth};
 use nalgebra::{Matrix3, Vector3};
@@ -159,7 +160,7 @@ fn a_railed_axis_is_refused_with_the_remedy() {
     let mut session = session();
     for s in samples(&mild(2), 2, 1000, 0.01, 1.0) {
         let c = counts(s);
-        session.push(c, c[2].abs() > 400);
+        session.push(if c[2].abs() > 400 { Sample::out_of_range(c) } else { Sample::valid(c) });
     }
     let outcome = session.stop().unwrap();
     assert!(!outcome.verdict.accepted);
@@ -176,19 +177,19 @@ fn status_leads_through_a_calibration() {
     let data = samples(&mild(3), 3, 2000, 0.005, 1.0);
     // First only the upper half, then everything.
     for s in data.iter().filter(|s| s[2] > mild(3).b[2] * FIELD_UT).take(300) {
-        session.push(counts(*s), false);
+        session.push(Sample::valid(counts(*s)));
     }
     let half = session.status();
     assert!(half.coverage < 0.7 && half.gap_deg > 60.0, "{half:?}");
-    assert!(matches!(half.hint, Hint::Point { side } if side.contains("top")), "{half:?}");
+    assert!(matches!(half.hint, Hint::Turn { missing, .. } if missing.contains("top")), "{half:?}");
     for s in &data {
-        session.push(counts(*s), false);
+        session.push(Sample::valid(counts(*s)));
     }
     let all = session.status();
     assert!(all.coverage > 0.9 && all.gap_deg < 40.0, "{all:?}");
     assert_eq!(all.hint, Hint::Stop);
     assert!(session.stop().unwrap().verdict.accepted);
     assert_eq!(session.status().hint, Hint::Accept);
-    assert!(session.accept().unwrap().is_sound());
+    assert!(session.accept().unwrap().calibration.is_sound());
     assert_eq!(session.status().state, State::Idle);
 }

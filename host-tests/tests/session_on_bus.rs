@@ -4,6 +4,7 @@ mod common;
 
 use common::{accepted_board, calibrate, last, value, world_board};
 use ironout::device::{ButtonEvent, Light, SensorFault};
+use ironout::sensor::Sample;
 use ironout::session::Session;
 use ironout_rig::board::SimBoard;
 use ironout_simulation::Motion;
@@ -91,7 +92,7 @@ fn status_tells_how_far_it_is_and_where_to_turn_next() {
     board.command("cal start");
     board.run_ms(3000);
     let early = board.command("status");
-    assert!(early[0].starts_with("+ hint keep turning; point the "), "{early:?}");
+    assert!(early[0].starts_with("+ hint keep turning; bring the "), "{early:?}");
     assert_eq!(value(&early[1], "state"), "collecting");
     board.run_ms(57_000);
     let late = board.command("status");
@@ -282,16 +283,18 @@ fn the_raw_stream_calibrates_a_host_to_the_same_bits() {
     board.command("stream raw");
     last(&mut board, "cal start");
     board.run_ms(80_000);
-    let streamed = board.received();
+    board.send(b"cal stop\n");
+    // What came before the reply is what the board has used.
+    let mut streamed = board.received();
+    let verdict = streamed.pop().unwrap();
+    assert!(verdict.starts_with("ok verdict=accepted"), "{verdict}");
     let mut host = Session::new(*board.device.session().config());
     host.start();
     for line in &streamed {
         let numbers: Vec<i64> = line[2..].split(',').map(|number| number.parse().unwrap()).collect();
         let counts = [1, 2, 3].map(|place| i16::try_from(numbers[place]).unwrap());
-        host.push(counts, counts.contains(&-4096));
+        host.push(if counts.contains(&-4096) { Sample::out_of_range(counts) } else { Sample::valid(counts) });
     }
-    let verdict = last(&mut board, "cal stop");
-    assert!(verdict.starts_with("ok verdict=accepted"), "{verdict}");
     host.stop().unwrap();
     assert_eq!(host.solution(), board.device.session().solution());
     let status = last(&mut board, "status");

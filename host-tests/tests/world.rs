@@ -73,7 +73,7 @@ fn an_offset_shows_in_the_magnitude_with_the_strength_asked_for() {
     // The corrected magnitude with the true matrix carries the noise and the disturbance: 1 + 3² times the noise.
     let log = log(8, &["offset:current_a=3"], Motion::Sphere);
     let effect = &log.truth.effects[0];
-    let rms = (effect.coefficients.iter().map(|c| c * c).sum::<f64>() / 3.0).sqrt();
+    let rms = (effect.coefficients().iter().map(|c| c * c).sum::<f64>() / 3.0).sqrt();
     let current = log.column("current_a").expect("current");
     let mean = current.iter().sum::<f64>() / current.len() as f64;
     let spread =

@@ -152,6 +152,7 @@ fn good_record() -> Record {
         samples: 3000,
         noise_ut: 0.25,
         rms_ut: 0.26,
+        axes: None,
     }
 }
 

@@ -1,6 +1,9 @@
 //! The sides of a board, in words.
 
-/// The name of the side a direction points through, in the board's axes: x front, y right, z bottom.
+use crate::calibration::norm;
+
+/// The name of the side a direction points through, in the board's axes: x front, y right, z bottom. Its length does not
+/// matter; `any` where it has none.
 pub fn side_name(direction: [f32; 3]) -> &'static str {
     const NAMES: [&str; 27] = [
         "back-left-top",
@@ -31,6 +34,8 @@ pub fn side_name(direction: [f32; 3]) -> &'static str {
         "front-right",
         "front-right-bottom",
     ];
+    let length = norm(direction);
+    let direction = if length > 0.0 { direction.map(|v| v / length) } else { direction };
     let third = |v: f32| {
         if v > 0.4 {
             2

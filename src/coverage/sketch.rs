@@ -264,12 +264,14 @@ impl Sketch {
         })
     }
 
+    /// The middle of the box of all samples, µT.
+    pub fn middle_ut(&self, ut_per_count: [f32; 3]) -> [f32; 3] {
+        core::array::from_fn(|a| (f32::from(self.low[a]) + f32::from(self.high[a])) * 0.5 * ut_per_count[a])
+    }
+
     /// The coverage before there is a calibration: about the middle of the box of all samples.
     pub fn coverage_about_middle(&self, ut_per_count: [f32; 3]) -> Coverage {
-        let radius_ut = 0.5 * self.extent_ut(ut_per_count);
-        let offset_ut = core::array::from_fn(|a| {
-            (f32::from(self.low[a]) + f32::from(self.high[a])) * 0.5 * ut_per_count[a]
-        });
+        let (offset_ut, radius_ut) = (self.middle_ut(ut_per_count), 0.5 * self.extent_ut(ut_per_count));
         self.coverage(&Calibration { offset_ut, ..Calibration::identity(radius_ut) }, ut_per_count)
     }
 }

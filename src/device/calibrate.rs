@@ -2,15 +2,18 @@
 
 use core::fmt;
 
-use super::{Active, Device, SensorFault};
+use super::active::Active;
+use super::button::ButtonEvent;
+use super::machine::{Device, Errand};
+use super::sensor::SensorFault;
 use crate::effect::Effect;
-use crate::extended::{Effects, FittedEffect};
+use crate::extended::FittedEffect;
 use crate::fit::FitReport;
-use crate::protocol::{Answered, Code, Reply};
+use crate::protocol::{Answered, Code, Reply, StreamMode};
 use crate::quality::Reason;
 use crate::record::Record;
 use crate::session::{State, StateError};
-use crate::store::{self, Slot, Store, StoreError};
+use crate::store::{Done, Slot, StoreError, StoreJob};
 
 /// Why a calibration was not started.
 enum NotStarted {
@@ -18,41 +21,17 @@ enum NotStarted {
     Sensor(SensorFault),
 }
 
-/// Why a solution was not accepted.
-enum NotAccepted {
-    State(StateError),
-    Store(StoreError),
-}
-
-/// What a press of the button did.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum ButtonEvent {
-    /// Collecting has begun.
-    Started,
-    /// Nothing: the sensor does not work.
-    NoSensor(SensorFault),
-    /// The calibration was solved, stored in this slot, and is in use.
-    Accepted(Slot),
-    /// The data do not support a calibration; the one in use stays.
-    Refused,
-    /// The calibration is good and could not be stored; the one in use stays. `cal accept` tries again.
-    NotStored(StoreError),
-}
-
 impl Device {
-    /// A press of the button: starts a calibration, or ends one and accepts it if its verdict allows.
-    pub fn on_button(&mut self, store: &mut impl Store) -> ButtonEvent {
+    /// Does what a press of the button does: starts a calibration, or ends one and accepts it if its verdict allows.
+    pub(super) fn pressed(&mut self) {
         match self.start() {
-            Ok(()) => ButtonEvent::Started,
-            Err(NotStarted::Sensor(fault)) => ButtonEvent::NoSensor(fault),
+            Ok(()) => self.tell(ButtonEvent::Started),
+            Err(NotStarted::Sensor(fault)) => self.tell(ButtonEvent::NoSensor(fault)),
             Err(NotStarted::Collecting) => {
                 // Collecting, so that this cannot fail; what counts is whether there is a solution now.
                 let _ = self.session.stop();
-                match self.accept(store) {
-                    Ok(slot) => ButtonEvent::Accepted(slot),
-                    Err(NotAccepted::State(_)) => ButtonEvent::Refused,
-                    Err(NotAccepted::Store(error)) => ButtonEvent::NotStored(error),
+                if !self.save(Errand::AcceptByButton) {
+                    self.tell(ButtonEvent::Refused);
                 }
             }
         }
@@ -66,17 +45,25 @@ impl Device {
             return Err(NotStarted::Sensor(fault));
         }
         self.session.start();
+        self.status = None;
         Ok(())
     }
 
-    /// Stores the solution, and only then applies it.
-    fn accept(&mut self, store: &mut impl Store) -> Result<Slot, NotAccepted> {
-        let state = self.session.state();
-        let report = self.session.solution().ok_or(NotAccepted::State(StateError { state }))?;
-        let in_use = self.active.as_ref().map(|active| active.slot);
-        let (slot, record) = store::save(store, in_use, record_of(report)).map_err(NotAccepted::Store)?;
-        self.session.accept().map_err(NotAccepted::State)?;
-        self.active = Active::new(slot, record);
+    /// Begins to store the solution; `false` where there is none.
+    fn save(&mut self, errand: Errand) -> bool {
+        let Some(report) = self.session.solution() else { return false };
+        let record = Record { axes: Some(self.config.sensor.axes), ..Record::of(report) };
+        self.begin(errand, StoreJob::save(self.slot_in_use(), record));
+        true
+    }
+
+    /// The solution was stored, or not; only then it is applied.
+    pub(super) fn stored(&mut self, outcome: Result<Done, StoreError>) -> Result<Slot, StoreError> {
+        let Done::Saved(slot, record) = outcome? else { return Err(StoreError::DoesNotFit) };
+        // It was solved when the job began, and nothing is answered meanwhile.
+        let _ = self.session.accept();
+        self.active = Some(Active::new(slot, record, self.config.sensor.axes));
+        self.store_unread = false;
         Ok(slot)
     }
 
@@ -111,23 +98,31 @@ impl Device {
         refused(reply, first)
     }
 
-    pub(super) fn cal_accept<W: fmt::Write>(
-        &mut self,
-        reply: Reply<'_, W>,
-        store: &mut impl Store,
-    ) -> Answered {
-        match self.accept(store) {
-            Ok(slot) => {
-                self.store_unread = false;
-                let sequence = self.record().map_or(0, |record| record.sequence);
-                reply.ok(format_args!("calibrated=1 slot={slot} sequence={sequence}"))
-            }
-            Err(NotAccepted::State(StateError { state: State::Refused })) => {
+    pub(super) fn cal_accept<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Option<Answered> {
+        if self.save(Errand::Accept) {
+            return None;
+        }
+        Some(match self.session.state() {
+            State::Refused => {
                 let verdict = self.session.outcome().map(|outcome| &outcome.verdict);
                 refused(reply, verdict.and_then(|v| v.reasons.iter().find(|reason| reason.refuses())))
             }
-            Err(NotAccepted::State(error)) => reply.err(Code::State, format_args!("{error}")),
-            Err(NotAccepted::Store(error)) => reply.err(
+            state => reply.err(Code::State, format_args!("{}", StateError { state })),
+        })
+    }
+
+    pub(super) fn accepted<W: fmt::Write>(
+        &mut self,
+        outcome: Result<Done, StoreError>,
+        out: &mut W,
+    ) -> Answered {
+        let reply = Reply::new(out);
+        match self.stored(outcome) {
+            Ok(slot) => {
+                let sequence = self.record().map_or(0, |record| record.sequence);
+                reply.ok(format_args!("calibrated=1 slot={slot} sequence={sequence}"))
+            }
+            Err(error) => reply.err(
                 Code::Store,
                 format_args!(
                     "{error}: the calibration in use is unchanged, the solution waits; cal accept tries again"
@@ -144,15 +139,20 @@ impl Device {
         reply.ok(format_args!("state={}", self.session.state().name()))
     }
 
-    pub(super) fn cal_clear<W: fmt::Write>(
+    pub(super) fn cleared<W: fmt::Write>(
         &mut self,
-        reply: Reply<'_, W>,
-        store: &mut impl Store,
+        outcome: Result<Done, StoreError>,
+        out: &mut W,
     ) -> Answered {
-        match store::erase(store) {
-            Ok(()) => {
+        let reply = Reply::new(out);
+        match outcome {
+            Ok(_) => {
                 self.active = None;
                 self.store_unread = false;
+                if self.stream == StreamMode::Calibrated {
+                    // Nothing is left to stream.
+                    self.stream = StreamMode::Off;
+                }
                 reply.ok(format_args!("calibrated=0"))
             }
             Err(error) => reply.err(
@@ -162,10 +162,11 @@ impl Device {
         }
     }
 
-    /// The calibration in use, or else the solution that waits to be accepted.
+    /// The stored calibration, applied or not, or else the solution that waits to be accepted.
     pub(super) fn cal_show<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
-        let solved = self.session.solution().map(record_of);
-        let Some(record) = self.record().or(solved.as_ref()) else {
+        let solved = self.session.solution().map(Record::of);
+        let stored = self.active.as_ref().map(|active| &active.record);
+        let Some(record) = stored.or(solved.as_ref()) else {
             return reply.err(Code::State, format_args!("there is no calibration: cal start begins one"));
         };
         // `{:?}` writes the shortest digits that read back to the same bits.
@@ -185,12 +186,13 @@ impl Device {
             record.samples,
             record.rms_ut,
             record.noise_ut,
-            u8::from(self.active.is_some()),
+            u8::from(stored.is_some()),
         ))
     }
 
     pub(super) fn no_sensor<W: fmt::Write>(&self, reply: Reply<'_, W>, fault: SensorFault) -> Answered {
-        reply.err(Code::Sensor, format_args!("{} {fault}; it is tried again by itself", self.config.sensor))
+        let again = if fault == SensorFault::AtRest { "" } else { "; it is tried again by itself" };
+        reply.err(Code::Sensor, format_args!("{} {fault}{again}", self.config.sensor.name))
     }
 }
 
@@ -200,19 +202,6 @@ fn refused<W: fmt::Write>(reply: Reply<'_, W>, reason: Option<&Reason>) -> Answe
         None => {
             reply.err(Code::Refused, format_args!("not-finite the solution is no calibration: start again"))
         }
-    }
-}
-
-fn record_of(report: &FitReport) -> Record {
-    Record {
-        sequence: 0,
-        calibration: report.calibration,
-        effects: Effects::none(),
-        method: report.method,
-        model: report.model,
-        samples: report.samples,
-        noise_ut: report.noise_ut,
-        rms_ut: report.rms_ut,
     }
 }
 

@@ -2,12 +2,13 @@
 
 use core::fmt;
 
-use super::Device;
+use super::machine::{Device, Errand};
+use super::sensor::SensorFault;
 use crate::effect::ColumnName;
 use crate::extended::Live;
 use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Reply, StreamMode};
 use crate::session::State;
-use crate::store::{Slots, Store};
+use crate::store::StoreJob;
 
 const HELP: [&str; 8] = [
     "help | version | status",
@@ -21,67 +22,84 @@ const HELP: [&str; 8] = [
 ];
 
 impl Device {
-    pub(super) fn answer<W: fmt::Write>(
-        &mut self,
-        line: Line<'_>,
-        out: &mut W,
-        store: &mut impl Store,
-    ) -> Answered {
-        let mut reply = Reply::new(out);
+    /// Whether the answer takes a solve.
+    pub(super) fn is_long(&self, line: Line<'_>) -> bool {
+        let Line::Text(text) = line else { return false };
+        match protocol::parse(text) {
+            Ok(Command::CalStop) => self.session.state() == State::Collecting,
+            Ok(Command::Status) => self.status_is_old(),
+            _ => false,
+        }
+    }
+
+    /// Answers a line; `None` where a job at the store was begun, whose end answers it.
+    pub(super) fn answer<W: fmt::Write>(&mut self, line: Line<'_>, out: &mut W) -> Option<Answered> {
+        let reply = Reply::new(out);
         let text = match line {
             Line::Text(text) => text,
             Line::TooLong => {
-                return reply
-                    .err(Code::Long, format_args!("a line has at most {} characters", protocol::MAX_LINE));
+                let most = protocol::MAX_LINE;
+                return Some(reply.err(Code::Long, format_args!("a line has at most {most} characters")));
             }
             Line::NotText => {
-                return reply.err(Code::Usage, format_args!("a line holds printable ASCII characters only"));
+                return Some(
+                    reply.err(Code::Usage, format_args!("a line holds printable ASCII characters only")),
+                );
             }
         };
-        let command = match protocol::parse(text) {
-            Ok(command) => command,
+        match protocol::parse(text) {
+            Ok(command) => self.obey(command, reply),
             Err(ParseError::Unknown) => {
-                return reply.err(Code::Unknown, format_args!("no such command; try help"));
+                Some(reply.err(Code::Unknown, format_args!("no such command; try help")))
             }
             Err(ParseError::NotBuilt(word)) => {
-                return reply.err(Code::Unknown, format_args!("{word} is not built into this firmware yet"));
+                Some(reply.err(Code::Unknown, format_args!("{word} is not built into this firmware yet")))
             }
-            Err(ParseError::Usage(usage)) => return reply.err(Code::Usage, format_args!("{usage}")),
-        };
-        match command {
+            Err(ParseError::Usage(usage)) => Some(reply.err(Code::Usage, format_args!("{usage}"))),
+        }
+    }
+
+    fn obey<W: fmt::Write>(&mut self, command: Command, mut reply: Reply<'_, W>) -> Option<Answered> {
+        let at_rest = self.sensor.fault() == Some(SensorFault::AtRest);
+        Some(match command {
             Command::Help => {
                 HELP.iter().for_each(|line| reply.line(format_args!("{line}")));
                 reply.done()
             }
-            Command::Version => self.version(reply, store),
+            Command::Version if at_rest => self.version(reply.into_out()),
+            Command::CalAccept | Command::CalClear if at_rest => {
+                reply.err(Code::Store, format_args!("the store {}", SensorFault::AtRest))
+            }
+            Command::Version => {
+                self.begin(Errand::Version, StoreJob::inspect());
+                return None;
+            }
             Command::Status => self.status(reply),
             Command::CalStart => self.cal_start(reply),
             Command::CalStop => self.cal_stop(reply),
-            Command::CalAccept => self.cal_accept(reply, store),
+            Command::CalAccept => return self.cal_accept(reply),
             Command::CalCancel => self.cal_cancel(reply),
             Command::CalShow => self.cal_show(reply),
             Command::CalClear => {
-                let answered = self.cal_clear(reply, store);
-                if self.stream == StreamMode::Calibrated && self.active.is_none() {
-                    // Nothing is left to stream.
-                    self.stream = StreamMode::Off;
-                }
-                answered
+                self.begin(Errand::Clear, StoreJob::erase());
+                return None;
             }
             Command::CalMethod(method) => {
                 self.session.set_method(method);
+                self.status = None;
                 reply.ok(format_args!("method={}", method.name()))
             }
             Command::Stream(mode) => self.set_stream(reply, mode),
             Command::Cov(name, value) => self.cov(reply, &name, value),
             Command::Field(field_ut) => {
                 if self.session.set_field_ut(Some(field_ut)) {
+                    self.status = None;
                     reply.ok(format_args!("field_ut={field_ut:?}"))
                 } else {
                     reply.err(Code::Usage, format_args!("field UT, a positive magnitude in microtesla"))
                 }
             }
-        }
+        })
     }
 
     /// Feeds a column to the calibration in use; it keeps the value until it is fed again.
@@ -95,9 +113,15 @@ impl Device {
         reply.ok(format_args!("{name}={value:?} used={}", u8::from(used)))
     }
 
-    fn version<W: fmt::Write>(&self, mut reply: Reply<'_, W>, store: &mut impl Store) -> Answered {
-        let [a, b] = Slots::inspect(store).states;
+    pub(super) fn version<W: fmt::Write>(&self, out: &mut W) -> Answered {
+        let mut reply = Reply::new(out);
+        let [a, b] = self.slots().states;
         reply.line(format_args!("slots={a},{b}"));
+        reply.line(format_args!(
+            "samples_lost={} longest_turn_us={}",
+            self.samples_lost(),
+            self.longest_turn_us
+        ));
         if self.restarts.count > 0 {
             reply.line(format_args!("last_fault={}", self.restarts.last));
         }
@@ -105,44 +129,54 @@ impl Device {
             "ironout={} board={} sensor={}",
             env!("CARGO_PKG_VERSION"),
             self.config.board,
-            self.config.sensor
+            self.config.sensor.name
         ))
     }
 
-    fn status<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
-        let status = self.session.status();
+    fn status<W: fmt::Write>(&mut self, mut reply: Reply<'_, W>) -> Answered {
+        let counts = self.session.counts();
+        let status = match self.status {
+            Some((_, status)) if self.session.state() == State::Collecting && !self.status_is_old() => status,
+            _ => {
+                let status = self.session.status();
+                self.status = Some((self.now_ms, status));
+                status
+            }
+        };
         match self.sensor.fault() {
-            Some(fault) => reply.line(format_args!("sensor {} {fault}", self.config.sensor)),
-            None if status.state == State::Idle && self.active.is_some() => {
-                let live = self.active.as_ref().map(|active| &active.live);
-                match live.and_then(Live::waits_for) {
+            Some(fault) => reply.line(format_args!("sensor {} {fault}", self.config.sensor.name)),
+            None => match self.active.as_ref().map(|active| &active.live) {
+                Some(Err(why)) if matches!(status.state, State::Idle) => reply.line(format_args!(
+                    "hint the stored calibration is not applied: {why}; begin another one with: cal start"
+                )),
+                Some(Ok(live)) if status.state == State::Idle => match live.waits_for() {
                     Some(column) => {
-                        reply.line(format_args!("hint the calibration waits for: cov {column}=VALUE"))
+                        reply.line(format_args!("hint the calibration waits for: cov {column}=VALUE"));
                     }
-                    None if live.is_some_and(Live::needs_gyro) => reply.line(format_args!(
+                    None if Live::needs_gyro(live) => reply.line(format_args!(
                         "hint the calibration needs a rate of turn, which this board does not have"
                     )),
                     None => reply.line(format_args!(
                         "hint a calibration is in use; begin another one with: cal start"
                     )),
-                }
-            }
-            None => reply.line(format_args!("hint {}", status.hint)),
+                },
+                _ => reply.line(format_args!("hint {}", status.hint)),
+            },
         }
         // What went wrong: restarts of the firmware, lost transactions, and samples out of range.
         let faults = [self.restarts.count, self.sensor.faults()]
             .into_iter()
-            .fold(status.saturated, |sum, faults| sum.saturating_add(u64::from(faults)));
+            .fold(counts.saturated, |sum, faults| sum.saturating_add(u64::from(faults)));
         reply.ok(format_args!(
             "state={} n={} skipped={} coverage={:.3} gap_deg={:.1} rms_ut={:.4} noise_ut={:.4} calibrated={} faults={faults}",
             status.state.name(),
-            status.n,
-            status.skipped,
+            counts.n,
+            counts.skipped,
             status.coverage,
             status.gap_deg,
             Opt(status.rms_ut),
             Opt(status.noise_ut),
-            u8::from(self.active.is_some()),
+            u8::from(self.record().is_some()),
         ))
     }
 
@@ -153,7 +187,7 @@ impl Device {
         let name = match mode {
             StreamMode::Off => "off",
             StreamMode::Raw => "raw",
-            StreamMode::Calibrated if self.active.is_none() => {
+            StreamMode::Calibrated if self.record().is_none() => {
                 return reply.err(Code::State, format_args!("there is no calibration: cal start begins one"));
             }
             StreamMode::Calibrated => "cal",

@@ -30,6 +30,13 @@ impl Light {
             Light::Uncalibrated => flashes(t_ms % 2000, 1),
         }
     }
+
+    /// When the light changes next after `t_ms`; `None` where it never does.
+    pub fn next_change_ms(self, t_ms: u64) -> Option<u64> {
+        // Every pattern changes at multiples of 25 ms, and within two seconds if at all.
+        let now = self.is_on(t_ms);
+        (1..=80).map(|step| (t_ms / 25 + step) * 25).find(|&later_ms| self.is_on(later_ms) != now)
+    }
 }
 
 /// `count` flashes of 100 ms, 200 ms apart, from the beginning of the period on.
@@ -59,5 +66,21 @@ mod tests {
             assert_eq!(turned_on(light, 2000), flashes, "{light:?}");
         }
         assert!(Light::Calibrated.is_on(1234));
+        assert_eq!(Light::Calibrated.next_change_ms(1234), None);
+    }
+
+    #[test]
+    fn looking_at_the_changes_only_shows_the_whole_pattern() {
+        for light in
+            [Light::SensorFault, Light::Collecting, Light::Refused, Light::Solved, Light::Uncalibrated]
+        {
+            let (mut shown, mut change_ms) = (light.is_on(0), light.next_change_ms(0));
+            for t_ms in 0..4000 {
+                if change_ms == Some(t_ms) {
+                    (shown, change_ms) = (light.is_on(t_ms), light.next_change_ms(t_ms));
+                }
+                assert_eq!(shown, light.is_on(t_ms), "{light:?} at {t_ms}");
+            }
+        }
     }
 }

@@ -10,8 +10,9 @@ use crate::math::Real;
 use core::fmt;
 use heapless::Vec;
 
-/// The most delayed columns that a live correction keeps the past of.
-pub const MAX_DELAYED: usize = 2;
+/// The most delayed columns that a live correction keeps the past of: each effect of the catalogue may have one, so that whatever
+/// a record holds can run.
+pub const MAX_DELAYED: usize = MAX_EFFECTS;
 
 /// Why a calibration cannot run live.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

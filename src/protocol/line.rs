@@ -59,6 +59,11 @@ impl LineSplitter {
         None
     }
 
+    /// The line that [`Self::push`] returned last, until the next byte.
+    pub fn last(&self) -> Option<Line<'_>> {
+        if self.ended { self.line() } else { None }
+    }
+
     fn line(&self) -> Option<Line<'_>> {
         if self.too_long {
             Some(Line::TooLong)

@@ -68,6 +68,11 @@ impl<'a, W: fmt::Write> Reply<'a, W> {
         Self { out, result: Ok(()) }
     }
 
+    /// Begins anew, before anything was written: for an answer that another function writes whole.
+    pub(crate) fn into_out(self) -> &'a mut W {
+        self.out
+    }
+
     /// One line of the answer before its last: `+ text`.
     pub fn line(&mut self, text: fmt::Arguments<'_>) {
         self.put("+ ", text);

@@ -1,12 +1,14 @@
 //! What a session does while it collects: the gate, the directions, and the fit of what there is.
 
 use super::config::SessionConfig;
-use super::status::{Hint, Outcome, State, Status};
-use crate::coverage::{Coverage, Sketch};
+use super::status::{Counts, Hint, Outcome, State, Status};
+use crate::calibration::Calibration;
+use crate::coverage::{Coverage, Sketch, side_name};
 use crate::fit::{FitError, FitOptions, FitReport, MAX_PREDICTED_ERROR, fit};
 use crate::gate::{Gated, RestGate};
 use crate::quality::{Verdict, judge};
 use crate::scatter::Scatter;
+use crate::sensor::Sample;
 use crate::whiteness::Whiteness;
 
 /// A box of samples with no longer side than this is a board that was not turned yet, µT: some 5° of the Earth's field.
@@ -28,9 +30,7 @@ pub(super) struct Collector {
 #[derive(Clone, Debug)]
 pub(super) struct Stopped {
     pub(super) outcome: Outcome,
-    pub(super) n: u64,
-    pub(super) skipped: u64,
-    pub(super) saturated: u32,
+    pub(super) counts: Counts,
 }
 
 impl Collector {
@@ -47,8 +47,9 @@ impl Collector {
         }
     }
 
-    pub(super) fn push(&mut self, counts: [i16; 3], saturated: bool) {
-        if saturated || counts.iter().any(|c| *c == i16::MIN || *c == i16::MAX) {
+    pub(super) fn push(&mut self, sample: Sample) {
+        let counts = sample.counts;
+        if !sample.is_valid() || counts.iter().any(|c| *c == i16::MIN || *c == i16::MAX) {
             self.saturated = self.saturated.saturating_add(1);
             self.whiteness.interrupt();
             return;
@@ -83,8 +84,17 @@ impl Collector {
     }
 
     pub(super) fn fit(&self, config: &SessionConfig) -> Result<FitReport, FitError> {
+        self.fit_with(config, true)
+    }
+
+    fn fit_with(&self, config: &SessionConfig, lower_orders: bool) -> Result<FitReport, FitError> {
         let scatter = Scatter::from_moments(self.gate.moments(), config.ut_per_count)?;
-        let options = FitOptions { method: config.method, field_ut: config.field_ut, ..Default::default() };
+        let options = FitOptions {
+            method: config.method,
+            field_ut: config.field_ut,
+            lower_orders,
+            ..Default::default()
+        };
         let report = fit(&scatter, &options)?;
         let share = self.whiteness.independent_share(&report, config.ut_per_count, scatter.quantisation_ut2);
         let mut report = match share {
@@ -105,8 +115,24 @@ impl Collector {
         }
     }
 
-    fn skipped(&self) -> u64 {
-        u64::from(self.at_rest) + u64::from(self.repeated) + u64::from(self.saturated)
+    pub(super) fn counts(&self) -> Counts {
+        Counts {
+            n: self.gate.moments().count() + self.gate.pending(),
+            skipped: u64::from(self.at_rest) + u64::from(self.repeated) + u64::from(self.saturated),
+            saturated: self.saturated.into(),
+        }
+    }
+
+    /// Where the field comes from as the board lies now, in its axes; not of unit length. Before there is a calibration:
+    /// about the middle of what was seen.
+    fn field_now(&self, config: &SessionConfig, report: Option<&FitReport>) -> [f32; 3] {
+        let (counts, scale) = (self.last.unwrap_or_default(), config.scale());
+        let measured_ut = core::array::from_fn(|a| f32::from(counts[a]) * scale[a]);
+        let calibration = match report {
+            Some(report) => report.calibration.cast(),
+            None => Calibration { offset_ut: self.sketch.middle_ut(scale), ..Calibration::identity(1.0) },
+        };
+        calibration.apply(measured_ut)
     }
 
     /// Solves for the calibration and judges it.
@@ -121,17 +147,13 @@ impl Collector {
             }
             Err(error) => (Verdict::of_error(error), None),
         };
-        Stopped {
-            outcome: Outcome { verdict, report, coverage },
-            n: self.gate.moments().count(),
-            skipped: self.skipped(),
-            saturated: self.saturated,
-        }
+        Stopped { outcome: Outcome { verdict, report, coverage }, counts: self.counts() }
     }
 
-    /// A snapshot; it solves the data so far to tell what they carry.
+    /// A snapshot; it solves the data so far to tell what they carry. Without the lower orders, which take more than twice the
+    /// time and only say that there is not enough yet: samples go on coming meanwhile.
     pub(super) fn status(&self, config: &SessionConfig) -> Status {
-        let report = self.fit(config).ok();
+        let report = self.fit_with(config, false).ok();
         let coverage = self.coverage(config, report.as_ref());
         let figures = Status::of(State::Collecting, report.as_ref());
         let hint = if self.sketch.extent_ut(config.scale()) < MOVED_UT {
@@ -140,12 +162,13 @@ impl Collector {
         } else if figures.predicted_error.is_some_and(|e| e <= 0.5 * MAX_PREDICTED_ERROR) {
             Hint::Stop
         } else {
-            Hint::Point { side: coverage.missing_side() }
+            Hint::Turn {
+                missing: coverage.missing_side(),
+                now: side_name(self.field_now(config, report.as_ref())),
+            }
         };
         Status {
-            n: self.gate.moments().count() + self.gate.pending(),
-            skipped: self.skipped(),
-            saturated: self.saturated.into(),
+            counts: self.counts(),
             coverage: coverage.fraction,
             gap_deg: coverage.gap_deg,
             hint,

@@ -1,6 +1,8 @@
 //! What a session is told.
 
 use crate::fit::Method;
+use crate::gate::block_samples;
+use crate::sensor::Sensor;
 
 /// What a session needs to know of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +18,17 @@ pub struct SessionConfig {
 }
 
 impl SessionConfig {
+    /// For a sensor whose every conversion is taken: its scale in the board's axes, its rate; the default method, and no
+    /// expected magnitude.
+    pub fn of(sensor: &Sensor) -> Self {
+        Self {
+            ut_per_count: sensor.board_ut_per_count().map(f64::from),
+            field_ut: None,
+            method: Method::default(),
+            samples_per_block: block_samples(f64::from(sensor.rate_hz)),
+        }
+    }
+
     /// The scale in the precision of coverage, whose cells are coarse.
     pub(super) fn scale(&self) -> [f32; 3] {
         self.ut_per_count.map(|scale| scale as f32)

@@ -2,9 +2,10 @@
 
 use super::collector::{Collector, Stopped};
 use super::config::SessionConfig;
-use super::status::{Hint, Outcome, State, StateError, Status};
-use crate::calibration::Calibration;
+use super::status::{Counts, Hint, Outcome, State, StateError, Status};
 use crate::fit::{FitError, FitReport, Method};
+use crate::record::Record;
+use crate::sensor::Sample;
 
 /// Where a session stands, and what it knows there.
 #[derive(Clone, Debug)]
@@ -70,11 +71,11 @@ impl Session {
         self.stage = Stage::Idle;
     }
 
-    /// Takes one sample, in any state: outside of `Collecting` it is left alone. A sample that is `saturated`, or at the
+    /// Takes one sample, in any state: outside of `Collecting` it is left alone. A sample out of range, or at the
     /// ends of the 16-bit range, is counted but not used.
-    pub fn push(&mut self, counts: [i16; 3], saturated: bool) {
+    pub fn push(&mut self, sample: Sample) {
         if let Stage::Collecting(collector) = &mut self.stage {
-            collector.push(counts, saturated);
+            collector.push(sample);
         }
     }
 
@@ -113,15 +114,23 @@ impl Session {
         self.outcome().filter(|o| o.verdict.accepted).and_then(|o| o.report.as_ref())
     }
 
-    /// Hands the solution over; idle again.
+    /// Hands the solution over, as it is stored; idle again.
     ///
     /// # Errors
     /// [`StateError`] unless solved.
-    pub fn accept(&mut self) -> Result<Calibration<f64>, StateError> {
-        let calibration = self.solution().map(|report| report.calibration);
-        let calibration = calibration.ok_or(StateError { state: self.state() })?;
+    pub fn accept(&mut self) -> Result<Record, StateError> {
+        let record = self.solution().map(Record::of).ok_or(StateError { state: self.state() })?;
         self.cancel();
-        Ok(calibration)
+        Ok(record)
+    }
+
+    /// What was taken so far, without a solve.
+    pub fn counts(&self) -> Counts {
+        match &self.stage {
+            Stage::Idle => Counts::default(),
+            Stage::Collecting(collector) => collector.counts(),
+            Stage::Stopped(stopped) => stopped.counts,
+        }
     }
 
     /// A snapshot; while collecting it solves the data so far to tell what they carry.
@@ -137,9 +146,7 @@ impl Session {
                     (State::Refused, Hint::Again)
                 };
                 Status {
-                    n: stopped.n,
-                    skipped: stopped.skipped,
-                    saturated: stopped.saturated.into(),
+                    counts: stopped.counts,
                     coverage: coverage.fraction,
                     gap_deg: coverage.gap_deg,
                     hint,
@@ -204,8 +211,8 @@ mod tests {
             let mut session = collecting();
             for i in 0..2000 {
                 let (u, w) = (smooth(i), noise.next());
-                session
-                    .push([0, 1, 2].map(|a| math::round(1000.0 * u[a] + 10.0 * w[a] + 300.0) as i16), false);
+                let counts = [0, 1, 2].map(|a| math::round(1000.0 * u[a] + 10.0 * w[a] + 300.0) as i16);
+                session.push(Sample::valid(counts));
             }
             let report = session.stop().ok().and_then(|o| o.report.clone());
             report.map_or((0.0, 0.0), |r| (r.effective_samples / r.samples as f64, r.predicted_error_ut))
@@ -237,11 +244,11 @@ mod tests {
                     continue;
                 }
                 let w = noise.next();
-                session
-                    .push([0, 1, 2].map(|a| math::round(1000.0 * u[a] + 30.0 * w[a] - 700.0) as i16), false);
+                let counts = [0, 1, 2].map(|a| math::round(1000.0 * u[a] + 30.0 * w[a] - 700.0) as i16);
+                session.push(Sample::valid(counts));
             }
             // Whether the fit knows the centre by now or not.
-            let Hint::Point { side } = session.status().hint else {
+            let Hint::Turn { missing: side, .. } = session.status().hint else {
                 panic!("{missing}: {:?}", session.status().hint)
             };
             assert!(side.split('-').any(|word| word == missing), "{missing}: the hint says {side}");
@@ -260,17 +267,19 @@ mod tests {
             let repeated = u32::from(i % 40 == 7) + 1;
             for _ in 0..repeated {
                 pushed += 1;
-                session.push([0, 1, 2].map(|a| (1000.0 * u[a]) as i16 + (i % 3) as i16), i % 500 == 9);
+                let counts = [0, 1, 2].map(|a| (1000.0 * u[a]) as i16 + (i % 3) as i16);
+                let sample = if i % 500 == 9 { Sample::out_of_range } else { Sample::valid };
+                session.push(sample(counts));
             }
         }
         let status = session.status();
-        assert_eq!(status.n + status.skipped, pushed, "{status:?}");
-        assert!(status.saturated == 6 && status.skipped > 900, "{status:?}");
-        let (n, skipped) = (status.n, status.skipped);
+        let Counts { n, skipped, saturated } = status.counts;
+        assert_eq!(n + skipped, pushed, "{status:?}");
+        assert!(saturated == 6 && skipped > 900, "{status:?}");
         session.stop().expect("it collects");
-        let stopped = session.status();
+        let stopped = session.status().counts;
         assert_eq!(stopped.n + stopped.skipped, n + skipped);
-        assert_eq!(stopped.saturated, status.saturated);
+        assert_eq!(stopped.saturated, saturated);
         assert!(session.stop().is_err() && session.fit_so_far().is_none());
     }
 }

@@ -5,6 +5,7 @@ use super::machine::Session;
 use crate::calibration::Calibration;
 use crate::fit::{FitReport, Method};
 use crate::math;
+use crate::sensor::Sample;
 
 /// Seeded noise, mean zero and variance one.
 struct Noise(u64);
@@ -58,7 +59,7 @@ fn solve(seed: u64, speed_radps: f64, noise_ut: f64, rho: f64) -> (bool, FitRepo
             state[axis] = rho * state[axis] + math::sqrt(1.0 - rho * rho) * noise.next();
             counts[axis] = math::round((measured[axis] + noise_ut * state[axis]) / 0.1) as i16;
         }
-        session.push(counts, false);
+        session.push(Sample::valid(counts));
     }
     let outcome = session.stop().expect("it collects").clone();
     (outcome.verdict.accepted, outcome.report.expect("there is a fit"))

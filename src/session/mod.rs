@@ -13,4 +13,4 @@ mod status;
 
 pub use config::SessionConfig;
 pub use machine::Session;
-pub use status::{Hint, Outcome, State, StateError, Status};
+pub use status::{Counts, Hint, Outcome, State, StateError, Status};

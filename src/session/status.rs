@@ -57,10 +57,13 @@ pub enum Hint {
     Start,
     /// Turn the board: nothing has moved yet.
     Move,
-    /// Point a side of the board along the field.
-    Point {
-        /// The side, for example `front-left`.
-        side: &'static str,
+    /// Turn the board so that the field comes through a side it has not come through yet. Where the field is now says where
+    /// to, so that nobody needs to know where north is, nor on which half of the Earth the board is.
+    Turn {
+        /// The side it has not come through, for example `front-left`.
+        missing: &'static str,
+        /// The side it comes through now.
+        now: &'static str,
     },
     /// The data carry a calibration: stop.
     Stop,
@@ -75,7 +78,9 @@ impl fmt::Display for Hint {
         match self {
             Self::Start => write!(f, "start a calibration with: cal start"),
             Self::Move => write!(f, "turn the board slowly in all directions"),
-            Self::Point { side } => write!(f, "keep turning; point the {side} side to the ground and north"),
+            Self::Turn { missing, now } => {
+                write!(f, "keep turning; bring the {missing} side to where the {now} side is now")
+            }
             Self::Stop => write!(f, "enough directions seen; solve with: cal stop"),
             Self::Accept => write!(f, "store and apply the solution with: cal accept"),
             Self::Again => write!(f, "the data were refused; begin again with: cal start"),
@@ -83,17 +88,24 @@ impl fmt::Display for Hint {
     }
 }
 
-/// A snapshot of a session.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Status {
-    /// Where it stands.
-    pub state: State,
+/// What a session has taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Counts {
     /// Samples in motion, in the sums.
     pub n: u64,
     /// Samples left out: at rest, repeated or saturated.
     pub skipped: u64,
     /// Of those, samples at the sensor's limits.
     pub saturated: u64,
+}
+
+/// A snapshot of a session.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Status {
+    /// Where it stands.
+    pub state: State,
+    /// What was taken.
+    pub counts: Counts,
     /// Fraction of directions seen, 0 … 1.
     pub coverage: f32,
     /// Largest gap in the directions, degrees.
@@ -124,9 +136,7 @@ impl Status {
     pub(super) fn of(state: State, report: Option<&FitReport>) -> Self {
         Self {
             state,
-            n: 0,
-            skipped: 0,
-            saturated: 0,
+            counts: Counts::default(),
             coverage: 0.0,
             gap_deg: 180.0,
             rms_ut: report.map(|r| r.rms_ut),

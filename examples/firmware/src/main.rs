@@ -12,16 +12,13 @@ use cortex_m_rt::entry;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use ironout::calibration::Calibration;
-use ironout::fit::Method;
-use ironout::gate::block_samples;
+use ironout::sensor::{Reading, Sensor};
 use ironout::session::{Hint, Session, SessionConfig};
 use ironout_drivers::lsm303dlhc::{Config, Lsm303dlhc, Range};
 use ironout_drivers::{Error, Magnetometer};
 use panic_halt as _;
 use stm32f4xx_hal::{pac, prelude::*, rcc};
 
-/// Samples a second; the sensor itself measures 75 times.
-const RATE_HZ: u32 = 50;
 /// A magnitude further off than this is a disturbance, as a part of the field.
 const DISTURBED: f32 = 0.1;
 
@@ -56,41 +53,41 @@ fn run<M: Magnetometer>(
 ) -> Result<(), Error<M::BusError>> {
     sensor.init()?;
     lights.show(false, true, false);
-    let calibration = calibrate(sensor, delay)?;
-    let scale = sensor.ut_per_count();
+    let description = sensor.describe();
+    let calibration = calibrate(sensor, &description, delay)?;
     loop {
-        delay.delay_ms(1000 / RATE_HZ);
-        let reading = sensor.read()?;
-        let measured_ut = core::array::from_fn(|axis| f32::from(reading.counts[axis]) * scale[axis]);
-        let corrected_ut = calibration.apply(measured_ut);
+        let sample = description.sample(&next(sensor, delay)?);
+        let corrected_ut = calibration.apply_counts(&description, sample.counts);
         let error = calibration.residual_ut(corrected_ut).abs() / calibration.field_ut;
-        let good = !reading.saturated() && error < DISTURBED;
+        let good = sample.is_valid() && error < DISTURBED;
         lights.show(good, false, !good);
     }
+}
+
+/// The next conversion, each one once.
+fn next<M: Magnetometer>(sensor: &mut M, delay: &mut impl DelayNs) -> Result<Reading, Error<M::BusError>> {
+    while !sensor.data_ready()? {
+        delay.delay_ms(1);
+    }
+    sensor.read()
 }
 
 /// Collects until the data carry a calibration that is accepted.
 fn calibrate<M: Magnetometer>(
     sensor: &mut M,
+    description: &Sensor,
     delay: &mut impl DelayNs,
 ) -> Result<Calibration<f32>, Error<M::BusError>> {
-    let mut session = Session::new(SessionConfig {
-        ut_per_count: sensor.ut_per_count().map(f64::from),
-        field_ut: None,
-        method: Method::Adjusted,
-        samples_per_block: block_samples(f64::from(RATE_HZ)),
-    });
+    let mut session = Session::new(SessionConfig::of(description));
     session.start();
     loop {
-        for _ in 0..RATE_HZ {
-            delay.delay_ms(1000 / RATE_HZ);
-            let reading = sensor.read()?;
-            session.push(reading.counts, reading.saturated());
+        for _ in 0..1000 / description.period_ms() {
+            session.push(description.sample(&next(sensor, delay)?));
         }
         // Once a second: is it enough? A status while collecting solves the data so far.
         if session.status().hint == Hint::Stop && session.stop().is_ok() {
             match session.accept() {
-                Ok(calibration) => return Ok(calibration.cast()),
+                Ok(record) => return Ok(record.calibration.cast()),
                 Err(_) => session.start(),
             }
         }

@@ -4,20 +4,21 @@ use embedded_hal::i2c::I2c;
 
 use super::register::{self as reg, ADDRESS};
 use super::types::Config;
-use crate::error::Error;
-use crate::magnetometer::{Magnetometer, Reading};
+use ironout_sensor::{AxisMap, Error, Magnetometer, Reading, Sensor};
 
 /// The magnetic half of an LSM303DLHC on bus `I2C`.
 #[derive(Debug)]
 pub struct Lsm303dlhc<I2C> {
     i2c: I2C,
     config: Config,
+    /// The configuration was written since a conversion was last taken: the next one may be of the gain before.
+    settling: bool,
 }
 
 impl<I2C: I2c> Lsm303dlhc<I2C> {
     /// Takes the bus; nothing is sent before [`Magnetometer::init`].
     pub const fn new(i2c: I2C, config: Config) -> Self {
-        Self { i2c, config }
+        Self { i2c, config, settling: false }
     }
 
     /// Gives the bus back. The chip goes on converting.
@@ -49,8 +50,15 @@ impl<I2C: I2c> Lsm303dlhc<I2C> {
 impl<I2C: I2c> Magnetometer for Lsm303dlhc<I2C> {
     type BusError = I2C::Error;
 
-    fn name(&self) -> &'static str {
-        "LSM303DLHC"
+    fn describe(&self) -> Sensor {
+        Sensor {
+            name: "LSM303DLHC",
+            ut_per_count: self.config.range.ut_per_count(),
+            axes: AxisMap::IDENTITY,
+            rate_hz: self.config.rate.hz(),
+            full_scale_counts: reg::FULL_SCALE,
+            bits: 12,
+        }
     }
 
     fn init(&mut self) -> Result<(), Error<I2C::Error>> {
@@ -60,6 +68,7 @@ impl<I2C: I2c> Magnetometer for Lsm303dlhc<I2C> {
         }
         let wanted = [self.config.cra(), self.config.range.crb(), reg::MR_CONTINUOUS];
         let registers = [reg::CRA, reg::CRB, reg::MR];
+        self.settling = true;
         // One register a transaction: not every model of the chip increments its pointer on writing.
         for (register, byte) in registers.into_iter().zip(wanted) {
             self.i2c.write(ADDRESS, &[register, byte])?;
@@ -73,21 +82,16 @@ impl<I2C: I2c> Magnetometer for Lsm303dlhc<I2C> {
         Ok(())
     }
 
-    fn ut_per_count(&self) -> [f32; 3] {
-        self.config.range.ut_per_count()
-    }
-
-    fn full_scale_counts(&self) -> u16 {
-        reg::FULL_SCALE
-    }
-
-    fn rate_hz(&self) -> f32 {
-        self.config.rate.hz()
-    }
-
     fn data_ready(&mut self) -> Result<bool, Error<I2C::Error>> {
         let [status] = self.read_registers(reg::SR)?;
-        Ok(status & reg::SR_DRDY != 0)
+        let ready = status & reg::SR_DRDY != 0;
+        if ready && self.settling {
+            // Reading it is what lets the flag fall.
+            self.read()?;
+            self.settling = false;
+            return Ok(false);
+        }
+        Ok(ready)
     }
 
     fn read(&mut self) -> Result<Reading, Error<I2C::Error>> {

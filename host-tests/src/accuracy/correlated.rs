@@ -7,6 +7,7 @@ use super::attitude::Motion;
 use super::log::{FIELD_UT, Log};
 use ironout::fit::Method;
 use ironout::gate::block_samples;
+use ironout::sensor::Sample;
 use ironout::session::{Session, SessionConfig};
 use ironout_simulation::paper::{Sampler, Truth};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
@@ -196,7 +197,7 @@ pub fn judge(case: &Case, log: &Log) -> Option<Judged> {
     });
     session.start();
     for counts in &log.counts {
-        session.push(*counts, false);
+        session.push(Sample::valid(*counts));
     }
     let outcome = session.stop().ok()?;
     let report = outcome.report.as_ref()?;

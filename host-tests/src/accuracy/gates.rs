@@ -6,6 +6,7 @@ use super::log::{FIELD_UT, Log, RATE_HZ};
 use super::solvers::{SOLVERS, Solver, solve};
 use ironout::fit::Method;
 use ironout::gate::block_samples;
+use ironout::sensor::Sample;
 use ironout::session::{Session, SessionConfig};
 use nalgebra::Matrix3;
 
@@ -53,7 +54,7 @@ fn judge_session(log: &Log, method: Method) -> Judged {
     });
     session.start();
     for counts in &log.counts {
-        session.push(*counts, false);
+        session.push(Sample::valid(*counts));
     }
     let outcome = session.stop().expect("the session collects");
     let report = outcome.report.as_ref();

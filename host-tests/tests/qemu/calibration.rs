@@ -2,6 +2,7 @@
 
 use crate::support::{FIELD_UT, attitudes, board, log, numbers, ok, start};
 use ironout::gate::block_samples;
+use ironout::sensor::Sample;
 use ironout::session::{Session, SessionConfig};
 use ironout_drivers::lsm303dlhc::{Range, register::OVERFLOW};
 use ironout_rig::qemu::{self, Emulator, Reply};
@@ -63,7 +64,8 @@ fn turned_calibrated_cut_from_power_and_still_calibrated() {
     let mut raw_squares = 0.0;
     for line in &raw {
         let counts: [i16; 3] = numbers(line, 2).try_into().expect("three counts after the time");
-        session.push(counts, counts.contains(&OVERFLOW));
+        let sample = if counts.contains(&OVERFLOW) { Sample::out_of_range } else { Sample::valid };
+        session.push(sample(counts));
         let scale = RANGE.ut_per_count();
         let norm_ut =
             counts.iter().zip(scale).map(|(&n, s)| (f64::from(n) * f64::from(s)).powi(2)).sum::<f64>().sqrt();

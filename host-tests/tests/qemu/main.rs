@@ -5,6 +5,8 @@
 
 mod calibration;
 mod console;
+mod cost;
+mod effects;
 mod faults;
 mod store;
 mod support;

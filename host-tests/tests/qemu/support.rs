@@ -77,6 +77,7 @@ pub fn record(sequence: u32, offset_ut: f64) -> Record {
         samples: 400,
         noise_ut: 0.05,
         rms_ut: 0.05,
+        axes: None,
     }
 }
 

@@ -4,6 +4,10 @@
 //! after some milliseconds is worth more than one that stands still, and the trace says afterwards what happened. The
 //! console shows it (`version`), and so does the log at the next start. Nothing is
 //! logged from inside a handler: the fault may have happened in the logger.
+//!
+//! A fault soon after the start, again and again, is one that restarting does not mend: after [`STUCK_AFTER`] of them the board
+//! starts without touching sensor and store and answers the console, and where even that fails, after [`WAIT_AFTER`], it
+//! does not restart any more and only says so.
 
 use core::fmt::Write;
 use core::panic::PanicInfo;
@@ -15,6 +19,14 @@ const MAGIC: u32 = 0x6661_756c;
 /// Bytes of a panic's place and message that are kept.
 const MESSAGE_BYTES: usize = 120;
 
+/// A start that lived this long has not failed.
+pub const STARTED_MS: u64 = 1_000;
+
+/// Starts in a row that failed before sensor and store are left alone …
+const STUCK_AFTER: u32 = 5;
+/// … and before the board is not restarted any more.
+const WAIT_AFTER: u32 = 8;
+
 /// The trace in words.
 type Text = String<200>;
 
@@ -25,6 +37,8 @@ struct Trace {
     magic: u32,
     /// Faults since power-up.
     count: u32,
+    /// Of those, the last ones in a row that came soon after the start.
+    at_start: u32,
     kind: u32,
     /// Where it happened, and the return address there.
     pc: u32,
@@ -59,21 +73,28 @@ pub struct Restarts {
     pub count: u32,
     /// What the last fault was, in words; empty if there was none.
     pub last: &'static str,
+    /// Starts in a row that failed.
+    at_start: u32,
 }
 
 impl Restarts {
+    /// Whether restarting has not mended the fault.
+    pub const fn is_stuck(&self) -> bool {
+        self.at_start >= STUCK_AFTER
+    }
+
     /// Reads the trace. To be called once: the second call has no room for the words any more.
     pub fn read() -> Self {
         let trace = load();
         if trace.count == 0 {
-            return Self { count: 0, last: "" };
+            return Self { count: 0, last: "", at_start: 0 };
         }
         let Some(last) = cortex_m::singleton!(: Text = Text::new()) else {
-            return Self { count: trace.count, last: "" };
+            return Self { count: trace.count, last: "", at_start: trace.at_start };
         };
         // A text longer than the buffer is cut; there is nothing better to do with it.
         let _ = describe(&trace, last);
-        Self { count: trace.count, last: last.as_str() }
+        Self { count: trace.count, last: last.as_str(), at_start: trace.at_start }
     }
 }
 
@@ -102,6 +123,7 @@ fn load() -> Trace {
     Trace {
         magic: MAGIC,
         count: 0,
+        at_start: 0,
         kind: 0,
         pc: 0,
         lr: 0,
@@ -117,10 +139,29 @@ fn load() -> Trace {
 fn store_and_restart(mut trace: Trace) -> ! {
     trace.magic = MAGIC;
     trace.count = trace.count.wrapping_add(1).max(1);
-    trace.check = checksum(&trace);
-    // SAFETY: the region is ours, aligned and large enough; nothing else runs any more.
-    unsafe { (&raw mut _fault_trace).write_volatile(trace) };
+    trace.at_start = trace.at_start.saturating_add(1);
+    store(trace);
+    if trace.at_start >= WAIT_AFTER {
+        crate::board::last_words(
+            "err busy the firmware fails at every start and waits: switch the power off and on",
+        );
+    }
     cortex_m::peripheral::SCB::sys_reset()
+}
+
+fn store(mut trace: Trace) {
+    trace.check = checksum(&trace);
+    // SAFETY: the region is ours, aligned and large enough. Its other writers are fault handlers, which never return, and
+    // `started`, which a handler may only replace whole.
+    unsafe { (&raw mut _fault_trace).write_volatile(trace) };
+}
+
+/// Takes note that this start has lived for [`STARTED_MS`].
+pub fn started() {
+    let trace = load();
+    if trace.at_start > 0 {
+        store(Trace { at_start: 0, ..trace });
+    }
 }
 
 /// FNV-1a over everything but the checksum.
@@ -128,6 +169,7 @@ fn checksum(trace: &Trace) -> u32 {
     let words = [
         trace.magic,
         trace.count,
+        trace.at_start,
         trace.kind,
         trace.pc,
         trace.lr,

@@ -1,9 +1,7 @@
 //! The firmware: wires a board to the driver, the device and the console.
 //!
-//! One thread: interrupts only move bytes and time, everything else happens in the loop below. The loop comes round at
-//! every interrupt, at least once a millisecond; its longest turn is a solve (`cal stop`, and `status` while collecting: the
-//! coverage and the verdict add a tenth to it), during which the console's bytes are buffered and samples are left out. A
-//! sample itself takes under five thousand instructions.
+//! One thread: interrupts only move bytes and time, everything else happens in the loop below, one turn of the device after the
+//! other, and sleep until the next is due. The longest turn is a solve; `version` tells how long it was.
 #![no_std]
 #![no_main]
 
@@ -13,49 +11,56 @@ compile_error!("the firmware is built for a board's target: use an alias, such a
 compile_error!("the firmware is built for exactly one board: choose a feature, such as `board-mps2`");
 
 mod board;
-mod button;
 mod fault;
 
 use board::Board;
-use button::Button;
-use core::fmt::Debug;
-use defmt::{Debug2Format, Display2Format};
-use ironout::device::{Device, DeviceConfig, SensorAnswer, SensorFault, SensorTask};
-use ironout_drivers::{Error, Magnetometer};
-
-/// 50 samples a second.
-const SAMPLE_PERIOD_MS: u32 = 20;
+use defmt::Display2Format;
+use ironout::device::{Device, DeviceConfig};
+use ironout::sensor::Magnetometer;
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let restarts = fault::Restarts::read();
     let Some(board) = Board::take() else { panic!("the board was taken before") };
-    let Board { mut sensor, mut store, mut console, clock, mut panel } = board;
+    let Board { mut sensor, mut store, mut console, mut clock, mut panel } = board;
     let mut device = Device::new(DeviceConfig {
         board: board::NAME,
-        sensor: sensor.name(),
-        ut_per_count: sensor.ut_per_count(),
-        sample_period_ms: SAMPLE_PERIOD_MS,
+        sensor: sensor.describe().mounted(board::MOUNTING),
+        pace: board::PACE,
     });
     device.note_restarts(restarts.count, restarts.last);
     defmt::info!("ironout {=str} on {=str}", env!("CARGO_PKG_VERSION"), board::NAME);
     if restarts.count > 0 {
         defmt::error!("restart {=u32} after a fault: {=str}", restarts.count, restarts.last);
     }
-    let [a, b] = device.boot(&mut store).states;
-    defmt::info!("slots: {}, {}", Display2Format(&a), Display2Format(&b));
+    if restarts.is_stuck() {
+        defmt::error!("every start has failed: sensor and store are left alone");
+        device.rest();
+    }
 
-    let mut button = Button::default();
-    // What the log has said of the sensor; nothing yet.
-    let mut logged = None;
+    // What the log has said; nothing yet.
+    let (mut logged, mut slots) = (None, None);
+    // The byte that the device did not take yet.
+    let mut held = None;
+    let mut started = false;
     loop {
-        // The sensor comes first, so that it is found before the first command asks for it. Writing to the console never
-        // fails: what a stalled terminal does not take is dropped.
-        let now_ms = clock.now_ms();
-        let _ = device.tick(now_ms, &mut console, |task| serve(&mut sensor, task));
-        while let Some(byte) = console.read() {
-            let _ = device.on_byte(byte, &mut console, &mut store);
+        let begun_us = clock.now_us();
+        let now_ms = begun_us / 1000;
+        if !started && now_ms >= fault::STARTED_MS {
+            started = true;
+            fault::started();
         }
+        while let Some(byte) = held.take().or_else(|| console.read()) {
+            if !device.take_byte(byte) {
+                held = Some(byte);
+                break;
+            }
+        }
+        device.on_button_level(panel.button_down(), now_ms);
+        let more = device.turn(now_ms, &mut sensor, &mut store, &mut console);
+        // Half an hour in one turn fits.
+        device.note_turn_us(clock.now_us().saturating_sub(begun_us) as u32);
+
         let fault = device.sensor_fault();
         if logged != Some(fault) {
             logged = Some(fault);
@@ -64,34 +69,18 @@ fn main() -> ! {
                 None => defmt::info!("sensor: works"),
             }
         }
-        if button.pressed(panel.button_down(), now_ms) {
-            defmt::info!("button: {}", device.on_button(&mut store));
+        if slots != Some(device.slots()) {
+            slots = Some(device.slots());
+            let [a, b] = device.slots().states;
+            defmt::info!("slots: {}, {}", Display2Format(&a), Display2Format(&b));
+        }
+        if let Some(event) = device.take_event() {
+            defmt::info!("button: {}", event);
         }
         panel.set_light(device.light().is_on(now_ms));
-        board::sleep();
+        if !more {
+            let wait_for_bytes = held.is_none();
+            clock.sleep_until_ms(device.next_deadline_ms(), || wait_for_bytes && console.has_input());
+        }
     }
-}
-
-/// Does with the sensor what the device asks for.
-fn serve<M: Magnetometer<BusError: Debug>>(sensor: &mut M, task: SensorTask) -> SensorAnswer {
-    let answer = match task {
-        SensorTask::Start => sensor.init().map(|()| SensorAnswer::Started),
-        SensorTask::Sample => match sensor.data_ready() {
-            Ok(true) => sensor.read().map(|reading| SensorAnswer::Sample {
-                counts: reading.counts,
-                saturated: reading.saturated(),
-            }),
-            Ok(false) => Ok(SensorAnswer::NotReady),
-            Err(error) => Err(error),
-        },
-    };
-    answer.unwrap_or_else(|error| {
-        // The cause in the bus's own words goes to the log; the console tells what to check.
-        defmt::debug!("sensor: {}", Debug2Format(&error));
-        SensorAnswer::Failed(match error {
-            Error::NotFound { expected, found } => SensorFault::WrongChip { expected, found },
-            Error::NotKept { .. } => SensorFault::NotKept,
-            Error::Bus(_) | Error::InvalidConfig(_) => SensorFault::NoAnswer,
-        })
-    })
 }

@@ -145,7 +145,7 @@ fn study(table: &[[i16; 3]; COUNT], moments: &Moments) -> Option<u32> {
 
 #[inline(never)]
 fn push_session(session: &mut Session, counts: [i16; 3]) {
-    session.push(counts, false);
+    session.push(ironout::sensor::Sample::valid(counts));
 }
 
 /// A whole calibration as the firmware runs it; says what its pushes took, what its stop, and what of that was the fit.

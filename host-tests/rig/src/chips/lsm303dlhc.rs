@@ -91,6 +91,12 @@ impl Lsm303dlhcChip {
         self.registers[usize::from(reg::IRA)..][..3].copy_from_slice(&identity);
     }
 
+    /// The level of the data-ready line: whether a conversion waits to be read.
+    pub fn data_ready_line(&mut self, clock: &Clock) -> bool {
+        self.convert(clock);
+        self.register(reg::SR) & reg::SR_DRDY != 0
+    }
+
     fn register(&self, register: u8) -> u8 {
         self.registers.get(usize::from(register)).copied().unwrap_or(0)
     }

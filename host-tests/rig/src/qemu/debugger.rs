@@ -38,6 +38,12 @@ impl Debugger {
         self.set(SP, address)
     }
 
+    /// Writes memory.
+    pub fn write(&mut self, address: u32, bytes: &[u8]) -> Result<(), Error> {
+        let hex: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        self.ask(&format!("M{address:x},{:x}:{hex}", bytes.len()), "OK").map(drop)
+    }
+
     /// Detaches, and lets the machine run.
     pub fn detach(mut self) -> Result<(), Error> {
         self.ask("D", "OK").map(drop)

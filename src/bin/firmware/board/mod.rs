@@ -3,9 +3,11 @@
 //! - `NAME` and `Board::take() -> Option<Board>`, whose fields are
 //!   `sensor` ([`Magnetometer`](ironout_drivers::Magnetometer)),
 //!   `store` ([`Store`](ironout::store::Store)),
-//!   `console` (`read() -> Option<u8>` and [`core::fmt::Write`], neither of which waits for long),
-//!   `clock` (`now_ms() -> u64`) and `panel` (`set_light(bool)`, `button_down() -> bool`);
-//! - `sleep()`, which waits for an interrupt, at most a millisecond.
+//!   `console` (`read() -> Option<u8>`, `has_input() -> bool` and [`Output`](ironout::device::Output), none of which waits),
+//!   `clock` (`now_us() -> u64`, and `sleep_until_ms(deadline, awake)`, which waits for the deadline or an interrupt unless
+//!   `awake()`) and `panel` (`set_light(bool)`, `button_down() -> bool`);
+//! - `MOUNTING`, how the sensor sits on the board, and `PACE`, when samples are taken;
+//! - `last_words(text) -> !`, which answers each line on the console with `text` for ever: for a firmware that fails at every start.
 
 #[cfg(feature = "board-mps2")]
 mod mps2;

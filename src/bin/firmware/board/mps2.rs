@@ -10,21 +10,35 @@ mod uart;
 
 use core::cell::RefCell;
 use defmt_semihosting as _;
+use eeprom24x::{Eeprom24x, SlaveAddr, addr_size::TwoBytes, page_size::B32, unique_serial};
 use embedded_hal_bus::i2c::RefCellDevice;
+use ironout::device::Pace;
+use ironout::sensor::AxisMap;
 use ironout::store::StorageSlots;
-use ironout_drivers::at24c::{At24c, Geometry};
 use ironout_drivers::lsm303dlhc::{Config, DataRate, Lsm303dlhc, Range, TemperatureFormat};
 use registers::Register;
 use sbcon::Sbcon;
 
 pub use time::Clock;
-pub use uart::Uart as Console;
+pub use uart::{Uart as Console, last_words};
 
 /// One user's share of the I²C bus.
 type Bus = RefCellDevice<'static, Sbcon>;
 
+/// An AT24C32: pages of 32 bytes, two bytes of address.
+type Eeprom = eeprom24x::Storage<Bus, B32, TwoBytes, unique_serial::No, time::Delay>;
+
+/// The bytes of a page of it.
+const PAGE_BYTES: u32 = 32;
+
 /// The board's name, for the console.
 pub const NAME: &str = "mps2";
+
+/// The sensor's axes are taken for the board's.
+pub const MOUNTING: AxisMap = AxisMap::IDENTITY;
+
+/// 50 samples a second of the board's own clock: the emulated chip is always ready and has no rate of its own.
+pub const PACE: Pace = Pace::Every(20);
 
 const FPGAIO: usize = 0x4002_8000;
 // SAFETY: the FPGA's register of two LEDs on the AN386 image.
@@ -46,7 +60,7 @@ pub struct Board {
     /// The magnetometer.
     pub sensor: Lsm303dlhc<Bus>,
     /// Where the calibration is kept: the first KiB of the EEPROM.
-    pub store: StorageSlots<At24c<Bus>>,
+    pub store: StorageSlots<Eeprom>,
     /// The serial console.
     pub console: Console,
     /// The clock.
@@ -61,10 +75,11 @@ impl Board {
         let console = Console::new()?;
         let bus = cortex_m::singleton!(: RefCell<Sbcon> = RefCell::new(Sbcon::new()))?;
         let bus: &'static RefCell<Sbcon> = bus;
-        let eeprom = At24c::new(RefCellDevice::new(bus), Geometry::AT24C32).ok()?;
+        let eeprom = Eeprom24x::new_24x32(RefCellDevice::new(bus), SlaveAddr::default());
+        let store = StorageSlots::new(Eeprom::new(eeprom, time::Delay), 0, PAGE_BYTES).ok()?;
         let board = Self {
             sensor: Lsm303dlhc::new(RefCellDevice::new(bus), SENSOR),
-            store: StorageSlots::new(eeprom, 0),
+            store,
             console,
             clock: Clock::new(),
             panel: Panel::new(),
@@ -75,11 +90,6 @@ impl Board {
         }
         Some(board)
     }
-}
-
-/// Sleeps until an interrupt: a byte, room for one, or the timer's millisecond.
-pub fn sleep() {
-    cortex_m::asm::wfi();
 }
 
 /// The light and the button.

@@ -1,4 +1,4 @@
-//! The board's clock: a free-running 25 MHz counter, and a timer that wakes the processor every millisecond.
+//! The board's clock: a free-running 25 MHz counter, and a timer that wakes the processor when something is due.
 
 use super::registers::Register;
 use core::cell::Cell;
@@ -7,8 +7,8 @@ use critical_section::Mutex;
 /// Ticks of the counter in a microsecond.
 pub const TICKS_PER_US: u32 = 25;
 
-/// The timer's period: the resolution with which a sample is on time.
-const TICKS_PER_WAKE: u32 = TICKS_PER_US * 1_000;
+/// The longest sleep. It bounds what a lost interrupt costs, and the counter is read far more often than it wraps.
+const LONGEST_SLEEP_US: u64 = 1_000_000;
 
 // SAFETY: the FPGA's free-running counter on the AN386 image, read only.
 const COUNTER: Register = unsafe { Register::new(0x4002_8000, 0x18) };
@@ -25,8 +25,8 @@ const INTERRUPT: Register = unsafe { Register::new(TIMER0, 0xC) };
 const ENABLE: u32 = 1 << 0;
 const INTERRUPT_ENABLE: u32 = 1 << 3;
 
-/// The counter's last reading and the ticks counted until then. The counter wraps after 171 s; the timer's handler
-/// reads it every millisecond, so no wrap is ever missed.
+/// The counter's last reading and the ticks counted until then. The counter wraps after 171 s; it is read after every sleep,
+/// so no wrap is ever missed.
 static EXTENDED: Mutex<Cell<(u32, u64)>> = Mutex::new(Cell::new((0, 0)));
 
 /// The counter as it stands, for short intervals.
@@ -49,25 +49,53 @@ fn ticks() -> u64 {
 /// The handler of timer 0's interrupt.
 pub extern "C" fn on_timer0() {
     INTERRUPT.write(1);
-    ticks();
+    CONTROL.write(0);
 }
 
 /// The clock. There is one: [`super::Board::take`] makes it.
 pub struct Clock(());
 
 impl Clock {
-    /// Starts the timer.
+    /// Starts the count.
     pub(super) fn new() -> Self {
         critical_section::with(|section| EXTENDED.borrow(section).set((counter(), 0)));
-        RELOAD.write(TICKS_PER_WAKE - 1);
-        VALUE.write(TICKS_PER_WAKE - 1);
+        CONTROL.write(0);
         INTERRUPT.write(1);
-        CONTROL.write(ENABLE | INTERRUPT_ENABLE);
         Self(())
     }
 
-    /// Milliseconds since start.
-    pub fn now_ms(&self) -> u64 {
-        ticks() / u64::from(1_000 * TICKS_PER_US)
+    /// Microseconds since start.
+    pub fn now_us(&self) -> u64 {
+        ticks() / u64::from(TICKS_PER_US)
+    }
+
+    /// Sleeps until `deadline_ms` or any interrupt (a byte, room for one). Not at all where `awake` says so, which is asked with
+    /// interrupts held back: one that comes after the question ends the sleep.
+    pub fn sleep_until_ms(&mut self, deadline_ms: u64, awake: impl FnOnce() -> bool) {
+        let left_us = deadline_ms.saturating_mul(1000).saturating_sub(self.now_us()).min(LONGEST_SLEEP_US);
+        if left_us == 0 {
+            return;
+        }
+        let ticks = left_us as u32 * TICKS_PER_US;
+        RELOAD.write(ticks);
+        VALUE.write(ticks);
+        CONTROL.write(ENABLE | INTERRUPT_ENABLE);
+        critical_section::with(|_| {
+            if !awake() {
+                cortex_m::asm::wfi();
+            }
+        });
+        CONTROL.write(0);
+        INTERRUPT.write(1);
+    }
+}
+
+/// Waits by counting.
+pub struct Delay;
+
+impl embedded_hal::delay::DelayNs for Delay {
+    fn delay_ns(&mut self, ns: u32) {
+        let (start, ticks) = (counter(), ns.div_ceil(1000).saturating_mul(TICKS_PER_US));
+        while counter().wrapping_sub(start) < ticks {}
     }
 }

@@ -2,10 +2,11 @@
 
 use super::registers::Register;
 use super::time;
-use core::cell::RefCell;
+use core::cell::{Cell, RefCell};
 use core::sync::atomic::{AtomicBool, Ordering};
 use critical_section::Mutex;
 use heapless::spsc::{Consumer, Producer, Queue};
+use ironout::device::Output;
 
 const UART0: usize = 0x4000_4000;
 // SAFETY: the registers of CMSDK UART 0; they touch no memory.
@@ -31,11 +32,11 @@ const INTERRUPT_RX: u32 = 1 << 1;
 /// Holds what arrives at full speed during the longest turn of the loop: a stop that solves over limited attitude, where lower
 /// orders are tried too, takes 1.7 million instructions (0.65 million over the whole sphere). That is some 70 ms, 800 bytes.
 const RX_BYTES: usize = 1024;
-/// Holds the longest reply, so that printing it does not hold up the samples.
-const TX_BYTES: usize = 2048;
+/// Holds the longest reply and some lines of a stream.
+const TX_BYTES: usize = 4096;
 
-/// How long text waits for room. A terminal that stopped reading must not stop the board.
-const WRITE_LIMIT_US: u32 = 200_000;
+/// How long text may stay where it is. A terminal that stopped reading for longer must not keep commands waiting.
+const STALL_LIMIT_US: u32 = 200_000;
 
 /// Stands in for bytes that were lost. The console refuses a line that holds it, so that a command with a hole in it is
 /// never carried out as another one.
@@ -98,6 +99,8 @@ pub struct Uart {
     received: Consumer<'static, u8>,
     to_send: Producer<'static, u8>,
     flow: Flow,
+    /// How much was queued when it last became less, and when that was.
+    progress: Cell<(usize, u32)>,
 }
 
 /// Whether the other end takes what is sent.
@@ -105,7 +108,7 @@ pub struct Uart {
 enum Flow {
     /// It does.
     Open,
-    /// It took nothing for [`WRITE_LIMIT_US`]: text is dropped until all that was queued has gone.
+    /// It took nothing for [`STALL_LIMIT_US`]: text is dropped until all that was queued has gone.
     Stalled,
     /// It takes again; the rest of the line that was cut is still dropped, so that what follows is whole.
     SkippingLine,
@@ -123,7 +126,7 @@ impl Uart {
         });
         BAUD_DIVIDER.write(25_000_000 / 115_200);
         CONTROL.write(ENABLE_ALL);
-        Some(Self { received: rx_out, to_send: tx_in, flow: Flow::Open })
+        Some(Self { received: rx_out, to_send: tx_in, flow: Flow::Open, progress: Cell::new((0, 0)) })
     }
 
     /// The next byte received; [`LOST`] where some are missing.
@@ -138,38 +141,76 @@ impl Uart {
         self.received.dequeue()
     }
 
-    /// Queues a byte, waiting for room if need be.
+    /// Whether [`Self::read`] has something to give.
+    pub fn has_input(&self) -> bool {
+        self.received.ready() || RX_LOST.load(Ordering::Relaxed) || STATE.read() & RX_FULL != 0
+    }
+
+    /// Whether what is queued has not become less for [`STALL_LIMIT_US`].
+    fn is_stuck(&self) -> bool {
+        let (queued, (least, since)) = (self.to_send.len(), self.progress.get());
+        let now = time::counter();
+        if queued < least || least == 0 {
+            self.progress.set((queued, now));
+            return false;
+        }
+        now.wrapping_sub(since) > STALL_LIMIT_US * time::TICKS_PER_US
+    }
+
+    /// Queues a byte, or drops it where there is no room.
     fn put(&mut self, byte: u8) {
         match self.flow {
-            Flow::Open => {}
-            Flow::Stalled if !self.to_send.is_empty() => return,
+            Flow::Open => {
+                if self.to_send.enqueue(byte).is_err() {
+                    self.flow = Flow::Stalled;
+                }
+            }
+            Flow::Stalled if !self.to_send.is_empty() => {}
             Flow::Stalled | Flow::SkippingLine => {
                 self.flow = if byte == b'\n' { Flow::Open } else { Flow::SkippingLine };
                 // The cut line gets an end of its own, so that the next one begins a line.
                 if self.flow == Flow::Open {
                     let _ = self.to_send.enqueue(byte);
                 }
-                return;
-            }
-        }
-        let since = time::counter();
-        while self.to_send.enqueue(byte).is_err() {
-            on_transmit();
-            if time::counter().wrapping_sub(since) > WRITE_LIMIT_US * time::TICKS_PER_US {
-                self.flow = Flow::Stalled;
-                return;
             }
         }
     }
 }
 
 impl core::fmt::Write for Uart {
-    /// Queues the text. It never fails: text that the other end does not take is lost, whole lines of it.
+    /// Queues the text. It never fails and never waits: text that the other end does not take is lost, whole lines of it.
     fn write_str(&mut self, text: &str) -> core::fmt::Result {
         for byte in text.bytes() {
             self.put(byte);
         }
         on_transmit();
         Ok(())
+    }
+}
+
+impl Output for Uart {
+    fn takes(&self, bytes: usize) -> bool {
+        // A terminal that has stopped reading takes everything: it is lost.
+        self.to_send.capacity() - self.to_send.len() >= bytes || self.flow != Flow::Open || self.is_stuck()
+    }
+}
+
+/// Answers each line with `text` for ever, without interrupts and without memory.
+pub fn last_words(text: &str) -> ! {
+    BAUD_DIVIDER.write(25_000_000 / 115_200);
+    CONTROL.write(0b11);
+    let mut is_empty = true;
+    loop {
+        if STATE.read() & RX_FULL == 0 {
+            continue;
+        }
+        let byte = DATA.read() as u8;
+        if byte == b'\n' && !is_empty {
+            for byte in text.bytes().chain(*b"\n") {
+                while STATE.read() & TX_FULL != 0 {}
+                DATA.write(u32::from(byte));
+            }
+        }
+        is_empty = byte == b'\n' || (is_empty && byte == b'\r');
     }
 }

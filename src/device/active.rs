@@ -1,0 +1,72 @@
+//! The calibration in use.
+
+use core::fmt;
+
+use crate::effect::TIME;
+use crate::extended::{Live, LiveError};
+use crate::record::Record;
+use crate::sensor::AxisMap;
+use crate::store::Slot;
+
+/// Why a stored calibration is not applied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NotApplied {
+    /// It cannot run live.
+    Live(LiveError),
+    /// It was made with the sensor mounted otherwise: its axes are others.
+    Mounting,
+}
+
+impl fmt::Display for NotApplied {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NotApplied::Live(error) => error.fmt(f),
+            NotApplied::Mounting => f.write_str("it was made with the sensor mounted otherwise"),
+        }
+    }
+}
+
+/// A stored calibration at work.
+#[derive(Debug, Clone)]
+pub(super) struct Active {
+    pub(super) record: Record,
+    pub(super) slot: Slot,
+    pub(super) live: Result<Live<f32>, NotApplied>,
+    /// What the recording's clock shows when that of `live` is zero.
+    origin_s: f64,
+    /// What has to be added to the time since power-up to give the recording's clock; unknown until it is fed.
+    clock_s: Option<f64>,
+}
+
+impl Active {
+    pub(super) fn new(slot: Slot, record: Record, axes: AxisMap) -> Self {
+        let (calibration, origin_s) = record.extended().on_own_clock();
+        let live = match record.axes {
+            Some(recorded) if recorded != axes => Err(NotApplied::Mounting),
+            _ => Live::new(&calibration.cast()).map_err(NotApplied::Live),
+        };
+        Self { record, slot, live, origin_s, clock_s: None }
+    }
+
+    /// The correction at this time, if it runs.
+    pub(super) fn at(&mut self, t_ms: u64) -> Option<&Live<f32>> {
+        let live = self.live.as_mut().ok()?;
+        if live.needs_time() {
+            let now_s = t_ms as f64 / 1000.0;
+            live.advance(now_s + self.clock_s.map_or(0.0, |clock_s| clock_s - self.origin_s));
+            if self.clock_s.is_none() {
+                live.set(TIME, f32::NAN);
+            }
+        }
+        Some(live)
+    }
+
+    /// Feeds a column; the time too. Says whether an effect reads it.
+    pub(super) fn feed(&mut self, column: &str, value: f64, t_ms: u64) -> bool {
+        if column == TIME {
+            self.clock_s = Some(value - t_ms as f64 / 1000.0);
+            return self.at(t_ms).is_some_and(|live| !live.slots(TIME).is_empty());
+        }
+        self.live.as_mut().is_ok_and(|live| live.set(column, value as f32))
+    }
+}

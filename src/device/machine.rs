@@ -1,0 +1,436 @@
+//! The state machine: what is due, in which order, and what becomes of the answers.
+
+use core::mem;
+
+use heapless::Deque;
+
+use super::active::Active;
+use super::button::{Button, ButtonEvent};
+use super::light::Light;
+use super::output::{MAX_REPLY_BYTES, Output};
+use super::sensor::{Pace, SensorAnswer, SensorFault, SensorTask, SensorWatch};
+use super::stream;
+use crate::calibration::Calibration;
+use crate::gate::block_samples;
+use crate::protocol::{Line, LineSplitter, StreamMode};
+use crate::record::Record;
+use crate::sensor::{Reading, Sample, Sensor};
+use crate::session::{Session, SessionConfig, State, Status};
+use crate::store::{Done, Slot, SlotState, Slots, StoreAnswer, StoreError, StoreJob, StoreTask};
+
+/// What a device needs to know of its board.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DeviceConfig {
+    /// The board's name, for `version`.
+    pub board: &'static str,
+    /// The sensor, as configured and mounted.
+    pub sensor: Sensor,
+    /// When samples are taken.
+    pub pace: Pace,
+}
+
+/// What the owner has to do now.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Action {
+    /// This, and then [`Device::complete_sensor`].
+    Sensor(SensorTask),
+    /// This, and then [`Device::complete_store`].
+    Store(StoreTask),
+    /// Something was done: take in what has arrived meanwhile, and poll again with the time it is then.
+    Again,
+    /// Nothing until [`Device::next_deadline_ms`], or a byte, a reading or a level of the button.
+    Sleep,
+}
+
+/// Lines of a stream that wait for the next poll; a reading in an interrupt may come a few times between two.
+const WAITING_SAMPLES: usize = 8;
+/// The room that a line of a stream needs.
+const STREAM_LINE_BYTES: usize = 80;
+/// How long a status is good for while samples come in: one solve in this time is all that `status` costs, however often
+/// it is asked.
+const STATUS_AGE_MS: u64 = 500;
+/// How long a computation waits at most for the moment after a sample.
+const PATIENCE_MS: u64 = 300;
+/// When a full output is looked at again.
+const OUTPUT_RETRY_MS: u64 = 10;
+
+/// What a job at the store is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Errand {
+    /// To find the calibration, at the start, or again because a slot did not answer then.
+    Boot,
+    /// For `version`.
+    Version,
+    /// For `cal accept`.
+    Accept,
+    /// For the button.
+    AcceptByButton,
+    /// For `cal clear`.
+    Clear,
+}
+
+/// Restarts of the board after a fault of its firmware.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Restarts {
+    pub(super) count: u32,
+    pub(super) last: &'static str,
+}
+
+/// The application: see the [module](super).
+#[derive(Debug, Clone)]
+pub struct Device {
+    pub(super) config: DeviceConfig,
+    pub(super) session: Session,
+    pub(super) active: Option<Active>,
+    pub(super) sensor: SensorWatch,
+    pub(super) stream: StreamMode,
+    waiting: Deque<stream::Sample, WAITING_SAMPLES>,
+    splitter: LineSplitter,
+    line_waits: bool,
+    /// Since when a computation has waited for the moment after a sample.
+    compute_asked_ms: Option<u64>,
+    pub(super) status: Option<(u64, Status)>,
+    job: Option<(Errand, StoreJob)>,
+    slots: Slots,
+    /// A slot could not be read when the store was looked at last; it is looked at again before the next line is answered.
+    pub(super) store_unread: bool,
+    looked_again: bool,
+    button: Button,
+    presses: u8,
+    event: Option<ButtonEvent>,
+    pub(super) restarts: Restarts,
+    pub(super) longest_turn_us: u32,
+    /// The time of the last poll or answer.
+    pub(super) now_ms: u64,
+}
+
+impl Device {
+    /// A device with an idle session, a sensor to be started and a store to be looked at.
+    pub fn new(config: DeviceConfig) -> Self {
+        let sensor = &config.sensor;
+        let mut session_config = SessionConfig::of(sensor);
+        if let Pace::Every(period_ms) = config.pace {
+            session_config.samples_per_block = block_samples(1000.0 / f64::from(period_ms.max(1)));
+        }
+        Self {
+            config,
+            session: Session::new(session_config),
+            active: None,
+            sensor: SensorWatch::new(config.pace, sensor),
+            stream: StreamMode::Off,
+            waiting: Deque::new(),
+            splitter: LineSplitter::new(),
+            line_waits: false,
+            compute_asked_ms: None,
+            status: None,
+            job: Some((Errand::Boot, StoreJob::inspect())),
+            slots: Slots { states: [SlotState::Unreadable; 2] },
+            store_unread: true,
+            looked_again: false,
+            button: Button::default(),
+            presses: 0,
+            event: None,
+            restarts: Restarts::default(),
+            longest_turn_us: 0,
+            now_ms: 0,
+        }
+    }
+
+    /// Tells the device that the board restarted `count` times since power-up after a fault of its firmware, and in words
+    /// what the last one was. `status` counts them among its faults, `version` shows the last.
+    pub fn note_restarts(&mut self, count: u32, last: &'static str) {
+        self.restarts = Restarts { count, last };
+    }
+
+    /// Leaves sensor and store alone from now on, and answers the console all the same: for a firmware that has failed at every
+    /// start and does not know at what. `status` says so.
+    pub fn rest(&mut self) {
+        self.sensor.rest();
+        self.job = None;
+        self.store_unread = false;
+    }
+
+    /// Tells the device how long a turn of the owner's loop was; `version` shows the longest.
+    pub fn note_turn_us(&mut self, us: u32) {
+        self.longest_turn_us = self.longest_turn_us.max(us);
+    }
+
+    /// Takes a byte from the console. `false`, and nothing taken, while a line waits for its answer: the byte is to be offered
+    /// again after the next poll.
+    #[must_use = "a byte that was not taken is to be offered again"]
+    pub fn take_byte(&mut self, byte: u8) -> bool {
+        if self.line_waits {
+            return false;
+        }
+        self.line_waits = self.splitter.push(byte).is_some();
+        true
+    }
+
+    /// Takes the level of the button, bounces and all: at each change or as often as it is polled, and again at
+    /// [`Self::next_deadline_ms`].
+    pub fn on_button_level(&mut self, down: bool, now_ms: u64) {
+        if self.button.pressed(down, now_ms) {
+            self.on_press();
+        }
+    }
+
+    /// Takes a press of a button that does not bounce: it starts a calibration, or ends one and accepts it if its verdict
+    /// allows. What came of it is told by [`Self::take_event`].
+    pub fn on_press(&mut self) {
+        self.presses = self.presses.saturating_add(1);
+    }
+
+    /// What a press of the button has done, once.
+    pub fn take_event(&mut self) -> Option<ButtonEvent> {
+        self.event.take()
+    }
+
+    /// Takes a measurement (chip axes) that the owner made on its own: with [`Pace::Pushed`], all of them. It works without
+    /// anything else, too: a sensor that is heard of works.
+    pub fn on_sample(&mut self, reading: &Reading, t_ms: u64) {
+        self.now_ms = self.now_ms.max(t_ms);
+        self.sensor.heard(t_ms);
+        self.take_sample(self.config.sensor.sample(reading), t_ms);
+    }
+
+    fn take_sample(&mut self, sample: Sample, t_ms: u64) {
+        self.session.push(sample);
+        if self.stream != StreamMode::Off {
+            let measured_ut = self.config.sensor.measured_ut(sample);
+            if self.waiting.is_full() {
+                self.waiting.pop_front();
+            }
+            // There is room now.
+            let _ = self.waiting.push_back(stream::Sample { t_ms, counts: sample.counts, measured_ut });
+        }
+    }
+
+    /// Takes what came of an [`Action::Sensor`], with the time it is now.
+    pub fn complete_sensor(&mut self, answer: SensorAnswer, now_ms: u64) {
+        self.now_ms = self.now_ms.max(now_ms);
+        self.sensor.answered(answer, now_ms);
+        if let SensorAnswer::Reading(reading) = answer {
+            self.take_sample(self.config.sensor.sample(&reading), now_ms);
+        }
+    }
+
+    /// Takes what came of an [`Action::Store`], with the time it is now.
+    pub fn complete_store(&mut self, answer: &StoreAnswer, now_ms: u64) {
+        self.now_ms = self.now_ms.max(now_ms);
+        if let Some((_, job)) = &mut self.job {
+            job.complete(answer, now_ms);
+        }
+    }
+
+    /// What has to be done at `now_ms` (since power-up). The same action is returned until it is completed, so that an owner
+    /// may give up on one and poll again. The order: streams, the sensor, the store, the button, one line of the console.
+    pub fn poll(&mut self, now_ms: u64, out: &mut impl Output) -> Action {
+        self.now_ms = self.now_ms.max(now_ms);
+        self.sensor.time(now_ms);
+        self.write_stream(out);
+        if let Some(task) = self.sensor.task(now_ms) {
+            return Action::Sensor(task);
+        }
+        if let Some((errand, job)) = &self.job {
+            if let Some(task) = job.task(now_ms) {
+                return Action::Store(task);
+            }
+            return match job.outcome() {
+                None => Action::Sleep,
+                // The reply waits for its room; samples and streams do not.
+                Some(_) if Self::replies(*errand) && !out.takes(MAX_REPLY_BYTES) => Action::Sleep,
+                Some(outcome) => {
+                    let errand = *errand;
+                    self.job = None;
+                    self.finish(errand, outcome, out);
+                    Action::Again
+                }
+            };
+        }
+        if self.presses > 0 && self.may_compute(self.session.state() == State::Collecting) {
+            self.presses -= 1;
+            self.compute_asked_ms = None;
+            self.pressed();
+            return Action::Again;
+        }
+        if self.line_waits && out.takes(MAX_REPLY_BYTES) && self.answer_line(out) {
+            return Action::Again;
+        }
+        Action::Sleep
+    }
+
+    /// When there is something to do without anything coming from outside; a time past: at once.
+    pub fn next_deadline_ms(&self) -> u64 {
+        let job = match &self.job {
+            Some((_, job)) => Some(job.deadline_ms().unwrap_or(self.now_ms + OUTPUT_RETRY_MS)),
+            None if self.line_waits || self.presses > 0 => {
+                // It waits for room, or for the moment after a sample, which comes with the sample.
+                Some(self.now_ms + OUTPUT_RETRY_MS)
+            }
+            None => None,
+        };
+        let light = self.light().next_change_ms(self.now_ms);
+        [job, self.button.deadline_ms(), light]
+            .into_iter()
+            .flatten()
+            .fold(self.sensor.deadline_ms(), u64::min)
+    }
+
+    fn write_stream(&mut self, out: &mut impl Output) {
+        while let Some(sample) = self.waiting.pop_front() {
+            if out.takes(STREAM_LINE_BYTES) {
+                let live = self.active.as_mut().and_then(|active| active.at(sample.t_ms));
+                // What cannot be written is left out, as where there is no room.
+                let _ = stream::write_line(out, self.stream, &sample, live);
+            }
+        }
+    }
+
+    /// Whether a computation of many milliseconds may begin: right after a sample, so that the next one is late at most; where
+    /// that moment does not come, after a while.
+    pub(super) fn may_compute(&mut self, is_long: bool) -> bool {
+        let ample = |slack_ms| slack_ms >= self.sensor.ample_slack_ms();
+        if !is_long || self.sensor.slack_ms(self.now_ms).is_none_or(ample) {
+            return true;
+        }
+        let asked_ms = *self.compute_asked_ms.get_or_insert(self.now_ms);
+        self.now_ms.saturating_sub(asked_ms) >= PATIENCE_MS
+    }
+
+    /// Whether `status` has to solve.
+    pub(super) fn status_is_old(&self) -> bool {
+        self.session.state() == State::Collecting
+            && self.status.is_none_or(|(t_ms, status)| {
+                status.state != State::Collecting || self.now_ms.saturating_sub(t_ms) >= STATUS_AGE_MS
+            })
+    }
+
+    /// Answers the line that waits, or begins what its answer needs. `false` where it has to wait.
+    fn answer_line(&mut self, out: &mut impl Output) -> bool {
+        let splitter = mem::take(&mut self.splitter);
+        let line = splitter.last().unwrap_or(Line::NotText);
+        if self.store_unread && !self.looked_again {
+            self.looked_again = true;
+            self.begin(Errand::Boot, StoreJob::inspect());
+        } else if !self.may_compute(self.is_long(line)) {
+            self.splitter = splitter;
+            return false;
+        } else {
+            self.compute_asked_ms = None;
+            let answered = self.answer(line, out);
+            // Where the job goes on with it, the line is done all the same: `finish` writes the reply.
+            (self.line_waits, self.looked_again) = (false, false);
+            if let Some(answered) = answered {
+                // Room was made sure of; an output that fails all the same has nobody at its end.
+                let _ = answered.result();
+            }
+            return true;
+        }
+        self.splitter = splitter;
+        true
+    }
+
+    pub(super) fn begin(&mut self, errand: Errand, job: StoreJob) {
+        self.job = Some((errand, job));
+    }
+
+    const fn replies(errand: Errand) -> bool {
+        matches!(errand, Errand::Version | Errand::Accept | Errand::Clear)
+    }
+
+    fn finish(&mut self, errand: Errand, outcome: Result<Done, StoreError>, out: &mut impl Output) {
+        if let Ok(Done::Inspected(slots, record)) = &outcome {
+            self.adopt(*slots, *record);
+        }
+        let answered = match errand {
+            Errand::Boot => return,
+            Errand::Version => self.version(out),
+            Errand::Accept => self.accepted(outcome, out),
+            Errand::AcceptByButton => {
+                let event = match self.stored(outcome) {
+                    Ok(slot) => ButtonEvent::Accepted(slot),
+                    Err(error) => ButtonEvent::NotStored(error),
+                };
+                self.event = Some(event);
+                return;
+            }
+            Errand::Clear => self.cleared(outcome, out),
+        };
+        // As for any other line.
+        let _ = answered.result();
+    }
+
+    /// Takes note of what stands in the slots. The record found is put to work where none was found before, or not all could
+    /// be read; one that is at work already goes on with the columns it was fed.
+    fn adopt(&mut self, slots: Slots, record: Option<Record>) {
+        self.slots = slots;
+        if !self.store_unread {
+            return;
+        }
+        self.store_unread = slots.unreadable().is_some();
+        if let (Some((slot, _)), Some(record)) = (slots.current(), record) {
+            let at_work = self.active.as_ref().is_some_and(|active| active.record == record);
+            if !at_work {
+                self.active = Some(Active::new(slot, record, self.config.sensor.axes));
+            }
+        }
+    }
+
+    /// Takes note of a button's event.
+    pub(super) fn tell(&mut self, event: ButtonEvent) {
+        self.event = Some(event);
+    }
+
+    /// What stood in the slots when they were looked at last.
+    pub const fn slots(&self) -> Slots {
+        self.slots
+    }
+
+    /// Whether all that came from outside is dealt with: no line waits for its answer, no press for its effect, and nothing is
+    /// under way at the store.
+    pub const fn is_idle(&self) -> bool {
+        !self.line_waits && self.presses == 0 && self.job.is_none()
+    }
+
+    /// The calibration in use.
+    pub fn calibration(&self) -> Option<&Calibration<f64>> {
+        self.record().map(|record| &record.calibration)
+    }
+
+    /// The stored record of the calibration in use.
+    pub fn record(&self) -> Option<&Record> {
+        self.active.as_ref().filter(|active| active.live.is_ok()).map(|active| &active.record)
+    }
+
+    /// The slot that must not be overwritten.
+    pub(super) fn slot_in_use(&self) -> Option<Slot> {
+        self.active.as_ref().map(|active| active.slot)
+    }
+
+    /// The session: what is being collected and what came of it.
+    pub const fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// What is wrong with the sensor, if it does not work.
+    pub const fn sensor_fault(&self) -> Option<SensorFault> {
+        self.sensor.fault()
+    }
+
+    /// Samples that were due, or conversions that were made, and not taken since power-up, while the sensor worked.
+    pub const fn samples_lost(&self) -> u32 {
+        self.sensor.lost()
+    }
+
+    /// What the light has to show.
+    pub fn light(&self) -> Light {
+        match self.session.state() {
+            _ if self.sensor.fault().is_some() => Light::SensorFault,
+            State::Collecting => Light::Collecting,
+            State::Solved => Light::Solved,
+            State::Refused => Light::Refused,
+            State::Idle if self.record().is_some() => Light::Calibrated,
+            State::Idle => Light::Uncalibrated,
+        }
+    }
+}
