@@ -120,7 +120,7 @@ pub struct Status {
     pub hint: Hint,
 }
 
-/// The outcome of [`Session::stop`].
+/// The outcome of a stop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Accepted or refused, with reasons.

@@ -28,7 +28,10 @@ fn no_sample_is_lost_and_each_reply_comes_in_time_while_it_collects_solves_answe
     for _ in 0..RUNS {
         match run() {
             Ok(()) => return,
-            Err(what) => lost.push(what),
+            Err(what) => {
+                println!("{what}");
+                lost.push(what);
+            }
         }
     }
     panic!("samples were lost in each of {RUNS} runs: {lost:?}");
