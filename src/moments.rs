@@ -77,6 +77,13 @@ impl Default for Moments {
     }
 }
 
+/// `Σx` and `Σx²` on each axis, counts and counts².
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct AxisSums {
+    pub(crate) linear: [i64; 3],
+    pub(crate) square: [i64; 3],
+}
+
 /// Adds to the places of an array.
 macro_rules! add {
     ($sums:expr, [$($place:literal $value:expr),*]) => {
@@ -183,6 +190,12 @@ impl Moments {
         *self = Self::new();
     }
 
+    /// The sums of the counts and of their squares on each axis.
+    pub(crate) const fn axis_sums(&self) -> AxisSums {
+        let [xx, _, _, yy, _, zz] = self.quadratic;
+        AxisSums { linear: self.linear, square: [xx, yy, zz] }
+    }
+
     /// Number of samples.
     pub const fn count(&self) -> u64 {
         self.count as u64
@@ -286,3 +299,20 @@ const TRACE_COLUMNS: [Column; 9] = [
 ];
 
 const _: () = assert!(core::mem::size_of::<Moments>() <= 400, "the accumulator's memory is a promise");
+
+#[cfg(test)]
+mod tests {
+    use super::Moments;
+
+    #[test]
+    fn a_degree_that_is_not_kept_has_no_sum_however_large_it_is() {
+        let mut moments = Moments::new();
+        moments.push([3, -2, 1]);
+        assert_eq!(moments.sum(2, 1, 1), Some(-18));
+        for large in [3, 5, usize::MAX] {
+            for [i, j, k] in [[large, 1, 1], [1, large, 1], [1, 1, large], [large, large, large]] {
+                assert_eq!(moments.sum(i, j, k), None, "{i} {j} {k}");
+            }
+        }
+    }
+}

@@ -13,6 +13,10 @@ const FIRST: [usize; 5] = [0, 1, 4, 10, 20];
 /// Position of `xⁱyʲzᵏ` in an array ordered by degree, then lexicographically; `None` above degree four.
 #[inline]
 pub const fn index(i: usize, j: usize, k: usize) -> Option<usize> {
+    // One by one first: the sum of three large exponents does not fit.
+    if i > 4 || j > 4 || k > 4 {
+        return None;
+    }
     let tail = j + k;
     let degree = i + tail;
     if degree > 4 { None } else { Some(FIRST[degree] + tail * (tail + 1) / 2 + k) }
@@ -114,6 +118,11 @@ mod tests {
             assert_eq!(index((*i).into(), (*j).into(), (*k).into()), Some(position));
         }
         assert_eq!(index(5, 0, 0), None);
+        for large in [5, usize::MAX / 2 + 1, usize::MAX] {
+            for exponents in [[large, 1, 0], [0, large, 1], [1, 0, large], [large; 3]] {
+                assert_eq!(index(exponents[0], exponents[1], exponents[2]), None, "{exponents:?}");
+            }
+        }
         assert_eq!(EXPONENTS[4..10], [[2, 0, 0], [1, 1, 0], [1, 0, 1], [0, 2, 0], [0, 1, 1], [0, 0, 2]]);
     }
 

@@ -192,3 +192,59 @@ pub fn judge_figures(
     let accepted = !reasons.iter().any(Reason::refuses) && report.calibration.is_sound();
     Verdict { accepted, reasons }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn good() -> Figures {
+        Figures {
+            calibration: Calibration::identity(50.0),
+            samples: 1000,
+            predicted_error_ut: 0.1,
+            rms_ut: 0.5,
+            measured_field_ut: 50.0,
+        }
+    }
+
+    /// The words of the reasons, and whether the calibration is accepted.
+    fn verdict(figures: &Figures, saturated: u64) -> (bool, Vec<&'static str, 6>) {
+        let verdict = judge_figures(figures, None, saturated, Some(50.0));
+        (verdict.accepted, verdict.reasons.iter().map(Reason::code).collect())
+    }
+
+    #[test]
+    fn each_gate_lets_through_what_is_just_inside_and_names_what_is_just_outside() {
+        let none: &[&str] = &[];
+        assert_eq!(verdict(&good(), 0), (true, none.iter().copied().collect()));
+        let cases: [(Figures, u64, Option<&str>); 9] = [
+            // 5 % of the field, also with the calibration's own field.
+            (Figures { rms_ut: 2.49, ..good() }, 0, None),
+            (Figures { rms_ut: 2.51, ..good() }, 0, Some("residual-too-large")),
+            (Figures { rms_ut: f64::NAN, ..good() }, 0, Some("residual-too-large")),
+            // 1 % of the field.
+            (Figures { predicted_error_ut: 0.499, ..good() }, 0, None),
+            (Figures { predicted_error_ut: 0.501, ..good() }, 0, Some("error-too-large")),
+            (Figures { predicted_error_ut: f64::NAN, ..good() }, 0, Some("error-too-large")),
+            // 1 % of all samples: 10 of 1010 are less, 11 of 1011 more.
+            (good(), 10, None),
+            (good(), 11, Some("saturated")),
+            (Figures { samples: MIN_SAMPLES - 1, ..good() }, 0, Some("too-few-samples")),
+        ];
+        for (figures, saturated, reason) in cases {
+            let expected = (reason.is_none(), reason.into_iter().collect());
+            assert_eq!(verdict(&figures, saturated), expected, "{figures:?} {saturated}");
+        }
+    }
+
+    #[test]
+    fn a_field_that_differs_by_a_fifth_is_noted_and_refuses_nothing() {
+        for (measured_field_ut, noted) in [(41.0, false), (59.0, false), (39.0, true), (61.0, true)] {
+            let (accepted, reasons) = verdict(&Figures { measured_field_ut, ..good() }, 0);
+            assert!(
+                accepted && reasons.contains(&"field-mismatch") == noted,
+                "{measured_field_ut}: {reasons:?}"
+            );
+        }
+    }
+}

@@ -1,8 +1,9 @@
 //! Effects of a calibration: between its plain data and the core.
 
 use crate::calibration::EffectEntry;
+use ironout::calibration::Calibration;
 use ironout::effect::{BuiltIn, ColumnName, Effect, MAX_COEFFICIENTS, Made, Parts, Registry, Zero};
-use ironout::extended::{ExtendedCalibration, FittedEffect};
+use ironout::extended::{ExtendedCalibration, FittedEffect, MAX_EFFECTS};
 
 /// A calibration with effects of any family.
 pub type Calibrated = ExtendedCalibration<f64, Made<ColumnName>>;
@@ -17,6 +18,24 @@ pub fn of_library(calibration: &Calibrated) -> Option<ExtendedCalibration<f64>> 
         out.effects.push(FittedEffect { effect, coefficients, std_errors }).ok()?;
     }
     Some(out)
+}
+
+/// A calibration with the effects of these entries.
+///
+/// # Errors
+/// What is wrong with an entry, in words; more of them than a calibration carries.
+pub fn calibrated(
+    base: Calibration<f64>,
+    entries: &[EffectEntry],
+    registry: Registry,
+) -> Result<Calibrated, String> {
+    let mut calibration = Calibrated::plain(base);
+    for entry in entries {
+        let fitted = from_entry(entry, registry)?;
+        let too_many = |_| format!("it carries more than {MAX_EFFECTS} effects");
+        calibration.effects.push(fitted).map_err(too_many)?;
+    }
+    Ok(calibration)
 }
 
 /// The effect that an entry of a calibration file stands for.

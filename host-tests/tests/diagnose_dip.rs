@@ -22,7 +22,7 @@ fn a_delay_of_any_size_is_found_and_the_dip_is_as_constant_as_the_sensors_noise_
         let diagnosis = found(&log, true);
         let steps: Vec<_> = diagnosis.steps.iter().filter_map(|step| step.added.as_deref()).collect();
         assert_eq!((diagnosis.verdict, steps), (Verdict::Missing, vec!["lag"]), "{effect}");
-        let truth = log.truth.effects[0].coefficients[0];
+        let truth = log.truth.effects[0].coefficients()[0];
         let delay = diagnosis.effects[0].coefficients[0];
         assert!((delay / truth - 1.0).abs() < 0.1, "{effect}: {delay}");
         let dip = diagnosis.dip.expect("a dip").rms_deg_after;

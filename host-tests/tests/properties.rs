@@ -335,7 +335,7 @@ proptest! {
     fn a_sketch_takes_any_counts(counts in odd_counts(), scale in prop::array::uniform3(any::<f32>())) {
         let mut sketch = Sketch::new(scale);
         counts.iter().for_each(|c| sketch.add(*c));
-        let coverage = sketch.coverage_about_middle();
+        let coverage = sketch.coverage_about_middle(scale);
         prop_assert!((0.0..=1.0).contains(&coverage.fraction));
         prop_assert!((0.0..=180.0).contains(&coverage.gap_deg));
     }

@@ -105,7 +105,7 @@ fn another_recording_is_of_the_same_board_with_other_motion_and_currents() {
     assert_eq!(first.column("mx_ut"), world.run().column("mx_ut"), "the first recording is the world itself");
     assert_eq!(first.truth.hard_iron_ut, second.truth.hard_iron_ut);
     assert_eq!(first.truth.soft_iron, second.truth.soft_iron);
-    let coefficients = |log: &Log| log.truth.effects[0].coefficients.clone();
+    let coefficients = |log: &Log| log.truth.effects[0].coefficients().to_vec();
     assert_eq!(coefficients(&first), coefficients(&second));
     for column in ["mx_ut", "current_a", "temp_c", "gx_radps"] {
         assert_ne!(first.column(column), second.column(column), "{column}");

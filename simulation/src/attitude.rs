@@ -22,7 +22,7 @@ pub enum Motion {
 
 /// A drawn trajectory.
 #[derive(Clone, Debug)]
-pub(super) struct Attitude {
+pub(crate) struct Attitude {
     motion: Motion,
     field: Unit<Vector3<f64>>,
     start: [f64; 3],
@@ -37,7 +37,7 @@ fn triangle(phase: f64) -> f64 {
 }
 
 impl Attitude {
-    pub(super) fn draw(motion: Motion, field: Vector3<f64>, rng: &mut ChaCha8Rng) -> Attitude {
+    pub(crate) fn draw(motion: Motion, field: Vector3<f64>, rng: &mut ChaCha8Rng) -> Attitude {
         let mut sign = || if rng.random::<bool>() { 1.0 } else { -1.0 };
         let signs = [sign(), sign(), sign()];
         let ranges = [0.12..0.19, 0.07..0.11, 0.04..0.07];
@@ -67,7 +67,7 @@ impl Attitude {
     }
 
     /// Rotation from body to world (north, east, down) at time `t`.
-    pub(super) fn body_to_world(&self, t: f64) -> Matrix3<f64> {
+    pub(crate) fn body_to_world(&self, t: f64) -> Matrix3<f64> {
         match self.motion {
             Motion::Sphere => self.tumble(t),
             Motion::Hand => {
@@ -99,7 +99,7 @@ impl Attitude {
     }
 
     /// Rate of turn in the body frame at time `t`, rad/s, by central differences of the closed form.
-    pub(super) fn rates(&self, t: f64) -> Vector3<f64> {
+    pub(crate) fn rates(&self, t: f64) -> Vector3<f64> {
         let step = 1e-4;
         let before = self.body_to_world(t - step);
         let after = self.body_to_world(t + step);
@@ -108,7 +108,7 @@ impl Attitude {
     }
 
     /// Acceleration of the sensor in the body frame beyond gravity: a 10 cm lever arm where a hand turns the board.
-    pub(super) fn lever_acceleration(&self, t: f64) -> Vector3<f64> {
+    pub(crate) fn lever_acceleration(&self, t: f64) -> Vector3<f64> {
         if self.motion != Motion::Hand {
             return Vector3::zeros();
         }

@@ -1,6 +1,6 @@
 //! Histories of the logged covariates, as functions of time.
 
-use super::{Temperature, WorldOptions};
+use crate::options::{Temperature, WorldOptions};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use std::f64::consts::TAU;
@@ -13,7 +13,7 @@ type Burst = (f64, f64, f64);
 
 /// The drawn histories.
 #[derive(Clone, Debug)]
-pub(super) struct Covariates {
+pub(crate) struct Covariates {
     temperature: Temperature,
     seconds: f64,
     seed: u64,
@@ -40,7 +40,7 @@ fn edge(t: f64) -> f64 {
 }
 
 impl Covariates {
-    pub(super) fn draw(options: &WorldOptions, rng: &mut ChaCha8Rng) -> Covariates {
+    pub(crate) fn draw(options: &WorldOptions, rng: &mut ChaCha8Rng) -> Covariates {
         let mut bursts = Vec::new();
         let mut t = rng.random_range(0.0..3.0);
         while t < options.seconds {
@@ -61,7 +61,7 @@ impl Covariates {
     }
 
     /// The named covariate at time `t`. `temp_c` warms up, a current comes in bursts, every other name wanders.
-    pub(super) fn at(&self, name: &str, t: f64) -> f64 {
+    pub(crate) fn at(&self, name: &str, t: f64) -> f64 {
         if name == "temp_c" {
             return match self.temperature {
                 Temperature::Ramp => self.start_c + self.rise_c * t / self.seconds,

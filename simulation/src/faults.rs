@@ -1,6 +1,7 @@
 //! Faults of the data: what a sensor, a cable or a logger does to a good log.
 
-use super::{Log, SpecError};
+use crate::effects::SpecError;
+use crate::log::Log;
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
 
@@ -38,7 +39,7 @@ impl FaultSpec {
         })
     }
 
-    pub(super) fn inflict(self, log: &mut Log, rng: &mut ChaCha8Rng) {
+    pub(crate) fn inflict(self, log: &mut Log, rng: &mut ChaCha8Rng) {
         let rows = log.rows();
         let (Some(time), Some(x)) = (log.position("t_s"), log.position("mx_ut")) else { return };
         if rows < 50 {

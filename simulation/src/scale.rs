@@ -1,24 +1,25 @@
 //! How large a hidden effect must be to show with a wanted strength.
 
-use super::{EffectKind, HiddenEffect, Motion, World};
+use crate::attitude::Motion;
+use crate::effects::HiddenEffect;
+use crate::scenery::Scenery;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// The factor on the effect's coefficients that makes its rms, in the residual that sees it and beyond what the base
 /// model absorbs, equal to one µT of sensor noise.
-pub(super) fn unit_coefficients(effect: &HiddenEffect, world: &World) -> f64 {
+pub(crate) fn unit_coefficients(effect: &HiddenEffect, world: &Scenery) -> f64 {
     let n = 1500;
     let seconds = world.options.seconds;
     let times: Vec<f64> = (0..n).map(|i| seconds * (i as f64 + 0.37) / n as f64).collect();
     let clean = |t: f64| world.soft_iron * world.body_field(t) + world.hard_iron_ut;
-    let shape = |t: f64| match effect.kind {
-        EffectKind::Lag => effect.lag_shape(world, t) * effect.coefficients[0],
-        _ => effect.disturbance(world, t, &clean(t)),
-    };
+    let hidden = |t: f64| effect.kind.simulated.hidden_from_the_magnitude(&effect.drawn, world, t);
+    let shape =
+        |t: f64| Vector3::from(hidden(t).unwrap_or_else(|| effect.disturbance(world, t, clean(t).into())));
     let vectors: Vec<Vector3<f64>> = times.iter().map(|t| shape(*t)).collect();
     let mean = vectors.iter().sum::<Vector3<f64>>() / n as f64;
     let vector_rms = (vectors.iter().map(|v| v.norm_squared()).sum::<f64>() / n as f64).sqrt();
-    let rms = match (&effect.kind, world.options.motion) {
-        (EffectKind::Lag, _) => vector_rms,
+    let rms = match (hidden(0.0).is_some(), world.options.motion) {
+        (true, _) => vector_rms,
         (_, Motion::Rest) => {
             (vectors.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / (3 * n) as f64).sqrt()
         }
@@ -27,7 +28,7 @@ pub(super) fn unit_coefficients(effect: &HiddenEffect, world: &World) -> f64 {
     if rms > 1e-9 * vector_rms && rms > 0.0 { 1.0 / rms } else { 0.0 }
 }
 
-fn seen_by_the_magnitude(world: &World, times: &[f64], disturbance: &[Vector3<f64>]) -> f64 {
+fn seen_by_the_magnitude(world: &Scenery, times: &[f64], disturbance: &[Vector3<f64>]) -> f64 {
     let correction = world.soft_iron.try_inverse().unwrap_or_else(Matrix3::identity);
     let mut normal = SMatrix::<f64, 9, 9>::identity() * (1e-9 * times.len() as f64);
     let mut right = SVector::<f64, 9>::zeros();

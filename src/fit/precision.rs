@@ -275,3 +275,36 @@ const DIRECTIONS: [[f32; 3]; 13] = {
         [-C, C, C],
     ]
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_weak_prior_leaves_a_fifth_of_the_gains_and_ten_degrees_of_the_axes() {
+        // Nothing is known but the offset, about a sphere of gains of two.
+        let sphere = Ellipsoid { centre: [0.0; 3], factor: [2.0, 0.0, 0.0, 2.0, 0.0, 2.0], s: 1.0 };
+        let mut spread = Spread::ZERO;
+        for (i, change) in spread.changes.iter_mut().enumerate() {
+            change[i] = if i < 3 { 0.01 } else { 100.0 };
+        }
+        spread.add_prior(&sphere);
+        let covariance = spread.covariance();
+        let variance = |row: [f64; 6]| -> f64 {
+            (0..6).map(|i| (0..6).map(|j| row[i] * covariance[3 + i][3 + j] * row[j]).sum::<f64>()).sum()
+        };
+        let half = core::f64::consts::FRAC_1_SQRT_2;
+        // Two gains against each other, in units of the mean gain; then an axis that leans towards another.
+        let gains = crate::math::sqrt(variance([half, 0.0, 0.0, -half, 0.0, 0.0])) / 2.0;
+        assert!((gains - 0.2).abs() < 0.01, "{gains}");
+        for off_diagonal in [1, 2, 4] {
+            let mut row = [0.0; 6];
+            row[off_diagonal] = 1.0;
+            let lean = crate::math::sqrt(variance(row)) / 2.0;
+            assert!((lean - 0.17).abs() < 0.01, "{lean}");
+        }
+        // The common scale stays open, and the offset is as it was.
+        assert!(variance([1.0, 0.0, 0.0, 1.0, 0.0, 1.0]) > 50.0 * 50.0);
+        assert!((spread.std_errors()[0] - 0.01).abs() < 1e-6);
+    }
+}

@@ -70,3 +70,52 @@ pub fn base_prior<T: Real, const P: usize>(
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NO_TURN: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+    /// What a matrix and an offset of that many fields cost under the default prior, in variances of the noise.
+    fn cost(matrix: [[f64; 3]; 3], offset_fields: f64) -> f64 {
+        let model =
+            Model::new([50.0 * offset_fields, 0.0, 0.0], matrix, 50.0, NO_TURN, 0.0).expect("regular");
+        let normal: Normal<f64, 9> = base_prior(&PhysicalPrior::default(), &model, 0.5, 9);
+        normal.squares() / 0.25
+    }
+
+    #[test]
+    fn magnetometers_are_alike_within_a_fifth_ten_degrees_and_a_few_fields() {
+        let diagonal = |x, y, z| [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]];
+        assert_eq!(cost(NO_TURN, 0.0), 0.0);
+        // One gain a fifth above the mean: once that error, and half of it for each of the others.
+        assert!((cost(diagonal(1.2, 0.9, 0.9), 0.0) - 1.5).abs() < 1e-9);
+        // The common scale is free.
+        assert!(cost(diagonal(1.7, 1.7, 1.7), 0.0).abs() < 1e-9);
+        let mut skewed = NO_TURN;
+        skewed[0][2] = 10f64.to_radians();
+        assert!((cost(skewed, 0.0) - 1.0).abs() < 0.1, "{}", cost(skewed, 0.0));
+        assert!((cost(NO_TURN, 7.0) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_prior_pulls_towards_what_it_knows() {
+        let matrix = [[1.2, 0.1, 0.0], [0.0, 0.9, 0.0], [0.0, 0.0, 0.9]];
+        let model = Model::new([100.0, 0.0, 0.0], matrix, 50.0, NO_TURN, 0.0).expect("regular");
+        let prior: Normal<f64, 9> = base_prior(&PhysicalPrior::default(), &model, 0.5, 9);
+        // What it knows nothing of, the common scale, is held weakly.
+        let mut total = prior.clone();
+        for i in [3, 6, 8] {
+            for j in [3, 6, 8].into_iter().filter(|j| *j >= i) {
+                total.inform(i, j, 1e-3);
+            }
+        }
+        let factor = total.factor().expect("all is known");
+        let step = total.step(&factor);
+        let expected = [-100.0, 0.0, 0.0, -0.2, -0.1, 0.0, 0.1, 0.0, 0.1];
+        for (step, expected) in step.iter().zip(expected) {
+            assert!((step - expected).abs() < 1e-6, "{step} instead of {expected}");
+        }
+    }
+}

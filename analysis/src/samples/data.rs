@@ -74,7 +74,8 @@ impl<'a> Data<'a> {
         for block in samples.chunks(usize::from(block_samples(self.rate_hz()))) {
             let (mean_ut, variance_ut2) = self.mean_and_variance(block);
             held.extend_from_slice(block);
-            match detector.judge(mean_ut.map(|v| v * unit), variance_ut2 * unit * unit, block.len() as u64) {
+            let mean_ut = mean_ut.map(|v| (v * unit) as f32);
+            match detector.judge(mean_ut, (variance_ut2 * unit * unit) as f32, block.len() as u32) {
                 Motion::Moved => moving.append(&mut held),
                 Motion::Undecided => {}
                 Motion::Rest => held.clear(),

@@ -72,7 +72,7 @@ pub fn run(hidden: &str, seeds: u64) -> Row {
         for truth in log.truth.effects.iter().filter(|effect| effect.kind.id() == "lag") {
             let delay =
                 found.effects.iter().find(|effect| effect.id == "lag").map_or(0.0, |lag| lag.coefficients[0]);
-            row.worst_delay = row.worst_delay.max((delay / truth.coefficients[0] - 1.0).abs());
+            row.worst_delay = row.worst_delay.max((delay / truth.coefficients()[0] - 1.0).abs());
         }
     }
     let [a, b, c, d] = sums.map(|sum| (sum / f64::from(row.logs.max(1))).sqrt());

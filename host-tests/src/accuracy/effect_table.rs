@@ -6,9 +6,7 @@ use crate::accuracy::simulated::table_of;
 use ironout_analysis::outcome::outcome::Verdict;
 use ironout_analysis::samples::faults::FaultKind;
 use ironout_analysis::{Diagnosis, Options, diagnose};
-use ironout_simulation::{
-    EffectKind, EffectSpec, FaultSpec, HiddenEffect, Log, Motion, Temperature, World, WorldOptions,
-};
+use ironout_simulation::{EffectSpec, FaultSpec, Log, Motion, Temperature, World, WorldOptions};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -149,27 +147,6 @@ pub struct Row {
     pub coefficients: [u32; 3],
 }
 
-fn id_of(effect: &HiddenEffect) -> Option<String> {
-    Some(match &effect.kind {
-        EffectKind::Offset { column, power, delayed } => {
-            format!(
-                "offset:{column}{}{}",
-                if *delayed { "@delay" } else { "" },
-                if *power == 2 { "^2" } else { "" }
-            )
-        }
-        EffectKind::Gain(column) => format!("gain:{column}"),
-        EffectKind::Field(column) => format!("field:{column}"),
-        EffectKind::Drift => "drift".into(),
-        EffectKind::Step => "step".into(),
-        EffectKind::Lag | EffectKind::Eddy => "lag".into(),
-        EffectKind::Nonlinearity => "nonlinearity".into(),
-        EffectKind::CrossAxis => "cross-axis".into(),
-        EffectKind::Periodic => "periodic".into(),
-        EffectKind::Misalignment | EffectKind::AxisOrder => return None,
-    })
-}
-
 /// The faults that a log of this case must be reported with.
 fn faults_of(case: &Case) -> Vec<FaultKind> {
     case.hidden
@@ -204,7 +181,7 @@ pub fn log(case: &Case, seed: u64) -> Log {
 }
 
 fn add(row: &mut Row, case: &Case, log: &Log, diagnosis: &Diagnosis) {
-    let mut wanted: Vec<String> = log.truth.effects.iter().filter_map(id_of).collect();
+    let mut wanted: Vec<String> = log.truth.effects.iter().map(|effect| effect.kind.id()).collect();
     let mut found: Vec<String> = diagnosis.steps.iter().filter_map(|step| step.added.clone()).collect();
     row.logs += 1;
     row.named_first += u32::from(found.first().is_some_and(|id| wanted.contains(id)));
@@ -226,15 +203,15 @@ fn add(row: &mut Row, case: &Case, log: &Log, diagnosis: &Diagnosis) {
         row.worst_over_floor = row.worst_over_floor.max(error / floor);
     }
     for hidden in &log.truth.effects {
-        let id = id_of(hidden);
-        let Some(effect) = diagnosis.effects.iter().find(|effect| Some(&effect.id) == id.as_ref()) else {
+        let id = hidden.kind.id();
+        let Some(effect) = diagnosis.effects.iter().find(|effect| effect.id == id) else {
             continue;
         };
-        if effect.coefficients.len() != hidden.coefficients.len() {
+        if effect.coefficients.len() != hidden.coefficients().len() {
             continue;
         }
         for ((value, error), truth) in
-            effect.coefficients.iter().zip(&effect.std_errors).zip(&hidden.coefficients)
+            effect.coefficients.iter().zip(&effect.std_errors).zip(hidden.coefficients())
         {
             let off = (value - truth).abs() / error;
             row.coefficients[0] += 1;

@@ -3,6 +3,7 @@
 
 pub mod attitude;
 pub mod bound;
+pub mod correlated;
 pub mod dip_table;
 pub mod effect_report;
 pub mod effect_table;

@@ -1,6 +1,7 @@
 //! The tables, as text that a person reads and a diff shows, and as JSON.
 
 use super::bound::{self, Accuracy, Cell};
+use super::correlated;
 use super::gates::{self, Group};
 use super::paper_table;
 use super::solvers::{SOLVERS, Solver};
@@ -21,10 +22,12 @@ pub struct Size {
     pub full: u64,
     /// Logs of the paper's simulation.
     pub paper: u64,
+    /// Logs of each cell of correlated noise.
+    pub correlated: u64,
 }
 
 /// The full run.
-pub const FULL: Size = Size { seeds: 100, limited: 1000, full: 500, paper: 200 };
+pub const FULL: Size = Size { seeds: 100, limited: 1000, full: 500, paper: 200, correlated: 20 };
 
 /// Everything measured.
 pub struct Report {
@@ -36,6 +39,8 @@ pub struct Report {
     pub full: Vec<Group>,
     /// The paper's simulation.
     pub paper: Vec<paper_table::Row>,
+    /// Noise with a memory.
+    pub correlated: Vec<correlated::Row>,
 }
 
 /// Runs everything.
@@ -49,6 +54,7 @@ pub fn measure(size: Size) -> Report {
         limited: with_total(gates::run(true, 0, size.limited, |_, _, _, _| {})),
         full: gates::run(false, 0, size.full, |_, _, _, _| {}),
         paper: paper_table::rows(size.paper),
+        correlated: correlated::measure(size.correlated),
     }
 }
 
@@ -126,10 +132,11 @@ impl Report {
     /// Everything as text: what the snapshot holds.
     pub fn text(&self) -> String {
         format!(
-            "The paper's simulation, eq. (16)\n\n{}\n{}\n{}",
+            "The paper's simulation, eq. (16)\n\n{}\n{}\n{}\n{}",
             paper_table::text(&self.paper),
             sweep(&self.sweep),
-            self.judged()
+            self.judged(),
+            correlated::text(&self.correlated)
         )
     }
 
@@ -166,6 +173,7 @@ impl Report {
             ("accuracy-paper", paper_table::text(&self.paper)),
             ("accuracy-sweep", sweep(&self.sweep)),
             ("accuracy-verdicts", self.judged()),
+            ("accuracy-correlated", correlated::text(&self.correlated)),
         ])
     }
 
@@ -199,7 +207,8 @@ impl Report {
             .iter()
             .map(|r| json!({"sigma": r.sigma, "samples": r.n, "method": r.who, "b": r.b, "a": r.a, "refused": r.refused}))
             .collect();
-        json!({"paper": paper, "sweep": sweep, "limited": groups(&self.limited), "full": groups(&self.full)})
+        json!({"paper": paper, "sweep": sweep, "limited": groups(&self.limited), "full": groups(&self.full),
+               "correlated": correlated::json(&self.correlated)})
     }
 }
 

@@ -142,6 +142,21 @@ pub fn measure() -> Result<Measured, M4Error> {
     let mean = |key: &str| Ok::<u64, M4Error>(instructions((number(key)? - overhead) / samples));
     let worst = |key: &str| Ok::<u64, M4Error>(instructions(number(key)? - overhead / samples));
     let once = |key: &str| Ok::<u64, M4Error>(instructions(number(key)?));
+    // Of two whole calibrations, in the hand and over scattered directions, whichever took more.
+    let session = |what: &str| -> Result<u64, M4Error> {
+        let turned = number("turned")?;
+        let of = |name: &str, count: f64| -> Result<f64, M4Error> {
+            let ticks = |what: &str| number(&format!("session_{name}_{what}"));
+            let each = overhead / samples;
+            Ok(match what {
+                "push" => ticks("push")? / count - each,
+                "push_worst" => ticks("push_worst")? - each,
+                // What there is besides the fit: the last block, the coverage, the verdict.
+                _ => ticks("stop")? - ticks("fit")?,
+            })
+        };
+        Ok(instructions(of("turned", turned)?.max(of("scattered", samples)?)))
+    };
     let bytes = |key: &str| Ok::<u64, M4Error>(number(key)? as u64);
     let sections = |name: &str| sections(image(name)?);
     let (base, core, magcal) = (sections("size-base")?, sections("size-core")?, sections("size-magcal")?);
@@ -158,6 +173,9 @@ pub fn measure() -> Result<Measured, M4Error> {
         ours("apply_base", mean("apply_base")?, None),
         ours("apply", mean("apply")?, Some(400)),
         ours("study_push", mean("study_push")?, Some(6_000)),
+        ours("session_push", session("push")?, Some(900)),
+        ours("session_push_worst", session("push_worst")?, Some(5_000)),
+        ours("session_stop", session("stop")?, Some(150_000)),
         theirs("magcal_push", mean("magcal_push")?),
         theirs("magcal_push_worst", worst("magcal_push_worst")?),
         theirs("magcal_solve", once("magcal_solve")?),
@@ -167,6 +185,7 @@ pub fn measure() -> Result<Measured, M4Error> {
         theirs("magcal_text_bytes", more(&magcal, ".text")),
         theirs("magcal_rodata_bytes", more(&magcal, ".rodata")),
         ours("state_bytes", bytes("state")?, Some(400)),
+        ours("session_bytes", bytes("session_bytes")?, Some(1_600)),
         theirs("magcal_state_bytes", bytes("magcal_state")?),
         ours("stack_bytes", bytes("stack_solve")?, None),
         ours("stack_push_bytes", bytes("stack_push")?, None),
@@ -183,13 +202,17 @@ impl Measured {
 
     /// The JSON object of the bench: instructions and bytes.
     pub fn json(&self) -> serde_json::Value {
-        const KEYS: [&str; 12] = [
+        const KEYS: [&str; 16] = [
             "push",
             "push_worst",
             "trace_solve",
             "adjusted_solve",
             "apply",
             "study_push",
+            "session_push",
+            "session_push_worst",
+            "session_stop",
+            "session_bytes",
             "magcal_push",
             "magcal_solve",
             "core_text_bytes",

@@ -12,9 +12,10 @@ use ironout::extended::{ExtendedCalibration, FittedEffect, Live, Slots};
 use ironout::fit::{FitOptions, FitReport, Method, fit};
 use ironout::moments::Moments;
 use ironout::scatter::Scatter;
+use ironout::session::{Session, SessionConfig};
 use ironout::study::{Model, Reading, Residual, Study, Term};
 use ironout_m4_bench::board::{Console, exit, stack_of, start_clock, ticks_of};
-use ironout_m4_bench::samples::{COUNT, UT_PER_COUNT, fill};
+use ironout_m4_bench::samples::{COUNT, Turned, UT_PER_COUNT, fill};
 
 #[inline(never)]
 fn push(moments: &mut Moments, counts: [i16; 3]) {
@@ -99,10 +100,14 @@ struct Each {
     worst: u32,
 }
 
-fn each(table: &[[i16; 3]], mut work: impl FnMut([i16; 3])) -> Each {
+fn each(table: &[[i16; 3]], work: impl FnMut([i16; 3])) -> Each {
+    each_of(table.iter().copied(), work)
+}
+
+fn each_of(samples: impl Iterator<Item = [i16; 3]>, mut work: impl FnMut([i16; 3])) -> Each {
     let mut result = Each { total: 0, worst: 0 };
-    for counts in table {
-        let ticks = ticks_of(|| work(black_box(*counts)));
+    for counts in samples {
+        let ticks = ticks_of(|| work(black_box(counts)));
         result.total += ticks;
         result.worst = result.worst.max(ticks);
     }
@@ -136,6 +141,35 @@ fn study(table: &[[i16; 3]; COUNT], moments: &Moments) -> Option<u32> {
     });
     let rows: u32 = study.blocks().iter().map(|block| block.rows()).sum();
     (rows as usize == COUNT).then_some(pushed.total)
+}
+
+#[inline(never)]
+fn push_session(session: &mut Session, counts: [i16; 3]) {
+    session.push(counts, false);
+}
+
+/// A whole calibration as the firmware runs it; says what its pushes took, what its stop, and what of that was the fit.
+#[inline(never)]
+fn session(name: &str, samples: impl Iterator<Item = [i16; 3]>) {
+    let mut session = Session::new(SessionConfig {
+        ut_per_count: [UT_PER_COUNT; 3],
+        field_ut: Some(50.0),
+        method: Method::Adjusted,
+        samples_per_block: 16,
+    });
+    session.start();
+    let pushed = each_of(samples, |counts| push_session(&mut session, counts));
+    let mut fitted = None;
+    let fit = ticks_of(|| fitted = black_box(&session).fit_so_far());
+    let mut accepted = false;
+    let stop = ticks_of(|| accepted = black_box(&mut session).stop().is_ok_and(|o| o.verdict.accepted));
+    if !(accepted && matches!(fitted, Some(Ok(_)))) {
+        exit(false)
+    }
+    for (what, ticks) in [("push", pushed.total), ("push_worst", pushed.worst), ("stop", stop), ("fit", fit)]
+    {
+        let _ = writeln!(Console, "session_{name}_{what}={ticks}");
+    }
 }
 
 #[entry]
@@ -221,6 +255,10 @@ fn main() -> ! {
             black_box(solve_magcal(&mut solver));
         }),
     );
+    session("turned", Turned::new());
+    session("scattered", table.iter().copied());
+    say("turned", Turned::COUNT);
+    say("session_bytes", size_of::<Session>() as u32);
     say("state", size_of::<Moments>() as u32);
     say("magcal_state", size_of::<magcal::Solver>() as u32);
     exit(true)

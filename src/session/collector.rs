@@ -1,0 +1,155 @@
+//! What a session does while it collects: the gate, the directions, and the fit of what there is.
+
+use super::config::SessionConfig;
+use super::status::{Hint, Outcome, State, Status};
+use crate::coverage::{Coverage, Sketch};
+use crate::fit::{FitError, FitOptions, FitReport, MAX_PREDICTED_ERROR, fit};
+use crate::gate::{Gated, RestGate};
+use crate::quality::{Verdict, judge};
+use crate::scatter::Scatter;
+use crate::whiteness::Whiteness;
+
+/// A box of samples with no longer side than this is a board that was not turned yet, µT: some 5° of the Earth's field.
+const MOVED_UT: f32 = 4.0;
+
+/// What collects.
+#[derive(Clone, Debug)]
+pub(super) struct Collector {
+    gate: RestGate,
+    sketch: Sketch,
+    whiteness: Whiteness,
+    last: Option<[i16; 3]>,
+    at_rest: u32,
+    repeated: u32,
+    saturated: u32,
+}
+
+/// What came of it.
+#[derive(Clone, Debug)]
+pub(super) struct Stopped {
+    pub(super) outcome: Outcome,
+    pub(super) n: u64,
+    pub(super) skipped: u64,
+    pub(super) saturated: u32,
+}
+
+impl Collector {
+    pub(super) fn new(config: &SessionConfig) -> Self {
+        let ut_per_count = config.scale();
+        Self {
+            gate: RestGate::new(config.ut_per_count, config.samples_per_block),
+            sketch: Sketch::new(ut_per_count),
+            whiteness: Whiteness::new(config.samples_per_block),
+            last: None,
+            at_rest: 0,
+            repeated: 0,
+            saturated: 0,
+        }
+    }
+
+    pub(super) fn push(&mut self, counts: [i16; 3], saturated: bool) {
+        if saturated || counts.iter().any(|c| *c == i16::MIN || *c == i16::MAX) {
+            self.saturated = self.saturated.saturating_add(1);
+            self.whiteness.interrupt();
+            return;
+        }
+        // A sensor slower than its reader repeats itself; a repeated triple is one sample.
+        if self.last == Some(counts) {
+            self.repeated = self.repeated.saturating_add(1);
+            return;
+        }
+        self.last = Some(counts);
+        self.whiteness.push(counts);
+        let gated = self.gate.push(counts);
+        self.take_note(gated);
+        // The grid does not grow in the push that decides on a block: that bounds the longest one, and the next sample comes
+        // soon enough.
+        if self.gate.block_is_open() {
+            self.sketch.add(counts);
+        } else {
+            self.sketch.add_inside(counts);
+        }
+    }
+
+    #[inline]
+    fn take_note(&mut self, gated: Gated) {
+        if gated == Gated::Pending {
+            return;
+        }
+        if let Gated::Dropped(n) = gated {
+            self.at_rest = self.at_rest.saturating_add(n as u32);
+        }
+        self.whiteness.heed(gated);
+    }
+
+    pub(super) fn fit(&self, config: &SessionConfig) -> Result<FitReport, FitError> {
+        let scatter = Scatter::from_moments(self.gate.moments(), config.ut_per_count)?;
+        let options = FitOptions { method: config.method, field_ut: config.field_ut, ..Default::default() };
+        let report = fit(&scatter, &options)?;
+        let share = self.whiteness.independent_share(&report, config.ut_per_count, scatter.quantisation_ut2);
+        let mut report = match share {
+            Some(share) => {
+                let effective_samples = Some((report.samples as f64 * share).max(1.0));
+                fit(&scatter, &FitOptions { effective_samples, ..options })?
+            }
+            None => report,
+        };
+        report.add_noise_bias(&scatter);
+        Ok(report)
+    }
+
+    fn coverage(&self, config: &SessionConfig, report: Option<&FitReport>) -> Coverage {
+        match report {
+            Some(report) => self.sketch.coverage(&report.calibration.cast(), config.scale()),
+            None => self.sketch.coverage_about_middle(config.scale()),
+        }
+    }
+
+    fn skipped(&self) -> u64 {
+        u64::from(self.at_rest) + u64::from(self.repeated) + u64::from(self.saturated)
+    }
+
+    /// Solves for the calibration and judges it.
+    pub(super) fn stop(&mut self, config: &SessionConfig) -> Stopped {
+        let gated = self.gate.flush();
+        self.take_note(gated);
+        let fitted = self.fit(config);
+        let coverage = self.coverage(config, fitted.as_ref().ok());
+        let (verdict, report) = match fitted {
+            Ok(report) => {
+                (judge(&report, Some(&coverage), self.saturated.into(), config.field_ut), Some(report))
+            }
+            Err(error) => (Verdict::of_error(error), None),
+        };
+        Stopped {
+            outcome: Outcome { verdict, report, coverage },
+            n: self.gate.moments().count(),
+            skipped: self.skipped(),
+            saturated: self.saturated,
+        }
+    }
+
+    /// A snapshot; it solves the data so far to tell what they carry.
+    pub(super) fn status(&self, config: &SessionConfig) -> Status {
+        let report = self.fit(config).ok();
+        let coverage = self.coverage(config, report.as_ref());
+        let figures = Status::of(State::Collecting, report.as_ref());
+        let hint = if self.sketch.extent_ut(config.scale()) < MOVED_UT {
+            Hint::Move
+        // Half the limit: a little more than enough, so that the verdict at the stop is not a surprise.
+        } else if figures.predicted_error.is_some_and(|e| e <= 0.5 * MAX_PREDICTED_ERROR) {
+            Hint::Stop
+        } else {
+            Hint::Point { side: coverage.missing_side() }
+        };
+        Status {
+            n: self.gate.moments().count() + self.gate.pending(),
+            skipped: self.skipped(),
+            saturated: self.saturated.into(),
+            coverage: coverage.fraction,
+            gap_deg: coverage.gap_deg,
+            hint,
+            ..figures
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! The state machine.
+
+use super::collector::{Collector, Stopped};
+use super::config::SessionConfig;
+use super::status::{Hint, Outcome, State, StateError, Status};
+use crate::calibration::Calibration;
+use crate::fit::{FitError, FitReport, Method};
+
+/// Where a session stands, and what it knows there.
+#[derive(Clone, Debug)]
+// The difference is what a session that collects needs; there is nowhere else to keep it.
+#[allow(clippy::large_enum_variant)]
+enum Stage {
+    Idle,
+    Collecting(Collector),
+    Stopped(Stopped),
+}
+
+/// The state machine.
+#[derive(Clone, Debug)]
+pub struct Session {
+    config: SessionConfig,
+    stage: Stage,
+}
+
+const _: () = assert!(core::mem::size_of::<Session>() <= 1600, "the session's memory is a promise");
+
+impl Session {
+    /// An idle session.
+    pub fn new(config: SessionConfig) -> Self {
+        Self { config, stage: Stage::Idle }
+    }
+
+    /// The configuration.
+    pub fn config(&self) -> &SessionConfig {
+        &self.config
+    }
+
+    /// Changes the method of the next solve.
+    pub fn set_method(&mut self, method: Method) {
+        self.config.method = method;
+    }
+
+    /// Changes the expected magnitude; `false`, and nothing changed, unless it is positive and finite or `None`.
+    pub fn set_field_ut(&mut self, field_ut: Option<f64>) -> bool {
+        let sound = field_ut.is_none_or(|v| v.is_finite() && v > 0.0);
+        if sound {
+            self.config.field_ut = field_ut;
+        }
+        sound
+    }
+
+    /// Where the session stands.
+    pub fn state(&self) -> State {
+        match &self.stage {
+            Stage::Idle => State::Idle,
+            Stage::Collecting(_) => State::Collecting,
+            Stage::Stopped(stopped) if stopped.outcome.verdict.accepted => State::Solved,
+            Stage::Stopped(_) => State::Refused,
+        }
+    }
+
+    /// Starts collecting, from nothing. Whatever was collected or solved before is forgotten.
+    pub fn start(&mut self) {
+        self.stage = Stage::Collecting(Collector::new(&self.config));
+    }
+
+    /// Gives up; idle again.
+    pub fn cancel(&mut self) {
+        self.stage = Stage::Idle;
+    }
+
+    /// Takes one sample, in any state: outside of `Collecting` it is left alone. A sample that is `saturated`, or at the
+    /// ends of the 16-bit range, is counted but not used.
+    pub fn push(&mut self, counts: [i16; 3], saturated: bool) {
+        if let Stage::Collecting(collector) = &mut self.stage {
+            collector.push(counts, saturated);
+        }
+    }
+
+    /// The fit of the samples in motion so far; it changes nothing. `None` unless collecting.
+    ///
+    /// # Errors
+    /// In the `Some`, the [`FitError`] that [`Self::stop`] would refuse with.
+    pub fn fit_so_far(&self) -> Option<Result<FitReport, FitError>> {
+        match &self.stage {
+            Stage::Collecting(collector) => Some(collector.fit(&self.config)),
+            _ => None,
+        }
+    }
+
+    /// Solves for the calibration and judges it.
+    ///
+    /// # Errors
+    /// [`StateError`] unless collecting.
+    pub fn stop(&mut self) -> Result<&Outcome, StateError> {
+        let error = StateError { state: self.state() };
+        let Stage::Collecting(collector) = &mut self.stage else { return Err(error) };
+        self.stage = Stage::Stopped(collector.stop(&self.config));
+        self.outcome().ok_or(error)
+    }
+
+    /// The outcome of the last [`Self::stop`], until the next start or cancel.
+    pub fn outcome(&self) -> Option<&Outcome> {
+        match &self.stage {
+            Stage::Stopped(stopped) => Some(&stopped.outcome),
+            _ => None,
+        }
+    }
+
+    /// The accepted solution that waits for [`Self::accept`].
+    pub fn solution(&self) -> Option<&FitReport> {
+        self.outcome().filter(|o| o.verdict.accepted).and_then(|o| o.report.as_ref())
+    }
+
+    /// Hands the solution over; idle again.
+    ///
+    /// # Errors
+    /// [`StateError`] unless solved.
+    pub fn accept(&mut self) -> Result<Calibration<f64>, StateError> {
+        let calibration = self.solution().map(|report| report.calibration);
+        let calibration = calibration.ok_or(StateError { state: self.state() })?;
+        self.cancel();
+        Ok(calibration)
+    }
+
+    /// A snapshot; while collecting it solves the data so far to tell what they carry.
+    pub fn status(&self) -> Status {
+        match &self.stage {
+            Stage::Idle => Status::of(State::Idle, None),
+            Stage::Collecting(collector) => collector.status(&self.config),
+            Stage::Stopped(stopped) => {
+                let Outcome { verdict, report, coverage } = &stopped.outcome;
+                let (state, hint) = if verdict.accepted {
+                    (State::Solved, Hint::Accept)
+                } else {
+                    (State::Refused, Hint::Again)
+                };
+                Status {
+                    n: stopped.n,
+                    skipped: stopped.skipped,
+                    saturated: stopped.saturated.into(),
+                    coverage: coverage.fraction,
+                    gap_deg: coverage.gap_deg,
+                    hint,
+                    ..Status::of(state, report.as_ref())
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math;
+
+    fn collecting() -> Session {
+        let mut session = Session::new(SessionConfig {
+            ut_per_count: [0.05; 3],
+            field_ut: Some(50.0),
+            method: Method::Adjusted,
+            samples_per_block: 16,
+        });
+        session.start();
+        session
+    }
+
+    /// Seeded noise of variance one, correlated from sample to sample by `rho`.
+    struct Noise {
+        state: u64,
+        rho: f64,
+        last: [f64; 3],
+    }
+
+    impl Noise {
+        fn next(&mut self) -> [f64; 3] {
+            for axis in 0..3 {
+                let mut sum = -6.0;
+                for _ in 0..12 {
+                    self.state = self
+                        .state
+                        .wrapping_mul(6_364_136_223_846_793_005)
+                        .wrapping_add(1_442_695_040_888_963_407);
+                    sum += (self.state >> 33) as f64 / f64::from(1u32 << 31);
+                }
+                self.last[axis] = self.rho * self.last[axis] + math::sqrt(1.0 - self.rho * self.rho) * sum;
+            }
+            self.last
+        }
+    }
+
+    /// Directions all over the sphere, a radian a second at 50 Hz.
+    fn smooth(i: u32) -> [f64; 3] {
+        let (turn, z) = (0.02 * f64::from(i), math::sin(0.0037 * f64::from(i)));
+        let r = math::sqrt(1.0 - z * z);
+        [r * math::cos(turn), r * math::sin(turn), z]
+    }
+
+    #[test]
+    fn correlated_noise_counts_as_fewer_samples_and_widens_the_error() {
+        let outcome = |rho: f64| {
+            let mut noise = Noise { state: 3, rho, last: [0.0; 3] };
+            let mut session = collecting();
+            for i in 0..2000 {
+                let (u, w) = (smooth(i), noise.next());
+                session
+                    .push([0, 1, 2].map(|a| math::round(1000.0 * u[a] + 10.0 * w[a] + 300.0) as i16), false);
+            }
+            let report = session.stop().ok().and_then(|o| o.report.clone());
+            report.map_or((0.0, 0.0), |r| (r.effective_samples / r.samples as f64, r.predicted_error_ut))
+        };
+        let ((white, white_ut), (slow, slow_ut)) = (outcome(0.0), outcome(0.9));
+        assert!(white > 0.7 && white_ut > 0.0, "white noise: {white}");
+        // (1 − ρ)/(1 + ρ) = 0.053, and the error grows by the root of its inverse: 4.4.
+        assert!((0.02..0.2).contains(&slow), "correlated noise: {slow}");
+        assert!((2.2..7.0).contains(&(slow_ut / white_ut)), "{white_ut} uT, {slow_ut} uT");
+    }
+
+    #[test]
+    fn the_hint_and_the_refusal_name_the_side_that_the_field_has_not_passed() {
+        let cases = [
+            ([1.0, 0.0, 0.0], "back"),
+            ([-1.0, 0.0, 0.0], "front"),
+            ([0.0, 1.0, 0.0], "left"),
+            ([0.0, -1.0, 0.0], "right"),
+            ([0.0, 0.0, 1.0], "top"),
+            ([0.0, 0.0, -1.0], "bottom"),
+        ];
+        for (axis, missing) in cases {
+            let mut noise = Noise { state: 11, rho: 0.0, last: [0.0; 3] };
+            let mut session = collecting();
+            assert_eq!(session.status().hint, Hint::Move);
+            for i in 0..6000 {
+                let u = smooth(i);
+                if (0..3).map(|a| u[a] * axis[a]).sum::<f64>() < 0.6 {
+                    continue;
+                }
+                let w = noise.next();
+                session
+                    .push([0, 1, 2].map(|a| math::round(1000.0 * u[a] + 30.0 * w[a] - 700.0) as i16), false);
+            }
+            // Whether the fit knows the centre by now or not.
+            let Hint::Point { side } = session.status().hint else {
+                panic!("{missing}: {:?}", session.status().hint)
+            };
+            assert!(side.split('-').any(|word| word == missing), "{missing}: the hint says {side}");
+            let outcome = session.stop().expect("it collects");
+            let told = outcome.coverage.missing_side();
+            assert!(told.split('-').any(|word| word == missing), "{missing}: the outcome says {told}");
+        }
+    }
+
+    #[test]
+    fn each_sample_is_in_the_sums_held_or_counted_as_left_out() {
+        let mut session = collecting();
+        let mut pushed = 0;
+        for i in 0..3000u32 {
+            let u = smooth(if i % 1000 < 600 { i } else { i / 1000 * 1000 + 600 });
+            let repeated = u32::from(i % 40 == 7) + 1;
+            for _ in 0..repeated {
+                pushed += 1;
+                session.push([0, 1, 2].map(|a| (1000.0 * u[a]) as i16 + (i % 3) as i16), i % 500 == 9);
+            }
+        }
+        let status = session.status();
+        assert_eq!(status.n + status.skipped, pushed, "{status:?}");
+        assert!(status.saturated == 6 && status.skipped > 900, "{status:?}");
+        let (n, skipped) = (status.n, status.skipped);
+        session.stop().expect("it collects");
+        let stopped = session.status();
+        assert_eq!(stopped.n + stopped.skipped, n + skipped);
+        assert_eq!(stopped.saturated, status.saturated);
+        assert!(session.stop().is_err() && session.fit_so_far().is_none());
+    }
+}

@@ -1,0 +1,138 @@
+//! What a session tells: where it stands, what to do next, and what came of it.
+
+use crate::coverage::Coverage;
+use crate::fit::FitReport;
+use crate::quality::Verdict;
+use core::fmt;
+
+/// Where a session stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Nothing is collected.
+    Idle,
+    /// Samples are collected.
+    Collecting,
+    /// A calibration was found and may be accepted.
+    Solved,
+    /// The data do not support a calibration.
+    Refused,
+}
+
+impl State {
+    /// The word of the console: `idle`, `collecting`, `solved`, `refused`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Idle => "idle",
+            Self::Collecting => "collecting",
+            Self::Solved => "solved",
+            Self::Refused => "refused",
+        }
+    }
+}
+
+/// A request that does not fit the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StateError {
+    /// The state it came in.
+    pub state: State,
+}
+
+impl fmt::Display for StateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.state {
+            State::Idle => write!(f, "nothing is collected: start a calibration first"),
+            State::Collecting => write!(f, "still collecting: stop first"),
+            State::Solved => write!(f, "a solution waits: accept or cancel it first"),
+            State::Refused => write!(f, "the last data were refused: start again"),
+        }
+    }
+}
+
+impl core::error::Error for StateError {}
+
+/// What to do next, in words.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Hint {
+    /// Start a calibration.
+    Start,
+    /// Turn the board: nothing has moved yet.
+    Move,
+    /// Point a side of the board along the field.
+    Point {
+        /// The side, for example `front-left`.
+        side: &'static str,
+    },
+    /// The data carry a calibration: stop.
+    Stop,
+    /// Accept the solution.
+    Accept,
+    /// Start again.
+    Again,
+}
+
+impl fmt::Display for Hint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Start => write!(f, "start a calibration with: cal start"),
+            Self::Move => write!(f, "turn the board slowly in all directions"),
+            Self::Point { side } => write!(f, "keep turning; point the {side} side to the ground and north"),
+            Self::Stop => write!(f, "enough directions seen; solve with: cal stop"),
+            Self::Accept => write!(f, "store and apply the solution with: cal accept"),
+            Self::Again => write!(f, "the data were refused; begin again with: cal start"),
+        }
+    }
+}
+
+/// A snapshot of a session.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Status {
+    /// Where it stands.
+    pub state: State,
+    /// Samples in motion, in the sums.
+    pub n: u64,
+    /// Samples left out: at rest, repeated or saturated.
+    pub skipped: u64,
+    /// Of those, samples at the sensor's limits.
+    pub saturated: u64,
+    /// Fraction of directions seen, 0 … 1.
+    pub coverage: f32,
+    /// Largest gap in the directions, degrees.
+    pub gap_deg: f32,
+    /// Residual rms of the fit so far, µT.
+    pub rms_ut: Option<f64>,
+    /// Noise of the sensor, σ per axis, µT.
+    pub noise_ut: Option<f64>,
+    /// Predicted 1σ error of the corrected vector, over the field.
+    pub predicted_error: Option<f64>,
+    /// What to do next.
+    pub hint: Hint,
+}
+
+/// The outcome of [`Session::stop`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Accepted or refused, with reasons.
+    pub verdict: Verdict,
+    /// The fit, where there was one; also of a refused calibration.
+    pub report: Option<FitReport>,
+    /// The directions seen.
+    pub coverage: Coverage,
+}
+
+impl Status {
+    /// The figures of a fit; nothing was seen.
+    pub(super) fn of(state: State, report: Option<&FitReport>) -> Self {
+        Self {
+            state,
+            n: 0,
+            skipped: 0,
+            saturated: 0,
+            coverage: 0.0,
+            gap_deg: 180.0,
+            rms_ut: report.map(|r| r.rms_ut),
+            noise_ut: report.map(|r| r.noise_ut),
+            predicted_error: report.map(|r| r.predicted_error_ut / r.calibration.field_ut),
+            hint: Hint::Start,
+        }
+    }
+}
