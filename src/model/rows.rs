@@ -18,14 +18,22 @@ impl<T: Real> Model<T> {
         residual: Residual,
         reading: &Observation<T>,
         terms: &[Term<'_, T>],
+        push: impl FnMut(&[T; P], T),
+    ) -> Result<(), NoRow> {
+        self.rows_within::<N, P>(residual, reading, terms, P, push)
+    }
+
+    /// The same with a row's first `width` places.
+    pub(crate) fn rows_within<const N: usize, const P: usize>(
+        &self,
+        residual: Residual,
+        reading: &Observation<T>,
+        terms: &[Term<'_, T>],
+        width: usize,
         mut push: impl FnMut(&[T; P], T),
     ) -> Result<(), NoRow> {
         if terms.len() > N {
             return Err(NoRow::TooManyTerms { terms: terms.len(), most: N });
-        }
-        let columns = columns(residual, terms);
-        if columns > P {
-            return Err(NoRow::TooWide { columns, width: P });
         }
         let mut shapes = [no_shape::<T>(); N];
         let measured = reading.measured_ut;
@@ -39,7 +47,7 @@ impl<T: Real> Model<T> {
                     *entry = T::one();
                 }
                 let mut row = [T::zero(); P];
-                fill(&mut row, &unit.map(|entry| -entry), unit, terms, &shapes);
+                fill(&mut row, width, &unit.map(|entry| -entry), unit, terms, &shapes)?;
                 push(&row, value);
             }
             return if left.iter().all(|value| value.is_finite()) {
@@ -62,7 +70,7 @@ impl<T: Real> Model<T> {
             let [x, y, z] = scaled(cross(u, down), T::one() / own);
             let across = scaled(minus(down, scaled(u, sine)), T::one() / (length * own));
             let pull = reaction.answer(transposed_times(&self.full, across));
-            fill(&mut row, &[x, y, z, -T::one() / mean], pull, terms, &shapes);
+            fill(&mut row, width, &[x, y, z, -T::one() / mean], pull, terms, &shapes)?;
             let value = T::of(math::asin(sine.as_f64()) - math::asin(self.sin_dip.as_f64()));
             if !value.is_finite() {
                 return Err(NotFinite::Sample.into());
@@ -82,31 +90,33 @@ impl<T: Real> Model<T> {
         let [x, y, z] = foot;
         let triangle = [a * x + ax, a * y + ay, a * z + az, b * y + by, b * z + bz, c * z + cz];
         let [ax, ay, az, by, bz, cz] = triangle.map(|column| column * grown);
-        fill(&mut row, &[-p, -q, -r, ax, ay, az, by, bz, cz], pull, terms, &shapes);
+        fill(&mut row, width, &[-p, -q, -r, ax, ay, az, by, bz, cz], pull, terms, &shapes)?;
         push(&row, at.residual);
         Ok(())
     }
 }
 
-/// Columns of a row: those of the base model, and the terms' coefficients.
-fn columns<T: Real>(residual: Residual, terms: &[Term<'_, T>]) -> usize {
-    terms.iter().fold(residual.base_columns(), |sum, term| sum.saturating_add(term.effect.coefficients()))
-}
-
-/// Base columns, then `−pull·Φ` of every term.
+/// Base columns, then `−pull·Φ` of every term, into the first `width` places.
 fn fill<T: Real, const N: usize, const P: usize>(
     row: &mut [T; P],
+    width: usize,
     base: &[T],
     pull: [T; 3],
     terms: &[Term<'_, T>],
     shapes: &[Shape<T>; N],
-) {
+) -> Result<(), NoRow> {
     let columns = terms
         .iter()
         .zip(shapes)
         .flat_map(|(term, shape)| shape.iter().take(term.effect.coefficients()))
         .map(|vector| -dot(pull, *vector));
-    for (slot, value) in row.iter_mut().zip(base.iter().copied().chain(columns)) {
+    let mut columns = base.iter().copied().chain(columns);
+    for (slot, value) in row.iter_mut().take(width).zip(&mut columns) {
         *slot = value;
+    }
+    // Asked only afterwards, where it costs nothing.
+    match columns.count() {
+        0 => Ok(()),
+        more => Err(NoRow::TooWide { columns: width.min(P).saturating_add(more), width: width.min(P) }),
     }
 }

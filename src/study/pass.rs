@@ -71,12 +71,7 @@ impl<T: Real, const P: usize, const B: usize, const N: usize> Study<T, P, B, N> 
         let last = B.saturating_sub(1);
         let Some(block) = blocks.get_mut(block.min(last)) else { return Ok(()) };
         // Rows of more columns than the study was made for would lose the last ones.
-        let coefficients = terms.iter().map(|term| term.effect.coefficients());
-        let asked = coefficients.fold(residual.base_columns(), usize::saturating_add);
-        if asked > columns {
-            return Err(NoRow::TooWide { columns: asked, width: columns });
-        }
-        model.rows::<N, P>(*residual, reading, terms, |row, value| block.push(row, value))
+        model.rows_within::<N, P>(*residual, reading, terms, columns, |row, value| block.push(row, value))
     }
 
     /// The blocks.
