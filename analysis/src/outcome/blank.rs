@@ -35,6 +35,7 @@ pub(crate) fn undetermined(table: &Table, samples: &Samples, why: String) -> Dia
         samples_set_aside: 0,
         prior: String::new(),
         lower_order: false,
+        shown: Vec::new(),
         traces: Traces::default(),
     }
 }

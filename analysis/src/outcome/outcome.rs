@@ -5,6 +5,7 @@ use crate::base::model::Base;
 use crate::calibration::{FittedEffect, Information, StdErrors};
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
+use crate::search::shown::Shown;
 use ironout::calibration::Calibration;
 
 /// The verdict of the contract.
@@ -180,6 +181,8 @@ pub struct Diagnosis {
     pub prior: String,
     /// Whether a lower-order base (no soft iron) was used.
     pub lower_order: bool,
+    /// Whether the log shows the effects that were asked for. A search tests in another way, and leaves this to the steps.
+    pub shown: Vec<Shown>,
     /// The residuals, for plots.
     pub traces: Traces,
 }

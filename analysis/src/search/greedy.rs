@@ -166,6 +166,7 @@ impl<'a> Greedy<'_, 'a> {
             repeated,
             withdrawn: Vec::new(),
             count,
+            shown: Vec::new(),
         })
     }
 

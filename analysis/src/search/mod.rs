@@ -9,5 +9,6 @@ pub mod pairs;
 pub mod parameter;
 pub mod screen;
 pub mod search;
+pub mod shown;
 pub mod state;
 pub mod undisturbed;

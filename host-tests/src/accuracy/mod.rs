@@ -7,6 +7,7 @@ pub mod dip_table;
 pub mod effect_report;
 pub mod effect_table;
 pub mod gates;
+pub mod irrelevant;
 pub mod log;
 pub mod paper_table;
 pub mod simulated;

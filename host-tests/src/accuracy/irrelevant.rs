@@ -1,0 +1,235 @@
+//! Effects that have nothing to do with a log, added to its fit: whether they turn a refused log into an accepted one, and
+//! whether what is accepted with them holds on another recording of the same board.
+
+use crate::accuracy::simulated::table_of;
+use ironout_analysis::base::solution::Solution;
+use ironout_analysis::calibration::EffectEntry;
+use ironout_analysis::{Corrector, Fitted, Options, effects, fit};
+use ironout_simulation::{EffectSpec, Log, Motion, World, WorldOptions};
+use ironout_simulation::paper::Sampler;
+use ironout::calibration::norm;
+use ironout::extended::ExtendedCalibration;
+
+/// One kind of log.
+#[derive(Debug, Clone, Copy)]
+pub struct Case {
+    /// The hidden effect with its strength; nothing where empty.
+    pub hidden: &'static str,
+    /// The column of its cause, left out of the log.
+    pub without: &'static str,
+    /// How the board is turned.
+    pub motion: Motion,
+    /// Length of the log, s.
+    pub seconds: f64,
+}
+
+const fn case(hidden: &'static str, without: &'static str, motion: Motion, seconds: f64) -> Case {
+    Case { hidden, without, motion, seconds }
+}
+
+/// The logs: most of them are refused by the plain fit, some are sound.
+pub const CASES: [Case; 18] = [
+    case("", "", Motion::Sphere, 60.0),
+    case("", "", Motion::Hand, 20.0),
+    case("", "", Motion::Cap(0.06), 60.0),
+    case("", "", Motion::Planar, 60.0),
+    case("offset:current_a=20", "current_a", Motion::Sphere, 60.0),
+    case("offset:current_a=40", "current_a", Motion::Sphere, 60.0),
+    case("offset:current_a=20", "current_a", Motion::Hand, 60.0),
+    case("offset:current_a=8", "current_a", Motion::Cap(0.3), 60.0),
+    case("offset:current_a=20", "", Motion::Sphere, 60.0),
+    case("offset:temp_c=20", "temp_c", Motion::Sphere, 60.0),
+    case("offset:temp_c=20", "temp_c", Motion::Hand, 60.0),
+    case("offset:temp_c=8", "temp_c", Motion::Cap(0.3), 60.0),
+    case("offset:temp_c=20", "", Motion::Sphere, 60.0),
+    case("drift=20", "", Motion::Sphere, 60.0),
+    case("step=20", "", Motion::Sphere, 60.0),
+    case("periodic=20", "", Motion::Sphere, 60.0),
+    case("nonlinearity=20", "", Motion::Sphere, 60.0),
+    case("eddy=20", "", Motion::Hand, 60.0),
+];
+
+/// Columns that follow nothing: a random walk, a slow wave, a switch, and independent noise.
+pub const DECOYS: [&str; 4] = ["walk", "wave", "switch", "hiss"];
+
+/// What is added.
+pub const ADDITIONS: [&str; 21] = [
+    "offset:walk",
+    "offset:walk^2",
+    "offset:walk@delay",
+    "gain:walk",
+    "field:walk",
+    "offset:wave",
+    "offset:wave^2",
+    "gain:wave",
+    "field:wave",
+    "offset:switch",
+    "offset:switch^2",
+    "gain:switch",
+    "offset:hiss",
+    "offset:hiss^2",
+    "field:hiss",
+    "drift",
+    "step",
+    "periodic",
+    "lag",
+    "nonlinearity",
+    "cross-axis",
+];
+
+/// Whether an addition has nothing to do with what is hidden. Shapes in time stand in for a cause that changes slowly, and
+/// shapes of the measured vector for one another: what they take off the error is there.
+pub fn is_irrelevant(case: &Case, addition: &str) -> bool {
+    let hidden = case.hidden.split('=').next().unwrap_or_default();
+    let of_time = ["drift", "step"].contains(&addition);
+    let slow = ["offset:temp_c", "drift", "step"].contains(&hidden);
+    let of_vector = ["nonlinearity", "cross-axis"];
+    let same = hidden == addition || (hidden == "eddy" && addition == "lag");
+    !(same || (of_time && slow) || (of_vector.contains(&hidden) && of_vector.contains(&addition)))
+}
+
+/// A decoy's values; every name and seed a history of its own.
+fn decoy(name: &str, seed: u64, rows: usize, rate_hz: f64) -> Vec<f64> {
+    let own: u64 = name.bytes().map(u64::from).sum();
+    let mut sampler = Sampler::new(seed.wrapping_mul(977).wrapping_add(own));
+    let (mut walk, mut on) = (0.0, false);
+    let waves: Vec<(f64, f64)> =
+        (0..3).map(|_| (sampler.uniform(8.0, 50.0), sampler.uniform(0.0, 6.3))).collect();
+    (0..rows)
+        .map(|row| {
+            let t_s = row as f64 / rate_hz;
+            walk += 0.05 * sampler.normal3()[0];
+            // A switch is thrown every four seconds on average.
+            on ^= sampler.uniform(0.0, 1.0) < 0.25 / rate_hz;
+            match name {
+                "walk" => walk,
+                "wave" => {
+                    waves.iter().map(|(period, phase)| (6.283 * t_s / period + phase).sin()).sum::<f64>()
+                }
+                "switch" => f64::from(on),
+                _ => sampler.normal3()[1],
+            }
+        })
+        .collect()
+}
+
+fn world(case: &Case, seed: u64) -> World {
+    let items = Some(case.hidden).filter(|hidden| !hidden.is_empty());
+    World::new(WorldOptions {
+        seed,
+        seconds: case.seconds,
+        motion: case.motion,
+        effects: items.and_then(|item| EffectSpec::parse(item).ok()).into_iter().collect(),
+        drop_columns: Some(case.without).filter(|name| !name.is_empty()).map(String::from).into_iter().collect(),
+        ..WorldOptions::default()
+    })
+}
+
+fn with_decoys(mut log: Log, seed: u64, rate_hz: f64) -> Log {
+    for name in DECOYS {
+        let values = decoy(name, seed, log.rows(), rate_hz);
+        log.names.push(name.to_string());
+        log.columns.push(values);
+    }
+    log
+}
+
+/// A log of one case, and a second recording of the same board through all attitudes.
+pub fn logs(case: &Case, seed: u64) -> (Log, Log) {
+    let first = world(case, seed);
+    let rate_hz = first.options().rate_hz;
+    let second = first.recording(2).run();
+    (with_decoys(first.run(), seed, rate_hz), with_decoys(second, seed + 1_000_003, rate_hz))
+}
+
+/// What became of one fit.
+#[derive(Debug, Clone, Copy)]
+pub struct Outcome {
+    /// Whether it was accepted.
+    pub accepted: bool,
+    /// Predicted error over the field.
+    pub predicted: f64,
+    /// Rms residual, µT.
+    pub rms_ut: f64,
+    /// On held-out blocks of the log, µT.
+    pub holdout_ut: f64,
+    /// Rms residual on the second recording, µT.
+    pub unseen_ut: f64,
+    /// Rms error of the corrected vector there, over the field.
+    pub error: f64,
+}
+
+fn calibration(solution: &Solution) -> Option<ExtendedCalibration> {
+    let mut calibration = ExtendedCalibration::plain(solution.calibration);
+    for effect in &solution.effects {
+        let fitted = effects::from_entry(&EffectEntry::from(effect)).ok()?;
+        calibration.effects.push(fitted).ok()?;
+    }
+    Some(calibration)
+}
+
+fn outcome(fitted: &Fitted, second: &Log) -> Outcome {
+    let nothing = f64::INFINITY;
+    let mut outcome = Outcome {
+        accepted: fitted.accepted,
+        predicted: nothing,
+        rms_ut: nothing,
+        holdout_ut: fitted.holdout_rms_ut.unwrap_or(nothing),
+        unseen_ut: nothing,
+        error: nothing,
+    };
+    let Some(solution) = &fitted.solution else { return outcome };
+    outcome.predicted = solution.predicted_error_ut / solution.calibration.field_ut;
+    outcome.rms_ut = solution.rms_ut;
+    let table = table_of(second);
+    let Some(corrector) = calibration(solution).and_then(|found| Corrector::new(found, &table).ok()) else {
+        return outcome;
+    };
+    let field_ut = solution.calibration.field_ut;
+    let (mut residuals, mut errors, mut rows) = (0.0, 0.0, 0.0);
+    for row in 0..second.rows() {
+        let Ok(corrected) = corrector.correct(row) else { continue };
+        let truth = second.truth.body_field_ut[row];
+        residuals += (norm(corrected) - field_ut).powi(2);
+        errors += (0..3).map(|axis| (corrected[axis] - truth[axis]).powi(2)).sum::<f64>();
+        rows += 1.0;
+    }
+    outcome.unseen_ut = (residuals / f64::max(rows, 1.0)).sqrt();
+    outcome.error = (errors / f64::max(rows, 1.0)).sqrt() / second.truth.field_ut;
+    outcome
+}
+
+/// One addition to one log.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// What was added.
+    pub addition: &'static str,
+    /// Whether it is irrelevant.
+    pub irrelevant: bool,
+    /// The fit without it.
+    pub plain: Outcome,
+    /// The fit with it.
+    pub with: Outcome,
+}
+
+/// Every addition to the log of one case and seed.
+pub fn trials(case: &Case, seed: u64, additions: &[&'static str]) -> Vec<Trial> {
+    let (first, second) = logs(case, seed);
+    let table = table_of(&first);
+    let run = |add: Option<&str>| {
+        let options = Options {
+            field_ut: Some(first.truth.field_ut),
+            add: add.map(String::from).into_iter().collect(),
+            ..Options::default()
+        };
+        fit(&table, &options).ok().map(|fitted| outcome(&fitted, &second))
+    };
+    let Some(plain) = run(None) else { return Vec::new() };
+    additions
+        .iter()
+        .filter_map(|&addition| {
+            let with = run(Some(addition))?;
+            Some(Trial { addition, irrelevant: is_irrelevant(case, addition), plain, with })
+        })
+        .collect()
+}
