@@ -1,6 +1,9 @@
 //! A calibration: what turns a measured vector into the field.
 
-use crate::math::Real;
+use crate::real::Real;
+use crate::vector::{determinant, minus, times};
+
+pub use crate::vector::{inverse_3x3, norm};
 
 /// `corrected = matrix · (measured − offset)`: hard iron and zero offset removed, soft iron, gains and
 /// non-orthogonality undone (paper eq. (3) inverted, `h = C(ĥ − b)`).
@@ -37,12 +40,7 @@ impl<T: Real> Calibration<T> {
     /// The corrected field of a measured vector, both µT. NaN in, NaN out.
     #[inline]
     pub fn apply(&self, measured_ut: [T; 3]) -> [T; 3] {
-        let [x, y, z] = [
-            measured_ut[0] - self.offset_ut[0],
-            measured_ut[1] - self.offset_ut[1],
-            measured_ut[2] - self.offset_ut[2],
-        ];
-        self.matrix.map(|row| row[0] * x + row[1] * y + row[2] * z)
+        times(&self.matrix, minus(measured_ut, self.offset_ut))
     }
 
     /// `‖corrected‖ − F`, µT: how far a corrected vector is from the magnitude it should have.
@@ -64,7 +62,7 @@ impl<T: Real> Calibration<T> {
     /// The measured vector that this calibration corrects to `field_ut`: `A h + b`. `None` if the matrix is singular.
     pub fn distort(&self, field_ut: [T; 3]) -> Option<[T; 3]> {
         let inverse = inverse_3x3(&self.matrix)?;
-        let raw = inverse.map(|row| row[0] * field_ut[0] + row[1] * field_ut[1] + row[2] * field_ut[2]);
+        let raw = times(&inverse, field_ut);
         Some(core::array::from_fn(|a| raw[a] + self.offset_ut[a]))
     }
 
@@ -76,29 +74,4 @@ impl<T: Real> Calibration<T> {
             && self.field_ut > T::zero()
             && determinant(&self.matrix) > T::zero()
     }
-}
-
-/// Euclidean norm.
-#[inline]
-pub fn norm<T: Real>([x, y, z]: [T; 3]) -> T {
-    (x * x + y * y + z * z).root()
-}
-
-fn determinant<T: Real>(m: &[[T; 3]; 3]) -> T {
-    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
-}
-
-/// The inverse by cofactors; `None` if the determinant is zero or not finite.
-pub fn inverse_3x3<T: Real>(m: &[[T; 3]; 3]) -> Option<[[T; 3]; 3]> {
-    let det = determinant(m);
-    if det == T::zero() || !det.is_finite() {
-        return None;
-    }
-    let cofactor = |r: usize, c: usize| {
-        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
-        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
-    };
-    let inverse = core::array::from_fn(|r| core::array::from_fn(|c| cofactor(c, r) / det));
-    inverse.iter().flatten().all(|v: &T| v.is_finite()).then_some(inverse)
 }

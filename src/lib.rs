@@ -63,20 +63,25 @@
 
 pub mod calibration;
 pub mod coverage;
+mod dense;
 pub mod device;
 pub mod effect;
 pub mod extended;
 pub mod fit;
 pub mod gate;
 pub mod math;
+pub mod model;
 pub mod moments;
 pub mod monomial;
 pub mod protocol;
 mod quadric;
 pub mod quality;
+mod real;
 pub mod record;
+mod refusal;
 pub mod scatter;
 pub mod session;
 pub mod store;
 pub mod study;
+pub mod vector;
 pub mod whiteness;

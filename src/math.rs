@@ -3,47 +3,7 @@
 //! Everything transcendental in this crate goes through here, by name, so that the board and the host run the same
 //! code and give the same bits: glibc's functions differ from `libm`'s in the last place.
 
-use nalgebra::RealField;
-
-/// A scalar the core computes with: `f32` on the board's live path, `f64` for solves and on the host.
-pub trait Real: RealField + Copy + 'static {
-    /// The nearest value to `value`.
-    fn of(value: f64) -> Self;
-    /// The same value in double precision.
-    fn as_f64(self) -> f64;
-    /// Square root, correctly rounded; NaN for a negative argument.
-    fn root(self) -> Self;
-}
-
-impl Real for f32 {
-    #[inline]
-    fn of(value: f64) -> Self {
-        value as f32
-    }
-    #[inline]
-    fn as_f64(self) -> f64 {
-        f64::from(self)
-    }
-    #[inline]
-    fn root(self) -> Self {
-        libm::sqrtf(self)
-    }
-}
-
-impl Real for f64 {
-    #[inline]
-    fn of(value: f64) -> Self {
-        value
-    }
-    #[inline]
-    fn as_f64(self) -> f64 {
-        self
-    }
-    #[inline]
-    fn root(self) -> Self {
-        libm::sqrt(self)
-    }
-}
+pub use crate::real::Real;
 
 /// Square root in double precision; NaN for a negative argument.
 #[inline]

@@ -25,7 +25,7 @@ const QUARTICS: usize = 15;
 
 /// Which reading of the paper's eq. (14) a normal matrix is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reading {
+pub enum Normalisation {
     /// The paper's nine columns of eq. (13), `[x² x y² y z² z xy zy xz]`, with the constant 1 on the left:
     /// `Ĥ²` of eq. (14) is the squared magnitude of the *true* field, a constant, less `bᵀQb`; scaled to 1.
     Constant,
@@ -34,7 +34,10 @@ pub enum Reading {
     Trace,
 }
 
-/// A normal matrix `DᵀD` (9×9) and right side `DᵀĤ²` (9) in counts, row and column order as in [`Reading`].
+#[doc(hidden)]
+pub use Normalisation as Reading;
+
+/// A normal matrix `DᵀD` (9×9) and right side `DᵀĤ²` (9) in counts, row and column order as in [`Normalisation`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalMatrix {
     /// `DᵀD`, symmetric, counts to the power of the two columns' degrees.
@@ -207,15 +210,15 @@ impl Moments {
 
     /// The paper's normal matrix `DᵀD` and right side `DᵀĤ²` (eq. (15)) of all samples so far, read off the sums.
     /// Each entry is the exact integer, rounded once to `f64`.
-    pub fn normal_matrix(&self, reading: Reading) -> NormalMatrix {
+    pub fn normal_matrix(&self, normalisation: Normalisation) -> NormalMatrix {
         let sums = self.sums();
-        let columns: &[Column; 9] = match reading {
-            Reading::Constant => &CONSTANT_COLUMNS,
-            Reading::Trace => &TRACE_COLUMNS,
+        let columns: &[Column; 9] = match normalisation {
+            Normalisation::Constant => &CONSTANT_COLUMNS,
+            Normalisation::Trace => &TRACE_COLUMNS,
         };
-        let left: Column = match reading {
-            Reading::Constant => &[(1, [0, 0, 0])],
-            Reading::Trace => &[(1, [2, 0, 0]), (1, [0, 2, 0]), (1, [0, 0, 2])],
+        let left: Column = match normalisation {
+            Normalisation::Constant => &[(1, [0, 0, 0])],
+            Normalisation::Trace => &[(1, [2, 0, 0]), (1, [0, 2, 0]), (1, [0, 0, 2])],
         };
         let product = |a: Column, b: Column| {
             let mut total = 0i128;

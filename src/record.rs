@@ -30,7 +30,7 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 use crate::calibration::Calibration;
 use crate::extended::{Effects, ExtendedCalibration};
-use crate::fit::{Method, Model};
+use crate::fit::{Method, Order as Model};
 
 /// The version of the layout of a record without effects …
 pub const VERSION: u8 = 1;

@@ -4,10 +4,10 @@
 //! time. Raw, the normal matrix of a board with a large hard iron has a condition number of 1e13 and more; centred
 //! and scaled it is 6 … 13.
 
-use crate::fit::FitError;
-use crate::fit::dense::{all_finite, root};
+use crate::dense::{all_finite, root};
 use crate::moments::Moments;
 use crate::monomial::{self, COUNT, EXPONENTS, at};
+use crate::refusal::FitError;
 
 /// Centred, scaled moments `m_ijk = (1/n) Σ ξⁱηʲζᵏ` with `ξ = (x_ut − centre_ut)/scale_ut`, and the quadric fits' only input.
 #[derive(Clone, Debug)]

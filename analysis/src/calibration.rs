@@ -127,7 +127,7 @@ fn positive_definite(mut a: Vec<Vec<f64>>) -> bool {
 }
 
 /// An effect with fitted coefficients.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FittedEffect {
     /// Its id.
     pub id: String,

@@ -15,10 +15,12 @@ pub mod correct;
 pub mod effects;
 pub mod fit;
 pub mod outcome;
+mod plain;
 pub mod residual;
 pub mod samples;
 pub mod search;
 pub mod table;
+mod threads;
 
 pub use correct::{CannotCorrect, Corrector};
 pub use fit::fitted::Fitted;

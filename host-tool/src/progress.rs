@@ -1,106 +1,97 @@
-//! A progress bar on standard error, shown only where that is a terminal and the work is long.
+//! Progress on standard error, drawn by `indicatif`: only where that is a terminal and the work is long.
 
-use std::io::{IsTerminal, Write};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::{Duration, Instant};
 
 /// Work shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_millis(400);
-/// Between two redraws.
-const REDRAW: Duration = Duration::from_millis(100);
-const WIDTH: usize = 30;
+/// Redraws a second.
+const REDRAWS_HZ: u8 = 10;
 
 /// A bar from 0 to `total`; it removes itself when dropped.
 pub struct Progress {
-    label: &'static str,
-    total: u64,
+    bar: ProgressBar,
     started: Instant,
-    drawn: Option<Instant>,
-    enabled: bool,
 }
 
 impl Progress {
     /// A bar for `total` units of work; nothing is drawn unless `wanted` and standard error is a terminal.
     pub fn new(label: &'static str, total: u64, wanted: bool) -> Self {
-        let enabled = wanted && total > 0 && std::io::stderr().is_terminal();
-        Progress { label, total, started: Instant::now(), drawn: None, enabled }
+        let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
+        bar.set_style(style("{msg} [{bar:30}] {percent:>3} %  {eta} left"));
+        bar.set_message(label);
+        if !wanted || total == 0 {
+            bar.finish();
+        }
+        Progress { bar, started: Instant::now() }
     }
 
     /// `done` of the total are done.
     pub fn at(&mut self, done: u64) {
-        if !self.enabled || self.started.elapsed() < PATIENCE {
-            return;
+        if self.bar.is_hidden() {
+            if self.bar.is_finished() || self.started.elapsed() < PATIENCE {
+                return;
+            }
+            self.bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(REDRAWS_HZ));
         }
-        if self.drawn.is_some_and(|drawn| drawn.elapsed() < REDRAW) {
-            return;
-        }
-        self.drawn = Some(Instant::now());
-        let fraction = (done as f64 / self.total as f64).clamp(0.0, 1.0);
-        let filled = (fraction * WIDTH as f64) as usize;
-        let _ = write!(
-            std::io::stderr(),
-            "\r{} [{}{}] {:3.0} %",
-            self.label,
-            "#".repeat(filled),
-            "-".repeat(WIDTH - filled),
-            fraction * 100.0
-        );
+        self.bar.set_position(done);
     }
 }
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        if self.drawn.is_some() {
-            // A bar that cannot be cleared is no reason to fail.
-            let _ = write!(std::io::stderr(), "\r{}\r", " ".repeat(WIDTH + self.label.len() + 10));
-        }
+        self.bar.finish_and_clear();
     }
 }
 
-/// A sign of life for work whose length is not known: elapsed seconds, from a thread of its own, removed when dropped.
+/// A sign of life for work whose length is not known: elapsed seconds, removed when dropped.
 pub struct Working {
-    thread: Option<(std::sync::mpsc::Sender<()>, std::thread::JoinHandle<()>)>,
+    bar: ProgressBar,
 }
 
 impl Working {
-    /// Starts; nothing is drawn unless standard error is a terminal and the work takes a while.
+    /// Starts; nothing is drawn unless standard error is a terminal.
     pub fn new(label: &'static str) -> Self {
-        if !std::io::stderr().is_terminal() {
-            return Working { thread: None };
-        }
-        let (stop, stopped) = std::sync::mpsc::channel();
-        let thread = std::thread::spawn(move || draw(label, &stopped));
-        Working { thread: Some((stop, thread)) }
-    }
-}
-
-fn draw(label: &str, stopped: &std::sync::mpsc::Receiver<()>) {
-    use std::sync::mpsc::RecvTimeoutError::Timeout;
-    const BLOCK: usize = 8;
-    let started = Instant::now();
-    let mut wait = PATIENCE;
-    let mut drawn = false;
-    for step in 0_usize.. {
-        if stopped.recv_timeout(wait) != Err(Timeout) {
-            break;
-        }
-        wait = REDRAW;
-        drawn = true;
-        let turn = 2 * (WIDTH - BLOCK);
-        let at = (turn / 2).abs_diff(step % turn);
-        let bar = format!("{}{}{}", "-".repeat(at), "#".repeat(BLOCK), "-".repeat(WIDTH - BLOCK - at));
-        let _ = write!(std::io::stderr(), "\r{label} [{bar}] {:4.0} s", started.elapsed().as_secs_f64());
-    }
-    if drawn {
-        let _ = write!(std::io::stderr(), "\r{}\r", " ".repeat(WIDTH + label.len() + 12));
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(REDRAWS_HZ));
+        bar.set_style(style("{msg} {spinner} {elapsed}"));
+        bar.set_message(label);
+        bar.enable_steady_tick(PATIENCE);
+        Working { bar }
     }
 }
 
 impl Drop for Working {
     fn drop(&mut self) {
-        if let Some((stop, thread)) = self.thread.take() {
-            drop(stop);
-            // A thread that only draws has nothing to say.
-            let _ = thread.join();
+        self.bar.finish_and_clear();
+    }
+}
+
+/// A template of the program's own, which cannot be wrong; the usual bar if it were.
+fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template)
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+        .progress_chars("#>-")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_templates_are_sound() {
+        for template in ["{msg} [{bar:30}] {percent:>3} %  {eta} left", "{msg} {spinner} {elapsed}"] {
+            assert!(ProgressStyle::with_template(template).is_ok(), "{template}");
         }
+    }
+
+    #[test]
+    fn short_work_and_work_that_nobody_watches_draw_nothing() {
+        let mut short = Progress::new("reading", 10, true);
+        short.at(5);
+        assert!(short.bar.is_hidden());
+        let mut unwanted = Progress::new("reading", 10, false);
+        unwanted.started = Instant::now() - 2 * PATIENCE;
+        unwanted.at(5);
+        assert!(unwanted.bar.is_hidden());
     }
 }

@@ -6,12 +6,12 @@
 //!
 //! # An effect of one's own, from the fit to the correction
 //!
-//! One type and nothing else: the same [`Study`](crate::study::Study), the same fit, the same correction.
+//! One type and nothing else: the same `Study`, the same fit, the same correction.
 //!
 //! ```
 //! use ironout::effect::{Column, Effect, Quantities, Shape};
 //! use ironout::extended::{ExtendedCalibration, FittedEffect, Live};
-//! use ironout::study::{Model, Normal, PhysicalPrior, Reading, Residual, Study, Term, base_prior, refit};
+//! use ironout::study::{Model, Normal, PhysicalPrior, Observation, Residual, Study, Term, base_prior, refit};
 //!
 //! /// A servo whose magnet turns with its arm: its field turns in the board's x-y plane.
 //! #[derive(Clone, Copy)]
@@ -61,7 +61,7 @@
 //!     for i in 0..3000 {
 //!         let (measured_ut, angle) = sample(i);
 //!         let term = Term { effect: &servo.effect, coefficients: servo.coefficients, inputs: [angle, 0.0] };
-//!         study.push(0, &Reading { measured_ut, turn_radps: None, down: None }, &[term])?;
+//!         study.push(0, &Observation { measured_ut, turn_radps: None, down: None }, &[term])?;
 //!     }
 //!     let prior: Normal<f64, 11> = base_prior(&PhysicalPrior::default(), &model, 0.01, 11);
 //!     model = refit(&study, Some(&prior), core::slice::from_mut(&mut servo)).ok_or("not determined")?;
@@ -89,10 +89,11 @@ mod live;
 pub use delay::{DELAY_PLACES, DelayLine};
 pub use live::{Live, LiveError, MAX_DELAYED, Slots};
 
-use crate::calibration::{Calibration, inverse_3x3};
+use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, Coefficients, Effect, MAX_INPUTS, Quantities};
 use crate::math::Real;
-use crate::study::Model;
+use crate::model::{Model, settle};
+use crate::vector::{cross, inverse_3x3, minus, times};
 use core::fmt;
 
 /// The most effects a calibration carries.
@@ -225,21 +226,6 @@ impl<T: Real> Prepared<T> {
     }
 }
 
-#[inline]
-fn cross<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-#[inline]
-fn times<T: Real>(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
-    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
-#[inline]
-fn minus<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
 impl<T: Real, E: Effect<T>> ExtendedCalibration<T, E> {
     /// A calibration without effects.
     pub const fn plain(base: Calibration<T>) -> Self {
@@ -325,17 +311,6 @@ impl<T: Real> ExtendedCalibration<T> {
     }
 }
 
-/// The most looks at a disturbance that depends on the field it disturbs; a weak one stands after two or three.
-pub(crate) const MOST_LOOKS: usize = 12;
-
-/// Whether two looks differ by less than a hundred-thousandth of the vector.
-#[inline]
-pub(crate) fn stands<T: Real>(now: [T; 3], before: [T; 3]) -> bool {
-    let [x, y, z] = minus(now, before);
-    let [a, b, c] = now;
-    !(x * x + y * y + z * z > T::of(1e-10) * (a * a + b * b + c * c))
-}
-
 /// The correction itself, once everything that the effects need is known to be there. Effects that read the centre are
 /// evaluated again until their disturbance stands: the first time with the centre as if there were none.
 #[inline]
@@ -353,28 +328,19 @@ fn correct<'e, T: Real, E: Effect<T> + 'e>(
         turning_ut_per_s: [T::zero(); 3],
         inputs: [T::zero(); MAX_INPUTS],
     };
-    let look = |at: &mut Quantities<T>| {
+    let look = |point: [T; 3]| {
+        at.centred_ut = point;
         if let (true, Some(turn)) = (prepared.turning, turn_radps) {
             at.turning_ut_per_s = times(&prepared.inverse, cross(turn, times(&base.matrix, at.centred_ut)));
         }
         let mut left = centred;
         for (effect, coefficients, inputs) in effects.clone() {
             at.inputs = *inputs;
-            left = minus(left, effect.disturbance(at, coefficients));
+            left = minus(left, effect.disturbance(&at, coefficients));
         }
-        left
+        Ok::<_, NotCorrected>(left)
     };
-    let mut left = look(&mut at);
-    if prepared.looks_again {
-        for _ in 1..MOST_LOOKS {
-            let before = at.centred_ut;
-            if stands(left, before) {
-                break;
-            }
-            at.centred_ut = left;
-            left = look(&mut at);
-        }
-    }
+    let left = settle(centred, prepared.looks_again, look)?;
     let corrected = times(&base.matrix, left);
     if is_finite(corrected) {
         return Ok(corrected);

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::effect::{AmbientField, ColumnName, Eddy, Gain, Offset, Shape};
-use crate::study::{Reading, Term};
+use crate::model::{Observation, Term};
 
 fn fitted(effect: BuiltIn<f64>, size: f64) -> FittedEffect<f64> {
     FittedEffect {
@@ -33,7 +33,7 @@ fn the_study_and_the_correction_mean_the_same() {
         coefficients: effects[i].coefficients,
         inputs: [3.0, 0.0],
     });
-    let reading = Reading { measured_ut: measured, turn_radps: Some(turn), down: None };
+    let reading = Observation { measured_ut: measured, turn_radps: Some(turn), down: None };
     let there = model.correct(&reading, &terms).unwrap();
     for axis in 0..3 {
         assert!((here[axis] - there[axis]).abs() < 1e-12, "{here:?} against {there:?}");

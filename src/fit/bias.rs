@@ -4,11 +4,15 @@
 //! it, it bends the ellipsoid, by many times the standard errors, and no residual shows it. The adjusted least squares of
 //! the same sums has no such bias, so the distance to it tells.
 
-use super::{FitReport, Method, Model, check, of_coefficients};
+use super::options::{FitOptions, Method};
+use super::report::FitReport;
+use super::root::Root;
+use super::solve::check;
 use crate::calibration::Calibration;
-use crate::fit::adjusted::Root;
-use crate::fit::{FitOptions, precision::TRIANGLE};
+use crate::math;
+use crate::quadric::{Ellipsoid, Order};
 use crate::scatter::Scatter;
+use crate::vector::{TRIANGLE, minus, norm};
 
 impl FitReport {
     /// Adds to the predicted error what noise biases this method by: how far the corrected vector moves, in the worst
@@ -23,18 +27,18 @@ impl FitReport {
             .and_then(|unbiased| worst_distance_ut(&self.calibration, &unbiased))
             .unwrap_or(self.calibration.field_ut);
         let square = self.predicted_error_ut * self.predicted_error_ut + bias * bias;
-        self.predicted_error_ut = crate::math::sqrt(square);
+        self.predicted_error_ut = math::sqrt(square);
     }
 }
 
 /// The adjusted solution of a model, scaled to `field_ut`.
-fn adjusted(scatter: &Scatter, model: Model, field_ut: f64) -> Option<Calibration> {
+fn adjusted(scatter: &Scatter, model: Order, field_ut: f64) -> Option<Calibration> {
     let upper = check(scatter, &FitOptions::default()).ok()?;
     let mut root = Root::new();
     if !root.adjusted(scatter, upper, model) {
         return None;
     }
-    let ellipsoid = of_coefficients(&root.beta)?;
+    let ellipsoid = Ellipsoid::from_coefficients(&root.beta)?;
     let mut matrix = [[0.0; 3]; 3];
     for ((j, k), entry) in TRIANGLE.into_iter().zip(ellipsoid.factor) {
         matrix[j][k] = entry * field_ut / scatter.scale_ut;
@@ -48,14 +52,13 @@ fn worst_distance_ut(a: &Calibration, b: &Calibration) -> Option<f64> {
     let mut worst = 0.0;
     for code in 0..27u8 {
         let v = [code % 3, code / 3 % 3, code / 9].map(|digit| f64::from(digit) - 1.0);
-        let length = crate::calibration::norm(v);
+        let length = norm(v);
         if length == 0.0 {
             continue;
         }
         let field = v.map(|v| v * a.field_ut / length);
         let corrected = b.apply(a.distort(field)?);
-        let off = core::array::from_fn(|i| corrected[i] - field[i]);
-        let distance = crate::calibration::norm::<f64>(off);
+        let distance = norm(minus(corrected, field));
         if !distance.is_finite() {
             return None;
         }

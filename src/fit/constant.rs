@@ -5,10 +5,8 @@
 //! the term `bᵀQb` that is lost between (5) and (7) it reads `D p = F² − bᵀQb`, and scaled to one `D p = 1`. The scale comes
 //! back as `s = 1 + bᵀMb`, `Q = (F²/s) M`. The data must not be centred: the origin is the sensor's own zero.
 
-use super::Model;
-use super::gram::{condition_number, factorise, minimiser, product};
 use crate::math;
-use crate::quadric::Ellipsoid;
+use crate::quadric::{Ellipsoid, Order, condition_number, factorise, minimiser, product};
 use crate::scatter::Scatter;
 
 /// Nearer to the sensor's zero than this (`|F² − bᵀQb|/F²`), the reading is refused as singular.
@@ -25,7 +23,7 @@ pub(crate) fn solve(about_zero: &Scatter) -> Option<(Ellipsoid, f64)> {
             *entry = product(moments, r, c);
         }
     }
-    if !factorise(&mut factor, Model::Ellipsoid) {
+    if !factorise(&mut factor, Order::Ellipsoid) {
         return None;
     }
     // The minimiser has +1 for the constant column: −p. Where the origin lies outside the ellipsoid, M of p is negative
@@ -35,7 +33,7 @@ pub(crate) fn solve(about_zero: &Scatter) -> Option<(Ellipsoid, f64)> {
     let p = x.map(|v| v * sign);
     let m = [p[0], 0.5 * p[3], 0.5 * p[4], p[1], 0.5 * p[5], p[2]];
     let ellipsoid = Ellipsoid::from_quadric(&m, [p[6], p[7], p[8]], p[9])?;
-    Some((ellipsoid, condition_number(&factor, Model::Ellipsoid)))
+    Some((ellipsoid, condition_number(&factor, Order::Ellipsoid)))
 }
 
 /// `|F² − bᵀQb|/F²` of an ellipsoid given about the sensor's zero: zero where the reading is singular.

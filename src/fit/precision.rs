@@ -5,13 +5,11 @@
 //! `V (GᵀΨG)⁻¹` of the theory, since `Ψ` is zero along the solution itself.) A square root has half the digits at stake:
 //! single precision is enough from here on.
 
-use super::dense::{add_scaled_f32, dot_f32, scale_f32};
-use super::gram::Lower;
+use crate::dense::{add_scaled_f32, dot_f32, scale_f32};
 use crate::math::sqrtf;
-use crate::quadric::Ellipsoid;
+use crate::quadric::{Ellipsoid, Lower};
 
-/// Row and column of each of the six entries of the triangular `C`, in the order of the covariance.
-pub const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+pub use crate::vector::TRIANGLE;
 
 /// Weak physical prior, one standard deviation: gains within some 20 % of each other …
 const GAIN_SPREAD: f32 = 0.2;

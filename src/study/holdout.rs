@@ -1,6 +1,6 @@
 //! The error on blocks of time that the fit has not seen.
 
-use super::Normal;
+use super::normal::Normal;
 use crate::math::Real;
 
 /// What the blocks say about rows they were not fitted with.

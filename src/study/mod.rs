@@ -12,20 +12,22 @@
 //! candidates. Residuals are `r(p)`, `J = ∂r/∂p`, `g = Jᵀr`, so a step is `δ = −N⁻¹g`.
 
 mod fdist;
-mod foot;
 mod holdout;
-mod model;
 mod normal;
 mod pass;
 mod prior;
 mod refit;
 mod schur;
 
+pub use crate::model::{Model, NotFinite, Observation, Residual, Term};
+#[doc(hidden)]
+pub use crate::model::Observation as Reading;
 pub use fdist::f_tail;
 pub use holdout::{HeldOut, held_out};
-pub use model::{Model, NotFinite, Reading, Residual, Term};
 pub use normal::{Factor, Normal};
 pub use pass::Study;
 pub use prior::{PhysicalPrior, base_prior};
 pub use refit::refit;
-pub use schur::{Gain, MIN_EIGENVALUE};
+#[doc(hidden)]
+pub use schur::Improvement as Gain;
+pub use schur::{Improvement, MIN_EIGENVALUE};

@@ -186,7 +186,7 @@ impl<T: Real, const P: usize> Normal<T, P> {
             }
             *s = T::one() / diagonal.root();
         }
-        let floor = T::default_epsilon() * T::of(16.0);
+        let floor = T::epsilon() * T::of(16.0);
         let mut lower = [[T::zero(); P]; P];
         for i in 0..n {
             for j in 0..=i {

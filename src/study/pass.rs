@@ -1,7 +1,8 @@
 //! One linearised pass in blocks of time.
 
-use super::{Model, Normal, NotFinite, Reading, Residual, Term};
+use super::normal::Normal;
 use crate::math::Real;
+use crate::model::{Model, NotFinite, Observation, Residual, Term};
 
 /// The normal matrices of one pass: `P` columns at most, `B` blocks of time, `N` terms at most.
 ///
@@ -34,7 +35,7 @@ impl<T: Real, const P: usize, const B: usize, const N: usize> Study<T, P, B, N> 
     pub fn push(
         &mut self,
         block: usize,
-        reading: &Reading<T>,
+        reading: &Observation<T>,
         terms: &[Term<'_, T>],
     ) -> Result<(), NotFinite> {
         let Study { residual, model, blocks } = self;

@@ -1,7 +1,8 @@
 //! What is known before the data: how magnetometers are.
 
-use super::{Model, Normal};
+use super::normal::Normal;
 use crate::math::Real;
+use crate::model::Model;
 
 /// The weak physical prior on the base model, as standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]

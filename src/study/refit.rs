@@ -1,9 +1,11 @@
 //! One Gauss–Newton step of a study's model and of the effects in it.
 
-use super::{Model, Normal, Residual, Study};
+use super::normal::Normal;
+use super::pass::Study;
 use crate::effect::Effect;
 use crate::extended::FittedEffect;
 use crate::math::{self, Real};
+use crate::model::{Model, Residual};
 
 /// The model after one step of a magnitude or dip study whose terms were `effects`, in that order; their coefficients are
 /// moved too, and their standard errors set from the residual's spread (white noise).

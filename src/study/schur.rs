@@ -1,20 +1,20 @@
 //! What a candidate adds beyond the columns before it.
 
-use super::Normal;
+use super::normal::Normal;
 use crate::effect::MAX_COEFFICIENTS;
 use crate::math::Real;
 use core::ops::Range;
-use nalgebra::{SMatrix, SVector, SymmetricEigen};
 
 /// Directions of a candidate whose Schur complement (unit columns) has a smaller eigenvalue are not new.
 pub const MIN_EIGENVALUE: f64 = 1e-3;
 
-type Small<T> = SMatrix<T, MAX_COEFFICIENTS, MAX_COEFFICIENTS>;
-type SmallVector<T> = SVector<T, MAX_COEFFICIENTS>;
+/// Rows first.
+type Small<T> = [[T; MAX_COEFFICIENTS]; MAX_COEFFICIENTS];
+type SmallVector<T> = [T; MAX_COEFFICIENTS];
 
 /// How much a candidate lowers the squared error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gain<T> {
+pub struct Improvement<T> {
     /// Squared error with the base alone, refitted.
     pub squares_before: T,
     /// What the candidate takes off it.
@@ -23,7 +23,7 @@ pub struct Gain<T> {
     pub directions: usize,
 }
 
-impl<T: Real> Gain<T> {
+impl<T: Real> Improvement<T> {
     /// `F*` and its degrees of freedom: `(F, k, n_eff − p − k)` for `p` base columns, `rows` rows and
     /// `rows_effective` independent ones.
     pub fn f_statistic(&self, base: usize, rows: f64, rows_effective: f64) -> (f64, f64, f64) {
@@ -39,21 +39,19 @@ impl<T: Real> Gain<T> {
 impl<T: Real, const P: usize> Normal<T, P> {
     /// Tests the columns `candidate` against those `base`. `None` where the base itself is not determined, or the
     /// candidate has more than [`MAX_COEFFICIENTS`] columns or is not finite.
-    pub fn test(&self, base: Range<usize>, candidate: Range<usize>) -> Option<Gain<T>> {
+    pub fn test(&self, base: Range<usize>, candidate: Range<usize>) -> Option<Improvement<T>> {
         let k = candidate.len();
         let (schur, right, squares_before) = self.schur(base, candidate)?;
-        let eigen = SymmetricEigen::try_new(schur, T::default_epsilon(), 200)?;
-        let mut gain = Gain { squares_before, decrease: T::zero(), directions: 0 };
-        for (value, vector) in
-            eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()).take(MAX_COEFFICIENTS)
-        {
-            if *value > T::of(MIN_EIGENVALUE) && gain.directions < k {
-                let along = vector.dot(&right);
-                gain.decrease += along * along / *value;
-                gain.directions += 1;
+        let (values, vectors) = T::symmetric_eigen(&schur)?;
+        let mut improvement = Improvement { squares_before, decrease: T::zero(), directions: 0 };
+        for (value, vector) in values.into_iter().zip(&vectors) {
+            if value > T::of(MIN_EIGENVALUE) && improvement.directions < k {
+                let along = T::inner_product(vector, &right);
+                improvement.decrease += along * along / value;
+                improvement.directions += 1;
             }
         }
-        Some(gain)
+        Some(improvement)
     }
 
     /// Schur complement of the candidate's unit columns, their right side, and the squared error of the base.
@@ -91,20 +89,21 @@ impl<T: Real, const P: usize> Normal<T, P> {
             }
             sum
         };
-        let mut schur = Small::<T>::zeros();
-        let mut right = SmallVector::<T>::zeros();
+        let mut schur: Small<T> = [[T::zero(); MAX_COEFFICIENTS]; MAX_COEFFICIENTS];
+        let mut right: SmallVector<T> = [T::zero(); MAX_COEFFICIENTS];
         for (i, ((row, s), column)) in through.iter().zip(&scale).zip(candidate.clone()).enumerate() {
             let value = (self.right(column) - dot(row, &known)) * *s;
             if let Some(entry) = right.get_mut(i) {
                 *entry = value;
             }
             for (j, ((other, t), second)) in through.iter().zip(&scale).zip(candidate.clone()).enumerate() {
-                if let Some(entry) = schur.get_mut((i, j)) {
+                if let Some(entry) = schur.get_mut(i).and_then(|row| row.get_mut(j)) {
                     *entry = (self.entry(column, second) - dot(row, other)) * *s * *t;
                 }
             }
         }
-        let finite = schur.iter().chain(right.iter()).all(|value| value.is_finite()) && squares.is_finite();
+        let finite =
+            schur.iter().flatten().chain(&right).all(|value| value.is_finite()) && squares.is_finite();
         finite.then_some((schur, right, squares))
     }
 
@@ -130,11 +129,11 @@ impl<T: Real, const P: usize> Normal<T, P> {
         let (b, _, _) = self.schur(base.clone(), second.clone())?;
         // The cross block: both candidates as one would be too wide, so it is built like the others, entry by entry.
         let cross = self.schur_cross(base, first, second)?;
-        let (white_a, white_b) = (inverse_root(a)?, inverse_root(b)?);
-        let coupling = white_a * cross * white_b;
-        let eigen = SymmetricEigen::try_new(coupling.transpose() * coupling, T::default_epsilon(), 200)?;
+        let (white_a, white_b) = (inverse_root(&a)?, inverse_root(&b)?);
+        let coupling = product(&product(&white_a, &cross), &white_b);
+        let (values, _) = T::symmetric_eigen(&product(&transposed(&coupling), &coupling))?;
         let mut out = [T::zero(); MAX_COEFFICIENTS];
-        for (slot, value) in out.iter_mut().zip(eigen.eigenvalues.iter()) {
+        for (slot, value) in out.iter_mut().zip(values) {
             *slot = value.max(T::zero()).min(T::one()).root();
         }
         Some(out)
@@ -154,7 +153,7 @@ impl<T: Real, const P: usize> Normal<T, P> {
             let norm = self.entry(column, column);
             if norm > T::zero() { T::one() / norm.root() } else { T::zero() }
         };
-        let mut out = Small::<T>::zeros();
+        let mut out: Small<T> = [[T::zero(); MAX_COEFFICIENTS]; MAX_COEFFICIENTS];
         for (i, row) in first.enumerate() {
             let left = project(row);
             for (j, column) in second.clone().enumerate() {
@@ -162,20 +161,43 @@ impl<T: Real, const P: usize> Normal<T, P> {
                 for (x, y) in left.iter().zip(&project(column)).take(base.len()) {
                     value -= *x * *y;
                 }
-                *out.get_mut((i, j))? = value * unit(row) * unit(column);
+                *out.get_mut(i)?.get_mut(j)? = value * unit(row) * unit(column);
             }
         }
         Some(out)
     }
 }
 
+/// `Mᵀ`.
+fn transposed<T: Real>(m: &Small<T>) -> Small<T> {
+    core::array::from_fn(|i| core::array::from_fn(|j| m[j][i]))
+}
+
+/// `A B`.
+fn product<T: Real>(a: &Small<T>, b: &Small<T>) -> Small<T> {
+    a.map(|row| {
+        let mut out = [T::zero(); MAX_COEFFICIENTS];
+        for (weight, line) in row.into_iter().zip(b) {
+            for (entry, value) in out.iter_mut().zip(line) {
+                *entry += weight * *value;
+            }
+        }
+        out
+    })
+}
+
 /// `M^(−1/2)` on the directions above the eigenvalue limit, zero on the rest.
-fn inverse_root<T: Real>(matrix: Small<T>) -> Option<Small<T>> {
-    let eigen = SymmetricEigen::try_new(matrix, T::default_epsilon(), 200)?;
-    let mut out = Small::<T>::zeros();
-    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        if *value > T::of(MIN_EIGENVALUE) {
-            out += vector * vector.transpose() * (T::one() / value.root());
+fn inverse_root<T: Real>(matrix: &Small<T>) -> Option<Small<T>> {
+    let (values, vectors) = T::symmetric_eigen(matrix)?;
+    let mut out: Small<T> = [[T::zero(); MAX_COEFFICIENTS]; MAX_COEFFICIENTS];
+    for (value, vector) in values.into_iter().zip(&vectors) {
+        if value > T::of(MIN_EIGENVALUE) {
+            let weight = T::one() / value.root();
+            for (row, a) in out.iter_mut().zip(vector) {
+                for (entry, b) in row.iter_mut().zip(vector) {
+                    *entry += *a * *b * weight;
+                }
+            }
         }
     }
     Some(out)

@@ -3,6 +3,7 @@
 use crate::base::dip_errors::{RotationErrors, TRIANGLE};
 use crate::calibration::StdErrors;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use serde::Serialize;
 
 /// A calibration whose predicted error is beyond this share of the field says nothing about directions.
 const ALIGNABLE: f64 = 0.05;
@@ -12,7 +13,7 @@ const KNOWN_DEG: f64 = 3.0;
 const MOST_SPREAD_DEG: f64 = 15.0;
 
 /// Whether the matrix stands in the accelerometer's axes.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub enum Alignment {
     /// There is no accelerometer (or it says too little).
     #[default]

@@ -10,12 +10,13 @@ use crate::samples::samples::Samples;
 use crate::table::Table;
 use ironout::calibration::Calibration;
 use ironout::study::{Model, Residual};
+use serde::Serialize;
 
 /// Rounds of fit and search for bursts: the fit becomes better as they go.
 const ROUNDS: usize = 5;
 
 /// Why samples were set aside.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Why {
     /// The axis was at the end of its range.
     Clipping {
@@ -29,7 +30,7 @@ pub enum Why {
 }
 
 /// Samples set aside for one reason.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Aside {
     /// The reason.
     pub why: Why,

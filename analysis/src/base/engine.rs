@@ -3,6 +3,7 @@
 use crate::base::known::Known;
 use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::samples::samples::Samples;
+use crate::threads::halves;
 use ironout::study::{Model, NotFinite, Residual};
 
 /// When a fit ends.
@@ -93,16 +94,10 @@ impl Pass<'_> {
         if self.samples.len() < 8000 || ranges.len() < 2 {
             return work(&ranges);
         }
-        let (first, second) = ranges.split_at(ranges.len() / 2);
-        std::thread::scope(|scope| {
-            let other = scope.spawn(|| work(second));
-            let mut blocks = work(first)?;
-            match other.join() {
-                Ok(rest) => blocks.extend(rest?),
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-            Ok(blocks)
-        })
+        let (first, second) = halves(ranges.split_at(ranges.len() / 2), |half| work(half));
+        let mut blocks = first?;
+        blocks.extend(second?);
+        Ok(blocks)
     }
 
     /// The residuals, in the order of the samples (axis by axis for the vector).

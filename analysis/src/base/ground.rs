@@ -20,9 +20,6 @@ const EARTH_UT: std::ops::RangeInclusive<f64> = 12.0..=120.0;
 /// … and one in the middle.
 const TYPICAL_UT: f64 = 50.0;
 
-/// The stack of a study: normal matrices of 64 columns are 33 KB each, and pass by value.
-const STACK_BYTES: usize = 64 << 20;
-
 /// The samples of a log and their base model.
 pub struct Ground<'a> {
     /// Which samples count.
@@ -59,19 +56,4 @@ impl<'a> Ground<'a> {
             )
         })
     }
-}
-
-/// Runs `work` where a study has room for its matrices.
-pub fn with_room<T: Send>(work: impl Fn() -> T + Sync) -> T {
-    std::thread::scope(|scope| {
-        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
-        match thread.spawn_scoped(scope, &work) {
-            Ok(running) => match running.join() {
-                Ok(result) => result,
-                Err(panic) => std::panic::resume_unwind(panic),
-            },
-            // No thread to be had: the caller's own stack may do.
-            Err(_) => work(),
-        }
-    })
 }

@@ -8,16 +8,20 @@ use crate::base::holdout;
 use crate::base::quality::{Residue, residue};
 use crate::base::solution::Solution;
 use crate::base::start::NO_ROTATION;
+use crate::plain;
 use crate::samples::data::Data;
 use ironout::fit::{FitError, FitOptions, FitReport, Method, fit};
 use ironout::study::Model;
+use serde::Serialize;
 
 /// A base model and what is known about it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Base {
     /// The method.
+    #[serde(serialize_with = "plain::method")]
     pub method: Method,
     /// The core's answer, with the number of independent samples.
+    #[serde(skip)]
     pub report: FitReport,
     /// What its residual is made of.
     pub residue: Residue,

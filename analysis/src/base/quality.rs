@@ -8,6 +8,7 @@ use ironout::effect::{Quantities, no_shape};
 use ironout::study::{PhysicalPrior, Residual};
 use ironout::whiteness::independent_share;
 use nalgebra::{Matrix3, SMatrix, Vector3};
+use serde::Serialize;
 
 /// Structure is certain where the correlation beyond the noise's memory exceeds chance this much (mean squares).
 const STRUCTURE_RATIO: f64 = 6.0;
@@ -24,7 +25,7 @@ const SLOW_MEMORY_S: f64 = 0.42;
 const STRUCTURE_SHARE: f64 = 0.04;
 
 /// What the residual of a model is made of.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Residue {
     /// Rms, µT.
     pub rms: f64,

@@ -2,14 +2,17 @@
 
 use crate::base::axes::{Aligned, Alignment};
 use crate::calibration::{FittedEffect, Information, StdErrors};
+use crate::plain;
 use ironout::calibration::Calibration;
 use ironout::fit::{FitReport, Model};
 use ironout::quality::Figures;
+use serde::Serialize;
 
 /// A calibration and what is known about it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Solution {
     /// Offset, matrix (full where aligned) and field.
+    #[serde(serialize_with = "plain::calibration")]
     pub calibration: Calibration<f64>,
     /// Their standard errors.
     pub std_errors: StdErrors,
@@ -22,6 +25,7 @@ pub struct Solution {
     /// The magnitude the measurements have themselves, µT.
     pub measured_field_ut: f64,
     /// Which parameters the data carried.
+    #[serde(serialize_with = "plain::model")]
     pub model: Model,
     /// What it knows about offset and triangle.
     pub information: Option<Information>,
@@ -34,7 +38,7 @@ pub struct Solution {
 }
 
 /// Rms of the corrected magnitude with offset and matrix alone.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WithoutEffects {
     /// On the log, µT.
     pub rms_ut: f64,

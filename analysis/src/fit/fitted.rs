@@ -11,13 +11,14 @@ use ironout::calibration::{Calibration, norm};
 use ironout::coverage::CoverageMap;
 use ironout::fit::{FitError, MAX_PREDICTED_ERROR};
 use ironout::quality::{Reason, Verdict, judge_figures};
+use serde::Serialize;
 
 /// From this coverage on, and with gaps smaller than this, no side of the board is missing.
 const ALL_ROUND: f32 = 0.9;
 const ALL_ROUND_GAP_DEG: f32 = 40.0;
 
 /// The outcome of a fit.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Fitted {
     /// The magnitude of the field as it was given, µT.
     pub expected_field_ut: Option<f64>,

@@ -1,11 +1,12 @@
 //! From a log to a judged calibration: the base model that `diagnose` begins with too ([`crate::base::ground`]), coverage, and
 //! the core's verdict. With effects or on top of an earlier calibration the study fits the same samples.
 
-use crate::base::ground::{Ground, with_room};
+use crate::base::ground::Ground;
 use crate::fit::fitted::Fitted;
 use crate::fit::{extended, ids};
 use crate::outcome::request::{Options, Refusal};
 use crate::table::Table;
+use crate::threads::with_room;
 
 /// Fits a log. The fit may be refused; the counts of what was used and set aside are there all the same.
 ///

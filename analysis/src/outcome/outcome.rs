@@ -3,13 +3,16 @@
 use crate::base::axes::Alignment;
 use crate::base::model::Base;
 use crate::calibration::{FittedEffect, Information, StdErrors};
+use crate::plain;
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
 use crate::search::shown::Shown;
 use ironout::calibration::Calibration;
+use serde::Serialize;
 
 /// The verdict of the contract.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Nothing is missing.
     Complete,
@@ -37,7 +40,7 @@ impl Verdict {
 }
 
 /// One row of the falling error.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StepRow {
     /// The effect added; `None` for the base model.
     pub added: Option<String>,
@@ -50,7 +53,8 @@ pub struct StepRow {
 }
 
 /// What became of a candidate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// It was missing, and is in the steps.
     Missing,
@@ -75,7 +79,7 @@ impl Status {
 }
 
 /// One candidate.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CandidateRow {
     /// Its id.
     pub id: String,
@@ -98,7 +102,7 @@ pub struct CandidateRow {
 }
 
 /// How much of the base model's residual something explains.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Where {
     /// A column, `time`, `attitude` or `spectrum`.
     pub against: String,
@@ -111,7 +115,7 @@ pub struct Where {
 }
 
 /// Spread of the dip.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Dip {
     /// With the triangular matrix of the base model, degrees.
     pub rms_deg_before: f64,
@@ -122,7 +126,7 @@ pub struct Dip {
 }
 
 /// Error of the heading against the reference.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Heading {
     /// With the triangular matrix of the base model, degrees rms.
     pub rms_deg_before: f64,
@@ -131,7 +135,7 @@ pub struct Heading {
 }
 
 /// A diagnosis.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Diagnosis {
     /// The verdict.
     pub verdict: Verdict,
@@ -158,6 +162,7 @@ pub struct Diagnosis {
     /// The effects of the final model.
     pub effects: Vec<FittedEffect>,
     /// The final calibration (full matrix where aligned).
+    #[serde(serialize_with = "plain::calibration_if_any")]
     pub calibration: Option<Calibration<f64>>,
     /// Standard errors of offset and matrix.
     pub std_errors: Option<StdErrors>,

@@ -2,6 +2,7 @@
 
 use crate::base::piece::BadShape;
 use crate::base::prior::Prior;
+use crate::plain;
 use ironout::fit::Method;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -11,7 +12,7 @@ use std::fmt;
 #[serde(default)]
 pub struct Options {
     /// The method of the base model. A model with effects is fitted all at once, by Levenberg–Marquardt.
-    #[serde(with = "method_word")]
+    #[serde(serialize_with = "plain::method", deserialize_with = "plain::method_of")]
     pub method: Method,
     /// The magnitude of the field, µT; the log's own mean, or that of the earlier calibration, where absent.
     pub field_ut: Option<f64>,
@@ -31,21 +32,6 @@ impl Options {
     /// The field to scale to: as expected, or else that of the earlier calibration.
     pub fn scale_ut(&self) -> Option<f64> {
         self.field_ut.or_else(|| self.prior.as_ref().map(|prior| prior.field_ut))
-    }
-}
-
-/// A method as its word.
-mod method_word {
-    use ironout::fit::Method;
-    use serde::{Deserialize, Deserializer, Serializer, de::Error};
-
-    pub fn serialize<S: Serializer>(method: &Method, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(method.name())
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Method, D::Error> {
-        let word = String::deserialize(deserializer)?;
-        Method::parse(&word).ok_or_else(|| D::Error::custom(format!("there is no method {word:?}")))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::base::counted::Counted;
 use crate::base::engine::Pass;
-use crate::base::ground::{Ground, with_room};
+use crate::base::ground::Ground;
 use crate::base::known::Known;
 use crate::base::start;
 use crate::outcome::at_rest::at_rest;
@@ -15,6 +15,7 @@ use crate::outcome::view::View;
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
 use crate::table::Table;
+use crate::threads::with_room;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::{Model, Residual};
 

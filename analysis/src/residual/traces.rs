@@ -4,9 +4,10 @@ use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::{BadShape, Piece};
 use crate::samples::samples::Samples;
 use ironout::study::Residual;
+use serde::Serialize;
 
 /// Residuals of the base model and of the final one.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Traces {
     /// Row of the log of each sample.
     pub rows: Vec<usize>,

@@ -3,9 +3,11 @@
 use crate::samples::samples::{Samples, unique_rows};
 use crate::samples::series::{median, quantum, second_difference_sigma};
 use crate::table::Table;
+use serde::Serialize;
 
 /// What a sensor, a cable or a logger did.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FaultKind {
     /// An axis at the end of its range.
     Clipping,
@@ -33,7 +35,7 @@ impl FaultKind {
 }
 
 /// One fault.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DataFault {
     /// What.
     pub kind: FaultKind,

@@ -4,9 +4,10 @@ use crate::base::engine::Fitted;
 use crate::base::piece::BadShape;
 use crate::search::screen::{ACCUSED, RELEVANCE, stands};
 use crate::search::state::{Greedy, held_out_rms};
+use serde::Serialize;
 
 /// What the test of an effect in the model says.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shown {
     /// Its id.
     pub id: String,

@@ -1,6 +1,8 @@
 //! The two inner loops of the solves, out of line: on a board every double-precision operation is a call, so unrolled
 //! copies would buy nothing and fill the flash.
 
+use crate::math;
+
 /// `Σ aᵢbᵢ`, over the shorter of the two.
 #[inline(never)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -55,7 +57,7 @@ pub(crate) fn all_finite(values: &[f64]) -> bool {
 /// a Cortex-M4F has, where `libm`'s exact one is another half kilobyte. The caller keeps `x` within single precision's range.
 #[inline(never)]
 pub(crate) fn root(x: f64) -> f64 {
-    let mut y = f64::from(crate::math::sqrtf(x as f32));
+    let mut y = f64::from(math::sqrtf(x as f32));
     // Not where it has no root in single precision either.
     if y > 0.0 {
         // 1e-7, 1e-14, then rounding.
@@ -80,11 +82,11 @@ mod tests {
         assert_eq!(root(0.0), 0.0);
         assert_eq!(root(1e-60), 0.0);
         for n in [1.0f32, 20.0, 777.0, 1e6, 4e9] {
-            assert!((f64::from(ln_f32(n)) - crate::math::ln(n.into())).abs() < 0.06, "{n}");
+            assert!((f64::from(ln_f32(n)) - math::ln(n.into())).abs() < 0.06, "{n}");
         }
         let mut x = 1.3e-30;
         while x < 1e30 {
-            assert!((root(x) / crate::math::sqrt(x) - 1.0).abs() < 5e-16, "{x}");
+            assert!((root(x) / math::sqrt(x) - 1.0).abs() < 5e-16, "{x}");
             x *= 1.37;
         }
     }

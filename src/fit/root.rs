@@ -8,11 +8,10 @@
 //! The matrices are in double precision; `s` and the steps towards it are known to no more than a millionth and are in
 //! single precision, which a Cortex-M4F computes itself.
 
-use super::gram::{Lower, corrected, factorise, gram, minimiser, pure};
-use super::noise::NoiseTerms;
-use super::{Model, Termination};
+use super::report::Termination;
 use crate::math;
 use crate::monomial::COUNT;
+use crate::quadric::{Lower, NoiseTerms, Order, corrected, factorise, gram, minimiser, pure};
 use crate::scatter::Scatter;
 
 /// Relative change of `s` at which the iteration stops.
@@ -24,7 +23,7 @@ const MAX_STEPS: u8 = 40;
 /// A solution over the columns of [`gram`], and the matrix it was solved with.
 #[derive(Clone)]
 pub(crate) struct Root {
-    /// The coefficients over [`super::gram::QUADRIC`], with a trace of three.
+    /// The coefficients over [`crate::quadric`], with a trace of three.
     pub beta: [f64; 10],
     /// The factor of the normal matrix.
     pub factor: Lower,
@@ -54,7 +53,7 @@ impl Root {
 
     /// Solves with these moments; `false` unless the normal matrix is positive definite.
     #[inline(never)]
-    fn solve(&mut self, scatter: &Scatter, moments: &[f64; COUNT], model: Model) -> bool {
+    fn solve(&mut self, scatter: &Scatter, moments: &[f64; COUNT], model: Order) -> bool {
         gram(moments, &mut self.factor);
         if !factorise(&mut self.factor, model) {
             return false;
@@ -65,7 +64,7 @@ impl Root {
     }
 
     /// The noise variance per axis, in the scatter's units squared, corrected for the parameters.
-    pub fn variance(&self, model: Model, samples: f32) -> f32 {
+    pub fn variance(&self, model: Order, samples: f32) -> f32 {
         let s = self.s.unwrap_or(self.mean_square / self.noise.gradient2);
         s * samples / (samples - model.parameters() as f32)
     }
@@ -77,7 +76,7 @@ impl Root {
 
     /// The least squares of the trace normalisation.
     /// `false` if the normal matrix is singular.
-    pub fn trace(&mut self, scatter: &Scatter, model: Model) -> bool {
+    pub fn trace(&mut self, scatter: &Scatter, model: Order) -> bool {
         if !self.solve(scatter, &scatter.moments, model) {
             return false;
         }
@@ -89,7 +88,7 @@ impl Root {
 
     /// Finds the root in `[0, upper]`; `upper` is the least eigenvalue of the samples' covariance. `false` if the matrix is
     /// singular at `s = 0` already.
-    pub fn adjusted(&mut self, scatter: &Scatter, upper: f32, model: Model) -> bool {
+    pub fn adjusted(&mut self, scatter: &Scatter, upper: f32, model: Order) -> bool {
         let (mut low, mut high) = (0.0, upper.max(0.0));
         let (mut s, mut solved) = (0.0f32, 0.0);
         self.termination = Termination::StepLimit;

@@ -1,10 +1,10 @@
 //! The noise-free point that the shapes look at, and how a strong disturbance answers when the model moves.
 
-use super::model::{Linearised, cross, dot, minus, scaled};
-use super::{Model, NotFinite, Reading, Term};
-use crate::calibration::norm;
+use super::base::{Linearised, Model};
+use super::sample::{NotFinite, Observation, Term};
 use crate::effect::{Quantities, Shape};
 use crate::math::Real;
+use crate::vector::{cross, dot, minus, norm, scaled};
 
 /// Looks at a disturbance that depends on the field it disturbs.
 const MOST_LOOKS: usize = 24;
@@ -89,7 +89,7 @@ impl<T: Real> Model<T> {
     /// that depends on the field it disturbs is looked at until it stands.
     pub(super) fn at_foot<const N: usize>(
         &self,
-        reading: &Reading<T>,
+        reading: &Observation<T>,
         terms: &[Term<'_, T>],
         shapes: &mut [Shape<T>; N],
     ) -> Result<(Linearised<T>, Reaction<T>), NotFinite> {
@@ -106,7 +106,7 @@ impl<T: Real> Model<T> {
             self.shapes(&quantities, terms.iter(), shapes)?;
             return Ok((at, Reaction::none()));
         }
-        let close = self.field_ut * (T::of(1e-7) + T::of(8.0) * T::default_epsilon());
+        let close = self.field_ut * (T::of(1e-7) + T::of(8.0) * T::epsilon());
         let mut foot = Foot { measured, centred: at.centred };
         let mut disturbance = [T::zero(); 3];
         let mut stands = true;
@@ -134,7 +134,7 @@ impl<T: Real> Model<T> {
         &self,
         at: &Linearised<T>,
         foot: &Foot<T>,
-        reading: &Reading<T>,
+        reading: &Observation<T>,
         terms: &[Term<'_, T>],
     ) -> Result<Reaction<T>, NotFinite> {
         let (zero, one) = (T::zero(), T::one());

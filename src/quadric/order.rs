@@ -2,7 +2,7 @@
 
 /// Which of the quadric's nine columns carry a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Model {
+pub enum Order {
     /// All nine: offset, gains, non-orthogonality.
     Ellipsoid,
     /// Six: offset and gains, axes orthogonal.
@@ -11,7 +11,7 @@ pub enum Model {
     Sphere,
 }
 
-impl Model {
+impl Order {
     /// Number of parameters of the quadric.
     pub const fn parameters(self) -> usize {
         match self {

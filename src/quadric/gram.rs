@@ -4,8 +4,8 @@
 //! `x³ → x³−3sx`, `x⁴ → x⁴−6sx²+3s²`, `s = σ²`) gives moments whose expectation is the noise-free one (Markovsky,
 //! Kukush, Van Huffel, Numer. Math. 98, 2004), and with them `Ψ(s) = P₀ + sP₁ + s²P₂`.
 
-use super::Model;
-use super::dense::{add_scaled, dot};
+use super::order::Order;
+use crate::dense::{add_scaled, dot};
 use crate::monomial::{COUNT, EXPONENTS, at};
 
 /// The pure monomials of a quadric: `xx yy zz xy xz yz x y z 1`.
@@ -79,7 +79,7 @@ pub(crate) type Lower = [[f64; 10]; 10];
 /// The scatter matrix of the columns `[x²−z², y²−z², xy, xz, yz, x, y, z, 1]` and, last, `x²+y²+z²`.
 ///
 /// The first two span the same traceless squares as the `x²+y²−2z²`, `x²+z²−2y²` of the trace reading in
-/// [`crate::moments::Reading`], so the least squares solution is the same quadric, for fewer additions.
+/// [`crate::moments::Normalisation`], so the least squares solution is the same quadric, for fewer additions.
 #[inline(never)]
 pub(crate) fn gram(m: &[f64; COUNT], a: &mut Lower) {
     for row in 2..9 {
@@ -108,7 +108,7 @@ pub(crate) fn gram(m: &[f64; COUNT], a: &mut Lower) {
 /// divided by `D`, and in its corner what the columns leave of it. Columns without a parameter in `model` are left out.
 /// `false` unless what remains is positive definite.
 #[inline(never)]
-pub(crate) fn factorise(rows: &mut [[f64; 10]], model: Model) -> bool {
+pub(crate) fn factorise(rows: &mut [[f64; 10]], model: Order) -> bool {
     let mut inverse = [0.0; 10];
     let last = rows.len().saturating_sub(1);
     for r in 0..rows.len().min(10) {
@@ -161,7 +161,7 @@ pub(crate) fn minimiser(rows: &[[f64; 10]]) -> [f64; 10] {
 }
 
 /// Largest over smallest pivot of a factor: an estimate of the condition number.
-pub(crate) fn condition_number(rows: &Lower, model: Model) -> f64 {
+pub(crate) fn condition_number(rows: &Lower, model: Order) -> f64 {
     let (mut low, mut high) = (f32::INFINITY, 0.0f32);
     for (i, row) in rows.iter().enumerate().take(9).filter(|(i, _)| model.uses(*i)) {
         let pivot = row[i] as f32;

@@ -1,11 +1,11 @@
 //! From a quadric to centre, scale and a positive definite `C`. Every refusal of a shape lives here.
 
-use crate::fit::FitError;
-use crate::fit::Model;
-use crate::fit::dense::{self, all_finite, dot};
-use crate::fit::gram::{factorise, minimiser};
-use crate::fit::precision::TRIANGLE;
+use super::gram::{factorise, minimiser};
+use super::order::Order;
+use crate::dense::{self, all_finite, dot};
 use crate::math;
+use crate::refusal::FitError;
+use crate::vector::TRIANGLE;
 
 /// Largest offset accepted, in fields. Real boards show 7.
 pub const MAX_OFFSET_FIELDS: f32 = 20.0;
@@ -41,7 +41,7 @@ impl Ellipsoid {
             *slot = 0.5 * l;
         }
         rows[3][3] = k;
-        if !factorise(&mut rows, Model::Ellipsoid) {
+        if !factorise(&mut rows, Order::Ellipsoid) {
             return None;
         }
         let s = -rows[3][3];
@@ -66,6 +66,21 @@ impl Ellipsoid {
             return None;
         }
         Some(ellipsoid)
+    }
+
+    /// The ellipsoid of coefficients over [`super::gram::QUADRIC`].
+    pub fn from_coefficients(beta: &[f64; 10]) -> Option<Self> {
+        let [xx, yy, zz, xy, xz, yz, x, y, z, k] = *beta;
+        Self::from_quadric(&[xx, 0.5 * xy, 0.5 * xz, yy, 0.5 * yz, zz], [x, y, z], k)
+    }
+
+    /// Coefficients of `‖C(x−b)‖² − 1` over [`super::gram::QUADRIC`].
+    pub fn coefficients(&self) -> [f64; 10] {
+        let [xx, xy, xz, yy, yz, zz] = self.q();
+        let [x, y, z] = self.centre;
+        let qb = [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z];
+        let k = qb[0] * x + qb[1] * y + qb[2] * z - 1.0;
+        [xx, yy, zz, 2.0 * xy, 2.0 * xz, 2.0 * yz, -2.0 * qb[0], -2.0 * qb[1], -2.0 * qb[2], k]
     }
 
     /// `Q = CᵀC`.

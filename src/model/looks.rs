@@ -1,0 +1,40 @@
+//! A disturbance that depends on the field it disturbs, looked at until it stands.
+
+use crate::math::Real;
+use crate::vector::minus;
+
+/// The most looks; a weak disturbance stands after two or three.
+const MOST_LOOKS: usize = 12;
+
+/// Whether two looks differ by less than a hundred-thousandth of the vector.
+#[inline]
+fn stands<T: Real>(now: [T; 3], before: [T; 3]) -> bool {
+    let [x, y, z] = minus(now, before);
+    let [a, b, c] = now;
+    !(x * x + y * y + z * z > T::of(1e-10) * (a * a + b * b + c * c))
+}
+
+/// What `look` leaves of a centred vector: the first look is with the vector as if there were no disturbance, and `again`
+/// repeats it with what was left until that stands.
+///
+/// # Errors
+/// The first of `look`.
+#[inline]
+pub(crate) fn settle<T: Real, E>(
+    centred: [T; 3],
+    again: bool,
+    mut look: impl FnMut([T; 3]) -> Result<[T; 3], E>,
+) -> Result<[T; 3], E> {
+    let mut left = look(centred)?;
+    if again {
+        let mut before = centred;
+        for _ in 1..MOST_LOOKS {
+            if stands(left, before) {
+                break;
+            }
+            before = left;
+            left = look(before)?;
+        }
+    }
+    Ok(left)
+}

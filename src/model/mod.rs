@@ -1,0 +1,16 @@
+//! The linearised model: what a fit with effects and a study of them both look at.
+//!
+//! A [`Model`] is offset, matrix and field; at it a sample with its effects (an [`Observation`] and [`Term`]s) becomes rows
+//! of a [`Residual`], taken at the foot point. It knows shapes of effects, and neither how rows are added up nor who applies
+//! the result.
+
+mod base;
+mod correct;
+mod foot;
+mod looks;
+mod rows;
+mod sample;
+
+pub use base::Model;
+pub(crate) use looks::settle;
+pub use sample::{NotFinite, Observation, Residual, Term};

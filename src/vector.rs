@@ -1,0 +1,76 @@
+//! Vectors of three numbers and 3×3 matrices, rows first: one of each.
+
+use crate::real::Real;
+
+/// Row and column of each of the six entries of an upper triangular 3×3 matrix.
+pub const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+
+/// `a · b`.
+#[inline]
+pub fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// `a × b`.
+#[inline]
+pub fn cross<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// `a − b`.
+#[inline]
+pub fn minus<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `s a`.
+#[inline]
+pub fn scaled<T: Real>(a: [T; 3], s: T) -> [T; 3] {
+    a.map(|value| value * s)
+}
+
+/// Euclidean norm.
+#[inline]
+pub fn norm<T: Real>([x, y, z]: [T; 3]) -> T {
+    (x * x + y * y + z * z).root()
+}
+
+/// `M v`.
+#[inline]
+pub fn times<T: Real>(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
+    m.map(|row| dot(row, v))
+}
+
+/// `Mᵀ v`.
+#[inline]
+pub fn transposed_times<T: Real>(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
+    let [a, b, c] = m;
+    let [x, y, z] = v;
+    [a[0] * x + b[0] * y + c[0] * z, a[1] * x + b[1] * y + c[1] * z, a[2] * x + b[2] * y + c[2] * z]
+}
+
+/// `A B`.
+#[inline]
+pub fn product<T: Real>(a: &[[T; 3]; 3], b: &[[T; 3]; 3]) -> [[T; 3]; 3] {
+    a.map(|row| transposed_times(b, row))
+}
+
+/// The determinant.
+pub fn determinant<T: Real>(m: &[[T; 3]; 3]) -> T {
+    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+}
+
+/// The inverse by cofactors; `None` if the determinant is zero or not finite.
+pub fn inverse_3x3<T: Real>(m: &[[T; 3]; 3]) -> Option<[[T; 3]; 3]> {
+    let det = determinant(m);
+    if det == T::zero() || !det.is_finite() {
+        return None;
+    }
+    let cofactor = |r: usize, c: usize| {
+        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
+        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
+    };
+    let inverse = core::array::from_fn(|r| core::array::from_fn(|c| cofactor(c, r) / det));
+    inverse.iter().flatten().all(|v: &T| v.is_finite()).then_some(inverse)
+}
