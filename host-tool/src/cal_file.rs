@@ -190,8 +190,10 @@ impl CalFile {
         let ranges = self.fit.effects.iter().filter_map(|entry| entry.range.as_ref()).flatten();
         for (column, [least, most]) in ranges {
             if least.is_nan() || least > most {
-                return Err(Failure::not_a_calibration(&format!("the range of {column} ends before it begins"))
-                    .at_column("effects"));
+                return Err(Failure::not_a_calibration(&format!(
+                    "the range of {column} ends before it begins"
+                ))
+                .at_column("effects"));
             }
         }
         if Method::parse(&self.fit.method).is_none() {

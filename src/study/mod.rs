@@ -19,9 +19,9 @@ mod prior;
 mod refit;
 mod schur;
 
-pub use crate::model::{Model, NotFinite, Observation, Residual, Term};
 #[doc(hidden)]
 pub use crate::model::Observation as Reading;
+pub use crate::model::{Model, NotFinite, Observation, Residual, Term};
 pub use fdist::f_tail;
 pub use holdout::{HeldOut, held_out};
 pub use normal::{Factor, Normal};

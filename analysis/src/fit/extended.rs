@@ -58,7 +58,8 @@ const REMEDY: &str = "leave it out, record a log in which it acts at many attitu
 
 /// The effects that this log does not show, each with the reason.
 fn not_shown(shown: &[Shown]) -> Vec<String> {
-    let number = |value: Option<f64>, unit: &str| value.map_or("-".into(), |value| format!("{value:.3} {unit}"));
+    let number =
+        |value: Option<f64>, unit: &str| value.map_or("-".into(), |value| format!("{value:.3} {unit}"));
     let because = |one: &Shown| {
         let errors =
             format!("{} with it, {} without", number(one.with, one.unit), number(one.without, one.unit));

@@ -30,7 +30,7 @@ pub(crate) fn added<'a>(
     if let Some(piece) = plain {
         return Ok(Some(Candidate { piece, searched: 1.0 }));
     }
-    Ok( match id {
+    Ok(match id {
         "step" => search::step(pass, fitted, catalogue)?,
         "periodic" => search::periodic(pass, fitted, catalogue)?,
         _ => match id.strip_prefix("offset:").and_then(|rest| rest.strip_suffix("@delay")) {

@@ -182,8 +182,7 @@ impl<'a> View<'_, 'a> {
     pub(crate) fn shown(&self, dip: &Option<DipStudy>, pure_lag: bool) -> Vec<Shown> {
         let mut shown = self.explanation.shown.clone();
         if pure_lag {
-            let nothing =
-                || Shown { id: "lag".into(), p_value: 1.0, without: None, with: None, unit: "°" };
+            let nothing = || Shown { id: "lag".into(), p_value: 1.0, without: None, with: None, unit: "°" };
             shown.push(dip.as_ref().and_then(|dip| dip.shown.clone()).unwrap_or_else(nothing));
         }
         shown
