@@ -1,9 +1,10 @@
 //! A calibration with effects on the rows of a log.
 
+use crate::effects::Calibrated;
 use crate::samples::samples::{delayed, filled};
 use crate::table::Table;
-use ironout::effect::{Effect, MAX_INPUTS, TIME};
-use ironout::extended::{Conditions, ExtendedCalibration, FittedEffect, NotCorrected};
+use ironout::effect::{ColumnName, Effect, MAX_INPUTS, Made, TIME};
+use ironout::extended::{Conditions, FittedEffect, NotCorrected};
 
 /// A column that an effect of the calibration needs and that the log does not have as it is needed.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,7 +25,7 @@ impl std::error::Error for CannotCorrect {}
 
 /// Corrects the rows of one log: every column of every effect at hand, at the time at which it acts.
 pub struct Corrector<'a> {
-    calibration: ExtendedCalibration,
+    calibration: Calibrated,
     table: &'a Table<'a>,
     /// For each effect the values of its columns, a row each.
     inputs: Vec<[Option<Vec<f64>>; MAX_INPUTS]>,
@@ -36,7 +37,7 @@ impl<'a> Corrector<'a> {
     ///
     /// # Errors
     /// The column that is missing, empty or not finite, and the effect that needs it.
-    pub fn new(calibration: ExtendedCalibration, table: &'a Table<'a>) -> Result<Self, CannotCorrect> {
+    pub fn new(calibration: Calibrated, table: &'a Table<'a>) -> Result<Self, CannotCorrect> {
         let mut inputs = Vec::new();
         let mut turn_radps = None;
         for fitted in calibration.effects.iter() {
@@ -89,7 +90,9 @@ impl<'a> Corrector<'a> {
 
     /// What the user should know where effects go by the time: a log's clock is its own.
     pub fn notice(&self) -> Option<String> {
-        let timed = |fitted: &&FittedEffect<f64>| fitted.effect.time_reference_s().is_some();
+        let timed = |fitted: &&FittedEffect<f64, Made<ColumnName>>| {
+            fitted.effect.parts().time_reference_s().is_some()
+        };
         let names: Vec<String> = (self.calibration.effects.iter().filter(timed))
             .map(|fitted| ironout::effect::Id(&fitted.effect).to_string())
             .collect();
@@ -106,7 +109,7 @@ impl<'a> Corrector<'a> {
     }
 
     /// The calibration.
-    pub fn calibration(&self) -> &ExtendedCalibration {
+    pub fn calibration(&self) -> &Calibrated {
         &self.calibration
     }
 

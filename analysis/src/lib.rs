@@ -4,15 +4,18 @@
 //!
 //! - [`fit`] gives offset, matrix and effects with their errors, and a verdict;
 //! - [`diagnose`] compares model and measurement and names what is missing;
-//! - [`Corrector`] applies a calibration to the rows of a log.
+//! - [`Corrector`] applies a calibration to the rows of a log, [`export`] writes it as C and as Rust.
+//!
+//! Effects of one's own are named in [`Options::registry`]; everything here asks them as it asks those of the library.
 //!
 //! The rooms follow the data; each imports only what stands before it: [`samples`] → [`base`] → [`residual`] → [`search`] →
-//! [`outcome`] → [`mod@fit`].
+//! [`outcome`] → [`mod@fit`]. Beside them stand [`effects`], [`correct`] and [`export`], which know calibrations only.
 
 pub mod base;
 pub mod calibration;
 pub mod correct;
 pub mod effects;
+pub mod export;
 pub mod fit;
 pub mod outcome;
 pub mod outside;

@@ -61,9 +61,9 @@ impl Corrector<'_> {
     }
 
     /// The rows whose column `place` (effect and slot) lies outside `range`.
-    fn beyond(
+    fn beyond<E: Effect<f64>>(
         &self,
-        fitted: &FittedEffect<f64>,
+        fitted: &FittedEffect<f64, E>,
         (effect, slot): (usize, usize),
         id: &str,
         column: &str,
@@ -95,7 +95,12 @@ impl Corrector<'_> {
 
     /// What the standard errors of an effect's coefficients make of the corrected vector of a row, µT, each taken by
     /// itself: a calibration file does not say how they hang together.
-    fn error_of(&self, fitted: &FittedEffect<f64>, row: usize, inputs: [f64; 2]) -> Option<f64> {
+    fn error_of<E: Effect<f64>>(
+        &self,
+        fitted: &FittedEffect<f64, E>,
+        row: usize,
+        inputs: [f64; 2],
+    ) -> Option<f64> {
         let base = &self.calibration().base;
         let measured = self.measured_ut(row);
         let centred_ut = std::array::from_fn(|axis| measured[axis] - base.offset_ut[axis]);

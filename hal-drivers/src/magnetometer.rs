@@ -1,6 +1,6 @@
 //! What the application needs of a magnetometer, whichever chip it is.
 
-use crate::Error;
+use crate::error::Error;
 
 /// One measurement, as the chip delivers it, in the chip's own axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

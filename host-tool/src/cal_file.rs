@@ -2,11 +2,13 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::reading::Reading;
+use crate::registry::REGISTRY;
 use ironout::calibration::Calibration;
-use ironout::extended::{ExtendedCalibration, MAX_EFFECTS};
+use ironout::extended::MAX_EFFECTS;
 use ironout::fit::Method;
 use ironout_analysis::Fitted;
 use ironout_analysis::calibration::{EffectEntry, Information, StdErrors};
+use ironout_analysis::effects::{Calibrated, from_entry};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use std::io::Read;
@@ -146,10 +148,10 @@ impl CalFile {
     }
 
     /// The calibration with its effects.
-    pub fn extended(&self) -> Outcome<ExtendedCalibration> {
-        let mut calibration = ExtendedCalibration::plain(self.calibration()?);
+    pub fn extended(&self) -> Outcome<Calibrated> {
+        let mut calibration = Calibrated::plain(self.calibration()?);
         for entry in &self.fit.effects {
-            let fitted = ironout_analysis::effects::from_entry(entry)
+            let fitted = from_entry(entry, REGISTRY)
                 .map_err(|why| Failure::not_a_calibration(&why).at_column("effects"))?;
             calibration.effects.push(fitted).map_err(|_| {
                 Failure::not_a_calibration(&format!("it carries more than {MAX_EFFECTS} effects"))

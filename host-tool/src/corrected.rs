@@ -2,8 +2,8 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::input::Log;
-use ironout::extended::ExtendedCalibration;
 use ironout_analysis::calibration::EffectEntry;
+use ironout_analysis::effects::Calibrated;
 use ironout_analysis::{Corrector, Extrapolation, Table};
 
 /// Corrects the rows of one log.
@@ -17,7 +17,7 @@ impl<'a> Corrected<'a> {
     ///
     /// # Errors
     /// The column that is missing, empty or not finite, and the effect that needs it.
-    pub fn new(calibration: ExtendedCalibration, log: &'a Log, table: &'a Table<'a>) -> Outcome<Self> {
+    pub fn new(calibration: Calibrated, log: &'a Log, table: &'a Table<'a>) -> Outcome<Self> {
         let corrector = Corrector::new(calibration, table)
             .map_err(|error| Failure::usage(error.why).in_file(&log.path).at_column(error.column))?;
         if let Some(notice) = corrector.notice() {
@@ -32,7 +32,7 @@ impl<'a> Corrected<'a> {
     }
 
     /// The calibration.
-    pub fn calibration(&self) -> &ExtendedCalibration {
+    pub fn calibration(&self) -> &Calibrated {
         self.corrector.calibration()
     }
 

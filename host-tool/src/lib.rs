@@ -15,6 +15,7 @@ pub mod prior;
 pub mod progress;
 pub mod reading;
 pub mod refusal;
+pub mod registry;
 pub mod source;
 
 use clap::Parser;

@@ -9,7 +9,8 @@ use ironout_analysis::base::axes::triangle_of;
 use ironout_analysis::base::prior::Prior;
 use ironout_analysis::effects;
 
-use ironout::effect::{BuiltIn, Effect, Offset, Power};
+use crate::registry::REGISTRY;
+use ironout::effect::{Effect, Parts};
 use std::path::Path;
 
 /// Reads a calibration file as information for this log. The offsets of its effects are carried over to the log's own
@@ -39,13 +40,14 @@ pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Prior> {
             Failure::usage(format!("its effect {} cannot be carried over to this log: {why}", entry.id))
                 .in_file(path)
         };
-        let fitted = effects::from_entry(entry).map_err(cannot)?;
-        let BuiltIn::Offset(Offset { column, reference, power: Power::Linear, .. }) = fitted.effect else {
+        let fitted = effects::from_entry(entry, REGISTRY).map_err(cannot)?;
+        let Parts { column, reference, .. } = *fitted.effect.parts();
+        if !fitted.effect.family().is_proportional(&fitted.effect.parts().borrowed()) {
             return Err(cannot(format!(
                 "only offsets in proportion to a column are ({})",
-                Effect::<f64>::name(&fitted.effect)
+                fitted.effect.name()
             )));
-        };
+        }
         let values = log.covariate(column.as_str()).map(|covariate| &covariate.values);
         let values: Vec<f64> =
             values.into_iter().flatten().copied().filter(|value| value.is_finite()).collect();

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::{Active, Device, SensorFault};
-use crate::effect::{AmbientField, BuiltIn, Drift, Effect, Gain, Offset, Periodic, Step};
+use crate::effect::Effect;
 use crate::extended::{Effects, FittedEffect};
 use crate::fit::FitReport;
 use crate::protocol::{Answered, Code, Reply};
@@ -250,20 +250,13 @@ impl fmt::Display for Row<'_> {
                 if value.is_nan() { f.write_str("-") } else { write!(f, "{value:?}") }?;
             }
         }
-        match effect {
-            BuiltIn::Offset(Offset { reference, delay_s, .. }) => {
-                write!(f, " reference={reference:?}")?;
-                delay_s.map_or(Ok(()), |delay| write!(f, " delay_s={delay:?}"))
-            }
-            BuiltIn::Gain(Gain { reference, .. }) | BuiltIn::Field(AmbientField { reference, .. }) => {
-                write!(f, " reference={reference:?}")
-            }
-            BuiltIn::Drift(Drift { reference_s }) => write!(f, " reference={reference_s:?}"),
-            BuiltIn::Step(Step { at_s }) => write!(f, " at_s={at_s:?}"),
-            BuiltIn::Periodic(Periodic { frequency_hz, reference_s }) => {
-                write!(f, " reference={reference_s:?} frequency_hz={frequency_hz:?}")
-            }
-            BuiltIn::Lag(_) | BuiltIn::Eddy(_) | BuiltIn::Nonlinearity(_) | BuiltIn::CrossAxis(_) => Ok(()),
+        let parts = effect.parts();
+        if let Some(reference) = parts.reference() {
+            write!(f, " reference={reference:?}")?;
+        }
+        match parts.parameter() {
+            Some((searched, value)) => write!(f, " {}={value:?}", searched.name()),
+            None => Ok(()),
         }
     }
 }

@@ -53,6 +53,13 @@ impl ColumnName {
     }
 }
 
+/// No name: that of an effect that follows no column.
+impl Default for ColumnName {
+    fn default() -> Self {
+        Self { bytes: [0; MAX_COLUMN_NAME], length: 0 }
+    }
+}
+
 impl AsRef<str> for ColumnName {
     fn as_ref(&self) -> &str {
         self.as_str()

@@ -1,8 +1,18 @@
-//! A pure delay of the sensor.
+//! The sensor is late: as a pure delay, or with eddy currents through a coupling of the axes.
 
-use super::{Coefficients, Effect, Quantities, Shape};
+use super::built_in::Typed;
+use super::code::RustCode;
+use super::definition::Effect;
+use super::family::{AXES, Acts, Advice, Family, Follows, Group, Subject};
+use super::parts::{Form, Parts};
+use super::quantities::{Coefficients, MAX_INPUTS, Quantities, Shape};
 use crate::math::Real;
 use core::fmt;
+
+const KIND: &str = "lag";
+
+const DELAY: Form = Form { tag: 9, coefficients: 1, dip_only: true, ..Form::PLAIN };
+const COUPLING: Form = Form { tag: 10, coefficients: 9, ..Form::PLAIN };
 
 /// `lag`: `ĥ(t) = A h(t − τ) + b`, to first order `Φ = A (ω × h)`, k = 1, the coefficient is τ.
 ///
@@ -12,14 +22,14 @@ pub struct Lag;
 
 impl<T: Real> Effect<T> for Lag {
     fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
-        out.write_str("lag")
+        out.write_str(KIND)
     }
 
-    fn name(&self) -> &str {
+    fn name(&self) -> &'static str {
         "sensor lag"
     }
 
-    fn explanation(&self) -> &str {
+    fn explanation(&self) -> &'static str {
         "The sensor's filter or its bus delays the reading against the other sensors. \
          While the board turns, the measured direction trails the true one."
     }
@@ -29,10 +39,10 @@ impl<T: Real> Effect<T> for Lag {
     }
 
     fn coefficients(&self) -> usize {
-        1
+        DELAY.coefficients
     }
 
-    fn unit(&self) -> &str {
+    fn unit(&self) -> &'static str {
         "s"
     }
 
@@ -44,5 +54,149 @@ impl<T: Real> Effect<T> for Lag {
     #[inline]
     fn disturbance(&self, at: &Quantities<T>, [delay, ..]: &Coefficients<T>) -> [T; 3] {
         at.turning_ut_per_s.map(|rate| rate * *delay)
+    }
+}
+
+impl<C: Copy + Default> Typed<C> for Lag {
+    const FORMS: &'static [&'static Form] = &[&DELAY];
+
+    fn of(_: &Parts<C>) -> Self {
+        Lag
+    }
+
+    fn parts(&self) -> Parts<C> {
+        Parts::of(&DELAY)
+    }
+}
+
+/// `lag` too: a 3×3 coupling `E` to the turning field, `Φ θ = E·A (ω × h)`, rows first. Its share along the identity is
+/// a pure delay ([`Lag`]), which only the dip sees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Eddy;
+
+impl<T: Real> Effect<T> for Eddy {
+    fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
+        out.write_str(KIND)
+    }
+
+    fn name(&self) -> &'static str {
+        "lag and eddy currents"
+    }
+
+    fn explanation(&self) -> &'static str {
+        "A field that turns with respect to the board induces currents in metal plates near the sensor, and filters \
+         delay it. The error is in proportion to how fast the field turns, through a 3×3 coupling."
+    }
+
+    fn needs_gyro(&self) -> bool {
+        true
+    }
+
+    fn coefficients(&self) -> usize {
+        COUPLING.coefficients
+    }
+
+    fn unit(&self) -> &'static str {
+        "s"
+    }
+
+    fn shape(&self, at: &Quantities<T>, shape: &mut Shape<T>) {
+        let zero = T::zero();
+        let [x, y, z] = at.turning_ut_per_s;
+        *shape = [
+            [x, zero, zero],
+            [y, zero, zero],
+            [z, zero, zero],
+            [zero, x, zero],
+            [zero, y, zero],
+            [zero, z, zero],
+            [zero, zero, x],
+            [zero, zero, y],
+            [zero, zero, z],
+        ];
+    }
+}
+
+impl<C: Copy + Default> Typed<C> for Eddy {
+    const FORMS: &'static [&'static Form] = &[&COUPLING];
+
+    fn of(_: &Parts<C>) -> Self {
+        Eddy
+    }
+
+    fn parts(&self) -> Parts<C> {
+        Parts::of(&COUPLING)
+    }
+}
+
+/// Both shapes of a late sensor: the coupling first, of which the delay is the share that the magnitude hides.
+pub struct Lags;
+
+impl Family for Lags {
+    fn kind(&self) -> &'static str {
+        KIND
+    }
+    fn forms(&self) -> &'static [&'static Form] {
+        &[&COUPLING, &DELAY]
+    }
+    fn with(&self, parts: &Parts<&str>, use_it: &mut dyn FnMut(&dyn Effect<f64>)) {
+        if parts.form.dip_only { use_it(&Lag) } else { use_it(&Eddy) }
+    }
+    fn follows(&self) -> Follows {
+        Follows::Turning
+    }
+    fn acts(&self) -> Acts {
+        Acts::Turning
+    }
+    fn without_down(&self) -> &'static str {
+        "a pure delay leaves the magnitude alone: log ax_mps2,ay_mps2,az_mps2 (eddy currents were tested)"
+    }
+    fn delay_coefficients(&self, form: &Form) -> &'static [usize] {
+        if form.dip_only { &[0] } else { &[0, 4, 8] }
+    }
+    fn groups(&self, form: &Form) -> &'static [Group] {
+        const DELAYED: &[Group] = &[Group::Row { label: "delay", names: &[""], from: 0, unit: "s" }];
+        const COUPLED: &[Group] = &[
+            Group::Row { label: "coupling", names: AXES, from: 0, unit: "s" },
+            Group::Row { label: "", names: AXES, from: 3, unit: "s" },
+            Group::Row { label: "", names: AXES, from: 6, unit: "s" },
+            Group::Mean {
+                label: "delay",
+                of: &[0, 4, 8],
+                factor: 1e3,
+                unit: "ms, its part that is a pure delay",
+            },
+        ];
+        if form.dip_only { DELAYED } else { COUPLED }
+    }
+    fn one_scale(&self) -> bool {
+        true
+    }
+    fn apart<'a>(&self, _: &Subject<'a>, other: &Subject<'a>) -> Option<Advice<'a>> {
+        let text = match other.follows {
+            Follows::Attitude => {
+                "go through the same directions once slowly and once fast: only lag and eddy currents know the speed."
+            }
+            _ => {
+                "turn the same way once slowly and once fast, and both ways round: lag and eddy currents change with the \
+                 speed, nothing else does."
+            }
+        };
+        Some(Advice { text, names: [""; 2] })
+    }
+    fn rust(&self, parts: &Parts<&str>, _: &RustCode<'_>, out: &mut dyn fmt::Write) -> fmt::Result {
+        out.write_str(if parts.form.dip_only { "BuiltIn::Lag(Lag)" } else { "BuiltIn::Eddy(Eddy)" })
+    }
+    fn rust_names(&self, parts: &Parts<&str>) -> &'static [&'static str] {
+        if parts.form.dip_only { &["BuiltIn", "Lag"] } else { &["BuiltIn", "Eddy"] }
+    }
+    fn c(&self, parts: &Parts<&str>, _: [&str; MAX_INPUTS], out: &mut dyn fmt::Write) -> fmt::Result {
+        out.write_str("            for (i = 0; i < 3; i++) {\n                ")?;
+        out.write_str(if parts.form.dip_only {
+            "sum[i] += theta[0] * turning[i];"
+        } else {
+            "sum[i] += theta[3 * i] * turning[0] + theta[3 * i + 1] * turning[1] + theta[3 * i + 2] * turning[2];"
+        })?;
+        out.write_str("\n            }\n")
     }
 }

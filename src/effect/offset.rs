@@ -1,6 +1,12 @@
 //! An additive field that follows a column.
 
-use super::{Coefficients, Column, Effect, MAX_INPUTS, Quantities, Shape, along, isotropic};
+use super::built_in::Typed;
+use super::code::{CNumber, RustCode, c_along};
+use super::columns::{self, ColumnKind as Kind, Usual};
+use super::definition::Effect;
+use super::family::{Advice, Amount, Family, Follows, Subject};
+use super::parts::{Form, Parts, Searched, Zero};
+use super::quantities::{Coefficients, Column, MAX_INPUTS, Quantities, Shape, along, isotropic};
 use crate::math::Real;
 use core::fmt;
 
@@ -36,33 +42,106 @@ impl<C, T> Offset<C, T> {
     }
 }
 
-pub(super) enum Kind {
-    Temperature,
-    Current,
-    Other,
+const KIND: &str = "offset";
+
+const PLAIN: Form = Form { tag: 1, column: true, zero: Zero::Column, ..Form::PLAIN };
+const SQUARED: Form = Form { tag: 2, suffix: "^2", zero: Zero::Square, ..PLAIN };
+const LATE: Form = Form { tag: 3, suffix: "@delay", searched: Some(Searched::Delay), ..PLAIN };
+const BOTH: Form = Form { tag: 4, suffix: "@delay^2", zero: Zero::Square, offered: false, ..LATE };
+
+impl<C, T> Offset<C, T> {
+    const fn form(&self) -> &'static Form {
+        match (self.power, self.delay_s.is_some()) {
+            (Power::Linear, false) => &PLAIN,
+            (Power::Squared, false) => &SQUARED,
+            (Power::Linear, true) => &LATE,
+            (Power::Squared, true) => &BOTH,
+        }
+    }
 }
 
-pub(super) fn kind_of(column: &str) -> Kind {
-    if column.ends_with("_c") {
-        Kind::Temperature
-    } else if column.ends_with("_a") {
-        Kind::Current
-    } else {
-        Kind::Other
+impl<C: Copy, T: Real> Typed<C> for Offset<C, T> {
+    const FORMS: &'static [&'static Form] = &[&PLAIN, &SQUARED, &LATE, &BOTH];
+
+    fn of(parts: &Parts<C>) -> Self {
+        Offset {
+            column: parts.column,
+            reference: T::of(parts.reference),
+            power: if parts.form.is_squared() { Power::Squared } else { Power::Linear },
+            delay_s: parts.delay_s().map(T::of),
+        }
+    }
+
+    fn parts(&self) -> Parts<C> {
+        let parameter = self.delay_s.map_or(0.0, Real::as_f64);
+        Parts { form: self.form(), column: self.column, reference: self.reference.as_f64(), parameter }
+    }
+}
+
+/// All offsets that follow columns.
+pub struct Offsets;
+
+impl Family for Offsets {
+    fn kind(&self) -> &'static str {
+        KIND
+    }
+    fn forms(&self) -> &'static [&'static Form] {
+        <Offset<&str, f64> as Typed<&str>>::FORMS
+    }
+    fn with(&self, parts: &Parts<&str>, use_it: &mut dyn FnMut(&dyn Effect<f64>)) {
+        use_it(&Offset::<&str, f64>::of(parts));
+    }
+    fn follows(&self) -> Follows {
+        Follows::Column
+    }
+    fn is_proportional(&self, parts: &Parts<&str>) -> bool {
+        *parts.form == PLAIN
+    }
+    fn usual_columns(&self) -> &'static [Usual] {
+        &[Usual::TEMPERATURE, Usual::CURRENT]
+    }
+    fn amount(&self) -> Amount {
+        Amount::Field
+    }
+    fn apart<'a>(&self, own: &Subject<'a>, other: &Subject<'a>) -> Option<Advice<'a>> {
+        columns::apart(own, other)
+    }
+    fn rust(&self, parts: &Parts<&str>, code: &RustCode<'_>, out: &mut dyn fmt::Write) -> fmt::Result {
+        let power = if parts.form.is_squared() { Power::Squared } else { Power::Linear };
+        let (column, reference) = (code.column, code.number(parts.reference));
+        write!(
+            out,
+            "BuiltIn::Offset(Offset {{ column: {column}, reference: {reference}, power: Power::{power:?}, delay_s: "
+        )?;
+        match parts.delay_s() {
+            Some(delay_s) => write!(out, "Some({}) }})", code.number(delay_s)),
+            None => out.write_str("None })"),
+        }
+    }
+    fn rust_names(&self, _: &Parts<&str>) -> &'static [&'static str] {
+        &["BuiltIn", "Offset", "Power"]
+    }
+    fn c(
+        &self,
+        parts: &Parts<&str>,
+        [input, _]: [&str; MAX_INPUTS],
+        out: &mut dyn fmt::Write,
+    ) -> fmt::Result {
+        let reference = CNumber(parts.reference);
+        match parts.form.is_squared() {
+            true => c_along(out, format_args!("{input} * {input} - {reference}"), ""),
+            false => c_along(out, format_args!("{input} - {reference}"), ""),
+        }
     }
 }
 
 impl<C: AsRef<str>, T: Real> Effect<T> for Offset<C, T> {
     fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
-        write!(out, "offset:{}", self.column.as_ref())?;
-        if self.delay_s.is_some() {
-            out.write_str("@delay")?;
-        }
-        if self.power == Power::Squared { out.write_str("^2") } else { Ok(()) }
+        write!(out, "{KIND}:{}{}", self.column.as_ref(), self.form().suffix)
     }
 
-    fn name(&self) -> &str {
-        match (kind_of(self.column.as_ref()), self.power, self.delay_s.is_some()) {
+    fn name(&self) -> &'static str {
+        match (Kind::of(self.column.as_ref()), self.power, self.delay_s.is_some()) {
             (Kind::Temperature, Power::Linear, false) => "temperature offset",
             (Kind::Temperature, Power::Linear, true) => "late temperature offset",
             (Kind::Temperature, Power::Squared, _) => "squared temperature offset",
@@ -75,8 +154,8 @@ impl<C: AsRef<str>, T: Real> Effect<T> for Offset<C, T> {
         }
     }
 
-    fn explanation(&self) -> &str {
-        match (kind_of(self.column.as_ref()), self.power) {
+    fn explanation(&self) -> &'static str {
+        match (Kind::of(self.column.as_ref()), self.power) {
             (Kind::Temperature, _) => {
                 "The zero of the sensor element drifts with temperature, and magnets near it weaken with heat. \
                  Both add a vector in proportion to the temperature."
@@ -105,11 +184,11 @@ impl<C: AsRef<str>, T: Real> Effect<T> for Offset<C, T> {
     }
 
     fn coefficients(&self) -> usize {
-        3
+        PLAIN.coefficients
     }
 
-    fn unit(&self) -> &str {
-        match (kind_of(self.column.as_ref()), self.power) {
+    fn unit(&self) -> &'static str {
+        match (Kind::of(self.column.as_ref()), self.power) {
             (Kind::Temperature, Power::Linear) => "µT/°C",
             (Kind::Temperature, Power::Squared) => "µT/°C²",
             (Kind::Current, Power::Linear) => "µT/A",

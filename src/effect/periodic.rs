@@ -1,6 +1,11 @@
 //! Periodic interference.
 
-use super::{Column, Effect, MAX_INPUTS, Quantities, Shape, TIME, diagonal};
+use super::built_in::Typed;
+use super::code::RustCode;
+use super::definition::Effect;
+use super::family::{Advice, Family, Follows, Group, Subject};
+use super::parts::{Form, Parts, Searched, Zero};
+use super::quantities::{Column, MAX_INPUTS, Quantities, Shape, TIME, diagonal};
 use crate::math::{self, Real};
 use core::f64::consts::TAU;
 use core::fmt;
@@ -14,16 +19,91 @@ pub struct Periodic {
     pub reference_s: f64,
 }
 
-impl<T: Real> Effect<T> for Periodic {
-    fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
-        out.write_str("periodic")
+const KIND: &str = "periodic";
+
+const FORM: Form =
+    Form { tag: 13, coefficients: 6, zero: Zero::Time, searched: Some(Searched::Frequency), ..Form::PLAIN };
+
+impl<C: Copy + Default> Typed<C> for Periodic {
+    const FORMS: &'static [&'static Form] = &[&FORM];
+
+    fn of(parts: &Parts<C>) -> Self {
+        Periodic { frequency_hz: parts.parameter, reference_s: parts.reference }
     }
 
-    fn name(&self) -> &str {
+    fn parts(&self) -> Parts<C> {
+        Parts { reference: self.reference_s, parameter: self.frequency_hz, ..Parts::of(&FORM) }
+    }
+}
+
+/// The tone.
+pub struct Tones;
+
+impl Family for Tones {
+    fn kind(&self) -> &'static str {
+        KIND
+    }
+    fn forms(&self) -> &'static [&'static Form] {
+        &[&FORM]
+    }
+    fn with(&self, parts: &Parts<&str>, use_it: &mut dyn FnMut(&dyn Effect<f64>)) {
+        use_it(&<Periodic as Typed<&str>>::of(parts));
+    }
+    fn follows(&self) -> Follows {
+        Follows::Tone
+    }
+    fn groups(&self, _: &Form) -> &'static [Group] {
+        &[Group::Amplitude { label: "amplitude", sines: 0, cosines: 3, unit: "µT" }]
+    }
+    fn word(&self) -> &'static str {
+        "tone"
+    }
+    fn apart<'a>(&self, _: &Subject<'a>, other: &Subject<'a>) -> Option<Advice<'a>> {
+        let text = match other.follows {
+            Follows::Column => {
+                "log {0} and the field at another sampling rate: a frequency folded by sampling moves, {0} does not."
+            }
+            Follows::Turning => return None,
+            _ => {
+                "record again at another sampling rate: a frequency folded by sampling moves to another place."
+            }
+        };
+        Some(Advice { text, names: [other.column, ""] })
+    }
+    fn rust(&self, parts: &Parts<&str>, _: &RustCode<'_>, out: &mut dyn fmt::Write) -> fmt::Result {
+        let Parts { reference, parameter, .. } = parts;
+        write!(
+            out,
+            "BuiltIn::Periodic(Periodic {{ frequency_hz: {parameter:?}, reference_s: {reference:?} }})"
+        )
+    }
+    fn rust_names(&self, _: &Parts<&str>) -> &'static [&'static str] {
+        &["BuiltIn", "Periodic"]
+    }
+    fn c(&self, parts: &Parts<&str>, [time, _]: [&str; MAX_INPUTS], out: &mut dyn fmt::Write) -> fmt::Result {
+        let Parts { reference, parameter, .. } = parts;
+        write!(
+            out,
+            "            const double turns = {parameter:?} * ({time} - {reference:?});\n            const double phase = \
+             6.283185307179586 * (turns - floor(turns));\n            for (i = 0; i < 3; i++) {{\n                \
+             sum[i] += theta[i] * (ironout_real)sin(phase) + theta[3 + i] * (ironout_real)cos(phase);\n            }}\n"
+        )
+    }
+    fn c_needs_math(&self) -> bool {
+        true
+    }
+}
+
+impl<T: Real> Effect<T> for Periodic {
+    fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
+        out.write_str(KIND)
+    }
+
+    fn name(&self) -> &'static str {
         "periodic interference"
     }
 
-    fn explanation(&self) -> &str {
+    fn explanation(&self) -> &'static str {
         "Mains wiring or a turning motor adds a field that alternates. \
          Sampled, it appears at its own frequency or folded below half the sampling rate."
     }
@@ -33,10 +113,10 @@ impl<T: Real> Effect<T> for Periodic {
     }
 
     fn coefficients(&self) -> usize {
-        6
+        FORM.coefficients
     }
 
-    fn unit(&self) -> &str {
+    fn unit(&self) -> &'static str {
         "µT (sine, then cosine)"
     }
 

@@ -1,6 +1,9 @@
 //! The correction that runs on every sample.
 
-use super::{DelayLine, ExtendedCalibration, MAX_EFFECTS, NotCorrected, Prepared, correct};
+use super::calibration::ExtendedCalibration;
+use super::correction::{NotCorrected, Prepared, correct};
+use super::delay::DelayLine;
+use super::fitted::MAX_EFFECTS;
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, Coefficients, Effect, MAX_INPUTS, TIME};
 use crate::math::Real;
@@ -103,7 +106,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
     pub fn new(calibration: &ExtendedCalibration<T, E>) -> Result<Self, LiveError> {
         let mut live = Self {
             base: calibration.base,
-            prepared: Prepared::of(calibration).ok_or(LiveError::Singular)?,
+            prepared: Prepared::of(&calibration.base, &calibration.effects).ok_or(LiveError::Singular)?,
             places: Vec::new(),
             inputs: [[T::zero(); MAX_INPUTS]; MAX_EFFECTS],
             needed: Slots::default(),

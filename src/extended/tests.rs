@@ -1,8 +1,10 @@
 //! The live correction against the study's model, and what it refuses.
 
-use super::*;
-use crate::effect::{AmbientField, ColumnName, Eddy, Gain, Offset, Shape};
-use crate::model::{Observation, Term};
+use super::{Conditions, ExtendedCalibration, FittedEffect, Live, MAX_EFFECTS, NotCorrected};
+use crate::calibration::Calibration;
+use crate::effect::{AmbientField, BuiltIn, ColumnName, Eddy, Effect, Gain, Offset, Quantities, Shape};
+use crate::model::{Model, Observation, Term};
+use core::fmt;
 
 fn fitted(effect: BuiltIn<f64>, size: f64) -> FittedEffect<f64> {
     FittedEffect {
@@ -56,16 +58,16 @@ impl Effect<f64> for Broken {
     fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
         out.write_str("broken")
     }
-    fn name(&self) -> &str {
+    fn name(&self) -> &'static str {
         "broken"
     }
-    fn explanation(&self) -> &str {
+    fn explanation(&self) -> &'static str {
         "A shape that is not finite."
     }
     fn coefficients(&self) -> usize {
         1
     }
-    fn unit(&self) -> &str {
+    fn unit(&self) -> &'static str {
         "uT"
     }
     fn shape(&self, _: &Quantities<f64>, shape: &mut Shape<f64>) {

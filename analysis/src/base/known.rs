@@ -85,11 +85,12 @@ impl Known {
         // it.
         let mut column = base;
         for piece in pieces {
-            if piece.k() == 9 && residual == Residual::Magnitude {
-                let weight = 1e4 * (0..9).map(|i| data.entry(column + i, column + i)).sum::<f64>() / 9.0;
-                let diagonal = [0, 4, 8];
-                for &i in &diagonal {
-                    for &j in &diagonal {
+            let hidden = piece.hidden_delay();
+            if !hidden.is_empty() && residual == Residual::Magnitude {
+                let k = piece.k();
+                let weight = 1e4 * (0..k).map(|i| data.entry(column + i, column + i)).sum::<f64>() / k as f64;
+                for &i in hidden {
+                    for &j in hidden {
                         if j >= i {
                             prior.inform(column + i, column + j, weight);
                         }

@@ -10,6 +10,7 @@ pub mod ground;
 pub mod holdout;
 pub mod known;
 pub mod model;
+pub mod mounting;
 pub mod piece;
 pub mod prior;
 pub mod quality;

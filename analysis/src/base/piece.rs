@@ -1,6 +1,6 @@
 //! An effect in a model: its shape, its coefficients, and the values of its columns.
 
-use ironout::effect::{Effect, MAX_COEFFICIENTS, MAX_INPUTS};
+use ironout::effect::{Acts, Effect, Follows, MAX_COEFFICIENTS, MAX_INPUTS, Made, Named, Parts, Searched};
 use ironout::study::{Normal, Term};
 use std::sync::Arc;
 
@@ -19,17 +19,75 @@ pub type Matrix = Normal<f64, COLUMNS>;
 pub struct Piece<'a> {
     /// Its id.
     pub id: String,
+    /// The family and the parts of the effect; `None` for a column of the analysis' own.
+    pub made: Option<Made<&'a str>>,
     /// The shape.
     pub effect: Arc<dyn Effect<f64> + Send + Sync + 'a>,
     /// Coefficients; the first k count.
     pub coefficients: [f64; MAX_COEFFICIENTS],
-    /// What fixes the shape: `reference`, `at_s`, `frequency_hz`, `delay_s`.
-    pub fixed: Vec<(&'static str, f64)>,
     /// Values of its columns.
     pub inputs: Arc<Vec<[f64; MAX_INPUTS]>>,
 }
 
-impl Piece<'_> {
+impl<'a> Piece<'a> {
+    /// An effect without coefficients yet.
+    pub fn new(made: Made<&'a str>, inputs: Arc<Vec<[f64; MAX_INPUTS]>>) -> Self {
+        let id = ironout::effect::Id(&made).to_string();
+        Piece { id, made: Some(made), effect: Arc::new(made), coefficients: [0.0; MAX_COEFFICIENTS], inputs }
+    }
+
+    /// The parts of the effect.
+    pub fn parts(&self) -> Option<&Parts<&'a str>> {
+        self.made.as_ref().map(Made::parts)
+    }
+
+    /// Its id taken apart.
+    pub fn named(&self) -> Option<Named<'a>> {
+        let made = self.made.as_ref()?;
+        Some(Named { family: made.family(), column: made.parts().column, form: made.parts().form })
+    }
+
+    /// Whether it goes by this.
+    pub fn follows(&self, what: Follows) -> bool {
+        self.made.as_ref().is_some_and(|made| made.family().follows() == what)
+    }
+
+    /// Whether its shape is made of this.
+    pub fn acts(&self, what: Acts) -> bool {
+        self.made.as_ref().is_some_and(|made| made.family().acts() == what)
+    }
+
+    /// What was searched for in its shape.
+    pub fn searched(&self) -> Option<(Searched, f64)> {
+        self.parts()?.parameter()
+    }
+
+    /// Whether it is a shape in time alone, searched for or not, with no column behind it.
+    pub fn is_in_time(&self) -> bool {
+        self.follows(Follows::Time) || self.follows(Follows::Tone)
+    }
+
+    /// Whether it follows the same column in the same way as another, though perhaps late or squared.
+    pub fn is_variant_of(&self, other: &Piece) -> bool {
+        match (self.named(), other.named()) {
+            (Some(own), Some(other)) => own.is_variant_of(&other),
+            _ => self.id == other.id,
+        }
+    }
+
+    /// Whether it is the form that its family offers first.
+    pub fn is_plain(&self) -> bool {
+        self.named().is_none_or(|named| named.is_plain())
+    }
+
+    /// The coefficients whose mean is a pure delay, which the magnitude hides while it shows the rest of the effect.
+    pub fn hidden_delay(&self) -> &'static [usize] {
+        match &self.made {
+            Some(made) if !made.parts().form.dip_only => made.family().delay_coefficients(made.parts().form),
+            _ => &[],
+        }
+    }
+
     /// k.
     pub fn k(&self) -> usize {
         self.effect.coefficients().min(MAX_COEFFICIENTS)

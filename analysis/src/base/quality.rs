@@ -84,10 +84,12 @@ fn held(total: &Matrix, fitted: &Fitted) -> Matrix {
     let mut total = total.clone();
     let mut column = Residual::Magnitude.base_columns();
     for piece in &fitted.pieces {
-        if piece.k() == 9 {
-            let weight = 1e6 * (0..9).map(|i| total.entry(column + i, column + i)).sum::<f64>() / 9.0;
-            for i in [0, 4, 8] {
-                for j in [0, 4, 8].into_iter().filter(|j| *j >= i) {
+        let hidden = piece.hidden_delay();
+        if !hidden.is_empty() {
+            let k = piece.k();
+            let weight = 1e6 * (0..k).map(|i| total.entry(column + i, column + i)).sum::<f64>() / k as f64;
+            for &i in hidden {
+                for &j in hidden.iter().filter(|j| **j >= i) {
                     total.inform(column + i, column + j, weight);
                 }
             }

@@ -13,7 +13,7 @@ use crate::threads::with_room;
 /// # Errors
 /// Only where `options` ask for an effect that is not known or that this log does not allow.
 pub fn fit(table: &Table, options: &Options) -> Result<Fitted, Refusal> {
-    ids::check(table, &options.add)?;
+    ids::check(table, &options.add, options.registry)?;
     with_room(|| {
         let ground = Ground::of(table, options.method, options.scale_ut());
         let fitted = Fitted::new(&ground.counted, options);

@@ -15,16 +15,18 @@ use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
 use crate::search::state::Greedy;
 use crate::table::Table;
+use ironout::effect::Follows;
 use ironout::study::{Model, Residual};
 
 /// A board at rest: the vector itself is the residual.
 pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
-    let catalogue = Catalogue::new(samples, table);
+    let catalogue = Catalogue::new(samples, table, options.registry);
     let pass = Pass { samples, residual: Residual::Vector };
     let known = Known::default();
     let mean = samples.mean_vector();
     let model = Model::new(mean, start::NO_ROTATION, 1.0, start::NO_ROTATION, 0.0);
-    let nothing = || undetermined(table, samples, "the board rests and nothing else changes".into());
+    let nothing =
+        || undetermined(table, samples, options.registry, "the board rests and nothing else changes".into());
     if catalogue.usable_columns().next().is_none() {
         return Ok(nothing());
     }
@@ -107,11 +109,13 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     let mut steps = view.steps(&None)?;
     steps.retain(|step| step.added.as_ref().is_none_or(|id| !in_group(id)));
     let mut candidates = view.candidates(&None, false, None, verdict);
+    let turning =
+        |id: &str| options.registry.parse(id).is_some_and(|named| named.family.follows() == Follows::Turning);
     for row in &mut candidates {
         if row.residual == "magnitude" {
             row.residual = Residual::Vector.name();
         }
-        if row.status == Status::Untestable && row.id == "lag" {
+        if row.status == Status::Untestable && turning(&row.id) {
             row.why = "the board rests".into();
         }
     }
@@ -127,6 +131,6 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         shows,
         prior: "none".into(),
         traces,
-        ..undetermined(table, samples, String::new())
+        ..undetermined(table, samples, options.registry, String::new())
     })
 }

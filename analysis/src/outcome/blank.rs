@@ -6,10 +6,11 @@ use crate::residual::traces::Traces;
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
 use crate::table::Table;
+use ironout::effect::Registry;
 use ironout::study::Residual;
 
-pub(crate) fn undetermined(table: &Table, samples: &Samples, why: String) -> Diagnosis {
-    let catalogue = Catalogue::new(samples, table);
+pub(crate) fn undetermined(table: &Table, samples: &Samples, registry: Registry, why: String) -> Diagnosis {
+    let catalogue = Catalogue::new(samples, table, registry);
     Diagnosis {
         verdict: Verdict::Undetermined,
         reasons: vec![why],
@@ -37,6 +38,7 @@ pub(crate) fn undetermined(table: &Table, samples: &Samples, why: String) -> Dia
         lower_order: false,
         shown: Vec::new(),
         traces: Traces::default(),
+        registry,
     }
 }
 
@@ -45,11 +47,7 @@ pub(crate) fn untestable(catalogue: &Catalogue) -> Vec<CandidateRow> {
         .untestable()
         .into_iter()
         .map(|one| CandidateRow {
-            residual: if ["misalignment", "axis-order", "lag"].contains(&one.id.as_str()) {
-                "dip"
-            } else {
-                "magnitude"
-            },
+            residual: if one.in_dip { Residual::Dip.name() } else { Residual::Magnitude.name() },
             id: one.id,
             name: one.name,
             status: Status::Untestable,

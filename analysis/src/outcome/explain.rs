@@ -3,6 +3,7 @@
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::model::Base;
+use crate::base::mounting;
 use crate::base::quality::{Residue, attitude_error};
 use crate::outcome::request::{Options, Refusal};
 use crate::samples::series::{rms, second_difference_sigma};
@@ -10,6 +11,7 @@ use crate::search::candidates::Catalogue;
 use crate::search::screen::{Candidate, screen};
 use crate::search::search;
 use crate::search::state::{Explanation, Greedy, held_out_rms};
+use ironout::effect::Named;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::{Model, Residual};
 
@@ -30,17 +32,10 @@ pub(crate) fn added<'a>(
     if let Some(piece) = plain {
         return Ok(Some(Candidate { piece, searched: 1.0 }));
     }
-    Ok(match id {
-        "step" => search::step(pass, fitted, catalogue)?,
-        "periodic" => search::periodic(pass, fitted, catalogue)?,
-        _ => match id.strip_prefix("offset:").and_then(|rest| rest.strip_suffix("@delay")) {
-            Some(column) => match catalogue.usable(column) {
-                Some(index) => search::delay(pass, fitted, catalogue, index)?,
-                None => None,
-            },
-            None => None,
-        },
-    })
+    let Some(named) = catalogue.registry.parse(id).filter(|named| named.form.offered) else {
+        return Ok(None);
+    };
+    Ok(search::best(pass, fitted, catalogue, &named)?)
 }
 
 /// What a study of the magnitude stands on.
@@ -86,7 +81,7 @@ pub(crate) fn explain<'a>(
             return Err(Refusal::cannot_add(id, format!("a model carries at most {MOST_ADDED} effects")));
         }
         let Some(candidate) = added(&pass, catalogue, &start, id)? else {
-            if id == "misalignment" || id == "axis-order" {
+            if mounting::is_one(id) {
                 continue;
             }
             return Err(Refusal::cannot_add(id, cannot_add(catalogue, id)));
@@ -94,8 +89,8 @@ pub(crate) fn explain<'a>(
         if start.pieces.iter().any(|known| known.id == candidate.piece.id) {
             continue;
         }
-        if id == "lag" && catalogue.has_down() {
-            // Which of the two lags it is, the data decide.
+        if !candidate.piece.hidden_delay().is_empty() && catalogue.has_down() {
+            // Whether it is the coupling or the pure delay, the data decide.
             let alone = screen(&pass, &start, std::slice::from_ref(&candidate), 1)?;
             if !alone.tested.first().is_some_and(|tested| tested.accepted) {
                 pure_lag = true;
@@ -142,7 +137,8 @@ pub(crate) fn cannot_add(catalogue: &Catalogue, id: &str) -> String {
         return one.why;
     }
     let mut known: Vec<String> = catalogue.plain(false).into_iter().map(|piece| piece.id).collect();
-    known.extend(["step", "periodic"].map(String::from));
-    known.extend(catalogue.usable_columns().map(|(_, name)| format!("offset:{name}@delay")));
+    known.extend(catalogue.searched().iter().map(Named::to_string));
+    let late = catalogue.usable_columns().flat_map(|column| catalogue.late(column));
+    known.extend(late.map(|named| named.to_string()));
     format!("unknown effect; this log allows {}", known.join(", "))
 }

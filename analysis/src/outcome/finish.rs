@@ -1,5 +1,6 @@
 //! The diagnosis that a finished search of the magnitude comes to.
 
+use crate::base::mounting::AXIS_ORDER;
 use crate::base::piece::Piece;
 use crate::base::quality::{covariance, information, noise_gain, predicted_error, residue};
 use crate::calibration::Information;
@@ -45,11 +46,12 @@ impl View<'_, '_> {
         }
         let field = fitted.model.field_ut;
         let mut steps = self.steps(&dip)?;
-        let has_eddy = fitted.pieces.iter().any(|piece| piece.id == "lag");
-        let pure_lag = dip.as_ref().is_some_and(|dip| dip.lag.is_some()) && !has_eddy;
-        if let (true, Some(dip)) = (pure_lag, &dip) {
+        let is_coupled = fitted.pieces.iter().any(|piece| !piece.hidden_delay().is_empty());
+        let late = dip.as_ref().and_then(|dip| Some((dip, dip.lag.as_ref()?))).filter(|_| !is_coupled);
+        let pure_lag = late.is_some();
+        if let Some((dip, lag)) = late {
             steps.push(StepRow {
-                added: Some("lag".into()),
+                added: Some(lag.id.clone()),
                 rms_ut: fitted.rms(),
                 holdout_rms_ut: held_out_rms(fitted),
                 dip_rms_deg: Some(dip.after_deg),
@@ -66,7 +68,7 @@ impl View<'_, '_> {
         let candidates = self.candidates(&dip, pure_lag, swapped.as_deref(), verdict);
         if let (Some(_), Some(dip)) = (&swapped, &dip) {
             steps.push(StepRow {
-                added: Some("axis-order".into()),
+                added: Some(AXIS_ORDER.id.into()),
                 rms_ut: fitted.rms(),
                 holdout_rms_ut: held_out_rms(fitted),
                 dip_rms_deg: Some(dip.after_deg),
@@ -111,6 +113,7 @@ impl View<'_, '_> {
             lower_order: self.lower_order.is_some(),
             shown: self.shown(&dip, force_lag),
             traces: Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?,
+            registry: self.catalogue.registry,
         };
         standing::take_axes(&mut diagnosis, covariance.as_deref(), &dip);
         if let (Some(base), None) = (self.base, &self.lower_order) {

@@ -1,6 +1,7 @@
 //! The JSON object of `diagnose`.
 
 use crate::base::axes::mounting_for;
+use crate::base::mounting::AXIS_ORDER;
 use crate::calibration::StdErrors;
 use crate::outcome::outcome::Diagnosis;
 use ironout::calibration::Calibration;
@@ -63,8 +64,8 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
             if let (Some(angle), Some(map)) = (row.angle_deg, object.as_object_mut()) {
                 map.insert("angle_deg".into(), number(Some(angle)));
             }
-            if let (Some(order), "axis-order", Some(map)) =
-                (&diagnosis.axis_order, row.id.as_str(), object.as_object_mut())
+            if let (Some(order), true, Some(map)) =
+                (&diagnosis.axis_order, row.id == AXIS_ORDER.id, object.as_object_mut())
             {
                 map.insert("order".into(), order.as_str().into());
                 map.insert("rotate".into(), mounting_for(order).into());

@@ -8,6 +8,7 @@
 use crate::base::alignment::without_effects;
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
+use crate::base::piece::Piece;
 use crate::base::start;
 use crate::outcome::explain::{Stand, explain};
 use crate::outcome::outcome::{Diagnosis, StepRow, Verdict};
@@ -90,7 +91,7 @@ pub(crate) fn as_logged(
         return Ok(None);
     }
     let samples = &samples.from_rest();
-    let catalogue = Catalogue::new(samples, table);
+    let catalogue = Catalogue::new(samples, table, options.registry);
     let pass = Pass { samples, residual: Residual::Magnitude };
     // What the sensor's scale is worth against slow structure, of which so many rows say the same.
     let memory = Autocorrelation::of(&off).time;
@@ -169,9 +170,12 @@ fn scale_at_rest<'a>(
 ) -> Result<f64, Refusal> {
     let scale = |fitted: &Fitted| fitted.model.matrix[0][0];
     let Some(base) = pass.fit(start, Vec::new(), known)? else { return Ok(1.0) };
+    let adds = |piece: &Piece| piece.made.is_some_and(|made| made.family().is_proportional(made.parts()));
     let list: Vec<Candidate> = catalogue
-        .usable_columns()
-        .map(|(index, _)| Candidate { piece: catalogue.offset(index), searched: 1.0 })
+        .plain(true)
+        .into_iter()
+        .filter(adds)
+        .map(|piece| Candidate { piece, searched: 1.0 })
         .collect();
     let screening = screen(pass, &base, &list, list.len())?;
     let held = |tested: &Tested| tested.held_out.unwrap_or(f64::INFINITY);

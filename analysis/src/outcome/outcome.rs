@@ -8,6 +8,7 @@ use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
 use crate::search::shown::Shown;
 use ironout::calibration::Calibration;
+use ironout::effect::Registry;
 use serde::Serialize;
 
 /// The verdict of the contract.
@@ -190,4 +191,7 @@ pub struct Diagnosis {
     pub shown: Vec<Shown>,
     /// The residuals, for plots.
     pub traces: Traces,
+    /// The families of effects that the ids are of.
+    #[serde(skip)]
+    pub registry: Registry,
 }

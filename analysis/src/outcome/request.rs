@@ -3,6 +3,7 @@
 use crate::base::piece::BadShape;
 use crate::base::prior::Prior;
 use crate::plain;
+use ironout::effect::Registry;
 use ironout::fit::Method;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -26,6 +27,9 @@ pub struct Options {
     pub search: bool,
     /// An earlier calibration to build on.
     pub prior: Option<Prior>,
+    /// The families of effects: this program's own may follow those of the library.
+    #[serde(skip)]
+    pub registry: Registry,
 }
 
 impl Options {

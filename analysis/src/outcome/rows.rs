@@ -1,5 +1,6 @@
 //! The candidates and effects of a diagnosis as rows, in words and numbers.
 
+use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT};
 use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::{Residue, covariance, covariance_of};
 use crate::calibration::FittedEffect;
@@ -8,6 +9,7 @@ use crate::outcome::outcome::{CandidateRow, Status, Verdict};
 use crate::outcome::view::{DipStudy, View};
 use crate::search::screen::SIGNIFICANCE;
 use crate::search::state::{Confounded, Judged};
+use ironout::effect::{Follows, Named};
 use ironout::study::Residual;
 
 /// A rotation between the sensors beyond this is worth a word, degrees: soft iron itself may turn the field by less.
@@ -51,12 +53,12 @@ impl View<'_, '_> {
                 (Some(partners), _) => format!(
                     "it explains the error, and so does {}: {}",
                     partners.join(", "),
-                    separating(&piece.id, partners)
+                    self.separating(&piece.id, partners)
                 ),
                 (None, Some(kin)) => format!(
                     "it stands for what it has in common with {}, whose columns move with it: {}",
                     kin.join(", "),
-                    separating(&piece.id, kin)
+                    self.separating(&piece.id, kin)
                 ),
                 (None, None) => piece.effect.explanation().to_string(),
             };
@@ -88,7 +90,7 @@ impl View<'_, '_> {
             if list.iter().any(|row| row.id == *id) {
                 continue;
             }
-            if id == "lag" && dip.is_some() {
+            if !one.candidate.piece.hidden_delay().is_empty() && dip.is_some() {
                 continue;
             }
             match group_of(id).or_else(|| kin_of(id)) {
@@ -99,7 +101,7 @@ impl View<'_, '_> {
                     let why = format!(
                         "it explains the error, and so does {}: {}",
                         partners.join(", "),
-                        separating(id, &partners)
+                        self.separating(id, &partners)
                     );
                     list.push(row_of(one, Status::Confounded, partners, why));
                 }
@@ -118,7 +120,8 @@ impl View<'_, '_> {
             }
         }
         if let Some(dip) = dip {
-            if !list.iter().any(|row| row.id == "lag") {
+            let late = self.catalogue.late_sensor();
+            if let Some(late) = late.filter(|late| !list.iter().any(|row| row.id == late.id)) {
                 let (p, held) = dip.tested.unwrap_or((1.0, None));
                 let why = match &dip.lag {
                     Some(piece) if pure_lag => format!(
@@ -129,24 +132,22 @@ impl View<'_, '_> {
                     ),
                     _ => "neither the magnitude nor the dip asks for it".to_string(),
                 };
-                if self.catalogue.lag().is_some() {
-                    list.push(CandidateRow {
-                        id: "lag".into(),
-                        name: "sensor lag".into(),
-                        status: if pure_lag { Status::Missing } else { Status::NotNeeded },
-                        residual: Residual::Dip.name(),
-                        holdout_rms_ut: held,
-                        p_value: Some((2.0 * p).min(1.0)),
-                        confounded_with: Vec::new(),
-                        why,
-                        angle_deg: None,
-                    });
-                }
+                list.push(CandidateRow {
+                    name: late.effect.name().into(),
+                    id: late.id,
+                    status: if pure_lag { Status::Missing } else { Status::NotNeeded },
+                    residual: Residual::Dip.name(),
+                    holdout_rms_ut: held,
+                    p_value: Some((2.0 * p).min(1.0)),
+                    confounded_with: Vec::new(),
+                    why,
+                    angle_deg: None,
+                });
             }
             let angle = dip.alignment.angle_deg;
             list.push(CandidateRow {
-                id: "misalignment".into(),
-                name: "misalignment".into(),
+                id: MISALIGNMENT.id.into(),
+                name: MISALIGNMENT.name.into(),
                 status: if angle > MISALIGNED_DEG { Status::Missing } else { Status::NotNeeded },
                 residual: Residual::Dip.name(),
                 holdout_rms_ut: None,
@@ -159,8 +160,8 @@ impl View<'_, '_> {
                 angle_deg: Some(angle),
             });
             list.push(CandidateRow {
-                id: "axis-order".into(),
-                name: "axis order".into(),
+                id: AXIS_ORDER.id.into(),
+                name: AXIS_ORDER.name.into(),
                 status: if swapped.is_some() { Status::Missing } else { Status::NotNeeded },
                 residual: Residual::Dip.name(),
                 holdout_rms_ut: None,
@@ -184,10 +185,10 @@ impl View<'_, '_> {
             });
         }
         if self.lower_order.is_some() && self.catalogue.has_down() {
-            for (id, name) in [("misalignment", "misalignment"), ("axis-order", "axis order")] {
+            for one in mounting::ALL {
                 list.push(CandidateRow {
-                    id: id.into(),
-                    name: name.into(),
+                    id: one.id.into(),
+                    name: one.name.into(),
                     status: Status::Untestable,
                     residual: Residual::Dip.name(),
                     holdout_rms_ut: None,
@@ -202,6 +203,30 @@ impl View<'_, '_> {
         let known: Vec<String> = list.iter().map(|row| row.id.clone()).collect();
         list.extend(more.into_iter().filter(|row| !known.contains(&row.id)));
         list
+    }
+
+    /// Which recording would tell the candidates apart.
+    fn separating(&self, id: &str, partners: &[String]) -> String {
+        let all = std::iter::once(id).chain(partners.iter().map(String::as_str));
+        let all: Vec<Named> = all.filter_map(|id| self.catalogue.registry.parse(id)).collect();
+        let timed = all.iter().any(|named| named.family.follows() == Follows::Time);
+        let columns: Vec<&str> =
+            all.iter().filter(|named| named.form.column).map(|named| named.column).collect();
+        match (timed, columns.first()) {
+            (true, Some(column)) => format!(
+                "record a log in which {column} goes up and down again while time goes on (let it cool down, switch it on and off)"
+            ),
+            (false, Some(first)) => {
+                let other = columns.iter().find(|column| *column != first).unwrap_or(first);
+                if other == first {
+                    format!("record a log in which {first} changes at many attitudes")
+                } else {
+                    format!("record a log in which {first} and {other} change one at a time")
+                }
+            }
+            (true, None) => "record a longer log: a drift goes on, a step does not".into(),
+            _ => "record a log with more attitudes, and with the board still in some of them".into(),
+        }
     }
 
     pub(crate) fn effects(
@@ -221,69 +246,43 @@ impl View<'_, '_> {
             let mut errors: Vec<f64> = (column..column + piece.k())
                 .map(|index| covariance.as_ref().map_or(f64::NAN, |rows| rows[index][index].max(0.0).sqrt()))
                 .collect();
-            if piece.k() == 9
-                && let (Some(delay), Some(rows)) = (delay, &covariance)
-            {
-                // The share along the identity is the dip's, and follows what the magnitude says of the rest.
-                for index in [0, 4, 8] {
+            let hidden = piece.hidden_delay();
+            if let (Some(delay), Some(rows)) = (delay, &covariance) {
+                // The share that is a pure delay is the dip's, and follows what the magnitude says of the rest.
+                for &index in hidden {
                     let variance = delay.delay_variance(rows) + 2.0 * delay.delay_with(rows, column + index);
                     errors[index] = (errors[index].powi(2) + variance).max(0.0).sqrt();
                 }
-            } else if piece.k() == 9 && piece.id == "lag" {
-                // Without the dip the share along the identity is not known at all.
-                for index in [0, 4, 8] {
+            } else {
+                // Without the dip that share is not known at all.
+                for &index in hidden {
                     errors[index] = f64::NAN;
                 }
             }
             column += piece.k();
             list.push(describe(piece, errors));
         }
-        let has_eddy = fitted.pieces.iter().any(|piece| piece.id == "lag");
-        if !has_eddy && let Some(piece) = dip.as_ref().and_then(|dip| dip.lag.as_ref()) {
+        let is_coupled = fitted.pieces.iter().any(|piece| !piece.hidden_delay().is_empty());
+        if !is_coupled && let Some(piece) = dip.as_ref().and_then(|dip| dip.lag.as_ref()) {
             list.push(describe(piece, vec![dip.as_ref().map_or(f64::NAN, |dip| dip.delay_error_s)]));
         }
         Ok(list)
     }
 }
 
-/// Which recording would tell the candidates apart.
-fn separating(id: &str, partners: &[String]) -> String {
-    let all = || std::iter::once(id).chain(partners.iter().map(String::as_str));
-    let timed = all().any(|id| ["drift", "step"].contains(&id));
-    let columns: Vec<&str> = all().filter_map(|id| id.split_once(':').map(|(_, column)| column)).collect();
-    match (timed, columns.first()) {
-        (true, Some(column)) => format!(
-            "record a log in which {column} goes up and down again while time goes on (let it cool down, switch it on and off)"
-        ),
-        (false, Some(first)) => {
-            let other = columns.iter().find(|column| *column != first).unwrap_or(first);
-            if other == first {
-                format!("record a log in which {first} changes at many attitudes")
-            } else {
-                format!("record a log in which {first} and {other} change one at a time")
-            }
-        }
-        (true, None) => "record a longer log: a drift goes on, a step does not".into(),
-        _ => "record a log with more attitudes, and with the board still in some of them".into(),
-    }
-}
-
 /// An effect with its fitted coefficients, in the words and numbers of the contract.
 pub(crate) fn describe(piece: &Piece, std_errors: Vec<f64>) -> FittedEffect {
     let k = piece.k();
-    let mut reference = Vec::new();
-    let mut parameters = Vec::new();
     let columns: Vec<String> =
         piece.effect.columns().iter().flatten().map(|column| column.name.to_string()).collect();
-    for (name, value) in &piece.fixed {
-        match *name {
-            "reference" => {
-                // The column's value, not its square's.
-                let value = if piece.id.ends_with("^2") { value.max(0.0).sqrt() } else { *value };
-                reference.extend(columns.first().map(|column| (column.clone(), value)));
-            }
-            other => parameters.push((other, *value)),
-        }
+    let mut reference = Vec::new();
+    let mut parameters = Vec::new();
+    if let Some(parts) = piece.parts() {
+        // The column's value, not its square's.
+        let of_column = |value: f64| if parts.form.is_squared() { value.max(0.0).sqrt() } else { value };
+        let value = parts.reference().map(of_column);
+        reference.extend(columns.first().cloned().zip(value));
+        parameters.extend(parts.parameter().map(|(searched, value)| (searched.name(), value)));
     }
     let range = columns.iter().enumerate().filter_map(|(slot, column)| {
         let values = || piece.inputs.iter().filter_map(|inputs| inputs.get(slot));

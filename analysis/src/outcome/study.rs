@@ -47,21 +47,26 @@ fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
                 format!("{} samples in motion are too few ({rest} are of a resting board)", samples.len())
             }
         };
-        return Ok(undetermined(table, samples, why));
+        return Ok(undetermined(table, samples, options.registry, why));
     }
     if ground.counted.rests {
         return at_rest(table, samples, options);
     }
     if ground.counted.axes != [true; 3] {
         let why = "an axis is a copy of another, so there is no ellipsoid: repair the driver".into();
-        return Ok(undetermined(table, samples, why));
+        return Ok(undetermined(table, samples, options.registry, why));
     }
     let known = Known {
         earlier: options.prior.as_ref().map(|prior| prior.earlier(options.field_ut)),
         ..Known::default()
     };
     let Some((model, _)) = start::start(samples, options.scale_ut()) else {
-        return Ok(undetermined(table, samples, "no sphere or ellipsoid fits the samples".into()));
+        return Ok(undetermined(
+            table,
+            samples,
+            options.registry,
+            "no sphere or ellipsoid fits the samples".into(),
+        ));
     };
     // On top of an earlier calibration the base is fitted with it, which sums alone cannot.
     let base = ground.base.as_ref().ok().filter(|_| options.prior.is_none());
@@ -101,11 +106,11 @@ fn magnitude(
     options: &Options,
     stand: Stand,
 ) -> Result<Diagnosis, Refusal> {
-    let catalogue = Catalogue::new(samples, table);
+    let catalogue = Catalogue::new(samples, table, options.registry);
     let pass = Pass { samples, residual: Residual::Magnitude };
     let (explanation, pure_lag) = match explain(pass, &catalogue, model, known, options, stand)? {
         Ok(explained) => explained,
-        Err(why) => return Ok(undetermined(table, samples, why)),
+        Err(why) => return Ok(undetermined(table, samples, options.registry, why)),
     };
     let base = stand.base;
     View { table, samples, catalogue: &catalogue, pass, known, explanation, lower_order: None, base }

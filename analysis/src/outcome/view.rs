@@ -73,7 +73,7 @@ impl<'a> View<'_, 'a> {
             tested: None,
             shown: None,
         };
-        let Some(lag) = self.catalogue.lag() else { return Ok(Some(study)) };
+        let Some(lag) = self.catalogue.late_sensor() else { return Ok(Some(study)) };
         let pass = Pass { samples: &clean, residual: Residual::Dip };
         let Some(base) = pass.fit(study.alignment.model, Vec::new(), self.known)? else {
             return Ok(Some(study));
@@ -83,7 +83,7 @@ impl<'a> View<'_, 'a> {
         let Some(tested) = screening.tested.into_iter().next() else { return Ok(Some(study)) };
         let held_deg = tested.held_out.map(|squares| (squares / base.rows).sqrt().to_degrees());
         study.tested = Some((tested.p_value, held_deg));
-        let has_eddy = fitted.pieces.iter().any(|piece| piece.id == lag.id);
+        let has_eddy = fitted.pieces.iter().any(|piece| !piece.hidden_delay().is_empty());
         let far = if tested.accepted || force_lag || has_eddy || after_deg < LOOSE_DEG {
             None
         } else {
@@ -308,7 +308,7 @@ impl<'a> View<'_, 'a> {
             Model::new(base.model.offset_ut, base.model.matrix, base.model.field_ut, start::NO_ROTATION, 0.0);
         let fitted = &self.explanation.fitted;
         let mut pieces = fitted.pieces.clone();
-        if !pieces.iter().any(|piece| piece.id == "lag") {
+        if !pieces.iter().any(|piece| !piece.hidden_delay().is_empty()) {
             pieces.extend(dip.as_ref().and_then(|dip| dip.lag.clone()));
         }
         let before = triangular.and_then(|model| heading_error(self.samples, &model, &[], reference));

@@ -1,26 +1,35 @@
 //! The candidates that the columns of a log allow, and those that it does not.
 
+use crate::base::mounting;
 use crate::base::piece::Piece;
 use crate::samples::families::Families;
 use crate::samples::samples::Samples;
 use crate::table::Table;
 use ironout::effect::{
-    AmbientField, CrossAxis, Drift, Eddy, Effect, Gain, Lag, MAX_COEFFICIENTS, Nonlinearity, Offset,
-    Periodic, Power, Step,
+    Acts, Column, Effect, Family, Follows, Form, MAX_INPUTS, Made, Named, Need, Parts, Registry, Searched,
+    TIME, Usual, Zero,
 };
 use std::sync::Arc;
+
+/// The values of an effect's columns, a row a sample.
+type Inputs = Arc<Vec<[f64; MAX_INPUTS]>>;
+
+/// Times that begin this near to zero, s, have a zero of their own that phases may count from.
+const OWN_ZERO_S: f64 = 1000.0;
 
 /// What a log allows to be tested.
 pub struct Catalogue<'a> {
     samples: &'a Samples,
     table: &'a Table<'a>,
-    time: Option<Arc<Vec<[f64; 2]>>>,
-    columns: Vec<Arc<Vec<[f64; 2]>>>,
-    none: Arc<Vec<[f64; 2]>>,
+    time: Option<Inputs>,
+    columns: Vec<Inputs>,
+    none: Inputs,
     /// Every covariate's name.
     names: Vec<&'a str>,
     /// Which covariates move together.
     pub families: Families,
+    /// The families of effects.
+    pub registry: Registry,
 }
 
 /// An effect that cannot be tested.
@@ -32,32 +41,23 @@ pub struct Untestable {
     pub name: String,
     /// Why not, and what would allow it.
     pub why: String,
+    /// Whether it would show in the dip.
+    pub in_dip: bool,
 }
 
-fn inputs(values: &[f64]) -> Arc<Vec<[f64; 2]>> {
+fn inputs(values: &[f64]) -> Inputs {
     Arc::new(values.iter().map(|value| [*value, 0.0]).collect())
 }
 
-fn piece<'a>(
-    effect: impl Effect<f64> + Send + Sync + 'a,
-    fixed: &[(&'static str, f64)],
-    inputs: Arc<Vec<[f64; 2]>>,
-) -> Piece<'a> {
-    let mut id = String::new();
-    // Writing to a string cannot fail.
-    let _ = effect.id(&mut id);
-    Piece {
-        id,
-        effect: Arc::new(effect),
-        coefficients: [0.0; MAX_COEFFICIENTS],
-        fixed: fixed.to_vec(),
-        inputs,
-    }
+/// The name of a family's effect of a column.
+fn name_of(family: &'static dyn Family, form: &'static Form, column: &str) -> &'static str {
+    let parts = Parts { form, column, reference: 0.0, parameter: 0.0 };
+    Made::new(family, parts).map_or(family.kind(), |made| made.name())
 }
 
 impl<'a> Catalogue<'a> {
     /// Of a log.
-    pub fn new(samples: &'a Samples, table: &'a Table<'a>) -> Self {
+    pub fn new(samples: &'a Samples, table: &'a Table<'a>, registry: Registry) -> Self {
         Catalogue {
             samples,
             table,
@@ -66,6 +66,7 @@ impl<'a> Catalogue<'a> {
             none: Arc::new(Vec::new()),
             names: samples.columns.iter().map(|column| column.name.as_str()).collect(),
             families: Families::of(samples),
+            registry,
         }
     }
 
@@ -76,111 +77,84 @@ impl<'a> Catalogue<'a> {
     }
 
     /// Names of the covariates that can be tested.
-    pub fn usable_columns(&self) -> impl Iterator<Item = (usize, &'a str)> + '_ {
-        self.names
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| self.samples.columns[*index].problem.is_none())
-            .map(|(i, n)| (i, *n))
+    pub fn usable_columns(&self) -> impl Iterator<Item = &'a str> + '_ {
+        let fine = |index: &usize| self.samples.columns[*index].problem.is_none();
+        (0..self.names.len()).filter(fine).map(|index| self.names[index])
     }
 
-    /// `offset:COLUMN`.
-    pub fn offset(&self, index: usize) -> Piece<'a> {
-        let column = &self.samples.columns[index];
-        piece(
-            Offset::linear(self.names[index], column.reference),
-            &[("reference", column.reference)],
-            self.columns[index].clone(),
-        )
-    }
-
-    /// `offset:COLUMN^2`.
-    pub fn offset_squared(&self, index: usize) -> Piece<'a> {
-        let column = &self.samples.columns[index];
-        let effect = Offset {
-            column: self.names[index],
-            reference: column.reference_square,
-            power: Power::Squared,
-            delay_s: None,
+    /// The effect of an id, its searched parameter given (any number where it has none). `None` where the log lacks what
+    /// it needs.
+    pub fn build(&self, named: &Named, parameter: f64) -> Option<Piece<'a>> {
+        let Named { family, form, .. } = *named;
+        if family.need(form).is_some_and(|need| !self.has(need)) {
+            return None;
+        }
+        let index = if form.column { Some(self.usable(named.column)?) } else { None };
+        let column = index.map(|index| &self.samples.columns[index]);
+        let reference = match form.zero {
+            Zero::None => 0.0,
+            Zero::Column => column?.reference,
+            Zero::Square => column?.reference_square,
+            Zero::Time if family.follows() == Follows::Tone => self.origin_s()?,
+            Zero::Time => self.samples.middle_s,
         };
-        piece(effect, &[("reference", column.reference_square)], self.columns[index].clone())
+        let parameter = if form.searched.is_some() { parameter } else { 0.0 };
+        let column = index.map_or("", |index| self.names[index]);
+        let made = Made::new(family, Parts { form, column, reference, parameter })?;
+        let inputs = self.inputs(family.columns(made.parts()))?;
+        Some(Piece::new(made, inputs))
     }
 
-    /// `offset:COLUMN@delay`.
-    pub fn offset_delayed(&self, index: usize, delay_s: f64) -> Option<Piece<'a>> {
-        let column = &self.samples.columns[index];
-        let values = self.samples.delayed(self.table, self.names[index], delay_s)?;
-        let effect = Offset {
-            column: self.names[index],
-            reference: column.reference,
-            power: Power::Linear,
-            delay_s: Some(delay_s),
-        };
-        Some(piece(effect, &[("reference", column.reference), ("delay_s", delay_s)], inputs(&values)))
-    }
-
-    /// `gain:COLUMN`.
-    pub fn gain(&self, index: usize) -> Piece<'a> {
-        let reference = self.samples.columns[index].reference;
-        piece(
-            Gain { column: self.names[index], reference },
-            &[("reference", reference)],
-            self.columns[index].clone(),
-        )
-    }
-
-    /// `field:COLUMN`.
-    pub fn field(&self, index: usize) -> Piece<'a> {
-        let reference = self.samples.columns[index].reference;
-        piece(
-            AmbientField { column: self.names[index], reference },
-            &[("reference", reference)],
-            self.columns[index].clone(),
-        )
-    }
-
-    /// `drift`.
-    pub fn drift(&self) -> Option<Piece<'a>> {
-        let reference_s = self.samples.middle_s;
-        Some(piece(Drift { reference_s }, &[("reference", reference_s)], self.time.clone()?))
-    }
-
-    /// `step` at a time.
-    pub fn step(&self, at_s: f64) -> Option<Piece<'a>> {
-        Some(piece(Step { at_s }, &[("at_s", at_s)], self.time.clone()?))
-    }
-
-    /// `periodic` at a frequency; phases count from the log's own zero if that is near its beginning.
-    pub fn periodic(&self, frequency_hz: f64) -> Option<Piece<'a>> {
+    /// Where phases count from: the log's own zero if that is near its beginning.
+    fn origin_s(&self) -> Option<f64> {
         let first = self.samples.time.as_ref()?.first().copied()?;
-        let reference_s = if first.abs() < 1000.0 { 0.0 } else { first };
-        let fixed = [("reference", reference_s), ("frequency_hz", frequency_hz)];
-        Some(piece(Periodic { frequency_hz, reference_s }, &fixed, self.time.clone()?))
+        Some(if first.abs() < OWN_ZERO_S { 0.0 } else { first })
     }
 
-    /// `lag` as a pure delay.
-    pub fn lag(&self) -> Option<Piece<'a>> {
-        self.has_gyro().then(|| piece(Lag, &[], self.none.clone()))
+    fn inputs(&self, columns: [Option<Column<f64>>; MAX_INPUTS]) -> Option<Inputs> {
+        match columns {
+            [None, None] => Some(self.none.clone()),
+            [Some(column), None] => self.input(&column),
+            [None, Some(column)] => {
+                let second = self.input(&column)?;
+                Some(Arc::new(second.iter().map(|[value, _]| [0.0, *value]).collect()))
+            }
+            [Some(one), Some(two)] => {
+                let (one, two) = (self.input(&one)?, self.input(&two)?);
+                Some(Arc::new(one.iter().zip(two.iter()).map(|([a, _], [b, _])| [*a, *b]).collect()))
+            }
+        }
     }
 
-    /// `lag` with eddy currents.
-    pub fn eddy(&self) -> Option<Piece<'a>> {
-        self.has_gyro().then(|| piece(Eddy, &[], self.none.clone()))
+    fn input(&self, column: &Column<f64>) -> Option<Inputs> {
+        if column.name == TIME {
+            return self.time.clone();
+        }
+        let index = self.usable(column.name)?;
+        if column.delay_s > 0.0 {
+            let values = self.samples.delayed(self.table, self.names[index], column.delay_s)?;
+            return Some(inputs(&values));
+        }
+        Some(self.columns[index].clone())
     }
 
-    /// `nonlinearity`.
-    pub fn nonlinearity(&self) -> Piece<'a> {
-        piece(Nonlinearity, &[], self.none.clone())
+    /// The delay of the sensor that only the dip shows, where the log can tell one.
+    pub fn late_sensor(&self) -> Option<Piece<'a>> {
+        let forms =
+            self.registry.families().flat_map(|family| family.forms().iter().map(move |form| (family, form)));
+        let mut hidden = forms.filter(|(_, form)| form.dip_only);
+        hidden.find_map(|(family, form)| self.build(&Named { family, column: "", form }, 0.0))
     }
 
-    /// `cross-axis`.
-    pub fn cross_axis(&self) -> Piece<'a> {
-        piece(CrossAxis, &[], self.none.clone())
-    }
-
-    fn has_gyro(&self) -> bool {
-        self.samples.readings.iter().filter(|reading| reading.turn_radps.is_some()).count() * 2
-            > self.samples.len()
+    /// Whether the log has what effects may need besides columns.
+    pub fn has(&self, need: Need) -> bool {
+        match need {
+            Need::Time => self.time.is_some(),
+            Need::Gyro => {
+                self.samples.readings.iter().filter(|reading| reading.turn_radps.is_some()).count() * 2
+                    > self.samples.len()
+            }
+        }
     }
 
     /// Whether the log has directions down for most samples.
@@ -189,22 +163,53 @@ impl<'a> Catalogue<'a> {
             > 3 * self.samples.len()
     }
 
-    /// The fixed-shape candidates of the magnitude (or of the vector of a board at rest).
+    /// The fixed-shape candidates of the magnitude (or of the vector of a board at rest): for each column every family's
+    /// first form and then the others, then those without a column.
     pub fn plain(&self, at_rest: bool) -> Vec<Piece<'a>> {
+        let fixed = |form: &&'static Form| form.offered && !form.dip_only && form.searched.is_none();
+        let shows = |family: &&'static dyn Family| !at_rest || family.acts() == Acts::Added;
         let mut list = Vec::new();
-        for (index, _) in self.usable_columns() {
-            list.push(self.offset(index));
-            if !at_rest {
-                list.push(self.gain(index));
-                list.push(self.field(index));
+        for column in self.usable_columns() {
+            for first in [true, false] {
+                for family in self.registry.families().filter(shows) {
+                    let forms = family.forms().iter().copied().enumerate();
+                    let forms =
+                        forms.filter(|(place, form)| form.column && (*place == 0) == first && fixed(form));
+                    list.extend(
+                        forms.filter_map(|(_, form)| self.build(&Named { family, column, form }, 0.0)),
+                    );
+                }
             }
-            list.push(self.offset_squared(index));
         }
-        list.extend(self.drift());
-        if !at_rest {
-            list.extend(self.eddy());
-            list.push(self.nonlinearity());
-            list.push(self.cross_axis());
+        for family in self.registry.families().filter(shows) {
+            let forms = family.forms().iter().copied().filter(|form| !form.column && fixed(form));
+            list.extend(forms.filter_map(|form| self.build(&Named { family, column: "", form }, 0.0)));
+        }
+        list
+    }
+
+    /// The forms without a column of which something is searched for.
+    pub fn searched(&self) -> Vec<Named<'static>> {
+        let mut list = Vec::new();
+        for family in self.registry.families() {
+            let forms = family.forms().iter().copied();
+            let forms = forms.filter(|form| form.offered && !form.column && form.searched.is_some());
+            list.extend(forms.map(|form| Named { family, column: "", form }));
+        }
+        list
+    }
+
+    /// The forms that follow a column late.
+    pub fn late(&self, column: &'a str) -> Vec<Named<'a>> {
+        let mut list = Vec::new();
+        for family in self.registry.families() {
+            let late =
+                |form: &&'static Form| form.offered && form.column && form.searched == Some(Searched::Delay);
+            list.extend(family.forms().iter().copied().filter(late).map(|form| Named {
+                family,
+                column,
+                form,
+            }));
         }
         list
     }
@@ -212,50 +217,64 @@ impl<'a> Catalogue<'a> {
     /// What the log does not allow, with the reason.
     pub fn untestable(&self) -> Vec<Untestable> {
         let mut list = Vec::new();
-        let mut add =
-            |id: String, name: &str, why: String| list.push(Untestable { id, name: name.to_string(), why });
+        let mut add = |named: &Named, name: String, why: String| {
+            let in_dip = named.family.forms().iter().any(|form| form.dip_only);
+            list.push(Untestable { id: named.to_string(), name, why, in_dip });
+        };
+        let first = |family: &'static dyn Family| family.forms().first().copied();
+        let families = || self.registry.families().filter_map(|family| Some((family, first(family)?)));
         for column in &self.samples.columns {
-            if let Some(problem) = &column.problem {
-                for kind in ["offset", "gain", "field"] {
-                    let id = format!("{kind}:{}", column.name);
-                    add(
-                        id,
-                        &format!("{kind} with {}", column.name),
-                        format!("{problem}: log it while it changes"),
-                    );
-                }
+            let Some(problem) = &column.problem else { continue };
+            for (family, form) in families().filter(|(_, form)| form.column) {
+                let named = Named { family, column: &column.name, form };
+                let name = format!("{} with {}", family.kind(), column.name);
+                add(&named, name, format!("{problem}: log it while it changes"));
             }
         }
-        let none_with = |suffix: &str| !self.names.iter().any(|name| name.ends_with(suffix));
-        if none_with("_c") {
-            add("offset:temp_c".into(), "temperature offset", "no temperature column: log temp_c".into());
-            add("gain:temp_c".into(), "temperature gain", "no temperature column: log temp_c".into());
-        }
-        if none_with("_a") {
-            add("offset:current_a".into(), "current offset", "no current column: log current_a".into());
-        }
-        if self.time.is_none() {
-            for (id, name) in
-                [("drift", "offset drift"), ("step", "offset step"), ("periodic", "periodic interference")]
-            {
-                add(id.into(), name, "no time column: log t_s".into());
+        let mut usual: Vec<Usual> = Vec::new();
+        for one in families().flat_map(|(family, _)| family.usual_columns()) {
+            if !usual.contains(one) {
+                usual.push(*one);
             }
         }
-        if !self.has_gyro() {
-            add(
-                "lag".into(),
-                "lag and eddy currents",
-                "no rate of turn: log gx_radps,gy_radps,gz_radps".into(),
-            );
-        } else if !self.has_down() {
-            let why = "a pure delay leaves the magnitude alone: log ax_mps2,ay_mps2,az_mps2 (eddy currents were tested)";
-            add("lag".into(), "sensor lag", why.into());
+        usual.retain(|usual| !self.names.iter().any(|name| name.ends_with(usual.suffix)));
+        for usual in usual {
+            for (family, form) in families().filter(|(family, _)| family.usual_columns().contains(&usual)) {
+                let named = Named { family, column: usual.column, form };
+                let why = format!("no {} column: log {}", usual.what, usual.column);
+                add(&named, name_of(family, form, usual.column).into(), why);
+            }
+        }
+        for (family, form) in families().filter(|(_, form)| !form.column) {
+            let named = Named { family, column: "", form };
+            let hidden = family.forms().iter().copied().find(|form| form.dip_only);
+            if let Some(need) = family.need(form).filter(|need| !self.has(*need)) {
+                add(&named, name_of(family, form, "").into(), need.missing().into());
+            } else if let Some(why) = self.lacks(&named) {
+                add(&named, name_of(family, form, "").into(), why);
+            } else if let (Some(form), false) = (hidden, self.has_down()) {
+                add(&Named { form, ..named }, name_of(family, form, "").into(), family.without_down().into());
+            }
         }
         if !self.has_down() {
-            let why = "no direction down: log ax_mps2,ay_mps2,az_mps2";
-            add("misalignment".into(), "misalignment", why.into());
-            add("axis-order".into(), "axis order", why.into());
+            list.extend(mounting::ALL.iter().map(|one| Untestable {
+                id: one.id.into(),
+                name: one.name.into(),
+                why: mounting::WITHOUT_DOWN.into(),
+                in_dip: true,
+            }));
         }
         list
+    }
+
+    /// Which column of its own an effect misses that names none in its id.
+    fn lacks(&self, named: &Named) -> Option<String> {
+        let parts = Parts::<&str>::of(named.form);
+        let columns = named.family.columns(&parts);
+        let mut missing = columns.iter().flatten().filter(|column| column.name != TIME);
+        missing.find_map(|column| match self.samples.columns.iter().find(|known| known.name == column.name) {
+            None => Some(format!("no column {0}: log {0}", column.name)),
+            Some(known) => Some(format!("{}: log it while it changes", known.problem.as_ref()?)),
+        })
     }
 }

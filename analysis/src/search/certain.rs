@@ -5,8 +5,10 @@ use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Matrix, Piece};
 use crate::base::quality::residue;
 use crate::samples::series::Autocorrelation;
-use crate::search::state::{Explanation, Greedy, Withdrawn, plain_id};
+use crate::search::state::{Explanation, Greedy, Withdrawn};
+use ironout::effect::{Effect, Quantities, Searched, Shape};
 use ironout::study::f_tail;
+use std::sync::Arc;
 
 /// An effect stays if it takes at least this many times as much off the mean square as structure remains.
 const OUTWEIGHS: f64 = 1.0;
@@ -16,6 +18,51 @@ const AROUND_STEP_S: f64 = 1.5;
 const AROUND_STEP: usize = 10;
 /// A jump beside an offset that changes steadily is believed below this probability.
 const SUDDEN: f64 = 1e-3;
+
+/// An offset that changes steadily: what a step is held against.
+struct Steadily {
+    reference_s: f64,
+}
+
+impl Steadily {
+    fn around<'a>(reference_s: f64, time: &[f64]) -> Piece<'a> {
+        Piece {
+            id: "steady change around the step".into(),
+            made: None,
+            effect: Arc::new(Steadily { reference_s }),
+            coefficients: Default::default(),
+            inputs: Arc::new(time.iter().map(|t| [*t, 0.0]).collect()),
+        }
+    }
+}
+
+impl Effect<f64> for Steadily {
+    fn id(&self, out: &mut dyn std::fmt::Write) -> std::fmt::Result {
+        out.write_str("steady")
+    }
+    fn name(&self) -> &'static str {
+        "steady change"
+    }
+    fn explanation(&self) -> &'static str {
+        "The offset changes steadily. A step must stand beside that."
+    }
+    fn coefficients(&self) -> usize {
+        3
+    }
+    fn unit(&self) -> &'static str {
+        "µT/s"
+    }
+    fn reads_centre(&self) -> bool {
+        false
+    }
+    fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
+        let [time, _] = at.inputs;
+        for (axis, vector) in shape.iter_mut().take(3).enumerate() {
+            *vector = [0.0; 3];
+            vector[axis] = time - self.reference_s;
+        }
+    }
+}
 
 impl<'a> Greedy<'_, 'a> {
     /// The explanation without the effects that are not certain. Those that were `asked` for stay.
@@ -57,8 +104,11 @@ impl<'a> Greedy<'_, 'a> {
         if remains <= 0.0 {
             return Ok(None);
         }
-        for piece in fitted.pieces.iter().filter(|piece| piece.id == "step" && !asked.contains(&piece.id)) {
-            if !self.sudden(fitted, piece)? {
+        for piece in fitted.pieces.iter().filter(|piece| !asked.contains(&piece.id)) {
+            let at = piece.searched().filter(|(searched, _)| *searched == Searched::At);
+            if let Some((_, at_s)) = at
+                && !self.sudden(fitted, piece, at_s)?
+            {
                 let why = "the offset changes, but not at once: some slow cause that the log does not hold looks \
                            like a step";
                 return Ok(Some(Withdrawn { id: piece.id.clone(), why: why.into() }));
@@ -68,8 +118,10 @@ impl<'a> Greedy<'_, 'a> {
         for pair in explanation.steps.windows(2) {
             let Some(id) = pair[1].added.as_ref().filter(|id| !asked.contains(id)) else { continue };
             // A square or a past beside the linear term of the same column blames no other cause.
-            let plain = plain_id(id);
-            if plain != id && fitted.pieces.iter().any(|piece| piece.id == plain) {
+            let own = fitted.pieces.iter().find(|piece| piece.id == *id && !piece.is_plain());
+            let beside_plain =
+                |own: &Piece| fitted.pieces.iter().any(|piece| piece.is_plain() && piece.is_variant_of(own));
+            if own.is_some_and(beside_plain) {
                 continue;
             }
             let takes = pair[0].rms.powi(2) - pair[1].rms.powi(2);
@@ -89,12 +141,8 @@ impl<'a> Greedy<'_, 'a> {
     }
 
     /// Whether the offset jumps at a step, rather than changes steadily around it.
-    fn sudden(&self, fitted: &Fitted<'a>, step: &Piece<'a>) -> Result<bool, BadShape> {
-        let at = step.fixed.iter().find(|(name, _)| *name == "at_s").map(|(_, value)| *value);
-        let (Some(at), Some(time), Some(drift)) = (at, &self.pass.samples.time, self.catalogue.drift())
-        else {
-            return Ok(true);
-        };
+    fn sudden(&self, fitted: &Fitted<'a>, step: &Piece<'a>, at: f64) -> Result<bool, BadShape> {
+        let Some(time) = &self.pass.samples.time else { return Ok(true) };
         let place = |seconds: f64| time.partition_point(|t| *t < at + seconds);
         let (from, middle, to) = (place(-AROUND_STEP_S), place(0.0), place(AROUND_STEP_S));
         if middle - from < AROUND_STEP || to - middle < AROUND_STEP {
@@ -102,9 +150,9 @@ impl<'a> Greedy<'_, 'a> {
         }
         // The model without the step; around it the offset may lie elsewhere and change steadily.
         let absent = Piece { coefficients: Default::default(), ..step.clone() };
-        let drift = Piece { id: "drift around the step".into(), ..drift };
+        let steadily = Steadily::around(self.pass.samples.middle_s, time);
         let others = fitted.pieces.iter().filter(|piece| piece.id != step.id);
-        let all: Vec<&Piece> = others.chain([&drift, &absent]).collect();
+        let all: Vec<&Piece> = others.chain([&steadily, &absent]).collect();
         let base = self.pass.residual.base_columns();
         let columns = base + all.iter().map(|piece| piece.k()).sum::<usize>();
         if columns > crate::base::piece::COLUMNS || all.len() > crate::base::piece::TERMS {

@@ -7,8 +7,9 @@ use crate::search::kin::may_follow;
 use crate::search::parameter;
 use crate::search::screen::{Candidate, SIGNIFICANCE, Screening, rivalry, screen};
 use crate::search::search;
-use crate::search::state::{Confounded, Explanation, Greedy, Judged, plain_id};
+use crate::search::state::{Confounded, Explanation, Greedy, Judged};
 use crate::search::undisturbed::prefer;
+use ironout::effect::{Acts, Follows, Named, Searched};
 use ironout::study::Residual;
 
 /// More effects than any log carries.
@@ -28,15 +29,16 @@ fn candidates<'a>(
     let at_rest = pass.residual == Residual::Vector;
     let mut list: Vec<Candidate> =
         catalogue.plain(at_rest).into_iter().map(|piece| Candidate { piece, searched: 1.0 }).collect();
-    list.extend(search::step(pass, fitted, catalogue)?);
-    if periodic {
-        list.extend(search::periodic(pass, fitted, catalogue)?);
+    for named in catalogue.searched() {
+        if periodic || named.form.searched != Some(Searched::Frequency) {
+            list.extend(search::best(pass, fitted, catalogue, &named)?);
+        }
     }
-    for (index, name) in catalogue.usable_columns() {
-        let id = format!("offset:{name}");
+    for named in catalogue.usable_columns().flat_map(|column| catalogue.late(column)) {
         // A late column stands beside the prompt one, or shows through it.
-        if fitted.pieces.iter().any(|piece| piece.id == id) {
-            list.extend(search::delay(pass, fitted, catalogue, index)?);
+        let is_prompt = |own: Named| own.is_plain() && own.is_variant_of(&named);
+        if fitted.pieces.iter().filter_map(Piece::named).any(is_prompt) {
+            list.extend(search::best(pass, fitted, catalogue, &named)?);
         }
     }
     list.retain(|candidate| !fitted.pieces.iter().any(|piece| piece.id == candidate.piece.id));
@@ -62,12 +64,8 @@ impl<'a> Greedy<'_, 'a> {
         if self.held() {
             // Whatever turns with the board would stand in for the soft iron that is held, and with little attitude a
             // stronger field and an offset along it are the same.
-            let turns = |id: &str| {
-                ["nonlinearity", "cross-axis"].contains(&id)
-                    || id.starts_with("gain:")
-                    || id.starts_with("field:")
-            };
-            list.retain(|candidate| !turns(&candidate.piece.id));
+            let turns = |piece: &Piece| piece.acts(Acts::Measured) || piece.acts(Acts::Field);
+            list.retain(|candidate| !turns(&candidate.piece));
         }
         let count = self.independent(&list);
         let Screening { held_out, tested } = screen(&self.pass, fitted, &list, count)?;
@@ -114,7 +112,7 @@ impl<'a> Greedy<'_, 'a> {
             let most = if self.pass.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };
             let next = if fitted.pieces.len() < most { self.choose(&fitted, &last, count)? } else { None };
             if let Some((winner, next)) = next {
-                fitted = self.aligned(prefer(&self.pass, self.catalogue, next, self.known)?)?;
+                fitted = self.aligned(prefer(&self.pass, next, self.known)?)?;
                 order.push(winner);
                 while let Some((dropped, without)) = self.drop_one(&fitted)? {
                     order.retain(|id| *id != dropped);
@@ -175,10 +173,8 @@ impl<'a> Greedy<'_, 'a> {
     fn again(&self, fitted: &Fitted<'a>) -> Result<Option<(Piece<'a>, f64)>, BadShape> {
         let mut list = Vec::new();
         for piece in &fitted.pieces {
-            match piece.id.as_str() {
-                "step" => list.extend(search::step(&self.pass, fitted, self.catalogue)?),
-                parameter::PERIODIC => list.extend(search::periodic(&self.pass, fitted, self.catalogue)?),
-                _ => {}
+            if let Some(named) = piece.named().filter(|named| !named.form.column) {
+                list.extend(search::best(&self.pass, fitted, self.catalogue, &named)?);
             }
         }
         let screening = screen(&self.pass, fitted, &list, 2)?;
@@ -237,15 +233,15 @@ impl<'a> Greedy<'_, 'a> {
             let own = pieces.remove(index);
             let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
             let own = Piece { coefficients: Default::default(), ..own };
-            let (judged, ..) = self.judge(&without, own.id == "periodic")?;
+            let (judged, ..) = self.judge(&without, own.follows(Follows::Tone))?;
             let Some(mine) = judged.iter().find(|one| one.candidate.piece.id == own.id) else { continue };
             let mut group = vec![own.id.clone()];
             let mut family = vec![own.id.clone()];
             for other in &judged {
                 let id = &other.candidate.piece.id;
-                let kin = self.together(&own.id, id);
+                let kin = self.together(&own, &other.candidate.piece);
                 if fitted.pieces.iter().any(|piece| &piece.id == id)
-                    || plain_id(id) == plain_id(&own.id)
+                    || other.candidate.piece.is_variant_of(&own)
                     || !(other.tested.accepted || kin)
                     || other.tested.decrease < 0.3 * mine.tested.decrease
                 {
@@ -261,7 +257,7 @@ impl<'a> Greedy<'_, 'a> {
                 if kin {
                     // What several channels have in common stands for them; a channel that has more to say has been
                     // tested beside it.
-                    if plain_id(id) == id {
+                    if other.candidate.piece.is_plain() {
                         family.push(id.clone());
                     }
                     continue;
@@ -270,7 +266,7 @@ impl<'a> Greedy<'_, 'a> {
                 let fewer = other.tested.directions < mine.tested.directions;
                 if fewer || pair.second * (count as f64) * other.candidate.searched < SIGNIFICANCE {
                     if let Some(next) = self.with(&without, &other.candidate.piece)?
-                        && may_follow(&own.id, id, fitted, &next)
+                        && may_follow(&own, &other.candidate.piece, fitted, &next)
                     {
                         return Ok(Reconsidered::Swap {
                             from: own.id,
@@ -298,7 +294,8 @@ impl<'a> Greedy<'_, 'a> {
         for index in 0..newest {
             let mut pieces = fitted.pieces.clone();
             let removed = pieces.remove(index);
-            let beside = |piece: &Piece| piece.id != removed.id && plain_id(&piece.id) == removed.id;
+            let beside =
+                |piece: &Piece| removed.is_plain() && piece.id != removed.id && piece.is_variant_of(&removed);
             if self.pass.residual == Residual::Vector && pieces.iter().any(beside) {
                 continue;
             }

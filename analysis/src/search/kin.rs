@@ -1,9 +1,10 @@
 //! Columns that move together, in the search: what they have in common stands for them.
 
 use crate::base::engine::Fitted;
-use crate::base::piece::BadShape;
+use crate::base::piece::{BadShape, Piece};
 use crate::search::screen::{Candidate, RELEVANCE, SIGNIFICANCE, screen, stands};
-use crate::search::state::{Greedy, Judged, held_out_rms, plain_id};
+use crate::search::state::{Greedy, Judged, held_out_rms};
+use ironout::effect::{Acts, Follows, Named};
 use std::collections::HashSet;
 
 /// An effect with fewer coefficients may leave this much more error on unseen time.
@@ -20,44 +21,41 @@ fn as_good(one: &Fitted, other: &Fitted) -> bool {
     }
 }
 
-/// Whether an effect is a shape in time alone, searched for or not, with no column behind it.
-pub(crate) fn in_time(id: &str) -> bool {
-    ["drift", "step", "periodic"].contains(&id)
-}
-
 /// Whether one effect may take another's place: a shape in time takes that of a logged cause only where it is clearly
 /// better.
-pub(crate) fn may_follow(from: &str, to: &str, now: &Fitted, next: &Fitted) -> bool {
-    if in_time(to) && !in_time(from) {
+pub(crate) fn may_follow(from: &Piece, to: &Piece, now: &Fitted, next: &Fitted) -> bool {
+    if to.is_in_time() && !from.is_in_time() {
         return held_out_rms(next).zip(held_out_rms(now)).is_some_and(|(next, now)| NEARLY * next < now);
     }
     as_good(next, now)
 }
 
-/// The column of `offset:COLUMN`, squared or late too.
-fn offset_column(id: &str) -> Option<&str> {
-    plain_id(id).strip_prefix("offset:")
+/// The column of an effect that adds a vector of its own, squared or late too: what several columns of one cause have in
+/// common adds up in such effects.
+fn added_by<'a>(piece: &Piece<'a>) -> Option<&'a str> {
+    let adds = piece.acts(Acts::Added) && piece.follows(Follows::Column);
+    piece.parts().filter(|parts| adds && parts.form.column).map(|parts| parts.column)
 }
 
 impl<'a> Greedy<'_, 'a> {
     /// Whether two effects are of columns that move together.
-    pub(crate) fn together(&self, one: &str, other: &str) -> bool {
-        offset_column(one)
-            .zip(offset_column(other))
-            .is_some_and(|(one, other)| self.catalogue.families.together(one, other))
+    pub(crate) fn together(&self, one: &Piece, other: &Piece) -> bool {
+        let kind = |piece: &Piece| piece.named().map(|named| named.family.kind());
+        kind(one) == kind(other)
+            && added_by(one)
+                .zip(added_by(other))
+                .is_some_and(|(one, other)| self.catalogue.families.together(one, other))
     }
 
     /// How many candidates there are, columns that move together counted once.
     pub(crate) fn independent(&self, list: &[Candidate]) -> usize {
-        let central = |id: &str| match id.split_once(':') {
-            Some((kind, rest)) => {
-                let column = plain_id(rest);
-                let variant = rest.strip_prefix(column).unwrap_or("");
-                format!("{kind}:{}{variant}", self.catalogue.families.centre(column))
+        let central = |piece: &Piece| match piece.named() {
+            Some(Named { family, column, form }) => {
+                Named { family, column: self.catalogue.families.centre(column), form }.to_string()
             }
-            None => id.to_string(),
+            None => piece.id.clone(),
         };
-        let ids: HashSet<String> = list.iter().map(|candidate| central(&candidate.piece.id)).collect();
+        let ids: HashSet<String> = list.iter().map(|candidate| central(&candidate.piece)).collect();
         ids.len()
     }
 
@@ -70,11 +68,16 @@ impl<'a> Greedy<'_, 'a> {
         judged: &[Judged<'a>],
         count: usize,
     ) -> Result<Judged<'a>, BadShape> {
-        let Some(column) = offset_column(&winner.candidate.piece.id) else { return Ok(winner) };
-        let id = format!("offset:{}", self.catalogue.families.centre(column));
+        let own = &winner.candidate.piece;
+        let (Some(column), Some(named)) = (added_by(own), own.named()) else { return Ok(winner) };
+        let centre = self.catalogue.families.centre(column);
+        let stands_for_all = |other: &Piece| {
+            let kind = other.named().map(|other| other.family.kind());
+            kind == Some(named.family.kind()) && other.is_plain() && added_by(other) == Some(centre)
+        };
         let Some(common) = judged
             .iter()
-            .find(|one| one.candidate.piece.id == id && id != winner.candidate.piece.id)
+            .find(|one| stands_for_all(&one.candidate.piece) && one.candidate.piece.id != own.id)
             .filter(|one| one.tested.decrease > COMMON_SHARE * winner.tested.decrease)
         else {
             return Ok(winner);

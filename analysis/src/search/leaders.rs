@@ -2,11 +2,12 @@
 
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
-use crate::search::kin::{NEARLY, in_time};
+use crate::search::kin::NEARLY;
 use crate::search::parameter;
 use crate::search::screen::{ACCUSED, RELEVANCE, SIGNIFICANCE, rivalry, screen, stands};
 use crate::search::search;
-use crate::search::state::{Greedy, Judged, held_out_rms, plain_id};
+use crate::search::state::{Greedy, Judged, held_out_rms};
+use ironout::effect::{Named, Searched};
 use ironout::study::Residual;
 
 /// A residual beyond this share of the field is strong: what is screened there at one linearisation is not yet right.
@@ -44,11 +45,13 @@ impl<'a> Greedy<'_, 'a> {
     pub(crate) fn at_its_time(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
         for _ in 0..3 {
             let mut pieces = fitted.pieces.clone();
-            let Some(place) = pieces.iter().position(|piece| piece.id == "step") else { break };
+            let at_a_time = |piece: &Piece| matches!(piece.searched(), Some((Searched::At, _)));
+            let Some(place) = pieces.iter().position(at_a_time) else { break };
             let step = pieces.remove(place);
             let bare = self.pass.hold(fitted.model, pieces.clone(), self.known)?;
-            let Some(found) = search::step(&self.pass, &bare, self.catalogue)? else { break };
-            if found.piece.fixed == step.fixed {
+            let Some(named) = step.named() else { break };
+            let Some(found) = search::best(&self.pass, &bare, self.catalogue, &named)? else { break };
+            if found.piece.parts() == step.parts() {
                 break;
             }
             pieces.insert(place, Piece { coefficients: step.coefficients, ..found.piece });
@@ -99,20 +102,25 @@ impl<'a> Greedy<'_, 'a> {
         judged: &[Judged<'a>],
         count: usize,
     ) -> Result<Judged<'a>, BadShape> {
-        let plain = plain_id(&leader.candidate.piece.id).to_string();
-        let Some(column) = plain.strip_prefix("offset:") else { return Ok(leader.clone()) };
+        let own = &leader.candidate.piece;
+        let Some(named) = own.named().filter(|named| named.family.forms().len() > 1 && named.form.column)
+        else {
+            return Ok(leader.clone());
+        };
+        let is_prompt =
+            |other: &Judged| other.candidate.piece.is_plain() && other.candidate.piece.is_variant_of(own);
         if self.pass.residual == Residual::Vector {
             // What a column adds in proportion comes first; its square and its past are added beside it.
-            let prompt = judged.iter().find(|other| other.candidate.piece.id == plain);
+            let prompt = judged.iter().find(|other| is_prompt(other));
             return match prompt.filter(|other| other.tested.decrease > PROMPT_SHARE * leader.tested.decrease)
             {
-                Some(prompt) if plain != leader.candidate.piece.id => Ok(prompt.clone()),
+                Some(prompt) if !own.is_plain() => Ok(prompt.clone()),
                 _ => Ok(leader.clone()),
             };
         }
         let mut best = leader.clone();
-        if let Some(prompt) = judged.iter().find(|other| other.candidate.piece.id == plain)
-            && prompt.candidate.piece.id != leader.candidate.piece.id
+        if let Some(prompt) = judged.iter().find(|other| is_prompt(other))
+            && !own.is_plain()
             && prompt.tested.accepted
             && let Some(rivals) =
                 rivalry(&self.pass, fitted, &leader.candidate.piece, &prompt.candidate.piece, self.known)?
@@ -120,8 +128,10 @@ impl<'a> Greedy<'_, 'a> {
         {
             best = prompt.clone();
         }
-        if let Some(index) = self.catalogue.usable(column)
-            && let Some(late) = search::delay(&self.pass, fitted, self.catalogue, index)?
+        let forms = named.family.forms();
+        let late = forms.iter().find(|form| form.offered && form.is_late());
+        if let Some(form) = late
+            && let Some(late) = search::best(&self.pass, fitted, self.catalogue, &Named { form, ..named })?
             && !fitted.pieces.iter().any(|piece| piece.id == late.piece.id)
             && let Some(rivals) = rivalry(&self.pass, fitted, &late.piece, &best.candidate.piece, self.known)?
             && rivals.first * late.searched * (count as f64) < SIGNIFICANCE
@@ -153,7 +163,7 @@ impl<'a> Greedy<'_, 'a> {
         });
         let mut leaders: Vec<(Judged<'a>, Fitted<'a>, f64)> = Vec::new();
         // A shape in time may stand in for a cause that was logged: the best of those is fitted too.
-        let logged = passing.iter().position(|one| !in_time(&one.candidate.piece.id)).filter(|at| *at >= 3);
+        let logged = passing.iter().position(|one| !one.candidate.piece.is_in_time()).filter(|at| *at >= 3);
         for one in passing.iter().take(3).chain(logged.and_then(|at| passing.get(at))) {
             if let Some(next) = self.with(fitted, &one.candidate.piece)?
                 && let Some(held) = held_out_rms(&next)
@@ -162,10 +172,10 @@ impl<'a> Greedy<'_, 'a> {
             }
         }
         leaders.sort_by(|a, b| a.2.total_cmp(&b.2));
-        if let Some(held) = leaders.first().filter(|one| in_time(&one.0.candidate.piece.id)).map(|one| one.2)
+        if let Some(held) = leaders.first().filter(|one| one.0.candidate.piece.is_in_time()).map(|one| one.2)
         {
             leaders.retain(|one| one.2 < NEARLY * held);
-            leaders.sort_by_key(|one| in_time(&one.0.candidate.piece.id));
+            leaders.sort_by_key(|one| one.0.candidate.piece.is_in_time());
         }
         let Some((leader, mut next, _)) = leaders.into_iter().next() else { return Ok(None) };
         let mut winner = self.best_variant(fitted, &leader, judged, count)?;

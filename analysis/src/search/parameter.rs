@@ -5,12 +5,9 @@ use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
 use crate::search::candidates::Catalogue;
-use ironout::effect::{Column, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Periodic, Quantities, Shape, TIME};
+use ironout::effect::{Column, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, Searched, Shape, TIME};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-
-/// The id of the periodic effect.
-pub const PERIODIC: &str = "periodic";
 
 /// How a disturbance changes with its parameter: one column, the coefficient is a change of the parameter.
 enum Slope {
@@ -24,10 +21,10 @@ impl Effect<f64> for Slope {
     fn id(&self, out: &mut dyn std::fmt::Write) -> std::fmt::Result {
         out.write_str("parameter")
     }
-    fn name(&self) -> &str {
+    fn name(&self) -> &'static str {
         "parameter of a shape"
     }
-    fn explanation(&self) -> &str {
+    fn explanation(&self) -> &'static str {
         "A small error of a frequency or of a delay bends the shape. It is estimated together with the amplitudes."
     }
     fn columns(&self) -> [Option<Column<'_, f64>>; MAX_INPUTS] {
@@ -36,7 +33,7 @@ impl Effect<f64> for Slope {
     fn coefficients(&self) -> usize {
         1
     }
-    fn unit(&self) -> &str {
+    fn unit(&self) -> &'static str {
         match self {
             Slope::Frequency { .. } => "Hz",
             Slope::Delay { .. } => "s",
@@ -58,17 +55,14 @@ impl Effect<f64> for Slope {
     }
 }
 
-fn fixed(piece: &Piece, name: &str) -> Option<f64> {
-    piece.fixed.iter().find(|(known, _)| *known == name).map(|(_, value)| *value)
-}
-
 /// A step or a tone with its place and size: "step of 2.1 µT at 40.30 s".
 pub fn in_words(piece: &Piece) -> String {
     let norm = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
     let c = &piece.coefficients;
-    match (fixed(piece, "at_s"), fixed(piece, "frequency_hz")) {
-        (Some(at_s), _) => format!("step of {:.2} µT at {at_s:.2} s", norm(&c[..3])),
-        (_, Some(hz)) => format!("tone of {:.2} µT at {hz:.3} Hz", norm(&c[..6])),
+    let (size, word) = (norm(&c[..piece.k()]), piece.named().map_or("effect", |named| named.family.word()));
+    match piece.searched() {
+        Some((Searched::At, at_s)) => format!("{word} of {size:.2} µT at {at_s:.2} s"),
+        Some((Searched::Frequency, hz)) => format!("{word} of {size:.2} µT at {hz:.3} Hz"),
         _ => piece.id.clone(),
     }
 }
@@ -88,21 +82,24 @@ fn rates(piece: &Piece, time: &[f64]) -> Vec<[f64; MAX_INPUTS]> {
 /// The column of a piece's parameter, if it has one that is not a time of its own.
 fn slope<'a>(pass: &Pass, piece: &Piece<'a>) -> Option<Piece<'a>> {
     let c = &piece.coefficients;
-    let (effect, inputs) = if piece.id == PERIODIC {
-        let mut coefficients = [0.0; 6];
-        coefficients.copy_from_slice(&c[..6]);
-        let (frequency_hz, reference_s) = (fixed(piece, "frequency_hz")?, fixed(piece, "reference")?);
-        (Slope::Frequency { frequency_hz, reference_s, coefficients }, piece.inputs.clone())
-    } else {
-        fixed(piece, "delay_s")?;
-        let rates = rates(piece, pass.samples.time.as_deref()?);
-        (Slope::Delay { coefficients: [c[0], c[1], c[2]] }, Arc::new(rates))
+    let (effect, inputs) = match piece.searched()? {
+        (Searched::Frequency, frequency_hz) => {
+            let mut coefficients = [0.0; 6];
+            coefficients.copy_from_slice(&c[..6]);
+            let reference_s = piece.parts()?.reference;
+            (Slope::Frequency { frequency_hz, reference_s, coefficients }, piece.inputs.clone())
+        }
+        (Searched::Delay, _) => {
+            let rates = rates(piece, pass.samples.time.as_deref()?);
+            (Slope::Delay { coefficients: [c[0], c[1], c[2]] }, Arc::new(rates))
+        }
+        (Searched::At, _) => return None,
     };
     Some(Piece {
         id: format!("parameter of {}", piece.id),
+        made: None,
         effect: Arc::new(effect),
         coefficients: [0.0; MAX_COEFFICIENTS],
-        fixed: Vec::new(),
         inputs,
     })
 }
@@ -121,18 +118,10 @@ pub fn with_slopes(pass: &Pass, fitted: &Fitted) -> Result<Option<Matrix>, BadSh
 
 /// The piece with its parameter moved.
 fn moved<'a>(piece: &Piece<'a>, change: f64, catalogue: &Catalogue<'a>) -> Option<Piece<'a>> {
-    let next = if piece.id == PERIODIC {
-        let (frequency_hz, reference_s) =
-            (fixed(piece, "frequency_hz")? + change, fixed(piece, "reference")?);
-        Piece {
-            effect: Arc::new(Periodic { frequency_hz, reference_s }),
-            fixed: vec![("reference", reference_s), ("frequency_hz", frequency_hz)],
-            ..piece.clone()
-        }
-    } else {
-        let now = fixed(piece, "delay_s")?;
-        let column = piece.id.strip_prefix("offset:")?.strip_suffix("@delay")?;
-        catalogue.offset_delayed(catalogue.usable(column)?, (now + change).max(0.2 * now))?
+    let next = match piece.searched()? {
+        (Searched::Frequency, now) => catalogue.build(&piece.named()?, now + change)?,
+        (Searched::Delay, now) => catalogue.build(&piece.named()?, (now + change).max(0.2 * now))?,
+        (Searched::At, _) => return None,
     };
     Some(Piece { coefficients: piece.coefficients, ..next })
 }

@@ -6,17 +6,34 @@ use crate::samples::fft;
 use crate::samples::series::median;
 use crate::search::candidates::Catalogue;
 use crate::search::screen::Candidate;
+use ironout::effect::{Named, Searched};
 
 /// Places where a step is looked for at first.
 const STEP_SEGMENTS: usize = 48;
 /// The lowest frequency of periodic interference, Hz: two slower sinusoids imitate almost any covariate.
 const LOWEST_HZ: f64 = 1.0;
 
-/// Where an offset step takes the most off the squared error.
-pub fn step<'a>(
+/// The best place of an effect of which something is searched for. `None` where nothing is, or the log does not allow it.
+pub fn best<'a>(
     pass: &Pass,
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
+    named: &Named,
+) -> Result<Option<Candidate<'a>>, BadShape> {
+    match named.form.searched {
+        Some(Searched::At) => step(pass, fitted, catalogue, named),
+        Some(Searched::Frequency) => periodic(pass, fitted, catalogue, named),
+        Some(Searched::Delay) => delay(pass, fitted, catalogue, named),
+        None => Ok(None),
+    }
+}
+
+/// Where an offset step takes the most off the squared error.
+fn step<'a>(
+    pass: &Pass,
+    fitted: &Fitted,
+    catalogue: &Catalogue<'a>,
+    named: &Named,
 ) -> Result<Option<Candidate<'a>>, BadShape> {
     let Some(time) = &pass.samples.time else { return Ok(None) };
     let n = pass.samples.len();
@@ -59,7 +76,7 @@ pub fn step<'a>(
         let at = bounds[best.1];
         if bounds.windows(2).all(|pair| pair[1] - pair[0] <= 1) || high - low <= 2 {
             let at_s = if at == 0 { time[0] } else { 0.5 * (time[at - 1] + time[at]) };
-            let piece = catalogue.step(at_s);
+            let piece = catalogue.build(named, at_s);
             return Ok(piece.map(|piece| Candidate { piece, searched: STEP_SEGMENTS as f64 }));
         }
         // Finer around the best place.
@@ -109,12 +126,12 @@ fn largest(values: &[f64]) -> usize {
     values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index)
 }
 
-/// How late `offset:COLUMN` acts, if it acts late.
-pub fn delay<'a>(
+/// How late a column acts, if it acts late.
+fn delay<'a>(
     pass: &Pass,
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
-    column: usize,
+    named: &Named,
 ) -> Result<Option<Candidate<'a>>, BadShape> {
     let Some(time) = &pass.samples.time else { return Ok(None) };
     let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > 0.0).collect();
@@ -135,7 +152,7 @@ pub fn delay<'a>(
         return Ok(None);
     }
     for round in 0..3 {
-        let pieces: Vec<Piece> = delays.iter().filter_map(|d| catalogue.offset_delayed(column, *d)).collect();
+        let pieces: Vec<Piece> = delays.iter().filter_map(|d| catalogue.build(named, *d)).collect();
         let gains = decreases(pass, fitted, &pieces)?;
         let best = largest(&gains);
         if round == 2 || gains.get(best).is_none_or(|gain| *gain <= 0.0) {
@@ -149,10 +166,11 @@ pub fn delay<'a>(
 }
 
 /// The frequency of the strongest periodic disturbance.
-pub fn periodic<'a>(
+fn periodic<'a>(
     pass: &Pass,
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
+    named: &Named,
 ) -> Result<Option<Candidate<'a>>, BadShape> {
     let samples = pass.samples;
     let Some(time) = &samples.time else { return Ok(None) };
@@ -211,7 +229,7 @@ pub fn periodic<'a>(
     let mut spacing = 0.3 * width;
     let mut best = None;
     for _ in 0..3 {
-        let pieces: Vec<Piece> = frequencies.iter().filter_map(|hz| catalogue.periodic(*hz)).collect();
+        let pieces: Vec<Piece> = frequencies.iter().filter_map(|hz| catalogue.build(named, *hz)).collect();
         let gains = decreases(pass, fitted, &pieces)?;
         let at = largest(&gains);
         let Some(hz) = frequencies.get(at).copied() else { break };
@@ -222,5 +240,5 @@ pub fn periodic<'a>(
             .filter(|hz| (LOWEST_HZ..=nyquist).contains(hz))
             .collect();
     }
-    Ok(best.and_then(|hz| catalogue.periodic(hz)).map(|piece| Candidate { piece, searched }))
+    Ok(best.and_then(|hz| catalogue.build(named, hz)).map(|piece| Candidate { piece, searched }))
 }

@@ -83,11 +83,6 @@ fn state(added: Option<String>, fitted: &Fitted) -> Step {
     Step { added, rms: fitted.rms(), held_out: held_out_rms(fitted) }
 }
 
-/// The part of an id before `^` or `@`.
-pub(crate) fn plain_id(id: &str) -> &str {
-    id.split(['^', '@']).next().unwrap_or(id)
-}
-
 /// An effect that was found and is not certain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Withdrawn {
@@ -123,8 +118,8 @@ impl<'a> Greedy<'_, 'a> {
         self.known.physical.gain < HELD_GAIN || self.known.scale.is_some()
     }
 
-    /// Gives a fitted model its rotation to the accelerometer, and eddy currents their share along the identity, which
-    /// only the dip sees. The magnitude does not depend on the rotation, but what turns with the gyro does.
+    /// Gives a fitted model its rotation to the accelerometer, and a coupling to the turning field the share that is
+    /// a pure delay, which only the dip sees. The magnitude does not depend on the rotation, but what turns with the gyro does.
     pub fn aligned(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
         if self.pass.residual != Residual::Magnitude || !self.catalogue.has_down() {
             return Ok(fitted);
@@ -133,9 +128,8 @@ impl<'a> Greedy<'_, 'a> {
             let clean = without_effects(self.pass.samples, &fitted.model, &fitted.pieces);
             let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(fitted) };
             fitted.model = alignment.model;
-            let (Some(eddy), Some(lag)) =
-                (fitted.pieces.iter_mut().find(|piece| piece.k() == 9), self.catalogue.lag())
-            else {
+            let coupled = fitted.pieces.iter_mut().find(|piece| !piece.hidden_delay().is_empty());
+            let (Some(coupled), Some(lag)) = (coupled, self.catalogue.late_sensor()) else {
                 return Ok(fitted);
             };
             // What the coupling's share along the identity still lacks, together with the rotation.
@@ -143,8 +137,8 @@ impl<'a> Greedy<'_, 'a> {
             let fit = dip.fit_to(SETTLED, fitted.model, vec![lag], self.known)?;
             let Some(fit) = fit else { return Ok(fitted) };
             let lacking = fit.pieces[0].coefficients[0];
-            for entry in [0, 4, 8] {
-                eddy.coefficients[entry] += lacking;
+            for &entry in coupled.hidden_delay() {
+                coupled.coefficients[entry] += lacking;
             }
             fitted.model = fit.model;
             match self.pass.fit(fitted.model, fitted.pieces.clone(), self.known)? {

@@ -9,8 +9,7 @@ use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::residue;
-use crate::search::candidates::Catalogue;
-use ironout::effect::{Coefficients, Column, Effect, MAX_INPUTS, Quantities, Shape};
+use ironout::effect::{Acts, Coefficients, Column, Effect, MAX_INPUTS, Quantities, Shape};
 use ironout::study::Residual;
 use std::fmt;
 use std::sync::Arc;
@@ -37,10 +36,10 @@ impl Effect<f64> for Undisturbed<'_> {
     fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
         self.inner.id(out)
     }
-    fn name(&self) -> &str {
+    fn name(&self) -> &'static str {
         self.inner.name()
     }
-    fn explanation(&self) -> &str {
+    fn explanation(&self) -> &'static str {
         self.inner.explanation()
     }
     fn columns(&self) -> [Option<Column<'_, f64>>; MAX_INPUTS] {
@@ -52,7 +51,7 @@ impl Effect<f64> for Undisturbed<'_> {
     fn coefficients(&self) -> usize {
         self.inner.coefficients()
     }
-    fn unit(&self) -> &str {
+    fn unit(&self) -> &'static str {
         self.inner.unit()
     }
     fn reads_centre(&self) -> bool {
@@ -74,11 +73,6 @@ impl Effect<f64> for Undisturbed<'_> {
     }
 }
 
-/// Whether the shape of a built-in effect reads the measured vector.
-fn reads_measured(id: &str) -> bool {
-    ["nonlinearity", "cross-axis"].contains(&id) || id.starts_with("gain:")
-}
-
 /// The model with its shapes at the undisturbed vector, settled. `None` where no effect reads the vector, or the fit fails.
 fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Option<Fitted<'a>>, BadShape> {
     let inner: Vec<_> = plain.pieces.iter().map(|piece| piece.effect.clone()).collect();
@@ -91,7 +85,7 @@ fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Opt
             for (old, new) in at.iter_mut().zip(piece.coefficients) {
                 *old = 0.5 * (*old + new);
             }
-            if reads_measured(&piece.id) {
+            if piece.acts(Acts::Measured) {
                 piece.effect = Arc::new(Undisturbed { inner: inner.clone(), coefficients: *at });
             }
         }
@@ -107,20 +101,14 @@ fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Opt
 }
 
 /// Of the two models the one that the data ask for; the shapes at the measured vector where they do not tell.
-pub fn prefer<'a>(
-    pass: &Pass,
-    catalogue: &Catalogue<'a>,
-    fitted: Fitted<'a>,
-    known: &Known,
-) -> Result<Fitted<'a>, BadShape> {
-    if pass.residual != Residual::Magnitude || !fitted.pieces.iter().any(|piece| reads_measured(&piece.id)) {
+pub fn prefer<'a>(pass: &Pass, fitted: Fitted<'a>, known: &Known) -> Result<Fitted<'a>, BadShape> {
+    if pass.residual != Residual::Magnitude || !fitted.pieces.iter().any(|piece| piece.acts(Acts::Measured)) {
         return Ok(fitted);
     }
     let mut pieces = fitted.pieces.clone();
-    let mut candidates: Vec<Piece<'a>> = catalogue.plain(false);
-    for piece in pieces.iter_mut().filter(|piece| reads_measured(&piece.id)) {
-        if let Some(at) = candidates.iter().position(|other| other.id == piece.id) {
-            piece.effect = candidates.swap_remove(at).effect;
+    for piece in &mut pieces {
+        if let (Some(made), true) = (piece.made, piece.acts(Acts::Measured)) {
+            piece.effect = Arc::new(made);
         }
     }
     let Some(plain) = pass.fit(fitted.model, pieces, known)? else { return Ok(fitted) };

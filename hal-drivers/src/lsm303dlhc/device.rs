@@ -4,7 +4,8 @@ use embedded_hal::i2c::I2c;
 
 use super::register::{self as reg, ADDRESS};
 use super::types::Config;
-use crate::{Error, Magnetometer, Reading};
+use crate::error::Error;
+use crate::magnetometer::{Magnetometer, Reading};
 
 /// The magnetic half of an LSM303DLHC on bus `I2C`.
 #[derive(Debug)]

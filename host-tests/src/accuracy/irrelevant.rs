@@ -3,10 +3,12 @@
 
 use crate::accuracy::simulated::table_of;
 use ironout::calibration::norm;
+use ironout::effect::Registry;
 use ironout::extended::ExtendedCalibration;
 use ironout_analysis::base::solution::Solution;
 use ironout_analysis::calibration::EffectEntry;
-use ironout_analysis::{Corrector, Fitted, Options, effects, fit};
+use ironout_analysis::effects::{Calibrated, from_entry};
+use ironout_analysis::{Corrector, Fitted, Options, fit};
 use ironout_simulation::paper::Sampler;
 use ironout_simulation::{EffectSpec, Log, Motion, World, WorldOptions};
 
@@ -170,10 +172,10 @@ pub struct Outcome {
     pub error: f64,
 }
 
-fn calibration(solution: &Solution) -> Option<ExtendedCalibration> {
+fn calibration(solution: &Solution) -> Option<Calibrated> {
     let mut calibration = ExtendedCalibration::plain(solution.calibration);
     for effect in &solution.effects {
-        let fitted = effects::from_entry(&EffectEntry::from(effect)).ok()?;
+        let fitted = from_entry(&EffectEntry::from(effect), Registry::BUILT_IN).ok()?;
         calibration.effects.push(fitted).ok()?;
     }
     Some(calibration)

@@ -4,6 +4,7 @@ use crate::cal_file::{CalFile, FitObject};
 use crate::cli::FitArgs;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::reading::Reading;
+use crate::registry::REGISTRY;
 use crate::{atomic, output, prior, refusal, source};
 use ironout_analysis::{Options, Table, fit};
 
@@ -24,6 +25,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         force_effect: arguments.force_effect,
         search: false,
         prior,
+        registry: REGISTRY,
     };
     let fitted = fit(&Table::from(&log), &options).map_err(|refusal| refusal::failure(refusal, &log.path))?;
     let to_text = |error: serde_json::Error| Failure::usage(error.to_string());

@@ -72,3 +72,16 @@ pub fn recording(name: &str) -> Option<PathBuf> {
     let _ = writeln!(std::io::stderr(), "SKIPPED: the recording {name} is not here");
     None
 }
+
+/// A path as an argument.
+pub fn text(path: &Path) -> &str {
+    path.to_str().expect("text")
+}
+
+/// Simulates a log in a folder.
+pub fn simulate(here: &Path, name: &str, options: &[&str]) -> PathBuf {
+    let log = here.join(name);
+    let run = ironout(["simulate", "-o", text(&log)].iter().chain(options));
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    log
+}

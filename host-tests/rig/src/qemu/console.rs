@@ -1,6 +1,6 @@
 //! The other end of the board's console.
 
-use super::Error;
+use super::error::Error;
 use std::fmt;
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;

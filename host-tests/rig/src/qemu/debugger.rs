@@ -1,6 +1,6 @@
 //! A debugger of the smallest kind, to provoke faults that a sound firmware has no way to run into.
 
-use super::Error;
+use super::error::Error;
 use std::io::{Read, Write};
 use std::os::unix::net::UnixStream;
 use std::time::Duration;

@@ -1,6 +1,12 @@
 //! QEMU as a board on the bench: power, field, console.
 
-use super::{Console, Debugger, Error, Firmware, PROGRAM, qmp::Qmp};
+use super::console::Console;
+use super::debugger::Debugger;
+use super::error::Error;
+use super::firmware::Firmware;
+use super::limits::MAX_FIELD_UT;
+use super::program::PROGRAM;
+use super::qmp::Qmp;
 use serde_json::json;
 use std::fs::File;
 use std::os::unix::net::UnixStream;
@@ -8,9 +14,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
-
-/// The largest field per axis that the emulated sensor takes. Below zero it takes none.
-pub const MAX_FIELD_UT: f64 = 186.0;
 
 /// Bytes of the EEPROM.
 const EEPROM_BYTES: usize = 4096;

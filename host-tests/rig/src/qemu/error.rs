@@ -75,7 +75,7 @@ pub enum Error {
         expected: &'static str,
     },
     /// A field that the emulated sensor cannot be given.
-    #[error("the emulated sensor takes fields from 0 to {max} µT per axis, not {given:?}: bias the axes", max = super::MAX_FIELD_UT)]
+    #[error("the emulated sensor takes fields from 0 to {max} µT per axis, not {given:?}: bias the axes", max = super::limits::MAX_FIELD_UT)]
     Field {
         /// The field asked for.
         given: [f64; 3],

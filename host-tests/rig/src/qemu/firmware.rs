@@ -1,6 +1,6 @@
 //! The firmware's ELF: built, found, and read.
 
-use super::Error;
+use super::error::Error;
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 use serde_json::Value;
 use std::path::{Path, PathBuf};

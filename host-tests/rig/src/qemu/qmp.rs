@@ -1,6 +1,6 @@
 //! QEMU's machine protocol: one JSON object a line.
 
-use super::Error;
+use super::error::Error;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::os::unix::net::UnixStream;

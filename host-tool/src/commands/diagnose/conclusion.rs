@@ -4,6 +4,7 @@ use crate::cli::{DiagnoseArgs, typed_option};
 use crate::commands::diagnose::numbers::{degrees, microtesla, wrap};
 use crate::commands::diagnose::told::{Told, WIDTH, at_rest, groups, listed, name_of, title};
 use crate::commands::diagnose::{found, next};
+use ironout_analysis::base::mounting;
 use ironout_analysis::outcome::outcome::{Diagnosis, Verdict};
 use ironout_analysis::samples::faults::FaultKind;
 
@@ -110,7 +111,7 @@ pub fn to_add(diagnosis: &Diagnosis, arguments: &DiagnoseArgs) -> Vec<String> {
     let found = diagnosis.steps.iter().filter_map(|step| step.added.clone());
     for id in arguments.add.iter().cloned().chain(found) {
         // These two belong to the alignment, which every fit has.
-        if !ids.contains(&id) && !["axis-order", "misalignment"].contains(&id.as_str()) {
+        if !ids.contains(&id) && !mounting::is_one(&id) {
             ids.push(id);
         }
     }
@@ -163,7 +164,9 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             }
             let bound: Vec<String> = add
                 .iter()
-                .filter(|id| ["drift", "step", "periodic"].contains(&id.as_str()))
+                .filter(|id| {
+                    diagnosis.registry.parse(id).is_some_and(|named| named.family.is_bound_to_its_log())
+                })
                 .cloned()
                 .collect();
             if !bound.is_empty() {

@@ -7,7 +7,9 @@ use crate::commands::diagnose::numbers::{
 use crate::commands::diagnose::place::{self, axis_label};
 use crate::commands::diagnose::told::{Told, WIDTH, at_rest, name_of, title};
 use crate::input::Log;
+use ironout::effect::{Amount, Follows, Group, Named, Need, TIME};
 use ironout_analysis::base::axes::mounting_for;
+use ironout_analysis::base::mounting::AXIS_ORDER;
 use ironout_analysis::calibration::FittedEffect;
 use ironout_analysis::outcome::outcome::{Diagnosis, StepRow, Verdict};
 
@@ -75,7 +77,7 @@ fn entry(
         // An effect without coefficients, as swapped axes.
         None => out.extend(row.map_or(Vec::new(), |row| wrap(&row.why, INDENT, WIDTH))),
     }
-    if let Some(before) = before.filter(|_| id != "axis-order") {
+    if let Some(before) = before.filter(|_| id != AXIS_ORDER.id) {
         let mut text =
             format!("{INDENT}error          {} → {} µT", microtesla(before.rms_ut), microtesla(step.rms_ut));
         if let (Some(a), Some(b)) = (before.holdout_rms_ut, step.holdout_rms_ut) {
@@ -95,7 +97,7 @@ fn entry(
 }
 
 fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
-    out.extend(coefficients(effect));
+    out.extend(coefficients(told.diagnosis, effect));
     let mut at: Vec<String> = effect
         .parameters
         .iter()
@@ -106,16 +108,17 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
             other => format!("{other} = {}", significant(*value, 4)),
         })
         .collect();
-    if effect.id.starts_with("offset:") || effect.id.starts_with("gain:") || effect.id.starts_with("field:") {
+    let named = named(told.diagnosis, effect);
+    if let Some(named) = named.filter(|named| named.form.column) {
         at.extend(effect.reference.iter().map(|(column, value)| {
-            let square = if effect.id.contains('^') { "²" } else { "" };
+            let square = if named.form.is_squared() { "²" } else { "" };
             format!("zero at {column}{square} = {}", significant(*value, 4))
         }));
     }
     if !at.is_empty() {
         out.push(format!("{INDENT}{:<15}{}", "where", at.join(", ")));
     }
-    if let Some(text) = amount(effect, told.log) {
+    if let Some(text) = amount(told, effect) {
         out.push(format!("{INDENT}{:<15}{text}", "amounts to"));
     }
     let column = effect.columns.first();
@@ -126,18 +129,25 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
     }
 }
 
-/// The coefficients with their errors, by axis where they belong to axes.
-fn coefficients(effect: &FittedEffect) -> Vec<String> {
-    const AXES: [&str; 3] = ["x", "y", "z"];
+/// The id of an effect taken apart, with the form that its coefficients are of.
+fn named<'a>(diagnosis: &Diagnosis, effect: &'a FittedEffect) -> Option<Named<'a>> {
+    let named = diagnosis.registry.parse(&effect.id)?;
+    Some(named.of_coefficients(effect.coefficients.len()))
+}
+
+/// The coefficients with their errors, in the groups of their effect; without any by axis where they belong to axes.
+fn coefficients(diagnosis: &Diagnosis, effect: &FittedEffect) -> Vec<String> {
+    const AXES: &[&str] = &["x", "y", "z"];
     let values = &effect.coefficients;
-    let family = effect.id.split(':').next().unwrap_or("");
+    let named = named(diagnosis, effect);
+    let one_scale = named.is_some_and(|named| named.family.one_scale());
     let error = |index: usize| effect.std_errors.get(index).copied().unwrap_or(f64::NAN);
+    let value = |index: usize| values.get(index).copied().unwrap_or(f64::NAN);
     let size = |part: &[f64]| part.iter().fold(0.0_f64, |top, value| top.max(value.abs()));
     let row = |label: &str, names: &[&str], from: usize, unit: &str| {
         let part = &values[from.min(values.len())..(from + names.len()).min(values.len())];
         // Rows of one matrix share their unit; squares and cubes have their own.
-        let largest = if ["lag", "cross-axis"].contains(&family) { size(values) } else { size(part) };
-        let (factor, unit) = readable_unit(unit, largest);
+        let (factor, unit) = readable_unit(unit, size(if one_scale { values } else { part }));
         let cells: Vec<String> = names
             .iter()
             .zip(part)
@@ -149,54 +159,45 @@ fn coefficients(effect: &FittedEffect) -> Vec<String> {
             .collect();
         format!("{INDENT}{label:<15}{}  {unit}", cells.join("   "))
     };
-    match (family, values.len()) {
-        ("nonlinearity", 6) => {
-            vec![row("squares", &AXES, 0, "1/µT"), row("cubes", &AXES, 3, "1/µT²")]
-        }
-        ("periodic", 6) => {
-            let cells: Vec<String> = (0..3)
-                .map(|i| {
-                    let (s, c) = (values[i], values[3 + i]);
+    let groups = named.map_or(&[][..], |named| named.family.groups(named.form));
+    if groups.is_empty() {
+        return match values.len() {
+            3 => vec![row("coefficients", AXES, 0, &effect.unit)],
+            1 => vec![row("coefficient", &[""], 0, &effect.unit)],
+            count => (0..count)
+                .map(|i| row(if i == 0 { "coefficients" } else { "" }, &[""], i, &effect.unit))
+                .collect(),
+        };
+    }
+    let line = |group: &Group| match *group {
+        Group::Row { label, names, from, unit } => row(label, names, from, unit),
+        Group::Amplitude { label, sines, cosines, unit } => {
+            let cells: Vec<String> = AXES
+                .iter()
+                .enumerate()
+                .map(|(i, axis)| {
+                    let (s, c) = (value(sines + i), value(cosines + i));
                     let size = s.hypot(c);
-                    let error = ((s * error(i)).hypot(c * error(3 + i))) / size.max(1e-300);
-                    format!("{} {}", AXES[i], with_error(size, error))
+                    let error = ((s * error(sines + i)).hypot(c * error(cosines + i))) / size.max(1e-300);
+                    format!("{axis} {}", with_error(size, error))
                 })
                 .collect();
-            vec![format!("{INDENT}{:<15}{}  µT", "amplitude", cells.join("   "))]
+            format!("{INDENT}{label:<15}{}  {unit}", cells.join("   "))
         }
-        ("lag", 9) => {
-            let mut lines: Vec<String> =
-                (0..3).map(|i| row(if i == 0 { "coupling" } else { "" }, &AXES, 3 * i, "s")).collect();
-            let mean = (values[0] + values[4] + values[8]) / 3.0;
-            let spread = (error(0).powi(2) + error(4).powi(2) + error(8).powi(2)).sqrt() / 3.0;
-            lines.push(format!(
-                "{INDENT}{:<15}{} ms, its part that is a pure delay",
-                "delay",
-                with_error(1e3 * mean, 1e3 * spread)
-            ));
-            lines
+        Group::Mean { label, of, factor, unit } => {
+            let count = of.len().max(1) as f64;
+            let mean = of.iter().map(|&i| value(i)).sum::<f64>() / count;
+            let spread = of.iter().map(|&i| error(i).powi(2)).sum::<f64>().sqrt() / count;
+            format!("{INDENT}{label:<15}{} {unit}", with_error(factor * mean, factor * spread))
         }
-        ("lag", 1) => vec![row("delay", &[""], 0, "s")],
-        ("cross-axis", 7) => vec![
-            row("on x", &["xy", "xz"], 0, "1/µT"),
-            row("on y", &["xy", "yz"], 2, "1/µT"),
-            row("on z", &["xz", "yz"], 4, "1/µT"),
-            row("on x too", &["yz"], 6, "1/µT"),
-        ],
-        (_, 3) => vec![row("coefficients", &AXES, 0, &effect.unit)],
-        (_, 1) => vec![row("coefficient", &[""], 0, &effect.unit)],
-        _ => values
-            .iter()
-            .enumerate()
-            .map(|(i, _)| row(if i == 0 { "coefficients" } else { "" }, &[""], i, &effect.unit))
-            .collect(),
-    }
+    };
+    groups.iter().map(line).collect()
 }
 
 /// Smallest and largest value of a column.
 fn span(log: &Log, column: &str) -> Option<(f64, f64)> {
     let values = match column {
-        "t_s" => log.time_s.as_deref()?,
+        TIME => log.time_s.as_deref()?,
         name => &log.covariate(name)?.values,
     };
     let (low, high) = values
@@ -206,45 +207,48 @@ fn span(log: &Log, column: &str) -> Option<(f64, f64)> {
     (high > low).then_some((low, high))
 }
 
-/// What an additive effect does over the whole log, µT; or a gain, per cent.
-fn amount(effect: &FittedEffect, log: &Log) -> Option<String> {
+/// What an effect does over the whole log: an additive one in µT, a gain in per cent.
+fn amount(told: &Told, effect: &FittedEffect) -> Option<String> {
+    let named = named(told.diagnosis, effect)?;
     let size = effect.coefficients.iter().map(|value| value * value).sum::<f64>().sqrt();
-    let family = effect.id.split(':').next().unwrap_or("");
-    let column = effect.columns.first();
-    match family {
-        "offset" | "gain" | "field" => {
-            let column = column?;
-            let (low, high) = span(log, column)?;
-            let unit = unit_of(column);
-            let range = format!("{column} from {} to {}{unit}", significant(low, 3), significant(high, 3));
-            let reach = if effect.id.contains("^2") {
-                let squares = (low * low, high * high);
-                let least = if low < 0.0 && high > 0.0 { 0.0 } else { squares.0.min(squares.1) };
-                squares.0.max(squares.1) - least
-            } else {
-                high - low
-            };
-            Some(match family {
-                "offset" => format!("{} µT over this log ({range})", microtesla(size * reach)),
-                _ => {
-                    let largest = effect.coefficients.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
-                    format!("{} % over this log ({range})", significant(100.0 * largest * reach, 2))
-                }
-            })
+    let over_column = || {
+        let column = effect.columns.first()?;
+        let (low, high) = span(told.log, column)?;
+        let unit = unit_of(column);
+        let range = format!("{column} from {} to {}{unit}", significant(low, 3), significant(high, 3));
+        let reach = if named.form.is_squared() {
+            let squares = (low * low, high * high);
+            let least = if low < 0.0 && high > 0.0 { 0.0 } else { squares.0.min(squares.1) };
+            squares.0.max(squares.1) - least
+        } else {
+            high - low
+        };
+        Some((reach, range))
+    };
+    match named.family.amount() {
+        Amount::Untold => None,
+        Amount::Field => {
+            let (reach, range) = over_column()?;
+            Some(format!("{} µT over this log ({range})", microtesla(size * reach)))
         }
-        "drift" => {
-            let (low, high) = span(log, "t_s")?;
-            Some(format!("{} µT over the {:.0} s of this log", microtesla(size * (high - low)), high - low))
+        Amount::Share => {
+            let (reach, range) = over_column()?;
+            let largest = effect.coefficients.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
+            Some(format!("{} % over this log ({range})", significant(100.0 * largest * reach, 2)))
         }
-        "step" => Some(format!("{} µT", microtesla(size))),
-        _ => None,
+        Amount::OverTime => {
+            let (low, high) = span(told.log, TIME)?;
+            let seconds = high - low;
+            Some(format!("{} µT over the {seconds:.0} s of this log", microtesla(size * seconds)))
+        }
+        Amount::Itself => Some(format!("{} µT", microtesla(size))),
     }
 }
 
 /// The residual against what the effect reads, before and after.
 fn before_and_after(told: &Told, effect: &FittedEffect) -> Vec<String> {
     let Some(column) = effect.columns.first() else { return Vec::new() };
-    if effect.id == "periodic" {
+    if named(told.diagnosis, effect).is_some_and(|named| named.family.follows() == Follows::Tone) {
         return Vec::new();
     }
     let Some((before, after)) = place::against_column(told, column) else { return Vec::new() };
@@ -268,7 +272,7 @@ fn before_and_after(told: &Told, effect: &FittedEffect) -> Vec<String> {
 pub fn falling(told: &Told, out: &mut Vec<String>) {
     let diagnosis = told.diagnosis;
     let steps: Vec<&StepRow> =
-        diagnosis.steps.iter().filter(|step| step.added.as_deref() != Some("axis-order")).collect();
+        diagnosis.steps.iter().filter(|step| step.added.as_deref() != Some(AXIS_ORDER.id)).collect();
     let (Some(first), Some(last)) = (steps.first(), steps.last()) else { return };
     if steps.len() < 2 || diagnosis.verdict == Verdict::Undetermined {
         return;
@@ -309,10 +313,10 @@ pub fn axis_order(diagnosis: &Diagnosis) -> Option<String> {
 pub fn columns(diagnosis: &Diagnosis) -> Vec<String> {
     let mut list: Vec<String> = Vec::new();
     for effect in &diagnosis.effects {
-        let needs =
-            effect.columns.iter().cloned().chain(
-                (effect.id == "lag").then(|| "the gyroscope (gx_radps,gy_radps,gz_radps)".to_string()),
-            );
+        let turning =
+            named(diagnosis, effect).is_some_and(|named| named.family.need(named.form) == Some(Need::Gyro));
+        let gyro = turning.then(|| "the gyroscope (gx_radps,gy_radps,gz_radps)".to_string());
+        let needs = effect.columns.iter().cloned().chain(gyro);
         for column in needs {
             if !list.contains(&column) {
                 list.push(column);

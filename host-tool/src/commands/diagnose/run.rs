@@ -5,6 +5,7 @@ use crate::commands::diagnose::{told, words};
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
 use crate::output;
 use crate::progress::Working;
+use crate::registry::REGISTRY;
 use crate::{prior, refusal, source};
 use ironout_analysis::outcome::json;
 use ironout_analysis::outcome::outcome::Verdict;
@@ -24,6 +25,7 @@ pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
         force_effect: true,
         search: true,
         prior,
+        registry: REGISTRY,
     };
     let working = Working::new("studying");
     let diagnosis =

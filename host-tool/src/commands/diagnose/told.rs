@@ -2,6 +2,7 @@
 
 use crate::cli::DiagnoseArgs;
 use crate::input::Log;
+use ironout::effect::Usual;
 use ironout_analysis::Diagnosis;
 use ironout_analysis::outcome::outcome::{CandidateRow, Status};
 
@@ -36,9 +37,10 @@ pub fn name_of(diagnosis: &Diagnosis, id: &str) -> String {
     let candidate = diagnosis.candidates.iter().find(|row| row.id == id).map(|row| &row.name);
     let name = effect.or(candidate).map_or(id, String::as_str);
     // A name that does not name its column says little where there are several.
-    match id.split_once(':') {
-        Some((_, column)) if !["temp_c", "current_a"].contains(&column) => {
-            let column = column.split(['^', '@']).next().unwrap_or(column);
+    let usual = [Usual::TEMPERATURE.column, Usual::CURRENT.column];
+    match diagnosis.registry.parse(id).filter(|named| named.form.column) {
+        Some(named) if !(named.is_plain() && usual.contains(&named.column)) => {
+            let column = named.column;
             if name.contains(column) { name.to_string() } else { format!("{name} ({column})") }
         }
         _ => name.to_string(),

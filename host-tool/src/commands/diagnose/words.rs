@@ -3,6 +3,8 @@
 use crate::commands::diagnose::numbers::{hang, microtesla, probability, wrap};
 use crate::commands::diagnose::told::{Told, WIDTH, at_rest, counted, groups, name_of, title};
 use crate::commands::diagnose::{advice, conclusion, found, place};
+use ironout::effect::{Named, Registry};
+use ironout_analysis::base::mounting;
 use ironout_analysis::outcome::outcome::{CandidateRow, Status, Verdict};
 use ironout_analysis::samples::faults::{DataFault, FaultKind};
 
@@ -155,9 +157,7 @@ fn tested(told: &Told, out: &mut Vec<String>) {
     let (small, rest): (Vec<&CandidateRow>, Vec<&CandidateRow>) = diagnosis
         .candidates
         .iter()
-        .filter(|row| {
-            row.status == Status::NotNeeded && !["misalignment", "axis-order"].contains(&row.id.as_str())
-        })
+        .filter(|row| row.status == Status::NotNeeded && !mounting::is_one(&row.id))
         .partition(|row| row.why.contains("too small"));
     if (small.is_empty() && rest.is_empty()) || diagnosis.verdict == Verdict::Undetermined {
         return;
@@ -172,7 +172,7 @@ fn tested(told: &Told, out: &mut Vec<String>) {
     );
     if !rest.is_empty() {
         let ids: Vec<&str> = rest.iter().map(|row| row.id.as_str()).collect();
-        for (family, members) in families(&ids) {
+        for (family, members) in families(diagnosis.registry, &ids) {
             out.extend(hang(&members.join(", "), &format!("  {family:<10}"), "            ", WIDTH));
         }
     }
@@ -186,20 +186,22 @@ fn tested(told: &Told, out: &mut Vec<String>) {
 }
 
 /// Ids by what they have in common: `offset:a`, `offset:b` as `offset` over `a, b`; those without a column last.
-fn families<'a>(ids: &[&'a str]) -> Vec<(&'static str, Vec<&'a str>)> {
-    type Member = fn(&str) -> Option<&str>;
-    let members: [(&str, Member); 5] = [
-        ("offset", |id| id.strip_prefix("offset:").filter(|rest| !rest.contains(['^', '@']))),
-        ("  squared", |id| id.strip_prefix("offset:")?.strip_suffix("^2")),
-        ("  late", |id| id.strip_prefix("offset:")?.strip_suffix("@delay")),
-        ("gain", |id| id.strip_prefix("gain:")),
-        ("field", |id| id.strip_prefix("field:")),
-    ];
-    let mut list: Vec<(&str, Vec<&str>)> = members
-        .iter()
-        .map(|(family, member)| (*family, ids.iter().filter_map(|id| member(id)).collect::<Vec<&str>>()))
-        .collect();
-    let apart = |id: &&&str| members.iter().all(|(_, member)| member(id).is_none());
+fn families<'a>(registry: Registry, ids: &[&'a str]) -> Vec<(&'static str, Vec<&'a str>)> {
+    let named: Vec<Named> = ids.iter().filter_map(|id| registry.parse(id)).collect();
+    let mut list: Vec<(&'static str, Vec<&str>)> = Vec::new();
+    for family in registry.families() {
+        for form in family.forms().iter().filter(|form| form.column) {
+            let label = match (form.is_squared(), form.is_late()) {
+                (false, false) => family.kind(),
+                (true, false) => "  squared",
+                (false, true) => "  late",
+                (true, true) => "  both",
+            };
+            let members = named.iter().filter(|one| one.family.kind() == family.kind() && one.form == *form);
+            list.push((label, members.map(|one| one.column).collect()));
+        }
+    }
+    let apart = |id: &&&str| registry.parse(id).is_none_or(|named| !named.form.column);
     list.push(("others", ids.iter().filter(apart).copied().collect()));
     list.retain(|(_, members)| !members.is_empty());
     list
@@ -257,7 +259,8 @@ fn confounded(told: &Told, out: &mut Vec<String>) {
         ));
         out.push("  To separate them:".into());
         for other in &group[1..] {
-            let text = format!("{first} or {other}: {}", advice::separating(first, other));
+            let text =
+                format!("{first} or {other}: {}", advice::separating(told.diagnosis.registry, first, other));
             out.extend(hang(&text, "  - ", "    ", WIDTH));
         }
     }
@@ -278,7 +281,7 @@ mod tests {
             "offset:i_a",
             "lag",
         ];
-        let list = families(&ids);
+        let list = families(Registry::BUILT_IN, &ids);
         let expected = [
             ("offset", vec!["temp_c", "i_a"]),
             ("  squared", vec!["i_a"]),

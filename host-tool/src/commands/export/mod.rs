@@ -1,12 +1,11 @@
 //! `ironout export`: a calibration as Rust, C or JSON.
 
-mod c;
-mod rust;
-
 use crate::cal_file::CalFile;
 use crate::cli::{ExportArgs, ExportForm};
 use crate::failure::{EXIT_OK, Failure, Outcome};
 use crate::{atomic, output};
+use ironout_analysis::export::error::CannotExport;
+use ironout_analysis::export::{c, rust};
 
 /// Writes the calibration in the form asked for.
 pub fn run(arguments: &ExportArgs, json: bool) -> Outcome<u8> {
@@ -46,8 +45,13 @@ pub fn text(cal: &CalFile, form: ExportForm) -> Outcome<String> {
             .map(|text| text + "\n")
             .map_err(|error| Failure::usage(error.to_string())),
         ExportForm::Rust => Ok(rust::text(&cal.extended()?, &summary(cal))),
-        ExportForm::C => c::text(&cal.extended()?, &summary(cal)),
+        ExportForm::C => c::text(&cal.extended()?, &summary(cal)).map_err(failure),
     }
+}
+
+fn failure(error: CannotExport) -> Failure {
+    let failure = Failure::usage(error.to_string());
+    if error == CannotExport::Singular { failure.at_column("matrix") } else { failure }
 }
 
 fn summary(cal: &CalFile) -> String {

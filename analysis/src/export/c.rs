@@ -1,16 +1,22 @@
 //! A calibration as a C header (C99) with one function that applies it.
 
-use crate::failure::{Failure, Outcome};
+use crate::effects::Calibrated;
+use crate::export::error::CannotExport;
 use ironout::calibration::{Calibration, inverse_3x3};
-use ironout::effect::{AmbientField, BuiltIn, Drift, Effect, Gain, Id, Offset, Periodic, Power, Step, TIME};
-use ironout::extended::{ExtendedCalibration, FittedEffect};
+use ironout::effect::{ColumnName, Effect, Id, Made, TIME};
+use ironout::extended::FittedEffect;
 use std::fmt::Write as _;
+
+type Fitted = FittedEffect<f64, Made<ColumnName>>;
 
 /// The most looks at a disturbance that depends on the field it disturbs, as in the library.
 const LOOKS: usize = 12;
 
 /// The file.
-pub fn text(calibration: &ExtendedCalibration, summary: &str) -> Outcome<String> {
+///
+/// # Errors
+/// Two columns that have the same name in C, or a matrix without an inverse.
+pub fn text(calibration: &Calibrated, summary: &str) -> Result<String, CannotExport> {
     let text = if calibration.effects.is_empty() {
         plain(&calibration.base, summary)
     } else {
@@ -80,7 +86,7 @@ struct Parameter {
     delay_s: f64,
 }
 
-fn parameters(calibration: &ExtendedCalibration) -> Outcome<Vec<Parameter>> {
+fn parameters(calibration: &Calibrated) -> Result<Vec<Parameter>, CannotExport> {
     let mut list: Vec<Parameter> = Vec::new();
     for fitted in calibration.effects.iter() {
         for column in fitted.effect.columns().into_iter().flatten() {
@@ -91,10 +97,7 @@ fn parameters(calibration: &ExtendedCalibration) -> Outcome<Vec<Parameter>> {
                 }
                 Some(known) if known.column == column.name && known.delay_s == column.delay_s => {}
                 Some(known) => {
-                    return Err(Failure::usage(format!(
-                        "the columns {} and {} have the same name in C: rename one with --map and fit again",
-                        known.column, column.name
-                    )));
+                    return Err(CannotExport::SameName(known.column.clone(), column.name.to_string()));
                 }
             }
         }
@@ -102,17 +105,17 @@ fn parameters(calibration: &ExtendedCalibration) -> Outcome<Vec<Parameter>> {
     Ok(list)
 }
 
-fn extended(calibration: &ExtendedCalibration, summary: &str) -> Outcome<String> {
+fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExport> {
     let base = &calibration.base;
     let list = parameters(calibration)?;
     let turning = calibration.effects.iter().any(|fitted| fitted.effect.needs_gyro());
     let looks = if calibration.effects.iter().any(|fitted| fitted.effect.reads_centre()) { LOOKS } else { 1 };
-    let periodic = calibration.effects.iter().any(|fitted| matches!(fitted.effect, BuiltIn::Periodic(_)));
+    let math = calibration.effects.iter().any(|fitted| fitted.effect.family().c_needs_math());
     let mut text = format!(
         "/* Written by `ironout export --as c`: {summary}.\n   corrected = matrix * (measured - offset - effects), microtesla. \
          */\n#ifndef IRONOUT_CALIBRATION_H\n#define IRONOUT_CALIBRATION_H\n\n"
     );
-    if periodic {
+    if math {
         text.push_str("#include <math.h>\n\n");
     }
     let _ = write!(
@@ -127,8 +130,7 @@ fn extended(calibration: &ExtendedCalibration, summary: &str) -> Outcome<String>
         rows(&base.matrix)
     );
     if turning {
-        let inverse = inverse_3x3(&base.matrix)
-            .ok_or_else(|| Failure::usage("the matrix is singular").at_column("matrix"))?;
+        let inverse = inverse_3x3(&base.matrix).ok_or(CannotExport::Singular)?;
         let _ = write!(
             text,
             "/* Its inverse. */\nstatic const ironout_real ironout_inverse[3][3] = {};\n\n",
@@ -172,7 +174,8 @@ fn extended(calibration: &ExtendedCalibration, summary: &str) -> Outcome<String>
     }
     text.push_str("        for (i = 0; i < 3; i++) {\n            sum[i] = 0;\n        }\n");
     for fitted in calibration.effects.iter() {
-        let _ = write!(text, "        {{ /* {} */\n{}        }}\n", Id(&fitted.effect), body(fitted));
+        // Writing to a string cannot fail.
+        let _ = body(fitted, &mut text);
     }
     // The disturbance stands where a look moves it no further, as in the library.
     text.push_str(match looks {
@@ -216,60 +219,19 @@ const TURNING: &str = "        ironout_real field[3], turned[3], turning[3];
 ";
 
 /// The statements that add one effect to `sum`.
-fn body(fitted: &FittedEffect<f64>) -> String {
-    let k = Effect::<f64>::coefficients(&fitted.effect);
-    let theta = format!(
-        "            static const ironout_real theta[{k}] = {};\n",
+fn body(fitted: &Fitted, text: &mut String) -> std::fmt::Result {
+    let made = &fitted.effect;
+    let k = made.coefficients();
+    writeln!(text, "        {{ /* {} */", Id(made))?;
+    writeln!(
+        text,
+        "            static const ironout_real theta[{k}] = {};",
         triple(&fitted.coefficients[..k])
-    );
-    let along = |value: String, factor: &str| {
-        format!(
-            "{theta}            const ironout_real value = {value};\n            for (i = 0; i < 3; i++) {{\n                \
-             sum[i] += theta[i] * {factor}value;\n            }}\n"
-        )
-    };
-    let time = || parameter(TIME, false);
-    match &fitted.effect {
-        BuiltIn::Offset(Offset { column, reference, power, delay_s }) => {
-            let name = parameter(column.as_str(), delay_s.is_some_and(|delay| delay > 0.0));
-            let input = if *power == Power::Squared { format!("{name} * {name}") } else { name };
-            along(format!("{input} - {}", number(*reference)), "")
-        }
-        BuiltIn::Gain(Gain { column, reference }) => {
-            let value = format!("{} - {}", parameter(column.as_str(), false), number(*reference));
-            along(value, "measured_ut[i] * ")
-        }
-        BuiltIn::Field(AmbientField { column, reference }) => format!(
-            "{theta}            const ironout_real value = {} - {};\n            for (i = 0; i < 3; i++) {{\n                \
-             sum[i] += theta[0] * value * left[i];\n            }}\n",
-            parameter(column.as_str(), false),
-            number(*reference)
-        ),
-        BuiltIn::Drift(Drift { reference_s }) => {
-            along(format!("(ironout_real)({} - {reference_s:?})", time()), "")
-        }
-        BuiltIn::Step(Step { at_s }) => along(format!("{} >= {at_s:?} ? 1 : 0", time()), ""),
-        BuiltIn::Lag(_) => format!(
-            "{theta}            for (i = 0; i < 3; i++) {{\n                sum[i] += theta[0] * turning[i];\n            }}\n"
-        ),
-        BuiltIn::Eddy(_) => format!(
-            "{theta}            for (i = 0; i < 3; i++) {{\n                sum[i] += theta[3 * i] * turning[0] + theta[3 * i + 1] * \
-             turning[1] + theta[3 * i + 2] * turning[2];\n            }}\n"
-        ),
-        BuiltIn::Nonlinearity(_) => format!(
-            "{theta}            for (i = 0; i < 3; i++) {{\n                const ironout_real square = measured_ut[i] * \
-             measured_ut[i];\n                sum[i] += theta[i] * square + theta[3 + i] * square * measured_ut[i];\n            }}\n"
-        ),
-        BuiltIn::CrossAxis(_) => format!(
-            "{theta}            const ironout_real xy = measured_ut[0] * measured_ut[1], xz = measured_ut[0] * measured_ut[2], yz = \
-             measured_ut[1] * measured_ut[2];\n            sum[0] += theta[0] * xy + theta[1] * xz + theta[6] * yz;\n            \
-             sum[1] += theta[2] * xy + theta[3] * yz;\n            sum[2] += theta[4] * xz + theta[5] * yz;\n"
-        ),
-        BuiltIn::Periodic(Periodic { frequency_hz, reference_s }) => format!(
-            "{theta}            const double turns = {frequency_hz:?} * ({} - {reference_s:?});\n            const double phase = \
-             6.283185307179586 * (turns - floor(turns));\n            for (i = 0; i < 3; i++) {{\n                sum[i] += theta[i] * \
-             (ironout_real)sin(phase) + theta[3 + i] * (ironout_real)cos(phase);\n            }}\n",
-            time()
-        ),
-    }
+    )?;
+    let names =
+        made.inputs().map(|column| column.map_or(String::new(), |c| parameter(c.name, c.delay_s > 0.0)));
+    let [first, second] = &names;
+    made.family().c(&made.parts().borrowed(), [first, second], text)?;
+    text.push_str("        }\n");
+    Ok(())
 }

@@ -1,0 +1,5 @@
+//! A calibration as code of another program.
+
+pub mod c;
+pub mod error;
+pub mod rust;

@@ -1,0 +1,120 @@
+//! The correction of one sample, and what it needs to know.
+
+use super::fitted::{Effects, MAX_EFFECTS};
+use crate::calibration::Calibration;
+use crate::effect::{Coefficients, Effect, MAX_INPUTS, Quantities};
+use crate::math::Real;
+use crate::model::settle;
+use crate::vector::{cross, inverse_3x3, minus, times};
+use core::fmt;
+
+/// What a sample was measured under, besides its vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions<T> {
+    /// Rate of turn, rad/s, body axes.
+    pub turn_radps: Option<[T; 3]>,
+    /// The values of the columns of each effect, in the order of [`Effect::columns`]; NaN where not known.
+    pub inputs: [[T; MAX_INPUTS]; MAX_EFFECTS],
+}
+
+impl<T: Real> Conditions<T> {
+    /// Nothing is known.
+    pub fn unknown() -> Self {
+        Self { turn_radps: None, inputs: [[T::of(f64::NAN); MAX_INPUTS]; MAX_EFFECTS] }
+    }
+}
+
+/// Why a vector was not corrected. The number is the effect's place in the calibration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum NotCorrected {
+    /// A column that the effect reads is not known.
+    Column(usize),
+    /// The effect needs the rate of turn.
+    RateOfTurn(usize),
+    /// The shape of the effect is not finite.
+    Shape(usize),
+    /// The measured vector is not finite.
+    NotFinite,
+}
+
+impl fmt::Display for NotCorrected {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Column(effect) => write!(f, "a column that effect {effect} reads is not known"),
+            Self::RateOfTurn(effect) => write!(f, "effect {effect} needs the rate of turn"),
+            Self::Shape(effect) => write!(f, "the shape of effect {effect} is not finite"),
+            Self::NotFinite => f.write_str("the measured vector is not finite"),
+        }
+    }
+}
+
+impl core::error::Error for NotCorrected {}
+
+/// What of a calibration is worked out once: `A = C⁻¹`, and what its effects look at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Prepared<T> {
+    inverse: [[T; 3]; 3],
+    pub(super) turning: bool,
+    looks_again: bool,
+}
+
+impl<T: Real> Prepared<T> {
+    pub(super) fn of<E: Effect<T>>(base: &Calibration<T>, effects: &Effects<T, E>) -> Option<Self> {
+        let effects = || effects.iter().map(|fitted| &fitted.effect);
+        Some(Self {
+            inverse: inverse_3x3(&base.matrix)?,
+            turning: effects().any(|effect| effect.needs_gyro()),
+            looks_again: effects().any(|effect| effect.reads_centre()),
+        })
+    }
+}
+
+/// The correction itself, once everything that the effects need is known to be there. Effects that read the centre are
+/// evaluated again until their disturbance stands: the first time with the centre as if there were none.
+#[inline]
+pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
+    base: &Calibration<T>,
+    prepared: &Prepared<T>,
+    measured_ut: [T; 3],
+    turn_radps: Option<[T; 3]>,
+    effects: impl Iterator<Item = (&'e E, &'e Coefficients<T>, &'e [T; MAX_INPUTS])> + Clone,
+) -> Result<[T; 3], NotCorrected> {
+    let centred = minus(measured_ut, base.offset_ut);
+    let mut at = Quantities {
+        measured_ut,
+        centred_ut: centred,
+        turning_ut_per_s: [T::zero(); 3],
+        inputs: [T::zero(); MAX_INPUTS],
+    };
+    let look = |point: [T; 3]| {
+        at.centred_ut = point;
+        if let (true, Some(turn)) = (prepared.turning, turn_radps) {
+            at.turning_ut_per_s = times(&prepared.inverse, cross(turn, times(&base.matrix, at.centred_ut)));
+        }
+        let mut left = centred;
+        for (effect, coefficients, inputs) in effects.clone() {
+            at.inputs = *inputs;
+            left = minus(left, effect.disturbance(&at, coefficients));
+        }
+        Ok::<_, NotCorrected>(left)
+    };
+    let left = settle(centred, prepared.looks_again, look)?;
+    let corrected = times(&base.matrix, left);
+    if is_finite(corrected) {
+        return Ok(corrected);
+    }
+    // Whose fault it is, is looked for only now.
+    for (index, (effect, coefficients, inputs)) in effects.clone().enumerate() {
+        at.inputs = *inputs;
+        if is_finite(measured_ut) && !is_finite(effect.disturbance(&at, coefficients)) {
+            return Err(NotCorrected::Shape(index));
+        }
+    }
+    Err(NotCorrected::NotFinite)
+}
+
+#[inline]
+fn is_finite<T: Real>([x, y, z]: [T; 3]) -> bool {
+    (x + y + z).is_finite()
+}
