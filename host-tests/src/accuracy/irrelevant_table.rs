@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Logs of each kind behind the snapshot.
-pub const SEEDS: u64 = 3;
+pub const SEEDS: u64 = 2;
 /// Most of the irrelevant additions to refused logs that may be accepted.
 pub const TURNED: f64 = 0.02;
 /// Most of all irrelevant additions that may be accepted and worse on unseen time than no effect.
