@@ -8,8 +8,8 @@ use ironout_host_tests::accuracy::irrelevant_table::{Irrelevant, wilson};
 fn an_irrelevant_effect_turns_no_refused_log_into_an_accepted_one() {
     let (mut refused, mut bad) = (0, Vec::new());
     // A hidden current, a hidden temperature: the fits of both are refused, and nothing in the log explains them.
-    for case in CASES.iter().filter(|case| !case.without.is_empty()).step_by(3) {
-        for trial in trials(case, 1, &["offset:walk^2", "offset:wave", "periodic"]) {
+    for case in CASES.iter().filter(|case| !case.without.is_empty()).take(3) {
+        for trial in trials(case, 1, &["offset:walk^2", "offset:wave"]) {
             assert_eq!(trial.kind, Kind::Irrelevant);
             refused += u32::from(!trial.plain.accepted);
             if trial.is_turned() || trial.is_worse() {
@@ -29,7 +29,7 @@ fn the_effect_that_is_there_is_accepted() {
     let own = CASES.iter().filter(|case| case.without.is_empty() && !case.hidden.is_empty());
     let mut tried = 0;
     for case in own {
-        for trial in trials(case, 2, &[]).iter().filter(|trial| trial.kind == Kind::Own) {
+        for trial in trials(case, 1, &[]).iter().filter(|trial| trial.kind == Kind::Own) {
             tried += 1;
             assert!(trial.with.accepted, "{} + {}: {:?}", case.hidden, trial.addition, trial.with);
         }

@@ -5,7 +5,9 @@ mod common;
 
 use common::{folder, ironout, write};
 use serde_json::{Value, json};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 fn text(path: &Path) -> &str {
     path.to_str().expect("text")
@@ -106,4 +108,44 @@ fn readings_outside_the_range_of_the_fit_are_told() {
     let wrong = write(&here, "wrong.json", wrong.to_string());
     let error = ironout(["apply", text(&hot), "--cal", text(&wrong), "--json"]).error();
     assert!(error["message"].as_str().is_some_and(|words| words.contains("range of temp_c")), "{error}");
+}
+
+#[test]
+fn exports_say_what_lies_outside() {
+    let here = folder("exported_ranges");
+    let cal = calibration_with_a_range(&here);
+    let rust = ironout(["export", text(&cal), "--as", "rust"]).stdout;
+    assert!(rust.contains("(\"temp_c\", 0.0, [20.0, 30.0])") && rust.contains("pub fn is_outside"), "{rust}");
+    let header = here.join("calibration.h");
+    let run = ironout(["export", text(&cal), "--as", "c", "-o", text(&header)]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    if Command::new("cc").arg("--version").output().is_err() {
+        // libtest hides what eprintln! says.
+        let _ = writeln!(std::io::stderr(), "skipped: no C compiler");
+        return;
+    }
+    let program = "#include <stdio.h>\n#include \"calibration.h\"\nint main(void) {\n    float m[3] = {1, 2, 3}, c[3];\n    \
+                   ironout_apply(m, 25.0f, c);\n    printf(\"%u %u %u %u\", ironout_outside(25.0f), ironout_outside(30.0f), \
+                   ironout_outside(30.5f), ironout_outside(19.0f));\n    return 0;\n}\n";
+    let source = write(&here, "main.c", program);
+    let binary = here.join("main");
+    let flags =
+        ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-o", text(&binary), text(&source), "-lm"];
+    let out = Command::new("cc").args(flags).output().expect("cc runs");
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let out = Command::new(&binary).output().expect("it runs");
+    assert_eq!(String::from_utf8_lossy(&out.stdout), "0 0 1 1");
+}
+
+/// The project's example of a calibration with a temperature offset, fitted over 20 to 30 °C.
+fn calibration_with_a_range(here: &Path) -> PathBuf {
+    let fixture = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/cal.json"));
+    let content = std::fs::read_to_string(fixture).expect("text");
+    let mut cal: Value = serde_json::from_str(&content).expect("JSON");
+    cal["effects"] = json!([{
+        "id": "offset:temp_c", "name": "temperature offset", "columns": ["temp_c"], "coefficients": [0.1, 0.2, 0.3],
+        "std_errors": [0.01, 0.01, 0.01], "unit": "µT/°C", "reference": {"temp_c": 25.0}, "parameters": {},
+        "range": {"temp_c": [20.0, 30.0]},
+    }]);
+    write(here, "cal.json", cal.to_string())
 }

@@ -1,5 +1,6 @@
 //! The search for what is missing: candidates, their tests, and which of them are added.
 
+pub mod beside;
 pub mod candidates;
 pub mod certain;
 pub mod greedy;

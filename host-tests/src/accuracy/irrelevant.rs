@@ -33,20 +33,20 @@ const fn case(hidden: &'static str, without: &'static str, motion: Motion, secon
 pub const CASES: [Case; 16] = [
     case("offset:current_a=5", "current_a", Motion::Sphere, 40.0),
     case("offset:current_a=4", "current_a", Motion::Hand, 40.0),
-    case("offset:current_a=3", "current_a", Motion::Cap(0.3), 40.0),
     case("offset:current_a=5", "", Motion::Sphere, 40.0),
     case("offset:temp_c=6", "temp_c", Motion::Sphere, 40.0),
     case("offset:temp_c=4", "temp_c", Motion::Hand, 40.0),
-    case("offset:temp_c=3", "temp_c", Motion::Cap(0.3), 40.0),
     case("offset:temp_c=6", "", Motion::Sphere, 40.0),
     case("drift=6", "", Motion::Sphere, 40.0),
     case("step=5", "", Motion::Hand, 40.0),
     case("periodic=5", "", Motion::Sphere, 40.0),
     case("eddy=6", "", Motion::Hand, 40.0),
-    case("", "", Motion::Cap(0.06), 40.0),
-    case("", "", Motion::Planar, 40.0),
+    case("", "", Motion::Cap(0.06), 20.0),
+    case("", "", Motion::Planar, 20.0),
     case("", "", Motion::Sphere, 40.0),
     case("", "", Motion::Hand, 20.0),
+    case("offset:current_a=3", "current_a", Motion::Cap(0.3), 20.0),
+    case("offset:temp_c=3", "temp_c", Motion::Cap(0.3), 20.0),
 ];
 
 /// Columns that follow nothing: a random walk, a slow wave, a switch, and independent noise.
