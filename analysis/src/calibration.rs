@@ -32,6 +32,10 @@ pub struct EffectEntry {
     pub reference: BTreeMap<String, f64>,
     /// `at_s`, `frequency_hz`, `delay_s` where the effect has one.
     pub parameters: BTreeMap<String, f64>,
+    /// The least and the greatest value of each column that the effect was fitted over; absent in files of earlier
+    /// programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<BTreeMap<String, [f64; 2]>>,
 }
 
 /// The normal matrix behind a calibration: the inverse of the parameters' covariance.
@@ -147,6 +151,8 @@ pub struct FittedEffect {
     pub reference: Vec<(String, f64)>,
     /// `at_s`, `frequency_hz`, `delay_s`.
     pub parameters: Vec<(&'static str, f64)>,
+    /// The least and the greatest value of each column over the samples of the fit.
+    pub range: Vec<(String, [f64; 2])>,
 }
 
 impl From<&FittedEffect> for EffectEntry {
@@ -164,6 +170,7 @@ impl From<&FittedEffect> for EffectEntry {
             unit: fitted.unit.clone(),
             reference: fitted.reference.iter().cloned().collect(),
             parameters: fitted.parameters.iter().map(|(name, value)| (name.to_string(), *value)).collect(),
+            range: Some(fitted.range.iter().cloned().collect()),
         }
     }
 }

@@ -113,6 +113,16 @@ impl<'a> Corrector<'a> {
         &self.calibration
     }
 
+    /// The values of one column of one effect, a row each, at the time at which they act.
+    pub(crate) fn column(&self, effect: usize, slot: usize) -> Option<&[f64]> {
+        self.inputs.get(effect)?.get(slot)?.as_deref()
+    }
+
+    /// The measured vector of one row, µT.
+    pub(crate) fn measured_ut(&self, row: usize) -> [f64; 3] {
+        self.table.field(row)
+    }
+
     /// What one row was measured under.
     pub fn conditions(&self, row: usize) -> Conditions<f64> {
         let mut conditions = Conditions::unknown();

@@ -18,6 +18,7 @@ pub mod effects;
 pub mod export;
 pub mod fit;
 pub mod outcome;
+pub mod outside;
 mod plain;
 pub mod residual;
 pub mod samples;
@@ -31,6 +32,7 @@ pub use fit::run::fit;
 pub use outcome::outcome::Diagnosis;
 pub use outcome::request::{Options, Refusal};
 pub use outcome::study::diagnose;
+pub use outside::{Extrapolation, Outside};
 pub use table::{BadTable, Named, Table};
 
 /// The examples of the readme, compiled and run.

@@ -180,6 +180,15 @@ impl CalFile {
             return Err(Failure::not_a_calibration("an effect holds a number that is not finite")
                 .at_column("effects"));
         }
+        let ranges = self.fit.effects.iter().filter_map(|entry| entry.range.as_ref()).flatten();
+        for (column, [least, most]) in ranges {
+            if least.is_nan() || least > most {
+                return Err(Failure::not_a_calibration(&format!(
+                    "the range of {column} ends before it begins"
+                ))
+                .at_column("effects"));
+            }
+        }
         if Method::parse(&self.fit.method).is_none() {
             return Err(Failure::not_a_calibration(&format!("there is no method {:?}", self.fit.method))
                 .at_column("method"));

@@ -232,9 +232,12 @@ pub struct FitArgs {
     /// Write the calibration here, if it is accepted (a refused one never replaces a file)
     #[arg(short, long, value_name = "CAL.json")]
     pub output: Option<PathBuf>,
-    /// Add an effect to the model, as diagnose names it (repeatable)
+    /// Add an effect to the model, as diagnose names it (repeatable); refused where the log does not show it
     #[arg(long, value_name = "EFFECT")]
     pub add: Vec<String>,
+    /// Keep added effects that the log does not show
+    #[arg(long, requires = "add")]
+    pub force_effect: bool,
     /// Fit on top of an earlier calibration's information
     #[arg(long, value_name = "CAL.json")]
     pub prior: Option<PathBuf>,

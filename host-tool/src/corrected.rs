@@ -2,8 +2,9 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::input::Log;
+use ironout_analysis::calibration::EffectEntry;
 use ironout_analysis::effects::Calibrated;
-use ironout_analysis::{Corrector, Table};
+use ironout_analysis::{Corrector, Extrapolation, Table};
 
 /// Corrects the rows of one log.
 pub struct Corrected<'a> {
@@ -23,6 +24,11 @@ impl<'a> Corrected<'a> {
             eprintln!("note: {}: {notice}", log.path.display());
         }
         Ok(Corrected { log, corrector })
+    }
+
+    /// What the log asks of the effects beyond the ranges that they were fitted over.
+    pub fn extrapolation(&self, entries: &[EffectEntry]) -> Extrapolation {
+        self.corrector.extrapolation(entries)
     }
 
     /// The calibration.

@@ -10,10 +10,8 @@ use crate::base::solution::Solution;
 use crate::base::start::NO_ROTATION;
 use crate::plain;
 use crate::samples::data::Data;
-use crate::samples::series::{rms, second_difference_sigma};
 use ironout::fit::{FitError, FitOptions, FitReport, Method, fit};
 use ironout::study::Model;
-use ironout::whiteness::independent_share;
 use serde::Serialize;
 
 /// A base model and what is known about it.
@@ -47,14 +45,15 @@ impl Base {
         let white = FitOptions { method, field_ut, ..FitOptions::default() };
         let first = fit_samples(data, used, &white)?;
         let residual = data.residual(used, &first.calibration);
-        // Where noise has a memory, averaging removes less of it.
-        let quick = second_difference_sigma(&residual);
-        let share = independent_share(quick * quick, rms(&residual).powi(2));
-        let options = FitOptions { effective_samples: Some((used.len() as f64 * share).max(1.0)), ..white };
-        let report = fit_samples(data, used, &options)?;
-        let residual = data.residual(used, &report.calibration);
         let step_s = counted.samples.step_s() / counted.samples.stride as f64;
-        let residue = residue(&residual, report.model.parameters(), counted.samples.quantum_ut, step_s);
+        let of = |residual: &[f64], report: &FitReport| {
+            residue(residual, report.model.parameters(), counted.samples.quantum_ut, step_s)
+        };
+        // Where noise has a memory, or structure remains, averaging removes less of it.
+        let independent = used.len() as f64 / of(&residual, &first).memory;
+        let options = FitOptions { effective_samples: Some(independent.max(1.0)), ..white };
+        let report = fit_samples(data, used, &options)?;
+        let residue = of(&data.residual(used, &report.calibration), &report);
         // rms‖Cᵀu‖: what a unit of noise on each axis makes of the corrected magnitude.
         let gain = report.residual_floor_ut / report.noise_ut;
         let mut base = Base {

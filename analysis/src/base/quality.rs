@@ -6,6 +6,7 @@ use crate::base::piece::{COLUMNS, Matrix, Piece};
 use crate::samples::series::{Autocorrelation, rms, second_difference_sigma};
 use ironout::effect::{Quantities, no_shape};
 use ironout::study::{PhysicalPrior, Residual};
+use ironout::whiteness::independent_share;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use serde::Serialize;
 
@@ -34,6 +35,16 @@ pub struct Residue {
     pub structure: f64,
     /// Integrated autocorrelation time, samples.
     pub time: f64,
+    /// How many samples say as much about the calibration as one independent sample: what every predicted error rests on,
+    /// whichever way the fit went. Noise with a memory and structure count alike: averaging removes neither.
+    pub memory: f64,
+}
+
+/// [`Residue::memory`] of a residual, from its second differences: those hold what is new from sample to sample.
+fn memory(residuals: &[f64]) -> f64 {
+    let quick = second_difference_sigma(residuals);
+    let share = independent_share(quick * quick, rms(residuals).powi(2));
+    1.0 / share.max(1.0 / residuals.len().max(1) as f64)
 }
 
 /// Splits a residual into noise and structure. Noise with a short memory is noise.
@@ -59,6 +70,7 @@ pub fn residue(residuals: &[f64], parameters: usize, quantum_ut: f64, step_s: f6
         floor: if structured { smooth } else { whole },
         structure: if structured { share } else { 0.0 },
         time: correlation.time,
+        memory: memory(residuals),
     }
 }
 
@@ -102,11 +114,14 @@ pub fn covariance_of(total: &Matrix, fitted: &Fitted, time: f64) -> Option<Vec<[
 /// Predicted 1σ error (rms length) of the corrected vector in the worst direction, in units of the field:
 /// `δh = δC y − C δb − C Φ δθ` with `y = A h`. Of the effects those count that read nothing but the field: the offset
 /// trades against them, and only together do their errors mean anything. Those of a column vanish at its reference.
-pub fn predicted_error(fitted: &Fitted, left: &Residue) -> Option<f64> {
-    // Structure is no noise: what it does to the calibration is for the verdict, not for the attitude's.
-    let noise = (left.floor / left.rms.max(1e-300)).powi(2);
-    let time = if left.structure > 0.0 { noise.min(1.0) } else { left.time };
-    error_of_vector(fitted, &covariance(fitted, time)?)
+pub fn predicted_error(pass: &Pass, fitted: &Fitted, known: &Known, left: &Residue) -> Option<f64> {
+    // What is known besides stands against the data as they count: as of so many fewer samples.
+    let data = Matrix::total(&fitted.blocks, None);
+    let list: Vec<&Piece> = fitted.pieces.iter().collect();
+    let sigma = fitted.sigma() * left.memory.sqrt();
+    let prior = known.matrix(pass.residual, &fitted.model, sigma, &list, &data);
+    let total = Matrix::total(&fitted.blocks, Some(&prior));
+    error_of_vector(fitted, &covariance_of(&total, fitted, left.memory)?)
 }
 
 /// The same as the attitude alone decides it: were the effects known, and every sample's noise its own. A log that is

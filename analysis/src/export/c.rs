@@ -2,6 +2,7 @@
 
 use crate::effects::Calibrated;
 use crate::export::error::CannotExport;
+use crate::export::range::Range;
 use ironout::calibration::{Calibration, inverse_3x3};
 use ironout::effect::{ColumnName, Effect, Id, Made, TIME};
 use ironout::extended::FittedEffect;
@@ -12,15 +13,15 @@ type Fitted = FittedEffect<f64, Made<ColumnName>>;
 /// The most looks at a disturbance that depends on the field it disturbs, as in the library.
 const LOOKS: usize = 12;
 
-/// The file.
+/// The file; `ranges` are those of the columns that its effects were fitted over.
 ///
 /// # Errors
 /// Two columns that have the same name in C, or a matrix without an inverse.
-pub fn text(calibration: &Calibrated, summary: &str) -> Result<String, CannotExport> {
+pub fn text(calibration: &Calibrated, ranges: &[Range], summary: &str) -> Result<String, CannotExport> {
     let text = if calibration.effects.is_empty() {
         plain(&calibration.base, summary)
     } else {
-        extended(calibration, summary)?
+        extended(calibration, ranges, summary)?
     };
     Ok(text.replace('µ', "u").replace('·', "*").replace('−', "-").replace('°', "deg ").replace('²', "^2"))
 }
@@ -105,7 +106,7 @@ fn parameters(calibration: &Calibrated) -> Result<Vec<Parameter>, CannotExport> 
     Ok(list)
 }
 
-fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExport> {
+fn extended(calibration: &Calibrated, ranges: &[Range], summary: &str) -> Result<String, CannotExport> {
     let base = &calibration.base;
     let list = parameters(calibration)?;
     let turning = calibration.effects.iter().any(|fitted| fitted.effect.needs_gyro());
@@ -184,9 +185,47 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
     });
     text.push_str(
         "    for (i = 0; i < 3; i++) {\n        corrected_ut[i] = ironout_matrix[i][0] * left[0] + ironout_matrix[i][1] * left[1] + \
-         ironout_matrix[i][2] * left[2];\n    }\n}\n\n#endif /* IRONOUT_CALIBRATION_H */\n",
+         ironout_matrix[i][2] * left[2];\n    }\n}\n\n",
     );
+    text.push_str(&outside(&list, ranges));
+    text.push_str("#endif /* IRONOUT_CALIBRATION_H */\n");
     Ok(text)
+}
+
+/// The function that says which columns lie outside; nothing where no range is known.
+fn outside(list: &[Parameter], ranges: &[Range]) -> String {
+    let of = |parameter: &Parameter| {
+        let mut all = ranges.iter();
+        all.find(|range| range.column == parameter.column && range.delay_s == parameter.delay_s)
+    };
+    if list.iter().all(|parameter| of(parameter).is_none()) {
+        return String::new();
+    }
+    let (mut told, mut body, mut arguments) = (String::new(), String::new(), Vec::new());
+    for (bit, parameter) in list.iter().enumerate() {
+        let Parameter { name, column, .. } = parameter;
+        let scalar = if column == TIME { "double" } else { "ironout_real" };
+        arguments.push(format!("{scalar} {name}"));
+        match of(parameter) {
+            Some(Range { ends: [least, most], .. }) => {
+                told += &format!("   bit {bit}, {name}: {least:?} to {most:?}\n");
+                body += &format!(
+                    "    if (!({name} >= ({scalar}){least:?} && {name} <= ({scalar}){most:?})) {{\n        outside |= {}u;\n    }}\n",
+                    1_u32 << bit
+                );
+            }
+            None => {
+                told += &format!("   bit {bit}, {name}: not known, never set\n");
+                body += &format!("    (void){name};\n");
+            }
+        }
+    }
+    format!(
+        "/* Which columns lie outside the range that their effects were fitted over, a bit each; 0 where none does. Outside the\n   \
+         effects are extrapolated, and the error grows with the distance.\n{told}*/\nstatic inline unsigned \
+         ironout_outside({})\n{{\n    unsigned outside = 0u;\n\n{body}    return outside;\n}}\n\n",
+        arguments.join(", ")
+    )
 }
 
 /// The end of a look at effects that depend on the field they disturb.

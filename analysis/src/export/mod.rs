@@ -2,4 +2,5 @@
 
 pub mod c;
 pub mod error;
+pub mod range;
 pub mod rust;

@@ -1,6 +1,7 @@
 //! A calibration as Rust constants for the crate.
 
 use crate::effects::Calibrated;
+use crate::export::range::Range;
 use ironout::calibration::Calibration;
 use ironout::effect::{ColumnName, RustCode};
 use ironout::extended::{FittedEffect, MAX_EFFECTS};
@@ -25,13 +26,33 @@ fn list(scalar: &str, values: &[f64]) -> String {
     format!("[{}]", words.join(", "))
 }
 
-/// The file.
-pub fn text(calibration: &Calibrated, summary: &str) -> String {
+/// The file; `ranges` are those of the columns that its effects were fitted over.
+pub fn text(calibration: &Calibrated, ranges: &[Range], summary: &str) -> String {
     if calibration.effects.is_empty() {
         plain(&calibration.base, summary)
     } else {
-        extended(calibration, summary)
+        extended(calibration, summary) + &outside(ranges)
     }
+}
+
+/// The ranges and the function that says whether a value lies outside; nothing where no range is known.
+fn outside(ranges: &[Range]) -> String {
+    if ranges.is_empty() {
+        return String::new();
+    }
+    let row = |Range { column, delay_s, ends: [least, most] }: &Range| {
+        format!("    (\"{column}\", {delay_s:?}, [{least:?}, {most:?}]),\n")
+    };
+    let rows: String = ranges.iter().map(row).collect();
+    format!(
+        "\n/// Column, how late it acts (s), and the range that its effects were fitted over.\n#[allow(dead_code)]\n\
+         pub const RANGES: [(&str, f64, [f64; 2]); {}] = [\n{rows}];\n\n\
+         /// Whether a value of a column lies outside the range that its effects were fitted over: there they are extrapolated,\n\
+         /// and the error grows with the distance.\n#[allow(dead_code)]\n\
+         pub fn is_outside(column: &str, value: f64) -> bool {{\n    \
+         RANGES.iter().any(|(name, _, [least, most])| *name == column && !(*least..=*most).contains(&value))\n}}\n",
+        ranges.len()
+    )
 }
 
 fn base(calibration: &Calibration<f64>, scalar: &str, indent: &str) -> String {

@@ -7,6 +7,7 @@ use crate::fit::fitted::Fitted;
 use crate::outcome::outcome::Diagnosis;
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::study::study;
+use crate::search::shown::Shown;
 use ironout::calibration::norm;
 use ironout::fit::Order;
 
@@ -40,32 +41,44 @@ pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fit
                 .into(),
         );
     }
-    fitted.reasons.extend(not_shown(&diagnosis));
+    let doubts = not_shown(&diagnosis.shown);
+    if options.force_effect {
+        let kept = |doubt: &String| format!("note: {doubt}; kept as asked");
+        fitted.reasons.extend(doubts.iter().map(kept));
+    } else if !doubts.is_empty() {
+        fitted.accepted = false;
+        fitted.reasons.splice(0..0, doubts.iter().map(|doubt| format!("{doubt}; {REMEDY}")));
+    }
     Ok(fitted)
 }
 
-/// What the log does not show of the effects in the model.
-fn not_shown(diagnosis: &Diagnosis) -> Vec<String> {
-    let unseen: Vec<&str> = (diagnosis.effects.iter())
-        .filter(|effect| {
-            effect.coefficients.iter().zip(&effect.std_errors).all(|(value, error)| value.abs() < 3.0 * error)
-        })
-        .map(|effect| effect.id.as_str())
-        .collect();
-    let falls = match (diagnosis.steps.first(), diagnosis.steps.last()) {
-        (Some(first), Some(last)) => last.rms_ut < 0.95 * first.rms_ut,
-        _ => false,
+/// What to do about an effect that the log does not show.
+const REMEDY: &str = "leave it out, record a log in which it acts at many attitudes, or keep it with --force-effect where it is \
+                      known from elsewhere";
+
+/// The effects that this log does not show, each with the reason.
+fn not_shown(shown: &[Shown]) -> Vec<String> {
+    let number =
+        |value: Option<f64>, unit: &str| value.map_or("-".into(), |value| format!("{value:.3} {unit}"));
+    let because = |one: &Shown| {
+        let errors =
+            format!("{} with it, {} without", number(one.with, one.unit), number(one.without, one.unit));
+        if one.is_significant() {
+            format!("{} does not lower the error on unseen time ({errors})", one.id)
+        } else {
+            format!(
+                "this log does not show {} beside the rest of the model: chance does as well in {} (on unseen time {errors})",
+                one.id,
+                chance(one.p_value)
+            )
+        }
     };
-    if unseen.len() > 1 && falls {
-        return vec![format!(
-            "note: {} explain the same here and cannot be told apart: record a log in which they change one at a time",
-            unseen.join(" and ")
-        )];
-    }
-    let told = |id: &&str| {
-        format!("note: no coefficient of {id} is three standard errors from zero: this log does not show it")
-    };
-    unseen.iter().map(told).collect()
+    shown.iter().filter(|one| !one.is_shown()).map(because).collect()
+}
+
+/// A probability in words: "1 of 20 logs".
+fn chance(p_value: f64) -> String {
+    if p_value > 0.5 { "most logs".into() } else { format!("1 of {:.0} logs", (1.0 / p_value).min(1e6)) }
 }
 
 /// What the study arrived at; `None` where it is no calibration.

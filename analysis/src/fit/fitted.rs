@@ -98,7 +98,11 @@ impl Fitted {
     }
 
     /// What a solution is worth: coverage, heading, verdict.
-    pub(crate) fn judge(&mut self, counted: &Counted, solution: Solution) {
+    pub(crate) fn judge(&mut self, counted: &Counted, mut solution: Solution) {
+        // What unseen time shows is a lower bound, whatever the noise of the residual says.
+        let unseen_ut = self.unseen_error_ut(&solution).unwrap_or(0.0);
+        let shown_by_unseen = unseen_ut > solution.predicted_error_ut;
+        solution.predicted_error_ut = solution.predicted_error_ut.max(unseen_ut);
         let calibration = solution.calibration;
         let fields = || counted.used.iter().map(|&sample| counted.data.field(sample));
         self.before = Some(spread_of_magnitude(fields().map(norm)));
@@ -118,7 +122,12 @@ impl Fitted {
             judge_figures(&figures, Some(&coverage), counted.clipped() as u64, self.expected_field_ut);
         self.accepted = verdict.accepted;
         let all_round = coverage.fraction > ALL_ROUND && coverage.gap_deg < ALL_ROUND_GAP_DEG;
-        self.reasons = verdict.reasons.iter().map(|reason| in_words(reason, all_round)).collect();
+        self.reasons = (verdict.reasons.iter())
+            .map(|reason| match reason {
+                Reason::ErrorTooLarge { percent, .. } if shown_by_unseen => of_unseen_time(*percent),
+                other => in_words(other, all_round),
+            })
+            .collect();
         if let Alignment::Mirrored { order } = &solution.alignment {
             self.accepted = false;
             self.reasons.insert(
@@ -133,10 +142,28 @@ impl Fitted {
         self.solution = Some(solution);
     }
 
+    /// The error of the calibration that held-out blocks of time show, µT rms along the field at the attitudes of the log:
+    /// noise is in both errors alike, and the fit's own error raises the one on unseen time by as much as fitting lowers
+    /// the other.
+    fn unseen_error_ut(&self, solution: &Solution) -> Option<f64> {
+        let beyond = self.holdout_rms_ut?.powi(2) - solution.rms_ut.powi(2);
+        Some((0.5 * beyond.max(0.0)).sqrt()).filter(|error| error.is_finite())
+    }
+
     /// Samples set aside in all.
     pub fn set_aside(&self) -> usize {
         self.aside.iter().map(|one| one.samples).sum()
     }
+}
+
+/// The reason where the error on unseen time says more than the noise does.
+fn of_unseen_time(percent: f64) -> String {
+    format!(
+        "each tenth of the log under the fit of the others is off by {percent:.1} % of the field beyond its noise, more than \
+         {:.0} %: what was fitted does not hold on unseen time; leave out an effect that was added, record longer, and see \
+         with ironout diagnose what is missing in the model",
+        MAX_PREDICTED_ERROR * 100.0
+    )
 }
 
 /// A reason; where the board was turned `all_round`, more directions are no remedy.

@@ -39,11 +39,11 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         if start.pieces.len() >= MOST_ADDED {
             return Err(Refusal::cannot_add(id, format!("a model carries at most {MOST_ADDED} effects")));
         }
-        let Some(piece) = added(&pass, &catalogue, &start, id)? else {
+        let Some(candidate) = added(&pass, &catalogue, &start, id)? else {
             return Err(Refusal::cannot_add(id, cannot_add(&catalogue, id)));
         };
         let mut pieces = start.pieces.clone();
-        pieces.push(piece);
+        pieces.push(candidate.piece);
         if let Some(next) = pass.fit(start.model, pieces, &known)? {
             start = next;
         }

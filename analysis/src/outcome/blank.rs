@@ -36,6 +36,7 @@ pub(crate) fn undetermined(table: &Table, samples: &Samples, registry: Registry,
         samples_set_aside: 0,
         prior: String::new(),
         lower_order: false,
+        shown: Vec::new(),
         traces: Traces::default(),
         registry,
     }

@@ -4,7 +4,6 @@ use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::model::Base;
 use crate::base::mounting;
-use crate::base::piece::Piece;
 use crate::base::quality::{Residue, attitude_error};
 use crate::outcome::request::{Options, Refusal};
 use crate::samples::series::{rms, second_difference_sigma};
@@ -22,21 +21,21 @@ const HOPELESS: f64 = 20.0;
 /// The most effects that `--add` may name, as many as a calibration carries.
 pub(crate) const MOST_ADDED: usize = 4;
 
-/// The pieces of `--add`, in their order; searched parameters are searched.
+/// An effect of `--add`; what fixes its shape is searched.
 pub(crate) fn added<'a>(
     pass: &Pass,
     catalogue: &Catalogue<'a>,
     fitted: &Fitted<'a>,
     id: &str,
-) -> Result<Option<Piece<'a>>, Refusal> {
+) -> Result<Option<Candidate<'a>>, Refusal> {
     let plain = catalogue.plain(pass.residual == Residual::Vector).into_iter().find(|piece| piece.id == id);
-    if plain.is_some() {
-        return Ok(plain);
+    if let Some(piece) = plain {
+        return Ok(Some(Candidate { piece, searched: 1.0 }));
     }
     let Some(named) = catalogue.registry.parse(id).filter(|named| named.form.offered) else {
         return Ok(None);
     };
-    Ok(search::best(pass, fitted, catalogue, &named)?.map(|candidate| candidate.piece))
+    Ok(search::best(pass, fitted, catalogue, &named)?)
 }
 
 /// What a study of the magnitude stands on.
@@ -69,36 +68,37 @@ pub(crate) fn explain<'a>(
     let sigma = second_difference_sigma(&residuals);
     // What second differences leave may itself be an effect, a tone for example, many times the noise: only the hopeless
     // is not searched.
-    let best = Residue { rms: rms(&residuals), floor: sigma, structure: 1.0, time: 1.0 };
+    let best = Residue { rms: rms(&residuals), floor: sigma, structure: 1.0, time: 1.0, memory: 1.0 };
     let accepted = stand.base.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR);
     let hopeless = !(stand.held || accepted)
         && attitude_error(&base, &best).is_none_or(|error| error > HOPELESS * MAX_PREDICTED_ERROR);
     let greedy = Greedy { pass, catalogue, known };
     let mut pure_lag = false;
     let mut start = base.clone();
+    let mut searched: Vec<(String, f64)> = Vec::new();
     for id in &options.add {
         if start.pieces.len() >= MOST_ADDED {
             return Err(Refusal::cannot_add(id, format!("a model carries at most {MOST_ADDED} effects")));
         }
-        let piece = added(&pass, catalogue, &start, id)?;
-        let Some(piece) = piece else {
+        let Some(candidate) = added(&pass, catalogue, &start, id)? else {
             if mounting::is_one(id) {
                 continue;
             }
             return Err(Refusal::cannot_add(id, cannot_add(catalogue, id)));
         };
-        if start.pieces.iter().any(|known| known.id == piece.id) {
+        if start.pieces.iter().any(|known| known.id == candidate.piece.id) {
             continue;
         }
-        if !piece.hidden_delay().is_empty() && catalogue.has_down() {
+        if !candidate.piece.hidden_delay().is_empty() && catalogue.has_down() {
             // Whether it is the coupling or the pure delay, the data decide.
-            let alone = screen(&pass, &start, &[Candidate { piece: piece.clone(), searched: 1.0 }], 1)?;
+            let alone = screen(&pass, &start, std::slice::from_ref(&candidate), 1)?;
             if !alone.tested.first().is_some_and(|tested| tested.accepted) {
                 pure_lag = true;
                 continue;
             }
         }
-        match greedy.with(&start, &piece)? {
+        searched.push((candidate.piece.id.clone(), candidate.searched));
+        match greedy.with(&start, &candidate.piece)? {
             Some(next) => start = greedy.aligned(next)?,
             None => {
                 let why = format!(
@@ -116,6 +116,10 @@ pub(crate) fn explain<'a>(
     explanation.fitted = greedy.to_the_end(explanation.fitted)?;
     if let (Some(last), false) = (explanation.steps.last_mut(), explanation.fitted.pieces.is_empty()) {
         (last.rms, last.held_out) = (explanation.fitted.rms(), held_out_rms(&explanation.fitted));
+    }
+    if !options.search {
+        let places = |id: &str| searched.iter().find(|(own, _)| own == id).map_or(1.0, |(_, places)| *places);
+        explanation.shown = greedy.shown(&explanation.fitted, places)?;
     }
     let first = match stand.base.and_then(Base::model) {
         Some(model) => pass.hold(model, Vec::new(), known)?,

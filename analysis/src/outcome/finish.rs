@@ -35,8 +35,10 @@ impl View<'_, '_> {
             None => residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s()),
         };
         let gain = noise_gain(fitted, Residual::Magnitude);
-        let predicted =
-            plain.map_or_else(|| predicted_error(fitted, &left), |base| Some(base.predicted_share()));
+        let predicted = match plain {
+            Some(base) => Some(base.predicted_share()),
+            None => predicted_error(&self.pass, fitted, self.known, &left),
+        };
         let covariance = covariance(fitted, left.time);
         if let (Some(dip), Some(rows)) = (&mut dip, &covariance) {
             dip.delay_error_s =
@@ -109,6 +111,7 @@ impl View<'_, '_> {
             samples_set_aside: 0,
             prior: self.prior_words(),
             lower_order: self.lower_order.is_some(),
+            shown: self.shown(&dip, force_lag),
             traces: Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?,
             registry: self.catalogue.registry,
         };

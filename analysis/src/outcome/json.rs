@@ -28,11 +28,13 @@ pub fn effects(diagnosis: &Diagnosis) -> Value {
                 .iter()
                 .map(|(name, value)| ((*name).to_string(), number(Some(*value))))
                 .collect();
+            let range: Map<String, Value> =
+                effect.range.iter().map(|(column, ends)| (column.clone(), json!(ends))).collect();
             json!({
                 "id": effect.id, "name": effect.name, "columns": effect.columns,
                 "coefficients": effect.coefficients,
                 "std_errors": effect.std_errors.iter().map(|error| number(Some(*error))).collect::<Vec<_>>(),
-                "unit": effect.unit, "reference": reference, "parameters": parameters,
+                "unit": effect.unit, "reference": reference, "parameters": parameters, "range": range,
             })
         })
         .collect()

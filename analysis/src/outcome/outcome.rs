@@ -6,6 +6,7 @@ use crate::calibration::{FittedEffect, Information, StdErrors};
 use crate::plain;
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
+use crate::search::shown::Shown;
 use ironout::calibration::Calibration;
 use ironout::effect::Registry;
 use serde::Serialize;
@@ -186,6 +187,8 @@ pub struct Diagnosis {
     pub prior: String,
     /// Whether a lower-order base (no soft iron) was used.
     pub lower_order: bool,
+    /// Whether the log shows the effects that were asked for. A search tests in another way, and leaves this to the steps.
+    pub shown: Vec<Shown>,
     /// The residuals, for plots.
     pub traces: Traces,
     /// The families of effects that the ids are of.

@@ -21,6 +21,8 @@ pub struct Options {
     pub dip_deg: Option<f64>,
     /// Ids of effects that stand in the model from the beginning.
     pub add: Vec<String>,
+    /// Whether a fit keeps effects that the log does not show.
+    pub force_effect: bool,
     /// Whether a diagnosis searches for more. A fit never does.
     pub search: bool,
     /// An earlier calibration to build on.

@@ -284,8 +284,14 @@ pub(crate) fn describe(piece: &Piece, std_errors: Vec<f64>) -> FittedEffect {
         reference.extend(columns.first().cloned().zip(value));
         parameters.extend(parts.parameter().map(|(searched, value)| (searched.name(), value)));
     }
+    let range = columns.iter().enumerate().filter_map(|(slot, column)| {
+        let values = || piece.inputs.iter().filter_map(|inputs| inputs.get(slot));
+        let ends = [values().copied().reduce(f64::min)?, values().copied().reduce(f64::max)?];
+        Some((column.clone(), ends))
+    });
     FittedEffect {
         id: piece.id.clone(),
+        range: range.collect(),
         name: piece.effect.name().to_string(),
         explanation: piece.effect.explanation().to_string(),
         columns,

@@ -14,7 +14,8 @@ use crate::residual::late::{Late, scan};
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
 use crate::search::screen::{Candidate, SIGNIFICANCE, screen};
-use crate::search::state::Explanation;
+use crate::search::shown::Shown;
+use crate::search::state::{Explanation, held_out_rms};
 use crate::table::Table;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::quality::MAX_RESIDUAL;
@@ -52,6 +53,8 @@ pub(crate) struct DipStudy<'a> {
     pub(crate) delay_error_s: f64,
     /// p-value and held-out rms in degrees of the pure lag.
     pub(crate) tested: Option<(f64, Option<f64>)>,
+    /// The test of a pure lag that was asked for.
+    pub(crate) shown: Option<Shown>,
 }
 
 impl<'a> View<'_, 'a> {
@@ -61,8 +64,15 @@ impl<'a> View<'_, 'a> {
         let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(None) };
         let after_deg = alignment.after_deg;
         let errors = DipErrors::of(self.samples, &alignment.model, &fitted.pieces, None)?;
-        let mut study =
-            DipStudy { alignment, lag: None, after_deg, errors, delay_error_s: f64::NAN, tested: None };
+        let mut study = DipStudy {
+            alignment,
+            lag: None,
+            after_deg,
+            errors,
+            delay_error_s: f64::NAN,
+            tested: None,
+            shown: None,
+        };
         let Some(lag) = self.catalogue.late_sensor() else { return Ok(Some(study)) };
         let pass = Pass { samples: &clean, residual: Residual::Dip };
         let Some(base) = pass.fit(study.alignment.model, Vec::new(), self.known)? else {
@@ -82,6 +92,7 @@ impl<'a> View<'_, 'a> {
         if (tested.accepted || force_lag || has_eddy || far.is_some())
             && let Some(with) = pass.fit(base.model, vec![lag], self.known)?
         {
+            let held_with = held_out_rms(&with);
             let mut late =
                 Late { model: with.model, pieces: with.pieces, squares: with.squares, beside: None };
             if !has_eddy {
@@ -106,6 +117,16 @@ impl<'a> View<'_, 'a> {
                 if 2.0 * p_value >= SIGNIFICANCE {
                     return Ok(Some(study));
                 }
+            }
+            if force_lag && !has_eddy {
+                study.shown = Some(Shown {
+                    id: "lag".into(),
+                    // The delay and the coupling of eddy currents share the id, and both were tried.
+                    p_value: (2.0 * self.chance_of_delay(&errors, delay_s)?).min(1.0),
+                    without: held_out_rms(&base).map(f64::to_degrees),
+                    with: held_with.map(f64::to_degrees),
+                    unit: "°",
+                });
             }
             study.errors = errors;
             study.lag = late.pieces.into_iter().next();
@@ -151,10 +172,20 @@ impl<'a> View<'_, 'a> {
     /// it: a model that explains the samples it has seen by chance, or structure that passes for noise.
     pub(crate) fn fails_on_unseen_time(&self, left: &Residue) -> Option<f64> {
         let fitted = &self.explanation.fitted;
-        let ratio = crate::search::state::held_out_rms(fitted)? / left.floor;
+        let ratio = held_out_rms(fitted)? / left.floor;
         let independent = fitted.rows / left.time.max(1.0);
         let expected = 1.0 + 2.0 * fitted.columns() as f64 / independent.max(1.0);
         (ratio * ratio > expected + UNSEEN_SLACK * (expected - 1.0) + UNSEEN_LEAST).then_some(ratio)
+    }
+
+    /// The tests of the effects that were asked for. A `pure_lag` that the dip says nothing about is not shown.
+    pub(crate) fn shown(&self, dip: &Option<DipStudy>, pure_lag: bool) -> Vec<Shown> {
+        let mut shown = self.explanation.shown.clone();
+        if pure_lag {
+            let nothing = || Shown { id: "lag".into(), p_value: 1.0, without: None, with: None, unit: "°" };
+            shown.push(dip.as_ref().and_then(|dip| dip.shown.clone()).unwrap_or_else(nothing));
+        }
+        shown
     }
 
     /// Whether the base model is the final one, and `fit` is sure of it.

@@ -164,6 +164,7 @@ impl<'a> Greedy<'_, 'a> {
             repeated,
             withdrawn: Vec::new(),
             count,
+            shown: Vec::new(),
         })
     }
 

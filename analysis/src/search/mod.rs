@@ -1,5 +1,6 @@
 //! The search for what is missing: candidates, their tests, and which of them are added.
 
+pub mod beside;
 pub mod candidates;
 pub mod certain;
 pub mod greedy;
@@ -9,5 +10,6 @@ pub mod pairs;
 pub mod parameter;
 pub mod screen;
 pub mod search;
+pub mod shown;
 pub mod state;
 pub mod undisturbed;

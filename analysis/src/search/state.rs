@@ -7,6 +7,7 @@ use crate::base::known::Known;
 use crate::base::piece::BadShape;
 use crate::search::candidates::Catalogue;
 use crate::search::screen::{Candidate, Tested};
+use crate::search::shown::Shown;
 use ironout::study::{Residual, held_out};
 
 /// A prior on the gains that is tighter than this holds them.
@@ -68,6 +69,8 @@ pub struct Explanation<'a> {
     pub withdrawn: Vec<Withdrawn>,
     /// How many candidates a round has.
     pub count: usize,
+    /// The tests of the effects that were asked for; empty after a search, which adds only what is shown.
+    pub shown: Vec<Shown>,
 }
 
 /// Rms on held-out blocks.
@@ -185,6 +188,7 @@ impl<'a> Greedy<'_, 'a> {
             repeated: None,
             withdrawn: Vec::new(),
             count: 1,
+            shown: Vec::new(),
         })
     }
 

@@ -4,6 +4,7 @@
 //! `--json` prints one object on standard output; `--accept` stores the tables as the new snapshots and writes those of `docs/measured.md`.
 
 use ironout_host_tests::accuracy::effect_report::{Effects, SEEDS};
+use ironout_host_tests::accuracy::irrelevant_table::{self, Irrelevant};
 use ironout_host_tests::accuracy::{gates, snapshot, table};
 use std::process::ExitCode;
 
@@ -23,20 +24,25 @@ fn main() -> ExitCode {
     let solvers = table::measure(table::FULL);
     eprintln!("hidden effects, minutes …");
     let effects = Effects::measure(SEEDS, |line| eprintln!("{line}"));
-    let (text, found) = (solvers.text(), effects.text());
+    eprintln!("irrelevant effects added, minutes …");
+    let irrelevant = Irrelevant::measure(irrelevant_table::SEEDS, |_, _, _| {});
+    let (text, found, added) = (solvers.text(), effects.text(), irrelevant.text());
     if json {
         let mut object = solvers.json();
         object["effects"] = effects.json();
         object["dip"] = effects.dip_json();
+        object["irrelevant"] = irrelevant.json();
         println!("{object}");
     } else {
-        print!("{text}\nHidden effects\n\n{found}");
+        print!("{text}\nHidden effects\n\n{found}\nIrrelevant effects added\n\n{added}");
     }
     let held = if accept {
-        solvers.store().and_then(|()| effects.store())
+        let path = Irrelevant::snapshot_path();
+        solvers.store().and_then(|()| effects.store()).and_then(|()| std::fs::write(path, &added))
     } else {
         snapshot::hold(&table::snapshot_path(), &text)
             .and_then(|()| snapshot::hold(&Effects::snapshot_path(), &found))
+            .and_then(|()| snapshot::hold(&Irrelevant::snapshot_path(), &added))
     };
     let mut good = true;
     if let Err(error) = held {
@@ -49,6 +55,10 @@ fn main() -> ExitCode {
         eprintln!(
             "{wrong} calibrations of limited attitude were accepted though off by more than {percent} %"
         );
+        good = false;
+    }
+    if !irrelevant.holds() {
+        eprintln!("irrelevant effects are accepted too often");
         good = false;
     }
     if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }

@@ -37,6 +37,7 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
     let after = (residuals.iter().map(|r| r * r).sum::<f64>() / samples.len() as f64).sqrt();
     let worst = residuals.iter().map(|r| r.abs()).fold(0.0, f64::max);
     let field = calibration.base.field_ut;
+    let extrapolation = corrector.extrapolation(&cal.fit.effects);
     if json {
         line(
             &serde_json::json!({
@@ -46,6 +47,7 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
                            "rms_percent": json_number(Some(before / mean * 100.0))},
                 "after": {"rms_ut": json_number(Some(after)), "rms_percent": json_number(Some(after / field * 100.0)),
                           "worst_ut": json_number(Some(worst))},
+                "outside": extrapolation.outside, "range_unknown": extrapolation.unknown,
                 "output": arguments.output.as_ref().map(|path| path.display().to_string()),
             })
             .to_string(),
@@ -65,6 +67,7 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
         "error after   {after:9.3} µT  {:6.2} %   of the corrected magnitude about {field:.1} µT; worst {worst:.2} µT",
         after / field * 100.0
     ));
+    extrapolation.notices(field).iter().for_each(|notice| line(&format!("extrapolated: {notice}")));
     if let Some(path) = &arguments.output {
         line(&format!("wrote {} with {} added", path.display(), NEW_COLUMNS.join(", ")));
     }

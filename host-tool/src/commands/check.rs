@@ -98,6 +98,7 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     let log = source::read_for(&arguments.log, &cal, &arguments.cal)?;
     let table = Table::from(&log);
     let corrector = Corrected::new(extended, &log, &table)?;
+    let extrapolation = corrector.extrapolation(&cal.fit.effects);
     let data = Data::new(&table);
     let all: Vec<u32> = (0..data.rows.len() as u32).collect();
     let samples = data.moving(&all, 1.0);
@@ -139,7 +140,9 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
                 "mean_residual_ut": json_number(Some(mean_ut)), "coverage": coverage,
                 "offset_shift_ut": known.map(|shift| shift.offset_ut),
                 "offset_shift_std_ut": known.map(|shift| shift.offset_std_ut),
-                "reasons": [word.explanation()],
+                "outside": extrapolation.outside, "range_unknown": extrapolation.unknown,
+                "reasons": std::iter::once(word.explanation().to_string())
+                    .chain(extrapolation.notices(calibration.field_ut)).collect::<Vec<_>>(),
             })
             .to_string(),
         );
@@ -166,6 +169,8 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
         }
         line(&format!("directions seen       {:9.0} %", coverage * 100.0));
         line(&format!("{}: {}", word.name().to_uppercase(), word.explanation()));
+        let notices = extrapolation.notices(calibration.field_ut);
+        notices.iter().for_each(|notice| line(&format!("  extrapolated: {notice}")));
     }
     Ok(if good { EXIT_OK } else { EXIT_REFUSED })
 }

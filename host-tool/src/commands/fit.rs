@@ -22,6 +22,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         field_ut: expected.field_ut,
         dip_deg: expected.earth.map(|earth| earth.dip_deg),
         add: arguments.add.clone(),
+        force_effect: arguments.force_effect,
         search: false,
         prior,
         registry: REGISTRY,

@@ -22,6 +22,7 @@ pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
         field_ut: expected.field_ut,
         dip_deg: None,
         add: arguments.add.clone(),
+        force_effect: true,
         search: true,
         prior,
         registry: REGISTRY,

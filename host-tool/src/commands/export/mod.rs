@@ -5,6 +5,7 @@ use crate::cli::{ExportArgs, ExportForm};
 use crate::failure::{EXIT_OK, Failure, Outcome};
 use crate::{atomic, output};
 use ironout_analysis::export::error::CannotExport;
+use ironout_analysis::export::range::ranges;
 use ironout_analysis::export::{c, rust};
 
 /// Writes the calibration in the form asked for.
@@ -44,8 +45,14 @@ pub fn text(cal: &CalFile, form: ExportForm) -> Outcome<String> {
         ExportForm::Json => serde_json::to_string_pretty(cal)
             .map(|text| text + "\n")
             .map_err(|error| Failure::usage(error.to_string())),
-        ExportForm::Rust => Ok(rust::text(&cal.extended()?, &summary(cal))),
-        ExportForm::C => c::text(&cal.extended()?, &summary(cal)).map_err(failure),
+        ExportForm::Rust => {
+            let calibration = cal.extended()?;
+            Ok(rust::text(&calibration, &ranges(&calibration, &cal.fit.effects), &summary(cal)))
+        }
+        ExportForm::C => {
+            let calibration = cal.extended()?;
+            c::text(&calibration, &ranges(&calibration, &cal.fit.effects), &summary(cal)).map_err(failure)
+        }
     }
 }
 

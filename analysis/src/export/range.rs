@@ -1,0 +1,36 @@
+//! The ranges of columns that a calibration was fitted over, for the exports.
+
+use crate::calibration::EffectEntry;
+use crate::effects::Calibrated;
+use ironout::effect::Effect;
+
+/// The range of one column, at the lateness at which it acts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Range {
+    /// The column.
+    pub column: String,
+    /// How late it acts, s.
+    pub delay_s: f64,
+    /// Its least and its greatest value; where several effects follow it, those that lie in all of their ranges.
+    pub ends: [f64; 2],
+}
+
+/// The ranges that the entries of a calibration file, in the order of its effects, say.
+pub fn ranges(calibration: &Calibrated, entries: &[EffectEntry]) -> Vec<Range> {
+    let mut list: Vec<Range> = Vec::new();
+    for (fitted, entry) in calibration.effects.iter().zip(entries) {
+        for column in fitted.effect.columns().into_iter().flatten() {
+            let Some(&ends) = entry.range.as_ref().and_then(|ranges| ranges.get(column.name)) else {
+                continue;
+            };
+            let same = |known: &&mut Range| known.column == column.name && known.delay_s == column.delay_s;
+            match list.iter_mut().find(same) {
+                Some(known) => known.ends = [known.ends[0].max(ends[0]), known.ends[1].min(ends[1])],
+                None => {
+                    list.push(Range { column: column.name.to_string(), delay_s: column.delay_s, ends });
+                }
+            }
+        }
+    }
+    list
+}
