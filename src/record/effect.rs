@@ -3,7 +3,7 @@
 //! Which number stands for which form of effect, and what of it is written, the effect's own file says
 //! ([`crate::effect::Form`]).
 
-use super::{Reader, Writer};
+use super::layout::{Reader, Writer};
 use crate::effect::{BuiltIn, ColumnName, Effect, MAX_COEFFICIENTS, Parts};
 use crate::extended::FittedEffect;
 

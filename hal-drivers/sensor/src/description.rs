@@ -1,6 +1,7 @@
 //! A sensor in numbers.
 
-use crate::{AxisMap, Reading, Sample};
+use crate::axes::AxisMap;
+use crate::sample::{Reading, Sample};
 
 /// What an application needs to know of a sensor as it is configured and mounted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,7 +80,7 @@ impl Sensor {
 #[cfg(test)]
 mod tests {
     use super::Sensor;
-    use crate::{Reading, Sample};
+    use crate::sample::{Reading, Sample};
 
     #[test]
     fn a_count_beyond_the_full_scale_is_no_measurement() {

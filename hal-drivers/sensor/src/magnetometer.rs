@@ -1,6 +1,8 @@
 //! What the application needs of a magnetometer, whichever chip it is.
 
-use crate::{Error, Reading, Sensor};
+use crate::description::Sensor;
+use crate::error::Error;
+use crate::sample::Reading;
 
 /// A three-axis magnetometer: counts, their scale, and the state of the chip.
 ///

@@ -1,56 +1,16 @@
-//! The stored calibration: a record with a version and a CRC.
-//!
-//! All numbers are little-endian, all floats f64 unless said otherwise, so that what is read back has the bits that were
-//! written.
-//!
-//! | bytes | what |
-//! |---|---|
-//! | 0–3 | `IRON` |
-//! | 4 | version of the layout: 1 without effects, 2 with them, 3 with short standard errors |
-//! | 5 | method of the fit, 6: its model, 7: number of effects (0 in version 1) |
-//! | 8–11 | sequence number: of two sound records the newer counts |
-//! | 12–13 | length of the record with its CRC, 14: how the sensor was mounted (`AxisMap::code`; 0: not stated), 15: reserved, 0 |
-//! | 16–23 | `field_ut`, 24–47: `offset_ut`, 48–119: `matrix`, rows first |
-//! | 120–127 | samples (u64), 128–135: `noise_ut`, 136–143: `rms_ut` |
-//! | 144–… | the effects, from version 2 on |
-//! | last 4 | CRC-32 (ISO-HDLC) of everything before |
-//!
-//! An effect is: its kind (one byte), bytes of its column's name (one byte), that name, its reference where it has one, then
-//! its delay, time or frequency where it has one, its coefficients, and their standard errors: in single precision, or in version
-//! 3 the upper half of one (8 bits of mantissa: 0.4 %). Version 3 is written only where version 2 would be too long.
-//!
-//! The first 16 bytes and the place of the CRC belong to every version. So firmware that meets a newer record can tell it
-//! from a damaged one, and a longer record is checked by its own length. A record without effects is written in version 1,
-//! so that firmware that knows no effects reads it.
-
-mod effect;
+//! A calibration with where it comes from, and its way into bytes and back.
 
 use core::fmt;
 
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
-
+use super::effect;
+use super::layout::{
+    CRC, CRC_BYTES, LENGTH_AT, MAGIC, MAX_RECORD_BYTES, RECORD_BYTES, Reader, RecordError, VERSION,
+    VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, Writer, check_crc,
+};
 use crate::calibration::Calibration;
 use crate::extended::{Effects, ExtendedCalibration};
 use crate::fit::{FitReport, Method, Order as Model};
 use crate::sensor::AxisMap;
-
-/// The version of the layout of a record without effects …
-pub const VERSION: u8 = 1;
-/// … of one with them …
-pub const VERSION_WITH_EFFECTS: u8 = 2;
-/// … and of one with so many coefficients that their standard errors are kept in 16 bits, to fit.
-pub const VERSION_SHORT_ERRORS: u8 = 3;
-/// Bytes of a record without effects.
-pub const RECORD_BYTES: usize = 148;
-/// The longest record: any four different effects of the catalogue fit, whatever their columns are called.
-pub const MAX_RECORD_BYTES: usize = 512;
-
-const MAGIC: [u8; 4] = *b"IRON";
-const HEADER_BYTES: usize = 16;
-const LENGTH_AT: usize = 12;
-const CRC_BYTES: usize = 4;
-/// Without a table: a record is checked a few times in a session, a table costs 1 KB of flash.
-const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
 /// A calibration with where it comes from, as it is stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,41 +35,6 @@ pub struct Record {
     /// only with this mounting.
     pub axes: Option<AxisMap>,
 }
-
-/// Why bytes are no record that can be used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum RecordError {
-    /// Nothing was ever written there, or it was erased: all bytes 0xff or all 0.
-    Empty,
-    /// Something is there, but not a whole record: a write that power cut short, or flipped bits.
-    Torn,
-    /// A sound record of a layout this program does not know.
-    Unsupported {
-        /// Version of its layout.
-        version: u8,
-        /// Its sequence number.
-        sequence: u32,
-    },
-    /// The checksum is right and the numbers are no calibration (not finite, singular, unknown method).
-    Unsound {
-        /// Its sequence number.
-        sequence: u32,
-    },
-}
-
-impl fmt::Display for RecordError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            RecordError::Empty => f.write_str("empty"),
-            RecordError::Torn => f.write_str("torn"),
-            RecordError::Unsupported { version, .. } => write!(f, "unsupported-version-{version}"),
-            RecordError::Unsound { .. } => f.write_str("unsound"),
-        }
-    }
-}
-
-impl core::error::Error for RecordError {}
 
 /// Whether sequence number `a` is newer than `b`, on the circle of 32-bit numbers.
 pub const fn is_newer(a: u32, b: u32) -> bool {
@@ -259,27 +184,6 @@ impl Record {
     }
 }
 
-/// How many bytes the record says it has, from its beginning in `bytes`; `None` where that is no beginning of a record, or too
-/// little of one.
-pub(crate) fn stated_length(bytes: &[u8]) -> Option<usize> {
-    let mut reader = Reader { bytes, at: 0 };
-    if reader.take::<4>().ok()? != MAGIC {
-        return None;
-    }
-    reader.at = LENGTH_AT;
-    let length = usize::from(u16::from_le_bytes(reader.take().ok()?));
-    (HEADER_BYTES + CRC_BYTES..=MAX_RECORD_BYTES).contains(&length).then_some(length)
-}
-
-fn check_crc(bytes: &[u8], length: usize) -> Result<(), RecordError> {
-    if !(HEADER_BYTES + CRC_BYTES..=MAX_RECORD_BYTES).contains(&length) {
-        return Err(RecordError::Torn);
-    }
-    let covered = bytes.get(..length - CRC_BYTES).ok_or(RecordError::Torn)?;
-    let stored = Reader { bytes, at: length - CRC_BYTES }.take()?;
-    if CRC.checksum(covered) == u32::from_le_bytes(stored) { Ok(()) } else { Err(RecordError::Torn) }
-}
-
 const fn method_code(method: Method) -> u8 {
     match method {
         Method::Adjusted => 1,
@@ -311,46 +215,5 @@ const fn model_of(code: u8) -> Option<Model> {
         2 => Some(Model::AxisAligned),
         3 => Some(Model::Sphere),
         _ => None,
-    }
-}
-
-struct Writer {
-    bytes: [u8; MAX_RECORD_BYTES],
-    at: usize,
-}
-
-impl Writer {
-    /// Writes what fits and counts all of it.
-    fn put(&mut self, value: &[u8]) {
-        let end = self.at + value.len();
-        if let Some(place) = self.bytes.get_mut(self.at..end) {
-            place.copy_from_slice(value);
-        }
-        self.at = end;
-    }
-
-    fn float(&mut self, value: f64) {
-        self.put(&value.to_le_bytes());
-    }
-}
-
-struct Reader<'a> {
-    bytes: &'a [u8],
-    at: usize,
-}
-
-impl<'a> Reader<'a> {
-    fn slice(&mut self, length: usize) -> Result<&'a [u8], RecordError> {
-        let slice = self.bytes.get(self.at..self.at + length).ok_or(RecordError::Torn)?;
-        self.at += length;
-        Ok(slice)
-    }
-
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], RecordError> {
-        self.slice(N)?.try_into().map_err(|_| RecordError::Torn)
-    }
-
-    fn float(&mut self) -> Result<f64, RecordError> {
-        self.take().map(f64::from_le_bytes)
     }
 }

@@ -1,0 +1,119 @@
+//! The bytes of a record: its layout, its checksum, and why bytes are none.
+
+use core::fmt;
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
+
+/// The version of the layout of a record without effects …
+pub const VERSION: u8 = 1;
+/// … of one with them …
+pub const VERSION_WITH_EFFECTS: u8 = 2;
+/// … and of one with so many coefficients that their standard errors are kept in 16 bits, to fit.
+pub const VERSION_SHORT_ERRORS: u8 = 3;
+/// Bytes of a record without effects.
+pub const RECORD_BYTES: usize = 148;
+/// The longest record: any four different effects of the catalogue fit, whatever their columns are called.
+pub const MAX_RECORD_BYTES: usize = 512;
+
+pub(super) const MAGIC: [u8; 4] = *b"IRON";
+pub(super) const HEADER_BYTES: usize = 16;
+pub(super) const LENGTH_AT: usize = 12;
+pub(super) const CRC_BYTES: usize = 4;
+/// Without a table: a record is checked a few times in a session, a table costs 1 KB of flash.
+pub(super) const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
+
+/// Why bytes are no record that can be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum RecordError {
+    /// Nothing was ever written there, or it was erased: all bytes 0xff or all 0.
+    Empty,
+    /// Something is there, but not a whole record: a write that power cut short, or flipped bits.
+    Torn,
+    /// A sound record of a layout this program does not know.
+    Unsupported {
+        /// Version of its layout.
+        version: u8,
+        /// Its sequence number.
+        sequence: u32,
+    },
+    /// The checksum is right and the numbers are no calibration (not finite, singular, unknown method).
+    Unsound {
+        /// Its sequence number.
+        sequence: u32,
+    },
+}
+
+impl fmt::Display for RecordError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            RecordError::Empty => f.write_str("empty"),
+            RecordError::Torn => f.write_str("torn"),
+            RecordError::Unsupported { version, .. } => write!(f, "unsupported-version-{version}"),
+            RecordError::Unsound { .. } => f.write_str("unsound"),
+        }
+    }
+}
+
+impl core::error::Error for RecordError {}
+
+/// How many bytes the record says it has, from its beginning in `bytes`; `None` where that is no beginning of a record, or too
+/// little of one.
+pub(crate) fn stated_length(bytes: &[u8]) -> Option<usize> {
+    let mut reader = Reader { bytes, at: 0 };
+    if reader.take::<4>().ok()? != MAGIC {
+        return None;
+    }
+    reader.at = LENGTH_AT;
+    let length = usize::from(u16::from_le_bytes(reader.take().ok()?));
+    (HEADER_BYTES + CRC_BYTES..=MAX_RECORD_BYTES).contains(&length).then_some(length)
+}
+
+pub(super) fn check_crc(bytes: &[u8], length: usize) -> Result<(), RecordError> {
+    if !(HEADER_BYTES + CRC_BYTES..=MAX_RECORD_BYTES).contains(&length) {
+        return Err(RecordError::Torn);
+    }
+    let covered = bytes.get(..length - CRC_BYTES).ok_or(RecordError::Torn)?;
+    let stored = Reader { bytes, at: length - CRC_BYTES }.take()?;
+    if CRC.checksum(covered) == u32::from_le_bytes(stored) { Ok(()) } else { Err(RecordError::Torn) }
+}
+
+pub(super) struct Writer {
+    pub(super) bytes: [u8; MAX_RECORD_BYTES],
+    pub(super) at: usize,
+}
+
+impl Writer {
+    /// Writes what fits and counts all of it.
+    pub(super) fn put(&mut self, value: &[u8]) {
+        let end = self.at + value.len();
+        if let Some(place) = self.bytes.get_mut(self.at..end) {
+            place.copy_from_slice(value);
+        }
+        self.at = end;
+    }
+
+    pub(super) fn float(&mut self, value: f64) {
+        self.put(&value.to_le_bytes());
+    }
+}
+
+pub(super) struct Reader<'a> {
+    pub(super) bytes: &'a [u8],
+    pub(super) at: usize,
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn slice(&mut self, length: usize) -> Result<&'a [u8], RecordError> {
+        let slice = self.bytes.get(self.at..self.at + length).ok_or(RecordError::Torn)?;
+        self.at += length;
+        Ok(slice)
+    }
+
+    pub(super) fn take<const N: usize>(&mut self) -> Result<[u8; N], RecordError> {
+        self.slice(N)?.try_into().map_err(|_| RecordError::Torn)
+    }
+
+    pub(super) fn float(&mut self) -> Result<f64, RecordError> {
+        self.take().map(f64::from_le_bytes)
+    }
+}

@@ -1,0 +1,34 @@
+//! The stored calibration: a record with a version and a CRC.
+//!
+//! All numbers are little-endian, all floats f64 unless said otherwise, so that what is read back has the bits that were
+//! written.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 0–3 | `IRON` |
+//! | 4 | version of the layout: 1 without effects, 2 with them, 3 with short standard errors |
+//! | 5 | method of the fit, 6: its model, 7: number of effects (0 in version 1) |
+//! | 8–11 | sequence number: of two sound records the newer counts |
+//! | 12–13 | length of the record with its CRC, 14: how the sensor was mounted (`AxisMap::code`; 0: not stated), 15: reserved, 0 |
+//! | 16–23 | `field_ut`, 24–47: `offset_ut`, 48–119: `matrix`, rows first |
+//! | 120–127 | samples (u64), 128–135: `noise_ut`, 136–143: `rms_ut` |
+//! | 144–… | the effects, from version 2 on |
+//! | last 4 | CRC-32 (ISO-HDLC) of everything before |
+//!
+//! An effect is: its kind (one byte), bytes of its column's name (one byte), that name, its reference where it has one, then
+//! its delay, time or frequency where it has one, its coefficients, and their standard errors: in single precision, or in version
+//! 3 the upper half of one (8 bits of mantissa: 0.4 %). Version 3 is written only where version 2 would be too long.
+//!
+//! The first 16 bytes and the place of the CRC belong to every version. So firmware that meets a newer record can tell it
+//! from a damaged one, and a longer record is checked by its own length. A record without effects is written in version 1,
+//! so that firmware that knows no effects reads it.
+
+mod effect;
+mod layout;
+mod stored;
+
+pub(crate) use layout::stated_length;
+pub use layout::{
+    MAX_RECORD_BYTES, RECORD_BYTES, RecordError, VERSION, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS,
+};
+pub use stored::{DoesNotFit, Encoded, Record, is_newer};
