@@ -4,8 +4,8 @@
 mod records;
 
 use ironout::effect::{
-    AmbientField, BuiltIn, ColumnName, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity, Offset,
-    Periodic, Power, Step,
+    AmbientField, BuiltIn, ColumnName, CrossAxis, Drift, Eddy, Gain, Lag, Nonlinearity, Offset, Periodic,
+    Power, Step,
 };
 use ironout::extended::Effects;
 use ironout::fit::{Method, Model};

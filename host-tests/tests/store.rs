@@ -8,7 +8,6 @@ use ironout::record::{DoesNotFit, MAX_RECORD_BYTES, RECORD_BYTES, Record, Record
 use ironout::store::{
     BadPlace, Done, Slot, SlotState, Slots, StorageSlots, Store, StoreError, StoreJob, run,
 };
-use proptest::prelude::*;
 use records::{all_effects, bytes, record, with, with_crc};
 
 /// 1024 bytes, of which the next `writes_left` may still be written; then the power is gone.
