@@ -217,7 +217,7 @@ impl RestGate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::f_tail;
+    use crate::fdist::f_tail;
 
     /// Samples of 1600 that pass, at a turning rate of `degrees_per_sample` and a noise of about `noise` counts.
     fn passed(degrees_per_sample: f64, noise: f64) -> u64 {

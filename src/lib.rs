@@ -68,6 +68,7 @@ mod dense;
 pub mod device;
 pub mod effect;
 pub mod extended;
+mod fdist;
 pub mod fit;
 pub mod gate;
 pub mod math;

@@ -11,7 +11,6 @@
 //! The order of columns is: base (nine for the magnitude, four for the dip, three for the vector), effects in the model,
 //! candidates. Residuals are `r(p)`, `J = ∂r/∂p`, `g = Jᵀr`, so a step is `δ = −N⁻¹g`.
 
-mod fdist;
 mod holdout;
 mod normal;
 mod pass;
@@ -19,10 +18,10 @@ mod prior;
 mod refit;
 mod schur;
 
+pub use crate::fdist::f_tail;
 #[doc(hidden)]
 pub use crate::model::Observation as Reading;
 pub use crate::model::{Model, NoRow, NotFinite, Observation, Residual, Term};
-pub use fdist::f_tail;
 pub use holdout::{HeldOut, held_out};
 pub use normal::{Factor, Normal};
 pub use pass::Study;

@@ -45,7 +45,7 @@ pub fn refit<T: Real, E: Effect<T>, const P: usize, const B: usize, const N: usi
 mod tests {
     use super::*;
     use crate::effect::{BuiltIn, ColumnName, Offset};
-    use crate::study::{Reading, Term};
+    use crate::model::{Observation, Term};
 
     const NO_TURN: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -88,7 +88,7 @@ mod tests {
                     coefficients: effects[0].coefficients,
                     inputs: [*current, 0.0],
                 };
-                let reading = Reading { measured_ut: *measured_ut, turn_radps: None, down: None };
+                let reading = Observation { measured_ut: *measured_ut, turn_radps: None, down: None };
                 study.push(i / 200, &reading, &[term]).expect("all is finite");
             }
             model = refit(&study, None, &mut effects).expect("determined");
