@@ -20,7 +20,7 @@ pub trait Effect<T: Real> {
     fn needs_gyro(&self) -> bool {
         false
     }
-    /// k, the number of coefficients, at most [`MAX_COEFFICIENTS`].
+    /// k, the number of coefficients, at most [`MAX_COEFFICIENTS`](super::MAX_COEFFICIENTS).
     fn coefficients(&self) -> usize;
     /// Unit of the coefficients.
     fn unit(&self) -> &'static str;

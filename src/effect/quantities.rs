@@ -47,7 +47,7 @@ pub struct Quantities<T> {
     pub centred_ut: [T; 3],
     /// `A (ω × h)`, µT/s: minus the rate at which the measured vector changes because the board turns. Zero without a gyro.
     pub turning_ut_per_s: [T; 3],
-    /// The values of the effect's columns, in the order of [`Effect::columns`].
+    /// The values of the effect's columns, in the order of [`Effect::columns`](super::Effect::columns).
     pub inputs: [T; MAX_INPUTS],
 }
 

@@ -22,7 +22,7 @@ impl<T: Real, E: Effect<T>> ExtendedCalibration<T, E> {
         Self { base, effects: Effects::none() }
     }
 
-    /// The calibration of a fitted model; `None` for more than [`MAX_EFFECTS`] effects.
+    /// The calibration of a fitted model; `None` for more than [`MAX_EFFECTS`](super::MAX_EFFECTS) effects.
     pub fn from_model(model: &Model<T>, effects: &[FittedEffect<T, E>]) -> Option<Self>
     where
         E: Clone,
