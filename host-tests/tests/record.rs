@@ -8,8 +8,7 @@ use ironout::effect::{
 use ironout::extended::{Effects, FittedEffect};
 use ironout::fit::{Method, Model};
 use ironout::record::{
-    DoesNotFit, MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, VERSION, VERSION_SHORT_ERRORS,
-    VERSION_WITH_EFFECTS, is_newer,
+    DoesNotFit, MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, VERSION, VERSION_WITH_EFFECTS, is_newer,
 };
 use ironout::sensor::AxisMap;
 use ironout::store::{
@@ -156,57 +155,6 @@ fn effects_that_take_more_room_than_a_slot_are_refused_and_the_record_in_use_sta
     let before = memory.bytes;
     assert_eq!(save(&mut memory, None, wide), Err(StoreError::DoesNotFit));
     assert_eq!(memory.bytes, before);
-}
-
-#[test]
-fn any_four_different_effects_fit_whatever_their_columns_are_called() {
-    let name = |n: usize| ColumnName::new(&format!("{n:032}")).unwrap();
-    // What is in a record at most once, and what may be there for several columns, steps or tones.
-    let of_column = |n: usize| {
-        let late =
-            |power| BuiltIn::Offset(Offset { column: name(n), reference: 0.1, power, delay_s: Some(0.3) });
-        [
-            late(Power::Linear),
-            late(Power::Squared),
-            BuiltIn::Gain(Gain { column: name(n), reference: 25.0 }),
-            BuiltIn::Field(AmbientField { column: name(n), reference: 0.5 }),
-            BuiltIn::Step(Step { at_s: n as f64 }),
-            BuiltIn::Periodic(Periodic { frequency_hz: 1.0 + n as f64, reference_s: 0.1 }),
-        ]
-    };
-    let mut choices: Vec<BuiltIn<f64>> = (0..4).flat_map(of_column).collect();
-    choices.extend([
-        BuiltIn::Drift(Drift { reference_s: 0.3 }),
-        BuiltIn::Lag(Lag),
-        BuiltIn::Eddy(Eddy),
-        BuiltIn::Nonlinearity(Nonlinearity),
-        BuiltIn::CrossAxis(CrossAxis),
-    ]);
-    let (mut longest, mut short) = (0, 0);
-    for a in 0..choices.len() {
-        for b in a + 1..choices.len() {
-            for c in b + 1..choices.len() {
-                for d in c + 1..choices.len() {
-                    let record = with(&[choices[a], choices[b], choices[c], choices[d]]);
-                    let bytes = bytes(&record);
-                    longest = longest.max(bytes.len());
-                    let back = Record::decode(&bytes).unwrap();
-                    if bytes[4] == VERSION_SHORT_ERRORS {
-                        short += 1;
-                        for (kept, written) in back.effects.iter().zip(record.effects.iter()) {
-                            assert_eq!(kept.coefficients, written.coefficients);
-                            for (kept, written) in kept.std_errors.iter().zip(written.std_errors) {
-                                assert!((written..=1.01 * written).contains(kept), "{kept} for {written}");
-                            }
-                        }
-                    } else {
-                        assert_eq!(back, record);
-                    }
-                }
-            }
-        }
-    }
-    assert!(longest <= MAX_RECORD_BYTES && short > 0, "{longest} bytes, {short} with short errors");
 }
 
 #[test]
