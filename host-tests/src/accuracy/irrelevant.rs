@@ -112,9 +112,10 @@ fn decoy(name: &str, seed: u64, rows: usize, rate_hz: f64) -> Vec<f64> {
             on ^= sampler.uniform(0.0, 1.0) < 0.25 / rate_hz;
             match name {
                 "walk" => walk,
-                "wave" => {
-                    waves.iter().map(|(period, phase)| (6.283 * t_s / period + phase).sin()).sum::<f64>()
-                }
+                "wave" => waves
+                    .iter()
+                    .map(|(period, phase)| (std::f64::consts::TAU * t_s / period + phase).sin())
+                    .sum::<f64>(),
                 "switch" => f64::from(on),
                 _ => sampler.normal3()[1],
             }
