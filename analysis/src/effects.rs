@@ -2,7 +2,9 @@
 
 use crate::calibration::EffectEntry;
 use ironout::calibration::Calibration;
-use ironout::effect::{BuiltIn, ColumnName, Effect, MAX_COEFFICIENTS, Made, Parts, Registry, Zero};
+use ironout::effect::{
+    BuiltIn, ColumnName, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Made, Parts, Registry, Zero,
+};
 use ironout::extended::{ExtendedCalibration, FittedEffect, MAX_EFFECTS};
 
 /// A calibration with effects of any family.
@@ -12,10 +14,9 @@ pub type Calibrated = ExtendedCalibration<f64, Made<ColumnName>>;
 /// the library's.
 pub fn of_library(calibration: &Calibrated) -> Option<ExtendedCalibration<f64>> {
     let mut out = ExtendedCalibration::plain(calibration.base);
-    for FittedEffect { effect, coefficients, std_errors } in calibration.effects.iter() {
+    for FittedEffect { effect, coefficients, std_errors, ranges } in calibration.effects.iter() {
         let effect = BuiltIn::of(effect.parts())?;
-        let (coefficients, std_errors) = (*coefficients, *std_errors);
-        out.effects.push(FittedEffect { effect, coefficients, std_errors }).ok()?;
+        out.effects.push(FittedEffect::new(effect, *coefficients, *std_errors).over(*ranges)).ok()?;
     }
     Some(out)
 }
@@ -78,5 +79,9 @@ pub fn from_entry(
     };
     let errors: Vec<f64> = entry.std_errors.iter().map(|error| error.unwrap_or(f64::NAN)).collect();
     let (coefficients, std_errors) = (padded(&entry.coefficients), padded(&errors));
-    Ok(FittedEffect { effect, coefficients, std_errors })
+    let mut ranges = [None; MAX_INPUTS];
+    for (range, column) in ranges.iter_mut().zip(effect.columns()) {
+        *range = column.zip(entry.range.as_ref()).and_then(|(column, known)| known.get(column.name).copied());
+    }
+    Ok(FittedEffect::new(effect, coefficients, std_errors).over(ranges))
 }

@@ -3,8 +3,7 @@
 
 use crate::calibration::EffectEntry;
 use crate::correct::Corrector;
-use ironout::calibration::norm;
-use ironout::effect::{Effect, MAX_COEFFICIENTS, Quantities, no_shape};
+use ironout::effect::Effect;
 use ironout::extended::FittedEffect;
 use serde::Serialize;
 
@@ -79,7 +78,7 @@ impl Corrector<'_> {
         let error = |value: f64| {
             let mut inputs = self.conditions(row).inputs[effect];
             inputs[slot] = value;
-            self.error_of(fitted, row, inputs)
+            fitted.error_ut(&self.calibration().base, self.measured_ut(row), inputs)
         };
         Some(Outside {
             effect: id.to_string(),
@@ -91,31 +90,6 @@ impl Corrector<'_> {
             error_ut: error(furthest),
             error_at_range_ut: error(furthest.clamp(least, most)),
         })
-    }
-
-    /// What the standard errors of an effect's coefficients make of the corrected vector of a row, µT, each taken by
-    /// itself: a calibration file does not say how they hang together.
-    fn error_of<E: Effect<f64>>(
-        &self,
-        fitted: &FittedEffect<f64, E>,
-        row: usize,
-        inputs: [f64; 2],
-    ) -> Option<f64> {
-        let base = &self.calibration().base;
-        let measured = self.measured_ut(row);
-        let centred_ut = std::array::from_fn(|axis| measured[axis] - base.offset_ut[axis]);
-        let at = Quantities { centred_ut, inputs, ..Quantities::of_vector(measured) };
-        let mut shape = no_shape();
-        fitted.effect.shape(&at, &mut shape);
-        let k = fitted.effect.coefficients().min(MAX_COEFFICIENTS);
-        let square: f64 = (shape.iter().zip(&fitted.std_errors).take(k))
-            .map(|(column, error)| {
-                let turned: [f64; 3] =
-                    std::array::from_fn(|i| (0..3).map(|j| base.matrix[i][j] * column[j]).sum());
-                (norm(turned) * error).powi(2)
-            })
-            .sum();
-        Some(square.sqrt()).filter(|error| error.is_finite())
     }
 }
 

@@ -260,7 +260,7 @@ fn late(column: &str) -> FittedEffect<f64> {
     let column = ColumnName::new(column).unwrap();
     let effect = Offset { column, reference: 0.0, power: Power::Linear, delay_s: Some(0.2) };
     let coefficients = std::array::from_fn(|i| if i == 0 { 1.0 } else { 0.0 });
-    FittedEffect { effect: BuiltIn::Offset(effect), coefficients, std_errors: [0.01; 9] }
+    FittedEffect::new(BuiltIn::Offset(effect), coefficients, [0.01; 9])
 }
 
 /// A board in a constant field of (20, −10, 35) µT without noise, this record in its EEPROM.

@@ -12,7 +12,7 @@ use ironout_rig::board::SimBoard;
 
 fn fitted(effect: BuiltIn<f64>, theta: [f64; 3]) -> FittedEffect<f64> {
     let pad = |values: [f64; 3]| std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0));
-    FittedEffect { effect, coefficients: pad(theta), std_errors: pad([0.001; 3]) }
+    FittedEffect::new(effect, pad(theta), pad([0.001; 3]))
 }
 
 fn record(effects: &[FittedEffect<f64>]) -> Record {
@@ -68,7 +68,7 @@ fn effects_are_applied_once_their_columns_are_fed() {
     assert!(
         show.contains(
             &"+ effect=offset:temp_c coefficients=1.0,-2.0,0.5 std_errors=0.0010000000474974513,0.0010000000474974513,\
-             0.0010000000474974513 reference=25.0"
+             0.0010000000474974513 reference=25.0 range=-"
                 .to_owned()
         ),
         "{show:?}"

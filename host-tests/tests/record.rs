@@ -4,19 +4,19 @@
 mod records;
 
 use ironout::effect::{
-    AmbientField, BuiltIn, ColumnName, CrossAxis, Drift, Eddy, Gain, Lag, Nonlinearity, Offset, Periodic,
-    Power, Step,
+    AmbientField, BuiltIn, ColumnName, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity, Offset,
+    Periodic, Power, Step,
 };
 use ironout::extended::Effects;
 use ironout::fit::{Method, Model};
 use ironout::record::{
     MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, VERSION, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS,
-    is_newer,
+    VERSION_WITH_RANGES, VERSION_WITH_RANGES_SHORT_ERRORS, is_newer,
 };
 use ironout::sensor::AxisMap;
 use proptest::collection::vec;
 use proptest::prelude::*;
-use records::{all_effects, bytes, fitted, record, with, with_crc};
+use records::{all_effects, bytes, fitted, record, with, with_crc, with_ranges};
 
 #[test]
 fn a_record_reads_back_to_the_same_bits() {
@@ -78,14 +78,15 @@ fn any_four_different_effects_fit_whatever_their_columns_are_called() {
         for b in a + 1..choices.len() {
             for c in b + 1..choices.len() {
                 for d in c + 1..choices.len() {
-                    let record = with(&[choices[a], choices[b], choices[c], choices[d]]);
+                    let record = with_ranges(&with(&[choices[a], choices[b], choices[c], choices[d]]));
                     let bytes = bytes(&record);
                     longest = longest.max(bytes.len());
                     let back = Record::decode(&bytes).unwrap();
-                    if bytes[4] == VERSION_SHORT_ERRORS {
+                    if bytes[4] == VERSION_WITH_RANGES_SHORT_ERRORS {
                         short += 1;
                         for (kept, written) in back.effects.iter().zip(record.effects.iter()) {
                             assert_eq!(kept.coefficients, written.coefficients);
+                            assert_eq!(kept.ranges, written.ranges);
                             for (kept, written) in kept.std_errors.iter().zip(written.std_errors) {
                                 assert!((written..=1.01 * written).contains(kept), "{kept} for {written}");
                             }
@@ -98,6 +99,51 @@ fn any_four_different_effects_fit_whatever_their_columns_are_called() {
         }
     }
     assert!(longest <= MAX_RECORD_BYTES && short > 0, "{longest} bytes, {short} with short errors");
+}
+
+#[test]
+fn ranges_read_back_and_older_layouts_are_written_where_there_is_none() {
+    for effect in all_effects() {
+        let written = with_ranges(&with(&[effect]));
+        let version = if effect.columns()[0].is_some() { VERSION_WITH_RANGES } else { VERSION_WITH_EFFECTS };
+        assert_eq!(bytes(&written)[4], version, "{effect:?}");
+        assert_eq!(Record::decode(&bytes(&written)), Ok(written), "{effect:?}");
+    }
+    // Of one effect the range is known, of the other not.
+    let mut one = with(&all_effects()[..1]);
+    let [known, ..] = all_effects();
+    one.effects.push(fitted(known).over([Some([-3.5, 60.25]), None])).unwrap();
+    assert_eq!(Record::decode(&bytes(&one)), Ok(one));
+    // Too long with whole standard errors: without ranges the layout that firmware of before them reads.
+    let long =
+        with(&[BuiltIn::Eddy(Eddy), all_effects()[2], all_effects()[12], BuiltIn::CrossAxis(CrossAxis)]);
+    assert_eq!(bytes(&long)[4], VERSION_SHORT_ERRORS);
+    assert_eq!(bytes(&with_ranges(&long))[4], VERSION_WITH_RANGES_SHORT_ERRORS);
+}
+
+#[test]
+fn a_range_is_rounded_outward_and_one_that_ends_before_it_begins_is_unsound() {
+    let kept = |least: f64, most: f64| {
+        let mut record = record(1.0);
+        record.effects.push(fitted(all_effects()[0]).over([Some([least, most]), None])).unwrap();
+        Record::decode(&bytes(&record)).map(|record| record.effects.iter().next().unwrap().ranges[0])
+    };
+    for ends @ [least, most] in
+        [[0.1, 0.7], [-0.7, -0.1], [1.7e9 + 1.0, 1.7e9 + 61.0], [1e300, 2e300], [0.0, 1e-60]]
+    {
+        let [low, high] = kept(least, most).unwrap().unwrap();
+        assert!(low <= least && most <= high, "{ends:?}: {low} {high}");
+        let step = |value: f64| 2e-7 * value.abs() + 1e-44;
+        assert!(
+            least > 1e38 || (least - low <= step(least) && high - most <= step(most)),
+            "{ends:?}: {low} {high}"
+        );
+    }
+    let unsound = Err(RecordError::Unsound { sequence: 0 });
+    for (least, most) in [(1.0, 0.5), (f64::NAN, 1.0), (1.0, f64::NAN)] {
+        assert_eq!(kept(least, most), unsound, "{least} {most}");
+    }
+    assert_eq!(kept(f64::NAN, f64::NAN), Ok(None), "it is not known");
 }
 
 #[test]
@@ -114,7 +160,7 @@ fn how_the_sensor_was_mounted_is_kept_and_a_mounting_that_is_none_is_unsound() {
 
 #[test]
 fn a_record_with_effects_cut_or_flipped_anywhere_is_torn() {
-    let good = bytes(&with(&all_effects()[2..5]));
+    let good = bytes(&with_ranges(&with(&all_effects()[2..5])));
     for bit in 0..good.len() * 8 {
         let mut bad = good.clone();
         bad[bit / 8] ^= 1 << (bit % 8);
@@ -163,9 +209,9 @@ fn a_newer_layout_is_told_from_damage_and_unsound_numbers_are_refused() {
 
     let mut longer = good.clone();
     longer.splice(144..144, [7; 88]);
-    (longer[4], longer[7]) = (4, 1);
+    (longer[4], longer[7]) = (6, 1);
     longer[12..14].copy_from_slice(&236_u16.to_le_bytes());
-    let newer = RecordError::Unsupported { version: 4, sequence: 9 };
+    let newer = RecordError::Unsupported { version: 6, sequence: 9 };
     assert_eq!(Record::decode(&with_crc(longer)), Err(newer));
 
     for (at, value) in [(16, f64::NAN), (16, -48.0), (24, f64::INFINITY), (48, 0.0), (128, f64::NAN)] {
@@ -191,7 +237,7 @@ proptest! {
             vec(any::<u8>(), 0..600),
             // A record with a few bytes changed and its checksum made right again.
             vec((0..200_usize, any::<u8>()), 0..6).prop_map(|changes| {
-                let mut bytes = bytes(&with(&all_effects()[..2]));
+                let mut bytes = bytes(&with_ranges(&with(&all_effects()[..2])));
                 changes.into_iter().for_each(|(at, byte)| bytes[at] = byte);
                 with_crc(bytes)
             }),

@@ -26,6 +26,12 @@ fn entry(
     })
 }
 
+/// The same entry, fitted over these values of its column.
+fn over(mut entry: serde_json::Value, column: &str, ends: [f64; 2]) -> serde_json::Value {
+    entry["range"] = serde_json::json!({column: ends});
+    entry
+}
+
 /// Calibrations that carry every effect there is between them.
 fn every_effect() -> [Vec<serde_json::Value>; 4] {
     let (temp, amps) = (Some(("temp_c", 24.0)), Some(("current_a", 1.5)));
@@ -37,8 +43,12 @@ fn every_effect() -> [Vec<serde_json::Value>; 4] {
         vec![
             entry("lag", None, None, &[4e-3, 1e-3, -2e-3, 0.0, 3e-3, 1e-3, 2e-3, -1e-3, 5e-3]),
             entry("field:height_m", Some(("height_m", 0.2)), None, &[0.02]),
-            entry("offset:current_a^2", amps, None, &[0.02, 0.01, -0.03]),
-            entry("offset:current_a@delay", amps, Some(("delay_s", 0.31)), &[0.2, 0.1, -0.3]),
+            over(entry("offset:current_a^2", amps, None, &[0.02, 0.01, -0.03]), "current_a", [0.1, 4.7]),
+            over(
+                entry("offset:current_a@delay", amps, Some(("delay_s", 0.31)), &[0.2, 0.1, -0.3]),
+                "current_a",
+                [0.1, 4.75],
+            ),
         ],
         vec![
             entry("drift", Some(("t_s", 20.0)), None, &[0.03, -0.02, 0.01]),
@@ -193,4 +203,12 @@ fn the_rust_constants_with_effects_run_live_as_the_tool_corrects() {
         compared += 1;
     }
     assert!(compared > 900 && worst < 0.02, "{compared} rows, {worst} µT");
+    // The board knows the range of each column that the file says, and the height's is not known.
+    live.set("height_m", 1e6);
+    for (current_a, outside) in [(0.1, false), (4.7, false), (4.71, true), (0.09, true)] {
+        live.set("current_a", current_a);
+        let now: Vec<(usize, &str)> =
+            live.outside().filter(|one| one.effect != 3).map(|one| (one.effect, one.column)).collect();
+        assert_eq!(now, if outside { vec![(2, "current_a")] } else { vec![] }, "{current_a}");
+    }
 }

@@ -230,7 +230,7 @@ struct Row<'a>(&'a FittedEffect<f64>);
 
 impl fmt::Display for Row<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Row(FittedEffect { effect, coefficients, std_errors }) = self;
+        let Row(FittedEffect { effect, coefficients, std_errors, ranges }) = self;
         let k = effect.coefficients();
         Effect::<f64>::id(effect, f)?;
         for (key, values) in [(" coefficients=", coefficients), (" std_errors=", std_errors)] {
@@ -243,9 +243,16 @@ impl fmt::Display for Row<'_> {
         if let Some(reference) = parts.reference() {
             write!(f, " reference={reference:?}")?;
         }
-        match parts.parameter() {
-            Some((searched, value)) => write!(f, " {}={value:?}", searched.name()),
-            None => Ok(()),
+        if let Some((searched, value)) = parts.parameter() {
+            write!(f, " {}={value:?}", searched.name())?;
         }
+        for (column, range) in effect.columns().into_iter().zip(ranges) {
+            match (column, range) {
+                (None, _) => {}
+                (Some(_), Some([least, most])) => write!(f, " range={least:?},{most:?}")?,
+                (Some(_), None) => f.write_str(" range=-")?,
+            }
+        }
+        Ok(())
     }
 }

@@ -71,10 +71,11 @@ impl<T: Real> ExtendedCalibration<T> {
     pub fn cast<U: Real>(&self) -> ExtendedCalibration<U> {
         let to = |value: T| U::of(value.as_f64());
         let effects = self.effects.0.map(|place| {
-            place.map(|FittedEffect { effect, coefficients, std_errors }| FittedEffect {
+            place.map(|FittedEffect { effect, coefficients, std_errors, ranges }| FittedEffect {
                 effect: effect.cast(),
                 coefficients: coefficients.map(to),
                 std_errors: std_errors.map(to),
+                ranges: ranges.map(|range| range.map(|ends| ends.map(to))),
             })
         });
         ExtendedCalibration { base: self.base.cast(), effects: Effects(effects) }
@@ -90,18 +91,20 @@ impl<T: Real, E: Effect<T> + InParts + Clone> ExtendedCalibration<T, E> {
         let origin_s = self.effects.iter().find_map(reference).unwrap_or(0.0);
         let moved = |fitted: FittedEffect<T, E>| {
             let effect = fitted.effect.with_numbers(&fitted.effect.parts().on_clock_from(origin_s));
-            FittedEffect { effect, ..fitted }
+            FittedEffect { effect, ranges: fitted.ranges_on_clock_from(origin_s), ..fitted }
         };
         let effects = self.effects.0.clone().map(|place| place.map(moved));
         (Self { base: self.base, effects: Effects(effects) }, origin_s)
     }
 
-    /// Whether every number but the standard errors is finite and the matrix invertible: what a record or a file must hold.
+    /// Whether every number but the standard errors is finite, the matrix invertible and no range ends before it begins: what
+    /// a record or a file must hold.
     pub fn is_sound(&self) -> bool {
         let sound = |fitted: &FittedEffect<T, E>| {
             let k = fitted.effect.coefficients();
             fitted.effect.parts().is_sound()
                 && fitted.coefficients.iter().take(k).all(|value| value.is_finite())
+                && fitted.has_sound_ranges()
         };
         self.base.is_sound() && self.effects.iter().all(sound)
     }

@@ -1,9 +1,18 @@
 //! The effects that a calibration carries.
 
-use crate::effect::{BuiltIn, Coefficients};
+use crate::calibration::Calibration;
+use crate::effect::{
+    BuiltIn, Coefficients, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, TIME, no_shape,
+};
+use crate::math::Real;
+use crate::vector::{minus, norm, times};
 
 /// The most effects a calibration carries.
 pub const MAX_EFFECTS: usize = 4;
+
+/// The least and the greatest value of each column of an effect, in the order of [`Effect::columns`], in the column's unit;
+/// `None` where it has no such column, or its range is not known.
+pub type Ranges<T> = [Option<[T; 2]>; MAX_INPUTS];
 
 /// An effect with its coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +23,60 @@ pub struct FittedEffect<T, E = BuiltIn<T>> {
     pub coefficients: Coefficients<T>,
     /// Their standard errors, from noise; NaN for a coefficient that the data did not show.
     pub std_errors: Coefficients<T>,
+    /// Over which values of its columns it was fitted: outside it is extrapolated.
+    pub ranges: Ranges<T>,
+}
+
+impl<T, E> FittedEffect<T, E> {
+    /// An effect with these coefficients and standard errors, of which it is not known over which values of its columns it
+    /// was fitted: [`FittedEffect::over`] says so.
+    pub const fn new(effect: E, coefficients: Coefficients<T>, std_errors: Coefficients<T>) -> Self {
+        Self { effect, coefficients, std_errors, ranges: [const { None }; MAX_INPUTS] }
+    }
+
+    /// The same effect, fitted over these values of its columns; usable in constants.
+    pub const fn over(mut self, ranges: Ranges<T>) -> Self
+    where
+        T: Copy,
+    {
+        self.ranges = ranges;
+        self
+    }
+}
+
+impl<T: Real, E: Effect<T>> FittedEffect<T, E> {
+    /// Error (1σ) that the standard errors of the coefficients make of a corrected vector, µT, each taken by itself: it is
+    /// not kept how they hang together. `measured_ut` is the measured vector, `inputs` are the values of the effect's columns;
+    /// what a rate of turn adds is left out. `None` where it is not known.
+    pub fn error_ut(&self, base: &Calibration<T>, measured_ut: [T; 3], inputs: [T; MAX_INPUTS]) -> Option<T> {
+        let centred_ut = minus(measured_ut, base.offset_ut);
+        let at = Quantities { centred_ut, inputs, ..Quantities::of_vector(measured_ut) };
+        let mut shape = no_shape();
+        self.effect.shape(&at, &mut shape);
+        let k = self.effect.coefficients().min(MAX_COEFFICIENTS);
+        let errors = shape.iter().zip(&self.std_errors).take(k);
+        let square = errors.fold(T::zero(), |sum, (column, error)| {
+            let one = norm(times(&base.matrix, *column)) * *error;
+            sum + one * one
+        });
+        Some(square.root()).filter(|error| error.is_finite())
+    }
+
+    /// The ranges on a clock that shows zero when the other one shows `origin_s`.
+    pub(super) fn ranges_on_clock_from(&self, origin_s: f64) -> Ranges<T> {
+        let mut ranges = self.ranges;
+        for (range, column) in ranges.iter_mut().zip(self.effect.columns()) {
+            if column.is_some_and(|column| column.name == TIME) {
+                *range = range.map(|ends| ends.map(|end| T::of(end.as_f64() - origin_s)));
+            }
+        }
+        ranges
+    }
+
+    /// Whether every range that is known has two ends in their order.
+    pub(super) fn has_sound_ranges(&self) -> bool {
+        self.ranges.iter().flatten().all(|[least, most]| least <= most)
+    }
 }
 
 /// Up to [`MAX_EFFECTS`] effects.

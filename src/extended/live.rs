@@ -3,7 +3,8 @@
 use super::calibration::ExtendedCalibration;
 use super::correction::{NotCorrected, Prepared, correct};
 use super::delay::DelayLine;
-use super::fitted::MAX_EFFECTS;
+use super::fitted::{MAX_EFFECTS, Ranges};
+use super::outside::Outside;
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, Coefficients, Effect, MAX_INPUTS, TIME};
 use crate::math::Real;
@@ -62,6 +63,7 @@ impl Slots {
 struct Place<T, E> {
     effect: E,
     coefficients: Coefficients<T>,
+    ranges: Ranges<T>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,13 +83,16 @@ struct Late<T> {
 /// let mut calibration = ExtendedCalibration::plain(Calibration::identity(48.0_f32));
 /// let heat = Offset::linear(ColumnName::new("temp_c")?, 25.0);
 /// let theta = [0.5, 0.0, -0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]; // µT/°C
-/// let heat = FittedEffect { effect: BuiltIn::Offset(heat), coefficients: theta, std_errors: [0.0; 9] };
+/// let heat = FittedEffect::new(BuiltIn::Offset(heat), theta, [0.01; 9]).over([Some([10.0, 40.0]), None]); // °C
 /// calibration.effects.push(heat).map_err(|_| "four effects at most")?;
 ///
 /// let mut live = Live::new(&calibration)?;
 /// let temperature = live.slots("temp_c"); // by name once ...
 /// live.set_slots(temperature, 35.0); // ... then without
 /// assert_eq!(live.apply([25.0, 10.0, 39.0], None)?, [20.0, 10.0, 40.0]);
+/// assert!(live.outside().next().is_none());
+/// live.set_slots(temperature, 55.0); // corrected all the same, and known to be extrapolated by 15 °C
+/// assert_eq!(live.outside().next().map(|outside| outside.distance()), Some(15.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -102,6 +107,8 @@ pub struct Live<T, E = BuiltIn<T>> {
     known: Slots,
     late: Vec<Late<T>, MAX_DELAYED>,
     time: Slots,
+    /// The time of the last [`Live::advance`], s; NaN before it.
+    now_s: f64,
 }
 
 impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
@@ -119,11 +126,15 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
             known: Slots::default(),
             late: Vec::new(),
             time: Slots::default(),
+            now_s: f64::NAN,
         };
         for (index, fitted) in calibration.effects.iter().enumerate() {
             // As many places as a calibration has effects.
-            let _ =
-                live.places.push(Place { effect: fitted.effect.clone(), coefficients: fitted.coefficients });
+            let _ = live.places.push(Place {
+                effect: fitted.effect.clone(),
+                coefficients: fitted.coefficients,
+                ranges: fitted.ranges,
+            });
             for (input, column) in fitted.effect.columns().into_iter().enumerate() {
                 let Some(column) = column else { continue };
                 let slot = Slots::one(index, input);
@@ -179,6 +190,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
     /// Moves the time on, s, in double precision also where the correction is in single: what effects of time and of delayed columns go by. Not needed where there are none
     /// ([`Live::needs_time`]).
     pub fn advance(&mut self, now_s: f64) {
+        self.now_s = now_s;
         for (index, place) in self.places.iter().enumerate() {
             // Each effect has its own, reduced before it loses its places in a single.
             let own = Slots(self.time.0 & Slots::all_of(index).0);
@@ -209,6 +221,24 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
         let missing = self.missing()?;
         let columns = self.places.get(missing / MAX_INPUTS)?.effect.columns();
         columns.into_iter().nth(missing % MAX_INPUTS).flatten().map(|column| column.name)
+    }
+
+    /// The columns that are known and outside the range that their effect was fitted over: there the correction goes on and is
+    /// extrapolated. It costs nothing until it is asked. Of an effect whose range is not known, nothing is told.
+    pub fn outside(&self) -> impl Iterator<Item = Outside<'_, T>> {
+        self.places.iter().zip(&self.inputs).enumerate().flat_map(move |(index, (place, inputs))| {
+            let columns = place.effect.columns().into_iter().zip(place.ranges).zip(inputs).enumerate();
+            columns.filter_map(move |(input, ((column, range), value))| {
+                let slot = Slots::one(index, input).0;
+                if self.known.0 & slot == 0 {
+                    return None;
+                }
+                let is_advanced = || *value == T::of(place.effect.time_s(self.now_s));
+                // An effect that repeats was given a time less whole periods.
+                let value = if self.time.0 & slot != 0 && is_advanced() { T::of(self.now_s) } else { *value };
+                Outside::of((index, input), column?.name, value, range?)
+            })
+        })
     }
 
     /// The first input that is needed and not known.

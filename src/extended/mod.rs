@@ -2,7 +2,8 @@
 //!
 //! `corrected = matrix · (measured − offset − Σ Φθ)`. [`ExtendedCalibration`] is what a fit makes and what is stored;
 //! [`Live`] is what runs on every sample: it knows which column goes to which effect, keeps the late ones, and says so
-//! when a column that an effect needs is not known, instead of correcting with something else.
+//! when a column that an effect needs is not known, instead of correcting with something else, and which column is outside the
+//! range that its effect was fitted over ([`Live::outside`]).
 //!
 //! # An effect of one's own, from the fit to the correction
 //!
@@ -55,7 +56,7 @@
 //! // Fit: nine columns of the base and two of the effect, linearised again and again, from a sphere on.
 //! let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 //! let mut model = Model::new([18.0, -4.0, 9.0], identity, 50.0, identity, 0.0).ok_or("no model")?;
-//! let mut servo = FittedEffect { effect: Servo, coefficients: [0.0; 9], std_errors: [0.0; 9] };
+//! let mut servo = FittedEffect::new(Servo, [0.0; 9], [0.0; 9]);
 //! for _ in 0..8 {
 //!     let mut study: Study<f64, 11, 1, 1> = Study::new(Residual::Magnitude, model, 2);
 //!     for i in 0..3000 {
@@ -68,6 +69,9 @@
 //! }
 //! assert!((servo.coefficients[0] - 3.0).abs() < 1e-3 && servo.coefficients[1].abs() < 1e-3);
 //! assert!((model.offset_ut[0] - 20.0).abs() < 1e-3);
+//!
+//! // The arm was seen from −1.5 to 1.5 rad.
+//! servo = servo.over([Some([-1.5, 1.5]), None]);
 //!
 //! // Apply.
 //! let calibration = ExtendedCalibration::from_model(&model, &[servo]).ok_or("more than four effects")?;
@@ -89,11 +93,13 @@ mod correction;
 mod delay;
 mod fitted;
 mod live;
+mod outside;
 #[cfg(test)]
 mod tests;
 
 pub use calibration::ExtendedCalibration;
 pub use correction::{Conditions, NotCorrected};
 pub use delay::{DELAY_PLACES, DelayLine};
-pub use fitted::{Effects, FittedEffect, MAX_EFFECTS};
+pub use fitted::{Effects, FittedEffect, MAX_EFFECTS, Ranges};
 pub use live::{Live, LiveError, MAX_DELAYED, Slots};
+pub use outside::Outside;

@@ -7,11 +7,7 @@ use crate::model::{Model, Observation, Term};
 use core::fmt;
 
 fn fitted(effect: BuiltIn<f64>, size: f64) -> FittedEffect<f64> {
-    FittedEffect {
-        effect,
-        coefficients: core::array::from_fn(|i| size * (1.0 - 0.3 * i as f64)),
-        std_errors: [0.0; 9],
-    }
+    FittedEffect::new(effect, core::array::from_fn(|i| size * (1.0 - 0.3 * i as f64)), [0.0; 9])
 }
 
 #[test]
@@ -51,6 +47,77 @@ fn the_study_and_the_correction_mean_the_same() {
     assert_eq!(live.apply(measured, Some(turn)), Err(NotCorrected::Column(0)));
 }
 
+#[test]
+fn a_column_is_outside_beyond_the_ends_of_its_range_and_not_at_them() {
+    let column = |name| ColumnName::new(name).unwrap();
+    let heat = fitted(BuiltIn::Offset(Offset::linear(column("temp_c"), 25.0)), 0.1);
+    let late = Offset { delay_s: Some(0.5), ..Offset::linear(column("current_a"), 0.0) };
+    let mut calibration = ExtendedCalibration::plain(Calibration::identity(50.0));
+    calibration.effects.push(heat.over([Some([10.1, 35.7]), None])).unwrap();
+    calibration.effects.push(fitted(BuiltIn::Offset(late), 0.1).over([Some([-1.0, 4.0]), None])).unwrap();
+    // Of this one it is not known, and nothing is told.
+    calibration
+        .effects
+        .push(fitted(BuiltIn::Gain(Gain { column: column("temp_c"), reference: 1.0 }), 0.1))
+        .unwrap();
+    let mut live = Live::new(&calibration.cast::<f32>()).unwrap();
+    assert_eq!(live.outside().count(), 0, "nothing is known yet");
+    for (temp_c, distance) in
+        [(10.1, 0.0), (35.7, 0.0), (20.0, 0.0), (10.0, 0.1), (36.0, 0.3), (f32::NAN, 0.0)]
+    {
+        live.set("temp_c", temp_c);
+        let found: Option<super::Outside<'_, f32>> = live.outside().next();
+        let far = found.map_or(0.0, |one| one.distance());
+        assert!((far - distance).abs() < 1e-5 && found.is_some() == (distance > 0.0), "{temp_c}: {found:?}");
+        assert!(found.is_none_or(|one| (one.effect, one.input, one.column) == (0, 0, "temp_c")));
+    }
+    // A late column is outside when its value acts.
+    live.set("temp_c", 20.0);
+    for (now_s, current_a, outside) in
+        [(0.0, 1.0, false), (0.5, 9.0, false), (0.75, 9.0, true), (1.5, 1.0, true)]
+    {
+        live.set("current_a", current_a);
+        live.advance(now_s);
+        let found = live.outside().next();
+        assert_eq!(found.is_some(), outside, "{now_s}: {found:?}");
+        assert!(found.is_none_or(|one| (one.effect, one.column, one.nearest()) == (1, "current_a", 4.0)));
+    }
+}
+
+#[test]
+fn the_time_is_outside_by_the_clock_and_not_by_its_phase() {
+    let start_s = 1.7e9;
+    let hum = crate::effect::Periodic { frequency_hz: 12.5, reference_s: start_s };
+    let mut calibration = ExtendedCalibration::plain(Calibration::identity(50.0));
+    let range = [Some([start_s - 5.0, start_s + 60.0]), None];
+    calibration.effects.push(fitted(BuiltIn::Periodic(hum), 1.0).over(range)).unwrap();
+    let (own, origin_s) = calibration.on_own_clock();
+    let mut live = Live::new(&own.cast::<f32>()).unwrap();
+    for (past_s, distance_s) in [(-6.0, 1.0), (-5.0, 0.0), (60.0, 0.0), (60.5, 0.5), (3660.0, 3600.0)] {
+        live.advance(start_s + past_s - origin_s);
+        let far = live.outside().next().map_or(0.0, |one| one.distance());
+        assert!((far - distance_s).abs() < 1e-3, "{past_s}: {far}");
+    }
+    live.set(crate::effect::TIME, f32::NAN);
+    assert_eq!(live.outside().count(), 0, "the clock is not known");
+}
+
+#[test]
+fn the_error_of_an_effect_grows_with_the_distance_from_its_reference() {
+    let heat = BuiltIn::Offset(Offset::linear(ColumnName::new("temp_c").unwrap(), 25.0));
+    let known = FittedEffect::new(heat, [0.0; 9], [0.03, 0.04, 0.0, 9.0, 9.0, 9.0, 9.0, 9.0, 9.0]);
+    let base = Calibration {
+        matrix: [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]],
+        ..Calibration::identity(50.0)
+    };
+    for (temp_c, error_ut) in [(25.0_f64, 0.0_f64), (35.0, 1.0), (5.0, 2.0)] {
+        let found = known.error_ut(&base, [10.0, 20.0, 30.0], [temp_c, 0.0]).unwrap();
+        assert!((found - error_ut).abs() < 1e-12, "{temp_c}: {found}");
+    }
+    let unknown = FittedEffect::new(heat, [0.0; 9], [f64::NAN; 9]);
+    assert_eq!(unknown.error_ut(&base, [10.0, 20.0, 30.0], [35.0, 0.0]), None);
+}
+
 #[derive(Clone, Copy)]
 struct Broken;
 
@@ -78,7 +145,7 @@ impl Effect<f64> for Broken {
 #[test]
 fn an_effect_that_is_not_finite_is_named_and_so_is_a_vector() {
     let mut calibration = ExtendedCalibration::<f64, Broken>::plain(Calibration::identity(50.0));
-    let broken = FittedEffect { effect: Broken, coefficients: [1.0; 9], std_errors: [0.0; 9] };
+    let broken = FittedEffect::new(Broken, [1.0; 9], [0.0; 9]);
     calibration.effects.push(broken).ok().unwrap();
     let live = Live::new(&calibration).unwrap();
     assert_eq!(live.apply([1.0, 2.0, 3.0], None), Err(NotCorrected::Shape(0)));
@@ -122,9 +189,9 @@ fn a_periodic_interference_keeps_its_phase_for_three_days() {
     let mut live = Live::new(&calibration.cast::<f32>()).unwrap();
     // Behind a reference, as an effect from outside stands in a calibration.
     let mut behind = ExtendedCalibration::<f64, &dyn Effect<f64>>::plain(calibration.base);
-    for FittedEffect { effect, coefficients, std_errors } in calibration.effects.iter() {
-        let (coefficients, std_errors) = (*coefficients, *std_errors);
-        behind.effects.push(FittedEffect { effect: effect as _, coefficients, std_errors }).ok().unwrap();
+    for FittedEffect { effect, coefficients, std_errors, ranges } in calibration.effects.iter() {
+        let one = FittedEffect::new(effect as _, *coefficients, *std_errors).over(*ranges);
+        behind.effects.push(one).ok().unwrap();
     }
     let mut behind = Live::new(&behind).unwrap();
     let mut conditions = Conditions::unknown();

@@ -3,11 +3,11 @@
 //! Which number stands for which form of effect, and what of it is written, the effect's own file says
 //! ([`crate::effect::Form`]).
 
-use super::layout::{Reader, Writer};
-use crate::effect::{BuiltIn, ColumnName, Effect, MAX_COEFFICIENTS, Parts};
+use super::layout::{EffectLayout, Reader, Writer};
+use crate::effect::{BuiltIn, ColumnName, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Parts};
 use crate::extended::FittedEffect;
 
-pub(super) fn write(writer: &mut Writer, fitted: &FittedEffect<f64>, short_errors: bool) {
+pub(super) fn write(writer: &mut Writer, fitted: &FittedEffect<f64>, layout: EffectLayout) {
     let parts = fitted.effect.parts();
     let name = parts.column.as_str().as_bytes();
     writer.put(&[parts.form.tag, name.len() as u8]);
@@ -18,7 +18,7 @@ pub(super) fn write(writer: &mut Writer, fitted: &FittedEffect<f64>, short_error
     fitted.coefficients.iter().take(k).for_each(|value| writer.float(*value));
     for value in fitted.std_errors.iter().take(k) {
         let single = (*value as f32).to_bits();
-        if short_errors {
+        if layout.short_errors {
             // Rounded up: an error is rather told too large. A NaN stays one, infinity too.
             let up = if value.is_finite() { single.saturating_add(0xffff) } else { single };
             writer.put(&((up >> 16) as u16).to_le_bytes());
@@ -26,10 +26,27 @@ pub(super) fn write(writer: &mut Writer, fitted: &FittedEffect<f64>, short_error
             writer.put(&single.to_le_bytes());
         }
     }
+    if layout.ranges {
+        for (range, column) in fitted.ranges.iter().zip(fitted.effect.columns()) {
+            if column.is_some() {
+                let ends = range.map_or([f32::NAN; 2], outward);
+                ends.into_iter().for_each(|end| writer.put(&end.to_le_bytes()));
+            }
+        }
+    }
+}
+
+/// A range in single precision: no value that lies inside is outside of it.
+fn outward([least, most]: [f64; 2]) -> [f32; 2] {
+    let (low, high) = (least as f32, most as f32);
+    [
+        if f64::from(low) > least { low.next_down() } else { low },
+        if f64::from(high) < most { high.next_up() } else { high },
+    ]
 }
 
 /// `None` where the bytes are no effect.
-pub(super) fn read(reader: &mut Reader<'_>, short_errors: bool) -> Option<FittedEffect<f64>> {
+pub(super) fn read(reader: &mut Reader<'_>, layout: EffectLayout) -> Option<FittedEffect<f64>> {
     let [tag, length] = reader.take().ok()?;
     let form = BuiltIn::<f64>::form(tag)?;
     let name = core::str::from_utf8(reader.slice(usize::from(length)).ok()?).ok()?;
@@ -52,11 +69,20 @@ pub(super) fn read(reader: &mut Reader<'_>, short_errors: bool) -> Option<Fitted
         *value = reader.float().ok()?;
     }
     for value in std_errors.iter_mut().take(k) {
-        let single = match short_errors {
+        let single = match layout.short_errors {
             true => u32::from(u16::from_le_bytes(reader.take().ok()?)) << 16,
-            false => u32::from_le_bytes(reader.take().ok()?),
+            false => reader.single().ok()?.to_bits(),
         };
         *value = f64::from(f32::from_bits(single));
     }
-    Some(FittedEffect { effect, coefficients, std_errors })
+    let mut ranges = [None; MAX_INPUTS];
+    if layout.ranges {
+        for (range, column) in ranges.iter_mut().zip(effect.columns()) {
+            if column.is_some() {
+                let [least, most] = [reader.single().ok()?, reader.single().ok()?];
+                *range = (!(least.is_nan() && most.is_nan())).then_some([least, most].map(f64::from));
+            }
+        }
+    }
+    Some(FittedEffect::new(effect, coefficients, std_errors).over(ranges))
 }

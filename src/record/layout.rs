@@ -9,6 +9,10 @@ pub const VERSION: u8 = 1;
 pub const VERSION_WITH_EFFECTS: u8 = 2;
 /// … and of one with so many coefficients that their standard errors are kept in 16 bits, to fit.
 pub const VERSION_SHORT_ERRORS: u8 = 3;
+/// As [`VERSION_WITH_EFFECTS`], and it says over which range of its columns each effect was fitted …
+pub const VERSION_WITH_RANGES: u8 = 4;
+/// … and so as [`VERSION_SHORT_ERRORS`].
+pub const VERSION_WITH_RANGES_SHORT_ERRORS: u8 = 5;
 /// Bytes of a record without effects.
 pub const RECORD_BYTES: usize = 148;
 /// The longest record: any four different effects of the catalogue fit, whatever their columns are called.
@@ -20,6 +24,27 @@ pub(super) const LENGTH_AT: usize = 12;
 pub(super) const CRC_BYTES: usize = 4;
 /// Without a table: a record is checked a few times in a session, a table costs 1 KB of flash.
 pub(super) const CRC: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
+
+/// How a version with effects writes them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct EffectLayout {
+    pub(super) short_errors: bool,
+    pub(super) ranges: bool,
+}
+
+impl EffectLayout {
+    /// `None` for a version without effects, or one that is not known.
+    pub(super) const fn of(version: u8) -> Option<Self> {
+        let (short_errors, ranges) = match version {
+            VERSION_WITH_EFFECTS => (false, false),
+            VERSION_SHORT_ERRORS => (true, false),
+            VERSION_WITH_RANGES => (false, true),
+            VERSION_WITH_RANGES_SHORT_ERRORS => (true, true),
+            _ => return None,
+        };
+        Some(Self { short_errors, ranges })
+    }
+}
 
 /// Why bytes are no record that can be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -115,5 +140,9 @@ impl<'a> Reader<'a> {
 
     pub(super) fn float(&mut self) -> Result<f64, RecordError> {
         self.take().map(f64::from_le_bytes)
+    }
+
+    pub(super) fn single(&mut self) -> Result<f32, RecordError> {
+        self.take().map(f32::from_le_bytes)
     }
 }

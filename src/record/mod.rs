@@ -6,7 +6,7 @@
 //! | bytes | what |
 //! |---|---|
 //! | 0–3 | `IRON` |
-//! | 4 | version of the layout: 1 without effects, 2 with them, 3 with short standard errors |
+//! | 4 | version of the layout: 1 without effects, 2 with them, 3 with short standard errors; 4 as 2 and 5 as 3 with ranges |
 //! | 5 | method of the fit, 6: its model, 7: number of effects (0 in version 1) |
 //! | 8–11 | sequence number: of two sound records the newer counts |
 //! | 12–13 | length of the record with its CRC, 14: how the sensor was mounted (`AxisMap::code`; 0: not stated), 15: reserved, 0 |
@@ -19,6 +19,10 @@
 //! its delay, time or frequency where it has one, its coefficients, and their standard errors: in single precision, or in version
 //! 3 the upper half of one (8 bits of mantissa: 0.4 %). Version 3 is written only where version 2 would be too long.
 //!
+//! Versions 4 and 5 are written only where an effect knows over which range of its columns it was fitted. After its standard
+//! errors it then has the least and the greatest value of each of its columns, in single precision, rounded outward; both
+//! NaN where the range is not known.
+//!
 //! The first 16 bytes and the place of the CRC belong to every version. So firmware that meets a newer record can tell it
 //! from a damaged one, and a longer record is checked by its own length. A record without effects is written in version 1,
 //! so that firmware that knows no effects reads it.
@@ -30,5 +34,6 @@ mod stored;
 pub(crate) use layout::stated_length;
 pub use layout::{
     MAX_RECORD_BYTES, RECORD_BYTES, RecordError, VERSION, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS,
+    VERSION_WITH_RANGES, VERSION_WITH_RANGES_SHORT_ERRORS,
 };
 pub use stored::{DoesNotFit, Encoded, Record, is_newer};

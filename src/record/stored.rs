@@ -4,8 +4,9 @@ use core::fmt;
 
 use super::effect;
 use super::layout::{
-    CRC, CRC_BYTES, LENGTH_AT, MAGIC, MAX_RECORD_BYTES, RECORD_BYTES, Reader, RecordError, VERSION,
-    VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, Writer, check_crc,
+    CRC, CRC_BYTES, EffectLayout, LENGTH_AT, MAGIC, MAX_RECORD_BYTES, RECORD_BYTES, Reader, RecordError,
+    VERSION, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, VERSION_WITH_RANGES,
+    VERSION_WITH_RANGES_SHORT_ERRORS, Writer, check_crc,
 };
 use crate::calibration::Calibration;
 use crate::extended::{Effects, ExtendedCalibration};
@@ -93,8 +94,13 @@ impl Record {
     /// # Errors
     /// [`DoesNotFit`]; never without effects.
     pub fn encode(&self) -> Result<Encoded, DoesNotFit> {
-        let version = if self.effects.is_empty() { VERSION } else { VERSION_WITH_EFFECTS };
-        self.encode_as(version).or_else(|DoesNotFit| self.encode_as(VERSION_SHORT_ERRORS))
+        let has_ranges = self.effects.iter().any(|fitted| fitted.ranges.iter().any(Option::is_some));
+        let (version, shorter) = match (self.effects.is_empty(), has_ranges) {
+            (true, _) => return self.encode_as(VERSION),
+            (false, false) => (VERSION_WITH_EFFECTS, VERSION_SHORT_ERRORS),
+            (false, true) => (VERSION_WITH_RANGES, VERSION_WITH_RANGES_SHORT_ERRORS),
+        };
+        self.encode_as(version).or_else(|DoesNotFit| self.encode_as(shorter))
     }
 
     fn encode_as(&self, version: u8) -> Result<Encoded, DoesNotFit> {
@@ -112,8 +118,8 @@ impl Record {
         writer.put(&self.samples.to_le_bytes());
         writer.float(self.noise_ut);
         writer.float(self.rms_ut);
-        for fitted in self.effects.iter() {
-            effect::write(&mut writer, fitted, version == VERSION_SHORT_ERRORS);
+        if let Some(layout) = EffectLayout::of(version) {
+            self.effects.iter().for_each(|fitted| effect::write(&mut writer, fitted, layout));
         }
         let end = writer.at;
         let length = end + CRC_BYTES;
@@ -146,10 +152,10 @@ impl Record {
         let length = usize::from(u16::from_le_bytes(reader.take()?));
         let [axes, _reserved] = reader.take()?;
         check_crc(bytes, length)?;
-        let known = match version {
-            VERSION => length == RECORD_BYTES && count == 0,
-            VERSION_WITH_EFFECTS | VERSION_SHORT_ERRORS => length > RECORD_BYTES && count > 0,
-            _ => false,
+        let layout = EffectLayout::of(version);
+        let known = match layout {
+            Some(_) => length > RECORD_BYTES && count > 0,
+            None => version == VERSION && length == RECORD_BYTES && count == 0,
         };
         if !known {
             return Err(RecordError::Unsupported { version, sequence });
@@ -166,9 +172,11 @@ impl Record {
         let samples = u64::from_le_bytes(reader.take()?);
         let (noise_ut, rms_ut) = (reader.float()?, reader.float()?);
         let mut effects = Effects::none();
-        for _ in 0..count {
-            let fitted = effect::read(&mut reader, version == VERSION_SHORT_ERRORS).ok_or(unsound)?;
-            effects.push(fitted).map_err(|_| unsound)?;
+        if let Some(layout) = layout {
+            for _ in 0..count {
+                let fitted = effect::read(&mut reader, layout).ok_or(unsound)?;
+                effects.push(fitted).map_err(|_| unsound)?;
+            }
         }
         let calibration = Calibration { offset_ut, matrix, field_ut };
         let (Some(method), Some(model)) = (method_of(method), model_of(model)) else {

@@ -61,11 +61,8 @@ mod tests {
         }
         let truth = [2.0, -1.0, 0.5];
         let column = ColumnName::new("current_a").expect("a name");
-        let mut effects = [FittedEffect {
-            effect: BuiltIn::<f64>::Offset(Offset::linear(column, 0.0)),
-            coefficients: [0.0; 9],
-            std_errors: [0.0; 9],
-        }];
+        let mut effects =
+            [FittedEffect::new(BuiltIn::<f64>::Offset(Offset::linear(column, 0.0)), [0.0; 9], [0.0; 9])];
         let mut model = Model::new([10.0, -5.0, 3.0], NO_TURN, 50.0, NO_TURN, 0.0).expect("regular");
         let mut samples = [([0.0; 3], 0.0); 400];
         for (i, (measured, current)) in samples.iter_mut().enumerate() {

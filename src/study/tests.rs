@@ -13,7 +13,7 @@ const TRUTH: [f64; 3] = [3.0, 2.0, 1.0];
 /// A study of an offset that follows a current, refitted: the coefficients, or why a sample was refused.
 fn fitted<const P: usize, const N: usize>(coefficients: usize) -> Result<[f64; 3], NoRow> {
     let effect = BuiltIn::<f64>::Offset(Offset::linear(ColumnName::new("current_a").unwrap(), 0.0));
-    let mut effects = [FittedEffect { effect, coefficients: [0.0; 9], std_errors: [0.0; 9] }];
+    let mut effects = [FittedEffect::new(effect, [0.0; 9], [0.0; 9])];
     let mut model = Model::new([0.0; 3], ONE, 50.0, ONE, 0.0).unwrap();
     for _ in 0..4 {
         let mut study: Study<f64, P, 1, N> = Study::new(Residual::Magnitude, model, coefficients);

@@ -2,7 +2,7 @@
 
 use crate::effects::Calibrated;
 use crate::export::error::CannotExport;
-use crate::export::range::Range;
+use crate::export::range::{Range, ranges};
 use ironout::calibration::{Calibration, inverse_3x3};
 use ironout::effect::{ColumnName, Effect, Id, Made, TIME};
 use ironout::extended::FittedEffect;
@@ -13,15 +13,15 @@ type Fitted = FittedEffect<f64, Made<ColumnName>>;
 /// The most looks at a disturbance that depends on the field it disturbs, as in the library.
 const LOOKS: usize = 12;
 
-/// The file; `ranges` are those of the columns that its effects were fitted over.
+/// The file.
 ///
 /// # Errors
 /// Two columns that have the same name in C, or a matrix without an inverse.
-pub fn text(calibration: &Calibrated, ranges: &[Range], summary: &str) -> Result<String, CannotExport> {
+pub fn text(calibration: &Calibrated, summary: &str) -> Result<String, CannotExport> {
     let text = if calibration.effects.is_empty() {
         plain(&calibration.base, summary)
     } else {
-        extended(calibration, ranges, summary)?
+        extended(calibration, summary)?
     };
     Ok(text.replace('µ', "u").replace('·', "*").replace('−', "-").replace('°', "deg ").replace('²', "^2"))
 }
@@ -106,7 +106,7 @@ fn parameters(calibration: &Calibrated) -> Result<Vec<Parameter>, CannotExport> 
     Ok(list)
 }
 
-fn extended(calibration: &Calibrated, ranges: &[Range], summary: &str) -> Result<String, CannotExport> {
+fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExport> {
     let base = &calibration.base;
     let list = parameters(calibration)?;
     let turning = calibration.effects.iter().any(|fitted| fitted.effect.needs_gyro());
@@ -187,7 +187,7 @@ fn extended(calibration: &Calibrated, ranges: &[Range], summary: &str) -> Result
         "    for (i = 0; i < 3; i++) {\n        corrected_ut[i] = ironout_matrix[i][0] * left[0] + ironout_matrix[i][1] * left[1] + \
          ironout_matrix[i][2] * left[2];\n    }\n}\n\n",
     );
-    text.push_str(&outside(&list, ranges));
+    text.push_str(&outside(&list, &ranges(calibration)));
     text.push_str("#endif /* IRONOUT_CALIBRATION_H */\n");
     Ok(text)
 }

@@ -1,6 +1,5 @@
 //! The ranges of columns that a calibration was fitted over, for the exports.
 
-use crate::calibration::EffectEntry;
 use crate::effects::Calibrated;
 use ironout::effect::Effect;
 
@@ -15,14 +14,12 @@ pub struct Range {
     pub ends: [f64; 2],
 }
 
-/// The ranges that the entries of a calibration file, in the order of its effects, say.
-pub fn ranges(calibration: &Calibrated, entries: &[EffectEntry]) -> Vec<Range> {
+/// The ranges that the effects of a calibration say.
+pub fn ranges(calibration: &Calibrated) -> Vec<Range> {
     let mut list: Vec<Range> = Vec::new();
-    for (fitted, entry) in calibration.effects.iter().zip(entries) {
-        for column in fitted.effect.columns().into_iter().flatten() {
-            let Some(&ends) = entry.range.as_ref().and_then(|ranges| ranges.get(column.name)) else {
-                continue;
-            };
+    for fitted in calibration.effects.iter() {
+        for (column, ends) in fitted.effect.columns().into_iter().zip(fitted.ranges) {
+            let Some((column, ends)) = column.zip(ends) else { continue };
             let same = |known: &&mut Range| known.column == column.name && known.delay_s == column.delay_s;
             match list.iter_mut().find(same) {
                 Some(known) => known.ends = [known.ends[0].max(ends[0]), known.ends[1].min(ends[1])],

@@ -1,10 +1,10 @@
 //! A calibration as Rust constants for the crate.
 
 use crate::effects::Calibrated;
-use crate::export::range::Range;
+use crate::export::range::{Range, ranges};
 use ironout::calibration::Calibration;
 use ironout::effect::{ColumnName, RustCode};
-use ironout::extended::{FittedEffect, MAX_EFFECTS};
+use ironout::extended::{FittedEffect, MAX_EFFECTS, Ranges};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
@@ -26,12 +26,12 @@ fn list(scalar: &str, values: &[f64]) -> String {
     format!("[{}]", words.join(", "))
 }
 
-/// The file; `ranges` are those of the columns that its effects were fitted over.
-pub fn text(calibration: &Calibrated, ranges: &[Range], summary: &str) -> String {
+/// The file.
+pub fn text(calibration: &Calibrated, summary: &str) -> String {
     if calibration.effects.is_empty() {
         plain(&calibration.base, summary)
     } else {
-        extended(calibration, summary) + &outside(ranges)
+        extended(calibration, summary) + &outside(&ranges(calibration))
     }
 }
 
@@ -122,7 +122,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> String {
     for (name, scalar, what) in CONSTANTS {
         let base = base(&calibration.base, scalar, "    ");
         let mut places = String::new();
-        for FittedEffect { effect, coefficients, std_errors } in calibration.effects.iter() {
+        for FittedEffect { effect, coefficients, std_errors, ranges } in calibration.effects.iter() {
             let column = constant(&effect.parts().column);
             let code = RustCode { single: scalar == "f32", column: &column };
             let mut shape = String::from(if of_library { "" } else { "&" });
@@ -130,10 +130,10 @@ fn extended(calibration: &Calibrated, summary: &str) -> String {
             let _ = effect.family().rust(&effect.parts().borrowed(), &code, &mut shape);
             let _ = write!(
                 places,
-                "        Some(FittedEffect {{\n            effect: {shape},\n            coefficients: {},\n            \
-                 std_errors: {},\n        }}),\n",
+                "        Some(FittedEffect::new(\n            {shape},\n            {},\n            {},\n        ){}),\n",
                 list(scalar, coefficients),
-                list(scalar, std_errors)
+                list(scalar, std_errors),
+                over(scalar, ranges)
             );
         }
         places.push_str(&"        None,\n".repeat(MAX_EFFECTS - calibration.effects.len()));
@@ -145,6 +145,16 @@ fn extended(calibration: &Calibrated, summary: &str) -> String {
         );
     }
     text
+}
+
+/// The ranges of its columns, where one is known.
+fn over(scalar: &str, ranges: &Ranges<f64>) -> String {
+    if ranges.iter().all(Option::is_none) {
+        return String::new();
+    }
+    let words =
+        ranges.map(|range| range.map_or("None".into(), |ends| format!("Some({})", list(scalar, &ends))));
+    format!(".over([{}])", words.join(", "))
 }
 
 fn import(module: &str, names: &BTreeSet<&str>) -> String {

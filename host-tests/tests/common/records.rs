@@ -34,12 +34,10 @@ pub fn bytes(record: &Record) -> Vec<u8> {
 
 pub fn fitted(effect: BuiltIn<f64>) -> FittedEffect<f64> {
     let k = Effect::<f64>::coefficients(&effect);
-    FittedEffect {
-        effect,
-        coefficients: std::array::from_fn(|i| if i < k { 0.1 / (i + 1) as f64 } else { 0.0 }),
-        // In single precision, as a record keeps them.
-        std_errors: std::array::from_fn(|i| if i < k { f64::from(0.01_f32 / (i + 1) as f32) } else { 0.0 }),
-    }
+    let coefficients = std::array::from_fn(|i| if i < k { 0.1 / (i + 1) as f64 } else { 0.0 });
+    // In single precision, as a record keeps them.
+    let std_errors = std::array::from_fn(|i| if i < k { f64::from(0.01_f32 / (i + 1) as f32) } else { 0.0 });
+    FittedEffect::new(effect, coefficients, std_errors)
 }
 
 pub fn all_effects() -> [BuiltIn<f64>; 13] {
@@ -68,6 +66,18 @@ pub fn with(effects: &[BuiltIn<f64>]) -> Record {
         record.effects.push(fitted(*effect)).expect("four at most");
     }
     record
+}
+
+/// The same record, the range of every column known, in single precision, as a record keeps it.
+pub fn with_ranges(record: &Record) -> Record {
+    let mut effects = Effects::none();
+    for (index, fitted) in record.effects.iter().enumerate() {
+        let columns = Effect::<f64>::columns(&fitted.effect);
+        let least = f64::from(-1.1_f32 - index as f32);
+        let ranges = columns.map(|column| column.map(|_| [least, f64::from(48.7_f32)]));
+        effects.push(fitted.over(ranges)).expect("four at most");
+    }
+    Record { effects, ..*record }
 }
 
 pub fn with_crc(mut bytes: Vec<u8>) -> Vec<u8> {

@@ -24,10 +24,9 @@ fn the_board_corrects_as_the_host_does_and_follows_its_columns() {
         return;
     }
     let column = |name| ColumnName::new(name).expect("a name");
-    let fitted = |effect, theta: [f64; 3]| FittedEffect {
-        effect,
-        coefficients: std::array::from_fn(|i| theta.get(i).copied().unwrap_or(0.0)),
-        std_errors: [0.001; 9],
+    let fitted = |effect, theta: [f64; 3]| {
+        let coefficients = std::array::from_fn(|i| theta.get(i).copied().unwrap_or(0.0));
+        FittedEffect::new(effect, coefficients, [0.001; 9])
     };
     let mut effects = Effects::none();
     for effect in [

@@ -70,7 +70,7 @@ pub fn live() -> (Live<f32>, [Slots; 2]) {
         BuiltIn::Offset(Offset::linear(name("current_a"), 0.5)),
     ];
     for effect in effects {
-        let mut fitted = FittedEffect { effect, coefficients: [0.0; 9], std_errors: [0.0; 9] };
+        let mut fitted = FittedEffect::new(effect, [0.0; 9], [0.0; 9]);
         fitted.coefficients[..3].copy_from_slice(&[1e-3, -2e-3, 3e-3]);
         assert!(calibration.effects.push(fitted).is_ok(), "a calibration carries four effects");
     }

@@ -53,7 +53,7 @@ fn live(base: Calibration<f32>) -> Option<Live<f32>> {
         BuiltIn::Offset(Offset::linear(current, 0.5)),
     ];
     for effect in effects {
-        let mut fitted = FittedEffect { effect, coefficients: [0.0; 9], std_errors: [0.0; 9] };
+        let mut fitted = FittedEffect::new(effect, [0.0; 9], [0.0; 9]);
         fitted.coefficients[..3].copy_from_slice(&[1e-3, -2e-3, 3e-3]);
         calibration.effects.push(fitted).ok()?;
     }

@@ -5,7 +5,6 @@ use crate::cli::{ExportArgs, ExportForm};
 use crate::failure::{EXIT_OK, Failure, Outcome};
 use crate::{atomic, output};
 use ironout_analysis::export::error::CannotExport;
-use ironout_analysis::export::range::ranges;
 use ironout_analysis::export::{c, rust};
 
 /// Writes the calibration in the form asked for.
@@ -47,11 +46,11 @@ pub fn text(cal: &CalFile, form: ExportForm) -> Outcome<String> {
             .map_err(|error| Failure::usage(error.to_string())),
         ExportForm::Rust => {
             let calibration = cal.extended()?;
-            Ok(rust::text(&calibration, &ranges(&calibration, &cal.fit.effects), &summary(cal)))
+            Ok(rust::text(&calibration, &summary(cal)))
         }
         ExportForm::C => {
             let calibration = cal.extended()?;
-            c::text(&calibration, &ranges(&calibration, &cal.fit.effects), &summary(cal)).map_err(failure)
+            c::text(&calibration, &summary(cal)).map_err(failure)
         }
     }
 }
