@@ -149,3 +149,74 @@ fn a_late_column_is_known_after_its_delay() {
     let lines = board.received();
     assert!(lines.last().is_some_and(|line| !line.ends_with(",-")), "{lines:?}");
 }
+
+#[test]
+fn status_says_which_column_is_outside_its_range_and_by_how_much() {
+    let temperature = BuiltIn::Offset(Offset::linear(column("temp_c"), 25.0));
+    let current = BuiltIn::Gain(Gain { column: column("current_a"), reference: 0.0 });
+    let drift = BuiltIn::Drift(Drift { reference_s: 100.0 });
+    let mut board = board_with(&record(&[
+        fitted(temperature, [1.0, -2.0, 0.5]).over([Some([10.0, 35.0]), None]),
+        fitted(current, [0.01, 0.0, -0.01]).over([Some([-1.0, 4.5]), None]),
+        fitted(drift, [0.001, 0.0, 0.0]).over([Some([90.0, 200.0]), None]),
+    ]));
+    let rows: Vec<String> =
+        board.command("cal show").into_iter().filter(|line| line.contains(" range=")).collect();
+    assert_eq!(rows.len(), 3, "{rows:?}");
+    assert!(rows[0].ends_with(" reference=25.0 range=10.0,35.0"), "{rows:?}");
+    assert!(rows[1].ends_with(" range=-1.0,4.5") && rows[2].ends_with(" range=90.0,200.0"), "{rows:?}");
+
+    let outside = |board: &mut SimBoard| -> Vec<String> {
+        board.command("status").into_iter().filter(|line| line.starts_with("+ outside ")).collect()
+    };
+    assert_eq!(outside(&mut board), [""; 0], "nothing is known yet");
+    for line in ["cov temp_c=35", "cov current_a=4.5", "cov t_s=100"] {
+        last(&mut board, line);
+    }
+    assert_eq!(outside(&mut board), [""; 0], "at the ends of the ranges");
+    last(&mut board, "cov temp_c=60.5");
+    // 0.001 µT/°C on each of three axes, 35.5 °C and 10 °C from the reference.
+    assert_eq!(
+        outside(&mut board),
+        [
+            "+ outside temp_c=60.50 by=25.50 range=10.0,35.0 effect=offset:temp_c error_ut=0.061 error_at_range_ut=0.017"
+        ]
+    );
+    last(&mut board, "cov temp_c=9.5");
+    last(&mut board, "cov current_a=-3");
+    let found = outside(&mut board);
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(found[0].starts_with("+ outside temp_c=9.500 by=0.5000 range=10.0,35.0 "), "{found:?}");
+    assert!(found[1].starts_with("+ outside current_a=-3.000 by=2.000 range=-1.0,4.5 "), "{found:?}");
+    // What is extrapolated is corrected all the same, and the stream stays as it is.
+    assert!(stream_cal(&mut board).iter().all(|line| !line.ends_with(",-") && line.split(',').count() == 7));
+    // While a new calibration is collected, too, and in words where to turn next as ever.
+    last(&mut board, "cal start");
+    assert_eq!(outside(&mut board).len(), 2);
+    for line in ["cov temp_c=20", "cov current_a=0", "cov t_s=190", "cal cancel"] {
+        last(&mut board, line);
+    }
+    assert_eq!(outside(&mut board), [""; 0]);
+    // The clock runs on, and in the recording's time.
+    board.run_ms(20_000);
+    let found = outside(&mut board);
+    let after_s = |word: &str| -> f64 {
+        let value = found[0].split(' ').find_map(|part| part.strip_prefix(word)).expect("a value");
+        value.parse().expect("a number")
+    };
+    assert!((after_s("t_s=") - 210.0).abs() < 0.5 && (after_s("by=") - 10.0).abs() < 0.5, "{found:?}");
+}
+
+#[test]
+fn a_late_column_is_outside_when_its_value_acts() {
+    let late =
+        Offset { column: column("current_a"), reference: 0.0, power: Power::Linear, delay_s: Some(0.5) };
+    let late = fitted(BuiltIn::Offset(late), [1.0, 0.0, 0.0]).over([Some([0.0, 4.0]), None]);
+    let mut board = board_with(&record(&[late]));
+    let outside =
+        |board: &mut SimBoard| board.command("status").iter().any(|line| line.starts_with("+ outside "));
+    last(&mut board, "cov current_a=9");
+    assert!(!outside(&mut board));
+    board.run_ms(700);
+    assert!(outside(&mut board), "{:?}", board.command("status"));
+}

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::extrapolated::Extrapolated;
 use crate::effect::TIME;
 use crate::extended::{Live, LiveError};
 use crate::record::Record;
@@ -59,6 +60,15 @@ impl Active {
             }
         }
         Some(live)
+    }
+
+    /// The columns that are outside the range that their effect was fitted over, as of the last
+    /// [`Active::at`].
+    pub(super) fn extrapolated(&self) -> impl Iterator<Item = Extrapolated<'_>> {
+        let Self { record, live, origin_s, .. } = self;
+        live.iter().flat_map(|live| live.outside()).filter_map(|outside| {
+            Extrapolated::of(outside, *origin_s, record.effects.iter(), &record.calibration)
+        })
     }
 
     /// Feeds a column; the time too. Says whether an effect reads it.

@@ -143,6 +143,10 @@ impl Device {
                 status
             }
         };
+        if let Some(active) = &mut self.active {
+            // Late columns and the time are as of now, though nothing may be streamed.
+            active.at(self.now_ms);
+        }
         match self.sensor.fault() {
             Some(fault) => reply.line(format_args!("sensor {} {fault}", self.config.sensor.name)),
             None => match self.active.as_ref().map(|active| &active.live) {
@@ -162,6 +166,11 @@ impl Device {
                 },
                 _ => reply.line(format_args!("hint {}", status.hint)),
             },
+        }
+        if let Some(active) = &self.active {
+            for one in active.extrapolated() {
+                reply.line(format_args!("outside {one}"));
+            }
         }
         // What went wrong: restarts of the firmware, lost transactions, and samples out of range.
         let faults = [self.restarts.count, self.sensor.faults()]

@@ -42,6 +42,7 @@ mod active;
 mod button;
 mod calibrate;
 mod console;
+mod extrapolated;
 mod light;
 mod machine;
 mod output;
