@@ -176,10 +176,6 @@ impl CalFile {
                 Failure::not_a_calibration("the matrix is beyond any magnetometer").at_column("matrix")
             );
         }
-        if !self.extended()?.is_sound() {
-            return Err(Failure::not_a_calibration("an effect holds a number that is not finite")
-                .at_column("effects"));
-        }
         let ranges = self.fit.effects.iter().filter_map(|entry| entry.range.as_ref()).flatten();
         for (column, [least, most]) in ranges {
             if least.is_nan() || least > most {
@@ -188,6 +184,10 @@ impl CalFile {
                 ))
                 .at_column("effects"));
             }
+        }
+        if !self.extended()?.is_sound() {
+            return Err(Failure::not_a_calibration("an effect holds a number that is not finite")
+                .at_column("effects"));
         }
         if Method::parse(&self.fit.method).is_none() {
             return Err(Failure::not_a_calibration(&format!("there is no method {:?}", self.fit.method))
