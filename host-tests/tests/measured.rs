@@ -30,7 +30,10 @@ fn every_marked_table_is_that_of_a_snapshot() {
     let document = document();
     let tables = tables(&document);
     assert_eq!(tables.len(), document.matches(":begin -->\n").count(), "a marked table is not plain text");
-    for name in ["m4", TIMES, "accuracy-paper", "accuracy-sweep", "accuracy-verdicts", "accuracy-effects"] {
+    for name in ["m4", TIMES, "accuracy-paper", "accuracy-sweep", "accuracy-verdicts", "accuracy-correlated"]
+        .into_iter()
+        .chain(["accuracy-effects", "accuracy-irrelevant"])
+    {
         assert!(tables.iter().any(|(own, _)| own == name), "the document has lost its table {name}");
     }
     for (name, table) in tables.iter().filter(|(name, _)| name != TIMES) {
@@ -43,7 +46,7 @@ fn every_marked_table_is_that_of_a_snapshot() {
 fn every_snapshot_is_shown() {
     let document = document();
     let shown: Vec<&str> = document.lines().collect();
-    for name in ["accuracy.txt", "effects.txt", "m4.txt"] {
+    for name in ["accuracy.txt", "effects.txt", "irrelevant.txt", "m4.txt"] {
         let file = format!("{}/snapshots/{name}", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(file).expect("the snapshot lies in the repository");
         // The first line of this one is a heading of its own.
@@ -90,7 +93,7 @@ fn the_readmes_figures_are_those_of_the_tables() {
             rate(line(effects, "effects hidden"), 2),
             rate(line(effects, "nothing hidden"), 3)
         ),
-        format!("| {}; {} |", value("push "), value("state_bytes ")),
+        format!("| {} / {}; {} |", value("session_push "), value("session_push_worst "), value("session_bytes ")),
     ];
     for figure in &figures {
         assert!(

@@ -1,6 +1,6 @@
-//! The host side of `ironout`: reads logs, runs the core on them, and says what came out, in words or as JSON.
+//! The host side of `ironout`: reads logs, hands them to the analysis, and says what came out, in words or as JSON.
 //!
-//! Everything numeric is the core's; here are files, tables and words. [`run`] is the whole program.
+//! Everything numeric is the analysis' and the core's; here are files, tables and words. [`run`] is the whole program.
 
 pub mod atomic;
 pub mod cal_file;

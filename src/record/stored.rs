@@ -10,7 +10,7 @@ use super::layout::{
 };
 use crate::calibration::Calibration;
 use crate::extended::{Effects, ExtendedCalibration};
-use crate::fit::{FitReport, Method, Order as Model};
+use crate::fit::{FitReport, Method, Order};
 use crate::sensor::AxisMap;
 
 /// A calibration with where it comes from, as it is stored.
@@ -25,7 +25,7 @@ pub struct Record {
     /// The method of the fit.
     pub method: Method,
     /// The model the data carried.
-    pub model: Model,
+    pub model: Order,
     /// Number of samples behind the fit.
     pub samples: u64,
     /// Estimated sensor noise, µT per axis.
@@ -209,19 +209,19 @@ const fn method_of(code: u8) -> Option<Method> {
     }
 }
 
-const fn model_code(model: Model) -> u8 {
+const fn model_code(model: Order) -> u8 {
     match model {
-        Model::Ellipsoid => 1,
-        Model::AxisAligned => 2,
-        Model::Sphere => 3,
+        Order::Ellipsoid => 1,
+        Order::AxisAligned => 2,
+        Order::Sphere => 3,
     }
 }
 
-const fn model_of(code: u8) -> Option<Model> {
+const fn model_of(code: u8) -> Option<Order> {
     match code {
-        1 => Some(Model::Ellipsoid),
-        2 => Some(Model::AxisAligned),
-        3 => Some(Model::Sphere),
+        1 => Some(Order::Ellipsoid),
+        2 => Some(Order::AxisAligned),
+        3 => Some(Order::Sphere),
         _ => None,
     }
 }

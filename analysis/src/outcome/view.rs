@@ -74,6 +74,7 @@ impl<'a> View<'_, 'a> {
             shown: None,
         };
         let Some(lag) = self.catalogue.late_sensor() else { return Ok(Some(study)) };
+        let lag_id = lag.id.clone();
         let pass = Pass { samples: &clean, residual: Residual::Dip };
         let Some(base) = pass.fit(study.alignment.model, Vec::new(), self.known)? else {
             return Ok(Some(study));
@@ -120,7 +121,7 @@ impl<'a> View<'_, 'a> {
             }
             if force_lag && !has_eddy {
                 study.shown = Some(Shown {
-                    id: "lag".into(),
+                    id: lag_id,
                     // The delay and the coupling of eddy currents share the id, and both were tried.
                     p_value: (2.0 * self.chance_of_delay(&errors, delay_s)?).min(1.0),
                     without: held_out_rms(&base).map(f64::to_degrees),
@@ -182,8 +183,11 @@ impl<'a> View<'_, 'a> {
     pub(crate) fn shown(&self, dip: &Option<DipStudy>, pure_lag: bool) -> Vec<Shown> {
         let mut shown = self.explanation.shown.clone();
         if pure_lag {
-            let nothing = || Shown { id: "lag".into(), p_value: 1.0, without: None, with: None, unit: "°" };
-            shown.push(dip.as_ref().and_then(|dip| dip.shown.clone()).unwrap_or_else(nothing));
+            let nothing = || {
+                let id = self.catalogue.late_sensor().map(|lag| lag.id);
+                id.map(|id| Shown { id, p_value: 1.0, without: None, with: None, unit: "°" })
+            };
+            shown.extend(dip.as_ref().and_then(|dip| dip.shown.clone()).or_else(nothing));
         }
         shown
     }

@@ -81,7 +81,7 @@ fn calibrate<M: Magnetometer>(
     let mut session = Session::new(SessionConfig::of(description));
     session.start();
     loop {
-        for _ in 0..1000 / description.period_ms() {
+        for _ in 0..(1000 / description.period_ms()).max(1) {
             session.push(description.sample(&next(sensor, delay)?));
         }
         // Once a second: is it enough? A status while collecting solves the data so far.

@@ -1,7 +1,9 @@
 //! The table of irrelevant effects added: measured, as text, as JSON, and held to its snapshot and its limits.
 
 use crate::accuracy::irrelevant::{ADDITIONS, CASES, Case, Kind, Trial, trials};
+use crate::measured;
 use serde_json::{Value, json};
+use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -166,6 +168,16 @@ impl Irrelevant {
         let share = |k: u32, n: u32| f64::from(k) / f64::from(n.max(1));
         share(self.all.turned, self.all.refused) <= TURNED
             && share(self.all.worse, self.all.additions) <= WORSE
+    }
+
+    /// Writes the snapshot, and the table of the document.
+    ///
+    /// # Errors
+    /// A file that cannot be written, or a document without the table's markers.
+    pub fn store(&self) -> io::Result<()> {
+        let text = self.text();
+        std::fs::write(Self::snapshot_path(), &text)?;
+        measured::write(&[("accuracy-irrelevant", text)])
     }
 
     /// Where the snapshot lies.

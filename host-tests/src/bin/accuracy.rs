@@ -37,8 +37,7 @@ fn main() -> ExitCode {
         print!("{text}\nHidden effects\n\n{found}\nIrrelevant effects added\n\n{added}");
     }
     let held = if accept {
-        let path = Irrelevant::snapshot_path();
-        solvers.store().and_then(|()| effects.store()).and_then(|()| std::fs::write(path, &added))
+        solvers.store().and_then(|()| effects.store()).and_then(|()| irrelevant.store())
     } else {
         snapshot::hold(&table::snapshot_path(), &text)
             .and_then(|()| snapshot::hold(&Effects::snapshot_path(), &found))

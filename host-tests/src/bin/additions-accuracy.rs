@@ -33,7 +33,7 @@ fn main() -> ExitCode {
     });
     print!("{}", table.text());
     let held = match (accept, seeds == SEEDS) {
-        (true, _) => std::fs::write(Irrelevant::snapshot_path(), table.text()),
+        (true, _) => table.store(),
         (false, true) => snapshot::hold(&Irrelevant::snapshot_path(), &table.text()),
         (false, false) => Ok(()),
     };
