@@ -151,7 +151,7 @@ fn fixed() -> Calibrated {
 
 #[test]
 fn it_is_exported_as_rust_and_the_code_corrects_alike() {
-    let text = export::rust::text(&fixed(), &[], "an example");
+    let text = export::rust::text(&fixed(), "an example");
     assert_eq!(text, include_str!("fixtures/exported.rs"), "the fixture is not what export writes:\n{text}");
     let mut host = Live::new(&exported::CALIBRATION_F64).expect("sound");
     let mut board = Live::new(&exported::CALIBRATION).expect("sound");
