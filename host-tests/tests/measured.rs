@@ -93,7 +93,12 @@ fn the_readmes_figures_are_those_of_the_tables() {
             rate(line(effects, "effects hidden"), 2),
             rate(line(effects, "nothing hidden"), 3)
         ),
-        format!("| {} / {}; {} |", value("session_push "), value("session_push_worst "), value("session_bytes ")),
+        format!(
+            "| {} / {}; {} |",
+            value("session_push "),
+            value("session_push_worst "),
+            value("session_bytes ")
+        ),
     ];
     for figure in &figures {
         assert!(

@@ -115,8 +115,8 @@ fn ranges_read_back_and_older_layouts_are_written_where_there_is_none() {
     one.effects.push(fitted(known).over([Some([-3.5, 60.25]), None])).unwrap();
     assert_eq!(Record::decode(&bytes(&one)), Ok(one));
     // Too long with whole standard errors: without ranges the layout that firmware of before them reads.
-    let long =
-        with(&[BuiltIn::Eddy(Eddy), all_effects()[2], all_effects()[12], BuiltIn::CrossAxis(CrossAxis)]);
+    let [.., tone] = all_effects();
+    let long = with(&[BuiltIn::Eddy(Eddy), tone, tone, tone]);
     assert_eq!(bytes(&long)[4], VERSION_SHORT_ERRORS);
     assert_eq!(bytes(&with_ranges(&long))[4], VERSION_WITH_RANGES_SHORT_ERRORS);
 }
