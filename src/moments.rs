@@ -35,9 +35,6 @@ pub enum Normalisation {
     Trace,
 }
 
-#[doc(hidden)]
-pub use Normalisation as Reading;
-
 /// A normal matrix `DᵀD` (9×9) and right side `DᵀĤ²` (9) in counts, row and column order as in [`Normalisation`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -9,7 +9,7 @@ use ironout::device::{
 };
 use ironout::effect::{BuiltIn, ColumnName, Offset, Power};
 use ironout::extended::{Effects, FittedEffect};
-use ironout::fit::{Method, Model};
+use ironout::fit::{Method, Order};
 use ironout::record::Record;
 use ironout::sensor::{Axis, AxisMap, Reading, Sensor};
 use ironout_drivers::lsm303dlhc::{Config, DataRate, Range};
@@ -281,7 +281,7 @@ fn record(effects: &[FittedEffect<f64>]) -> Record {
         calibration: Calibration { offset_ut: [3.0, -2.0, 1.0], ..Calibration::identity(50.0) },
         effects: list,
         method: Method::Adjusted,
-        model: Model::Ellipsoid,
+        model: Order::Ellipsoid,
         samples: 3000,
         noise_ut: 0.25,
         rms_ut: 0.25,

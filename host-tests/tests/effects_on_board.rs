@@ -6,7 +6,7 @@ use common::last;
 use ironout::calibration::Calibration;
 use ironout::effect::{BuiltIn, ColumnName, Drift, Gain, Offset, Power};
 use ironout::extended::{Conditions, Effects, ExtendedCalibration, FittedEffect};
-use ironout::fit::{Method, Model};
+use ironout::fit::{Method, Order};
 use ironout::record::Record;
 use ironout_rig::board::SimBoard;
 
@@ -25,7 +25,7 @@ fn record(effects: &[FittedEffect<f64>]) -> Record {
         calibration: Calibration { offset_ut: [3.0, -2.0, 1.0], ..Calibration::identity(50.0) },
         effects: list,
         method: Method::Adjusted,
-        model: Model::Ellipsoid,
+        model: Order::Ellipsoid,
         samples: 3000,
         noise_ut: 0.25,
         rms_ut: 0.25,

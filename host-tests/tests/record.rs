@@ -8,7 +8,7 @@ use ironout::effect::{
     Power, Step,
 };
 use ironout::extended::Effects;
-use ironout::fit::{Method, Model};
+use ironout::fit::{Method, Order};
 use ironout::record::{
     MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, VERSION, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS,
     is_newer,
@@ -25,7 +25,7 @@ fn a_record_reads_back_to_the_same_bits() {
     assert_eq!(read, written);
     assert_eq!(read.calibration.offset_ut[1].to_bits(), (-1.0_f64 / 3.0).to_bits());
     for method in [Method::Adjusted, Method::Trace, Method::Constant] {
-        for model in [Model::Ellipsoid, Model::AxisAligned, Model::Sphere] {
+        for model in [Order::Ellipsoid, Order::AxisAligned, Order::Sphere] {
             let written = Record { method, model, ..written };
             assert_eq!(Record::decode(&bytes(&written)), Ok(written));
         }

@@ -8,7 +8,7 @@ use embedded_hal::i2c::{ErrorKind, I2c, NoAcknowledgeSource};
 use embedded_storage::{ReadStorage as _, Storage as _};
 use ironout::calibration::Calibration;
 use ironout::extended::Effects;
-use ironout::fit::{Method, Model};
+use ironout::fit::{Method, Order};
 use ironout::record::Record;
 use ironout::store::{Done, Slot, StorageSlots, Store, StoreError, StoreJob, run};
 use ironout_drivers::lsm303dlhc::{Config, DataRate, Lsm303dlhc, Range};
@@ -199,7 +199,7 @@ fn save(store: &mut impl Store, clock: &Clock, in_use: Option<Slot>) -> Result<(
         calibration: Calibration { offset_ut: [1.0, 2.0, 3.0], ..Calibration::identity(48.0) },
         effects: Effects::none(),
         method: Method::Adjusted,
-        model: Model::Ellipsoid,
+        model: Order::Ellipsoid,
         samples: 1000,
         noise_ut: 0.1,
         rms_ut: 0.1,

@@ -17,8 +17,6 @@ mod root;
 mod solve;
 
 pub use crate::quadric::Order;
-#[doc(hidden)]
-pub use crate::quadric::Order as Model;
 pub use crate::refusal::{FitError, axis_letter};
 pub use options::{FIELD_RANGE_UT, FitOptions, MAX_PREDICTED_ERROR, MIN_SAMPLES, MIN_THICKNESS, Method};
 pub use report::{FitReport, StdErrors, Termination};

@@ -19,16 +19,12 @@ mod refit;
 mod schur;
 
 pub use crate::fdist::f_tail;
-#[doc(hidden)]
-pub use crate::model::Observation as Reading;
 pub use crate::model::{Model, NoRow, NotFinite, Observation, Residual, Term};
 pub use holdout::{HeldOut, held_out};
 pub use normal::{Factor, Normal};
 pub use pass::Study;
 pub use prior::{PhysicalPrior, base_prior};
 pub use refit::refit;
-#[doc(hidden)]
-pub use schur::Improvement as Gain;
 pub use schur::{Improvement, MIN_EIGENVALUE};
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use ironout::effect::{
     Periodic, Power, Step,
 };
 use ironout::extended::{Effects, FittedEffect};
-use ironout::fit::{Method, Model};
+use ironout::fit::{Method, Order};
 use ironout::record::Record;
 
 pub fn record(offset_x_ut: f64) -> Record {
@@ -20,7 +20,7 @@ pub fn record(offset_x_ut: f64) -> Record {
         },
         effects: Effects::none(),
         method: Method::Adjusted,
-        model: Model::Ellipsoid,
+        model: Order::Ellipsoid,
         samples: 3000,
         noise_ut: 0.25,
         rms_ut: 0.26,

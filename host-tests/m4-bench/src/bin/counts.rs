@@ -13,7 +13,7 @@ use ironout::fit::{FitOptions, FitReport, Method, fit};
 use ironout::moments::Moments;
 use ironout::scatter::Scatter;
 use ironout::session::{Session, SessionConfig};
-use ironout::study::{Model, Reading, Residual, Study, Term};
+use ironout::study::{Model, Observation, Residual, Study, Term};
 use ironout_m4_bench::board::{Console, exit, stack_of, start_clock, ticks_of};
 use ironout_m4_bench::samples::{COUNT, Turned, UT_PER_COUNT, fill};
 
@@ -85,7 +85,7 @@ fn candidates() -> Option<[BuiltIn<f32>; 5]> {
 }
 
 #[inline(never)]
-fn push_study(study: &mut Study22, block: usize, reading: &Reading<f32>, terms: &[Term<'_, f32>; 5]) {
+fn push_study(study: &mut Study22, block: usize, reading: &Observation<f32>, terms: &[Term<'_, f32>; 5]) {
     // A row that is not finite is left out, and the counts below would show it.
     let _ = study.push(block, reading, terms);
 }
@@ -136,7 +136,7 @@ fn study(table: &[[i16; 3]; COUNT], moments: &Moments) -> Option<u32> {
             term.inputs[0] = input;
         }
         let measured_ut = counts.map(|c| f32::from(c) * UT_PER_COUNT as f32);
-        let reading = Reading { measured_ut, turn_radps: None, down: None };
+        let reading = Observation { measured_ut, turn_radps: None, down: None };
         push_study(&mut study, usize::from(sample / 300), &reading, &terms);
     });
     let rows: u32 = study.blocks().iter().map(|block| block.rows()).sum();
