@@ -80,10 +80,18 @@ mod tests {
 
     #[test]
     fn no_test_is_no_evidence() {
-        for (f, d1, d2) in [(-1.0, 3.0, 10.0), (f64::NAN, 3.0, 10.0), (2.0, 0.0, 10.0), (2.0, 3.0, f64::NAN)]
-        {
+        let no_tests = [
+            (-1.0, 3.0, 10.0),
+            (f64::NAN, 3.0, 10.0),
+            (2.0, 0.0, 10.0),
+            (2.0, 3.0, 0.5),
+            (2.0, 3.0, f64::NAN),
+        ];
+        for (f, d1, d2) in no_tests {
             assert_eq!(f_tail(f, d1, d2), 1.0);
         }
+        // One degree of freedom is enough: 1 − 2/π · atan √f.
+        assert!((f_tail(1.0, 1.0, 1.0) - 0.5).abs() < 1e-9);
         assert_eq!(f_tail(f64::INFINITY, 3.0, 10.0), 0.0);
     }
 }

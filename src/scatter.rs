@@ -228,3 +228,31 @@ impl ScatterBuilder {
         Scatter::scaled(sums, [1.0; 3], centre, self.samples, quantum_ut * quantum_ut / 12.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_moments_are_means_of_powers_about_the_centre_in_units_of_the_rms_distance() {
+        let points: [[f64; 3]; 60] = core::array::from_fn(|i| {
+            let i = i as i32;
+            [i * 7 % 41 - 11, i * i % 29 + 4, i * 3 % 17 - 30].map(f64::from)
+        });
+        let centre = [3.0, -2.0, 1.0];
+        let (mut first, mut second) = (ScatterBuilder::new(centre), ScatterBuilder::new(centre));
+        points[..20].iter().for_each(|point| first.push(*point));
+        points[20..].iter().for_each(|point| second.push(*point));
+        assert!(first.merge(&second) && first.count() == 60);
+        let scatter = first.finish(0.0).expect("sound");
+        let power = |base: f64, exponent: u8| (0..exponent).map(|_| base).product::<f64>();
+        for (moment, exponents) in scatter.moments.iter().zip(EXPONENTS) {
+            let mut mean = 0.0;
+            for point in &points {
+                let own = |a: usize| (point[a] - scatter.centre_ut[a]) / scatter.scale_ut;
+                mean += (0..3).map(|a| power(own(a), exponents[a])).product::<f64>() / 60.0;
+            }
+            assert!((moment - mean).abs() < 1e-9, "{exponents:?}: {moment} instead of {mean}");
+        }
+    }
+}

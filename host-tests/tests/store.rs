@@ -6,7 +6,7 @@ mod records;
 use ironout::effect::{BuiltIn, CrossAxis, Eddy};
 use ironout::record::{DoesNotFit, MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError};
 use ironout::store::{
-    BadPlace, Done, Slot, SlotState, Slots, StorageSlots, Store, StoreError, StoreJob, run,
+    BadPlace, BothSlots, Done, Slot, SlotState, StorageSlots, Store, StoreError, StoreJob, run,
 };
 use records::{all_effects, bytes, record, with, with_crc};
 
@@ -46,7 +46,7 @@ impl Store for Memory {
 }
 
 /// What stands in the slots, and the current record.
-fn inspect(store: &mut impl Store) -> (Slots, Option<Record>) {
+fn inspect(store: &mut impl Store) -> (BothSlots, Option<Record>) {
     match run(StoreJob::inspect(), store, |_| {}) {
         Ok(Done::Inspected(slots, record)) => (slots, record),
         other => panic!("{other:?}"),

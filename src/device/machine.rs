@@ -16,7 +16,7 @@ use crate::protocol::{Line, LineSplitter, StreamMode};
 use crate::record::Record;
 use crate::sensor::{Reading, Sample, Sensor};
 use crate::session::{Session, SessionConfig, State, Status};
-use crate::store::{Done, Slot, SlotState, Slots, StoreAnswer, StoreError, StoreJob, StoreTask};
+use crate::store::{BothSlots, Done, Slot, SlotState, StoreAnswer, StoreError, StoreJob, StoreTask};
 
 /// What a device needs to know of its board.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,7 +91,7 @@ pub struct Device {
     compute_asked_ms: Option<u64>,
     pub(super) status: Option<(u64, Status)>,
     job: Option<(Errand, StoreJob)>,
-    slots: Slots,
+    slots: BothSlots,
     /// A slot could not be read when the store was looked at last; it is looked at again before the next line is answered.
     pub(super) store_unread: bool,
     looked_again: bool,
@@ -124,7 +124,7 @@ impl Device {
             compute_asked_ms: None,
             status: None,
             job: Some((Errand::Boot, StoreJob::inspect())),
-            slots: Slots { states: [SlotState::Unreadable; 2] },
+            slots: BothSlots { states: [SlotState::Unreadable; 2] },
             store_unread: true,
             looked_again: false,
             button: Button::default(),
@@ -362,7 +362,7 @@ impl Device {
 
     /// Takes note of what stands in the slots. The record found is put to work where none was found before, or not all could
     /// be read; one that is at work already goes on with the columns it was fed.
-    fn adopt(&mut self, slots: Slots, record: Option<Record>) {
+    fn adopt(&mut self, slots: BothSlots, record: Option<Record>) {
         self.slots = slots;
         if !self.store_unread {
             return;
@@ -382,7 +382,7 @@ impl Device {
     }
 
     /// What stood in the slots when they were looked at last.
-    pub const fn slots(&self) -> Slots {
+    pub const fn slots(&self) -> BothSlots {
         self.slots
     }
 

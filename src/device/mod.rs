@@ -49,6 +49,8 @@ mod output;
 mod sensor;
 mod serve;
 mod stream;
+#[cfg(test)]
+mod tests;
 
 pub use crate::store::{StoreAnswer, StoreTask};
 pub use button::ButtonEvent;

@@ -281,6 +281,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_triangular_matrix_times_its_inverse_is_one() {
+        let c = [0.5, 0.3, -0.25, 1.5, 0.2, 2.0];
+        for product in [product_upper(&c, &inverse(&c)), product_upper(&inverse(&c), &c)] {
+            for (value, one) in product.into_iter().zip([1.0, 0.0, 0.0, 1.0, 0.0, 1.0]) {
+                assert!((value - one).abs() < 1e-6, "{product:?}");
+            }
+        }
+    }
+
+    #[test]
     fn the_weak_prior_leaves_a_fifth_of_the_gains_and_ten_degrees_of_the_axes() {
         // Nothing is known but the offset, about a sphere of gains of two.
         let sphere = Ellipsoid { centre: [0.0; 3], factor: [2.0, 0.0, 0.0, 2.0, 0.0, 2.0], s: 1.0 };

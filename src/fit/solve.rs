@@ -138,7 +138,7 @@ fn fit_constant(scatter: &Scatter, options: &FitOptions) -> Result<FitReport, Fi
     }
     let (ellipsoid, condition_number) = constant::solve(&about_zero).ok_or(FitError::NotAnEllipsoid)?;
     let ellipsoid = convert(&ellipsoid, &about_zero, scatter);
-    root.beta = ellipsoid.coefficients();
+    root.beta = ellipsoid.quadric();
     root.mean_square = (mean_square(&scatter.moments, &root.beta) as f32).max(0.0);
     root.noise = NoiseTerms::of(scatter, &root.beta);
     let mut report = report(scatter, options, Order::Ellipsoid, &ellipsoid, &root, &root.factor)?;

@@ -193,3 +193,25 @@ impl<T: Real> Model<T> {
         Ok(Reaction { along, follows, outward, turning })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pull_is_answered_by_what_the_disturbance_leaves_of_it() {
+        let reaction = Reaction {
+            along: [[0.8, 0.6, 0.0], [0.0, 0.0, 1.0]],
+            follows: [[0.3, -0.2, 0.1], [0.15, 0.25, -0.4]],
+            ..Reaction::none()
+        };
+        let pull = [0.5, -1.0, 2.0];
+        let answered = reaction.answer(pull);
+        // zᵀ(I + Σ fᵢ aᵢᵀ) is the pull again.
+        for axis in 0..3 {
+            let given: f64 =
+                (0..2).map(|i| dot(answered, reaction.follows[i]) * reaction.along[i][axis]).sum();
+            assert!((answered[axis] + given - pull[axis]).abs() < 1e-12, "{answered:?}");
+        }
+    }
+}

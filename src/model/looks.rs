@@ -38,3 +38,23 @@ pub(crate) fn settle<T: Real, E>(
     }
     Ok(left)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_look_stands_where_it_moves_by_less_than_a_hundred_thousandth_along_any_axis() {
+        let now = [30.0, 40.0, 0.0];
+        assert!(stands(now, now));
+        for axis in 0..3 {
+            let moved = |by: f64| {
+                let mut before = now;
+                before[axis] += by;
+                before
+            };
+            assert!(stands(now, moved(4e-4)) && stands(now, moved(-4e-4)), "axis {axis}");
+            assert!(!stands(now, moved(6e-4)) && !stands(now, moved(-6e-4)), "axis {axis}");
+        }
+    }
+}

@@ -75,7 +75,7 @@ impl Ellipsoid {
     }
 
     /// Coefficients of `‖C(x−b)‖² − 1` over [`super::gram::QUADRIC`].
-    pub fn coefficients(&self) -> [f64; 10] {
+    pub fn quadric(&self) -> [f64; 10] {
         let [xx, xy, xz, yy, yz, zz] = self.q();
         let [x, y, z] = self.centre;
         let qb = [xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z];

@@ -194,3 +194,27 @@ pub(crate) fn times(moments: &[f64; COUNT], beta: &[f64; 10]) -> [f64; 10] {
 pub(crate) fn mean_square(moments: &[f64; COUNT], beta: &[f64; 10]) -> f64 {
     dot(beta, &times(moments, beta))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_square_of_a_quadric_is_that_over_the_samples() {
+        let points = [[0.5, -1.0, 2.0], [1.5, 0.25, -0.5], [-2.0, 1.0, 0.75]];
+        let beta = [1.0, 0.5, -0.25, 2.0, -1.0, 0.125, 3.0, -2.0, 1.0, -0.5];
+        let power = |base: f64, exponent: usize| (0..exponent).map(|_| base).product::<f64>();
+        let monomial = |x: &[f64; 3], e: [usize; 3]| (0..3).map(|a| power(x[a], e[a])).product::<f64>();
+        let mut moments = [0.0; COUNT];
+        let mut squares = 0.0;
+        for point in &points {
+            for (moment, exponents) in moments.iter_mut().zip(EXPONENTS) {
+                *moment += monomial(point, exponents.map(usize::from)) / 3.0;
+            }
+            let value: f64 = QUADRIC.iter().zip(beta).map(|(e, b)| b * monomial(point, *e)).sum();
+            squares += value * value / 3.0;
+        }
+        let mean = mean_square(&moments, &beta);
+        assert!((mean / squares - 1.0).abs() < 1e-12, "{mean} instead of {squares}");
+    }
+}

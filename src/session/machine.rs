@@ -227,14 +227,14 @@ mod tests {
     #[test]
     fn the_hint_and_the_refusal_name_the_side_that_the_field_has_not_passed() {
         let cases = [
-            ([1.0, 0.0, 0.0], "back"),
-            ([-1.0, 0.0, 0.0], "front"),
-            ([0.0, 1.0, 0.0], "left"),
-            ([0.0, -1.0, 0.0], "right"),
-            ([0.0, 0.0, 1.0], "top"),
-            ([0.0, 0.0, -1.0], "bottom"),
+            ([1.0, 0.0, 0.0], "back", "front"),
+            ([-1.0, 0.0, 0.0], "front", "back"),
+            ([0.0, 1.0, 0.0], "left", "right"),
+            ([0.0, -1.0, 0.0], "right", "left"),
+            ([0.0, 0.0, 1.0], "top", "bottom"),
+            ([0.0, 0.0, -1.0], "bottom", "top"),
         ];
-        for (axis, missing) in cases {
+        for (axis, missing, passed) in cases {
             let mut noise = Noise { state: 11, rho: 0.0, last: [0.0; 3] };
             let mut session = collecting();
             assert_eq!(session.status().hint, Hint::Move);
@@ -247,11 +247,13 @@ mod tests {
                 let counts = [0, 1, 2].map(|a| math::round(1000.0 * u[a] + 30.0 * w[a] - 700.0) as i16);
                 session.push(Sample::valid(counts));
             }
+            session.push(Sample::valid(axis.map(|v| (1000.0 * v) as i16 - 700)));
             // Whether the fit knows the centre by now or not.
-            let Hint::Turn { missing: side, .. } = session.status().hint else {
+            let Hint::Turn { missing: side, now } = session.status().hint else {
                 panic!("{missing}: {:?}", session.status().hint)
             };
             assert!(side.split('-').any(|word| word == missing), "{missing}: the hint says {side}");
+            assert!(now.split('-').any(|word| word == passed), "{passed}: the field comes through {now}");
             let outcome = session.stop().expect("it collects");
             let told = outcome.coverage.missing_side();
             assert!(told.split('-').any(|word| word == missing), "{missing}: the outcome says {told}");

@@ -146,3 +146,19 @@ impl Status {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::Hint;
+    use std::string::ToString;
+
+    #[test]
+    fn the_missing_side_is_what_is_brought_to_where_the_other_one_is() {
+        let hint = Hint::Turn { missing: "front-left", now: "bottom" };
+        assert_eq!(
+            hint.to_string(),
+            "keep turning; bring the front-left side to where the bottom side is now"
+        );
+    }
+}

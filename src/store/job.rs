@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::slot::{Slot, SlotState, Slots, StoreError};
+use super::slot::{BothSlots, Slot, SlotState, StoreError};
 use crate::record::{self, DoesNotFit, MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, is_newer};
 
 /// The most bytes of one task: a page of the smallest EEPROM, so that a task never waits for two of them.
@@ -58,7 +58,7 @@ pub enum StoreAnswer {
 #[allow(clippy::large_enum_variant, reason = "taken apart at once; there is no heap to box it on")]
 pub enum Done {
     /// What stands in the slots, and the current record.
-    Inspected(Slots, Option<Record>),
+    Inspected(BothSlots, Option<Record>),
     /// The record was written here and reads back; its sequence number is the new one.
     Saved(Slot, Record),
     /// Both slots are empty.
@@ -172,7 +172,7 @@ impl StoreJob {
             return Some(Err(error));
         }
         Some(Ok(match (self.purpose, self.record) {
-            (Purpose::Inspect, record) => Done::Inspected(Slots { states: self.found }, record),
+            (Purpose::Inspect, record) => Done::Inspected(BothSlots { states: self.found }, record),
             (Purpose::Save { .. }, Some(record)) => Done::Saved(self.slot, record),
             (Purpose::Erase | Purpose::Save { .. }, _) => Done::Erased,
         }))
@@ -304,7 +304,7 @@ impl StoreJob {
 
     /// Both slots are known: does what the job is for.
     fn act(&mut self) {
-        let slots = Slots { states: self.found };
+        let slots = BothSlots { states: self.found };
         match self.purpose {
             Purpose::Inspect => self.phase = Phase::Finished(None),
             Purpose::Save { in_use } => {
@@ -341,7 +341,7 @@ impl StoreJob {
 
     /// While erasing: whether the slot at hand was the first of the two.
     fn other_is_to_be_erased(&self) -> bool {
-        let last = Slots { states: self.found }.current().map_or(Slot::B, |(slot, _)| slot);
+        let last = BothSlots { states: self.found }.current().map_or(Slot::B, |(slot, _)| slot);
         self.slot != last
     }
 }

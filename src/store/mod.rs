@@ -11,7 +11,9 @@
 mod job;
 mod memory;
 mod slot;
+#[cfg(test)]
+mod tests;
 
 pub use job::{CHUNK_BYTES, Chunk, Done, StoreAnswer, StoreJob, StoreTask};
 pub use memory::{BadPlace, StorageSlots, Store, run, serve};
-pub use slot::{Slot, SlotState, Slots, StoreError};
+pub use slot::{BothSlots, Slot, SlotState, StoreError};

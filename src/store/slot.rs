@@ -120,12 +120,12 @@ impl SlotState {
 
 /// Both slots, as found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Slots {
+pub struct BothSlots {
     /// Slot A and slot B.
     pub states: [SlotState; 2],
 }
 
-impl Slots {
+impl BothSlots {
     /// The slot of the record in use, and its sequence number.
     pub fn current(&self) -> Option<(Slot, u32)> {
         Slot::BOTH.into_iter().zip(&self.states).find_map(|(slot, state)| match state {
@@ -164,7 +164,7 @@ impl Slots {
 
 #[cfg(test)]
 mod tests {
-    use super::{Slot, SlotState, Slots};
+    use super::{BothSlots, Slot, SlotState};
     use crate::record::RecordError;
 
     const EMPTY: SlotState = SlotState::Unusable(RecordError::Empty);
@@ -187,7 +187,7 @@ mod tests {
             ([SlotState::Current(3), EMPTY], None, Slot::B),
             ([TORN, SlotState::Stale(3)], Some(Slot::A), Slot::B),
         ] {
-            assert_eq!(Slots { states }.target(in_use), target, "{states:?} {in_use:?}");
+            assert_eq!(BothSlots { states }.target(in_use), target, "{states:?} {in_use:?}");
         }
     }
 
@@ -200,7 +200,7 @@ mod tests {
             ([SlotState::Unusable(RecordError::Unsound { sequence: 11 }), SlotState::Current(3)], 12),
             ([SlotState::Current(u32::MAX), SlotState::Stale(u32::MAX - 1)], 0),
         ] {
-            assert_eq!(Slots { states }.next_sequence(), next, "{states:?}");
+            assert_eq!(BothSlots { states }.next_sequence(), next, "{states:?}");
         }
     }
 }
