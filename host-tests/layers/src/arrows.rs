@@ -132,6 +132,16 @@ impl Scope<'_> {
         (is_start || self.tree.modules[found].path.last() == Some(name)).then_some(found)
     }
 
+    /// Whether a path begins in this crate by what its first name alone says. What begins with another crate's name is not
+    /// looked for behind the globs of the module: among many such globs each would be opened through all the others.
+    fn is_own(&self, module: usize, names: &[String]) -> bool {
+        names.first().is_some_and(|first| {
+            matches!(first.as_str(), "crate" | "self" | "super")
+                || self.tree.modules[module].children.contains_key(first)
+                || self.aliases[module].contains_key(first)
+        })
+    }
+
     /// A path that begins with a plain name: a child, an imported name, or one that comes with a glob.
     fn through_name(&self, module: usize, name: &str, rest: &[String], depth: usize) -> Option<usize> {
         if let Some(child) = self.tree.modules[module].children.get(name) {
@@ -146,7 +156,7 @@ impl Scope<'_> {
             return self.resolve(module, &whole, false, depth);
         }
         let depth = depth.checked_sub(1)?;
-        self.globs[module].iter().find_map(|glob| {
+        self.globs[module].iter().filter(|glob| self.is_own(module, glob)).find_map(|glob| {
             let opened = self.resolve(module, glob, false, depth)?;
             let known = self.tree.modules[opened].children.contains_key(name)
                 || self.aliases[opened].contains_key(name) && opened != module;
