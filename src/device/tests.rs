@@ -24,7 +24,7 @@ fn plain_device() -> Device {
 fn record(effect: BuiltIn<f64>) -> Record {
     let mut coefficients = [0.0; 9];
     coefficients[..3].copy_from_slice(&[2.0, -1.0, 0.5]);
-    let fitted = FittedEffect { effect, coefficients, std_errors: [0.001; 9] };
+    let fitted = FittedEffect::new(effect, coefficients, [0.001; 9]);
     Record {
         sequence: 1,
         calibration: Calibration::identity(50.0),

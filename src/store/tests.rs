@@ -27,7 +27,7 @@ impl Store for Ram {
 fn record() -> Record {
     let column = ColumnName::new("current_a").expect("a name");
     let fitted = |effect, first| {
-        let mut fitted = FittedEffect { effect, coefficients: [0.0; 9], std_errors: [0.0; 9] };
+        let mut fitted = FittedEffect::new(effect, [0.0; 9], [0.0; 9]);
         fitted.coefficients[..3].copy_from_slice(&[first, -1.0, 0.5]);
         fitted.std_errors[..3].copy_from_slice(&[0.25, 0.125, 0.5]);
         fitted
