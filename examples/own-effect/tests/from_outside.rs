@@ -187,7 +187,7 @@ fn it_is_exported_as_c_and_the_code_corrects_alike() {
     }
     let log = world(5, &["servo:servo_rad=4"]).run();
     let calibration = fitted(&log);
-    let header = export::c::text(&calibration, &[], "an example").expect("C");
+    let header = export::c::text(&calibration, "an example").expect("C");
     let table = table(&log);
     let corrector = Corrector::new(calibration, &table).expect("every column is there");
     let folder = std::path::PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
