@@ -2,7 +2,7 @@
 //!
 //! No files, no arguments, no printing, no clock: a log comes in as a [`Table`] of borrowed columns, and plain data go out.
 //!
-//! - [`fit`] gives offset, matrix and effects with their errors, and a verdict;
+//! - [`fit()`] gives offset, matrix and effects with their errors, and a verdict;
 //! - [`diagnose`] compares model and measurement and names what is missing;
 //! - [`Corrector`] applies a calibration to the rows of a log, [`export`] writes it as C and as Rust.
 //!

@@ -27,7 +27,7 @@ pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> 
     with_room(|| study(&Ground::of(table, options.method, options.scale_ut()), options))
 }
 
-/// The diagnosis of a log whose samples are sorted out, with [`with_room`] to work in.
+/// The diagnosis of a log whose samples are sorted out, with `with_room` to work in.
 pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     let counted = &ground.counted;
     let mut diagnosis = of_kind(ground, options)?;
