@@ -1,4 +1,7 @@
 //! The tail of Fisher's F distribution.
+//!
+//! Our own rather than `statrs`': the board asks the same test as the host, and both get the same bits only where every function
+//! comes from `libm` by name.
 
 use crate::math;
 
