@@ -77,6 +77,9 @@ pub struct LogArgs {
     /// numbers; mag:, accel: or gyro: before it turns one sensor only (repeatable)
     #[arg(long, value_name = "ROTATION", help_heading = "Reading the log", allow_hyphen_values = true)]
     pub rotate: Vec<String>,
+    /// Which magnetometer of the log, where it has several
+    #[arg(long, value_name = "N", help_heading = "Reading the log")]
+    pub instance: Option<usize>,
 }
 
 impl LogArgs {
@@ -87,6 +90,7 @@ impl LogArgs {
             mounting: Mounting::parse(&self.rotate)?,
             ut_per_count: self.ut_per_count.as_deref().map(scale).transpose()?,
             default_ut_per_count: None,
+            instance: self.instance,
             progress: true,
         })
     }

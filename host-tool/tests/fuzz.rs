@@ -188,6 +188,7 @@ fn csv_logs() {
             mounting: Mounting::default(),
             ut_per_count: Some([0.1; 3]),
             default_ut_per_count: None,
+            instance: None,
             progress: false,
         };
         match read_stream(bytes, bytes.len() as u64, &options) {

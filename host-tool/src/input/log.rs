@@ -1,6 +1,7 @@
 //! A log in columns, and how to read one.
 
 use crate::input::mount::Mounting;
+use crate::input::read_as::ReadAs;
 
 /// How to read a log.
 #[derive(Debug, Clone, Default)]
@@ -13,6 +14,8 @@ pub struct ReadOptions {
     pub ut_per_count: Option<[f64; 3]>,
     /// The same where the log is in counts and no scale is given: that of a calibration.
     pub default_ut_per_count: Option<[f64; 3]>,
+    /// `--instance`: which sensor of the log; `None` where none was asked for.
+    pub instance: Option<usize>,
     /// Show a progress bar on long work (only where standard error is a terminal).
     pub progress: bool,
 }
@@ -54,6 +57,8 @@ pub struct Log {
     pub heading_deg: Option<Vec<f64>>,
     /// Every other numeric column.
     pub covariates: Vec<Covariate>,
+    /// How it was read.
+    pub read_as: ReadAs,
     /// What the user should know about how the log was read.
     pub notices: Vec<String>,
 }

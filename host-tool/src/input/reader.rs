@@ -5,6 +5,7 @@ use crate::input::columns::{self, Column, Role};
 use crate::input::lines::{Cutter, Lines};
 use crate::input::log::{Covariate, Log, ReadOptions};
 use crate::input::mount::{determinant, rotate};
+use crate::input::read_as::ReadAs;
 use crate::input::store::Store;
 use crate::progress::Progress;
 use std::fs::File;
@@ -278,6 +279,7 @@ impl Plan {
             gyro_radps,
             heading_deg,
             covariates,
+            read_as: ReadAs::default(),
             notices,
         })
     }
