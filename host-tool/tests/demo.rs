@@ -27,9 +27,7 @@ fn the_demo_tells_its_story_without_an_emulator() {
 #[cfg(unix)]
 #[test]
 fn the_demo_runs_the_firmware_on_the_emulated_board() {
-    if !ironout_rig::qemu::available("demo") {
-        return;
-    }
+    let Some(_turn) = ironout_rig::qemu::turn("demo") else { return };
     let run = ironout(["demo", "--json"]);
     assert_eq!(run.status, 0, "{} {}", run.stdout, run.stderr);
     let object = run.json();

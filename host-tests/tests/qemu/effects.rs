@@ -12,17 +12,15 @@ use std::time::Duration;
 fn streamed(board: &mut Emulator, stream: &str) -> Vec<f64> {
     ok(board, &format!("stream {stream}"));
     board.console.take_streamed();
-    board.console.next_streamed(Duration::from_secs(5)).unwrap();
-    let line = board.console.next_streamed(Duration::from_secs(5)).unwrap();
+    board.console.next_streamed(Duration::from_secs(60)).unwrap();
+    let line = board.console.next_streamed(Duration::from_secs(60)).unwrap();
     ok(board, "stream off");
     numbers(&line, 2)
 }
 
 #[test]
 fn the_board_corrects_as_the_host_does_and_follows_its_columns() {
-    if !qemu::available("effects") {
-        return;
-    }
+    let Some(_turn) = qemu::turn("effects") else { return };
     let column = |name| ColumnName::new(name).expect("a name");
     let fitted = |effect, theta: [f64; 3]| {
         let coefficients = std::array::from_fn(|i| theta.get(i).copied().unwrap_or(0.0));

@@ -21,9 +21,7 @@ fn after(board: &mut Emulator, push: impl FnOnce(&mut Debugger)) -> String {
 
 #[test]
 fn a_fault_leaves_its_trace_and_the_board_goes_on() {
-    if !qemu::available("faults") {
-        return;
-    }
+    let Some(_turn) = qemu::turn("faults") else { return };
     let image = eeprom([&bytes(&record(1, 12.5)), &[]]);
     let mut board = board_with(&image, &Options { debugger: true, ..Options::default() });
     assert_eq!(ok(&mut board, "status").value("faults"), Some("0"));
@@ -64,9 +62,7 @@ fn trace(at_start: u32) -> Vec<u8> {
 
 #[test]
 fn a_firmware_that_fails_at_every_start_ends_in_one_that_only_answers() {
-    if !qemu::available("faults at the start") {
-        return;
-    }
+    let Some(_turn) = qemu::turn("faults at the start") else { return };
     let image = eeprom([&bytes(&record(1, 12.5)), &[]]);
     let mut board = board_with(&image, &Options { debugger: true, ..Options::default() });
     assert_eq!(ok(&mut board, "status").value("faults"), Some("0"));

@@ -32,4 +32,4 @@ pub use emulator::{Emulator, Options, PoweredOff};
 pub use error::Error;
 pub use firmware::{Firmware, Footprint, WORKSPACE};
 pub use limits::MAX_FIELD_UT;
-pub use program::{PROGRAM, REQUIRE, available, installed};
+pub use program::{PROGRAM, REQUIRE, Turn, installed, turn};
