@@ -286,6 +286,7 @@ fn record(effects: &[FittedEffect<f64>]) -> Record {
         noise_ut: 0.25,
         rms_ut: 0.25,
         axes: None,
+        predicted_error: ironout::record::PredictedError::UNKNOWN,
     }
 }
 

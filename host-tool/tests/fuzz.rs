@@ -153,6 +153,7 @@ fn good_record() -> Record {
         noise_ut: 0.25,
         rms_ut: 0.26,
         axes: None,
+        predicted_error: ironout::record::PredictedError::UNKNOWN,
     }
 }
 

@@ -35,6 +35,7 @@ fn record(effect: BuiltIn<f64>) -> Record {
         noise_ut: 0.25,
         rms_ut: 0.25,
         axes: None,
+        predicted_error: crate::record::PredictedError::UNKNOWN,
     }
 }
 

@@ -9,7 +9,7 @@
 //! | 4 | version of the layout: 1 without effects, 2 with them, 3 with short standard errors; 4 as 2 and 5 as 3 with ranges |
 //! | 5 | method of the fit, 6: its model, 7: number of effects (0 in version 1) |
 //! | 8–11 | sequence number: of two sound records the newer counts |
-//! | 12–13 | length of the record with its CRC, 14: how the sensor was mounted (`AxisMap::code`; 0: not stated), 15: reserved, 0 |
+//! | 12–13 | length of the record with its CRC, 14: how the sensor was mounted (`AxisMap::code`; 0: not stated), 15: its predicted error ([`PredictedError`]; 0: not stated) |
 //! | 16–23 | `field_ut`, 24–47: `offset_ut`, 48–119: `matrix`, rows first |
 //! | 120–127 | samples (u64), 128–135: `noise_ut`, 136–143: `rms_ut` |
 //! | 144–… | the effects, from version 2 on |
@@ -29,6 +29,7 @@
 
 mod effect;
 mod layout;
+mod predicted;
 mod stored;
 
 pub(crate) use layout::stated_length;
@@ -36,4 +37,5 @@ pub use layout::{
     MAX_RECORD_BYTES, RECORD_BYTES, RecordError, VERSION, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS,
     VERSION_WITH_RANGES, VERSION_WITH_RANGES_SHORT_ERRORS,
 };
+pub use predicted::PredictedError;
 pub use stored::{DoesNotFit, Encoded, Record, is_newer};

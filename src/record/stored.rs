@@ -8,6 +8,7 @@ use super::layout::{
     VERSION, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, VERSION_WITH_RANGES,
     VERSION_WITH_RANGES_SHORT_ERRORS, Writer, check_crc,
 };
+use super::predicted::PredictedError;
 use crate::calibration::Calibration;
 use crate::extended::{Effects, ExtendedCalibration};
 use crate::fit::{FitReport, Method, Order};
@@ -35,6 +36,8 @@ pub struct Record {
     /// How the sensor was mounted; `None` where the record does not say. Offset and matrix are in the board's axes, and right
     /// only with this mounting.
     pub axes: Option<AxisMap>,
+    /// The predicted error of the corrected vector in the worst direction, from noise alone.
+    pub predicted_error: PredictedError,
 }
 
 /// Whether sequence number `a` is newer than `b`, on the circle of 32-bit numbers.
@@ -81,6 +84,9 @@ impl Record {
             noise_ut: report.noise_ut,
             rms_ut: report.rms_ut,
             axes: None,
+            predicted_error: PredictedError::of_share(
+                report.predicted_error_ut / report.calibration.field_ut,
+            ),
         }
     }
 
@@ -109,7 +115,7 @@ impl Record {
         writer.put(&MAGIC);
         writer.put(&[version, method_code(self.method), model_code(self.model), effects]);
         writer.put(&self.sequence.to_le_bytes());
-        writer.put(&[0, 0, self.axes.map_or(0, AxisMap::code), 0]);
+        writer.put(&[0, 0, self.axes.map_or(0, AxisMap::code), self.predicted_error.code()]);
         let calibration = &self.calibration;
         writer.float(calibration.field_ut);
         for value in calibration.offset_ut.iter().chain(calibration.matrix.iter().flatten()) {
@@ -150,7 +156,7 @@ impl Record {
         let [version, method, model, count] = reader.take()?;
         let sequence = u32::from_le_bytes(reader.take()?);
         let length = usize::from(u16::from_le_bytes(reader.take()?));
-        let [axes, _reserved] = reader.take()?;
+        let [axes, predicted_error] = reader.take()?;
         check_crc(bytes, length)?;
         let layout = EffectLayout::of(version);
         let known = match layout {
@@ -186,7 +192,19 @@ impl Record {
             0 => None,
             code => Some(AxisMap::of_code(code).ok_or(unsound)?),
         };
-        let record = Self { sequence, calibration, effects, method, model, samples, noise_ut, rms_ut, axes };
+        let predicted_error = PredictedError::of_code(predicted_error);
+        let record = Self {
+            sequence,
+            calibration,
+            effects,
+            method,
+            model,
+            samples,
+            noise_ut,
+            rms_ut,
+            axes,
+            predicted_error,
+        };
         let numbers = noise_ut.is_finite() && rms_ut.is_finite() && record.extended().is_sound();
         if numbers && reader.at == reader.bytes.len() { Ok(record) } else { Err(unsound) }
     }

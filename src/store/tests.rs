@@ -44,6 +44,7 @@ fn record() -> Record {
         noise_ut: 0.25,
         rms_ut: 0.3,
         axes: Some(AxisMap::IDENTITY),
+        predicted_error: crate::record::PredictedError::of_share(0.004),
     }
 }
 

@@ -25,6 +25,7 @@ pub fn record(offset_x_ut: f64) -> Record {
         noise_ut: 0.25,
         rms_ut: 0.26,
         axes: None,
+        predicted_error: ironout::record::PredictedError::UNKNOWN,
     }
 }
 
