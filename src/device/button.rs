@@ -19,6 +19,8 @@ pub enum ButtonEvent {
     Accepted(Slot),
     /// The data do not support a calibration; the one in use stays.
     Refused,
+    /// The calibration is good and clearly worse than the one in use, which stays. `cal accept force` insists.
+    Worse,
     /// The calibration is good and could not be stored; the one in use stays. `cal accept` tries again.
     NotStored(StoreError),
 }

@@ -12,8 +12,15 @@ use crate::fit::FitReport;
 use crate::protocol::{Answered, Code, Reply, StreamMode};
 use crate::quality::Reason;
 use crate::record::Record;
+use crate::replacement::{Worse, clearly_worse};
 use crate::session::{State, StateError};
 use crate::store::{Done, Slot, StoreError, StoreJob};
+
+/// Why no solution is stored.
+enum NotSaved {
+    NoSolution,
+    Worse(Worse),
+}
 
 /// Why a calibration was not started.
 enum NotStarted {
@@ -30,8 +37,11 @@ impl Device {
             Err(NotStarted::Collecting) => {
                 // Collecting, so that this cannot fail; what counts is whether there is a solution now.
                 let _ = self.session.stop();
-                if !self.save(Errand::AcceptByButton) {
-                    self.tell(ButtonEvent::Refused);
+                // Whoever has only a button cannot insist: what is better stays.
+                match self.save(Errand::AcceptByButton, false) {
+                    Ok(()) => {}
+                    Err(NotSaved::NoSolution) => self.tell(ButtonEvent::Refused),
+                    Err(NotSaved::Worse(_)) => self.tell(ButtonEvent::Worse),
                 }
             }
         }
@@ -49,12 +59,16 @@ impl Device {
         Ok(())
     }
 
-    /// Begins to store the solution; `false` where there is none.
-    fn save(&mut self, errand: Errand) -> bool {
-        let Some(report) = self.session.solution() else { return false };
+    /// Begins to store the solution.
+    fn save(&mut self, errand: Errand, force: bool) -> Result<(), NotSaved> {
+        let report = self.session.solution().ok_or(NotSaved::NoSolution)?;
         let record = Record { axes: Some(self.config.sensor.axes), ..Record::of(report) };
+        let in_use = self.active.as_ref().map(|active| &active.record).filter(|_| !force);
+        if let Some(worse) = in_use.and_then(|in_use| clearly_worse(&record, in_use)) {
+            return Err(NotSaved::Worse(worse));
+        }
         self.begin(errand, StoreJob::save(self.slot_in_use(), record));
-        true
+        Ok(())
     }
 
     /// The solution was stored, or not; only then it is applied.
@@ -98,9 +112,13 @@ impl Device {
         refused(reply, first)
     }
 
-    pub(super) fn cal_accept<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Option<Answered> {
-        if self.save(Errand::Accept) {
-            return None;
+    pub(super) fn cal_accept<W: fmt::Write>(&mut self, reply: Reply<'_, W>, force: bool) -> Option<Answered> {
+        match self.save(Errand::Accept, force) {
+            Ok(()) => return None,
+            Err(NotSaved::Worse(worse)) => {
+                return Some(reply.err(Code::Refused, format_args!("{} {worse}", Worse::CODE)));
+            }
+            Err(NotSaved::NoSolution) => {}
         }
         Some(match self.session.state() {
             State::Refused => {

@@ -12,7 +12,7 @@ use crate::store::StoreJob;
 
 const HELP: [&str; 8] = [
     "help | version | status",
-    "cal start | cal stop | cal accept | cal cancel | cal show | cal clear",
+    "cal start | cal stop | cal accept [force] | cal cancel | cal show | cal clear",
     "cal method adjusted|trace|constant",
     "stream off | stream raw | stream cal | stream motioncal",
     "field UT: the expected magnitude, microtesla",
@@ -67,7 +67,7 @@ impl Device {
                 reply.done()
             }
             Command::Version if at_rest => self.version(reply.into_out()),
-            Command::CalAccept | Command::CalClear if at_rest => {
+            Command::CalAccept { .. } | Command::CalClear if at_rest => {
                 reply.err(Code::Store, format_args!("the store {}", SensorFault::AtRest))
             }
             Command::Version => {
@@ -77,7 +77,7 @@ impl Device {
             Command::Status => self.status(reply),
             Command::CalStart => self.cal_start(reply),
             Command::CalStop => self.cal_stop(reply),
-            Command::CalAccept => return self.cal_accept(reply),
+            Command::CalAccept { force } => return self.cal_accept(reply, force),
             Command::CalCancel => self.cal_cancel(reply),
             Command::CalShow => self.cal_show(reply),
             Command::CalClear => {

@@ -31,8 +31,11 @@ pub enum Command {
     CalStart,
     /// `cal stop`
     CalStop,
-    /// `cal accept`
-    CalAccept,
+    /// `cal accept`; with `force` also where it is clearly worse than the one in use.
+    CalAccept {
+        /// Whether it was insisted.
+        force: bool,
+    },
     /// `cal cancel`
     CalCancel,
     /// `cal show`
@@ -81,7 +84,7 @@ pub fn parse(line: &str) -> Result<Command, ParseError> {
         "status" => (plain(second, Command::Status), "status takes no argument"),
         "cal" => (
             cal(second, third),
-            "cal start|stop|accept|cancel|show|clear, or cal method adjusted|trace|constant",
+            "cal start|stop|accept [force]|cancel|show|clear, or cal method adjusted|trace|constant",
         ),
         "stream" => (third.is_none().then(|| stream(second)).flatten(), "stream off|raw|cal|motioncal"),
         "field" => (
@@ -105,7 +108,8 @@ fn cal(verb: Option<&str>, argument: Option<&str>) -> Option<Command> {
     let command = match (verb?, argument) {
         ("start", None) => Command::CalStart,
         ("stop", None) => Command::CalStop,
-        ("accept", None) => Command::CalAccept,
+        ("accept", None) => Command::CalAccept { force: false },
+        ("accept", Some("force")) => Command::CalAccept { force: true },
         ("cancel", None) => Command::CalCancel,
         ("show", None) => Command::CalShow,
         ("clear", None) => Command::CalClear,
@@ -152,7 +156,8 @@ mod tests {
             ("status", Command::Status),
             ("cal start", Command::CalStart),
             ("cal stop", Command::CalStop),
-            ("cal accept", Command::CalAccept),
+            ("cal accept", Command::CalAccept { force: false }),
+            ("cal accept force", Command::CalAccept { force: true }),
             ("cal cancel", Command::CalCancel),
             ("cal show", Command::CalShow),
             ("cal clear", Command::CalClear),
