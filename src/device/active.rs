@@ -5,6 +5,8 @@ use core::fmt;
 use super::extrapolated::Extrapolated;
 use crate::effect::TIME;
 use crate::extended::{Live, LiveError};
+use crate::fit::MAX_PREDICTED_ERROR;
+use crate::monitor::Monitor;
 use crate::record::Record;
 use crate::sensor::AxisMap;
 use crate::store::Slot;
@@ -37,6 +39,8 @@ pub(super) struct Active {
     origin_s: f64,
     /// What has to be added to the time since power-up to give the recording's clock; unknown until it is fed.
     clock_s: Option<f64>,
+    /// Whether it is still right.
+    pub(super) monitor: Monitor,
 }
 
 impl Active {
@@ -46,7 +50,11 @@ impl Active {
             Some(recorded) if recorded != axes => Err(NotApplied::Mounting),
             _ => Live::new(&calibration.cast()).map_err(NotApplied::Live),
         };
-        Self { record, slot, live, origin_s, clock_s: None }
+        let field_ut = record.calibration.field_ut;
+        // An error that is not known is taken for what a calibration is refused from.
+        let error = record.predicted_error.share().unwrap_or(MAX_PREDICTED_ERROR);
+        let monitor = Monitor::new(field_ut as f32, record.noise_ut as f32, (error * field_ut) as f32);
+        Self { record, slot, live, origin_s, clock_s: None, monitor }
     }
 
     /// The correction at this time, if it runs.
@@ -60,6 +68,13 @@ impl Active {
             }
         }
         Some(live)
+    }
+
+    /// Watches a measured vector, µT.
+    pub(super) fn watch(&mut self, t_ms: u64, measured_ut: [f32; 3]) {
+        if let Some(Ok(corrected_ut)) = self.at(t_ms).map(|live| live.apply(measured_ut, None)) {
+            self.monitor.push(t_ms, corrected_ut);
+        }
     }
 
     /// The columns that are outside the range that their effect was fitted over, as of the last

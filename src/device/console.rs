@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::active::Active;
 use super::machine::{Device, Errand};
 use super::sensor::SensorFault;
 use crate::effect::ColumnName;
@@ -171,6 +172,10 @@ impl Device {
             for one in active.extrapolated() {
                 reply.line(format_args!("outside {one}"));
             }
+        }
+        if let Some(Active { live: Ok(_), monitor, .. }) = &self.active {
+            let condition = monitor.condition().name();
+            reply.line(format_args!("monitor condition={condition} residual_ratio={:.2}", monitor.ratio()));
         }
         // What went wrong: restarts of the firmware, lost transactions, and samples out of range.
         let faults = [self.restarts.count, self.sensor.faults()]

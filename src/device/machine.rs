@@ -195,8 +195,11 @@ impl Device {
 
     fn take_sample(&mut self, sample: Sample, t_ms: u64) {
         self.session.push(sample);
+        let measured_ut = self.config.sensor.measured_ut(sample);
+        if let (Some(active), Some(measured_ut)) = (&mut self.active, measured_ut) {
+            active.watch(t_ms, measured_ut);
+        }
         if self.stream != StreamMode::Off {
-            let measured_ut = self.config.sensor.measured_ut(sample);
             if self.waiting.is_full() {
                 self.waiting.pop_front();
             }
