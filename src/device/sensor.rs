@@ -163,7 +163,7 @@ impl SensorWatch {
     fn period_ms(&self) -> u64 {
         match self.pace {
             Pace::Every(ms) => u64::from(ms.max(1)),
-            Pace::EachConversion | Pace::Pushed => self.conversion_ms,
+            Pace::EachConversion | Pace::Pushed => self.conversion_ms.max(1),
         }
     }
 

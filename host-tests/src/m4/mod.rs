@@ -5,7 +5,7 @@
 
 pub mod snapshot;
 
-use object::{Object, ObjectSection};
+use object::{Object, ObjectSection, ObjectSymbol};
 use std::collections::BTreeMap;
 use std::io;
 use std::path::PathBuf;
@@ -122,6 +122,21 @@ fn size(sections: &Sections, name: &str) -> u64 {
     sections.get(name).copied().unwrap_or(0)
 }
 
+/// Functions of an image that a panic goes through. The linker keeps only what can be reached, so that none of them means: none can
+/// be.
+fn panics(image: &std::path::Path) -> Result<u64, M4Error> {
+    let bytes = std::fs::read(image)?;
+    let failed = |what: String| M4Error::Failed(format!("{}: {what}", image.display()));
+    let file = object::File::parse(&*bytes).map_err(|error| failed(error.to_string()))?;
+    let names = || file.symbols().filter_map(|symbol| symbol.name().ok());
+    // An image without symbols would pass whatever is in it.
+    if !names().any(|name| name.contains("Moments")) {
+        return Err(failed("its symbols do not show the path of a sample".into()));
+    }
+    Ok(names().filter(|name| name.contains("9panicking") || name.contains("rust_begin_unwind")).count()
+        as u64)
+}
+
 /// Builds and runs everything.
 ///
 /// # Errors
@@ -176,6 +191,7 @@ pub fn measure() -> Result<Measured, M4Error> {
         ours("session_push", session("push")?, Some(900)),
         ours("session_push_worst", session("push_worst")?, Some(5_000)),
         ours("session_stop", session("stop")?, Some(150_000)),
+        ours("sample_path_panics", panics(image("sample-path")?)?, Some(0)),
         theirs("magcal_push", mean("magcal_push")?),
         theirs("magcal_push_worst", worst("magcal_push_worst")?),
         theirs("magcal_solve", once("magcal_solve")?),
