@@ -50,3 +50,30 @@ pub fn json_number(value: Option<f64>) -> serde_json::Value {
 pub fn text(text: &str) {
     note(write!(io::stdout(), "{text}"));
 }
+
+/// Breaks text into lines of at most `width` characters, each after `indent`.
+pub fn wrap(text: &str, indent: &str, width: usize) -> Vec<String> {
+    hang(text, indent, indent, width)
+}
+
+/// The same with another indent from the second line on.
+pub fn hang(text: &str, first: &str, rest: &str, width: usize) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut line = String::new();
+    for word in text.split_whitespace() {
+        let indent = if lines.is_empty() { first } else { rest };
+        let length = indent.chars().count() + line.chars().count() + 1 + word.chars().count();
+        if !line.is_empty() && length > width {
+            lines.push(format!("{indent}{line}"));
+            line.clear();
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line.push_str(word);
+    }
+    if !line.is_empty() {
+        lines.push(format!("{}{line}", if lines.is_empty() { first } else { rest }));
+    }
+    lines
+}

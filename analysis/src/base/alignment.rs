@@ -1,13 +1,14 @@
-//! The rotation to the accelerometer, from constant dip, and which axes of a driver are swapped.
+//! The rotation to the accelerometer, from constant dip, and how the magnetometer is mounted beside it.
 
 use crate::base::engine::Pass;
+use crate::base::order::AxisOrder;
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
 use crate::base::start::NO_ROTATION;
 use crate::samples::samples::Samples;
 use ironout::study::{Model, Residual};
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
-/// A rotation beyond this is no mounting error: some axes are swapped or turned round.
+/// A rotation beyond this is no mounting error: the sensor is turned by right angles, or a driver mirrors it.
 const SWAPPED_DEG: f64 = 45.0;
 
 /// ... if undoing it leaves at most this share of the dip's spread.
@@ -27,11 +28,8 @@ pub struct Alignment {
     /// Angle of the rotation beside the symmetric matrix (after any swapped axes were undone), degrees. The triangular
     /// matrix has a rotation of its own, which is a convention and no error of mounting.
     pub angle_deg: f64,
-    /// How the axes stand in the log, if they are swapped: `y,x,z` means that the log's first axis is the board's y.
-    pub axis_order: Option<String>,
-    /// Whether that order turns a right-handed frame into a left-handed one: the field is then minus what the proper
-    /// rotation gives.
-    pub mirrored: bool,
+    /// How the axes stand in the log, as a mounting. The dip says the same of its opposite, a mirror image.
+    pub order: AxisOrder,
 }
 
 fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
@@ -164,9 +162,9 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
     let swapped = angle_deg(&rotation) > SWAPPED_DEG
         && after_deg < SWAPPED_LEAVES * before_deg
         && after_deg < SWAPPED_MOST_DEG;
-    let (axis_order, angle_deg, mirrored) =
-        if swapped { nearest_order(&rotation) } else { (None, beside_symmetric(&model), false) };
-    Ok(Some(Alignment { model, before_deg, after_deg, angle_deg, axis_order, mirrored }))
+    let (order, angle_deg) =
+        if swapped { AxisOrder::nearest(&rotation) } else { (AxisOrder::IN_ORDER, beside_symmetric(&model)) };
+    Ok(Some(Alignment { model, before_deg, after_deg, angle_deg, order }))
 }
 
 /// Angle of the rotation `U` in `R C = U S` with `S` symmetric, degrees.
@@ -175,36 +173,5 @@ fn beside_symmetric(model: &Model<f64>) -> f64 {
     match full.try_svd(true, true, 1e-12, 200).and_then(|svd| Some(svd.u? * svd.v_t?)) {
         Some(rotation) => angle_deg(&rotation),
         None => angle_deg(&matrix(&model.rotation)),
-    }
-}
-
-/// The signed permutation that leaves the least rotation. `P` and `−P` differ only by the hemisphere, which the dip
-/// does not tell: of the two the one with fewer sign flips.
-fn nearest_order(rotation: &Matrix3<f64>) -> (Option<String>, f64, bool) {
-    const ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
-    let mut best: Option<(f64, u32, String, bool)> = None;
-    for order in ORDERS {
-        for signs in 0..8_u32 {
-            let sign = |axis: usize| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
-            // Body axis `order[j]` is read as the log's axis j, with a sign.
-            let p = Matrix3::from_fn(|i, j| if order[j] == i { sign(j) } else { 0.0 });
-            let whole = if p.determinant() > 0.0 { *rotation } else { -rotation };
-            let left = angle_deg(&(whole * p.transpose()));
-            let names: Vec<String> = (0..3)
-                .map(|j| format!("{}{}", if sign(j) < 0.0 { "-" } else { "" }, ["x", "y", "z"][order[j]]))
-                .collect();
-            let flips = signs.count_ones();
-            let better = best.as_ref().is_none_or(|(angle, count, ..)| {
-                left < angle - 1e-6 || ((left - angle).abs() <= 1e-6 && flips < *count)
-            });
-            if better {
-                best = Some((left, flips, names.join(","), p.determinant() < 0.0));
-            }
-        }
-    }
-    match best {
-        Some((left, _, order, mirrored)) if order != "x,y,z" => (Some(order), left, mirrored),
-        Some((left, ..)) => (None, left, false),
-        None => (None, 0.0, false),
     }
 }

@@ -1,6 +1,7 @@
 //! The rotation that magnitudes leave open, from an accelerometer: the matrix becomes a full 3×3.
 
 use crate::base::dip_errors::{RotationErrors, TRIANGLE};
+use crate::base::mounting::Standing;
 use crate::calibration::StdErrors;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use serde::Serialize;
@@ -26,14 +27,13 @@ pub enum Alignment {
         before_deg: f64,
         /// Spread of the dip after, degrees.
         after_deg: f64,
-        /// How the axes stand in the log, if they are swapped.
-        axis_order: Option<String>,
+        /// How the axes stand in the log: in order, or as a mounting that the matrix contains.
+        standing: Standing,
     },
     /// The log's axes are those of a left hand: no rotation mends that, and the corrected vector would point elsewhere.
-    Mirrored {
-        /// How the axes stand in the log.
-        order: String,
-    },
+    Mirrored(Standing),
+    /// The log's axes are a mounting's or its mirror image's, and nothing that is known tells which.
+    Open(Standing),
     /// The accelerometer shows no constant dip: the matrix stays triangular.
     NoDip {
         /// Spread of the dip after the best rotation, degrees.
@@ -50,8 +50,8 @@ pub struct Found<'f> {
     pub after_deg: f64,
     /// Angle of the rotation beside the symmetric matrix, degrees.
     pub angle_deg: f64,
-    /// How the axes stand in the log, if they are swapped.
-    pub axis_order: Option<&'f str>,
+    /// How the axes stand in the log.
+    pub standing: Standing,
     /// Errors of the rotation vector.
     pub rotation: Option<&'f RotationErrors>,
 }
@@ -96,8 +96,12 @@ fn alignment(found: &Found, covariance: &[[f64; 9]; 9]) -> Alignment {
         let turned = rotation.covariance(covariance);
         (0..3).map(|i| turned[(i, i)].max(0.0).sqrt().to_degrees()).fold(0.0, f64::max)
     });
-    if let Some(order) = found.axis_order.filter(|order| is_mirrored(order)) {
-        return Alignment::Mirrored { order: order.to_string() };
+    let standing = found.standing;
+    if standing.is_open() {
+        return Alignment::Open(standing);
+    }
+    if standing.is_mirrored() {
+        return Alignment::Mirrored(standing);
     }
     if found.after_deg > MOST_SPREAD_DEG {
         return Alignment::NoDip { after_deg: found.after_deg };
@@ -107,29 +111,10 @@ fn alignment(found: &Found, covariance: &[[f64; 9]; 9]) -> Alignment {
             angle_deg: found.angle_deg,
             before_deg: found.before_deg,
             after_deg: found.after_deg,
-            axis_order: found.axis_order.map(String::from),
+            standing,
         },
         _ => Alignment::None,
     }
-}
-
-/// Whether an order of axes, as in `y,x,z`, turns right hands into left ones: then no rotation mends it.
-fn is_mirrored(order: &str) -> bool {
-    let names: Vec<&str> = order.split(',').map(|name| name.trim_start_matches('-')).collect();
-    let swaps = (0..names.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-    let odd = swaps.filter(|&(i, j)| names[i] < names[j]).count() + order.matches('-').count();
-    odd % 2 == 1
-}
-
-/// What `--rotate` takes to put the axes in order, where `order` says which body axis each of the log's axes stands for.
-pub fn mounting_for(order: &str) -> String {
-    let axes: Vec<&str> = order.split(',').collect();
-    let names = ["x", "y", "z"].map(|body| {
-        let place = axes.iter().position(|axis| axis.trim_start_matches('-') == body).unwrap_or_default();
-        let sign = if axes.get(place).is_some_and(|axis| axis.starts_with('-')) { "-" } else { "" };
-        format!("{sign}{}", ["x", "y", "z"][place])
-    });
-    format!("mag:{}", names.join(","))
 }
 
 fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
@@ -195,22 +180,6 @@ mod tests {
                 .zip(triangle.iter().flatten())
                 .all(|(a, b)| (a - b).abs() < 1e-12)
         );
-    }
-
-    #[test]
-    fn a_mirrored_order_is_told_from_a_turned_one() {
-        for (order, mirrored) in
-            [("x,y,z", false), ("y,x,z", true), ("y,x,-z", false), ("y,z,x", false), ("-x,-y,-z", true)]
-        {
-            assert_eq!(is_mirrored(order), mirrored, "{order}");
-        }
-    }
-
-    #[test]
-    fn the_mounting_undoes_the_order() {
-        for (order, mounting) in [("y,x,z", "mag:y,x,z"), ("y,z,x", "mag:z,x,y"), ("-y,x,z", "mag:y,-x,z")] {
-            assert_eq!(mounting_for(order), mounting);
-        }
     }
 
     #[test]

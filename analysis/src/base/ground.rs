@@ -6,7 +6,7 @@
 //! 4. bursts that show in the residual of a first fit are set aside;
 //! 5. the core's fit of what is left: exact sums for 16-bit counts, the board's bits;
 //! 6. noise floor and number of independent samples from its residual (`base::quality`), and the held-out error;
-//! 7. with an accelerometer, the rotation that magnitudes leave open.
+//! 7. with an accelerometer, the rotation that magnitudes leave open, and how the sensor is mounted.
 //!
 //! The study of effects goes on from the same samples, and states this base as its first row.
 
@@ -31,11 +31,12 @@ pub struct Ground<'a> {
 }
 
 impl<'a> Ground<'a> {
-    /// Of a log, fitted by `method` and scaled to `field_ut` (the mean of the log where unknown).
-    pub fn of(table: &'a Table<'a>, method: Method, field_ut: Option<f64>) -> Self {
+    /// Of a log, fitted by `method` and scaled to `field_ut` (the mean of the log where unknown); `dip_deg` is that of the
+    /// place, where it is known.
+    pub fn of(table: &'a Table<'a>, method: Method, field_ut: Option<f64>, dip_deg: Option<f64>) -> Self {
         let lay = |unit: f64| {
             let counted = Counted::of(table, unit);
-            let base = Base::of(&counted, method, field_ut);
+            let base = Base::of(&counted, method, field_ut, dip_deg);
             Ground { counted, base, odd_field_ut: None }
         };
         let ground = lay(1.0);

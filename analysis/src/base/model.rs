@@ -4,6 +4,7 @@ use crate::base::alignment::align;
 use crate::base::axes::{Aligned, Found};
 use crate::base::counted::Counted;
 use crate::base::dip_errors::DipErrors;
+use crate::base::hemisphere::{Evidence, settle};
 use crate::base::holdout;
 use crate::base::quality::{Residue, residue};
 use crate::base::solution::Solution;
@@ -36,11 +37,17 @@ pub struct Base {
 }
 
 impl Base {
-    /// Fits the samples that count.
+    /// Fits the samples that count, scaled to `field_ut`. The dip of the place, or the log's reference heading, tells a
+    /// mounting from a mirror image.
     ///
     /// # Errors
     /// The core's.
-    pub fn of(counted: &Counted, method: Method, field_ut: Option<f64>) -> Result<Self, FitError> {
+    pub fn of(
+        counted: &Counted,
+        method: Method,
+        field_ut: Option<f64>,
+        dip_deg: Option<f64>,
+    ) -> Result<Self, FitError> {
         let (data, used) = (&counted.data, &counted.used);
         let white = FitOptions { method, field_ut, ..FitOptions::default() };
         let first = fit_samples(data, used, &white)?;
@@ -65,7 +72,7 @@ impl Base {
             residue,
             report,
         };
-        if let Some(aligned) = base.aligned(counted) {
+        if let Some(aligned) = base.aligned(counted, dip_deg) {
             base.solution.take(aligned);
         }
         Ok(base)
@@ -82,7 +89,7 @@ impl Base {
         self.report.predicted_error_ut / self.report.calibration.field_ut
     }
 
-    fn aligned(&self, counted: &Counted) -> Option<Aligned> {
+    fn aligned(&self, counted: &Counted, dip_deg: Option<f64>) -> Option<Aligned> {
         let samples = &counted.samples;
         let down = samples.readings.iter().filter(|reading| reading.down.is_some()).count();
         if counted.rests || down * 10 <= 3 * samples.len() {
@@ -90,17 +97,18 @@ impl Base {
         }
         // There are no effects here whose shape could fail.
         let found = align(samples, &self.model()?).ok()??;
-        let rotation =
-            DipErrors::of(samples, &found.model, &[], None).ok()?.map(|errors| errors.rotation(None));
+        let evidence = Evidence { heading_deg: counted.table.heading_deg, dip_deg };
+        let (standing, model) = settle(samples, &found, &[], evidence);
+        let rotation = DipErrors::of(samples, &model, &[], None).ok()?.map(|errors| errors.rotation(None));
         let dip = Found {
             before_deg: found.before_deg,
             after_deg: found.after_deg,
             angle_deg: found.angle_deg,
-            axis_order: found.axis_order.as_deref(),
+            standing,
             rotation: rotation.as_ref(),
         };
         let covariance = self.report.spread.covariance();
-        Aligned::of(&found.model.full_matrix(), &covariance, self.predicted_share(), Some(dip))
+        Aligned::of(&model.full_matrix(), &covariance, self.predicted_share(), Some(dip))
     }
 }
 

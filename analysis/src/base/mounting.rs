@@ -1,4 +1,10 @@
 //! What the alignment with the accelerometer finds: reported like effects, but the base model contains them.
+//!
+//! A dip cannot tell a field from its opposite, and so a mounting from the mirror image with every sign turned round. The
+//! hemisphere (where the log was recorded) and a reference heading can. Where neither is known, it is said.
+
+use crate::base::order::AxisOrder;
+use serde::Serialize;
 
 /// A finding of the alignment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,7 +17,7 @@ pub struct Mounting {
 
 /// The sensors' axes differ by a rotation.
 pub const MISALIGNMENT: Mounting = Mounting { id: "misalignment", name: "misalignment" };
-/// A driver has the axes in another order, or turned round.
+/// The magnetometer is mounted turned by right angles, or a driver mirrors its axes.
 pub const AXIS_ORDER: Mounting = Mounting { id: "axis-order", name: "axis order" };
 
 /// Both.
@@ -26,4 +32,177 @@ pub const NOT_TO_ADD: &str = "this is no effect to add: with an accelerometer in
 /// Whether an id is that of one of them.
 pub fn is_one(id: &str) -> bool {
     ALL.iter().any(|one| one.id == id)
+}
+
+/// What tells a field from its opposite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DecidedBy {
+    /// The log's `heading_deg`.
+    Heading,
+    /// The known dip of the place.
+    Place,
+}
+
+/// Why what is known does not tell a field from its opposite.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Doubt {
+    /// Neither heading nor place is known.
+    NothingKnown,
+    /// The field there is nearly level.
+    LevelField {
+        /// Dip of the place, degrees.
+        expected_deg: f64,
+    },
+    /// The log's dip is neither that of the place nor its opposite.
+    OtherDip {
+        /// Dip of the place, degrees.
+        expected_deg: f64,
+    },
+    /// The headings are wrong either way.
+    OtherHeading {
+        /// Rms of their error with the field as the mounting has it, degrees.
+        own_deg: f64,
+        /// The same with its opposite.
+        opposite_deg: f64,
+    },
+    /// The heading says one and the place the other.
+    Contradiction,
+}
+
+/// How the axes of the log's magnetometer stand to those of its accelerometer.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Standing {
+    /// Which axis of the board each axis of the log stands for. Where nothing decides it: the mounting of the two that are
+    /// possible, this and its [`opposite`](AxisOrder::opposite).
+    pub order: AxisOrder,
+    /// The dip of the corrected field with that order, degrees below the horizon.
+    pub dip_deg: f64,
+    /// What decided it.
+    pub decided: Result<DecidedBy, Doubt>,
+}
+
+impl Standing {
+    /// Whether the order is a mirror image, beyond doubt: the driver is at fault.
+    pub fn is_mirrored(&self) -> bool {
+        self.order.is_mirror()
+    }
+
+    /// Whether the axes are not in order, and nothing tells a mounting from a mirror image.
+    pub fn is_open(&self) -> bool {
+        self.decided.is_err() && !self.order.is_in_order()
+    }
+
+    /// The order, where the axes do not stand for themselves.
+    pub fn swapped(&self) -> Option<AxisOrder> {
+        Some(self.order).filter(|order| !order.is_in_order())
+    }
+
+    /// The readings of the log that are possible, each an option `--rotate` with what it means; empty where the axes are in
+    /// order and nothing speaks against it.
+    pub fn readings(&self) -> Vec<(String, String)> {
+        let one = |order: AxisOrder, dip_deg: f64| {
+            let cause = if order.is_mirror() {
+                format!("the driver mirrors its axes, which stand for {order}")
+            } else {
+                format!("it is mounted turned {} (its axes stand for {order})", order.turn_in_words())
+            };
+            (order.rotate(), format!("{cause}: the field then points {}", dip_in_words(dip_deg)))
+        };
+        match (self.is_open(), self.swapped()) {
+            (true, _) => vec![one(self.order, self.dip_deg), one(self.order.opposite(), -self.dip_deg)],
+            (false, Some(order)) => vec![one(order, self.dip_deg)],
+            (false, None) => Vec::new(),
+        }
+    }
+
+    /// What to know about the axes, and what to do, in sentences; empty where they are in order beyond doubt.
+    pub fn words(&self) -> Vec<String> {
+        let against = "against the accelerometer, the magnetometer's axes stand for";
+        let order = self.order;
+        match self.decided {
+            Err(doubt) if order.is_in_order() => vec![format!(
+                "the field points {}: on the other side of the magnetic equator all three axes would be reversed, a fault of \
+                 the driver; {}",
+                dip_in_words(self.dip_deg),
+                doubt.words()
+            )],
+            Err(doubt) => {
+                let mut list = vec![format!(
+                    "{against} {order} or for {}, and the dip cannot tell which, nor a heading from its opposite; {}",
+                    order.opposite(),
+                    doubt.words()
+                )];
+                let candidates = self.readings().into_iter();
+                list.extend(candidates.map(|(rotate, cause)| format!("--rotate {rotate} if {cause}")));
+                list
+            }
+            Ok(by) if order.is_mirror() => vec![
+                format!(
+                    "{against} {order}: those of a left hand, which no mounting makes ({})",
+                    by.words(self.dip_deg)
+                ),
+                format!(
+                    "the driver swaps axes or has a sign wrong: mend it, or read the log with --rotate {}",
+                    order.rotate()
+                ),
+            ],
+            Ok(_) if order.is_in_order() => Vec::new(),
+            Ok(by) => vec![
+                format!(
+                    "{against} {order}: it is mounted turned {} ({})",
+                    order.turn_in_words(),
+                    by.words(self.dip_deg)
+                ),
+                format!("to have the log in the board's axes, read it with --rotate {}", order.rotate()),
+            ],
+        }
+    }
+}
+
+impl DecidedBy {
+    /// Its word in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            DecidedBy::Heading => "heading",
+            DecidedBy::Place => "place",
+        }
+    }
+
+    fn words(self, dip_deg: f64) -> String {
+        let by = match self {
+            DecidedBy::Heading => "heading_deg tells",
+            DecidedBy::Place => "the dip of the place tells",
+        };
+        format!("{by}; the field points {}", dip_in_words(dip_deg))
+    }
+}
+
+impl Doubt {
+    /// Why it is not known, and what would tell.
+    fn words(self) -> String {
+        match self {
+            Doubt::NothingKnown => "say where it was recorded (--at), or log heading_deg".into(),
+            Doubt::LevelField { expected_deg } => {
+                format!("at a dip of {expected_deg:.0}° the place does not tell: log heading_deg")
+            }
+            Doubt::OtherDip { expected_deg } => format!(
+                "the dip of the place, {expected_deg:.0}°, is neither this nor its opposite: check --at, and iron nearby"
+            ),
+            Doubt::OtherHeading { own_deg, opposite_deg } => format!(
+                "heading_deg is off by {own_deg:.0}° rms this way and by {opposite_deg:.0}° the other: check its column and \
+                 the accelerometer's axes"
+            ),
+            Doubt::Contradiction => {
+                "heading_deg says one and --at the other: check the place and the sign of the accelerometer"
+                    .into()
+            }
+        }
+    }
+}
+
+/// Where the corrected field points.
+pub fn dip_in_words(dip_deg: f64) -> String {
+    format!("{:.0}° {} the horizon", dip_deg.abs(), if dip_deg < 0.0 { "above" } else { "below" })
 }

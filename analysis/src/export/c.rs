@@ -3,6 +3,7 @@
 use crate::effects::Calibrated;
 use crate::export::error::CannotExport;
 use crate::export::range::{Range, ranges};
+use crate::export::reading::Reading;
 use ironout::calibration::{Calibration, inverse_3x3};
 use ironout::effect::{ColumnName, Effect, Id, Made, TIME};
 use ironout::extended::FittedEffect;
@@ -13,15 +14,22 @@ type Fitted = FittedEffect<f64, Made<ColumnName>>;
 /// The most looks at a disturbance that depends on the field it disturbs, as in the library.
 const LOOKS: usize = 12;
 
-/// The file.
+/// How the file ends.
+const END: &str = "#endif /* IRONOUT_CALIBRATION_H */\n";
+
+/// The file, with how the log was read.
 ///
 /// # Errors
 /// Two columns that have the same name in C, or a matrix without an inverse.
-pub fn text(calibration: &Calibrated, summary: &str) -> Result<String, CannotExport> {
-    let text = if calibration.effects.is_empty() {
-        plain(&calibration.base, summary)
+pub fn text(calibration: &Calibrated, reading: &Reading, summary: &str) -> Result<String, CannotExport> {
+    let (text, scalar) = if calibration.effects.is_empty() {
+        (plain(&calibration.base, summary), "float")
     } else {
-        extended(calibration, summary)?
+        (extended(calibration, summary)?, "ironout_real")
+    };
+    let text = match text.strip_suffix(END) {
+        Some(body) => format!("{body}{}{END}", reading.c(scalar)),
+        None => text,
     };
     Ok(text.replace('µ', "u").replace('·', "*").replace('−', "-").replace('°', "deg ").replace('²', "^2"))
 }

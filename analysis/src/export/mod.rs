@@ -1,6 +1,16 @@
-//! A calibration as code of another program.
+//! A calibration as code, or as the parameters, of another program.
 
+pub mod ardupilot;
+pub mod betaflight;
 pub mod c;
 pub mod error;
+pub mod held;
+pub mod iio;
+pub mod px4;
 pub mod range;
+pub mod reading;
+pub mod refit;
+pub mod ros;
+pub mod rotations;
 pub mod rust;
+pub mod words;

@@ -2,6 +2,7 @@
 
 use crate::effects::Calibrated;
 use crate::export::range::{Range, ranges};
+use crate::export::reading::Reading;
 use ironout::calibration::Calibration;
 use ironout::effect::{ColumnName, RustCode};
 use ironout::extended::{FittedEffect, MAX_EFFECTS, Ranges};
@@ -26,13 +27,14 @@ fn list(scalar: &str, values: &[f64]) -> String {
     format!("[{}]", words.join(", "))
 }
 
-/// The file.
-pub fn text(calibration: &Calibrated, summary: &str) -> String {
-    if calibration.effects.is_empty() {
+/// The file, with how the log was read.
+pub fn text(calibration: &Calibrated, reading: &Reading, summary: &str) -> String {
+    let text = if calibration.effects.is_empty() {
         plain(&calibration.base, summary)
     } else {
         extended(calibration, summary) + &outside(&ranges(calibration))
-    }
+    };
+    text + &reading.rust()
 }
 
 /// The ranges and the function that says whether a value lies outside; nothing where no range is known.

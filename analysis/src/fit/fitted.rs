@@ -1,6 +1,6 @@
 //! What came out of a fit.
 
-use crate::base::axes::{Alignment, mounting_for};
+use crate::base::axes::Alignment;
 use crate::base::counted::{Aside, Counted};
 use crate::base::ground::Ground;
 use crate::base::solution::Solution;
@@ -128,16 +128,9 @@ impl Fitted {
                 other => in_words(other, all_round),
             })
             .collect();
-        if let Alignment::Mirrored { order } = &solution.alignment {
+        if let Alignment::Mirrored(standing) | Alignment::Open(standing) = &solution.alignment {
             self.accepted = false;
-            self.reasons.insert(
-                0,
-                format!(
-                    "against the accelerometer, the magnetometer's axes stand for {order}: the axes of a left hand, so that \
-                     corrected vectors would point elsewhere; mend the driver, or read the log with --rotate {}",
-                    mounting_for(order)
-                ),
-            );
+            self.reasons.splice(0..0, standing.words());
         }
         self.solution = Some(solution);
     }

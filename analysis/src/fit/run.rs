@@ -15,7 +15,7 @@ use crate::threads::with_room;
 pub fn fit(table: &Table, options: &Options) -> Result<Fitted, Refusal> {
     ids::check(table, &options.add, options.registry)?;
     with_room(|| {
-        let ground = Ground::of(table, options.method, options.scale_ut());
+        let ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
         let fitted = Fitted::new(&ground.counted, options);
         if options.add.is_empty() && options.prior.is_none() {
             return Ok(fitted.of_base(&ground));

@@ -104,6 +104,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         explanation,
         lower_order: None,
         base: None,
+        dip_deg: None,
     };
     let in_group = |id: &String| confounded.iter().any(|group| group.ids.contains(id));
     let mut steps = view.steps(&None)?;

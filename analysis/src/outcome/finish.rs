@@ -8,7 +8,6 @@ use crate::outcome::outcome::{Diagnosis, Dip, StepRow, Verdict};
 use crate::outcome::request::Refusal;
 use crate::outcome::standing;
 use crate::outcome::view::View;
-use crate::residual::heading::mirrored;
 use crate::residual::traces::Traces;
 use crate::search::state::held_out_rms;
 use ironout::calibration::Calibration;
@@ -18,13 +17,7 @@ impl View<'_, '_> {
     pub(crate) fn finish(mut self, force_lag: bool) -> Result<Diagnosis, Refusal> {
         // Without an offset and a matrix of its own the log says nothing about a rotation either.
         let mut dip = if self.lower_order.is_some() { None } else { self.dip(force_lag)? };
-        if let Some(dip) = &mut dip {
-            let model = dip.alignment.model;
-            // A mirrored frame is minus a turned one, and its dip the other way.
-            let kept = if dip.alignment.mirrored { mirrored(&model) } else { None };
-            self.explanation.fitted.model = kept.unwrap_or(model);
-            self.choose_hemisphere(dip);
-        }
+        let standing = dip.as_ref().map(|dip| self.settle(dip));
         let fitted = &self.explanation.fitted;
         let list: Vec<&Piece> = fitted.pieces.iter().collect();
         let residuals = self.pass.residuals(&fitted.model, &list)?;
@@ -57,7 +50,7 @@ impl View<'_, '_> {
                 dip_rms_deg: Some(dip.after_deg),
             });
         }
-        let swapped = dip.as_ref().and_then(|dip| dip.alignment.axis_order.clone());
+        let swapped = standing.and_then(|standing| standing.swapped());
         let groups = &self.explanation.confounded;
         let in_group = |id: &str| groups.iter().any(|group| group.ids.iter().any(|other| other == id));
         let (mut verdict, reasons) = self.verdict(&left, predicted, field);
@@ -65,8 +58,8 @@ impl View<'_, '_> {
             verdict = Verdict::Missing;
         }
         steps.retain(|step| step.added.as_ref().is_none_or(|id| !in_group(id)));
-        let candidates = self.candidates(&dip, pure_lag, swapped.as_deref(), verdict);
-        if let (Some(_), Some(dip)) = (&swapped, &dip) {
+        let candidates = self.candidates(&dip, pure_lag, standing, verdict);
+        if let (Some(_), Some(dip)) = (swapped, &dip) {
             steps.push(StepRow {
                 added: Some(AXIS_ORDER.id.into()),
                 rms_ut: fitted.rms(),
@@ -101,7 +94,7 @@ impl View<'_, '_> {
             }),
             std_errors: None,
             alignment: Default::default(),
-            axis_order: swapped,
+            standing,
             information: (information(&self.pass, fitted, self.known, left.time))
                 .and_then(|matrix| Information::of(&matrix)),
             converged: fitted.converged,

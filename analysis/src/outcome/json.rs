@@ -1,7 +1,6 @@
 //! The JSON object of `diagnose`.
 
-use crate::base::axes::mounting_for;
-use crate::base::mounting::AXIS_ORDER;
+use crate::base::mounting::{AXIS_ORDER, DecidedBy};
 use crate::calibration::StdErrors;
 use crate::outcome::outcome::Diagnosis;
 use ironout::calibration::Calibration;
@@ -64,11 +63,21 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
             if let (Some(angle), Some(map)) = (row.angle_deg, object.as_object_mut()) {
                 map.insert("angle_deg".into(), number(Some(angle)));
             }
-            if let (Some(order), true, Some(map)) =
-                (&diagnosis.axis_order, row.id == AXIS_ORDER.id, object.as_object_mut())
+            if let (Some(standing), true, Some(map)) =
+                (diagnosis.standing, row.id == AXIS_ORDER.id, object.as_object_mut())
             {
-                map.insert("order".into(), order.as_str().into());
-                map.insert("rotate".into(), mounting_for(order).into());
+                let by = standing.decided.ok().map(DecidedBy::name);
+                map.insert("decided_by".into(), json!(by));
+                if let Some(order) = standing.swapped() {
+                    map.insert("order".into(), order.to_string().into());
+                    map.insert("rotate".into(), order.rotate().into());
+                    map.insert("mirrored".into(), order.is_mirror().into());
+                }
+                if standing.is_open() {
+                    let other = standing.order.opposite();
+                    map.insert("or_order".into(), other.to_string().into());
+                    map.insert("or_rotate".into(), other.rotate().into());
+                }
             }
             object
         })
@@ -115,7 +124,7 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
     if let Some(map) = object.as_object_mut() {
         map.insert("effects".into(), effects(diagnosis));
         // With swapped axes the log is to be repaired first.
-        let calibration = diagnosis.calibration.filter(|_| diagnosis.axis_order.is_none());
+        let calibration = diagnosis.calibration.filter(|_| diagnosis.axis_order().is_none());
         let entry = |calibration: Calibration<f64>, std_errors: Option<&StdErrors>| {
             json!({
                 "offset_ut": calibration.offset_ut, "matrix": calibration.matrix, "field_ut": calibration.field_ut,

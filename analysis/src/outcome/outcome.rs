@@ -2,6 +2,8 @@
 
 use crate::base::axes::Alignment;
 use crate::base::model::Base;
+use crate::base::mounting::Standing;
+use crate::base::order::AxisOrder;
 use crate::calibration::{FittedEffect, Information, StdErrors};
 use crate::plain;
 use crate::residual::traces::Traces;
@@ -169,8 +171,8 @@ pub struct Diagnosis {
     pub std_errors: Option<StdErrors>,
     /// Whether the matrix stands in the accelerometer's axes.
     pub alignment: Alignment,
-    /// How the axes stand in the log, if they are swapped: `y,x,z` means that the log's first axis is the board's y.
-    pub axis_order: Option<String>,
+    /// How the magnetometer's axes stand to the accelerometer's, where the log shows it.
+    pub standing: Option<Standing>,
     /// Information about offset and triangle, effects projected out.
     pub information: Option<Information>,
     /// Whether the fit of the final model converged.
@@ -194,4 +196,12 @@ pub struct Diagnosis {
     /// The families of effects that the ids are of.
     #[serde(skip)]
     pub registry: Registry,
+}
+
+impl Diagnosis {
+    /// How the axes stand in the log, where they do not stand for themselves. Where nothing tells a mounting from its mirror
+    /// image, the mounting.
+    pub fn axis_order(&self) -> Option<AxisOrder> {
+        self.standing.and_then(|standing| standing.swapped())
+    }
 }

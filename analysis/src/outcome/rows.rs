@@ -1,6 +1,6 @@
 //! The candidates and effects of a diagnosis as rows, in words and numbers.
 
-use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT};
+use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT, Standing};
 use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::{Residue, covariance, covariance_of};
 use crate::calibration::FittedEffect;
@@ -20,7 +20,7 @@ impl View<'_, '_> {
         &self,
         dip: &Option<DipStudy>,
         pure_lag: bool,
-        swapped: Option<&str>,
+        standing: Option<Standing>,
         verdict: Verdict,
     ) -> Vec<CandidateRow> {
         let rows = self.explanation.fitted.rows;
@@ -162,24 +162,17 @@ impl View<'_, '_> {
             list.push(CandidateRow {
                 id: AXIS_ORDER.id.into(),
                 name: AXIS_ORDER.name.into(),
-                status: if swapped.is_some() { Status::Missing } else { Status::NotNeeded },
+                status: match standing.and_then(|standing| standing.swapped()) {
+                    Some(_) => Status::Missing,
+                    None => Status::NotNeeded,
+                },
                 residual: Residual::Dip.name(),
                 holdout_rms_ut: None,
                 p_value: None,
                 confounded_with: Vec::new(),
-                why: match swapped {
-                    Some(order) => format!(
-                        "the log's axes stand for the board's {order}: correct the driver, or use --rotate; the field then \
-                         points {}{}",
-                        dip_in_words(self.explanation.fitted.model.sin_dip),
-                        match self.table.heading_deg {
-                            Some(_) => "",
-                            None => {
-                                ", and if that is the wrong hemisphere all three signs are the other way round"
-                            }
-                        }
-                    ),
-                    None => "the axes stand in the board's order".into(),
+                why: match standing.map(|standing| standing.words()) {
+                    Some(words) if !words.is_empty() => words.join("; "),
+                    _ => "the axes stand in the board's order".into(),
                 },
                 angle_deg: None,
             });
@@ -301,10 +294,4 @@ pub(crate) fn describe(piece: &Piece, std_errors: Vec<f64>) -> FittedEffect {
         reference,
         parameters,
     }
-}
-
-/// Where the corrected field points, from the sine of its angle with gravity.
-fn dip_in_words(sin_dip: f64) -> String {
-    let dip_deg = sin_dip.clamp(-1.0, 1.0).asin().to_degrees();
-    format!("{:.0}° {} the horizon", dip_deg.abs(), if dip_deg < 0.0 { "above" } else { "below" })
 }

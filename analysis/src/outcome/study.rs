@@ -24,7 +24,7 @@ const FEWEST: usize = 30;
 
 /// The diagnosis of a log.
 pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
-    with_room(|| study(&Ground::of(table, options.method, options.scale_ut()), options))
+    with_room(|| study(&Ground::of(table, options.method, options.scale_ut(), options.dip_deg), options))
 }
 
 /// The diagnosis of a log whose samples are sorted out, with `with_room` to work in.
@@ -88,7 +88,7 @@ fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
 fn accuse_nobody(diagnosis: &mut Diagnosis) {
     diagnosis.steps.truncate(1);
     diagnosis.effects.clear();
-    diagnosis.axis_order = None;
+    diagnosis.standing = None;
     for row in diagnosis.candidates.iter_mut().filter(|row| row.status != Status::Untestable) {
         row.status = Status::Untestable;
         row.why = "the data do not support a calibration, so this cannot be told".into();
@@ -113,6 +113,7 @@ fn magnitude(
         Err(why) => return Ok(undetermined(table, samples, options.registry, why)),
     };
     let base = stand.base;
-    View { table, samples, catalogue: &catalogue, pass, known, explanation, lower_order: None, base }
+    let dip_deg = options.dip_deg;
+    View { table, samples, catalogue: &catalogue, pass, known, explanation, lower_order: None, base, dip_deg }
         .finish(pure_lag)
 }

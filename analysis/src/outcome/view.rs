@@ -3,13 +3,15 @@
 use crate::base::alignment::{Alignment, align, without_effects};
 use crate::base::dip_errors::DipErrors;
 use crate::base::engine::Pass;
+use crate::base::heading::heading_error;
+use crate::base::hemisphere::{Evidence, settle};
 use crate::base::known::Known;
 use crate::base::model::Base;
+use crate::base::mounting::Standing;
 use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::{Residue, attitude_error, covariance, residue};
 use crate::base::start;
 use crate::outcome::outcome::{Heading, StepRow, Verdict, Where};
-use crate::residual::heading::{backwards, heading_error, mirrored, negated};
 use crate::residual::late::{Late, scan};
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
@@ -41,6 +43,8 @@ pub(crate) struct View<'v, 'a> {
     pub(crate) lower_order: Option<String>,
     /// The base model as `fit` gives it, if the log carries one.
     pub(crate) base: Option<&'v Base>,
+    /// The dip of the place, degrees, where it is known.
+    pub(crate) dip_deg: Option<f64>,
 }
 
 /// What the dip says in the end.
@@ -154,19 +158,13 @@ impl<'a> View<'_, 'a> {
         Ok(f_tail(delay_s * delay_s / variance, 1.0, fitted.rows / left.time.max(1.0)))
     }
 
-    /// The dip cannot tell a field from its opposite, a reference heading can: where every heading is backwards, all
-    /// three axes are taken the other way round.
-    pub(crate) fn choose_hemisphere(&mut self, dip: &mut DipStudy) {
-        let fitted = &self.explanation.fitted;
-        let (Some(reference), Some(twin)) = (self.table.heading_deg, mirrored(&fitted.model)) else { return };
-        let error = |model: &Model<f64>| heading_error(self.samples, model, &fitted.pieces, reference);
-        if !error(&fitted.model).zip(error(&twin)).is_some_and(|(own, other)| backwards(own, other)) {
-            return;
-        }
-        self.explanation.fitted.model = twin;
-        dip.alignment.mirrored = !dip.alignment.mirrored;
-        let order = negated(dip.alignment.axis_order.as_deref().unwrap_or("x,y,z"));
-        dip.alignment.axis_order = (order != "x,y,z").then_some(order);
+    /// Takes the alignment's model, or its opposite where heading or place say so: how the axes stand.
+    pub(crate) fn settle(&mut self, dip: &DipStudy) -> Standing {
+        let evidence = Evidence { heading_deg: self.table.heading_deg, dip_deg: self.dip_deg };
+        let (standing, model) =
+            settle(self.samples, &dip.alignment, &self.explanation.fitted.pieces, evidence);
+        self.explanation.fitted.model = model;
+        standing
     }
 
     /// The held-out error over the noise floor, where it is more than that many parameters and that noise's memory make of

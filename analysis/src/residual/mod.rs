@@ -1,6 +1,5 @@
-//! What the base model leaves: its spectrum, its traces, its headings, its delay.
+//! What the base model leaves: its spectrum, its traces, its delay.
 
-pub mod heading;
 pub mod late;
 pub mod spectrum;
 pub mod traces;

@@ -151,7 +151,7 @@ fn fixed() -> Calibrated {
 
 #[test]
 fn it_is_exported_as_rust_and_the_code_corrects_alike() {
-    let text = export::rust::text(&fixed(), "an example");
+    let text = export::rust::text(&fixed(), &Default::default(), "an example");
     assert_eq!(text, include_str!("fixtures/exported.rs"), "the fixture is not what export writes:\n{text}");
     let mut host = Live::new(&exported::CALIBRATION_F64).expect("sound");
     let mut board = Live::new(&exported::CALIBRATION).expect("sound");
@@ -187,7 +187,7 @@ fn it_is_exported_as_c_and_the_code_corrects_alike() {
     }
     let log = world(5, &["servo:servo_rad=4"]).run();
     let calibration = fitted(&log);
-    let header = export::c::text(&calibration, "an example").expect("C");
+    let header = export::c::text(&calibration, &Default::default(), "an example").expect("C");
     let table = table(&log);
     let corrector = Corrector::new(calibration, &table).expect("every column is there");
     let folder = std::path::PathBuf::from(env!("CARGO_TARGET_TMPDIR"));

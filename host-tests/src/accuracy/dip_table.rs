@@ -58,7 +58,7 @@ pub fn run(hidden: &str, seeds: u64) -> Row {
             .collect();
         let right = steps == wanted
             && (misaligned || !hidden.contains("misalignment"))
-            && found.axis_order.as_deref() == swapped.then_some("y,x,z");
+            && found.axis_order().map(|order| order.to_string()).as_deref() == swapped.then_some("y,x,z");
         row.named += u32::from(right);
         if let Some(dip) = found.dip {
             sums[0] += dip.rms_deg_before.powi(2);

@@ -2,13 +2,16 @@
 
 use crate::cli::{Expected, FitArgs};
 use crate::input::Log;
-use crate::output::{line, number};
+use crate::output::{hang, line, number, wrap};
 use ironout::fit::Order;
 use ironout_analysis::Fitted;
 use ironout_analysis::base::axes::Alignment;
 use ironout_analysis::base::counted::Why;
 use ironout_analysis::base::solution::Solution;
 use ironout_analysis::calibration::FittedEffect;
+
+/// Lines are at most this wide.
+const WIDTH: usize = 110;
 
 /// Prints the whole solution.
 pub fn print(arguments: &FitArgs, log: &Log, fitted: &Fitted, expected: &Expected) {
@@ -89,18 +92,21 @@ fn table(solution: &Solution, expected: &Expected) {
 fn alignment(alignment: &Alignment) {
     match alignment {
         Alignment::None => {}
-        Alignment::Done { angle_deg, before_deg, after_deg, axis_order } => {
+        Alignment::Done { angle_deg, before_deg, after_deg, standing } => {
+            line("alignment    the matrix is a full 3×3 in the accelerometer's axes");
             line(&format!(
-                "alignment    the matrix is a full 3×3 in the accelerometer's axes: turned by {angle_deg:.2}°; spread of the dip \
-                 {before_deg:.2}° → {after_deg:.2}°"
+                "             turned by {angle_deg:.2}°; spread of the dip {before_deg:.2}° → {after_deg:.2}°"
             ));
-            if let Some(order) = axis_order {
-                line(&format!(
-                    "axes         the log's magnetometer axes stand for the board's {order}: mend the driver, or use --rotate"
-                ));
+            for (row, words) in
+                standing.words().iter().flat_map(|words| wrap(words, "", WIDTH - 13)).enumerate()
+            {
+                line(&format!("{:<13}{words}", if row == 0 { "axes" } else { "" }));
             }
         }
-        Alignment::Mirrored { .. } => line("alignment    none: the log's magnetometer axes are mirrored"),
+        Alignment::Mirrored(_) => line("alignment    none: the log's magnetometer axes are mirrored"),
+        Alignment::Open(_) => {
+            line("alignment    none: the log does not tell whether its magnetometer is turned or mirrored")
+        }
         Alignment::NoDip { after_deg } => line(&format!(
             "alignment    none: the dip against the accelerometer spreads by {after_deg:.0}° at best, so it shows no gravity \
              or stands in other axes"
@@ -207,7 +213,9 @@ const UNEXPLAINED: f64 = 1.2;
 
 fn verdict(arguments: &FitArgs, fitted: &Fitted) {
     line(if fitted.accepted { "ACCEPTED" } else { "REFUSED" });
-    fitted.reasons.iter().for_each(|reason| line(&format!("  {reason}")));
+    for reason in &fitted.reasons {
+        hang(reason, "  ", "    ", WIDTH).iter().for_each(|words| line(words));
+    }
     if fitted.accepted && arguments.output.is_none() {
         line("  keep it with -o cal.json");
     }

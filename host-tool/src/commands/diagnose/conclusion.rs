@@ -126,9 +126,20 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
     let command = |out: &mut Vec<String>, text: String| out.push(format!("    {text}"));
     let say = |out: &mut Vec<String>, text: &str| out.extend(wrap(text, "  ", WIDTH));
     let add = to_add(diagnosis, arguments);
-    if let Some(order) = found::axis_order(diagnosis) {
-        say(out, "Put the axes in order (in the driver, or with this option) and diagnose again:");
-        command(out, next::diagnose(arguments, &path, typed_option("--rotate", &order).trim()));
+    if let Some(standing) = found::axis_order(diagnosis) {
+        if standing.is_open() {
+            say(
+                out,
+                "This log does not tell a mounting from a mirror image. Say where it was recorded, or log heading_deg; or, if \
+                 you know which it is, say so:",
+            );
+            command(out, next::diagnose(arguments, &path, "--at LAT,LON,YYYY-MM-DD"));
+        } else {
+            say(out, "Put the axes in order (in the driver, or with this option) and diagnose again:");
+        }
+        for (rotate, _) in standing.readings() {
+            command(out, next::diagnose(arguments, &path, typed_option("--rotate", &rotate).trim()));
+        }
         return;
     }
     if at_rest(diagnosis) && diagnosis.verdict != Verdict::Undetermined {

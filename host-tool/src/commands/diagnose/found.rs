@@ -8,8 +8,7 @@ use crate::commands::diagnose::place::{self, axis_label};
 use crate::commands::diagnose::told::{Told, WIDTH, at_rest, name_of, title};
 use crate::input::Log;
 use ironout::effect::{Amount, Follows, Group, Named, Need, TIME};
-use ironout_analysis::base::axes::mounting_for;
-use ironout_analysis::base::mounting::AXIS_ORDER;
+use ironout_analysis::base::mounting::{AXIS_ORDER, Standing};
 use ironout_analysis::calibration::FittedEffect;
 use ironout_analysis::outcome::outcome::{Diagnosis, StepRow, Verdict};
 
@@ -301,12 +300,11 @@ pub fn falling(told: &Told, out: &mut Vec<String>) {
     }
 }
 
-/// Where swapped axes were found: the list of body axes for `--rotate`.
-pub fn axis_order(diagnosis: &Diagnosis) -> Option<String> {
-    if diagnosis.verdict == Verdict::Undetermined {
-        return None;
-    }
-    diagnosis.axis_order.as_deref().map(mounting_for)
+/// Where the axes do not stand for themselves: how they stand.
+pub fn axis_order(diagnosis: &Diagnosis) -> Option<Standing> {
+    diagnosis
+        .standing
+        .filter(|standing| diagnosis.verdict != Verdict::Undetermined && standing.swapped().is_some())
 }
 
 /// Columns that the found effects read, and the gyro where one needs it.
@@ -354,11 +352,10 @@ pub fn alignment(told: &Told, out: &mut Vec<String>) {
             degrees(heading.rms_deg_after)
         ));
     }
-    if axis_order(diagnosis).is_some() {
-        out.extend(wrap(
-            "(The dip cannot tell a field from its opposite: judge the heading when the axes are in order.)",
-            "  ",
-            WIDTH,
-        ));
+    // Of axes that are out of order the entry above speaks.
+    if let (None, Some(standing)) = (axis_order(diagnosis), diagnosis.standing) {
+        for words in standing.words() {
+            out.extend(wrap(&format!("({words})"), "  ", WIDTH));
+        }
     }
 }

@@ -20,7 +20,7 @@ pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
     let options = Options {
         method,
         field_ut: expected.field_ut,
-        dip_deg: None,
+        dip_deg: expected.earth.map(|earth| earth.dip_deg),
         add: arguments.add.clone(),
         force_effect: true,
         search: true,

@@ -1,0 +1,120 @@
+//! Writes the calibration in the form asked for.
+
+use crate::cal_file::CalFile;
+use crate::cli::{ExportArgs, ExportForm};
+use crate::commands::export::target::{self, Exported};
+use crate::failure::{EXIT_OK, Failure, Outcome};
+use crate::input::Mounting;
+use crate::output::{hang, json_number};
+use crate::{atomic, output};
+use ironout_analysis::export::error::CannotExport;
+use ironout_analysis::export::reading::Reading;
+use ironout_analysis::export::refit::Cost;
+use ironout_analysis::export::words::{costs, not_held};
+use ironout_analysis::export::{c, rust};
+
+/// Lines are at most this wide.
+const WIDTH: usize = 110;
+
+/// Writes the calibration in the form asked for.
+pub fn run(arguments: &ExportArgs, json: bool) -> Outcome<u8> {
+    let cal = CalFile::read(&arguments.cal)?;
+    let exported = text(&cal, arguments).map_err(|failure| match failure.file {
+        Some(_) => failure,
+        None => failure.in_file(&arguments.cal),
+    })?;
+    match &arguments.output {
+        Some(path) => {
+            atomic::not_over(&arguments.cal, path)?;
+            atomic::write(path, |out| out.write_all(exported.text.as_bytes()))?;
+            if !json {
+                output::line(&format!("wrote {}", path.display()));
+                told(&exported).iter().flat_map(|text| hang(text, "  ", "    ", WIDTH)).for_each(|line| {
+                    output::line(&line);
+                });
+            }
+        }
+        None if !json => output::line(exported.text.trim_end()),
+        None => {}
+    }
+    if json {
+        output::line(&object(arguments, &exported).to_string());
+    }
+    Ok(EXIT_OK)
+}
+
+/// What people are told beside the file, which says the same at its top.
+fn told(exported: &Exported) -> Vec<String> {
+    let Some(held) = &exported.held else { return Vec::new() };
+    let lost = not_held(held).into_iter().map(|text| format!("not held by {}: {text}", held.room.name));
+    lost.chain(costs(held, exported.cost.as_ref())).collect()
+}
+
+fn object(arguments: &ExportArgs, exported: &Exported) -> serde_json::Value {
+    let output = arguments.output.as_ref().map(|path| path.display().to_string());
+    let mut object =
+        serde_json::json!({ "as": arguments.form.name(), "output": output, "text": exported.text });
+    if let (Some(held), Some(map)) = (&exported.held, object.as_object_mut()) {
+        let cost = |cost: &Cost| {
+            let heading = cost.heading.map(|heading| {
+                serde_json::json!({
+                    "between_deg": json_number(Some(heading.between_deg)),
+                    "error_deg": heading.errors_deg.map(|errors| errors[0]),
+                    "held_error_deg": heading.errors_deg.map(|errors| errors[1]),
+                })
+            });
+            serde_json::json!({
+                "samples": cost.samples, "rms_ut": json_number(Some(cost.whole_rms_ut)),
+                "held_rms_ut": json_number(Some(cost.held_rms_ut)), "heading": heading,
+            })
+        };
+        map.insert("not_held".into(), not_held(held).into());
+        map.insert("lost_rotation_deg".into(), json_number(held.lost_deg));
+        map.insert("fitted_anew".into(), held.refitted.into());
+        map.insert("cost".into(), exported.cost.as_ref().map_or(serde_json::Value::Null, cost));
+    }
+    object
+}
+
+/// The exported text.
+fn text(cal: &CalFile, arguments: &ExportArgs) -> Outcome<Exported> {
+    let refuse = |error: CannotExport| {
+        let failure = Failure::usage(error.to_string());
+        if error == CannotExport::Singular { failure.at_column("matrix") } else { failure }
+    };
+    let plain = |text: String| Exported { text, held: None, cost: None };
+    if let Some(option) = arguments.unused() {
+        return Err(Failure::usage(format!(
+            "{option} says nothing to --as {}: leave it out",
+            arguments.form.name()
+        )));
+    }
+    let reading = reading(cal)?;
+    match arguments.form {
+        ExportForm::Json => serde_json::to_string_pretty(cal)
+            .map(|text| plain(text + "\n"))
+            .map_err(|error| Failure::usage(error.to_string())),
+        ExportForm::Rust => Ok(plain(rust::text(&cal.extended()?, &reading, &summary(cal)))),
+        ExportForm::C => c::text(&cal.extended()?, &reading, &summary(cal)).map(plain).map_err(refuse),
+        _ => target::export(cal, arguments, &reading, &summary(cal)),
+    }
+}
+
+/// How the log of the calibration was read, as numbers.
+fn reading(cal: &CalFile) -> Outcome<Reading> {
+    let Some(reading) = &cal.reading else { return Ok(Reading::default()) };
+    let plain = Reading::default();
+    Ok(Reading {
+        ut_per_count: reading.ut_per_count,
+        rotation: Mounting::parse(&reading.rotate)?.magnetometer.unwrap_or(plain.rotation),
+    })
+}
+
+fn summary(cal: &CalFile) -> String {
+    let rms = cal.fit.rms_ut.map_or(String::new(), |rms| format!(", residual rms {rms:.3} µT"));
+    let reading = match &cal.reading {
+        Some(_) => "",
+        None => "; the file does not say how its log was read, an earlier program wrote it",
+    };
+    format!("{} samples, method {}{rms}{reading}", cal.fit.samples_used, cal.fit.method)
+}
