@@ -5,6 +5,7 @@ use core::fmt;
 use super::extrapolated::Extrapolated;
 use crate::effect::TIME;
 use crate::extended::{Live, LiveError};
+use crate::fit::Spread;
 use crate::record::Record;
 use crate::sensor::AxisMap;
 use crate::store::Slot;
@@ -32,6 +33,8 @@ impl fmt::Display for NotApplied {
 pub(super) struct Active {
     pub(super) record: Record,
     pub(super) slot: Slot,
+    /// How the errors of offset and matrix hang together; not stored, so unknown after a restart.
+    pub(super) spread: Option<Spread>,
     pub(super) live: Result<Live<f32>, NotApplied>,
     /// What the recording's clock shows when that of `live` is zero.
     origin_s: f64,
@@ -46,7 +49,7 @@ impl Active {
             Some(recorded) if recorded != axes => Err(NotApplied::Mounting),
             _ => Live::new(&calibration.cast()).map_err(NotApplied::Live),
         };
-        Self { record, slot, live, origin_s, clock_s: None }
+        Self { record, slot, spread: None, live, origin_s, clock_s: None }
     }
 
     /// The correction at this time, if it runs.
