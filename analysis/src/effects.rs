@@ -3,9 +3,10 @@
 use crate::calibration::EffectEntry;
 use ironout::calibration::Calibration;
 use ironout::effect::{
-    BuiltIn, ColumnName, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Made, Parts, Registry, Zero,
+    BuiltIn, ColumnName, Effect, Id, InParts, MAX_COEFFICIENTS, MAX_INPUTS, Made, Parts, Registry, Zero,
 };
 use ironout::extended::{ExtendedCalibration, FittedEffect, MAX_EFFECTS};
+use std::collections::BTreeMap;
 
 /// A calibration with effects of any family.
 pub type Calibrated = ExtendedCalibration<f64, Made<ColumnName>>;
@@ -37,6 +38,33 @@ pub fn calibrated(
         calibration.effects.push(fitted).map_err(too_many)?;
     }
     Ok(calibration)
+}
+
+/// The entry of a calibration file that stands for an effect: the inverse of [`from_entry`].
+pub fn entry<E: Effect<f64> + InParts>(fitted: &FittedEffect<f64, E>) -> EffectEntry {
+    let FittedEffect { effect, coefficients, std_errors, ranges } = fitted;
+    let (parts, k) = (effect.parts(), effect.coefficients());
+    let names: Vec<String> =
+        effect.columns().iter().flatten().map(|column| column.name.to_string()).collect();
+    // The column's value, not its square's.
+    let of_column = |value: f64| if parts.form.is_squared() { value.max(0.0).sqrt() } else { value };
+    let known: Option<BTreeMap<String, [f64; 2]>> =
+        names.iter().zip(ranges).map(|(name, range)| Some((name.clone(), (*range)?))).collect();
+    EffectEntry {
+        id: Id(effect).to_string(),
+        name: effect.name().to_string(),
+        coefficients: coefficients.iter().take(k).copied().collect(),
+        std_errors: std_errors.iter().take(k).map(|error| Some(*error).filter(|e| e.is_finite())).collect(),
+        unit: effect.unit().to_string(),
+        reference: names.first().cloned().zip(parts.reference().map(of_column)).into_iter().collect(),
+        parameters: parts
+            .parameter()
+            .map(|(searched, value)| (searched.name().to_string(), value))
+            .into_iter()
+            .collect(),
+        range: known,
+        columns: names,
+    }
 }
 
 /// The effect that an entry of a calibration file stands for.

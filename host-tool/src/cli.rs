@@ -3,6 +3,7 @@
 use crate::failure::{Failure, Outcome};
 use crate::geomag::EarthField;
 use crate::input::{self, Mounting, ReadOptions};
+use crate::link_args::{FetchArgs, RecordArgs, SendArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use ironout::fit::Method;
 use std::path::PathBuf;
@@ -54,6 +55,12 @@ pub enum Command {
     Demo(DemoArgs),
     /// Find the missing effect: what the calibration does not explain, and why
     Diagnose(DiagnoseArgs),
+    /// Put a calibration with its effects on a board
+    Send(SendArgs),
+    /// Bring a board's calibration here
+    Fetch(FetchArgs),
+    /// Write a board's stream as a log
+    Record(RecordArgs),
     /// A page with the plots of a log and its calibration (not built yet)
     Report(LaterArgs),
     /// Read other programs' logs (not built yet)

@@ -3,6 +3,7 @@
 //! Everything numeric is the analysis' and the core's; here are files, tables and words. [`run`] is the whole program.
 
 pub mod atomic;
+pub mod board;
 pub mod cal_file;
 pub mod cli;
 pub mod commands;
@@ -10,6 +11,8 @@ pub mod corrected;
 pub mod failure;
 pub mod geomag;
 pub mod input;
+pub mod interrupt;
+pub mod link_args;
 pub mod output;
 pub mod prior;
 pub mod progress;

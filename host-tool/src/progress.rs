@@ -66,6 +66,42 @@ impl Drop for Working {
     }
 }
 
+/// A sign of life for work without an end: a line that is said anew, removed when dropped.
+pub struct Counting {
+    bar: ProgressBar,
+}
+
+impl Counting {
+    /// Starts; nothing is drawn unless standard error is a terminal.
+    pub fn new(label: &'static str) -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(REDRAWS_HZ));
+        bar.set_style(style("{spinner} {msg}"));
+        bar.set_message(label);
+        bar.enable_steady_tick(PATIENCE);
+        Counting { bar }
+    }
+
+    /// What stands there from now on.
+    pub fn say(&self, text: &str) {
+        if !self.bar.is_hidden() {
+            self.bar.set_message(text.to_string());
+        }
+    }
+}
+
+impl Counting {
+    /// A line on standard error that stays, whether it is a terminal or not.
+    pub fn note(&self, text: &str) {
+        self.bar.suspend(|| eprintln!("note: {text}"));
+    }
+}
+
+impl Drop for Counting {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
 /// A template of the program's own, which cannot be wrong; the usual bar if it were.
 fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template)
@@ -79,7 +115,9 @@ mod tests {
 
     #[test]
     fn the_templates_are_sound() {
-        for template in ["{msg} [{bar:30}] {percent:>3} %  {eta} left", "{msg} {spinner} {elapsed}"] {
+        for template in
+            ["{msg} [{bar:30}] {percent:>3} %  {eta} left", "{msg} {spinner} {elapsed}", "{spinner} {msg}"]
+        {
             assert!(ProgressStyle::with_template(template).is_ok(), "{template}");
         }
     }

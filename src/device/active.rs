@@ -6,6 +6,7 @@ use super::extrapolated::Extrapolated;
 use crate::effect::TIME;
 use crate::extended::{Live, LiveError};
 use crate::fit::MAX_PREDICTED_ERROR;
+use crate::fit::Spread;
 use crate::monitor::Monitor;
 use crate::record::Record;
 use crate::sensor::AxisMap;
@@ -34,6 +35,8 @@ impl fmt::Display for NotApplied {
 pub(super) struct Active {
     pub(super) record: Record,
     pub(super) slot: Slot,
+    /// How the errors of offset and matrix hang together; not stored, so unknown after a restart.
+    pub(super) spread: Option<Spread>,
     pub(super) live: Result<Live<f32>, NotApplied>,
     /// What the recording's clock shows when that of `live` is zero.
     origin_s: f64,
@@ -54,7 +57,7 @@ impl Active {
         // An error that is not known is taken for what a calibration is refused from.
         let error = record.predicted_error.share().unwrap_or(MAX_PREDICTED_ERROR);
         let monitor = Monitor::new(field_ut as f32, record.noise_ut as f32, (error * field_ut) as f32);
-        Self { record, slot, live, origin_s, clock_s: None, monitor }
+        Self { record, slot, spread: None, live, origin_s, clock_s: None, monitor }
     }
 
     /// The correction at this time, if it runs.

@@ -11,7 +11,6 @@ use crate::extended::FittedEffect;
 use crate::fit::FitReport;
 use crate::protocol::{Answered, Code, Reply, StreamMode};
 use crate::quality::Reason;
-use crate::record::Record;
 use crate::replacement::{Worse, clearly_worse};
 use crate::session::{State, StateError};
 use crate::store::{Done, Slot, StoreError, StoreJob};
@@ -55,14 +54,14 @@ impl Device {
             return Err(NotStarted::Sensor(fault));
         }
         self.session.start();
+        self.loading.forget();
         self.status = None;
         Ok(())
     }
 
     /// Begins to store the solution.
     fn save(&mut self, errand: Errand, force: bool) -> Result<(), NotSaved> {
-        let report = self.session.solution().ok_or(NotSaved::NoSolution)?;
-        let record = Record { axes: Some(self.config.sensor.axes), ..Record::of(report) };
+        let record = self.waiting().ok_or(NotSaved::NoSolution)?;
         let in_use = self.active.as_ref().map(|active| &active.record).filter(|_| !force);
         if let Some(worse) = in_use.and_then(|in_use| clearly_worse(&record, in_use)) {
             return Err(NotSaved::Worse(worse));
@@ -74,9 +73,13 @@ impl Device {
     /// The solution was stored, or not; only then it is applied.
     pub(super) fn stored(&mut self, outcome: Result<Done, StoreError>) -> Result<Slot, StoreError> {
         let Done::Saved(slot, record) = outcome? else { return Err(StoreError::DoesNotFit) };
-        // It was solved when the job began, and nothing is answered meanwhile.
+        let spread = self.spread_of_solution();
+        // It was solved or loaded when the job began, and nothing is answered meanwhile.
         let _ = self.session.accept();
-        self.active = Some(Active::new(slot, record, self.config.sensor.axes));
+        self.loading.forget();
+        let mut active = Active::new(slot, record, self.config.sensor.axes);
+        active.spread = spread;
+        self.active = Some(active);
         self.store_unread = false;
         Ok(slot)
     }
@@ -150,11 +153,12 @@ impl Device {
     }
 
     pub(super) fn cal_cancel<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Answered {
-        if self.session.state() == State::Idle {
+        if self.state() == State::Idle {
             return reply.err(Code::State, format_args!("nothing to cancel"));
         }
         self.session.cancel();
-        reply.ok(format_args!("state={}", self.session.state().name()))
+        self.loading.forget();
+        reply.ok(format_args!("state={}", self.state().name()))
     }
 
     pub(super) fn cleared<W: fmt::Write>(
@@ -182,9 +186,9 @@ impl Device {
 
     /// The stored calibration, applied or not, or else the solution that waits to be accepted.
     pub(super) fn cal_show<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
-        let solved = self.session.solution().map(Record::of);
+        let waiting = self.waiting();
         let stored = self.active.as_ref().map(|active| &active.record);
-        let Some(record) = stored.or(solved.as_ref()) else {
+        let Some(record) = stored.or(waiting.as_ref()) else {
             return reply.err(Code::State, format_args!("there is no calibration: cal start begins one"));
         };
         // `{:?}` writes the shortest digits that read back to the same bits.

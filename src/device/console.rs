@@ -3,19 +3,21 @@
 use core::fmt;
 
 use super::active::Active;
+use super::log::LOG_COLUMNS;
 use super::machine::{Device, Errand};
 use super::sensor::SensorFault;
 use crate::effect::ColumnName;
 use crate::extended::Live;
 use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Reply, StreamMode};
-use crate::session::State;
+use crate::session::{Hint, State};
 use crate::store::StoreJob;
 
-const HELP: [&str; 8] = [
+const HELP: [&str; 9] = [
     "help | version | status",
     "cal start | cal stop | cal accept [force] | cal cancel | cal show | cal clear",
     "cal method adjusted|trace|constant",
-    "stream off | stream raw | stream cal | stream motioncal",
+    "cal dump: the calibration byte by byte; cal load: one from elsewhere (ironout fetch, ironout send)",
+    "stream off | stream raw | stream cal | stream motioncal | stream log",
     "field UT: the expected magnitude, microtesla",
     "cov NAME=VALUE: a column that the calibration's effects follow, as in cov temp_c=31.5",
     "a calibration: cal start, turn the board in all directions, cal stop, cal accept",
@@ -81,6 +83,8 @@ impl Device {
             Command::CalAccept { force } => return self.cal_accept(reply, force),
             Command::CalCancel => self.cal_cancel(reply),
             Command::CalShow => self.cal_show(reply),
+            Command::CalLoad(load) => self.cal_load(reply, load),
+            Command::CalDump => self.cal_dump(reply),
             Command::CalClear => {
                 self.begin(Errand::Clear, StoreJob::erase());
                 return None;
@@ -111,6 +115,10 @@ impl Device {
                 .err(Code::State, format_args!("there is no calibration whose effects could follow {name}"));
         };
         let used = active.feed(name.as_str(), value, now_ms);
+        if !self.log.feed(name, value as f32) && !used {
+            return reply
+                .err(Code::State, format_args!("{LOG_COLUMNS} columns are fed already: no room for {name}"));
+        }
         reply.ok(format_args!("{name}={value:?} used={}", u8::from(used)))
     }
 
@@ -118,6 +126,8 @@ impl Device {
         let mut reply = Reply::new(out);
         let [a, b] = self.slots().states;
         reply.line(format_args!("slots={a},{b}"));
+        let [x, y, z] = self.config.sensor.board_ut_per_count();
+        reply.line(format_args!("ut_per_count={x:?},{y:?},{z:?}"));
         reply.line(format_args!(
             "samples_lost={} longest_turn_us={}",
             self.samples_lost(),
@@ -139,7 +149,11 @@ impl Device {
         let status = match self.status {
             Some((_, status)) if self.session.state() == State::Collecting && !self.status_is_old() => status,
             _ => {
-                let status = self.session.status();
+                let mut status = self.session.status();
+                if let Some(loaded) = self.loading.record() {
+                    (status.state, status.hint) = (self.state(), Hint::Accept);
+                    (status.rms_ut, status.noise_ut) = (Some(loaded.rms_ut), Some(loaded.noise_ut));
+                }
                 self.status = Some((self.now_ms, status));
                 status
             }
@@ -194,6 +208,11 @@ impl Device {
         ))
     }
 
+    /// Whether a line is sent with every sample.
+    pub fn streams(&self) -> bool {
+        self.stream != StreamMode::Off
+    }
+
     fn set_stream<W: fmt::Write>(&mut self, reply: Reply<'_, W>, mode: StreamMode) -> Answered {
         if let (true, Some(fault)) = (mode != StreamMode::Off, self.sensor.fault()) {
             return self.no_sensor(reply, fault);
@@ -206,8 +225,10 @@ impl Device {
             }
             StreamMode::Calibrated => "cal",
             StreamMode::MotionCal => "motioncal",
+            StreamMode::Log => "log",
         };
         self.stream = mode;
+        self.log.begin();
         reply.ok(format_args!("stream={name}"))
     }
 }

@@ -7,6 +7,8 @@ use heapless::Deque;
 use super::active::Active;
 use super::button::{Button, ButtonEvent};
 use super::light::Light;
+use super::loading::Loading;
+use super::log::Log;
 use super::output::{MAX_REPLY_BYTES, Output};
 use super::sensor::{Pace, SensorAnswer, SensorFault, SensorTask, SensorWatch};
 use super::stream;
@@ -44,8 +46,6 @@ pub enum Action {
 
 /// Lines of a stream that wait for the next poll; a reading in an interrupt may come a few times between two.
 const WAITING_SAMPLES: usize = 8;
-/// The room that a line of a stream needs.
-const STREAM_LINE_BYTES: usize = 80;
 /// How long a status is good for while samples come in: one solve in this time is all that `status` costs, however often
 /// it is asked.
 const STATUS_AGE_MS: u64 = 500;
@@ -81,9 +81,12 @@ pub(super) struct Restarts {
 pub struct Device {
     pub(super) config: DeviceConfig,
     pub(super) session: Session,
+    pub(super) loading: Loading,
     pub(super) active: Option<Active>,
     pub(super) sensor: SensorWatch,
     pub(super) stream: StreamMode,
+    pub(super) log: Log,
+    samples_taken: u32,
     waiting: Deque<stream::Sample, WAITING_SAMPLES>,
     splitter: LineSplitter,
     line_waits: bool,
@@ -115,9 +118,12 @@ impl Device {
         Self {
             config,
             session: Session::new(session_config),
+            loading: Loading::nothing(),
             active: None,
             sensor: SensorWatch::new(config.pace, sensor),
             stream: StreamMode::Off,
+            log: Log::new(),
+            samples_taken: 0,
             waiting: Deque::new(),
             splitter: LineSplitter::new(),
             line_waits: false,
@@ -195,6 +201,7 @@ impl Device {
 
     fn take_sample(&mut self, sample: Sample, t_ms: u64) {
         self.session.push(sample);
+        self.samples_taken = self.samples_taken.wrapping_add(1);
         let measured_ut = self.config.sensor.measured_ut(sample);
         if let (Some(active), Some(measured_ut)) = (&mut self.active, measured_ut) {
             active.watch(t_ms, measured_ut);
@@ -204,7 +211,8 @@ impl Device {
                 self.waiting.pop_front();
             }
             // There is room now.
-            let _ = self.waiting.push_back(stream::Sample { t_ms, counts: sample.counts, measured_ut });
+            let seq = self.samples_taken.wrapping_add(self.sensor.lost());
+            let _ = self.waiting.push_back(stream::Sample { t_ms, seq, counts: sample.counts, measured_ut });
         }
     }
 
@@ -281,10 +289,10 @@ impl Device {
 
     fn write_stream(&mut self, out: &mut impl Output) {
         while let Some(sample) = self.waiting.pop_front() {
-            if out.takes(STREAM_LINE_BYTES) {
+            if out.takes(stream::line_bytes(self.stream, &self.log)) {
                 let live = self.active.as_mut().and_then(|active| active.at(sample.t_ms));
                 // What cannot be written is left out, as where there is no room.
-                let _ = stream::write_line(out, self.stream, &sample, live);
+                let _ = stream::write_line(out, self.stream, &sample, live, &mut self.log);
             }
         }
     }
@@ -427,7 +435,7 @@ impl Device {
 
     /// What the light has to show.
     pub fn light(&self) -> Light {
-        match self.session.state() {
+        match self.state() {
             _ if self.sensor.fault().is_some() => Light::SensorFault,
             State::Collecting => Light::Collecting,
             State::Solved => Light::Solved,

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::log::Log;
 use crate::calibration::norm;
 use crate::extended::Live;
 use crate::math;
@@ -11,9 +12,19 @@ use crate::protocol::StreamMode;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     pub(super) t_ms: u64,
+    /// Its number since power-up, samples that were lost among them.
+    pub(super) seq: u32,
     pub(super) counts: [i16; 3],
     /// `None` where an axis was out of range: the counts are no measurement.
     pub(super) measured_ut: Option<[f32; 3]>,
+}
+
+/// The room that a line of most streams needs.
+const LINE_BYTES: usize = 80;
+
+/// The room that the next line of `mode` needs.
+pub(super) fn line_bytes(mode: StreamMode, log: &Log) -> usize {
+    if mode == StreamMode::Log { log.line_bytes() } else { LINE_BYTES }
 }
 
 /// Writes the line of `mode` for one sample.
@@ -22,9 +33,11 @@ pub(super) fn write_line(
     mode: StreamMode,
     sample: &Sample,
     calibration: Option<&Live<f32>>,
+    log: &mut Log,
 ) -> fmt::Result {
     match mode {
         StreamMode::Off => Ok(()),
+        StreamMode::Log => log.write_line(out, sample),
         StreamMode::Raw => {
             let [x, y, z] = sample.counts;
             writeln!(out, "R,{},{x},{y},{z}", sample.t_ms)
@@ -56,7 +69,7 @@ pub(super) fn write_line(
 #[cfg(test)]
 mod tests {
     extern crate std;
-    use super::{Sample, write_line};
+    use super::{Log, Sample, write_line};
     use crate::calibration::Calibration;
     use crate::extended::{ExtendedCalibration, Live};
     use crate::protocol::StreamMode;
@@ -64,10 +77,10 @@ mod tests {
 
     fn line(mode: StreamMode, measured_ut: Option<[f32; 3]>) -> String {
         let calibration = Calibration { offset_ut: [93.0, 0.0, -1.0], ..Calibration::identity(48.0) };
-        let sample = Sample { t_ms: 1260, counts: [-4096, 7, -300], measured_ut };
+        let sample = Sample { t_ms: 1260, seq: 63, counts: [-4096, 7, -300], measured_ut };
         let mut out = String::new();
         let live = Live::new(&ExtendedCalibration::plain(calibration)).unwrap();
-        write_line(&mut out, mode, &sample, Some(&live)).unwrap();
+        write_line(&mut out, mode, &sample, Some(&live), &mut Log::new()).unwrap();
         out
     }
 
@@ -78,6 +91,7 @@ mod tests {
         assert_eq!(line(StreamMode::Raw, measured), "R,1260,-4096,7,-300\n");
         assert_eq!(line(StreamMode::Calibrated, measured), "C,1260,3.000,-4.000,12.000,13.000,-35.000\n");
         assert_eq!(line(StreamMode::MotionCal, measured), "Raw:0,0,0,0,0,0,960,-40,110\n");
+        assert_eq!(line(StreamMode::Log, measured), "H,t_ms,seq,x,y,z\nL,1260,63,-4096,7,-300\n");
     }
 
     #[test]

@@ -19,5 +19,6 @@ mod solve;
 pub use crate::quadric::Order;
 pub use crate::refusal::{FitError, axis_letter};
 pub use options::{FIELD_RANGE_UT, FitOptions, MAX_PREDICTED_ERROR, MIN_SAMPLES, MIN_THICKNESS, Method};
+pub use precision::Spread;
 pub use report::{FitReport, StdErrors, Termination};
 pub use solve::fit;

@@ -1,5 +1,6 @@
 //! What can be asked of the board.
 
+use super::load::{self, Load};
 use crate::effect::ColumnName;
 use crate::fit::Method;
 
@@ -16,6 +17,8 @@ pub enum StreamMode {
     Calibrated,
     /// `Raw:0,0,0,0,0,0,mx,my,mz` in 0.1 µT, as the program MotionCal reads it.
     MotionCal,
+    /// `L,t_ms,seq,x,y,z,…` in counts with every column that is known, for a log; `H,…` names the columns.
+    Log,
 }
 
 /// A command, read.
@@ -42,9 +45,13 @@ pub enum Command {
     CalShow,
     /// `cal clear`
     CalClear,
+    /// `cal load …`: a calibration that comes in over the console.
+    CalLoad(Load),
+    /// `cal dump`: the calibration's record, byte by byte.
+    CalDump,
     /// `cal method adjusted|trace|constant`
     CalMethod(Method),
-    /// `stream off|raw|cal|motioncal`
+    /// `stream off|raw|cal|motioncal|log`
     Stream(StreamMode),
     /// `field UT`: the expected magnitude in µT.
     Field(f64),
@@ -77,6 +84,9 @@ pub fn parse(line: &str) -> Result<Command, ParseError> {
     if matches!(first, "effect" | "why") {
         return Err(ParseError::NotBuilt(if first == "why" { "why" } else { "effect" }));
     }
+    if (first, second) == ("cal", Some("load")) {
+        return load::parse(third, words).map(Command::CalLoad).ok_or(ParseError::Usage(load::USAGE));
+    }
     let too_many = words.next().is_some();
     let (command, usage) = match first {
         "help" => (plain(second, Command::Help), "help takes no argument"),
@@ -84,9 +94,9 @@ pub fn parse(line: &str) -> Result<Command, ParseError> {
         "status" => (plain(second, Command::Status), "status takes no argument"),
         "cal" => (
             cal(second, third),
-            "cal start|stop|accept [force]|cancel|show|clear, or cal method adjusted|trace|constant",
+            "cal start|stop|accept [force]|cancel|show|clear|dump, cal load ..., or cal method adjusted|trace|constant",
         ),
-        "stream" => (third.is_none().then(|| stream(second)).flatten(), "stream off|raw|cal|motioncal"),
+        "stream" => (third.is_none().then(|| stream(second)).flatten(), "stream off|raw|cal|motioncal|log"),
         "field" => (
             third.is_none().then(|| field(second)).flatten(),
             "field UT, the expected magnitude, 1 to 1000 microtesla",
@@ -113,6 +123,7 @@ fn cal(verb: Option<&str>, argument: Option<&str>) -> Option<Command> {
         ("cancel", None) => Command::CalCancel,
         ("show", None) => Command::CalShow,
         ("clear", None) => Command::CalClear,
+        ("dump", None) => Command::CalDump,
         ("method", Some(word)) => Command::CalMethod(Method::parse(word)?),
         _ => return None,
     };
@@ -125,6 +136,7 @@ fn stream(mode: Option<&str>) -> Option<Command> {
         "raw" => StreamMode::Raw,
         "cal" => StreamMode::Calibrated,
         "motioncal" => StreamMode::MotionCal,
+        "log" => StreamMode::Log,
         _ => return None,
     };
     Some(Command::Stream(mode))
@@ -161,6 +173,7 @@ mod tests {
             ("cal cancel", Command::CalCancel),
             ("cal show", Command::CalShow),
             ("cal clear", Command::CalClear),
+            ("cal dump", Command::CalDump),
             ("cal method adjusted", Command::CalMethod(Method::Adjusted)),
             ("cal method trace", Command::CalMethod(Method::Trace)),
             ("cal method constant", Command::CalMethod(Method::Constant)),
@@ -168,6 +181,7 @@ mod tests {
             ("stream raw", Command::Stream(StreamMode::Raw)),
             ("stream cal", Command::Stream(StreamMode::Calibrated)),
             ("stream motioncal", Command::Stream(StreamMode::MotionCal)),
+            ("stream log", Command::Stream(StreamMode::Log)),
             ("field 48.5", Command::Field(48.5)),
             ("cov current_a=-3.2", Command::Cov(ColumnName::new("current_a").unwrap(), -3.2)),
             ("  cal   start ", Command::CalStart),

@@ -6,8 +6,10 @@
 
 mod command;
 mod line;
+mod load;
 mod reply;
 
 pub use command::{Command, ParseError, StreamMode, parse};
 pub use line::{Line, LineSplitter, MAX_LINE};
+pub use load::{LOAD_LINE_BYTES, Load, LoadBytes};
 pub use reply::{Answered, Code, Opt, Reply};

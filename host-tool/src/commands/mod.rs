@@ -5,9 +5,12 @@ mod check;
 mod demo;
 mod diagnose;
 mod export;
+mod fetch;
 mod fit;
 mod fit_words;
 mod later;
+mod record;
+mod send;
 mod simulate;
 
 use crate::cli::{Cli, Command};
@@ -23,6 +26,9 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
         Command::Demo(arguments) => demo::run(arguments, cli.json),
         Command::Diagnose(arguments) => diagnose::run::run(arguments, cli.json),
+        Command::Send(arguments) => send::run(arguments, cli.json),
+        Command::Fetch(arguments) => fetch::run(arguments, cli.json),
+        Command::Record(arguments) => record::run(arguments, cli.json),
         Command::Report(_) => later::not_built("report"),
         Command::Import(_) => later::not_built("import"),
         Command::Live(_) => later::not_built("live"),

@@ -1,0 +1,175 @@
+//! A calibration file as the record of a board, and back.
+
+use super::console::Identity;
+use crate::cal_file::{CalFile, FitObject, VERSION};
+use crate::failure::{Failure, Outcome};
+use crate::input::Mounting;
+use crate::reading::Reading;
+use ironout::effect::Id;
+use ironout::extended::{Effects, Live, LiveError, MAX_DELAYED};
+use ironout::fit::{Method, Order};
+use ironout::record::{MAX_RECORD_BYTES, PredictedError, Record};
+use ironout_analysis::calibration::{EffectEntry, Information, StdErrors};
+use ironout_analysis::effects::{entry, of_library};
+
+/// Scales that differ by less than this share are the same: a board holds its own in single precision.
+const SAME_SCALE: f64 = 1e-6;
+
+/// What a board is given.
+#[derive(Debug, Clone)]
+pub struct Carried {
+    /// The record.
+    pub record: Record,
+    /// What of the file a record does not hold, in words.
+    pub notices: Vec<String>,
+}
+
+/// The record that a board holds of a calibration.
+///
+/// # Errors
+/// What this board cannot hold or would apply wrongly, with what to do.
+pub fn carried(cal: &CalFile, board: &Identity) -> Outcome<Carried> {
+    right_for(cal, board)?;
+    let calibrated = cal.extended()?;
+    for fitted in calibrated.effects.iter() {
+        if fitted.effect.parts().form.tag == 0 {
+            return Err(cannot(&format!(
+                "the effect {} has no place in a board's record: fit again without it",
+                Id(&fitted.effect)
+            )));
+        }
+    }
+    let extended = of_library(&calibrated).ok_or_else(|| {
+        cannot("one of its effects is not in the library's catalogue: fit again without it, or build it into the firmware")
+    })?;
+    let live = Live::new(&extended.on_own_clock().0.cast::<f32>());
+    let live = live.map_err(|error| match error {
+        LiveError::TooManyDelayed => cannot(&format!(
+            "a board keeps the past of {MAX_DELAYED} columns that act late, and this calibration needs more: fit again with fewer"
+        )),
+        LiveError::Singular => cannot("its matrix cannot be inverted in single precision: fit again"),
+    })?;
+    let method = Method::parse(&cal.fit.method).unwrap_or_default();
+    let record = Record {
+        sequence: 0,
+        calibration: extended.base,
+        effects: extended.effects,
+        method,
+        model: order(&extended.base.matrix),
+        samples: cal.fit.samples_used,
+        noise_ut: cal.fit.noise_floor_ut.unwrap_or(0.0),
+        rms_ut: cal.fit.rms_ut.unwrap_or(0.0),
+        axes: None,
+        // A file does not say it; whoever sends a calibration wants it in the place of the old one.
+        predicted_error: PredictedError::UNKNOWN,
+    };
+    if record.encode().is_err() {
+        return Err(cannot(&format!(
+            "its effects do not fit into a board's record of {MAX_RECORD_BYTES} bytes: fit again with one fewer"
+        )));
+    }
+    let mut notices = Vec::new();
+    if cal.information.is_some() {
+        notices.push(
+            "the board does not keep what the fit knows (information): keep the file for fit --prior".into(),
+        );
+    }
+    if !extended.effects.is_empty() {
+        notices.push(
+            "the board keeps the effects' standard errors and ranges in single precision, ranges rounded outward".into(),
+        );
+    }
+    if live.needs_gyro() {
+        notices.push(
+            "it needs a rate of turn: the board shows no corrected field unless it has a gyroscope".into(),
+        );
+    }
+    Ok(Carried { record, notices })
+}
+
+fn cannot(why: &str) -> Failure {
+    Failure::usage(format!("this calibration cannot be sent to a board: {why}"))
+}
+
+/// Whether the calibration is of the board's own scale and axes.
+fn right_for(cal: &CalFile, board: &Identity) -> Outcome<()> {
+    let Some(reading) = &cal.reading else { return Ok(()) };
+    if let (Some(own), Some(of_board)) = (reading.ut_per_count, board.ut_per_count)
+        && own.iter().zip(of_board).any(|(own, board)| (own - board).abs() > SAME_SCALE * board)
+    {
+        let words = |scale: [f64; 3]| scale.map(|value| value.to_string()).join(",");
+        return Err(cannot(&format!(
+            "it is of counts of {} µT, and the board's are of {} µT: fit a log of this board (ironout record)",
+            words(own),
+            words(of_board)
+        )));
+    }
+    let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let turned = Mounting::parse(&reading.rotate)?.magnetometer.unwrap_or(identity);
+    if turned.iter().flatten().zip(identity.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-9) {
+        return Err(cannot(
+            "it is of a log read with --rotate, and the board corrects in its own axes: fit the log without it",
+        ));
+    }
+    Ok(())
+}
+
+/// The order of the model, as its matrix shows it: the file does not say.
+fn order(matrix: &[[f64; 3]; 3]) -> Order {
+    let off_diagonal = (0..3).any(|i| (0..3).any(|j| i != j && matrix[i][j] != 0.0));
+    let [x, y, z] = [matrix[0][0], matrix[1][1], matrix[2][2]];
+    match off_diagonal {
+        true => Order::Ellipsoid,
+        false if x == y && y == z => Order::Sphere,
+        false => Order::AxisAligned,
+    }
+}
+
+/// A calibration file from the record of a board, and the covariance of offset and matrix where it is known.
+///
+/// # Errors
+/// A record that no file may hold.
+pub fn cal_file(record: &Record, covariance: Option<&[[f64; 9]; 9]>, board: &Identity) -> Outcome<CalFile> {
+    let base = record.calibration;
+    // 0 stands for what the sender did not know.
+    let known = |value: f64| (value > 0.0).then_some(value);
+    let cal = CalFile {
+        version: VERSION,
+        fit: FitObject {
+            method: record.method.name().to_string(),
+            samples_used: record.samples,
+            samples_set_aside: 0,
+            field_ut: Some(base.field_ut),
+            offset_ut: Some(base.offset_ut),
+            matrix: Some(base.matrix),
+            effects: entries(&record.effects),
+            std_errors: covariance.map(std_errors),
+            rms_ut: known(record.rms_ut),
+            holdout_rms_ut: None,
+            noise_floor_ut: known(record.noise_ut),
+            residual_floor_ut: None,
+            heading_error_deg: None,
+            coverage: None,
+            gap_deg: None,
+            accepted: true,
+            reasons: vec![format!("note: from the board {} ({})", board.board, board.sensor)],
+        },
+        information: covariance.and_then(Information::from_covariance),
+        reading: board.ut_per_count.map(|scale| Reading { ut_per_count: Some(scale), rotate: Vec::new() }),
+    };
+    let text = serde_json::to_string(&cal).map_err(|error| Failure::usage(error.to_string()))?;
+    CalFile::parse(&text)
+}
+
+fn entries(effects: &Effects<f64>) -> Vec<EffectEntry> {
+    effects.iter().map(entry).collect()
+}
+
+/// The roots of the diagonal, in the order of [`ironout_analysis::calibration::PARAMETERS`].
+fn std_errors(covariance: &[[f64; 9]; 9]) -> StdErrors {
+    let sigma = |i: usize| covariance[i][i].max(0.0).sqrt();
+    StdErrors {
+        offset_ut: [sigma(0), sigma(1), sigma(2)],
+        matrix: [[sigma(3), sigma(4), sigma(5)], [0.0, sigma(6), sigma(7)], [0.0, 0.0, sigma(8)]],
+    }
+}
