@@ -84,8 +84,7 @@ export class Board {
     this.addMissingRegisters(mcu, reason, scratch);
     mcu.onBreak = (code) => this.breakpoint(code);
     this.uart = new SerialLine(mcu.uart[0], mcu, clock, this.waiting.uart, (byte) => this.events.byte('uart', byte));
-    this.usb = new UsbCable(mcu, clock, (byte) => this.events.byte('usb', byte));
-    this.usb.pending = this.waiting.usb;
+    this.usb = new UsbCable(mcu, clock, this.waiting.usb, (byte) => this.events.byte('usb', byte));
     this.i2c = mcu.i2c.map((block, bus) => new I2cBus(block, mcu, clock, (event) => this.events.i2c(bus, event)));
     for (const pin of mcu.gpio) {
       // Nothing drives it: a pull-up does.

@@ -1,5 +1,6 @@
 //! The console on two ports. The one that sent the last line has it: replies and streams go there.
 
+use super::time::now_us;
 use super::uart::Uart;
 use super::usb::Usb;
 use core::fmt;
@@ -26,13 +27,16 @@ pub struct Console {
     usb: Usb,
     /// The port that has the console.
     port: Port,
-    /// It has begun a line: until its end the other port waits, so that no line is mixed of two.
-    in_line: bool,
+    /// When it began the line that it is in: until its end the other port waits, so that no line is mixed of two.
+    line_since_us: Option<u64>,
 }
+
+/// How long a line may take that another port waits for; then it is ended, and its rest is refused.
+const LINE_LIMIT_US: u64 = 3_000_000;
 
 impl Console {
     pub(super) fn new(uart: Uart, usb: Usb) -> Self {
-        Self { uart, usb, port: Port::Uart, in_line: false }
+        Self { uart, usb, port: Port::Uart, line_since_us: None }
     }
 
     fn read_from(&mut self, port: Port) -> Option<u8> {
@@ -42,29 +46,38 @@ impl Console {
         }
     }
 
+    fn has_input_at(&self, port: Port) -> bool {
+        match port {
+            Port::Uart => self.uart.has_input(),
+            Port::Usb => self.usb.has_input(),
+        }
+    }
+
     /// The next byte received.
     pub fn read(&mut self) -> Option<u8> {
-        let byte = match self.read_from(self.port) {
-            Some(byte) => byte,
-            None if self.in_line => return None,
+        let other = self.port.other();
+        let since_us = match self.line_since_us {
             None => {
-                let byte = self.read_from(self.port.other())?;
-                self.port = self.port.other();
-                byte
+                // By turns, so that a port that sends without end does not keep the other one waiting.
+                if self.has_input_at(other) {
+                    self.port = other;
+                }
+                now_us()
             }
+            Some(since_us) if self.has_input_at(other) && now_us() - since_us > LINE_LIMIT_US => {
+                self.line_since_us = None;
+                return Some(b'\n');
+            }
+            Some(since_us) => since_us,
         };
-        self.in_line = byte != b'\n';
+        let byte = self.read_from(self.port)?;
+        self.line_since_us = (byte != b'\n').then_some(since_us);
         Some(byte)
     }
 
     /// Whether [`Self::read`] has something to give.
     pub fn has_input(&self) -> bool {
-        let (uart, usb) = (self.uart.has_input(), self.usb.has_input());
-        match (self.in_line, self.port) {
-            (false, _) => uart || usb,
-            (true, Port::Uart) => uart,
-            (true, Port::Usb) => usb,
-        }
+        self.has_input_at(self.port) || (self.line_since_us.is_none() && self.has_input_at(self.port.other()))
     }
 }
 
