@@ -19,6 +19,7 @@ fn calibrates(image: &Path) {
     // Those that came before the reply are those that the board has used.
     let raw = board.take_streamed();
     ok(&mut board, "stream off");
+    assert_eq!(ok(&mut board, "version").value("samples_lost"), Some("0"));
     ok(&mut board, "cal accept");
     let shown = ok(&mut board, "cal show");
 
@@ -29,7 +30,6 @@ fn calibrates(image: &Path) {
     let steps: Vec<i64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     assert!(steps.iter().all(|step| (12..=15).contains(step)), "{steps:?}");
     assert!(raw.len() as f64 >= 75.0 * PERIOD_S - 2.0, "{} samples", raw.len());
-    assert_eq!(ok(&mut board, "version").value("samples_lost"), Some("0"));
 
     // Applied at once, and after a power cycle from the first sample on.
     for power in 0..2 {
