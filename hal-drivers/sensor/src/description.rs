@@ -17,8 +17,12 @@ pub struct Sensor {
     pub rate_hz: f32,
     /// The largest magnitude of a valid count.
     pub full_scale_counts: u16,
-    /// Bits of a count, its sign among them.
+    /// Bits of the chip's own count, its sign among them.
     pub bits: u8,
+    /// How many of the chip's low bits a count leaves out, so that chips with more than 16 bits fit one: a count is the chip's
+    /// divided by 2^shift, rounded. Everything else here (`ut_per_count`, `full_scale_counts`) is about counts as they are
+    /// carried, so that a fit needs nothing but `ut_per_count`.
+    pub shift: u8,
 }
 
 impl Sensor {
@@ -32,6 +36,7 @@ impl Sensor {
             rate_hz,
             full_scale_counts: i16::MAX as u16,
             bits: 16,
+            shift: 0,
         }
     }
 
@@ -51,6 +56,11 @@ impl Sensor {
         } else {
             Sample::valid(counts)
         }
+    }
+
+    /// The noise that rounding to a count adds to each of the chip's axes, µT (one standard deviation: a count over √12).
+    pub fn rounding_ut(&self) -> [f32; 3] {
+        self.ut_per_count.map(|ut| ut * 0.288_675_13)
     }
 
     /// µT per count along each of the board's axes.

@@ -10,9 +10,9 @@ pub enum Error<E> {
     Bus(E),
     /// A chip answered at the address, but with another identity than this driver's chip.
     NotFound {
-        /// The identification bytes of the chip this driver is for.
+        /// The identification bytes of the chip this driver is for; zero beyond those that it has.
         expected: [u8; 3],
-        /// The bytes that were read.
+        /// The bytes that were read; zero beyond those that were.
         found: [u8; 3],
     },
     /// A configuration register does not hold what was written to it: the chip was reset meanwhile, or it is
@@ -40,7 +40,17 @@ impl<E: fmt::Debug> fmt::Display for Error<E> {
         match self {
             Error::Bus(error) => write!(f, "bus error {error:?}"),
             Error::NotFound { expected, found } => {
-                write!(f, "identity {found:02x?} where {expected:02x?} is expected")
+                // A chip of one byte has two that nobody read.
+                let told =
+                    |bytes: &[u8; 3]| bytes.iter().rposition(|&byte| byte != 0).map_or(1, |last| last + 1);
+                let bytes = told(expected).max(told(found));
+                let (expected, found) = (expected.get(..bytes), found.get(..bytes));
+                write!(
+                    f,
+                    "identity {:02x?} where {:02x?} is expected",
+                    found.unwrap_or(&[]),
+                    expected.unwrap_or(&[])
+                )
             }
             Error::NotKept { register, written, read } => {
                 write!(f, "register {register:#04x} holds {read:#04x} after {written:#04x} was written")

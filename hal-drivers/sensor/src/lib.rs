@@ -20,11 +20,17 @@
 mod axes;
 mod description;
 mod error;
+mod inertial;
+mod inertial_async;
 mod magnetometer;
+mod magnetometer_async;
 mod sample;
 
 pub use axes::{Axis, AxisMap};
 pub use description::Sensor;
 pub use error::Error;
+pub use inertial::{Accelerometer, Gyroscope};
+pub use inertial_async::{AsyncAccelerometer, AsyncGyroscope};
 pub use magnetometer::Magnetometer;
+pub use magnetometer_async::AsyncMagnetometer;
 pub use sample::{Reading, Sample, Validity};

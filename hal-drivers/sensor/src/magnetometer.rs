@@ -7,7 +7,9 @@ use crate::sample::Reading;
 /// A three-axis magnetometer: counts, their scale, and the state of the chip.
 ///
 /// The scale is given apart from the counts on purpose: a calibration accumulates the integers exactly and
-/// turns them into µT once, when it solves.
+/// turns them into µT once, when it solves. A chip with more than 16 bits is carried with [`Sensor::shift`] of them left out.
+///
+/// [`AsyncMagnetometer`](crate::AsyncMagnetometer) is the same for a bus that is awaited.
 pub trait Magnetometer {
     /// The error of the bus below.
     type BusError;

@@ -11,6 +11,36 @@ pub struct Reading {
 }
 
 impl Reading {
+    /// A reading of a chip with wide counts: each divided by 2^`shift` and rounded, half a count away from zero, so that turning
+    /// an axis around turns its counts around. An axis that `overflow` names, or whose count does not fit 16 bits, is out of
+    /// range and stands at the end of them.
+    ///
+    /// ```
+    /// use ironout_sensor::Reading;
+    /// let reading = Reading::carried([131_000, -6, 5], 2, [false; 3]);
+    /// assert_eq!((reading.counts, reading.overflow), ([32_750, -2, 1], [false; 3]));
+    /// let reading = Reading::carried([131_071, -131_072, 0], 0, [false; 3]);
+    /// assert_eq!((reading.counts, reading.overflow), ([i16::MAX, i16::MIN, 0], [true, true, false]));
+    /// ```
+    pub fn carried(wide: [i32; 3], shift: u8, overflow: [bool; 3]) -> Self {
+        let mut reading = Self { counts: [0; 3], overflow };
+        let axes = reading.counts.iter_mut().zip(reading.overflow.iter_mut());
+        for ((count, overflow), wide) in axes.zip(wide) {
+            let magnitude = i64::from(wide.unsigned_abs());
+            let half = if shift == 0 { 0 } else { 1_i64.checked_shl(u32::from(shift) - 1).unwrap_or(0) };
+            let rounded = (magnitude + half).checked_shr(u32::from(shift)).unwrap_or(0);
+            let signed = if wide < 0 { -rounded } else { rounded };
+            match i16::try_from(signed) {
+                Ok(fits) => *count = fits,
+                Err(_) => {
+                    *count = if wide < 0 { i16::MIN } else { i16::MAX };
+                    *overflow = true;
+                }
+            }
+        }
+        reading
+    }
+
     /// Whether any axis was outside its range. Such a sample must not enter a calibration.
     pub fn saturated(&self) -> bool {
         self.overflow.iter().any(|&axis| axis)

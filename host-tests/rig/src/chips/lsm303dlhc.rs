@@ -10,18 +10,7 @@ use rand::rngs::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 use crate::bus::{Chip, Clock, Direction};
-
-/// The field at the sensor, µT in its axes.
-pub trait FieldSource {
-    /// The field at time `t_s`.
-    fn field_ut(&mut self, t_s: f64) -> [f64; 3];
-}
-
-impl<F: FnMut(f64) -> [f64; 3]> FieldSource for F {
-    fn field_ut(&mut self, t_s: f64) -> [f64; 3] {
-        self(t_s)
-    }
-}
+use crate::chips::field::FieldSource;
 
 /// Data rates of register CRA, Hz.
 const RATES_HZ: [f64; 8] = [0.75, 1.5, 3.0, 7.5, 15.0, 30.0, 75.0, 220.0];

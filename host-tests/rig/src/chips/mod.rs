@@ -1,7 +1,27 @@
 //! Chips for the simulated bus, at the level of their registers.
 
+mod akm;
 mod at24c;
+mod bosch;
+mod field;
+mod honeywell;
+mod isentek;
 mod lsm303dlhc;
+mod memsic;
+mod pni;
+mod qst;
+mod register_chip;
+mod st;
 
+pub use akm::{Ak09916Model, Icm20948Model, Switch};
 pub use at24c::{At24cChip, TornPage};
-pub use lsm303dlhc::{FieldSource, Lsm303dlhcChip};
+pub use bosch::{Bmm150Model, Trimming};
+pub use field::FieldSource;
+pub use honeywell::Hmc5883lModel;
+pub use isentek::Ist8310Model;
+pub use lsm303dlhc::Lsm303dlhcChip;
+pub use memsic::Mmc5983maModel;
+pub use pni::Rm3100Model;
+pub use qst::{Qmc5883lModel, Qmc5883pModel};
+pub use register_chip::{Action, Model, RegisterChip, Registers, World};
+pub use st::{Lis2mdlModel, Lis3mdlModel};

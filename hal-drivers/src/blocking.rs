@@ -1,0 +1,27 @@
+//! The drivers for a bus that is waited for (`embedded-hal`).
+
+#[path = "device/any.rs"]
+mod any;
+#[path = "device/bmm150.rs"]
+mod bmm150;
+#[path = "device/driver.rs"]
+mod driver;
+#[path = "device/icm20948.rs"]
+mod icm20948;
+#[path = "device/mmc5983ma.rs"]
+mod mmc5983ma;
+#[path = "device/mode_blocking.rs"]
+mod mode;
+#[path = "device/probe.rs"]
+mod probe;
+#[path = "device/registers.rs"]
+mod registers;
+#[path = "device/rm3100.rs"]
+mod rm3100;
+
+pub use any::AnyMagnetometer;
+pub use bmm150::Bmm150;
+pub use driver::Driver;
+pub use icm20948::Icm20948;
+pub use mmc5983ma::Mmc5983ma;
+pub use probe::probe;
