@@ -12,6 +12,10 @@ struct Map {
     feature: &'static str,
     flash_origin: u32,
     flash_kib: u32,
+    /// KiB at the end of the flash that keep the calibration, and nothing of the program.
+    slots_kib: u32,
+    /// Whether the flash begins with the 256 bytes that the RP2040's boot ROM runs first.
+    second_stage: bool,
     ram_origin: u32,
     ram_kib: u32,
     /// The part of RAM given to the stack.
@@ -22,15 +26,35 @@ struct Map {
 
 /// The boards, by feature. The sizes of `mps2` are those of a real board of its class, not the emulator's 4 MiB: a
 /// firmware that fits here fits there.
-const MAPS: &[Map] = &[Map {
-    feature: "board-mps2",
-    flash_origin: 0x0000_0000,
-    flash_kib: 512,
-    ram_origin: 0x2000_0000,
-    ram_kib: 128,
-    stack_kib: 64,
-    own_vectors: true,
-}];
+const MAPS: &[Map] = &[
+    Map {
+        feature: "board-mps2",
+        flash_origin: 0x0000_0000,
+        flash_kib: 512,
+        slots_kib: 0,
+        second_stage: false,
+        ram_origin: 0x2000_0000,
+        ram_kib: 128,
+        stack_kib: 64,
+        own_vectors: true,
+    },
+    // Two sectors of 4 KiB for the slots. Of the RAM the four striped banks: the boot ROM uses the two banks above them, and
+    // would spoil the trace there.
+    Map {
+        feature: "board-pico",
+        flash_origin: 0x1000_0000,
+        flash_kib: 2048,
+        slots_kib: 8,
+        second_stage: true,
+        ram_origin: 0x2000_0000,
+        ram_kib: 256,
+        stack_kib: 48,
+        own_vectors: false,
+    },
+];
+
+/// Bytes of the RP2040's second stage.
+const SECOND_STAGE_BYTES: u32 = 256;
 
 /// Bytes at the top of RAM that no start-up code touches: the trace of the last fault.
 const TRACE_BYTES: u32 = 256;
@@ -38,6 +62,11 @@ const TRACE_BYTES: u32 = 256;
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rerun-if-changed=memory.x");
+    println!("cargo:rustc-check-cfg=cfg(armv6m)");
+    if env::var("TARGET").is_ok_and(|target| target.starts_with("thumbv6m")) {
+        // No fault status registers, no compare and swap.
+        println!("cargo:rustc-cfg=armv6m");
+    }
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
@@ -70,11 +99,18 @@ fn write(map: &Map) {
     // section of the ELF at reset, and the trace has to outlive one.
     let stack_bytes = map.stack_kib * 1024;
     let ram_end = map.ram_origin + map.ram_kib * 1024;
+    let (second_stage, flash) = if map.second_stage {
+        let region = format!("  BOOT2 (rx)  : ORIGIN = {:#010x}, LENGTH = {SECOND_STAGE_BYTES}\n", map.flash_origin);
+        (region, map.flash_origin + SECOND_STAGE_BYTES)
+    } else {
+        (String::new(), map.flash_origin)
+    };
+    let slots = map.flash_origin + (map.flash_kib - map.slots_kib) * 1024;
     let text = format!(
         "/* {feature}: written by build.rs */
 MEMORY
 {{
-  FLASH (rx)  : ORIGIN = {flash:#010x}, LENGTH = {flash_kib}K
+{second_stage}  FLASH (rx)  : ORIGIN = {flash:#010x}, LENGTH = {flash_bytes}
   STACK (rw)  : ORIGIN = {stack:#010x}, LENGTH = {stack_bytes}
   RAM   (rw)  : ORIGIN = {ram:#010x}, LENGTH = {ram_bytes}
   TRACE (rw)  : ORIGIN = {trace:#010x}, LENGTH = {TRACE_BYTES}
@@ -82,10 +118,10 @@ MEMORY
 _stack_start = ORIGIN(STACK) + LENGTH(STACK);
 _stack_end = ORIGIN(STACK);
 _fault_trace = ORIGIN(TRACE);
+_slots = {slots:#010x};
 ",
         feature = map.feature,
-        flash = map.flash_origin,
-        flash_kib = map.flash_kib,
+        flash_bytes = slots - flash,
         stack = map.ram_origin,
         ram = map.ram_origin + stack_bytes,
         ram_bytes = ram_end - TRACE_BYTES - map.ram_origin - stack_bytes,
@@ -98,7 +134,8 @@ _fault_trace = ORIGIN(TRACE);
             .expect("OUT_DIR is writable");
     }
     println!("cargo:rustc-link-search={}", out.display());
-    for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
+    let second_stage = if map.second_stage { &["-Tlink-rp.x"][..] } else { &[] };
+    for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"].iter().chain(second_stage) {
         println!("cargo:rustc-link-arg-bin=firmware={argument}");
     }
 }

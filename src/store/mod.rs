@@ -8,12 +8,14 @@
 //! each [`StoreTask`] and gives the [`StoreAnswer`] back. [`Store`] is memory that is waited for, [`serve`] does a task with
 //! it, and [`run`] a whole job.
 
+mod flash;
 mod job;
 mod memory;
 mod slot;
 #[cfg(test)]
 mod tests;
 
+pub use flash::FlashSlots;
 pub use job::{CHUNK_BYTES, Chunk, Done, StoreAnswer, StoreJob, StoreTask};
 pub use memory::{BadPlace, StorageSlots, Store, run, serve};
 pub use slot::{BothSlots, Slot, SlotState, StoreError};

@@ -52,12 +52,22 @@ struct Trace {
     check: u32,
 }
 
+impl Trace {
+    /// The same, as one fault more.
+    fn counted(self) -> Self {
+        let (count, at_start) = (self.count.wrapping_add(1).max(1), self.at_start.saturating_add(1));
+        Self { magic: MAGIC, count, at_start, ..self }
+    }
+}
+
 /// The bit of CFSR that says that BFAR holds the faulting address.
+#[cfg(not(armv6m))]
 const BFAR_VALID: u32 = 1 << 15;
 
 const KIND_PANIC: u32 = 1;
 const KIND_HARD_FAULT: u32 = 2;
 const KIND_STACK_OVERFLOW: u32 = 3;
+const KIND_HUNG: u32 = 4;
 
 unsafe extern "C" {
     /// The start of the region that the memory map keeps for the trace.
@@ -85,7 +95,11 @@ impl Restarts {
 
     /// Reads the trace. To be called once: the second call has no room for the words any more.
     pub fn read() -> Self {
-        let trace = load();
+        let mut trace = load();
+        if crate::board::was_hung() {
+            trace = Trace { kind: KIND_HUNG, pc: 0, lr: 0, cfsr: 0, address: 0, message_len: 0, ..trace }.counted();
+            store(trace);
+        }
         if trace.count == 0 {
             return Self { count: 0, last: "", at_start: 0 };
         }
@@ -104,6 +118,7 @@ fn describe(trace: &Trace, out: &mut Text) -> core::fmt::Result {
             let bytes = trace.message.get(..trace.message_len as usize).unwrap_or(&trace.message);
             write!(out, "panic at {}", core::str::from_utf8(bytes).unwrap_or("?"))
         }
+        KIND_HUNG => write!(out, "watchdog: the firmware stood still"),
         KIND_STACK_OVERFLOW => write!(out, "stack overflow cfsr={:#010x}", trace.cfsr),
         _ => {
             write!(out, "hard fault pc={:#010x} lr={:#010x} cfsr={:#010x}", trace.pc, trace.lr, trace.cfsr)?;
@@ -136,17 +151,15 @@ fn load() -> Trace {
 }
 
 /// Stores the trace as one fault more, and restarts the board.
-fn store_and_restart(mut trace: Trace) -> ! {
-    trace.magic = MAGIC;
-    trace.count = trace.count.wrapping_add(1).max(1);
-    trace.at_start = trace.at_start.saturating_add(1);
+fn store_and_restart(trace: Trace) -> ! {
+    let trace = trace.counted();
     store(trace);
     if trace.at_start >= WAIT_AFTER {
         crate::board::last_words(
             "err busy the firmware fails at every start and waits: switch the power off and on",
         );
     }
-    cortex_m::peripheral::SCB::sys_reset()
+    crate::board::restart()
 }
 
 fn store(mut trace: Trace) {
@@ -229,7 +242,8 @@ core::arch::global_asm!(
      ldr r1, =_stack_start
      msr msp, r1
      1:
-     b {handler}
+     ldr r1, ={handler}
+     bx r1
      .size HardFault, . - HardFault
      .pool
      .previous",
@@ -252,20 +266,33 @@ extern "C" fn on_hard_fault(stack: u32) -> ! {
         // SAFETY: an aligned word inside the stack.
         unsafe { (address as *const u32).read_volatile() }
     };
-    // SAFETY: reading the fault registers has no side effect, and nothing else runs.
-    let scb = unsafe { &*cortex_m::peripheral::SCB::PTR };
-    let cfsr = scb.cfsr.read();
+    let (cfsr, address) = fault_status();
     let trace = Trace {
         kind: if stack < bottom { KIND_STACK_OVERFLOW } else { KIND_HARD_FAULT },
         pc: frame(6),
         lr: frame(5),
         cfsr,
-        address: if cfsr & BFAR_VALID != 0 { scb.bfar.read() } else { 0 },
+        address,
         message_len: 0,
         message: [0; MESSAGE_BYTES],
         ..load()
     };
     store_and_restart(trace)
+}
+
+/// The configurable fault status, and the address of a precise bus fault.
+#[cfg(not(armv6m))]
+fn fault_status() -> (u32, u32) {
+    // SAFETY: reading the fault registers has no side effect, and nothing else runs.
+    let scb = unsafe { &*cortex_m::peripheral::SCB::PTR };
+    let cfsr = scb.cfsr.read();
+    (cfsr, if cfsr & BFAR_VALID != 0 { scb.bfar.read() } else { 0 })
+}
+
+/// The ARMv6-M has no such registers.
+#[cfg(armv6m)]
+const fn fault_status() -> (u32, u32) {
+    (0, 0)
 }
 
 /// An interrupt or exception that nobody expects is a fault of the program.

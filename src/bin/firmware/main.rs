@@ -1,7 +1,8 @@
 //! The firmware: wires a board to the driver, the device and the console.
 //!
-//! One thread: interrupts only move bytes and time, everything else happens in the loop below, one turn of the device after the
-//! other, and sleep until the next is due. The longest turn is a solve; `version` tells how long it was.
+//! One thread: interrupts only move bytes and time, and on some boards read the sensor; everything else happens in the loop below,
+//! one turn of the device after the other, and sleep until the next is due. The longest turn is a solve; `version` tells how long
+//! it was.
 #![no_std]
 #![no_main]
 
@@ -11,16 +12,16 @@ compile_error!("the firmware is built for a board's target: use an alias, such a
 mod board;
 mod fault;
 
-use board::Board;
+use board::{Board, Sampled};
 use defmt::Display2Format;
-use ironout::device::{Device, DeviceConfig};
+use ironout::device::{Device, DeviceConfig, SensorAnswer};
 use ironout::sensor::Magnetometer;
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let restarts = fault::Restarts::read();
     let Some(board) = Board::take() else { panic!("the board was taken before") };
-    let Board { mut sensor, mut store, mut console, mut clock, mut panel } = board;
+    let Board { mut sensor, mut sampled, mut store, mut console, mut clock, mut panel, mut watchdog } = board;
     let mut device = Device::new(DeviceConfig {
         board: board::NAME,
         sensor: sensor.describe().mounted(board::MOUNTING),
@@ -38,8 +39,6 @@ fn main() -> ! {
 
     // What the log has said; nothing yet.
     let (mut logged, mut slots) = (None, None);
-    // The byte that the device did not take yet.
-    let mut held = None;
     let mut started = false;
     loop {
         let begun_us = clock.now_us();
@@ -48,13 +47,22 @@ fn main() -> ! {
             started = true;
             fault::started();
         }
-        while let Some(byte) = held.take().or_else(|| console.read()) {
-            if !device.take_byte(byte) {
-                held = Some(byte);
-                break;
-            }
+        watchdog.turned();
+        // One line at a time: its reply goes where it came from. An idle device takes every byte.
+        while device.is_idle()
+            && let Some(byte) = console.read()
+        {
+            let _ = device.take_byte(byte);
         }
         device.on_button_level(panel.button_down(), now_ms);
+        // One sample a turn: each has its line of a stream.
+        match sampled.next() {
+            Some(Sampled { at_ms, reading: Ok(reading) }) => device.on_sample(&reading, at_ms),
+            Some(Sampled { at_ms, reading: Err(fault) }) => {
+                device.complete_sensor(SensorAnswer::Failed(fault), at_ms);
+            }
+            None => {}
+        }
         let more = device.turn(now_ms, &mut sensor, &mut store, &mut console);
         // Half an hour in one turn fits.
         device.note_turn_us(clock.now_us().saturating_sub(begun_us) as u32);
@@ -77,8 +85,10 @@ fn main() -> ! {
         }
         panel.set_light(device.light().is_on(now_ms));
         if !more {
-            let wait_for_bytes = held.is_none();
-            clock.sleep_until_ms(device.next_deadline_ms(), || wait_for_bytes && console.has_input());
+            let wants_bytes = device.is_idle();
+            clock.sleep_until_ms(device.next_deadline_ms(), || {
+                (wants_bytes && console.has_input()) || sampled.is_waiting()
+            });
         }
     }
 }

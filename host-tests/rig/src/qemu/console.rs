@@ -1,7 +1,7 @@
 //! The other end of the board's console.
 
 use super::error::Error;
-use std::fmt;
+use crate::reply::{Line, Reply};
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
@@ -9,69 +9,6 @@ use std::time::{Duration, Instant};
 /// How long a reply may take. The contract gives the board 2 s; an emulator on a busy machine is given more, so that only
 /// a board that does not answer fails.
 const REPLY_LIMIT: Duration = Duration::from_secs(60);
-
-/// What a command was answered.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Reply {
-    /// The `+ ` lines, without that mark.
-    pub info: Vec<String>,
-    /// The text after `ok`, or the refusal.
-    pub outcome: Result<String, Refusal>,
-}
-
-/// An `err` line.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refusal {
-    /// The code: `unknown`, `usage`, `long`, `busy`, `state`, `refused`, `sensor` or `store`.
-    pub code: String,
-    /// The words after it.
-    pub text: String,
-}
-
-impl Reply {
-    /// Whether the answer was `ok`.
-    pub fn is_ok(&self) -> bool {
-        self.outcome.is_ok()
-    }
-
-    /// The code of the refusal, if it was one.
-    pub fn code(&self) -> Option<&str> {
-        self.outcome.as_ref().err().map(|refusal| refusal.code.as_str())
-    }
-
-    /// The first value named `key` of the reply, in the closing line or in the lines before it.
-    pub fn value(&self, key: &str) -> Option<&str> {
-        let closing = match &self.outcome {
-            Ok(text) => text,
-            Err(refusal) => &refusal.text,
-        };
-        std::iter::once(closing)
-            .chain(&self.info)
-            .flat_map(|line| line.split(' '))
-            .find_map(|word| word.strip_prefix(key)?.strip_prefix('='))
-    }
-
-    /// All values named `key`, in their order: the rows of a matrix.
-    pub fn values<'a>(&'a self, key: &'a str) -> impl Iterator<Item = &'a str> {
-        self.info
-            .iter()
-            .flat_map(|line| line.split(' '))
-            .filter_map(move |word| word.strip_prefix(key)?.strip_prefix('='))
-    }
-}
-
-impl fmt::Display for Reply {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for line in &self.info {
-            writeln!(f, "+ {line}")?;
-        }
-        match &self.outcome {
-            Ok(text) if text.is_empty() => f.write_str("ok"),
-            Ok(text) => write!(f, "ok {text}"),
-            Err(refusal) => write!(f, "err {} {}", refusal.code, refusal.text),
-        }
-    }
-}
 
 /// A client of the console. It keeps the unasked lines (the streams) apart from the replies, each in its order.
 pub struct Console {
@@ -106,20 +43,11 @@ impl Console {
         let mut info = Vec::new();
         loop {
             let line = self.line(deadline, &format!("the reply to `{sent}`"))?;
-            if is_stream(&line) {
-                self.streamed.push(line);
-            } else if let Some(text) = line.strip_prefix("+ ") {
-                info.push(text.to_owned());
-            } else if let Some(text) = after(&line, "ok") {
-                return Ok(Reply { info, outcome: Ok(text.to_owned()) });
-            } else if let Some(text) = after(&line, "err") {
-                let (code, text) = text.split_once(' ').unwrap_or((text, ""));
-                return Ok(Reply {
-                    info,
-                    outcome: Err(Refusal { code: code.to_owned(), text: text.to_owned() }),
-                });
-            } else {
-                return Err(Error::Protocol { line, expected: "`+ `, `ok` or `err CODE`" });
+            match Line::of(&line) {
+                Line::Streamed => self.streamed.push(line),
+                Line::Info(text) => info.push(text.to_owned()),
+                Line::Closing(outcome) => return Ok(Reply { info, outcome }),
+                Line::Unknown => return Err(Error::Protocol { line, expected: "`+ `, `ok` or `err CODE`" }),
             }
         }
     }
@@ -133,7 +61,7 @@ impl Console {
             return Ok(self.streamed.remove(0));
         }
         let line = self.line(Instant::now() + limit, "a line of the stream")?;
-        if is_stream(&line) {
+        if Line::of(&line) == Line::Streamed {
             Ok(line)
         } else {
             Err(Error::Protocol { line, expected: "a line of the stream" })
@@ -194,17 +122,6 @@ impl Console {
             }
         }
     }
-}
-
-/// Whether a line is one of the streams of the contract.
-fn is_stream(line: &str) -> bool {
-    ["R,", "C,", "Raw:", "Cal1:", "Cal2:"].iter().any(|mark| line.starts_with(mark))
-}
-
-/// The text after the word `word` at the beginning of `line`.
-fn after<'a>(line: &'a str, word: &str) -> Option<&'a str> {
-    let rest = line.strip_prefix(word)?;
-    if rest.is_empty() { Some(rest) } else { rest.strip_prefix(' ') }
 }
 
 #[cfg(test)]

@@ -9,8 +9,13 @@ use std::process::{Command, Stdio};
 /// The project's source, as it was when this was built.
 pub const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// The microcontroller's target.
-const TARGET: &str = "thumbv7em-none-eabihf";
+/// The target of the microcontroller on the board of this feature.
+fn target(feature: &str) -> &'static str {
+    match feature {
+        "board-pico" => "thumbv6m-none-eabi",
+        _ => "thumbv7em-none-eabihf",
+    }
+}
 
 /// The environment variable that names an ELF to use instead of building one.
 const GIVEN: &str = "IRONOUT_FIRMWARE";
@@ -63,12 +68,13 @@ impl Firmware {
         if !workspace.join("Cargo.toml").is_file() {
             return Err(Error::NoSource(workspace.to_owned()));
         }
-        ensure_target(workspace)?;
+        let target = target(feature);
+        ensure_target(workspace, target)?;
         // The path of the ELF comes from cargo itself: CARGO_TARGET_DIR or a configuration may have moved it.
         let out = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
             .current_dir(workspace)
             .args(["build", "--release", "-p", "ironout", "--bin", "firmware", "--features", feature])
-            .args(["--target", TARGET, "--message-format=json-render-diagnostics"])
+            .args(["--target", target, "--message-format=json-render-diagnostics"])
             .stdin(Stdio::null())
             .output()
             .map_err(Error::io("run cargo"))?;
@@ -142,20 +148,20 @@ impl Firmware {
 
 /// Adds the target to the toolchain unless it is there. The toolchain file names it, but a toolchain that was there before
 /// the file may lack it.
-fn ensure_target(workspace: &Path) -> Result<(), Error> {
+fn ensure_target(workspace: &Path, target: &'static str) -> Result<(), Error> {
     let present = Command::new("rustc")
         .current_dir(workspace)
-        .args(["--print", "target-libdir", "--target", TARGET])
+        .args(["--print", "target-libdir", "--target", target])
         .output()
         .is_ok_and(|out| Path::new(String::from_utf8_lossy(&out.stdout).trim()).is_dir());
     if present {
         return Ok(());
     }
-    let added = Command::new("rustup").current_dir(workspace).args(["target", "add", TARGET]).output();
+    let added = Command::new("rustup").current_dir(workspace).args(["target", "add", target]).output();
     let reason = match added {
         Ok(out) if out.status.success() => return Ok(()),
         Ok(out) => String::from_utf8_lossy(&out.stderr).trim().to_owned(),
         Err(error) => format!("rustup: {error}"),
     };
-    Err(Error::NoTarget { target: TARGET, reason })
+    Err(Error::NoTarget { target, reason })
 }

@@ -26,7 +26,8 @@ mod limits;
 mod program;
 mod qmp;
 
-pub use console::{Console, Refusal, Reply};
+pub use crate::reply::{Refusal, Reply};
+pub use console::Console;
 pub use debugger::Debugger;
 pub use emulator::{Emulator, Options, PoweredOff};
 pub use error::Error;

@@ -8,6 +8,7 @@ mod sbcon;
 mod time;
 mod uart;
 
+use super::{Polled, Unwatched};
 use core::cell::RefCell;
 use defmt_semihosting as _;
 use eeprom24x::{Eeprom24x, SlaveAddr, addr_size::TwoBytes, page_size::B32, unique_serial};
@@ -59,6 +60,8 @@ const SENSOR: Config = Config {
 pub struct Board {
     /// The magnetometer.
     pub sensor: Lsm303dlhc<Bus>,
+    /// Nothing: the sensor is read in the loop.
+    pub sampled: Polled,
     /// Where the calibration is kept: the first KiB of the EEPROM.
     pub store: StorageSlots<Eeprom>,
     /// The serial console.
@@ -67,6 +70,8 @@ pub struct Board {
     pub clock: Clock,
     /// Light and button.
     pub panel: Panel,
+    /// None: the emulated machine's is not used.
+    pub watchdog: Unwatched,
 }
 
 impl Board {
@@ -79,10 +84,12 @@ impl Board {
         let store = StorageSlots::new(Eeprom::new(eeprom, time::Delay), 0, PAGE_BYTES).ok()?;
         let board = Self {
             sensor: Lsm303dlhc::new(RefCellDevice::new(bus), SENSOR),
+            sampled: Polled,
             store,
             console,
             clock: Clock::new(),
             panel: Panel::new(),
+            watchdog: Unwatched,
         };
         for interrupt in [Interrupt::UartReceive, Interrupt::UartTransmit, Interrupt::Timer0] {
             // SAFETY: everything the handlers use is set up, and no critical section relies on masks.
@@ -90,6 +97,16 @@ impl Board {
         }
         Some(board)
     }
+}
+
+/// Whether the watchdog has restarted the board; there is none.
+pub const fn was_hung() -> bool {
+    false
+}
+
+/// Restarts the board.
+pub fn restart() -> ! {
+    cortex_m::peripheral::SCB::sys_reset()
 }
 
 /// The light and the button.

@@ -2,7 +2,8 @@
 
 use super::registers::Register;
 use super::time;
-use core::cell::{Cell, RefCell};
+use crate::board::outgoing::Outgoing;
+use core::cell::RefCell;
 use core::sync::atomic::{AtomicBool, Ordering};
 use critical_section::Mutex;
 use heapless::spsc::{Consumer, Producer, Queue};
@@ -97,21 +98,7 @@ pub extern "C" fn on_transmit() {
 /// The console. There is one: [`super::Board::take`] makes it.
 pub struct Uart {
     received: Consumer<'static, u8>,
-    to_send: Producer<'static, u8>,
-    flow: Flow,
-    /// How much was queued when it last became less, and when that was.
-    progress: Cell<(usize, u32)>,
-}
-
-/// Whether the other end takes what is sent.
-#[derive(PartialEq, Eq)]
-enum Flow {
-    /// It does.
-    Open,
-    /// It took nothing for [`STALL_LIMIT_US`]: text is dropped until all that was queued has gone.
-    Stalled,
-    /// It takes again; the rest of the line that was cut is still dropped, so that what follows is whole.
-    SkippingLine,
+    outgoing: Outgoing,
 }
 
 impl Uart {
@@ -126,7 +113,8 @@ impl Uart {
         });
         BAUD_DIVIDER.write(25_000_000 / 115_200);
         CONTROL.write(ENABLE_ALL);
-        Some(Self { received: rx_out, to_send: tx_in, flow: Flow::Open, progress: Cell::new((0, 0)) })
+        let outgoing = Outgoing::new(tx_in, STALL_LIMIT_US * time::TICKS_PER_US);
+        Some(Self { received: rx_out, outgoing })
     }
 
     /// The next byte received; [`LOST`] where some are missing.
@@ -145,44 +133,12 @@ impl Uart {
     pub fn has_input(&self) -> bool {
         self.received.ready() || RX_LOST.load(Ordering::Relaxed) || STATE.read() & RX_FULL != 0
     }
-
-    /// Whether what is queued has not become less for [`STALL_LIMIT_US`].
-    fn is_stuck(&self) -> bool {
-        let (queued, (least, since)) = (self.to_send.len(), self.progress.get());
-        let now = time::counter();
-        if queued < least || least == 0 {
-            self.progress.set((queued, now));
-            return false;
-        }
-        now.wrapping_sub(since) > STALL_LIMIT_US * time::TICKS_PER_US
-    }
-
-    /// Queues a byte, or drops it where there is no room.
-    fn put(&mut self, byte: u8) {
-        match self.flow {
-            Flow::Open => {
-                if self.to_send.enqueue(byte).is_err() {
-                    self.flow = Flow::Stalled;
-                }
-            }
-            Flow::Stalled if !self.to_send.is_empty() => {}
-            Flow::Stalled | Flow::SkippingLine => {
-                self.flow = if byte == b'\n' { Flow::Open } else { Flow::SkippingLine };
-                // The cut line gets an end of its own, so that the next one begins a line.
-                if self.flow == Flow::Open {
-                    let _ = self.to_send.enqueue(byte);
-                }
-            }
-        }
-    }
 }
 
 impl core::fmt::Write for Uart {
     /// Queues the text. It never fails and never waits: text that the other end does not take is lost, whole lines of it.
     fn write_str(&mut self, text: &str) -> core::fmt::Result {
-        for byte in text.bytes() {
-            self.put(byte);
-        }
+        self.outgoing.put(text);
         on_transmit();
         Ok(())
     }
@@ -190,8 +146,7 @@ impl core::fmt::Write for Uart {
 
 impl Output for Uart {
     fn takes(&self, bytes: usize) -> bool {
-        // A terminal that has stopped reading takes everything: it is lost.
-        self.to_send.capacity() - self.to_send.len() >= bytes || self.flow != Flow::Open || self.is_stuck()
+        self.outgoing.takes(bytes, time::counter())
     }
 }
 

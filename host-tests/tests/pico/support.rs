@@ -1,0 +1,132 @@
+//! What the tests share: the built firmware, a board with its chip, a motion, stored calibrations.
+
+use ironout::calibration::Calibration;
+use ironout::extended::Effects;
+use ironout::fit::{Method, Order};
+use ironout::record::Record;
+use ironout::sensor::Sample;
+use ironout::session::{Session, SessionConfig};
+use ironout_drivers::Magnetometer;
+use ironout_drivers::lsm303dlhc::{Config, DataRate, Lsm303dlhc, Range, TemperatureFormat, register::OVERFLOW};
+use ironout_rig::bus::{Clock, SimBus};
+use ironout_rig::chips::Lsm303dlhcChip;
+use ironout_rig::pico::{Pico, SLOT_STRIDE, SLOTS};
+use ironout_rig::qemu::Firmware;
+use ironout_rig::reply::Reply;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::OnceLock;
+
+/// The Earth's field of these tests, µT.
+pub const FIELD_UT: f64 = 50.0;
+/// Hard iron, µT.
+pub const HARD_IRON_UT: [f64; 3] = [18.0, -31.0, 12.0];
+/// Noise of the sensor on each axis, µT.
+pub const NOISE_UT: f64 = 0.15;
+
+/// The firmware, built once.
+pub fn firmware() -> &'static Firmware {
+    static BUILT: OnceLock<Firmware> = OnceLock::new();
+    BUILT.get_or_init(|| Firmware::build_for("board-pico").unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// What the sensor measures at `t_s`, µT: the board is turned through all directions once in `period_s`, with hard iron, and soft
+/// iron of 10 % in directions of its own.
+pub fn turning(t_s: f64, period_s: f64) -> [f64; 3] {
+    let turn = Rotation3::from_euler_angles(0.4, -0.7, 1.1).into_inner();
+    let soft_iron = turn * Matrix3::from_diagonal(&Vector3::new(1.10, 1.0, 0.90)) * turn.transpose();
+    // From pole to pole and back with equal areas between the turns.
+    let phase = (t_s / period_s).rem_euclid(1.0);
+    let z = if phase < 0.5 { 1.0 - 4.0 * phase } else { 4.0 * phase - 3.0 };
+    let (sin, cos) = (phase * 2.0 * std::f64::consts::PI * 21.3).sin_cos();
+    let across = (1.0 - z * z).sqrt();
+    (soft_iron * (FIELD_UT * Vector3::new(across * cos, across * sin, z)) + Vector3::from(HARD_IRON_UT)).into()
+}
+
+/// A board that has this image in its flash, with a sensor that is turned once in `period_s`.
+pub fn board_of(image: &std::path::Path, period_s: f64) -> (Pico, Rc<RefCell<Lsm303dlhcChip>>) {
+    let mut board = Pico::start(image).unwrap_or_else(|error| panic!("{error}"));
+    let chip = Lsm303dlhcChip::new(move |t_s| turning(t_s, period_s), NOISE_UT, 7);
+    let chip = Rc::new(RefCell::new(chip));
+    board.attach(chip.clone());
+    (board, chip)
+}
+
+/// A new board with the firmware.
+pub fn board(period_s: f64) -> (Pico, Rc<RefCell<Lsm303dlhcChip>>) {
+    board_of(firmware().path(), period_s)
+}
+
+/// A command that has to be answered at all.
+pub fn ask(board: &mut Pico, command: &str) -> Reply {
+    board.command(command).unwrap_or_else(|error| panic!("{command}: {error}"))
+}
+
+/// A command that has to be answered `ok`.
+pub fn ok(board: &mut Pico, command: &str) -> Reply {
+    let reply = ask(board, command);
+    assert!(reply.is_ok(), "{command}: {reply}");
+    reply
+}
+
+/// The numbers of a line, separated by commas, from the `skip`th on.
+pub fn numbers<T: std::str::FromStr>(line: &str, skip: usize) -> Vec<T> {
+    let number = |word: &str| word.parse().unwrap_or_else(|_| panic!("{word:?} in {line:?} is no number"));
+    line.split(',').skip(skip).map(number).collect()
+}
+
+/// The offset and the matrix that `cal show` prints, as bits.
+pub fn shown_bits(reply: &Reply) -> Vec<u64> {
+    let rows = reply.values("offset_ut").chain(reply.values("matrix"));
+    rows.flat_map(|row| numbers::<f64>(row, 0)).map(f64::to_bits).collect()
+}
+
+/// A stored record whose offset tells it from others.
+pub fn record(sequence: u32, offset_ut: f64) -> Vec<u8> {
+    let record = Record {
+        sequence,
+        calibration: Calibration { offset_ut: [offset_ut; 3], ..Calibration::identity(FIELD_UT) },
+        effects: Effects::none(),
+        method: Method::Adjusted,
+        model: Order::Ellipsoid,
+        samples: 400,
+        noise_ut: 0.05,
+        rms_ut: 0.05,
+        axes: None,
+    };
+    record.encode().expect("it fits").as_bytes().to_vec()
+}
+
+/// Puts a record into a slot of the flash.
+pub fn store(board: &mut Pico, slot: u32, record: &[u8]) {
+    board.set_flash(SLOTS + slot * SLOT_STRIDE, record).unwrap();
+}
+
+/// The figure named `key` of a reply.
+pub fn figure(reply: &Reply, key: &str) -> f64 {
+    let text = reply.value(key).unwrap_or_else(|| panic!("no {key} in {reply}"));
+    text.parse().unwrap_or_else(|_| panic!("{key} in {reply} is no number"))
+}
+
+/// What the host's session makes of a raw stream: offset and matrix, as bits.
+pub fn host_bits(raw: &[String], field_ut: f64) -> Vec<u64> {
+    let config = Config {
+        range: Range::Gauss1_9,
+        rate: DataRate::Hz75,
+        temperature: true,
+        temperature_format: TemperatureFormat::LeftJustified,
+    };
+    let sensor = Lsm303dlhc::new(SimBus::new(Clock::default()), config).describe();
+    let mut session = Session::new(SessionConfig { field_ut: Some(field_ut), ..SessionConfig::of(&sensor) });
+    session.start();
+    for line in raw {
+        let counts: [i16; 3] = numbers(line, 2).try_into().expect("three counts after the time");
+        let sample = if counts.contains(&OVERFLOW) { Sample::out_of_range } else { Sample::valid };
+        session.push(sample(counts));
+    }
+    let outcome = session.stop().unwrap();
+    let calibration = outcome.report.as_ref().expect("a report").calibration;
+    let values = calibration.offset_ut.into_iter().chain(calibration.matrix.into_iter().flatten());
+    values.map(f64::to_bits).collect()
+}
