@@ -6,3 +6,4 @@ pub mod bus;
 pub mod chips;
 #[cfg(unix)]
 pub mod qemu;
+pub mod served;
