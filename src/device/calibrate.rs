@@ -2,7 +2,6 @@
 
 use core::fmt;
 
-use super::active::Active;
 use super::button::ButtonEvent;
 use super::machine::{Device, Errand};
 use super::sensor::SensorFault;
@@ -45,6 +44,7 @@ impl Device {
             return Err(NotStarted::Sensor(fault));
         }
         self.session.start();
+        self.learn_anew();
         self.status = None;
         Ok(())
     }
@@ -62,7 +62,7 @@ impl Device {
         let Done::Saved(slot, record) = outcome? else { return Err(StoreError::DoesNotFit) };
         // It was solved when the job began, and nothing is answered meanwhile.
         let _ = self.session.accept();
-        self.active = Some(Active::new(slot, record, self.config.sensor.axes));
+        self.put_to_work(slot, record);
         self.store_unread = false;
         Ok(slot)
     }
@@ -147,7 +147,7 @@ impl Device {
         let reply = Reply::new(out);
         match outcome {
             Ok(_) => {
-                self.active = None;
+                self.cleared_from_work();
                 self.store_unread = false;
                 if self.stream == StreamMode::Calibrated {
                     // Nothing is left to stream.

@@ -14,6 +14,8 @@ pub(super) struct Sample {
     pub(super) counts: [i16; 3],
     /// `None` where an axis was out of range: the counts are no measurement.
     pub(super) measured_ut: Option<[f32; 3]>,
+    /// The rate of turn then, rad/s.
+    pub(super) turn_radps: Option<[f32; 3]>,
 }
 
 /// Writes the line of `mode` for one sample.
@@ -34,7 +36,7 @@ pub(super) fn write_line(
             let corrected = sample
                 .measured_ut
                 .zip(calibration)
-                .and_then(|(measured, cal)| Some((cal.apply(measured, None).ok()?, cal)));
+                .and_then(|(measured, cal)| Some((cal.apply(measured, sample.turn_radps).ok()?, cal)));
             let Some((ut, cal)) = corrected else {
                 return writeln!(out, "C,{},-,-,-,-,-", sample.t_ms);
             };
@@ -64,7 +66,7 @@ mod tests {
 
     fn line(mode: StreamMode, measured_ut: Option<[f32; 3]>) -> String {
         let calibration = Calibration { offset_ut: [93.0, 0.0, -1.0], ..Calibration::identity(48.0) };
-        let sample = Sample { t_ms: 1260, counts: [-4096, 7, -300], measured_ut };
+        let sample = Sample { t_ms: 1260, counts: [-4096, 7, -300], measured_ut, turn_radps: None };
         let mut out = String::new();
         let live = Live::new(&ExtendedCalibration::plain(calibration)).unwrap();
         write_line(&mut out, mode, &sample, Some(&live)).unwrap();
