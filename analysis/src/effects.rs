@@ -44,7 +44,8 @@ pub fn calibrated(
 pub fn entry<E: Effect<f64> + InParts>(fitted: &FittedEffect<f64, E>) -> EffectEntry {
     let FittedEffect { effect, coefficients, std_errors, ranges } = fitted;
     let (parts, k) = (effect.parts(), effect.coefficients());
-    let names: Vec<String> = effect.columns().iter().flatten().map(|column| column.name.to_string()).collect();
+    let names: Vec<String> =
+        effect.columns().iter().flatten().map(|column| column.name.to_string()).collect();
     // The column's value, not its square's.
     let of_column = |value: f64| if parts.form.is_squared() { value.max(0.0).sqrt() } else { value };
     let known: Option<BTreeMap<String, [f64; 2]>> =
@@ -56,7 +57,11 @@ pub fn entry<E: Effect<f64> + InParts>(fitted: &FittedEffect<f64, E>) -> EffectE
         std_errors: std_errors.iter().take(k).map(|error| Some(*error).filter(|e| e.is_finite())).collect(),
         unit: effect.unit().to_string(),
         reference: names.first().cloned().zip(parts.reference().map(of_column)).into_iter().collect(),
-        parameters: parts.parameter().map(|(searched, value)| (searched.name().to_string(), value)).into_iter().collect(),
+        parameters: parts
+            .parameter()
+            .map(|(searched, value)| (searched.name().to_string(), value))
+            .into_iter()
+            .collect(),
         range: known,
         columns: names,
     }

@@ -227,7 +227,9 @@ fn a_calibration_that_this_board_cannot_use_is_refused_with_a_reason() {
     assert!(last(&mut board, "cal load end").starts_with("err state no calibration is being loaded"));
     assert!(last(&mut board, "cal load begin 600 00000000").starts_with("err usage"));
     last(&mut board, "cal start");
-    assert!(last(&mut board, "cal load begin 148 00000000").starts_with("err state samples are being collected"));
+    assert!(
+        last(&mut board, "cal load begin 148 00000000").starts_with("err state samples are being collected")
+    );
 }
 
 #[test]

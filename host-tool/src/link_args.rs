@@ -12,7 +12,13 @@ const LONGEST_WAIT_S: f64 = 3600.0;
 #[derive(Debug, Args, Clone)]
 pub struct LinkArgs {
     /// The board's serial port, as in /dev/ttyACM0 or COM5 (115200 8N1)
-    #[arg(long, value_name = "SERIAL", help_heading = "The board", conflicts_with = "tcp", required_unless_present = "tcp")]
+    #[arg(
+        long,
+        value_name = "SERIAL",
+        help_heading = "The board",
+        conflicts_with = "tcp",
+        required_unless_present = "tcp"
+    )]
     pub port: Option<String>,
     /// The board's console behind a TCP port, as in localhost:4000
     #[arg(long, value_name = "ADDR", help_heading = "The board")]
@@ -28,7 +34,10 @@ impl LinkArgs {
         if self.wait > 0.0 && self.wait <= LONGEST_WAIT_S {
             return Ok(Duration::from_secs_f64(self.wait));
         }
-        Err(Failure::usage(format!("--wait {}: expected seconds, more than 0 and at most {LONGEST_WAIT_S}", self.wait)))
+        Err(Failure::usage(format!(
+            "--wait {}: expected seconds, more than 0 and at most {LONGEST_WAIT_S}",
+            self.wait
+        )))
     }
 }
 
@@ -99,7 +108,10 @@ impl RecordArgs {
             return Err(Failure::usage(format!("--seconds {seconds}: expected a number of seconds above 0")));
         }
         if !sound(self.patience) {
-            return Err(Failure::usage(format!("--patience {}: expected a number of seconds above 0", self.patience)));
+            return Err(Failure::usage(format!(
+                "--patience {}: expected a number of seconds above 0",
+                self.patience
+            )));
         }
         Ok((self.seconds, Duration::from_secs_f64(self.patience)))
     }

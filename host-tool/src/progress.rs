@@ -115,7 +115,9 @@ mod tests {
 
     #[test]
     fn the_templates_are_sound() {
-        for template in ["{msg} [{bar:30}] {percent:>3} %  {eta} left", "{msg} {spinner} {elapsed}", "{spinner} {msg}"] {
+        for template in
+            ["{msg} [{bar:30}] {percent:>3} %  {eta} left", "{msg} {spinner} {elapsed}", "{spinner} {msg}"]
+        {
             assert!(ProgressStyle::with_template(template).is_ok(), "{template}");
         }
     }

@@ -43,7 +43,12 @@ fn calibrated(output: &Output) {
 }
 
 fn world(seed: u64, hard_iron_ut: [f64; 3]) -> World {
-    World::new(WorldOptions { seed, motion: Motion::Sphere, hard_iron_ut: Some(hard_iron_ut), ..WorldOptions::default() })
+    World::new(WorldOptions {
+        seed,
+        motion: Motion::Sphere,
+        hard_iron_ut: Some(hard_iron_ut),
+        ..WorldOptions::default()
+    })
 }
 
 #[test]
@@ -88,7 +93,9 @@ fn the_emulated_board_is_calibrated_by_the_program_and_speaks_to_the_tool() {
     let bridge = std::thread::spawn(move || {
         for _ in 0..clients {
             // Twice as fast as by hand.
-            board.serve(&listener, |sample| Some(world.sensor_ut(sample as f64 * 0.04))).expect("it is served");
+            board
+                .serve(&listener, |sample| Some(world.sensor_ut(sample as f64 * 0.04)))
+                .expect("it is served");
         }
     });
     calibrated(&run(&program, &address));

@@ -19,12 +19,10 @@ impl Device {
                 Ok(()) => reply.ok(format_args!("received=0 of={bytes}")),
                 Err(why) => not_taken(reply, why),
             },
-            Load::Data { offset, bytes } => {
-                match self.loading.take(usize::from(offset), bytes.as_slice()) {
-                    Ok((received, of)) => reply.ok(format_args!("received={received} of={of}")),
-                    Err(why) => not_taken(reply, why),
-                }
-            }
+            Load::Data { offset, bytes } => match self.loading.take(usize::from(offset), bytes.as_slice()) {
+                Ok((received, of)) => reply.ok(format_args!("received={received} of={of}")),
+                Err(why) => not_taken(reply, why),
+            },
             Load::End => self.load_end(reply),
         }
     }

@@ -73,7 +73,10 @@ impl fmt::Display for NotLoaded {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     Nothing,
-    Receiving { of: usize, crc: u32 },
+    Receiving {
+        of: usize,
+        crc: u32,
+    },
     /// Whole and sound; it waits to be accepted.
     Waiting,
 }

@@ -84,8 +84,13 @@ mod tests {
     use crate::effect::ColumnName;
     use std::string::String;
 
-    const SAMPLE: Sample =
-        Sample { t_ms: 1260, seq: 63, counts: [-4096, 7, -300], measured_ut: Some([0.0; 3]), turn_radps: None };
+    const SAMPLE: Sample = Sample {
+        t_ms: 1260,
+        seq: 63,
+        counts: [-4096, 7, -300],
+        measured_ut: Some([0.0; 3]),
+        turn_radps: None,
+    };
 
     fn lines(log: &mut Log, sample: &Sample) -> String {
         let mut out = String::new();

@@ -68,7 +68,9 @@ pub fn carried(cal: &CalFile, board: &Identity) -> Outcome<Carried> {
     }
     let mut notices = Vec::new();
     if cal.information.is_some() {
-        notices.push("the board does not keep what the fit knows (information): keep the file for fit --prior".into());
+        notices.push(
+            "the board does not keep what the fit knows (information): keep the file for fit --prior".into(),
+        );
     }
     if !extended.effects.is_empty() {
         notices.push(
@@ -76,7 +78,9 @@ pub fn carried(cal: &CalFile, board: &Identity) -> Outcome<Carried> {
         );
     }
     if live.needs_gyro() {
-        notices.push("it needs a rate of turn: the board shows no corrected field unless it has a gyroscope".into());
+        notices.push(
+            "it needs a rate of turn: the board shows no corrected field unless it has a gyroscope".into(),
+        );
     }
     Ok(Carried { record, notices })
 }

@@ -285,8 +285,7 @@ impl Console {
                 return Err(Trouble::Silent(self.wait));
             }
             let mut chunk = [0; 4096];
-            let count =
-                self.wire.read(&mut chunk, left).map_err(|error| Trouble::Gone(error.to_string()))?;
+            let count = self.wire.read(&mut chunk, left).map_err(|error| Trouble::Gone(error.to_string()))?;
             self.partial.extend_from_slice(chunk.get(..count).unwrap_or_default());
         }
     }
@@ -326,7 +325,8 @@ mod tests {
 
     #[test]
     fn a_board_is_known_after_half_a_line_a_stream_and_the_answers_to_others() {
-        let mut console = console(&[b"0,3\nR,20,1,2,3\nerr unknown no su", b"ch command; try help\n", VERSION]);
+        let mut console =
+            console(&[b"0,3\nR,20,1,2,3\nerr unknown no su", b"ch command; try help\n", VERSION]);
         let identity = console.hello().unwrap();
         assert_eq!((identity.board.as_str(), identity.sensor.as_str()), ("mps2", "LSM303DLHC"));
         assert_eq!(identity.ut_per_count, Some([0.1_f32, 0.1, 0.2].map(f64::from)));
@@ -335,10 +335,14 @@ mod tests {
 
     #[test]
     fn a_reply_is_told_from_the_stream_around_it() {
-        let mut console = console(&[b"R,20,1,2,3\n+ matrix=1,0,0\r\n+ matr", b"ix=0,1,0\nR,4", b"0,4,5,6\nok n=12\n"]);
+        let mut console =
+            console(&[b"R,20,1,2,3\n+ matrix=1,0,0\r\n+ matr", b"ix=0,1,0\nR,4", b"0,4,5,6\nok n=12\n"]);
         let reply = console.ok("cal show").unwrap();
         assert_eq!(reply.values("matrix").collect::<Vec<_>>(), ["1,0,0", "0,1,0"]);
-        assert_eq!((reply.value("n"), reply.value("rms"), reply.closing().as_str()), (Some("12"), None, "ok n=12"));
+        assert_eq!(
+            (reply.value("n"), reply.value("rms"), reply.closing().as_str()),
+            (Some("12"), None, "ok n=12")
+        );
         let next = |console: &mut Console| console.next_streamed(Duration::ZERO).unwrap();
         assert_eq!(next(&mut console).as_deref(), Some("R,20,1,2,3"));
         assert_eq!(next(&mut console).as_deref(), Some("R,40,4,5,6"));

@@ -6,7 +6,7 @@ mod stream;
 mod transfer;
 mod wire;
 
-pub use carried::{Carried, carried, cal_file};
+pub use carried::{Carried, cal_file, carried};
 pub use console::{Console, Identity, Refusal, Reply};
 pub use stream::{Columns, Row, Streamed};
 pub use transfer::{Dumped, dump, load};

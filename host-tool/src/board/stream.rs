@@ -42,9 +42,10 @@ impl Streamed {
                 own?;
                 let names = names.get(FIXED.len()..)?;
                 let sound = |name: &&str| (1..=MAX_COLUMN_NAME).contains(&name.len());
-                names.iter().all(sound).then(|| {
-                    Streamed::Columns(Columns(names.iter().map(|name| name.to_string()).collect()))
-                })
+                names
+                    .iter()
+                    .all(sound)
+                    .then(|| Streamed::Columns(Columns(names.iter().map(|name| name.to_string()).collect())))
             }
             "L" => {
                 let t_ms = words.next()?.parse().ok()?;

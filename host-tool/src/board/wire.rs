@@ -50,7 +50,10 @@ fn came(read: io::Result<usize>) -> io::Result<usize> {
     match read {
         Ok(0) => Err(io::Error::new(ErrorKind::UnexpectedEof, "the other side has hung up")),
         Err(error)
-            if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted) =>
+            if matches!(
+                error.kind(),
+                ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
+            ) =>
         {
             Ok(0)
         }

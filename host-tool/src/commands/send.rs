@@ -33,7 +33,16 @@ pub fn run(arguments: &SendArgs, json: bool) -> Outcome<u8> {
             "{address}: what the board has stored is not what was sent: send it again, and check its memory"
         )));
     }
-    say(arguments, &board, &record, encoded.as_bytes().len(), &notices, stored.value("slot"), back.record.sequence, json);
+    say(
+        arguments,
+        &board,
+        &record,
+        encoded.as_bytes().len(),
+        &notices,
+        stored.value("slot"),
+        back.record.sequence,
+        json,
+    );
     Ok(EXIT_OK)
 }
 

@@ -43,7 +43,9 @@ impl HiddenArg {
 
     fn words(self) -> &'static str {
         match self {
-            HiddenArg::Temperature => "its offset moves with the chip's temperature, which rises while it is turned",
+            HiddenArg::Temperature => {
+                "its offset moves with the chip's temperature, which rises while it is turned"
+            }
             HiddenArg::Current => "its offset moves with a current, which the board is told: cov current_a=…",
             HiddenArg::Step => "its offset jumps once: something magnetic has been attached",
         }
@@ -122,7 +124,8 @@ impl Turning {
             ..WorldOptions::default()
         });
         let log = world.run();
-        let axes = ["mx_ut", "my_ut", "mz_ut"].map(|name| log.position(name).and_then(|at| log.columns.get(at)));
+        let axes =
+            ["mx_ut", "my_ut", "mz_ut"].map(|name| log.position(name).and_then(|at| log.columns.get(at)));
         let [Some(x), Some(y), Some(z)] = axes else {
             return Err(Failure::usage("the simulation has no magnetometer"));
         };
@@ -145,7 +148,8 @@ impl Turning {
     /// The field along the sensor's axes, noise and all, µT.
     fn field_ut(&self) -> [f64; 3] {
         let clean = self.world.sensor_ut(self.t_s());
-        let noise = self.noise_ut.get(self.attitude % self.noise_ut.len().max(1)).copied().unwrap_or_default();
+        let noise =
+            self.noise_ut.get(self.attitude % self.noise_ut.len().max(1)).copied().unwrap_or_default();
         [0, 1, 2].map(|axis| clean[axis] + noise[axis])
     }
 
@@ -260,7 +264,9 @@ impl Story {
                 // A column that the effect needs is not known yet.
                 unknown += 1;
                 if unknown > PATIENCE {
-                    return Err(Failure::refused(format!("the board does not correct: it streams \"{text}\"")));
+                    return Err(Failure::refused(format!(
+                        "the board does not correct: it streams \"{text}\""
+                    )));
                 }
                 continue;
             };

@@ -112,7 +112,9 @@ impl Story {
         let mut restarted = Story { talk: self.talk.power_cut()? };
         restarted.talk.ask("status")?;
         let again = restarted.corrected_error(&world)?;
-        restarted.talk.say(&format!("  the stored calibration is applied from the start: off by {again:.3} %"));
+        restarted
+            .talk
+            .say(&format!("  the stored calibration is applied from the start: off by {again:.3} %"));
         Ok(Figures { before, after, restarted: again, offset_ut })
     }
 

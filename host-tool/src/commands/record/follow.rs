@@ -129,12 +129,7 @@ impl Follower<'_> {
     }
 
     /// Finds the board again; the end where the patience or the user gives up first.
-    fn again(
-        &self,
-        console: Console,
-        since: Instant,
-        trouble: Trouble,
-    ) -> Outcome<Result<Console, End>> {
+    fn again(&self, console: Console, since: Instant, trouble: Trouble) -> Outcome<Result<Console, End>> {
         // A wire that is only silent may be spoken to again, and a serial port is opened by one at a time.
         let mut open = (!matches!(trouble, Trouble::Gone(_))).then_some(console);
         let mut last = trouble;

@@ -165,7 +165,9 @@ mod tests {
     fn the_time_goes_on_over_a_restart_of_the_board() {
         let mut rows = Rows::new([1.0; 3]);
         let mut out = Vec::new();
-        for (t_ms, seq, away_ms) in [(5000, 250, 0), (5020, 251, 20), (100, 5, 3000), (120, 6, 20), (60, 3, 0)] {
+        for (t_ms, seq, away_ms) in
+            [(5000, 250, 0), (5020, 251, 20), (100, 5, 3000), (120, 6, 20), (60, 3, 0)]
+        {
             rows.row(&row(t_ms, seq, &[]), away_ms, &mut out).unwrap();
         }
         let text = String::from_utf8(out).unwrap();
