@@ -48,6 +48,7 @@
 //! | [`scatter`], [`fit`], [`quality`] | what solves: centred moments, the methods, the verdict with reasons |
 //! | [`calibration`], [`extended`] | what is applied: offset and matrix, and with them the effects that were found |
 //! | [`effect`], [`model`], [`study`] | what the base does not know yet: shapes of physical causes, the model linearised with them, and the test for them |
+//! | [`learn`] | the study that a board carries with it: what is missing, found on its own samples |
 //! | [`sensor`] | what a sensor is: its description and its samples |
 //! | [`session`] | the state machine around them |
 //! | [`record`], [`store`] | what survives a restart: a checked record in two slots |
@@ -73,6 +74,7 @@ mod fdist;
 pub mod fit;
 pub mod gate;
 pub mod heading;
+pub mod learn;
 pub mod math;
 pub mod model;
 pub mod moments;

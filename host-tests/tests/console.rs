@@ -21,7 +21,7 @@ fn answers(sent: &[String]) -> Vec<&String> {
     for line in sent {
         assert!(line.bytes().all(|byte| (0x20..=0x7e).contains(&byte)), "{line:?}");
         let word = line.split([' ', ',', ':']).next().unwrap_or_default();
-        assert!(["+", "ok", "err", "R", "C", "Raw"].contains(&word), "{line:?}");
+        assert!(["+", "ok", "err", "R", "C", "L", "H", "Raw"].contains(&word), "{line:?}");
         if let Some(rest) = line.strip_prefix("err ") {
             let (code, text) = rest.split_once(' ').expect("a code and a text");
             assert!(codes.contains(&code) && !text.is_empty(), "{line:?}");
@@ -51,7 +51,12 @@ fn the_answers_of_the_contract() {
         ("field -3", "err usage field UT"),
         ("stream raw", "ok stream=raw"),
         ("stream motioncal", "ok stream=motioncal"),
+        ("stream log", "ok stream=log"),
         ("stream off", "ok stream=off"),
+        ("cal dump", "err state there is no calibration"),
+        ("cal load end", "err state no calibration is being loaded"),
+        ("cal load begin 9999 00000000", "err usage a record has at most 512 bytes"),
+        ("cal load data 0 zz", "err usage cal load begin BYTES CRC"),
         ("cal show", "err state there is no calibration"),
     ] {
         let answer = common::last(&mut board, line);
@@ -150,6 +155,11 @@ fn command() -> impl Strategy<Value = Vec<u8>> {
         "stream cal",
         "stream off",
         "stream motioncal",
+        "stream log",
+        "cal dump",
+        "cal load begin 148 00000000",
+        "cal load data 0 49524f4e",
+        "cal load end",
         "field 48",
         "field 1e300",
         "field NaN",

@@ -113,7 +113,10 @@ fn every_cut<const WRITE: usize>(new: &Record) {
         let mut slots = FlashSlots::new(flash, 2 * SECTOR as u32).unwrap();
         let after = current(&mut slots).expect("a calibration, whatever happened");
         assert_eq!(saved.is_ok(), after != before, "cut after {left}");
-        assert!(after == before || after == Record { sequence: 4, ..new.clone() }, "cut after {left}: {after:?}");
+        assert!(
+            after == before || after == Record { sequence: 4, ..new.clone() },
+            "cut after {left}: {after:?}"
+        );
         (used, slots.destroy())
     };
     let (all, flash) = stored(usize::MAX);

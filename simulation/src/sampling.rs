@@ -1,7 +1,7 @@
 //! Sampling a world into a log.
 
 use crate::log::{Log, Truth};
-use crate::world::{GRAVITY_MPS2, World};
+use crate::world::World;
 use nalgebra::Vector3;
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
@@ -46,9 +46,7 @@ impl World {
             if options.lsb_ut > 0.0 {
                 measured = measured.map(|value| (value / options.lsb_ut).round() * options.lsb_ut);
             }
-            let up =
-                self.scenery.attitude.body_to_world(t).transpose() * Vector3::new(0.0, 0.0, -GRAVITY_MPS2);
-            let acceleration = up + self.scenery.attitude.lever_acceleration(t);
+            let acceleration = Vector3::from(self.accel_mps2(t));
             let acceleration = acceleration + Vector3::from_fn(|_, _| normal()) * options.accel_noise_mps2;
             let turn =
                 self.scenery.attitude.rates(t) + Vector3::from_fn(|_, _| normal()) * options.gyro_noise_radps;

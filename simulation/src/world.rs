@@ -91,6 +91,13 @@ impl World {
         self.scenery.attitude.rates(t_s).into()
     }
 
+    /// What an accelerometer without noise measures at time `t_s`, m/s²: gravity, and what a hand's lever arm adds.
+    pub fn accel_mps2(&self, t_s: f64) -> [f64; 3] {
+        let attitude = &self.scenery.attitude;
+        let up = attitude.body_to_world(t_s).transpose() * Vector3::new(0.0, 0.0, -GRAVITY_MPS2);
+        (up + attitude.lever_acceleration(t_s)).into()
+    }
+
     /// What a noise-free magnetometer of infinite resolution measures at time `t_s`, µT: the source of a simulated chip.
     pub fn sensor_ut(&self, t_s: f64) -> [f64; 3] {
         self.sensor(t_s).into()

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::extrapolated::Extrapolated;
-use crate::effect::TIME;
+use crate::effect::{Effect, Searched, TIME};
 use crate::extended::{Live, LiveError};
 use crate::fit::MAX_PREDICTED_ERROR;
 use crate::fit::Spread;
@@ -28,6 +28,22 @@ impl fmt::Display for NotApplied {
             NotApplied::Mounting => f.write_str("it was made with the sensor mounted otherwise"),
         }
     }
+}
+
+/// The recording's clock at power-up where all that goes by it are steps: what was attached stays attached, so that it is after the
+/// last of them.
+fn after_the_steps(record: &Record) -> Option<f64> {
+    let mut latest: Option<f64> = None;
+    for fitted in record.effects.iter() {
+        if !fitted.effect.columns().into_iter().flatten().any(|column| column.name == TIME) {
+            continue;
+        }
+        match fitted.effect.parts().parameter() {
+            Some((Searched::At, at_s)) => latest = Some(latest.map_or(at_s, |known| known.max(at_s))),
+            _ => return None,
+        }
+    }
+    latest
 }
 
 /// A stored calibration at work.
@@ -57,7 +73,12 @@ impl Active {
         // An error that is not known is taken for what a calibration is refused from.
         let error = record.predicted_error.share().unwrap_or(MAX_PREDICTED_ERROR);
         let monitor = Monitor::new(field_ut as f32, record.noise_ut as f32, (error * field_ut) as f32);
-        Self { record, slot, spread: None, live, origin_s, clock_s: None, monitor }
+        Self { record, slot, spread: None, live, origin_s, clock_s: after_the_steps(&record), monitor }
+    }
+
+    /// The recording's clock, where it is known.
+    pub(super) fn recording_s(&self, t_ms: u64) -> Option<f64> {
+        self.clock_s.map(|clock_s| clock_s + t_ms as f64 / 1000.0)
     }
 
     /// The correction at this time, if it runs.

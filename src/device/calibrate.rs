@@ -2,7 +2,6 @@
 
 use core::fmt;
 
-use super::active::Active;
 use super::button::ButtonEvent;
 use super::machine::{Device, Errand};
 use super::sensor::SensorFault;
@@ -55,6 +54,7 @@ impl Device {
         }
         self.session.start();
         self.loading.forget();
+        self.learn_anew();
         self.status = None;
         Ok(())
     }
@@ -77,9 +77,10 @@ impl Device {
         // It was solved or loaded when the job began, and nothing is answered meanwhile.
         let _ = self.session.accept();
         self.loading.forget();
-        let mut active = Active::new(slot, record, self.config.sensor.axes);
-        active.spread = spread;
-        self.active = Some(active);
+        self.put_to_work(slot, record);
+        if let Some(active) = &mut self.active {
+            active.spread = spread;
+        }
         self.store_unread = false;
         Ok(slot)
     }
@@ -169,7 +170,7 @@ impl Device {
         let reply = Reply::new(out);
         match outcome {
             Ok(_) => {
-                self.active = None;
+                self.cleared_from_work();
                 self.store_unread = false;
                 if self.stream == StreamMode::Calibrated {
                     // Nothing is left to stream.

@@ -3,23 +3,22 @@
 use core::fmt;
 
 use super::active::Active;
-use super::log::LOG_COLUMNS;
 use super::machine::{Device, Errand};
 use super::sensor::SensorFault;
-use crate::effect::ColumnName;
 use crate::extended::Live;
 use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Reply, StreamMode};
 use crate::session::{Hint, State};
 use crate::store::StoreJob;
 
-const HELP: [&str; 9] = [
+const HELP: [&str; 10] = [
     "help | version | status",
     "cal start | cal stop | cal accept [force] | cal cancel | cal show | cal clear",
     "cal method adjusted|trace|constant",
     "cal dump: the calibration byte by byte; cal load: one from elsewhere (ironout fetch, ironout send)",
     "stream off | stream raw | stream cal | stream motioncal | stream log",
     "field UT: the expected magnitude, microtesla",
-    "cov NAME=VALUE: a column that the calibration's effects follow, as in cov temp_c=31.5",
+    "cov NAME=VALUE: a column that effects may follow, as in cov temp_c=31.5; NAME=- forgets it",
+    "why: which effect is missing | effect list | effect add ID | effect remove ID",
     "a calibration: cal start, turn the board in all directions, cal stop, cal accept",
     "status says where to turn next",
 ];
@@ -70,7 +69,12 @@ impl Device {
                 reply.done()
             }
             Command::Version if at_rest => self.version(reply.into_out()),
-            Command::CalAccept { .. } | Command::CalClear if at_rest => {
+            Command::CalAccept { .. }
+            | Command::CalClear
+            | Command::EffectAdd(_)
+            | Command::EffectRemove(_)
+                if at_rest =>
+            {
                 reply.err(Code::Store, format_args!("the store {}", SensorFault::AtRest))
             }
             Command::Version => {
@@ -95,7 +99,11 @@ impl Device {
                 reply.ok(format_args!("method={}", method.name()))
             }
             Command::Stream(mode) => self.set_stream(reply, mode),
-            Command::Cov(name, value) => self.cov(reply, &name, value),
+            Command::Cov(list) => self.cov(reply, &list),
+            Command::Why => return self.why(reply),
+            Command::EffectList => self.effect_list(reply),
+            Command::EffectAdd(id) => return self.effect_add(reply, id),
+            Command::EffectRemove(id) => return self.effect_remove(reply, &id),
             Command::Field(field_ut) => {
                 if self.session.set_field_ut(Some(field_ut)) {
                     self.status = None;
@@ -105,21 +113,6 @@ impl Device {
                 }
             }
         })
-    }
-
-    /// Feeds a column to the calibration in use; it keeps the value until it is fed again.
-    fn cov<W: fmt::Write>(&mut self, reply: Reply<'_, W>, name: &ColumnName, value: f64) -> Answered {
-        let now_ms = self.now_ms;
-        let Some(active) = &mut self.active else {
-            return reply
-                .err(Code::State, format_args!("there is no calibration whose effects could follow {name}"));
-        };
-        let used = active.feed(name.as_str(), value, now_ms);
-        if !self.log.feed(name, value as f32) && !used {
-            return reply
-                .err(Code::State, format_args!("{LOG_COLUMNS} columns are fed already: no room for {name}"));
-        }
-        reply.ok(format_args!("{name}={value:?} used={}", u8::from(used)))
     }
 
     pub(super) fn version<W: fmt::Write>(&self, out: &mut W) -> Answered {
@@ -172,9 +165,11 @@ impl Device {
                     Some(column) => {
                         reply.line(format_args!("hint the calibration waits for: cov {column}=VALUE"));
                     }
-                    None if Live::needs_gyro(live) => reply.line(format_args!(
-                        "hint the calibration needs a rate of turn, which this board does not have"
-                    )),
+                    None if Live::needs_gyro(live) && self.lessons.motion.turn_radps.is_none() => {
+                        reply.line(format_args!(
+                            "hint the calibration waits for: cov gx_radps=… gy_radps=… gz_radps=…"
+                        ));
+                    }
                     None => reply.line(format_args!(
                         "hint a calibration is in use; begin another one with: cal start"
                     )),

@@ -8,7 +8,7 @@ use super::stream::Sample;
 use crate::effect::ColumnName;
 
 /// The most columns beside the sensor's own.
-pub(super) const LOG_COLUMNS: usize = 8;
+pub(super) const LOG_COLUMNS: usize = 12;
 /// The most characters of a line without further columns: `L`, a time and a number in full, three counts.
 const BASE_BYTES: usize = 56;
 /// The most characters of a value in single precision with its comma.
@@ -29,8 +29,12 @@ impl Log {
         Self { columns: Vec::new(), named: false }
     }
 
-    /// A column is this from now on; `false` where there is no room for another one.
+    /// A column is this from now on, NaN where it is not known; `false` where there is no room for another one, or its name would
+    /// break the line.
     pub(super) fn feed(&mut self, name: &ColumnName, value: f32) -> bool {
+        if name.as_str().contains([',', '"']) {
+            return false;
+        }
         if let Some((_, known)) = self.columns.iter_mut().find(|(known, _)| known == name) {
             *known = value;
             return true;
@@ -80,8 +84,13 @@ mod tests {
     use crate::effect::ColumnName;
     use std::string::String;
 
-    const SAMPLE: Sample =
-        Sample { t_ms: 1260, seq: 63, counts: [-4096, 7, -300], measured_ut: Some([0.0; 3]) };
+    const SAMPLE: Sample = Sample {
+        t_ms: 1260,
+        seq: 63,
+        counts: [-4096, 7, -300],
+        measured_ut: Some([0.0; 3]),
+        turn_radps: None,
+    };
 
     fn lines(log: &mut Log, sample: &Sample) -> String {
         let mut out = String::new();

@@ -6,19 +6,18 @@ use heapless::Deque;
 
 use super::active::Active;
 use super::button::{Button, ButtonEvent};
-use super::light::Light;
+use super::lessons::Lessons;
 use super::loading::Loading;
 use super::log::Log;
 use super::output::{MAX_REPLY_BYTES, Output};
-use super::sensor::{Pace, SensorAnswer, SensorFault, SensorTask, SensorWatch};
+use super::sensor::{Pace, SensorAnswer, SensorTask, SensorWatch};
 use super::stream;
-use crate::calibration::Calibration;
 use crate::gate::block_samples;
 use crate::protocol::{Line, LineSplitter, StreamMode};
 use crate::record::Record;
 use crate::sensor::{Reading, Sample, Sensor};
 use crate::session::{Session, SessionConfig, State, Status};
-use crate::store::{BothSlots, Done, Slot, SlotState, StoreAnswer, StoreError, StoreJob, StoreTask};
+use crate::store::{BothSlots, Done, SlotState, StoreAnswer, StoreError, StoreJob, StoreTask};
 
 /// What a device needs to know of its board.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,6 +66,8 @@ pub(super) enum Errand {
     AcceptByButton,
     /// For `cal clear`.
     Clear,
+    /// For `effect add` and `effect remove`.
+    Effect,
 }
 
 /// Restarts of the board after a fault of its firmware.
@@ -83,6 +84,7 @@ pub struct Device {
     pub(super) session: Session,
     pub(super) loading: Loading,
     pub(super) active: Option<Active>,
+    pub(super) lessons: Lessons,
     pub(super) sensor: SensorWatch,
     pub(super) stream: StreamMode,
     pub(super) log: Log,
@@ -91,10 +93,10 @@ pub struct Device {
     splitter: LineSplitter,
     line_waits: bool,
     /// Since when a computation has waited for the moment after a sample.
-    compute_asked_ms: Option<u64>,
+    pub(super) compute_asked_ms: Option<u64>,
     pub(super) status: Option<(u64, Status)>,
     job: Option<(Errand, StoreJob)>,
-    slots: BothSlots,
+    pub(super) slots: BothSlots,
     /// A slot could not be read when the store was looked at last; it is looked at again before the next line is answered.
     pub(super) store_unread: bool,
     looked_again: bool,
@@ -120,6 +122,7 @@ impl Device {
             session: Session::new(session_config),
             loading: Loading::nothing(),
             active: None,
+            lessons: Lessons::new(),
             sensor: SensorWatch::new(config.pace, sensor),
             stream: StreamMode::Off,
             log: Log::new(),
@@ -206,19 +209,28 @@ impl Device {
         if let (Some(active), Some(measured_ut)) = (&mut self.active, measured_ut) {
             active.watch(t_ms, measured_ut);
         }
+        self.learn(sample, t_ms);
         if self.stream != StreamMode::Off {
             if self.waiting.is_full() {
                 self.waiting.pop_front();
             }
             // There is room now.
-            let seq = self.samples_taken.wrapping_add(self.sensor.lost());
-            let _ = self.waiting.push_back(stream::Sample { t_ms, seq, counts: sample.counts, measured_ut });
+            let _ = self.waiting.push_back(stream::Sample {
+                t_ms,
+                seq: self.samples_taken.wrapping_add(self.sensor.lost()),
+                counts: sample.counts,
+                measured_ut,
+                turn_radps: self.lessons.motion.turn_radps,
+            });
         }
     }
 
     /// Takes what came of an [`Action::Sensor`], with the time it is now.
     pub fn complete_sensor(&mut self, answer: SensorAnswer, now_ms: u64) {
         self.now_ms = self.now_ms.max(now_ms);
+        if let SensorAnswer::Temperature(temp_c) = answer {
+            return self.take_temperature(temp_c);
+        }
         self.sensor.answered(answer, now_ms);
         if let SensorAnswer::Reading(reading) = answer {
             self.take_sample(self.config.sensor.sample(&reading), now_ms);
@@ -239,7 +251,7 @@ impl Device {
         self.now_ms = self.now_ms.max(now_ms);
         self.sensor.time(now_ms);
         self.write_stream(out);
-        if let Some(task) = self.sensor.task(now_ms) {
+        if let Some(task) = self.sensor.task(now_ms).or_else(|| self.temperature_task()) {
             return Action::Sensor(task);
         }
         if let Some((errand, job)) = &self.job {
@@ -264,17 +276,24 @@ impl Device {
             self.pressed();
             return Action::Again;
         }
+        if self.lessons.question.is_some() {
+            return if out.takes(MAX_REPLY_BYTES) && self.ponder(out) {
+                Action::Again
+            } else {
+                Action::Sleep
+            };
+        }
         if self.line_waits && out.takes(MAX_REPLY_BYTES) && self.answer_line(out) {
             return Action::Again;
         }
-        Action::Sleep
+        if self.begin_to_learn() { Action::Again } else { Action::Sleep }
     }
 
     /// When there is something to do without anything coming from outside; a time past: at once.
     pub fn next_deadline_ms(&self) -> u64 {
         let job = match &self.job {
             Some((_, job)) => Some(job.deadline_ms().unwrap_or(self.now_ms + OUTPUT_RETRY_MS)),
-            None if self.line_waits || self.presses > 0 => {
+            None if self.line_waits || self.presses > 0 || self.lessons.question.is_some() => {
                 // It waits for room, or for the moment after a sample, which comes with the sample.
                 Some(self.now_ms + OUTPUT_RETRY_MS)
             }
@@ -346,7 +365,7 @@ impl Device {
     }
 
     const fn replies(errand: Errand) -> bool {
-        matches!(errand, Errand::Version | Errand::Accept | Errand::Clear)
+        matches!(errand, Errand::Version | Errand::Accept | Errand::Clear | Errand::Effect)
     }
 
     fn finish(&mut self, errand: Errand, outcome: Result<Done, StoreError>, out: &mut impl Output) {
@@ -366,6 +385,7 @@ impl Device {
                 return;
             }
             Errand::Clear => self.cleared(outcome, out),
+            Errand::Effect => self.effect_stored(outcome, out),
         };
         // As for any other line.
         let _ = answered.result();
@@ -382,6 +402,7 @@ impl Device {
         if let (Some((slot, _)), Some(record)) = (slots.current(), record) {
             let at_work = self.active.as_ref().is_some_and(|active| active.record == record);
             if !at_work {
+                self.lessons.learner.begin(&record.calibration);
                 self.active = Some(Active::new(slot, record, self.config.sensor.axes));
             }
         }
@@ -400,48 +421,6 @@ impl Device {
     /// Whether all that came from outside is dealt with: no line waits for its answer, no press for its effect, and nothing is
     /// under way at the store.
     pub const fn is_idle(&self) -> bool {
-        !self.line_waits && self.presses == 0 && self.job.is_none()
-    }
-
-    /// The calibration in use.
-    pub fn calibration(&self) -> Option<&Calibration<f64>> {
-        self.record().map(|record| &record.calibration)
-    }
-
-    /// The stored record of the calibration in use.
-    pub fn record(&self) -> Option<&Record> {
-        self.active.as_ref().filter(|active| active.live.is_ok()).map(|active| &active.record)
-    }
-
-    /// The slot that must not be overwritten.
-    pub(super) fn slot_in_use(&self) -> Option<Slot> {
-        self.active.as_ref().map(|active| active.slot)
-    }
-
-    /// The session: what is being collected and what came of it.
-    pub const fn session(&self) -> &Session {
-        &self.session
-    }
-
-    /// What is wrong with the sensor, if it does not work.
-    pub const fn sensor_fault(&self) -> Option<SensorFault> {
-        self.sensor.fault()
-    }
-
-    /// Samples that were due, or conversions that were made, and not taken since power-up, while the sensor worked.
-    pub const fn samples_lost(&self) -> u32 {
-        self.sensor.lost()
-    }
-
-    /// What the light has to show.
-    pub fn light(&self) -> Light {
-        match self.state() {
-            _ if self.sensor.fault().is_some() => Light::SensorFault,
-            State::Collecting => Light::Collecting,
-            State::Solved => Light::Solved,
-            State::Refused => Light::Refused,
-            State::Idle if self.record().is_some() => Light::Calibrated,
-            State::Idle => Light::Uncalibrated,
-        }
+        !self.line_waits && self.presses == 0 && self.job.is_none() && self.lessons.question.is_none()
     }
 }

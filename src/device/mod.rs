@@ -22,6 +22,9 @@
 //!             let reading = Reading { counts: [1, 2, 3], overflow: [false; 3] };
 //!             device.complete_sensor(SensorAnswer::Reading(reading), now_ms);
 //!         }
+//!         Action::Sensor(SensorTask::Temperature) => {
+//!             device.complete_sensor(SensorAnswer::Temperature(None), now_ms); // the chip has none
+//!         }
 //!         Action::Store(_) => device.complete_store(&StoreAnswer::Failed, now_ms), // there is no memory
 //!         Action::Again => {}
 //!         Action::Sleep if device.is_idle() => break,
@@ -43,7 +46,11 @@ mod button;
 mod calibrate;
 mod console;
 mod dump;
+mod effects;
 mod extrapolated;
+mod figures;
+mod learn;
+mod lessons;
 mod light;
 mod load;
 mod loading;
@@ -55,6 +62,7 @@ mod serve;
 mod stream;
 #[cfg(test)]
 mod tests;
+mod why;
 
 pub use crate::store::{StoreAnswer, StoreTask};
 pub use button::ButtonEvent;

@@ -77,10 +77,12 @@ pub enum SensorTask {
     Start,
     /// Ask for a measurement.
     Sample,
+    /// Ask for the chip's temperature.
+    Temperature,
 }
 
 /// What came of a [`SensorTask`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SensorAnswer {
     /// [`SensorTask::Start`] succeeded.
     Started,
@@ -88,6 +90,8 @@ pub enum SensorAnswer {
     Reading(Reading),
     /// No new measurement yet; it will be asked for again in a moment.
     NotReady,
+    /// The chip's temperature, °C; `None` where it has none.
+    Temperature(Option<f32>),
     /// It failed.
     Failed(SensorFault),
 }
@@ -217,7 +221,7 @@ impl SensorWatch {
     /// Takes note of what came of the task.
     pub(super) fn answered(&mut self, answer: SensorAnswer, t_ms: u64) {
         match (answer, self.state) {
-            (_, State::AtRest) => {}
+            (_, State::AtRest) | (SensorAnswer::Temperature(_), _) => {}
             (SensorAnswer::Started, _) => {
                 self.state =
                     State::Working { due_ms: t_ms, ask_ms: t_ms, heard_ms: t_ms, heard: false, failures: 0 };
@@ -251,6 +255,11 @@ impl SensorWatch {
     fn lose(&mut self, fault: SensorFault, t_ms: u64, pause_ms: u64) {
         self.faults = self.faults.saturating_add(1);
         self.state = State::Absent { fault, retry_at_ms: t_ms.saturating_add(pause_ms), pause_ms };
+    }
+
+    /// Whether it works and is asked by the device, so that it may be asked for more than samples.
+    pub(super) const fn asks(&self) -> bool {
+        matches!(self.state, State::Working { heard: true, .. }) && !matches!(self.pace, Pace::Pushed)
     }
 
     /// What is wrong, if the sensor does not work.

@@ -15,6 +15,8 @@ pub fn serve_sensor<M: Magnetometer + ?Sized>(sensor: &mut M, task: SensorTask) 
             Ok(false) => Ok(SensorAnswer::NotReady),
             Err(error) => Err(error),
         },
+        // A bus that fails shows with the next sample.
+        SensorTask::Temperature => Ok(SensorAnswer::Temperature(sensor.temperature_c().ok().flatten())),
     };
     answer.unwrap_or_else(|error| SensorAnswer::Failed(SensorFault::of(&error)))
 }

@@ -17,6 +17,8 @@ pub(super) struct Sample {
     pub(super) counts: [i16; 3],
     /// `None` where an axis was out of range: the counts are no measurement.
     pub(super) measured_ut: Option<[f32; 3]>,
+    /// The rate of turn then, rad/s.
+    pub(super) turn_radps: Option<[f32; 3]>,
 }
 
 /// The room that a line of most streams needs.
@@ -47,7 +49,7 @@ pub(super) fn write_line(
             let corrected = sample
                 .measured_ut
                 .zip(calibration)
-                .and_then(|(measured, cal)| Some((cal.apply(measured, None).ok()?, cal)));
+                .and_then(|(measured, cal)| Some((cal.apply(measured, sample.turn_radps).ok()?, cal)));
             let Some((ut, cal)) = corrected else {
                 return writeln!(out, "C,{},-,-,-,-,-", sample.t_ms);
             };
@@ -77,7 +79,8 @@ mod tests {
 
     fn line(mode: StreamMode, measured_ut: Option<[f32; 3]>) -> String {
         let calibration = Calibration { offset_ut: [93.0, 0.0, -1.0], ..Calibration::identity(48.0) };
-        let sample = Sample { t_ms: 1260, seq: 63, counts: [-4096, 7, -300], measured_ut };
+        let counts = [-4096, 7, -300];
+        let sample = Sample { t_ms: 1260, seq: 63, counts, measured_ut, turn_radps: None };
         let mut out = String::new();
         let live = Live::new(&ExtendedCalibration::plain(calibration)).unwrap();
         write_line(&mut out, mode, &sample, Some(&live), &mut Log::new()).unwrap();

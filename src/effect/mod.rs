@@ -60,6 +60,7 @@
 //! assert_eq!(shape[1], [0.0, 0.5, 0.0]);
 //! ```
 
+mod advice;
 mod apart;
 mod attitude;
 mod built_in;
@@ -84,6 +85,7 @@ mod step;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use advice::advice;
 pub use code::{CNumber, RustCode};
 pub use column_name::{BadName, ColumnName, MAX_COLUMN_NAME};
 pub use columns::{ColumnKind, Usual};

@@ -60,6 +60,12 @@ pub(super) struct Prepared<T> {
 }
 
 impl<T: Real> Prepared<T> {
+    /// `A h`.
+    #[inline]
+    pub(super) fn undone(&self, corrected: [T; 3]) -> [T; 3] {
+        times(&self.inverse, corrected)
+    }
+
     pub(super) fn of<E: Effect<T>>(base: &Calibration<T>, effects: &Effects<T, E>) -> Option<Self> {
         let effects = || effects.iter().map(|fitted| &fitted.effect);
         Some(Self {

@@ -270,6 +270,21 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
         correct(&self.base, &self.prepared, measured_ut, turn_radps, effects)
     }
 
+    /// The measured vector without the effects, both µT: what [`Live::apply`] corrects to, as the base alone would measure it.
+    ///
+    /// # Errors
+    /// Those of [`Live::apply`].
+    #[inline]
+    pub fn cleaned(&self, measured_ut: [T; 3], turn_radps: Option<[T; 3]>) -> Result<[T; 3], NotCorrected> {
+        if self.places.is_empty() {
+            return Ok(measured_ut);
+        }
+        let corrected = self.apply(measured_ut, turn_radps)?;
+        let [x, y, z] = self.base.offset_ut;
+        let [a, b, c] = self.prepared.undone(corrected);
+        Ok([a + x, b + y, c + z])
+    }
+
     /// `‖corrected‖ − F`, µT.
     #[inline]
     pub fn residual_ut(&self, corrected_ut: [T; 3]) -> T {

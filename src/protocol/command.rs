@@ -1,7 +1,7 @@
 //! What can be asked of the board.
 
+use super::cov::{Assignments, assignments};
 use super::load::{self, Load};
-use crate::effect::ColumnName;
 use crate::fit::Method;
 
 /// What is sent unasked, one line a sample.
@@ -21,8 +21,14 @@ pub enum StreamMode {
     Log,
 }
 
+/// The most characters of an effect's id.
+pub const MAX_ID: usize = 48;
+
+/// An effect's id, as it was typed.
+pub type EffectId = heapless::String<MAX_ID>;
+
 /// A command, read.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     /// `help`
     Help,
@@ -55,8 +61,16 @@ pub enum Command {
     Stream(StreamMode),
     /// `field UT`: the expected magnitude in µT.
     Field(f64),
-    /// `cov NAME=VALUE`: what a column that effects may follow is now.
-    Cov(ColumnName, f64),
+    /// `cov NAME=VALUE …`: what columns that effects may follow are now.
+    Cov(Assignments),
+    /// `why`
+    Why,
+    /// `effect list`
+    EffectList,
+    /// `effect add ID`
+    EffectAdd(EffectId),
+    /// `effect remove ID`
+    EffectRemove(EffectId),
 }
 
 /// Why a line is no command.
@@ -80,10 +94,10 @@ const FIELD_UT: core::ops::RangeInclusive<f64> = 1.0..=1000.0;
 pub fn parse(line: &str) -> Result<Command, ParseError> {
     let mut words = line.split(' ').filter(|word| !word.is_empty());
     let first = words.next().ok_or(ParseError::Usage("an empty command; try help"))?;
-    let (second, third) = (words.next(), words.next());
-    if matches!(first, "effect" | "why") {
-        return Err(ParseError::NotBuilt(if first == "why" { "why" } else { "effect" }));
+    if first == "cov" {
+        return assignments(words).map(Command::Cov).map_err(ParseError::Usage);
     }
+    let (second, third) = (words.next(), words.next());
     if (first, second) == ("cal", Some("load")) {
         return load::parse(third, words).map(Command::CalLoad).ok_or(ParseError::Usage(load::USAGE));
     }
@@ -101,9 +115,10 @@ pub fn parse(line: &str) -> Result<Command, ParseError> {
             third.is_none().then(|| field(second)).flatten(),
             "field UT, the expected magnitude, 1 to 1000 microtesla",
         ),
-        "cov" => (
-            third.is_none().then(|| cov(second)).flatten(),
-            "cov NAME=VALUE, one column and a number, as in cov temp_c=31.5",
+        "why" => (plain(second, Command::Why), "why takes no argument"),
+        "effect" => (
+            effect(second, third),
+            "effect list, effect add ID or effect remove ID, as in effect add offset:temp_c",
         ),
         _ => return Err(ParseError::Unknown),
     };
@@ -147,11 +162,13 @@ fn field(value: Option<&str>) -> Option<Command> {
     FIELD_UT.contains(&ut).then_some(Command::Field(ut))
 }
 
-fn cov(assignment: Option<&str>) -> Option<Command> {
-    let (name, value) = assignment?.split_once('=')?;
-    let value: f64 = value.parse().ok()?;
-    // It is kept in single precision.
-    (value as f32).is_finite().then_some(Command::Cov(ColumnName::new(name).ok()?, value))
+fn effect(verb: Option<&str>, id: Option<&str>) -> Option<Command> {
+    match (verb?, id) {
+        ("list", None) => Some(Command::EffectList),
+        ("add", Some(id)) => EffectId::try_from(id).ok().map(Command::EffectAdd),
+        ("remove", Some(id)) => EffectId::try_from(id).ok().map(Command::EffectRemove),
+        _ => None,
+    }
 }
 
 #[cfg(test)]
@@ -159,6 +176,12 @@ mod tests {
     use super::{Command, ParseError, StreamMode, parse};
     use crate::effect::ColumnName;
     use crate::fit::Method;
+    use crate::protocol::cov::Assignments;
+
+    fn cov(list: &[(&str, Option<f64>)]) -> Command {
+        let pairs = list.iter().map(|(name, value)| (ColumnName::new(name).unwrap(), *value));
+        Command::Cov(pairs.collect::<Assignments>())
+    }
 
     #[test]
     fn every_command_of_the_contract() {
@@ -183,7 +206,12 @@ mod tests {
             ("stream motioncal", Command::Stream(StreamMode::MotionCal)),
             ("stream log", Command::Stream(StreamMode::Log)),
             ("field 48.5", Command::Field(48.5)),
-            ("cov current_a=-3.2", Command::Cov(ColumnName::new("current_a").unwrap(), -3.2)),
+            ("cov current_a=-3.2", cov(&[("current_a", Some(-3.2))])),
+            ("cov a=1 b=-", cov(&[("a", Some(1.0)), ("b", None)])),
+            ("why", Command::Why),
+            ("effect list", Command::EffectList),
+            ("effect add offset:temp_c", Command::EffectAdd("offset:temp_c".try_into().unwrap())),
+            ("effect remove step", Command::EffectRemove("step".try_into().unwrap())),
             ("  cal   start ", Command::CalStart),
         ] {
             assert_eq!(parse(line), Ok(command), "{line}");
@@ -220,6 +248,15 @@ mod tests {
             "cov temp_c=1e39",
             "cov =3",
             "cov temp_c=1 2",
+            "cov a=1 b=warm",
+            "cov a=1 a=2",
+            "cov a=1 b=2 c=3 d=4 e=5 f=6 g=7",
+            "why not",
+            "effect",
+            "effect add",
+            "effect add a b",
+            "effect list all",
+            "effect add an_id_that_is_longer_than_any_effect_could_ever_be_called",
             "cov a_name_longer_than_any_column_may_be=1",
             "   ",
         ] {
@@ -228,12 +265,9 @@ mod tests {
     }
 
     #[test]
-    fn other_words_are_unknown_and_those_to_come_say_so() {
+    fn other_words_are_unknown() {
         for line in ["hlep", "HELP", "Cal start", "calibrate", "calstart"] {
             assert_eq!(parse(line), Err(ParseError::Unknown), "{line}");
-        }
-        for (line, word) in [("effect list", "effect"), ("effect add lag", "effect"), ("why", "why")] {
-            assert_eq!(parse(line), Err(ParseError::NotBuilt(word)), "{line}");
         }
     }
 }

@@ -5,11 +5,13 @@
 //! `err CODE text`.
 
 mod command;
+mod cov;
 mod line;
 mod load;
 mod reply;
 
-pub use command::{Command, ParseError, StreamMode, parse};
+pub use command::{Command, EffectId, MAX_ID, ParseError, StreamMode, parse};
+pub use cov::{Assignments, MAX_ASSIGNMENTS};
 pub use line::{Line, LineSplitter, MAX_LINE};
 pub use load::{LOAD_LINE_BYTES, Load, LoadBytes};
 pub use reply::{Answered, Code, Opt, Reply};

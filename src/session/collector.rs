@@ -87,6 +87,10 @@ impl Collector {
         self.fit_with(config, true)
     }
 
+    pub(super) fn ellipsoid(&self, config: &SessionConfig) -> Result<FitReport, FitError> {
+        self.fit_with(config, false)
+    }
+
     fn fit_with(&self, config: &SessionConfig, lower_orders: bool) -> Result<FitReport, FitError> {
         let scatter = Scatter::from_moments(self.gate.moments(), config.ut_per_count)?;
         let options = FitOptions {

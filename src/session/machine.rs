@@ -90,6 +90,14 @@ impl Session {
         }
     }
 
+    /// The same without the lower orders, in less than half of the time.
+    pub(crate) fn ellipsoid_so_far(&self) -> Option<Result<FitReport, FitError>> {
+        match &self.stage {
+            Stage::Collecting(collector) => Some(collector.ellipsoid(&self.config)),
+            _ => None,
+        }
+    }
+
     /// Solves for the calibration and judges it.
     ///
     /// # Errors

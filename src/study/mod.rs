@@ -8,6 +8,8 @@
 //! - the test of a candidate effect ([`Normal::test`], [`f_tail`]),
 //! - which candidates cannot be told apart ([`Normal::canonical_correlations`]).
 //!
+//! What is concluded from that is the [`rule`].
+//!
 //! The order of columns is: base (nine for the magnitude, four for the dip, three for the vector), effects in the model,
 //! candidates. Residuals are `r(p)`, `J = ∂r/∂p`, `g = Jᵀr`, so a step is `δ = −N⁻¹g`.
 
@@ -16,6 +18,7 @@ mod normal;
 mod pass;
 mod prior;
 mod refit;
+pub mod rule;
 mod schur;
 
 pub use crate::fdist::f_tail;

@@ -17,4 +17,5 @@ mod share;
 mod stream;
 
 pub use share::independent_share;
+pub(crate) use share::{Pairs, share_of_pairs};
 pub use stream::Whiteness;

@@ -94,6 +94,44 @@ fn power(base: f64, exponent: i32) -> f64 {
     (0..exponent).fold(1.0, |product, _| product * base)
 }
 
+/// Differences of a residual between samples of a fixed lag.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pairs {
+    /// Their mean square.
+    pub mean_square: f64,
+    /// How many.
+    pub pairs: u32,
+}
+
+/// The same share as of a session, of a residual whose differences were added up themselves: of `variance` (corrected for
+/// `parameters` as if noise were white), from differences of neighbours and of samples `lag` apart.
+pub(crate) fn share_of_pairs(
+    variance: f64,
+    near: Pairs,
+    far: Pairs,
+    lag: i32,
+    samples: f64,
+    parameters: f64,
+) -> Option<f64> {
+    let differences = |pairs: Pairs| Differences {
+        mean_square: pairs.mean_square,
+        rounding: 0.0,
+        gradient2: 0.0,
+        pairs: u16::try_from(pairs.pairs).unwrap_or(u16::MAX),
+    };
+    let (near, far) = (differences(near), Some(differences(far)));
+    effective_share(&Observed {
+        variance,
+        quantisation: 0.0,
+        gradient2: 1.0,
+        near,
+        far,
+        lag,
+        samples,
+        parameters,
+    })
+}
+
 /// Independent samples over samples, such that the variance of a fit is the residual's over them. `None` where the pairs say
 /// nothing.
 pub(super) fn effective_share(seen: &Observed) -> Option<f64> {

@@ -11,13 +11,12 @@ use crate::search::state::{Confounded, Explanation, Greedy, Judged};
 use crate::search::undisturbed::prefer;
 use ironout::effect::{Acts, Follows, Named, Searched};
 use ironout::study::Residual;
+use ironout::study::rule::{ALIKE, RIVAL_SHARE};
 
 /// More effects than any log carries.
 pub const MOST_EFFECTS: usize = 6;
 /// The same at rest, where a coil has a prompt, a late and a squared part.
 pub const MOST_AT_REST: usize = 9;
-/// Two candidates whose columns agree to this much, once the base is projected out, may be the same cause.
-const ALIKE: f64 = 0.8;
 
 /// The candidates of one round, the searched ones at their best places.
 fn candidates<'a>(
@@ -243,7 +242,7 @@ impl<'a> Greedy<'_, 'a> {
                 if fitted.pieces.iter().any(|piece| &piece.id == id)
                     || other.candidate.piece.is_variant_of(&own)
                     || !(other.tested.accepted || kin)
-                    || other.tested.decrease < 0.3 * mine.tested.decrease
+                    || other.tested.decrease < RIVAL_SHARE * mine.tested.decrease
                 {
                     continue;
                 }

@@ -5,10 +5,9 @@ use crate::base::piece::{BadShape, Piece};
 use crate::search::screen::{Candidate, RELEVANCE, SIGNIFICANCE, screen, stands};
 use crate::search::state::{Greedy, Judged, held_out_rms};
 use ironout::effect::{Acts, Follows, Named};
+pub(crate) use ironout::study::rule::NEARLY;
 use std::collections::HashSet;
 
-/// An effect with fewer coefficients may leave this much more error on unseen time.
-pub(crate) const NEARLY: f64 = 1.1;
 /// What columns have in common is looked at if it takes this much off the squared error of what one of them takes.
 const COMMON_SHARE: f64 = 0.5;
 

@@ -4,17 +4,9 @@ use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::residual::spectrum::{Frame, Rows, Verdict};
+pub use ironout::study::rule::{ACCUSED, RELEVANCE, SIGNIFICANCE};
+use ironout::study::rule::{falls, is_accepted};
 use ironout::study::{Improvement, f_tail, held_out};
-
-/// A candidate is added if its probability under chance, times all that was searched, is below this.
-pub const SIGNIFICANCE: f64 = 0.01;
-
-/// A candidate is added only below this: a whole log is to be falsely accused once in some hundred, also where the noise's
-/// spectrum is itself uncertain. What is worth adding lies far below.
-pub const ACCUSED: f64 = 0.002;
-
-/// ... and if it takes at least this share off the squared held-out error: less is true perhaps, but not relevant.
-pub const RELEVANCE: f64 = 0.02;
 
 /// A candidate with the number of places that were searched for its fixed parameter.
 #[derive(Clone)]
@@ -171,13 +163,8 @@ pub fn screen(
                     (None, true) => 1.0,
                     (None, false) => chance(gain, index),
                 };
-                let falls = match (screening.held_out, tested.held_out) {
-                    (Some(before), Some(after)) => after < before * (1.0 - RELEVANCE),
-                    // Without the candidate some block cannot be predicted at all; with it, it can.
-                    (None, Some(_)) => true,
-                    _ => false,
-                };
-                tested.accepted = tested.p_value * (count as f64) < ACCUSED && falls;
+                let falls = falls(screening.held_out, tested.held_out);
+                tested.accepted = is_accepted(tested.p_value, count, falls);
             }
             screening.tested.push(tested);
         }

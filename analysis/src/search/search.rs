@@ -7,9 +7,9 @@ use crate::samples::series::median;
 use crate::search::candidates::Catalogue;
 use crate::search::screen::Candidate;
 use ironout::effect::{Named, Searched};
-
 /// Places where a step is looked for at first.
-const STEP_SEGMENTS: usize = 48;
+use ironout::study::rule::STEP_PLACES as STEP_SEGMENTS;
+
 /// The lowest frequency of periodic interference, Hz: two slower sinusoids imitate almost any covariate.
 const LOWEST_HZ: f64 = 1.0;
 

@@ -10,3 +10,4 @@ pub mod pico;
 #[cfg(unix)]
 pub mod qemu;
 pub mod reply;
+pub mod served;

@@ -45,7 +45,10 @@ fn no_sample_is_lost_beside_a_solve_and_flash_ram_and_stack_stay_within_their_li
     assert!(lost <= 4.0, "{lost} samples lost while storing");
     println!(
         "idle {:.1} % busy; a sample {:.0} cycles in the mean, its longest turn {:.0} us; cal stop {:.0} ms",
-        100.0 * idle / (2e6 * CYCLES_PER_US), a_sample, longest_push_us, stop_ms
+        100.0 * idle / (2e6 * CYCLES_PER_US),
+        a_sample,
+        longest_push_us,
+        stop_ms
     );
     println!("the longest turn of all: {} us", version.value("longest_turn_us").unwrap_or("-"));
     assert_eq!(version.value("samples_lost"), Some("0"), "{version}");
@@ -59,7 +62,11 @@ fn no_sample_is_lost_beside_a_solve_and_flash_ram_and_stack_stay_within_their_li
     let stack = region - untouched as u64;
     let size = firmware().footprint().unwrap();
     let ram = size.data + size.bss + stack;
-    println!("flash {} bytes; RAM {ram} bytes: statics {}, stack {stack}", size.flash(), size.data + size.bss);
+    println!(
+        "flash {} bytes; RAM {ram} bytes: statics {}, stack {stack}",
+        size.flash(),
+        size.data + size.bss
+    );
     assert!(size.flash() <= MOST_FLASH, "{} bytes of flash", size.flash());
     assert!(ram <= MOST_RAM, "{ram} bytes of RAM");
 }

@@ -7,7 +7,9 @@ use ironout::record::Record;
 use ironout::sensor::Sample;
 use ironout::session::{Session, SessionConfig};
 use ironout_drivers::Magnetometer;
-use ironout_drivers::lsm303dlhc::{Config, DataRate, Lsm303dlhc, Range, TemperatureFormat, register::OVERFLOW};
+use ironout_drivers::lsm303dlhc::{
+    Config, DataRate, Lsm303dlhc, Range, TemperatureFormat, register::OVERFLOW,
+};
 use ironout_rig::bus::{Clock, SimBus};
 use ironout_rig::chips::Lsm303dlhcChip;
 use ironout_rig::pico::{Pico, SLOT_STRIDE, SLOTS};
@@ -41,7 +43,8 @@ pub fn turning(t_s: f64, period_s: f64) -> [f64; 3] {
     let z = if phase < 0.5 { 1.0 - 4.0 * phase } else { 4.0 * phase - 3.0 };
     let (sin, cos) = (phase * 2.0 * std::f64::consts::PI * 21.3).sin_cos();
     let across = (1.0 - z * z).sqrt();
-    (soft_iron * (FIELD_UT * Vector3::new(across * cos, across * sin, z)) + Vector3::from(HARD_IRON_UT)).into()
+    (soft_iron * (FIELD_UT * Vector3::new(across * cos, across * sin, z)) + Vector3::from(HARD_IRON_UT))
+        .into()
 }
 
 /// A board that has this image in its flash, with a sensor that is turned once in `period_s`.

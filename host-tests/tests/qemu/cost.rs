@@ -2,7 +2,6 @@
 
 use crate::support::{FIELD_UT, attitudes, firmware, numbers, ok, start};
 use ironout_rig::qemu::{self, Options, PoweredOff};
-use std::time::Duration;
 
 /// Of the emulated clock, ns.
 const INSTRUCTION_NS: u64 = 32;
@@ -65,7 +64,7 @@ fn run() -> Result<(), String> {
     assert_eq!(stopped.value("verdict"), Some("accepted"), "{stopped}");
     ok(&mut board, "cal accept");
     lines.extend(board.console.take_streamed());
-    lines.push(board.console.next_streamed(Duration::from_secs(60)).unwrap());
+    lines.push(board.console.next_streamed(qemu::SAMPLE_LIMIT).unwrap());
 
     let version = ok(&mut board, "version");
     let figure = |key| version.value(key).and_then(|text| text.parse::<u64>().ok()).expect("a number");

@@ -6,14 +6,13 @@ use ironout::extended::{Effects, FittedEffect, Live};
 use ironout::record::Record;
 use ironout_drivers::lsm303dlhc::Range;
 use ironout_rig::qemu::{self, Emulator, Options};
-use std::time::Duration;
 
 /// Values of the last of two lines of the stream, of which the first may be of the sample before.
 fn streamed(board: &mut Emulator, stream: &str) -> Vec<f64> {
     ok(board, &format!("stream {stream}"));
     board.console.take_streamed();
-    board.console.next_streamed(Duration::from_secs(60)).unwrap();
-    let line = board.console.next_streamed(Duration::from_secs(60)).unwrap();
+    board.console.next_streamed(qemu::SAMPLE_LIMIT).unwrap();
+    let line = board.console.next_streamed(qemu::SAMPLE_LIMIT).unwrap();
     ok(board, "stream off");
     numbers(&line, 2)
 }

@@ -59,6 +59,6 @@ fn without_an_eeprom_the_board_works_and_says_that_it_cannot_store() {
     assert_eq!(slots(&mut board), "unreadable,unreadable");
     assert_eq!(ask(&mut board, "cal clear").code(), Some("store"));
     ok(&mut board, "stream raw");
-    board.console.next_streamed(std::time::Duration::from_secs(60)).unwrap();
+    board.console.next_streamed(qemu::SAMPLE_LIMIT).unwrap();
     assert_eq!(ok(&mut board, "status").value("calibrated"), Some("0"));
 }

@@ -17,6 +17,7 @@
 //!
 //! It speaks to QEMU over Unix sockets, so it is there on Unix only. Nothing here needs a library of the system.
 
+mod bridge;
 mod console;
 mod debugger;
 mod emulator;
@@ -29,7 +30,7 @@ mod qmp;
 pub use crate::reply::{Refusal, Reply};
 pub use console::Console;
 pub use debugger::Debugger;
-pub use emulator::{Emulator, Options, PoweredOff};
+pub use emulator::{Emulator, Options, PoweredOff, SAMPLE_LIMIT};
 pub use error::Error;
 pub use firmware::{Firmware, Footprint, WORKSPACE};
 pub use limits::MAX_FIELD_UT;

@@ -35,6 +35,8 @@ pub trait Bench {
     fn command(&mut self, line: &str) -> Outcome<Answer>;
     /// Puts the sensor into this field (µT) and gives the last line of the stream about it.
     fn expose(&mut self, field_ut: [f64; 3]) -> Outcome<String>;
+    /// The chip has this temperature from now on.
+    fn warm(&mut self, temp_c: f64) -> Outcome<()>;
     /// Takes the power away in the middle of everything, and gives it back.
     fn power_cut(self: Box<Self>) -> Outcome<Box<dyn Bench>>;
 }
@@ -71,6 +73,11 @@ impl Bench for Simulated {
         self.board.run_ms(40);
         let lines = self.board.received();
         lines.last().cloned().ok_or_else(|| Failure::refused("the simulated board sends no samples"))
+    }
+
+    fn warm(&mut self, temp_c: f64) -> Outcome<()> {
+        self.board.mag.borrow_mut().temperature_c = temp_c;
+        Ok(())
     }
 
     fn power_cut(mut self: Box<Self>) -> Outcome<Box<dyn Bench>> {
@@ -114,6 +121,10 @@ mod emulated {
         fn expose(&mut self, field_ut: [f64; 3]) -> Outcome<String> {
             let lines = self.0.expose(field_ut).map_err(failed)?;
             lines.last().cloned().ok_or_else(|| Failure::refused("the emulated board sends no samples"))
+        }
+
+        fn warm(&mut self, temp_c: f64) -> Outcome<()> {
+            self.0.set_temperature_c(temp_c).map_err(failed)
         }
 
         fn power_cut(self: Box<Self>) -> Outcome<Box<dyn Bench>> {

@@ -7,7 +7,11 @@ mod absent;
 #[cfg(feature = "demo")]
 mod bench;
 #[cfg(feature = "demo")]
+mod hidden;
+#[cfg(feature = "demo")]
 mod story;
+#[cfg(feature = "demo")]
+mod talk;
 
 #[cfg(not(feature = "demo"))]
 pub use absent::run;

@@ -1,7 +1,8 @@
 //! The story of the demo, told on a board.
 
 use crate::cli::DemoArgs;
-use crate::commands::demo::bench::{self, Answer, Bench, Simulated};
+use crate::commands::demo::hidden;
+use crate::commands::demo::talk::{Talk, numbers};
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::output::line;
 use crate::progress::Progress;
@@ -23,15 +24,15 @@ const GOOD_PERCENT: f64 = 1.0;
 
 /// Tells the story, or gives its figures as JSON.
 pub fn run(arguments: &DemoArgs, json: bool) -> Outcome<u8> {
-    let tell = |text: &str| {
-        if !json {
-            line(text);
-        }
-    };
-    tell("A magnetometer is calibrated on a board, by the board itself.\n");
-    let (board, emulated) = power_up(arguments, &tell)?;
-    let story = Story { board, json, emulated };
-    let figures = story.run()?;
+    if let Some(effect) = arguments.hidden {
+        return hidden::run(effect, arguments, json);
+    }
+    if !json {
+        line("A magnetometer is calibrated on a board, by the board itself.\n");
+    }
+    let talk = Talk::start(arguments, json)?;
+    let emulated = talk.emulated;
+    let figures = Story { talk }.run()?;
     let after = figures.after.max(figures.restarted);
     if json {
         line(
@@ -57,50 +58,6 @@ pub fn run(arguments: &DemoArgs, json: bool) -> Outcome<u8> {
     Ok(if after <= GOOD_PERCENT { EXIT_OK } else { EXIT_REFUSED })
 }
 
-#[cfg(unix)]
-fn power_up(arguments: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench>, bool)> {
-    use ironout_rig::qemu::{self, Error, Firmware};
-    if arguments.no_qemu {
-        return Ok((simulated(tell), false));
-    }
-    if !qemu::installed() {
-        tell(&format!("{}\nUntil then, the same session on the simulated bus.\n", Error::NotInstalled));
-        return Ok((simulated(tell), false));
-    }
-    tell("Building the firmware for the emulated board (cargo fw-mps2; a minute the first time) …");
-    let firmware = match Firmware::build() {
-        Ok(firmware) => firmware,
-        Err(error @ (Error::NoTarget { .. } | Error::NoSource(_))) => {
-            tell(&format!("{error}\nUntil then, the same session on the simulated bus.\n"));
-            return Ok((simulated(tell), false));
-        }
-        Err(error) => return Err(Failure::usage(error.to_string())),
-    };
-    if let Ok(footprint) = firmware.footprint() {
-        let kilo = |bytes: u64| bytes as f64 / 1024.0;
-        tell(&format!(
-            "  flash {:.1} KB, RAM {:.1} KB with its stack",
-            kilo(footprint.flash()),
-            kilo(footprint.ram())
-        ));
-    }
-    tell(
-        "Booting it in QEMU: a Cortex-M4F with an LSM303DLHC and an EEPROM on its I²C bus, and a serial console.",
-    );
-    let board = bench::Emulated::start(&firmware).map_err(|error| Failure::usage(error.to_string()))?;
-    Ok((Box::new(board), true))
-}
-
-#[cfg(not(unix))]
-fn power_up(_: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench>, bool)> {
-    Ok((simulated(tell), false))
-}
-
-fn simulated(tell: &dyn Fn(&str)) -> Box<dyn Bench> {
-    tell("A simulated LSM303DLHC and EEPROM on a simulated I²C bus, under the same drivers and application.");
-    Box::new(Simulated::start())
-}
-
 struct Figures {
     before: f64,
     after: f64,
@@ -109,9 +66,7 @@ struct Figures {
 }
 
 struct Story {
-    board: Box<dyn Bench>,
-    json: bool,
-    emulated: bool,
+    talk: Talk,
 }
 
 impl Story {
@@ -124,84 +79,53 @@ impl Story {
             seconds: ATTITUDES as f64 * STEP_S,
             ..WorldOptions::default()
         });
-        self.ask("version")?;
-        self.ask("status")?;
-        self.say(&format!(
+        self.talk.ask("version")?;
+        self.talk.ask("status")?;
+        self.talk.say(&format!(
             "\nThe board stands in a field of {FIELD_UT} µT and carries its own iron: {} µT on every axis, and soft iron \
              of 10 %.\nWithout a calibration it measures:",
             HARD_IRON_UT[0]
         ));
-        self.ok(&format!("field {FIELD_UT}"))?;
+        self.talk.ok(&format!("field {FIELD_UT}"))?;
         let before = self.raw_error(&world)?;
-        self.say(&format!(
+        self.talk.say(&format!(
             "  a magnitude that is off by {before:.1} % of the field (rms over {PROBES} attitudes)\n"
         ));
 
-        self.ok("cal start")?;
-        self.say(&format!("Turning it through {ATTITUDES} attitudes …"));
+        self.talk.ok("cal start")?;
+        self.talk.say(&format!("Turning it through {ATTITUDES} attitudes …"));
         self.turn(&world)?;
-        self.ask("status")?;
-        self.ok("cal stop")?;
-        self.ok("cal accept")?;
-        let shown = self.ok("cal show")?;
-        self.say(&format!(
+        self.talk.ask("status")?;
+        self.talk.ok("cal stop")?;
+        self.talk.ok("cal accept")?;
+        let shown = self.talk.ok("cal show")?;
+        self.talk.say(&format!(
             "the truth: offset_ut={},{},{}",
             HARD_IRON_UT[0], HARD_IRON_UT[1], HARD_IRON_UT[2]
         ));
         let offset_ut = numbers(shown.values("offset_ut").next().unwrap_or_default(), 0);
         let after = self.corrected_error(&world)?;
-        self.say(&format!("  now the magnitude is off by {after:.3} %\n"));
+        self.talk.say(&format!("  now the magnitude is off by {after:.3} %\n"));
 
-        let how = if self.emulated { " (kill -9)" } else { "" };
-        self.say(&format!("Cutting the power{how}, and starting the board again:"));
-        let mut restarted =
-            Story { board: self.board.power_cut()?, json: self.json, emulated: self.emulated };
-        restarted.ask("status")?;
+        let how = if self.talk.emulated { " (kill -9)" } else { "" };
+        self.talk.say(&format!("Cutting the power{how}, and starting the board again:"));
+        let mut restarted = Story { talk: self.talk.power_cut()? };
+        restarted.talk.ask("status")?;
         let again = restarted.corrected_error(&world)?;
-        restarted.say(&format!("  the stored calibration is applied from the start: off by {again:.3} %"));
+        restarted
+            .talk
+            .say(&format!("  the stored calibration is applied from the start: off by {again:.3} %"));
         Ok(Figures { before, after, restarted: again, offset_ut })
     }
 
-    fn say(&self, text: &str) {
-        if !self.json {
-            line(text);
-        }
-    }
-
-    /// A command and its answer, both shown.
-    fn ask(&mut self, command: &str) -> Outcome<Answer> {
-        let answer = self.board.command(command)?;
-        self.say(&format!("  > {command}"));
-        answer.info.iter().for_each(|info| self.say(&format!("    + {info}")));
-        self.say(&format!("    {}", answer.closing));
-        Ok(answer)
-    }
-
-    /// A command that has to be answered `ok`.
-    fn ok(&mut self, command: &str) -> Outcome<Answer> {
-        let answer = self.ask(command)?;
-        if answer.is_ok() {
-            return Ok(answer);
-        }
-        Err(Failure::refused(format!("the board answered `{command}` with: {}", answer.closing)))
-    }
-
     fn turn(&mut self, world: &World) -> Outcome<()> {
-        self.quiet("stream raw")?;
-        let mut progress = Progress::new("turning", ATTITUDES as u64, !self.json);
+        self.talk.quiet("stream raw")?;
+        let mut progress = Progress::new("turning", ATTITUDES as u64, !self.talk.json);
         for attitude in 0..ATTITUDES {
-            self.board.expose(world.sensor_ut(attitude as f64 * STEP_S))?;
+            self.talk.board.expose(world.sensor_ut(attitude as f64 * STEP_S))?;
             progress.at(attitude as u64);
         }
-        self.quiet("stream off")
-    }
-
-    fn quiet(&mut self, command: &str) -> Outcome<()> {
-        let answer = self.board.command(command)?;
-        if answer.is_ok() {
-            return Ok(());
-        }
-        Err(Failure::refused(format!("the board answered `{command}` with: {}", answer.closing)))
+        self.talk.quiet("stream off")
     }
 
     /// Rms of the magnitude about F over F, percent, of what the board streams in attitudes of their own.
@@ -211,16 +135,16 @@ impl Story {
         stream: &str,
         magnitude: impl Fn(&str) -> Option<f64>,
     ) -> Outcome<f64> {
-        self.quiet(stream)?;
+        self.talk.quiet(stream)?;
         let mut squares = 0.0;
         for probe in 0..PROBES {
             let t_s = (probe as f64 + 0.37) * STEP_S * (ATTITUDES / PROBES) as f64;
-            let text = self.board.expose(world.sensor_ut(t_s))?;
+            let text = self.talk.board.expose(world.sensor_ut(t_s))?;
             let norm = magnitude(&text)
                 .ok_or_else(|| Failure::refused(format!("the board streamed \"{text}\" after `{stream}`")))?;
             squares += (norm - FIELD_UT) * (norm - FIELD_UT);
         }
-        self.quiet("stream off")?;
+        self.talk.quiet("stream off")?;
         Ok((squares / PROBES as f64).sqrt() / FIELD_UT * 100.0)
     }
 
@@ -235,9 +159,4 @@ impl Story {
     fn corrected_error(&mut self, world: &World) -> Outcome<f64> {
         self.error(world, "stream cal", |text| numbers(text.strip_prefix("C,")?, 4).first().copied())
     }
-}
-
-/// The numbers of a comma-separated line, from the `skip`th on; what is none is left out.
-fn numbers(text: &str, skip: usize) -> Vec<f64> {
-    text.split(',').skip(skip).filter_map(|word| word.trim().parse().ok()).collect()
 }

@@ -1,0 +1,208 @@
+//! `effect list`, `effect add` and `effect remove`: what the study found, taken into the calibration in use.
+
+use core::fmt;
+
+use super::active::Active;
+use super::lessons::{Change, Purpose};
+use super::machine::{Device, Errand};
+use super::why::{Figure, Id, NOTHING_YET};
+use crate::effect::{BuiltIn, Effect, TIME};
+use crate::extended::ExtendedCalibration;
+use crate::learn::{Candidate, Outcome, Status, has_id};
+use crate::protocol::{Answered, Code, EffectId, Reply};
+use crate::record::Record;
+use crate::store::{Done, StoreError, StoreJob};
+
+fn reads_time(effect: &BuiltIn<f64>) -> bool {
+    Effect::<f64>::columns(effect).into_iter().flatten().any(|column| column.name == TIME)
+}
+
+impl Device {
+    /// What the calibration in use carries, and what could be tested beside it.
+    pub(super) fn effect_list<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
+        let learner = &self.lessons.learner;
+        let in_use = || self.active.iter().flat_map(|active| active.record.effects.iter());
+        for fitted in in_use() {
+            reply.line(format_args!(
+                "effect id={} state=in-use name={}",
+                Id(&fitted.effect),
+                Effect::<f64>::name(&fitted.effect)
+            ));
+        }
+        for candidate in Candidate::all() {
+            let Some(effect) = learner.effect(candidate) else { continue };
+            if in_use().any(|fitted| learner.candidate(&fitted.effect) == Some(candidate)) {
+                continue;
+            }
+            let state = match candidate {
+                Candidate::Lag if self.lessons.motion.turn_radps.is_none() => "needs-gyro",
+                Candidate::Lag if self.lessons.motion.accel_mps2.is_none() => "needs-accelerometer",
+                _ if !learner.is_learning() => "waits",
+                _ => "tested",
+            };
+            let name = Effect::<f64>::name(&effect);
+            reply.line(format_args!("effect id={} state={state} name={name}", Id(&effect)));
+        }
+        reply.line(format_args!("hint offset:NAME is tested from the first cov NAME=VALUE on"));
+        reply.line(format_args!(
+            "hint gain, field, nonlinearity, cross-axis and periodic are tested on the host, from a log"
+        ));
+        reply.ok(format_args!("in_use={}", in_use().count()))
+    }
+
+    /// `effect add`: the question first, then what comes of it.
+    pub(super) fn effect_add<W: fmt::Write>(
+        &mut self,
+        reply: Reply<'_, W>,
+        id: EffectId,
+    ) -> Option<Answered> {
+        let Some(active) = &self.active else {
+            return Some(reply.err(
+                Code::State,
+                format_args!(
+                    "there is no calibration that could carry it: cal start, cal stop, cal accept first"
+                ),
+            ));
+        };
+        let learner = &self.lessons.learner;
+        if !learner.is_learning() {
+            return Some(reply.err(Code::State, format_args!("{NOTHING_YET}")));
+        }
+        if active.record.effects.iter().any(|fitted| has_id(&fitted.effect, &id)) {
+            return Some(
+                reply.err(Code::State, format_args!("{id} is in use; effect remove {id} takes it out")),
+            );
+        }
+        if self.named(&id).is_none() {
+            return Some(reply.err(Code::Unknown, format_args!("{id} is not tested here; see effect list")));
+        }
+        self.ask(Purpose::Add(id));
+        None
+    }
+
+    /// The candidate of this id.
+    fn named(&self, id: &str) -> Option<Candidate> {
+        let learner = &self.lessons.learner;
+        Candidate::all()
+            .find(|candidate| learner.effect(*candidate).is_some_and(|effect| has_id(&effect, id)))
+    }
+
+    /// The question is answered: the effect is taken in, if these samples show it.
+    pub(super) fn add<W: fmt::Write>(
+        &mut self,
+        reply: Reply<'_, W>,
+        id: &EffectId,
+        outcome: &Outcome,
+    ) -> Option<Answered> {
+        let (Some(candidate), Some(active)) = (self.named(id), &self.active) else {
+            return Some(
+                reply.err(Code::State, format_args!("{id} is not tested any more; see effect list")),
+            );
+        };
+        let finding = outcome.of(candidate);
+        if !matches!(finding.status, Status::Missing | Status::Confounded) {
+            let text = match finding.status {
+                Status::NotNeeded => "the samples do not ask for it",
+                _ => "the samples cannot tell yet: turn the board longer",
+            };
+            let (status, p) = (finding.status.name(), finding.p_value);
+            let (before, after) = (Figure(finding.before), Figure(finding.after));
+            return Some(reply.err(
+                Code::Refused,
+                format_args!("{status} {text} (held-out error {before} to {after}, p={p:.1e}); see why"),
+            ));
+        }
+        let record = active.record;
+        let is_foreign = || record.effects.iter().any(|fitted| reads_time(&fitted.effect));
+        if candidate.goes_by_time() && !self.lessons.own_clock && is_foreign() {
+            return Some(reply.err(
+                Code::State,
+                format_args!(
+                    "the calibration has effects of another recording's time: effect remove those first"
+                ),
+            ));
+        }
+        match self.lessons.learner.add(candidate, &record.extended()) {
+            Err(why) => Some(reply.err(Code::Refused, format_args!("{why}"))),
+            Ok(extended) => {
+                self.change(record, &extended, outcome.rms_ut);
+                None
+            }
+        }
+    }
+
+    /// `effect remove`.
+    pub(super) fn effect_remove<W: fmt::Write>(
+        &mut self,
+        reply: Reply<'_, W>,
+        id: &EffectId,
+    ) -> Option<Answered> {
+        let record = self.active.as_ref().map(|active| active.record);
+        let found = record.as_ref().and_then(|record| {
+            record.effects.iter().find(|fitted| has_id(&fitted.effect, id)).map(|fitted| fitted.effect)
+        });
+        let (Some(record), Some(effect)) = (record, found) else {
+            return Some(reply.err(Code::State, format_args!("{id} is not in use; see effect list")));
+        };
+        let rms_ut = self.lessons.learner.rms_ut();
+        let extended = self.lessons.learner.remove(&effect, &record.extended());
+        self.change(record, &extended, rms_ut);
+        None
+    }
+
+    /// Stores another calibration in the place of the one in use.
+    fn change(&mut self, before: Record, extended: &ExtendedCalibration<f64>, before_ut: f32) {
+        let after_ut = self.lessons.learner.rms_ut();
+        let rows = u64::from(self.lessons.learner.rows());
+        let record = Record {
+            calibration: extended.base,
+            effects: extended.effects,
+            rms_ut: if after_ut.is_finite() { f64::from(after_ut) } else { before.rms_ut },
+            samples: if rows > 0 { rows } else { before.samples },
+            ..before
+        };
+        self.lessons.changed = Some(Change { before, rms_ut: [before_ut, after_ut] });
+        self.begin(Errand::Effect, StoreJob::save(self.slot_in_use(), record));
+    }
+
+    /// It was stored, or not; only then it is applied.
+    pub(super) fn effect_stored<W: fmt::Write>(
+        &mut self,
+        outcome: Result<Done, StoreError>,
+        out: &mut W,
+    ) -> Answered {
+        let reply = Reply::new(out);
+        let change = self.lessons.changed.take();
+        let error = match outcome {
+            Ok(Done::Saved(slot, record)) => {
+                let mut active = Active::new(slot, record, self.config.sensor.axes);
+                let now_ms = self.now_ms;
+                if record.effects.iter().any(|fitted| reads_time(&fitted.effect)) {
+                    // What the study found goes by the board's own clock; a calibration that was there before keeps its own.
+                    let known = self.active.as_ref().and_then(|old| old.recording_s(now_ms));
+                    let is_own = self.lessons.own_clock || known.is_none();
+                    let now_s = known.filter(|_| !is_own).unwrap_or(now_ms as f64 * 1e-3);
+                    active.feed(TIME, now_s, now_ms);
+                    self.lessons.own_clock = is_own;
+                }
+                self.active = Some(active);
+                self.feed_again();
+                let [before, after] = change.map_or([f32::NAN; 2], |change| change.rms_ut);
+                return reply.ok(format_args!(
+                    "effects={} rms_before_ut={} rms_ut={} slot={slot} sequence={}",
+                    record.effects.len(),
+                    Figure(before),
+                    Figure(after),
+                    record.sequence
+                ));
+            }
+            Ok(_) => StoreError::DoesNotFit,
+            Err(error) => error,
+        };
+        if let Some(change) = change {
+            // The study stands at the calibration that is in use.
+            self.lessons.learner.begin(&change.before.calibration);
+        }
+        reply.err(Code::Store, format_args!("{error}: the calibration in use is unchanged"))
+    }
+}

@@ -1,0 +1,263 @@
+//! Feeding the study: samples, columns, motion, the chip's temperature.
+
+use core::fmt;
+
+use super::active::Active;
+use super::lessons::Axes;
+use super::machine::Device;
+use super::sensor::SensorTask;
+use crate::effect::{ColumnName, TIME};
+use crate::fit::{MAX_PREDICTED_ERROR, Order};
+use crate::learn::{Fed, MAX_TESTED};
+use crate::protocol::{Answered, Assignments, Code, Opt, Reply};
+use crate::record::Record;
+use crate::sensor::Sample;
+use crate::session::State;
+use crate::store::Slot;
+
+/// How often the chip's temperature is asked for.
+const TEMPERATURE_MS: u64 = 1000;
+/// How often, where it has none.
+const NO_TEMPERATURE_MS: u64 = 30_000;
+/// The column of the chip's temperature.
+const TEMPERATURE: &str = "temp_c";
+/// How often a calibration under way is looked at, and with how many samples first.
+const BEGIN_MS: u64 = 3000;
+const BEGIN_SAMPLES: u64 = 200;
+/// The study begins at a calibration whose predicted error is so many times what would be accepted.
+const GOOD_ENOUGH: f64 = 2.0;
+
+const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
+const TURN: [&str; 3] = ["gx_radps", "gy_radps", "gz_radps"];
+
+impl Device {
+    /// Takes the value of a column (a temperature, an ADC channel, anything that an effect may follow) from the owner; NaN where it is
+    /// not known any more. Says whether it is used or tested.
+    pub fn on_column(&mut self, name: &str, value: f32, t_ms: u64) -> bool {
+        self.now_ms = self.now_ms.max(t_ms);
+        let Ok(name) = ColumnName::new(name) else { return false };
+        let value = Some(f64::from(value)).filter(|value| value.is_finite());
+        let (used, tested) = self.feed(&name, value);
+        used || tested
+    }
+
+    /// Takes what accelerometer (m/s², specific force) and gyro (rad/s) measured, both in the board's axes.
+    pub fn on_motion(&mut self, accel_mps2: Option<[f32; 3]>, turn_radps: Option<[f32; 3]>) {
+        self.lessons.motion.accel_mps2 = accel_mps2;
+        self.lessons.motion.turn_radps = turn_radps;
+        for (names, values) in [(ACCEL, accel_mps2), (TURN, turn_radps)] {
+            let Some(values) = values else { continue };
+            for (name, value) in names.into_iter().zip(values) {
+                if let Ok(name) = ColumnName::new(name) {
+                    let _ = self.log.feed(&name, value);
+                }
+            }
+        }
+    }
+
+    /// A column's new value, or that it is not known; whether the calibration in use reads it, and whether it is tested.
+    fn feed(&mut self, name: &ColumnName, value: Option<f64>) -> (bool, bool) {
+        let now_ms = self.now_ms;
+        let number = value.unwrap_or(f64::NAN);
+        let used = self.active.as_mut().is_some_and(|active| active.feed(name.as_str(), number, now_ms));
+        if name.as_str() == TIME {
+            return (used, false);
+        }
+        // A column for which there is no room is in no log; it is tested all the same.
+        let _ = self.log.feed(name, number as f32);
+        let lessons = &mut self.lessons;
+        let axis = |names: [&str; 3]| names.iter().position(|own| *own == name.as_str());
+        let whole = |[x, y, z]: Axes| Some([x?, y?, z?]);
+        let single = value.map(|value| value as f32);
+        if let Some(slot) = axis(ACCEL).and_then(|axis| lessons.accel.get_mut(axis)) {
+            *slot = single;
+            lessons.motion.accel_mps2 = whole(lessons.accel);
+            return (used, value.is_some());
+        }
+        if let Some(slot) = axis(TURN).and_then(|axis| lessons.turn.get_mut(axis)) {
+            *slot = single;
+            lessons.motion.turn_radps = whole(lessons.turn);
+            return (used || self.turning_is_used(), value.is_some());
+        }
+        let tested = match single {
+            Some(value) => lessons.learner.feed(name, value) == Fed::Tested,
+            None => {
+                lessons.learner.drop_column(name.as_str());
+                false
+            }
+        };
+        (used, tested)
+    }
+
+    fn turning_is_used(&self) -> bool {
+        self.active.as_ref().is_some_and(|active| active.live.as_ref().is_ok_and(|live| live.needs_gyro()))
+    }
+
+    /// `cov`: all columns of the line, or none.
+    pub(super) fn cov<W: fmt::Write>(&mut self, reply: Reply<'_, W>, list: &Assignments) -> Answered {
+        let learner = &self.lessons.learner;
+        let is_read = |name: &ColumnName| {
+            let live = self.active.as_ref().and_then(|active| active.live.as_ref().ok());
+            live.is_some_and(|live| !live.slots(name.as_str()).is_empty())
+        };
+        let fixed = |name: &str| name == TIME || ACCEL.contains(&name) || TURN.contains(&name);
+        let is_new = |name: &ColumnName| !fixed(name.as_str()) && learner.value(name.as_str()).is_none();
+        let forgotten = list.iter().filter(|(name, value)| value.is_none() && !is_new(name)).count();
+        let known = learner.tested().count() - forgotten.min(learner.tested().count());
+        let new =
+            list.iter().filter(|(name, value)| value.is_some() && is_new(name) && !is_read(name)).count();
+        if known + new > MAX_TESTED {
+            let tested = Tested(learner.tested().map(Some).collect());
+            return reply.err(
+                Code::State,
+                format_args!(
+                    "no room: {MAX_TESTED} columns are tested at once ({tested}); forget one first with cov NAME=-"
+                ),
+            );
+        }
+        // What is forgotten makes room.
+        let order = list.iter().filter(|(_, value)| value.is_none());
+        let order = order.chain(list.iter().filter(|(_, value)| value.is_some()));
+        let (mut used, mut tested) = (0, 0);
+        for (name, value) in order {
+            let (is_used, is_tested) = self.feed(name, *value);
+            if name.as_str() == TEMPERATURE {
+                // What is fed stands before what the chip says, until it is forgotten.
+                self.lessons.temperature_by_hand = value.is_some();
+            }
+            used += u8::from(is_used);
+            tested += u8::from(is_tested);
+        }
+        reply.ok(format_args!("{} used={used} tested={tested}", Shown(list)))
+    }
+
+    /// Learns from a sample.
+    pub(super) fn learn(&mut self, sample: Sample, t_ms: u64) {
+        if !self.lessons.learner.is_learning() {
+            return;
+        }
+        let Some(measured_ut) = self.config.sensor.measured_ut(sample) else { return };
+        let motion = self.lessons.motion;
+        let cleaned = match self.active.as_mut() {
+            Some(active) => match active.at(t_ms).map(|live| live.cleaned(measured_ut, motion.turn_radps)) {
+                // An effect waits for its column: what it does now is not known.
+                Some(Err(_)) => return,
+                Some(Ok(cleaned)) => cleaned,
+                None => measured_ut,
+            },
+            None => measured_ut,
+        };
+        self.lessons.learner.push(cleaned, t_ms, &motion);
+    }
+
+    /// A calibration begins from nothing, and so does the study: at the calibration in use, or once there is one.
+    pub(super) fn learn_anew(&mut self) {
+        match &self.active {
+            Some(active) => self.lessons.learner.begin(&active.record.calibration),
+            None => self.lessons.learner.reset(),
+        }
+        self.lessons.begin_at_ms = 0;
+    }
+
+    /// Begins the study at a calibration that is under way, once it is good enough. Whether it took a computation.
+    pub(super) fn begin_to_learn(&mut self) -> bool {
+        let lessons = &self.lessons;
+        if lessons.learner.is_learning()
+            || self.session.state() != State::Collecting
+            || self.now_ms < lessons.begin_at_ms
+            || self.session.counts().n < BEGIN_SAMPLES
+            || !self.may_compute(true)
+        {
+            return false;
+        }
+        self.compute_asked_ms = None;
+        self.lessons.begin_at_ms = self.now_ms + BEGIN_MS;
+        if let Some(Ok(report)) = self.session.ellipsoid_so_far()
+            && report.model == Order::Ellipsoid
+            && report.predicted_error_ut < GOOD_ENOUGH * MAX_PREDICTED_ERROR * report.calibration.field_ut
+        {
+            self.lessons.learner.begin(&report.calibration);
+        }
+        true
+    }
+
+    /// Applies a record from now on. What was learned goes on where it was learned without effects, in the same field.
+    pub(super) fn put_to_work(&mut self, slot: Slot, record: Record) {
+        let had_effects = self.active.as_ref().is_some_and(|active| !active.record.effects.is_empty());
+        let learner = &mut self.lessons.learner;
+        let near = |field: f64| (field / record.calibration.field_ut - 1.0).abs() < 1e-6;
+        if had_effects || !learner.field_ut().is_some_and(near) {
+            learner.begin(&record.calibration);
+        }
+        self.active = Some(Active::new(slot, record, self.config.sensor.axes));
+        self.feed_again();
+    }
+
+    /// The values that are known, to a calibration that was put to work.
+    pub(super) fn feed_again(&mut self) {
+        let now_ms = self.now_ms;
+        let Some(active) = &mut self.active else { return };
+        let learner = &self.lessons.learner;
+        for name in learner.tested() {
+            if let Some(value) = learner.value(name) {
+                active.feed(name, f64::from(value), now_ms);
+            }
+        }
+    }
+
+    /// There is no calibration any more.
+    pub(super) fn cleared_from_work(&mut self) {
+        let Some(active) = self.active.take() else { return };
+        if !active.record.effects.is_empty() {
+            self.lessons.learner.begin(&active.record.calibration);
+        }
+    }
+
+    /// Whether the chip's temperature is due: right after a sample, once a second.
+    pub(super) fn temperature_task(&self) -> Option<SensorTask> {
+        let is_due = self.now_ms >= self.lessons.temperature_at_ms && self.sensor.asks();
+        is_due.then_some(SensorTask::Temperature)
+    }
+
+    pub(super) fn take_temperature(&mut self, temp_c: Option<f32>) {
+        let Some(temp_c) = temp_c.filter(|value| value.is_finite()) else {
+            self.lessons.temperature_at_ms = self.now_ms + NO_TEMPERATURE_MS;
+            return;
+        };
+        self.lessons.temperature_at_ms = self.now_ms + TEMPERATURE_MS;
+        if let Ok(name) = ColumnName::new(TEMPERATURE)
+            && !self.lessons.temperature_by_hand
+        {
+            self.feed(&name, Some(f64::from(temp_c)));
+        }
+    }
+}
+
+/// Names, separated by commas.
+struct Tested<'a>(heapless::Vec<Option<&'a str>, MAX_TESTED>);
+
+impl fmt::Display for Tested<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, name) in self.0.iter().flatten().enumerate() {
+            f.write_str(if index == 0 { "" } else { ", " })?;
+            f.write_str(name)?;
+        }
+        Ok(())
+    }
+}
+
+/// The columns of a line, as they were understood.
+struct Shown<'a>(&'a Assignments);
+
+impl fmt::Display for Shown<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, (name, value)) in self.0.iter().enumerate() {
+            f.write_str(if index == 0 { "" } else { " " })?;
+            match value {
+                Some(value) => write!(f, "{name}={value:?}")?,
+                None => write!(f, "{name}={}", Opt::<f64>(None))?,
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,78 @@
+//! What the device keeps for its study.
+
+use crate::learn::{Inquiry, Learner, Motion, Outcome};
+use crate::protocol::EffectId;
+use crate::record::Record;
+
+/// Why a question is asked.
+#[derive(Debug, Clone)]
+pub(super) enum Purpose {
+    /// For `why`.
+    Why,
+    /// For `effect add`.
+    Add(EffectId),
+}
+
+/// A question under way.
+#[derive(Debug, Clone)]
+pub(super) struct Question {
+    pub(super) purpose: Purpose,
+    pub(super) inquiry: Inquiry,
+    /// Pieces of work that it took.
+    pub(super) steps: u16,
+}
+
+/// A vector that comes axis by axis.
+pub(super) type Axes = [Option<f32>; 3];
+
+/// The study and what it is fed.
+#[derive(Debug, Clone)]
+pub(super) struct Lessons {
+    pub(super) learner: Learner,
+    pub(super) motion: Motion,
+    /// The motion as it was fed by name.
+    pub(super) accel: Axes,
+    pub(super) turn: Axes,
+    pub(super) question: Option<Question>,
+    /// When the chip's temperature is asked for next; never, where it has none.
+    pub(super) temperature_at_ms: u64,
+    /// When it is looked next whether a calibration under way is good enough to begin at.
+    pub(super) begin_at_ms: u64,
+    /// What `effect add` or `effect remove` will have made of the study once its record is stored.
+    pub(super) changed: Option<Change>,
+    /// The effects of time in use go by the board's clock since power-up.
+    pub(super) own_clock: bool,
+    /// The chip's temperature is fed by hand.
+    pub(super) temperature_by_hand: bool,
+}
+
+/// A change that waits for the store.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Change {
+    pub(super) before: Record,
+    pub(super) rms_ut: [f32; 2],
+}
+
+/// The answer and what it took.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Answer {
+    pub(super) outcome: Outcome,
+    pub(super) steps: u16,
+}
+
+impl Lessons {
+    pub(super) const fn new() -> Self {
+        Self {
+            learner: Learner::new(),
+            motion: Motion::UNKNOWN,
+            accel: [None; 3],
+            turn: [None; 3],
+            question: None,
+            temperature_at_ms: 0,
+            begin_at_ms: 0,
+            changed: None,
+            own_clock: false,
+            temperature_by_hand: false,
+        }
+    }
+}

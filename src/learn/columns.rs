@@ -1,0 +1,104 @@
+//! The columns that the learner is fed.
+
+use crate::effect::ColumnName;
+
+/// The most columns that are tested at once.
+pub const MAX_TESTED: usize = 3;
+
+/// A column: what it is now, and over what it went.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Column {
+    pub(super) name: ColumnName,
+    pub(super) now: f32,
+    /// The value it is held against: its first.
+    pub(super) first: f32,
+    /// Over the rows: the sum of its distances from the first, and its least and greatest.
+    sum: f32,
+    pub(super) range: [f32; 2],
+}
+
+impl Column {
+    /// Its mean over so many rows.
+    pub(super) fn mean(&self, rows: u32) -> f64 {
+        f64::from(self.first) + f64::from(self.sum) / f64::from(rows.max(1))
+    }
+
+    /// What went through it changed by nothing that counts.
+    pub(super) fn is_constant(&self) -> bool {
+        let [least, most] = self.range;
+        !(most - least > 1e-6 * least.abs().max(most.abs()))
+    }
+}
+
+/// The columns that are fed.
+#[derive(Clone, Debug)]
+pub(super) struct Columns {
+    places: [Option<Column>; MAX_TESTED],
+}
+
+impl Columns {
+    pub(super) const fn new() -> Self {
+        Self { places: [None; MAX_TESTED] }
+    }
+
+    pub(super) fn get(&self, place: usize) -> Option<&Column> {
+        self.places.get(place).and_then(Option::as_ref)
+    }
+
+    pub(super) fn place(&self, name: &str) -> Option<usize> {
+        self.places.iter().position(|one| one.as_ref().is_some_and(|one| one.name.as_str() == name))
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Column> {
+        self.places.iter().flatten()
+    }
+
+    /// Places up to the last that is taken.
+    pub(super) fn width(&self) -> usize {
+        self.places.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
+    }
+
+    /// Sets a column that is known; `None` where it is not.
+    pub(super) fn set(&mut self, name: &str, value: f32) -> Option<()> {
+        let place = self.place(name)?;
+        let column = self.places.get_mut(place)?.as_mut()?;
+        column.now = value;
+        Some(())
+    }
+
+    /// Takes a new one; `false` where there is no room.
+    pub(super) fn add(&mut self, name: ColumnName, value: f32) -> bool {
+        let Some(place) = self.places.iter_mut().find(|place| place.is_none()) else { return false };
+        *place = Some(Column { name, now: value, first: value, sum: 0.0, range: [value; 2] });
+        true
+    }
+
+    /// Forgets one; whether it was known.
+    pub(super) fn remove(&mut self, name: &str) -> bool {
+        let Some(place) = self.place(name) else { return false };
+        if let Some(slot) = self.places.get_mut(place) {
+            *slot = None;
+        }
+        true
+    }
+
+    /// Begins anew with the values of now.
+    pub(super) fn begin(&mut self) {
+        for column in self.places.iter_mut().flatten() {
+            (column.first, column.sum, column.range) = (column.now, 0.0, [column.now; 2]);
+        }
+    }
+
+    /// Notes that a row was taken, and hands on how far each column is from its first value.
+    #[inline]
+    pub(super) fn take(&mut self, mut to: impl FnMut(usize, f32)) {
+        for (place, column) in self.places.iter_mut().enumerate() {
+            let Some(column) = column else { continue };
+            let from_first = column.now - column.first;
+            column.sum += from_first;
+            let [least, most] = column.range;
+            column.range = [least.min(column.now), most.max(column.now)];
+            to(place, from_first);
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! The columns of a `cov` line.
+
+use crate::effect::ColumnName;
+use heapless::Vec;
+
+/// The most columns of one line: accelerometer and gyro.
+pub const MAX_ASSIGNMENTS: usize = 6;
+
+/// Columns and their values, `None` for one to be forgotten.
+pub type Assignments = Vec<(ColumnName, Option<f64>), MAX_ASSIGNMENTS>;
+
+const USAGE: &str = "cov NAME=VALUE, a number or - to forget the column, as in cov temp_c=31.5";
+
+/// Reads all of them, or none.
+pub(super) fn assignments<'a>(words: impl Iterator<Item = &'a str>) -> Result<Assignments, &'static str> {
+    let mut list = Assignments::new();
+    for word in words {
+        let (name, value) = word.split_once('=').ok_or(USAGE)?;
+        let name = ColumnName::new(name).map_err(|_| USAGE)?;
+        let value = match value {
+            "-" => None,
+            number => {
+                let value: f64 = number.parse().map_err(|_| USAGE)?;
+                // It is kept in single precision.
+                Some(value).filter(|value| (*value as f32).is_finite()).ok_or(USAGE).map(Some)?
+            }
+        };
+        if list.iter().any(|(known, _)| *known == name) {
+            return Err("a column stands once in a line of cov");
+        }
+        list.push((name, value)).map_err(|_| "a line of cov has at most six columns")?;
+    }
+    if list.is_empty() { Err(USAGE) } else { Ok(list) }
+}
