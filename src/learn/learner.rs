@@ -104,6 +104,12 @@ impl Learner {
         self.blocks.rows()
     }
 
+    /// The calibration at which it stands.
+    pub fn calibration(&self) -> Option<Calibration<f64>> {
+        const UPRIGHT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        self.point.map(|point| point.calibration(&UPRIGHT))
+    }
+
     /// The field of the point, µT.
     pub fn field_ut(&self) -> Option<f64> {
         self.point.map(|point| f64::from(point.field_ut))
