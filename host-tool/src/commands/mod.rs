@@ -7,6 +7,7 @@ mod diagnose;
 mod export;
 mod fit;
 mod fit_words;
+mod import;
 mod later;
 mod simulate;
 
@@ -24,7 +25,7 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Demo(arguments) => demo::run(arguments, cli.json),
         Command::Diagnose(arguments) => diagnose::run::run(arguments, cli.json),
         Command::Report(_) => later::not_built("report"),
-        Command::Import(_) => later::not_built("import"),
+        Command::Import(arguments) => import::run(arguments, cli.json),
         Command::Live(_) => later::not_built("live"),
     }
 }
