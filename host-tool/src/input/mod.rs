@@ -21,6 +21,7 @@ mod table;
 mod text;
 mod told;
 mod unit;
+mod vocabulary;
 mod words;
 
 pub use guard::MAX_LINE_BYTES;

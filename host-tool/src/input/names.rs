@@ -1,6 +1,9 @@
 //! What people call the columns of their logs.
 
 use crate::input::unit::{Quantity, Unit};
+use crate::input::vocabulary::{
+    ACCEL, ASIDE, ATTITUDE, COUNTER, FIELD, GYRO, INSTANCE, MAGNITUDE, TEMPERATURE, TIME,
+};
 
 /// What a name speaks of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,148 +49,6 @@ pub struct Meaning {
     pub rank: i8,
 }
 
-const FIELD: &[&str] = &[
-    "mag",
-    "magn",
-    "magnet",
-    "magneto",
-    "magnetometer",
-    "magnetometers",
-    "magnetic",
-    "magnetics",
-    "magneticfield",
-    "magfield",
-    "magadc",
-    "bfield",
-    "mfield",
-    "compass",
-    "geomagnetic",
-    "magnetfeld",
-    "magnetico",
-    "magnétique",
-    "magnético",
-    "mf",
-    "magnetometr",
-    "b",
-    "h",
-    "m",
-];
-const ACCEL: &[&str] = &[
-    "a",
-    "ac",
-    "acc",
-    "acce",
-    "accel",
-    "accelerometer",
-    "acceleration",
-    "accsmooth",
-    "beschleunigung",
-    "specificforce",
-    "accélération",
-    "aceleración",
-    "accelerazione",
-];
-const GYRO: &[&str] = &[
-    "g",
-    "gy",
-    "gyr",
-    "gyro",
-    "gyros",
-    "gyroscope",
-    "gyroadc",
-    "w",
-    "omega",
-    "rotationrate",
-    "angularvelocity",
-    "angularrate",
-    "winkelgeschwindigkeit",
-];
-const TIME: &[&str] = &[
-    "t",
-    "ts",
-    "time",
-    "times",
-    "timestamp",
-    "timestamps",
-    "stamp",
-    "zeit",
-    "zeitstempel",
-    "temps",
-    "tiempo",
-    "tempo",
-    "date",
-    "datetime",
-    "clock",
-    "elapsed",
-    "millis",
-    "micros",
-    "uptime",
-    "timeus",
-    "timems",
-    "seconds",
-    "secs",
-    "milliseconds",
-    "microseconds",
-    "nanoseconds",
-    "monitor",
-];
-const TEMPERATURE: &[&str] = &["temp", "temperature", "temperatur", "tmp", "température", "temperatura"];
-const ATTITUDE: &[&str] = &[
-    "azimuth",
-    "pitch",
-    "roll",
-    "yaw",
-    "heading",
-    "bearing",
-    "quat",
-    "quaternion",
-    "qw",
-    "qx",
-    "qy",
-    "qz",
-    "euler",
-    "attitude",
-    "orientation",
-    "inclination",
-    "declination",
-];
-const COUNTER: &[&str] = &[
-    "index",
-    "idx",
-    "seq",
-    "sequence",
-    "iteration",
-    "loopiteration",
-    "counter",
-    "packet",
-    "row",
-    "lineno",
-    "samplenumber",
-];
-const INSTANCE: &[&str] =
-    &["i", "instance", "sensor", "sensorid", "deviceid", "imu", "magid", "instanceid", "id"];
-const MAGNITUDE: &[&str] =
-    &["norm", "abs", "absolute", "total", "magnitude", "strength", "bt", "btotal", "intensity"];
-/// Of a vector, but not the vector: what a driver added, or how sure it is.
-const ASIDE: &[&str] = &[
-    "bias",
-    "ofs",
-    "offset",
-    "offsets",
-    "cov",
-    "covariance",
-    "var",
-    "variance",
-    "std",
-    "stddev",
-    "scale",
-    "accuracy",
-    "residual",
-    "mofs",
-    "setpoint",
-    "error",
-    "health",
-];
 const AXES: [char; 3] = ['x', 'y', 'z'];
 
 /// Understands a header.

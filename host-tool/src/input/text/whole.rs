@@ -45,8 +45,9 @@ fn grid(text: &str) -> Outcome<Grid> {
         let first = matches!(stream, records::Stream::Counts | records::Stream::Uni);
         (*count * 10 / streams.iter().map(|(_, count)| *count).max().unwrap_or(1).max(1), first)
     });
-    if let Some((stream, count)) = most
-        && count * 2 > rows.min(lines.len())
+    let of_streams: usize = streams.iter().map(|(_, count)| count).sum();
+    if let Some((stream, _)) = most
+        && of_streams * 2 > rows
     {
         return checked(records::read_stream(&lines, *stream));
     }
