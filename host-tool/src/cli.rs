@@ -8,11 +8,14 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use ironout::fit::Method;
 use std::path::PathBuf;
 
+pub use crate::shell::{quoted, typed_option};
+
 const ABOUT: &str = "Calibrates magnetometers and shows what the calibration leaves over.
 
-A log is a CSV file whose header names its units: t_s,mx_ut,my_ut,mz_ut
-(microtesla) or mx_counts,… with --ut-per-count. Other columns (accelerometer
-ax_mps2,…, gyroscope gx_radps,…, temp_c, motor_a, anything) are welcome.
+A log is what your board, telephone or logger wrote: it is told by its content,
+and how it was read is said. The program's own is CSV whose header names its
+units: t_s,mx_ut,my_ut,mz_ut (microtesla) or mx_counts,… with --ut-per-count,
+and any other columns (ax_mps2,…, gx_radps,…, temp_c, motor_a, anything).
 Body axes: x forward, y right, z down. docs/command-line.md has all of it.";
 
 const EXAMPLES: &str = "Examples:
@@ -63,8 +66,8 @@ pub enum Command {
     Record(RecordArgs),
     /// A page with the plots of a log and its calibration (not built yet)
     Report(LaterArgs),
-    /// Read other programs' logs (not built yet)
-    Import(LaterArgs),
+    /// Read a log of another program, and write it as CSV
+    Import(ImportArgs),
     /// Calibrate a connected board while watching (not built yet)
     Live(LaterArgs),
 }
@@ -72,13 +75,13 @@ pub enum Command {
 /// Options about reading a log.
 #[derive(Debug, Args, Clone)]
 pub struct LogArgs {
-    /// The log (CSV with a header)
+    /// The log: any format that is read (docs/formats.md), told by its content; - is standard input
     pub log: PathBuf,
     /// Scale of mx_counts,… in microtesla a count: one number, or three for x,y,z
     #[arg(long, value_name = "UT[,UT,UT]", help_heading = "Reading the log", allow_hyphen_values = true)]
     pub ut_per_count: Option<String>,
-    /// Take other headers: mx_ut=MagX,my_ut=MagY,mz_ut=MagZ (repeatable)
-    #[arg(long, value_name = "NAME=HEADER,…", help_heading = "Reading the log")]
+    /// Which column is what: mx_ut=MagX,my_ut=MagY,mz_ut=MagZ, with its unit as in t_s=time[ms] or mx_ut=MagX[mG] (repeatable)
+    #[arg(long, value_name = "NAME=HEADER[UNIT],…", help_heading = "Reading the log")]
     pub map: Vec<String>,
     /// From the sensor's mounting to body axes: roll180 | roll180,yaw90 | y,-x,z (body x,y,z from sensor axes) | nine
     /// numbers; mag:, accel: or gyro: before it turns one sensor only (repeatable)
@@ -110,29 +113,18 @@ impl LogArgs {
     /// The same options with another log.
     pub fn typed_for(&self, log: &str) -> String {
         // A file that begins with a minus would be taken for an option.
-        let mut typed = if log.starts_with('-') { quoted(&format!("./{log}")) } else { quoted(log) };
+        let mut typed =
+            if log.starts_with('-') && log != "-" { quoted(&format!("./{log}")) } else { quoted(log) };
         let options = self.ut_per_count.iter().map(|value| ("--ut-per-count", value));
         let options = options.chain(self.map.iter().map(|value| ("--map", value)));
         for (option, value) in options.chain(self.rotate.iter().map(|value| ("--rotate", value))) {
             typed.push_str(&typed_option(option, value));
         }
+        if let Some(instance) = self.instance {
+            typed.push_str(&format!(" --instance {instance}"));
+        }
         typed
     }
-}
-
-/// A word of a POSIX shell: quoted only where it must be.
-pub fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "_-./:=,+@%^".contains(c);
-    if !word.is_empty() && word.chars().all(plain) {
-        word.to_string()
-    } else {
-        format!("'{}'", word.replace('\'', r"'\''"))
-    }
-}
-
-/// ` --option value`; a value that begins with a minus needs the equals sign.
-pub fn typed_option(option: &str, value: &str) -> String {
-    format!(" {option}{}{}", if value.starts_with('-') { "=" } else { " " }, quoted(value))
 }
 
 /// Microtesla a count for x, y, z, of one number or of three.
@@ -440,6 +432,25 @@ pub struct SimulateArgs {
     /// Leave a column out of the log (repeatable)
     #[arg(long, value_name = "COLUMN")]
     pub without: Vec<String>,
+}
+
+/// `import`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  ironout import phone.csv -o log.csv
+  ironout import putty.log -o log.csv --map 'mx_ut=column 1[mG],my_ut=column 2[mG],mz_ut=column 3[mG]'
+  socat -u /dev/ttyACM0,b115200 - | ironout import - -o log.csv
+
+Told by content: tables with any separator, prints of a serial monitor,
+MotionCal lines, streams of a board. What was read as what is said, and the
+--map that pins it.")]
+pub struct ImportArgs {
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub log: LogArgs,
+    /// Write the log here; - is standard output
+    #[arg(short, long, value_name = "LOG.csv")]
+    pub output: PathBuf,
 }
 
 /// `demo`.

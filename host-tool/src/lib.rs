@@ -16,10 +16,13 @@ pub mod link_args;
 pub mod output;
 pub mod prior;
 pub mod progress;
+pub mod read_block;
 pub mod reading;
 pub mod refusal;
 pub mod registry;
+pub mod shell;
 pub mod source;
+pub mod written;
 
 use clap::Parser;
 use failure::{EXIT_USAGE, Failure};

@@ -6,7 +6,7 @@ use crate::corrected::Corrected;
 use crate::failure::{EXIT_OK, Failure, Outcome};
 use crate::input::{Lines, Log};
 use crate::output::{json_number, line};
-use crate::{atomic, progress::Progress, source};
+use crate::{atomic, progress::Progress, read_block, source, written};
 use ironout::calibration::norm;
 use ironout_analysis::Table;
 use ironout_analysis::fit::fitted::spread_of_magnitude;
@@ -22,11 +22,16 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
         atomic::not_over(&arguments.cal, output)?;
     }
     let calibration = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
-    let log = source::read_for(&arguments.log, &cal, &arguments.cal)?;
+    let log = source::read_for(&arguments.log, &cal, &arguments.cal, json)?;
     let table = Table::from(&log);
     let corrector = Corrected::new(calibration, &log, &table)?;
     if let Some(output) = &arguments.output {
-        write(&log, &corrector, output)?;
+        // The program's own file keeps its lines and comments; another program's is written anew.
+        if log.read_as.own_csv && log.path != Path::new("-") {
+            write(&log, &corrector, output)?;
+        } else {
+            write_anew(arguments, &log, &corrector, output)?;
+        }
     }
     let samples = log.samples();
     let (mean, before) = spread_of_magnitude(samples.iter().map(|&row| norm(log.field(row))));
@@ -48,6 +53,7 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
                 "after": {"rms_ut": json_number(Some(after)), "rms_percent": json_number(Some(after / field * 100.0)),
                           "worst_ut": json_number(Some(worst))},
                 "outside": extrapolation.outside, "range_unknown": extrapolation.unknown,
+                "read_as": read_block::json(&log.read_as),
                 "output": arguments.output.as_ref().map(|path| path.display().to_string()),
             })
             .to_string(),
@@ -72,6 +78,34 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
         line(&format!("wrote {} with {} added", path.display(), NEW_COLUMNS.join(", ")));
     }
     Ok(EXIT_OK)
+}
+
+/// Writes the log as the program's own CSV with the corrected columns.
+fn write_anew(arguments: &ApplyArgs, log: &Log, corrector: &Corrected, output: &Path) -> Outcome<()> {
+    atomic::not_over(&log.path, output)?;
+    let columns = written::columns(log, false);
+    if let Some(name) = NEW_COLUMNS.iter().find(|name| columns.iter().any(|(known, _)| known == *name)) {
+        return Err(Failure::usage(
+            "the log has this column already: it was corrected before; take the original log",
+        )
+        .in_file(&log.path)
+        .at_column(*name));
+    }
+    atomic::write(output, |out| {
+        for line in written::comment(log, &arguments.log).lines() {
+            writeln!(out, "# {line}")?;
+        }
+        let names: Vec<String> = columns.iter().map(|(name, _)| written::cell(name)).collect();
+        writeln!(out, "{},{}", names.join(","), NEW_COLUMNS.join(","))?;
+        for row in 0..log.rows {
+            written::line(out, &columns, row)?;
+            let corrected = corrector.field(row).map_err(std::io::Error::other)?;
+            let [x, y, z] = corrected;
+            let residual = corrector.calibration().residual_ut(corrected);
+            writeln!(out, ",{x:.5},{y:.5},{z:.5},{:.5},{residual:.5}", norm(corrected))?;
+        }
+        Ok(())
+    })
 }
 
 /// Copies the log line by line, comments too, and adds the corrected columns to each.

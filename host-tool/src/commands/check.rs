@@ -5,7 +5,7 @@ use crate::cli::CheckArgs;
 use crate::corrected::Corrected;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
 use crate::output::{json_number, line};
-use crate::source;
+use crate::{read_block, source};
 use ironout::calibration::{Calibration, norm};
 use ironout::coverage::CoverageMap;
 use ironout_analysis::Table;
@@ -95,7 +95,7 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     let cal = CalFile::read(&arguments.cal)?;
     let extended = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
     let calibration = extended.base;
-    let log = source::read_for(&arguments.log, &cal, &arguments.cal)?;
+    let log = source::read_for(&arguments.log, &cal, &arguments.cal, json)?;
     let table = Table::from(&log);
     let corrector = Corrected::new(extended, &log, &table)?;
     let extrapolation = corrector.extrapolation(&cal.fit.effects);
@@ -134,6 +134,7 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     if json {
         line(
             &serde_json::json!({
+                "read_as": read_block::json(&log.read_as),
                 "verdict": word.name(), "good": good, "samples": samples.len(), "field_ut": calibration.field_ut,
                 "effects": cal.fit.effects.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
                 "rms_ut": json_number(Some(rms_ut)), "limit_ut": limit_ut, "calibration_rms_ut": cal.fit.rms_ut,

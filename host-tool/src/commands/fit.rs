@@ -5,8 +5,16 @@ use crate::cli::FitArgs;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::reading::Reading;
 use crate::registry::REGISTRY;
-use crate::{atomic, output, prior, refusal, source};
+use crate::{atomic, output, prior, read_block, refusal, source};
 use ironout_analysis::{Options, Table, fit};
+
+/// The object of `--json`: the fit, and how the log was read.
+#[derive(serde::Serialize)]
+struct Said {
+    #[serde(flatten)]
+    fit: FitObject,
+    read_as: serde_json::Value,
+}
 
 /// Fits, reports, and keeps an accepted calibration.
 pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
@@ -15,7 +23,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
     if let Some(path) = &arguments.output {
         atomic::not_over(&arguments.log.log, path)?;
     }
-    let log = source::read(&arguments.log)?;
+    let log = source::read(&arguments.log, json)?;
     let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &arguments.log)).transpose()?;
     let options = Options {
         method,
@@ -47,7 +55,9 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         });
     }
     if json {
-        output::line(&serde_json::to_string(&FitObject::of(&fitted, method.name())).map_err(to_text)?);
+        let object =
+            Said { fit: FitObject::of(&fitted, method.name()), read_as: read_block::json(&log.read_as) };
+        output::line(&serde_json::to_string(&object).map_err(to_text)?);
     } else {
         super::fit_words::print(arguments, &log, &fitted, &expected);
     }

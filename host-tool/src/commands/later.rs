@@ -5,6 +5,6 @@ use crate::failure::{Failure, Outcome};
 /// The answer of a command that is not built yet: exit status 2.
 pub fn not_built(command: &str) -> Outcome<u8> {
     Err(Failure::usage(format!(
-        "`ironout {command}` is not built yet; built are fit, diagnose, apply, check, export, simulate, send, fetch, record and demo (ironout --help)"
+        "`ironout {command}` is not built yet; built are fit, diagnose, apply, check, export, import, simulate, send, fetch, record and demo (ironout --help)"
     )))
 }

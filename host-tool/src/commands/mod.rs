@@ -8,6 +8,7 @@ mod export;
 mod fetch;
 mod fit;
 mod fit_words;
+mod import;
 mod later;
 mod record;
 mod send;
@@ -30,7 +31,7 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Fetch(arguments) => fetch::run(arguments, cli.json),
         Command::Record(arguments) => record::run(arguments, cli.json),
         Command::Report(_) => later::not_built("report"),
-        Command::Import(_) => later::not_built("import"),
+        Command::Import(arguments) => import::run(arguments, cli.json),
         Command::Live(_) => later::not_built("live"),
     }
 }

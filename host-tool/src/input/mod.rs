@@ -1,23 +1,33 @@
-//! Reading logs: CSV with a header, one row a sample, units in the names.
+//! Reading logs: told by their content, each into the same [`Log`].
 //!
-//! The format is firm (docs/command-line.md, "Log format"): what is not understood is an error with file, line, column and
-//! remedy, or a notice; nothing is guessed.
+//! The program's own CSV is firm (docs/command-line.md, "Log format"): what is not understood is an error with file, line, column and
+//! remedy, or a notice. Other text is read tolerantly, and what was decided is said ([`ReadAs`]); nothing is guessed silently.
 
 mod columns;
 mod guard;
 mod lines;
 mod log;
+mod map;
 mod mount;
+mod names;
+#[cfg(test)]
+mod names_tests;
 pub mod number;
+mod plan;
 mod read_as;
 mod reader;
 mod store;
 mod table;
+mod text;
+mod told;
+mod unit;
+mod vocabulary;
+mod words;
 
-pub use columns::parse_map;
 pub use guard::MAX_LINE_BYTES;
 pub use lines::Lines;
 pub use log::{Covariate, Log, ReadOptions};
+pub use map::parse_map;
 pub use mount::{FORMS as ROTATE_FORMS, Mounting};
 pub use read_as::{Instance, LeftOut, ReadAs, ReadColumn};
-pub use reader::{read_log, read_stream};
+pub use told::{read_log, read_stream};

@@ -46,4 +46,10 @@ pub struct ReadAs {
     pub left_out: Vec<LeftOut>,
     /// The options that pin this reading, each an option and its value: `("--map", "mx_ut=MagX")`.
     pub pins: Vec<(String, String)>,
+    /// Decisions that no name made, and why: `column 1 is in ms, the only unit that fits`.
+    pub reasons: Vec<String>,
+    /// Columns that are there and not read, and why.
+    pub not_read: Vec<String>,
+    /// Whether the file is this program's own CSV, whose lines can be copied as they are.
+    pub own_csv: bool,
 }

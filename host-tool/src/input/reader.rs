@@ -1,34 +1,20 @@
-//! From the bytes of a CSV file to a [`Log`].
+//! From the bytes of this program's own CSV to a [`Log`]: one pass, strict, fast.
 
 use crate::failure::{Failure, Outcome};
-use crate::input::columns::{self, Column, Role};
+use crate::input::columns;
 use crate::input::lines::{Cutter, Lines};
-use crate::input::log::{Covariate, Log, ReadOptions};
-use crate::input::mount::{determinant, rotate};
-use crate::input::read_as::ReadAs;
+use crate::input::log::{Log, ReadOptions};
+use crate::input::map::entry;
+use crate::input::plan::Plan;
 use crate::input::store::Store;
 use crate::progress::Progress;
-use std::fs::File;
 use std::io::Read;
-use std::path::Path;
 
-/// Reads the log at `path`. Every error names the file, and line and column where there are any.
-pub fn read_log(path: &Path, options: &ReadOptions) -> Outcome<Log> {
-    let file = File::open(path).map_err(|error| Failure::io("open", path, &error))?;
-    let metadata = file.metadata().map_err(|error| Failure::io("open", path, &error))?;
-    if metadata.is_dir() {
-        return Err(Failure::usage("this is a folder: name a log file").in_file(path));
-    }
-    let mut log = read_stream(file, metadata.len(), options).map_err(|failure| {
-        // Usage errors of an option have no file; those of the log have a line.
-        if failure.file.is_none() { failure.in_file(path) } else { failure }
-    })?;
-    log.path = path.to_path_buf();
-    Ok(log)
-}
+/// The format, as it is said.
+pub const FORMAT: &str = "CSV of this program";
 
-/// Reads a log from any source of bytes; `size_bytes` (0: unknown) only sizes buffers and the progress bar.
-pub fn read_stream(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Outcome<Log> {
+/// Reads a log in the program's own format; `size_bytes` (0: unknown) only sizes buffers and the progress bar.
+pub fn read_own(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Outcome<Log> {
     let mut lines = Lines::new(source);
     let mut cutter = Cutter::new();
     let Some(first) = lines.next_row()? else {
@@ -43,7 +29,7 @@ pub fn read_stream(source: impl Read, size_bytes: u64, options: &ReadOptions) ->
         .map(|i| String::from_utf8_lossy(cutter.cell(first.text, i).trim_ascii()).into_owned())
         .collect();
     let columns = columns::interpret(&header, &options.map, header_line)?;
-    let plan = Plan::new(&header, &columns, options, header_line)?;
+    let plan = Plan::new(&columns, options, header_line)?;
 
     let mut stores: Vec<(Store, bool)> = columns
         .into_iter()
@@ -89,7 +75,14 @@ pub fn read_stream(source: impl Read, size_bytes: u64, options: &ReadOptions) ->
             Failure::usage("the log has a header and no rows: nothing was recorded").at_line(header_line)
         );
     }
-    plan.finish(stores.into_iter().map(|(store, _)| store).collect(), rows, options)
+    let mut log = plan.finish(stores.into_iter().map(|(store, _)| store).collect(), rows, options)?;
+    log.read_as.format = FORMAT.to_string();
+    log.read_as.own_csv = true;
+    let pins: Vec<String> = options.map.iter().map(|(name, from)| entry(name, from, None)).collect();
+    if !pins.is_empty() {
+        log.read_as.pins.push(("--map".into(), pins.join(",")));
+    }
+    Ok(log)
 }
 
 fn ragged(found: usize, expected: usize, line: u64, at_end: bool) -> Failure {
@@ -99,206 +92,4 @@ fn ragged(found: usize, expected: usize, line: u64, at_end: bool) -> Failure {
         "correct or remove the line; a text with a comma needs quotes"
     };
     Failure::usage(format!("{found} cells where the header has {expected}: {remedy}")).at_line(line)
-}
-
-/// Where everything is, once the header is understood.
-struct Plan {
-    time: Option<usize>,
-    microseconds: bool,
-    field: [usize; 3],
-    scale: Option<[f64; 3]>,
-    accel: Option<[usize; 3]>,
-    gyro: Option<[usize; 3]>,
-    heading: Option<usize>,
-    /// Columns in which only finite numbers are allowed.
-    strict: Vec<usize>,
-    notices: Vec<String>,
-}
-
-impl Plan {
-    fn new(header: &[String], columns: &[Column], options: &ReadOptions, line: u64) -> Outcome<Self> {
-        let covariate = |name: &str| columns.iter().any(|c| c.name == name && c.role == Role::Covariate);
-        let mut notices: Vec<String> = options
-            .map
-            .iter()
-            .filter(|(name, _)| covariate(name))
-            .map(|(name, from)| {
-                format!("{from} is read as {name}: no sensor of the log format has that name, so it is a covariate")
-            })
-            .collect();
-        let find = |role: Role| columns.iter().position(|column| column.role == role);
-        let (seconds, microseconds) = (find(Role::Seconds), find(Role::Microseconds));
-        if seconds.is_some() && microseconds.is_some() {
-            return Err(
-                Failure::usage("both t_s and t_us: name one of them otherwise with --map").at_line(line)
-            );
-        }
-        let whole = |make: fn(usize) -> Role| -> Option<[usize; 3]> {
-            let [x, y, z] = columns::triple(columns, make);
-            Some([x?, y?, z?])
-        };
-        let (ut, counts) = (whole(Role::FieldUt), whole(Role::FieldCounts));
-        let (field, scale) = match (ut, counts, options.ut_per_count) {
-            (Some(_), Some(counts), Some(scale)) => {
-                notices.push(
-                    "the log has mx_ut and mx_counts; the counts are used (--ut-per-count is given)".into(),
-                );
-                (counts, Some(scale))
-            }
-            (Some(ut), both, scale) => {
-                if both.is_some() {
-                    notices.push("the log has mx_ut and mx_counts; mx_ut is used".into());
-                }
-                if scale.is_some() {
-                    notices.push("--ut-per-count is not used: the log is in microtesla".into());
-                }
-                (ut, None)
-            }
-            (None, Some(counts), Some(scale)) => (counts, Some(scale)),
-            (None, Some(counts), None) if options.default_ut_per_count.is_some() => {
-                (counts, options.default_ut_per_count)
-            }
-            (None, Some(_), None) => {
-                return Err(Failure::usage(
-                    "the magnetometer is in counts: give its scale with --ut-per-count UT, one number or three \
-                     comma-separated for x,y,z (see the data sheet; 0.1 for values in milligauss)",
-                )
-                .at_line(line)
-                .at_column("mx_counts"));
-            }
-            (None, None, _) => return Err(columns::no_field(header, columns, line)),
-        };
-        let mut optional = |make: fn(usize) -> Role, what: &str, names: &str| {
-            let found = columns::triple(columns, make);
-            if found.iter().any(Option::is_some) && found.iter().any(Option::is_none) {
-                notices.push(format!("{what} ignored: it needs all of {names}"));
-            }
-            whole(make)
-        };
-        let accel = optional(Role::Accel, "the accelerometer is", "ax_mps2,ay_mps2,az_mps2");
-        let gyro = optional(Role::Gyro, "the gyroscope is", "gx_radps,gy_radps,gz_radps");
-        for (matrix, has, what) in [
-            (options.mounting.accelerometer, accel.is_some(), "accelerometer"),
-            (options.mounting.gyroscope, gyro.is_some(), "gyroscope"),
-        ] {
-            // Turning everything at once is no wish for what is not there.
-            if matrix.is_some() && matrix != options.mounting.magnetometer && !has {
-                notices.push(format!("--rotate turns the {what}, which is not in the log"));
-            }
-        }
-        let heading = find(Role::Heading);
-        let time = seconds.or(microseconds);
-        let strict = time.into_iter().chain(field).collect();
-        for (matrix, what) in [
-            (options.mounting.magnetometer, "magnetometer"),
-            (options.mounting.accelerometer, "accelerometer"),
-            (options.mounting.gyroscope, "gyroscope"),
-        ] {
-            if matrix.is_some_and(|m| determinant(&m) < 0.0) {
-                notices.push(format!(
-                    "--rotate mirrors the {what}: right only if the log has its axes in the wrong order or sign"
-                ));
-            }
-        }
-        Ok(Plan {
-            time,
-            microseconds: microseconds.is_some(),
-            field,
-            scale,
-            accel,
-            gyro,
-            heading,
-            strict,
-            notices,
-        })
-    }
-
-    fn finish(self, mut stores: Vec<Store>, rows: usize, options: &ReadOptions) -> Outcome<Log> {
-        let mut notices = self.notices;
-        for (index, store) in stores.iter().enumerate() {
-            if let Some((line, cell)) = &store.text {
-                notices.push(format!(
-                    "column {} is ignored: it holds text (\"{cell}\" on line {line})",
-                    columns::shorten(&store.header)
-                ));
-            } else if store.column.role == Role::Unnamed {
-                notices.push(format!("column {} is ignored: it has no name", index + 1));
-            }
-        }
-        let mut take = |index: usize| std::mem::take(&mut stores[index].values);
-        let mut take3 = |indices: [usize; 3]| -> Option<[Vec<f64>; 3]> {
-            let columns = indices.map(&mut take);
-            // A text column has lost its values.
-            columns.iter().all(|column| column.len() == rows).then_some(columns)
-        };
-        let raw = take3(self.field).unwrap_or_default();
-        let mut accel_mps2 = self.accel.and_then(&mut take3);
-        let mut gyro_radps = self.gyro.and_then(&mut take3);
-        let mut time_s = self.time.map(&mut take);
-        if let (Some(time), true) = (&mut time_s, self.microseconds) {
-            time.iter_mut().for_each(|t| *t /= 1e6);
-        }
-        let heading_deg = self.heading.map(&mut take).filter(|column| column.len() == rows);
-
-        let counts = match (self.scale, options.mounting.magnetometer) {
-            (Some(_), None) => integers(&raw),
-            _ => None,
-        };
-        let mut field_ut = raw;
-        if let Some(scale) = self.scale {
-            for (column, scale) in field_ut.iter_mut().zip(scale) {
-                column.iter_mut().for_each(|value| *value *= scale);
-            }
-        }
-        turn(&mut field_ut, options.mounting.magnetometer);
-        if let Some(columns) = &mut accel_mps2 {
-            turn(columns, options.mounting.accelerometer);
-        }
-        if let Some(columns) = &mut gyro_radps {
-            turn(columns, options.mounting.gyroscope);
-        }
-        let covariates = stores
-            .into_iter()
-            .filter(|store| store.column.role == Role::Covariate && store.text.is_none())
-            .filter(|store| store.values.len() == rows)
-            .map(|store| Covariate {
-                name: store.column.name,
-                values: store.values,
-                empty: store.empty,
-                not_finite: store.not_finite,
-            })
-            .collect();
-        Ok(Log {
-            path: Default::default(),
-            rows,
-            time_s,
-            field_ut,
-            ut_per_count: self.scale,
-            counts,
-            accel_mps2,
-            gyro_radps,
-            heading_deg,
-            covariates,
-            read_as: ReadAs::default(),
-            notices,
-        })
-    }
-}
-
-/// The triple as 16-bit counts, if every value is one.
-fn integers(raw: &[Vec<f64>; 3]) -> Option<Vec<[i16; 3]>> {
-    let exact = |value: f64| {
-        let count = value as i16;
-        (f64::from(count) == value).then_some(count)
-    };
-    let [x, y, z] = raw;
-    x.iter().zip(y).zip(z).map(|((&x, &y), &z)| Some([exact(x)?, exact(y)?, exact(z)?])).collect()
-}
-
-fn turn(columns: &mut [Vec<f64>; 3], matrix: Option<[[f64; 3]; 3]>) {
-    let Some(matrix) = matrix else { return };
-    let [x, y, z] = columns;
-    for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
-        [*x, *y, *z] = rotate(&matrix, [*x, *y, *z]);
-    }
 }

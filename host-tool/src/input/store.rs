@@ -1,8 +1,9 @@
 //! One column while a log is read.
 
 use crate::failure::{Failure, Outcome};
-use crate::input::columns::{Column, Role, shorten};
+use crate::input::columns::{Column, Role};
 use crate::input::number;
+use crate::input::words::shorten;
 
 /// The values of one column, and what was wrong with them.
 pub struct Store {
@@ -56,7 +57,7 @@ impl Store {
     fn objection(&self, cell: &[u8], line: u64) -> Failure {
         let text = shorten(&String::from_utf8_lossy(cell.trim_ascii()));
         let what = match self.column.role {
-            Role::Seconds | Role::Microseconds => "time",
+            Role::Time => "time",
             _ => "the magnetometer",
         };
         let message = if text.is_empty() {

@@ -6,7 +6,7 @@ use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
 use crate::output;
 use crate::progress::Working;
 use crate::registry::REGISTRY;
-use crate::{prior, refusal, source};
+use crate::{prior, read_block, refusal, source};
 use ironout_analysis::outcome::json;
 use ironout_analysis::outcome::outcome::Verdict;
 use ironout_analysis::{Diagnosis, Options, Table, diagnose};
@@ -15,7 +15,7 @@ use ironout_analysis::{Diagnosis, Options, Table, diagnose};
 pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
     let expected = arguments.field.expected()?;
     let method = arguments.field.method_with(&arguments.add, arguments.prior.as_ref())?;
-    let log = source::read(&arguments.log)?;
+    let log = source::read(&arguments.log, as_json)?;
     let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &arguments.log)).transpose()?;
     let options = Options {
         method,
@@ -32,7 +32,11 @@ pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
         diagnose(&Table::from(&log), &options).map_err(|refusal| refusal::failure(refusal, &log.path))?;
     drop(working);
     if as_json {
-        output::line(&json::object(&diagnosis).to_string());
+        let mut object = json::object(&diagnosis);
+        if let Some(fields) = object.as_object_mut() {
+            fields.insert("read_as".into(), read_block::json(&log.read_as));
+        }
+        output::line(&object.to_string());
     } else {
         output::text(&words::text(&told::Told { log: &log, arguments, diagnosis: &diagnosis }));
     }

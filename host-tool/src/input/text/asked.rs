@@ -1,0 +1,150 @@
+//! Where two readings are possible: the question, with both of them as options that can be pasted.
+
+use crate::failure::Failure;
+use crate::input::map::entry;
+use crate::input::text::choice::{FIELD_COUNTS, FIELD_UT};
+use crate::input::text::grid::Grid;
+use crate::input::unit::Unit;
+use crate::input::words::shorten;
+use crate::shell::quoted;
+
+/// Names shown of a table.
+const SHOWN: usize = 40;
+
+/// `--map 'mx_ut=MagX[mG],…'` for three columns.
+pub fn map_of(grid: &Grid, columns: [usize; 3], names: [&str; 3], unit: Option<&Unit>) -> String {
+    let parts: Vec<String> = columns
+        .iter()
+        .zip(names)
+        .map(|(column, name)| entry(name, header(grid, *column), unit.map(|unit| unit.name.as_ref())))
+        .collect();
+    format!("--map {}", quoted(&parts.join(",")))
+}
+
+/// `--map 't_s=time[ms]'`.
+pub fn map_time(grid: &Grid, column: usize, unit: &str) -> String {
+    format!("--map {}", quoted(&entry("t_s", header(grid, column), Some(unit))))
+}
+
+fn header(grid: &Grid, column: usize) -> &str {
+    grid.columns.get(column).map(|column| column.header.as_str()).unwrap_or_default()
+}
+
+fn place(grid: &Grid, failure: Failure) -> Failure {
+    match grid.header_line.or(grid.lines.first().copied()) {
+        Some(line) => failure.at_line(line),
+        None => failure,
+    }
+}
+
+/// The unit of the magnetometer is not known: `units` are those that fit.
+pub fn field_unit(grid: &Grid, columns: [usize; 3], units: &[Unit], counts: bool, why: &str) -> Failure {
+    let mut lines = vec![format!(
+        "the unit of the magnetometer ({}) is not known: {why}. State one:",
+        names(grid, columns)
+    )];
+    let shown: Vec<Unit> = if units.is_empty() && !counts {
+        ["uT", "mG"].iter().filter_map(|name| Unit::of(name, crate::input::unit::Quantity::Field)).collect()
+    } else {
+        units.to_vec()
+    };
+    for unit in &shown {
+        lines.push(format!("  {}", map_of(grid, columns, FIELD_UT, Some(unit))));
+    }
+    if counts || units.is_empty() {
+        lines.push(format!(
+            "  {} --ut-per-count UT   (counts; UT is the data sheet's microtesla a count)",
+            map_of(grid, columns, FIELD_COUNTS, None)
+        ));
+    }
+    place(grid, Failure::usage(lines.join("\n")).at_column(header(grid, columns[0])))
+}
+
+/// Counts without a scale.
+pub fn scale(grid: &Grid, columns: [usize; 3]) -> Failure {
+    let text = format!(
+        "the magnetometer ({}) is in counts: give its scale with --ut-per-count UT,\n  one number or three comma-separated for \
+         x,y,z (see the data sheet: 0.0917 for an HMC5883L at 1090 counts a gauss,\n  0.0333 for a QMC5883L at 8 G, 0.15 for an \
+         AK8963 or AK09916)",
+        names(grid, columns)
+    );
+    place(grid, Failure::usage(text).at_column(header(grid, columns[0])))
+}
+
+/// Several columns can be the magnetometer, and nothing tells which.
+pub fn which_vector(grid: &Grid, candidates: &[[usize; 3]], units: &[Vec<Unit>]) -> Failure {
+    let mut lines = vec!["which columns are the magnetometer's? These can be. Name them:".to_string()];
+    for (columns, units) in candidates.iter().zip(units) {
+        match units.as_slice() {
+            [] => lines.push(format!("  {} --ut-per-count UT", map_of(grid, *columns, FIELD_COUNTS, None))),
+            units => lines.extend(
+                units.iter().map(|unit| format!("  {}", map_of(grid, *columns, FIELD_UT, Some(unit)))),
+            ),
+        }
+    }
+    place(grid, Failure::usage(lines.join("\n")))
+}
+
+/// The unit of time is not known.
+pub fn time_unit(grid: &Grid, column: usize, units: &[Unit], step: f64) -> Failure {
+    let name = header(grid, column);
+    let mut lines = vec![if units.is_empty() {
+        format!(
+            "column {} steps by {step}, which is no sensor's step in s, ms, us or ns. State its unit:",
+            shorten(name)
+        )
+    } else {
+        format!(
+            "the unit of time is not known: column {} steps by {step}, and both fit. State one:",
+            shorten(name)
+        )
+    }];
+    let all = ["s", "ms"];
+    let units: Vec<&str> =
+        if units.is_empty() { all.to_vec() } else { units.iter().map(|unit| unit.name.as_ref()).collect() };
+    lines.extend(units.into_iter().map(|unit| format!("  {}", map_time(grid, column, unit))));
+    place(grid, Failure::usage(lines.join("\n")).at_column(name))
+}
+
+/// No magnetometer: what was looked for, what is there.
+pub fn no_field(grid: &Grid) -> Failure {
+    let mut there: Vec<String> =
+        grid.columns.iter().take(SHOWN).map(|column| shorten(&column.header)).collect();
+    if grid.columns.len() > SHOWN {
+        there.push(format!("… ({} columns)", grid.columns.len()));
+    }
+    let example = match grid.columns.len() {
+        0..3 => "mx_ut=HEADER[uT],my_ut=HEADER[uT],mz_ut=HEADER[uT]".to_string(),
+        n => (n - 3..n)
+            .zip(FIELD_UT)
+            .map(|(column, name)| entry(name, header(grid, column), Some("uT")))
+            .collect::<Vec<_>>()
+            .join(","),
+    };
+    let text = format!(
+        "no magnetometer found in this {}.\n  looked for: three columns x, y, z of a name like mag, MagX, mx_ut, magnetic_field, \
+         B, or of a unit like uT\n  there are: {}\n  name them: --map {}",
+        grid.format,
+        there.join(", "),
+        quoted(&example)
+    );
+    place(grid, Failure::usage(text))
+}
+
+/// An instance that is not there.
+pub fn no_instance(asked: usize, there: &[(usize, String)]) -> Failure {
+    let list: Vec<String> = there.iter().map(|(number, what)| format!("{number} ({what})")).collect();
+    let text = match list.as_slice() {
+        [] => format!("--instance {asked}: the log has one magnetometer; leave the option out"),
+        list => format!(
+            "--instance {asked}: there is no such magnetometer in the log; there are {}",
+            list.join(", ")
+        ),
+    };
+    Failure::usage(text)
+}
+
+/// The headers of three columns.
+pub fn names(grid: &Grid, columns: [usize; 3]) -> String {
+    columns.map(|column| shorten(header(grid, column))).join(", ")
+}

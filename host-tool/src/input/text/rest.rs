@@ -1,0 +1,111 @@
+//! Every other column: a covariate of its own, or left out with a reason.
+
+use crate::input::names::{Kind, Meaning};
+use crate::input::text::choice::{Choice, Taken};
+use crate::input::text::grid::{Grid, GridColumn};
+use crate::input::text::vectors::Vector;
+use crate::input::unit::{Quantity, Unit};
+
+/// Takes what is numeric and can be a cause; says what is not read.
+pub fn covariates(grid: &Grid, meanings: &[Meaning], vectors: &[Vector], choice: &mut Choice) {
+    let others =
+        vectors.iter().filter(|vector| matches!(vector.kind, Kind::Field | Kind::Accel | Kind::Gyro));
+    let sensors: Vec<usize> = others.flat_map(|vector| vector.columns).collect();
+    let said: String = choice.not_read.join("; ");
+    let mut found: Vec<Taken> = Vec::new();
+    let added: Vec<usize> = choice.added.iter().flatten().copied().collect();
+    for (index, (column, meaning)) in grid.columns.iter().zip(meanings).enumerate() {
+        if choice.has(index) || sensors.contains(&index) || added.contains(&index) {
+            continue;
+        }
+        let header = &column.header;
+        let finite =
+            choice.rows.iter().filter(|row| column.values.get(**row).is_some_and(|v| v.is_finite())).count();
+        let why = if column.texts > 0 && column.texts * 2 > finite {
+            Some("text")
+        } else if finite == 0 {
+            Some("empty")
+        } else {
+            match meaning.kind {
+                Kind::Time => Some("another time"),
+                Kind::Derived => Some("made of the field itself"),
+                Kind::Field => Some("a part of a field"),
+                Kind::Attitude if header != "heading_deg" => Some("attitude, computed from the field"),
+                Kind::Counter | Kind::Instance => {
+                    counts_rows(column, &choice.rows).then_some("a number of the row")
+                }
+                Kind::Other if header.starts_with("column ") => {
+                    counts_rows(column, &choice.rows).then_some("runs forward with the rows")
+                }
+                _ => None,
+            }
+        };
+        match why {
+            Some(why) if !said.contains(header.as_str()) => choice.not_read.push(format!("{header} ({why})")),
+            Some(_) => {}
+            None => {
+                let by_program = choice.program.and_then(|program| program.unit(meaning.kind, header));
+                let unit = meaning.unit.clone().or(by_program);
+                let unit = unit.filter(|unit| {
+                    matches!(
+                        unit.quantity,
+                        Some(Quantity::Temperature | Quantity::Current | Quantity::Voltage)
+                    )
+                });
+                let mut name = name_of(header, meaning, unit.as_ref());
+                while choice.has_name(&name) || found.iter().any(|taken| taken.name == name) {
+                    name.push('_');
+                }
+                found.push(Taken { column: index, name, unit });
+            }
+        }
+    }
+    choice.taken.extend(found);
+}
+
+/// Whether a column only counts: whole numbers that never fall, and rise by one or by a step that is always the same.
+fn counts_rows(column: &GridColumn, rows: &[usize]) -> bool {
+    let values: Vec<f64> =
+        rows.iter().filter_map(|row| column.values.get(*row)).copied().filter(|v| v.is_finite()).collect();
+    values.len() > 2 && values.windows(2).all(|pair| pair[1] > pair[0] && pair[1].fract() == 0.0)
+}
+
+/// A plain name, with the unit of the contract at its end.
+fn name_of(header: &str, meaning: &Meaning, unit: Option<&Unit>) -> String {
+    let suffix = match unit.and_then(|unit| unit.quantity) {
+        Some(Quantity::Temperature) => "_c",
+        Some(Quantity::Current) => "_a",
+        Some(Quantity::Voltage) => "_v",
+        _ => return plain(header),
+    };
+    let stem = if meaning.stem.is_empty() { plain(header) } else { meaning.stem.clone() };
+    let stem = plain(&stem);
+    let axis = meaning.axis.map_or(String::new(), |axis| format!("_{axis}"));
+    format!("{stem}{axis}{suffix}")
+}
+
+fn plain(header: &str) -> String {
+    let mut name = String::with_capacity(header.len());
+    for c in header.chars() {
+        if c.is_alphanumeric() || c == '_' {
+            name.push(c);
+        } else if !name.ends_with('_') && !name.is_empty() {
+            name.push('_');
+        }
+    }
+    let trimmed = name.trim_end_matches('_');
+    if trimmed.is_empty() { "column".to_string() } else { trimmed.to_string() }
+}
+
+/// A number for a sentence: three digits.
+pub fn rounded(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let digits = 2 - value.abs().log10().floor() as i32;
+    match digits {
+        0..=6 => format!("{value:.*}", digits as usize),
+        -3..0 => format!("{value:.0}"),
+        _ => format!("{value:.2e}"),
+    }
+}

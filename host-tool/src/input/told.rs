@@ -1,0 +1,146 @@
+//! Which format a log has: told by its content, never by its name.
+
+use crate::failure::{Failure, Outcome};
+use crate::input::columns::{self, Role};
+use crate::input::guard::MAX_LINE_BYTES;
+use crate::input::lines::{Cutter, Lines};
+use crate::input::log::{Log, ReadOptions};
+use crate::input::names::{Kind, meaning};
+use crate::input::reader;
+use crate::input::text;
+use std::fs::File;
+use std::io::{Cursor, Read};
+use std::path::Path;
+
+/// What is looked at: the longest line that a log may have, and its end.
+const LOOK_BYTES: u64 = MAX_LINE_BYTES as u64 + 4096;
+
+/// The formats that are told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// This program's own CSV.
+    Own,
+    /// Any other text.
+    Text,
+    /// A binary log, by its name.
+    Binary(&'static str),
+    /// What is no log and is known.
+    Foreign(&'static str),
+}
+
+/// How binary files begin, and what they are.
+const BINARY: &[(&[u8], &str)] = &[
+    (b"ULog\x01\x12\x35", "PX4 ULog"),
+    (b"\xa3\x95", "ArduPilot DataFlash"),
+    (b"\x89MCAP0\r\n", "MCAP"),
+    (b"H Product:Blackbox", "blackbox"),
+];
+
+const FOREIGN: &[(&[u8], &str)] = &[
+    (b"PK\x03\x04", "a ZIP archive (or a spreadsheet): unpack it, or save the table as CSV"),
+    (
+        b"\x1f\x8b",
+        "a gzip file: unpack it first (gunzip), or give its content on standard input: gunzip -c FILE | ironout … -",
+    ),
+    (b"SQLite format 3\0", "an SQLite database: export its table as CSV"),
+    (b"#ROSBAG V2.0", "a ROS 1 bag: write its topic as CSV with rostopic echo -p -b FILE TOPIC"),
+    (b"MATLAB 5.0 MAT-file", "a MATLAB file: write the columns as CSV with writematrix"),
+    (b"%PDF", "a PDF"),
+];
+
+/// Tells the format by the beginning of the file.
+pub fn told(first: &[u8], options: &ReadOptions) -> Format {
+    let begins = |table: &[(&[u8], &'static str)]| {
+        table.iter().find(|(magic, _)| first.starts_with(magic)).map(|(_, name)| *name)
+    };
+    if let Some(name) = begins(BINARY) {
+        return Format::Binary(name);
+    }
+    if let Some(name) = begins(FOREIGN) {
+        return Format::Foreign(name);
+    }
+    if first.starts_with(&[0xff, 0xfe]) || first.starts_with(&[0xfe, 0xff]) {
+        return Format::Text;
+    }
+    own(first, options).unwrap_or(Format::Text)
+}
+
+/// Whether the first line is the header of this program's CSV: a whole magnetometer by its own names, or by names that `--map`
+/// gives; and no time under a name of somebody else's.
+fn own(first: &[u8], options: &ReadOptions) -> Option<Format> {
+    let mut lines = Lines::new(first);
+    let line = match lines.next_row() {
+        Ok(Some(line)) => line,
+        // Empty, or no line of text: the strict reader says so best.
+        Ok(None) => return Some(Format::Own),
+        Err(_) => return (first.len() as u64 >= LOOK_BYTES).then_some(Format::Own),
+    };
+    let (number, text) = (line.number, line.text);
+    let mut cutter = Cutter::new();
+    let cells = cutter.cut(text);
+    if cells > columns::MAX_COLUMNS {
+        return Some(Format::Own);
+    }
+    let header: Vec<String> =
+        (0..cells).map(|i| String::from_utf8_lossy(cutter.cell(text, i).trim_ascii()).into_owned()).collect();
+    let stated = options
+        .map
+        .iter()
+        .any(|(_, from)| crate::input::map::resolve(from, &header).is_some_and(|(_, unit)| unit.is_some()));
+    let is_own = |map: &[(String, String)]| {
+        // A column twice is an error of the format, not another format.
+        let names: Vec<Role> = match columns::interpret(&header, map, number) {
+            Ok(found) => found.iter().map(|column| column.role).collect(),
+            Err(_) => header.iter().map(|cell| Role::of(cell).1).collect(),
+        };
+        let whole = |make: fn(usize) -> Role| (0..3).all(|axis| names.contains(&make(axis)));
+        let timed =
+            names.contains(&Role::Time) || !header.iter().any(|cell| meaning(cell).kind == Kind::Time);
+        (whole(Role::FieldUt) || whole(Role::FieldCounts)) && timed
+    };
+    (is_own(&[]) || (!stated && is_own(&options.map))).then_some(Format::Own)
+}
+
+/// Reads the log at `path`; `-` is standard input. Every error names the file, and line and column where there are any.
+///
+/// # Errors
+/// What is no log, or one that can be read in two ways.
+pub fn read_log(path: &Path, options: &ReadOptions) -> Outcome<Log> {
+    let in_file = |failure: Failure| if failure.file.is_none() { failure.in_file(path) } else { failure };
+    if path == Path::new("-") {
+        let mut log = read_stream(std::io::stdin().lock(), 0, options).map_err(in_file)?;
+        log.path = path.to_path_buf();
+        return Ok(log);
+    }
+    let file = File::open(path).map_err(|error| Failure::io("open", path, &error))?;
+    let metadata = file.metadata().map_err(|error| Failure::io("open", path, &error))?;
+    if metadata.is_dir() {
+        return Err(Failure::usage("this is a folder: name a log file").in_file(path));
+    }
+    let mut log = read_stream(file, metadata.len(), options).map_err(in_file)?;
+    log.path = path.to_path_buf();
+    Ok(log)
+}
+
+/// Reads a log from any source of bytes; `size_bytes` (0: unknown) only sizes buffers and the progress bar.
+///
+/// # Errors
+/// As [`read_log`].
+pub fn read_stream(mut source: impl Read, size_bytes: u64, options: &ReadOptions) -> Outcome<Log> {
+    let mut first = Vec::new();
+    source
+        .by_ref()
+        .take(LOOK_BYTES)
+        .read_to_end(&mut first)
+        .map_err(|error| Failure::usage(format!("cannot read: {error}")))?;
+    let format = told(&first, options);
+    let whole = Cursor::new(first).chain(source);
+    match format {
+        Format::Own => reader::read_own(whole, size_bytes, options),
+        Format::Text => text::read(whole, options),
+        Format::Binary(name) => Err(Failure::usage(format!(
+            "this is a {name} log, which this version does not read: export it as CSV with the tools of its makers"
+        ))),
+        Format::Foreign(what) => Err(Failure::usage(format!("this is no log but {what}"))),
+    }
+}
