@@ -7,16 +7,20 @@ pub mod cal_file;
 pub mod cli;
 pub mod commands;
 pub mod corrected;
+pub mod derive;
 pub mod failure;
 pub mod geomag;
 pub mod input;
+pub mod join;
 pub mod output;
+pub mod plausible;
 pub mod prior;
 pub mod progress;
 pub mod reading;
 pub mod refusal;
 pub mod registry;
 pub mod source;
+pub mod wrap;
 
 use clap::Parser;
 use failure::{EXIT_USAGE, Failure};
@@ -55,7 +59,7 @@ fn report(failure: &Failure, json: bool) {
     if json {
         output::line(&failure.to_json().to_string());
     } else {
-        eprintln!("error: {failure}");
+        eprintln!("{}", wrap::message(&format!("error: {failure}"), wrap::WIDTH));
     }
 }
 

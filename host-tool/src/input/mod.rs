@@ -18,6 +18,6 @@ pub use columns::parse_map;
 pub use guard::MAX_LINE_BYTES;
 pub use lines::Lines;
 pub use log::{Covariate, Log, ReadOptions};
-pub use mount::{FORMS as ROTATE_FORMS, Mounting};
+pub use mount::{FORMS as ROTATE_FORMS, Mounting, rotate};
 pub use read_as::{Instance, LeftOut, ReadAs, ReadColumn};
 pub use reader::{read_log, read_stream};

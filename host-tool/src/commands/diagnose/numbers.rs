@@ -1,5 +1,7 @@
 //! Numbers as people read them: as many digits as mean something.
 
+pub use crate::wrap::{hang, wrap};
+
 /// `value` with `digits` significant digits; a power of ten where there would be too many zeros.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
@@ -100,33 +102,6 @@ pub fn unit_of(column: &str) -> &'static str {
         ("_hpa", " hPa"),
     ];
     UNITS.iter().find(|(suffix, _)| column.ends_with(suffix)).map_or("", |(_, unit)| unit)
-}
-
-/// Breaks text into lines of at most `width` characters, each after `indent`.
-pub fn wrap(text: &str, indent: &str, width: usize) -> Vec<String> {
-    hang(text, indent, indent, width)
-}
-
-/// The same with another indent from the second line on.
-pub fn hang(text: &str, first: &str, rest: &str, width: usize) -> Vec<String> {
-    let mut lines = Vec::new();
-    let mut line = String::new();
-    for word in text.split_whitespace() {
-        let indent = if lines.is_empty() { first } else { rest };
-        let length = indent.chars().count() + line.chars().count() + 1 + word.chars().count();
-        if !line.is_empty() && length > width {
-            lines.push(format!("{indent}{line}"));
-            line.clear();
-        }
-        if !line.is_empty() {
-            line.push(' ');
-        }
-        line.push_str(word);
-    }
-    if !line.is_empty() {
-        lines.push(format!("{}{line}", if lines.is_empty() { first } else { rest }));
-    }
-    lines
 }
 
 #[cfg(test)]

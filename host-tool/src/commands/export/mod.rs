@@ -11,7 +11,8 @@ use ironout_analysis::export::{c, rust};
 pub fn run(arguments: &ExportArgs, json: bool) -> Outcome<u8> {
     let cal = CalFile::read(&arguments.cal)?;
     let text = text(&cal, arguments.form).map_err(|failure| failure.in_file(&arguments.cal))?;
-    match &arguments.output {
+    let file = arguments.output.as_ref().filter(|path| !output::is_standard(path));
+    match file {
         Some(path) => {
             atomic::not_over(&arguments.cal, path)?;
             atomic::write(path, |out| out.write_all(text.as_bytes()))?;
