@@ -111,8 +111,8 @@ fn units_of_the_gyro_are_told_whatever_its_axes() {
             assert_eq!(found.axes.is_none(), order.is_own());
         }
     }
-    let counts = judged(&b, &mounted(&b.rate, Order::all().next().expect("one"), 939.0), &b.field, None);
-    assert!(counts.rate.is_some_and(|rate| rate.unit.is_none() && (rate.factor * 939.0 - 1.0).abs() < 0.1));
+    let counts = judged(&b, &mounted(&b.rate, Order::all().next().expect("one"), 7506.0), &b.field, None);
+    assert!(counts.rate.is_some_and(|rate| rate.unit.is_none() && (rate.factor * 7506.0 - 1.0).abs() < 0.1));
 }
 
 #[test]
