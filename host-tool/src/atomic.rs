@@ -1,15 +1,26 @@
 //! Files that are there whole or not at all.
 
 use crate::failure::{Failure, Outcome};
+use crate::output;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
 /// Writes `path` through a file beside it that takes its place only when everything has been written: a reader
 /// never sees half a file, and an old one survives any failure. A link is followed, an old file's rights are kept, and what is no
-/// regular file (a terminal, a pipe) is written to and not replaced.
+/// regular file (a terminal, a pipe) is written to and not replaced; `-` is standard output.
 pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Outcome<()> {
     let fail = |error: std::io::Error| Failure::io("write", path, &error);
+    if output::is_standard(path) {
+        let mut out = BufWriter::with_capacity(1 << 16, std::io::stdout());
+        return match fill(&mut out).and_then(|()| out.flush()) {
+            // The reader has enough (`| head`).
+            Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+            written => {
+                written.map_err(|error| Failure::usage(format!("cannot write to standard output: {error}")))
+            }
+        };
+    }
     let old = std::fs::metadata(path).ok();
     if old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir()) {
         let through = || {
@@ -54,10 +65,10 @@ pub fn same_file(a: &Path, b: &Path) -> bool {
 }
 
 /// Refuses to write over what is read.
-pub fn not_over(input: &Path, output: &Path) -> Outcome<()> {
-    if same_file(input, output) {
+pub fn not_over(input: &Path, target: &Path) -> Outcome<()> {
+    if !output::is_standard(target) && same_file(input, target) {
         return Err(Failure::usage("this would replace the file that is read: name another one with -o")
-            .in_file(output));
+            .in_file(target));
     }
     Ok(())
 }

@@ -256,7 +256,11 @@ mod tests {
                 reasons: vec![],
             },
             information: Information::from_covariance(&covariance),
-            reading: Some(Reading { ut_per_count: Some([0.1; 3]), rotate: vec!["roll180".into()] }),
+            reading: Some(Reading {
+                ut_per_count: Some([0.1; 3]),
+                rotate: vec!["roll180".into()],
+                ..Reading::default()
+            }),
         }
     }
 
@@ -305,7 +309,7 @@ mod tests {
 
     #[test]
     fn what_is_no_calibration_is_named() {
-        let cases: [(&str, Outcome<CalFile>); 15] = [
+        let cases: [(&str, Outcome<CalFile>); 17] = [
             ("nearly singular", reread(|v| v["matrix"][2][2] = 1e-3.into())),
             ("rms_ut is negative", reread(|v| v["rms_ut"] = (-1.0).into())),
             ("no method", reread(|v| v["method"] = "zzz".into())),
@@ -320,6 +324,8 @@ mod tests {
             ("positive definite", reread(|v| v["information"]["matrix"][4][4] = (-1.0).into())),
             ("ut_per_count", reread(|v| v["reading"]["ut_per_count"][1] = 0.0.into())),
             ("sideways", reread(|v| v["reading"]["rotate"][0] = "sideways".into())),
+            ("no =", reread(|v| v["reading"]["derive"] = serde_json::json!(["drive"]))),
+            ("NAME=HEADER", reread(|v| v["reading"]["map"] = serde_json::json!(["mx_ut"]))),
             ("symmetric", reread(|v| v["information"]["matrix"][4][5] = 1e3.into())),
         ];
         for (word, outcome) in cases {

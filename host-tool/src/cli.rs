@@ -6,7 +6,7 @@ use crate::input::{self, Mounting, ReadOptions};
 use crate::link_args::{FetchArgs, RecordArgs, SendArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use ironout::fit::Method;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub use crate::shell::{quoted, typed_option};
 
@@ -77,6 +77,9 @@ pub enum Command {
 pub struct LogArgs {
     /// The log: any format that is read (docs/formats.md), told by its content; - is standard input
     pub log: PathBuf,
+    /// Further logs of the same sensor in the same mounting
+    #[arg(value_name = "LOG")]
+    pub more: Vec<PathBuf>,
     /// Scale of mx_counts,… in microtesla a count: one number, or three for x,y,z
     #[arg(long, value_name = "UT[,UT,UT]", help_heading = "Reading the log", allow_hyphen_values = true)]
     pub ut_per_count: Option<String>,
@@ -90,9 +93,28 @@ pub struct LogArgs {
     /// Which magnetometer of the log, where it has several
     #[arg(long, value_name = "N", help_heading = "Reading the log")]
     pub instance: Option<usize>,
+    /// A further column, computed from others row by row: 'drive=throttle^1.5*vbat' (repeatable); operators + - * / ^,
+    /// functions sin, sqrt, exp, min(a,b), diff(x), lowpass(x,seconds) …
+    #[arg(
+        long,
+        value_name = "NAME=EXPRESSION",
+        help_heading = "Reading the log",
+        allow_hyphen_values = true
+    )]
+    pub derive: Vec<String>,
 }
 
 impl LogArgs {
+    /// Every log that is named.
+    pub fn logs(&self) -> impl Iterator<Item = &PathBuf> {
+        std::iter::once(&self.log).chain(&self.more)
+    }
+
+    /// The same options for one log alone.
+    pub fn alone(&self, log: &Path) -> LogArgs {
+        LogArgs { log: log.to_path_buf(), more: Vec::new(), ..self.clone() }
+    }
+
     /// The reader's options; errors name the option.
     pub fn options(&self) -> Outcome<ReadOptions> {
         Ok(ReadOptions {
@@ -107,24 +129,29 @@ impl LogArgs {
 
     /// The log and the options it was read with, as they are typed: for the next command that is suggested.
     pub fn typed(&self) -> String {
-        self.typed_for(&self.log.display().to_string())
+        let logs: Vec<String> = self.logs().map(|log| typed_path(&log.display().to_string())).collect();
+        logs.join(" ") + &self.typed_options()
     }
 
-    /// The same options with another log.
+    /// The same options with another log; the log's own name where it is one of these.
     pub fn typed_for(&self, log: &str) -> String {
-        // A file that begins with a minus would be taken for an option.
-        let mut typed =
-            if log.starts_with('-') && log != "-" { quoted(&format!("./{log}")) } else { quoted(log) };
+        typed_path(log) + &self.typed_options()
+    }
+
+    fn typed_options(&self) -> String {
+        let instance = self.instance.map(|number| number.to_string());
         let options = self.ut_per_count.iter().map(|value| ("--ut-per-count", value));
         let options = options.chain(self.map.iter().map(|value| ("--map", value)));
-        for (option, value) in options.chain(self.rotate.iter().map(|value| ("--rotate", value))) {
-            typed.push_str(&typed_option(option, value));
-        }
-        if let Some(instance) = self.instance {
-            typed.push_str(&format!(" --instance {instance}"));
-        }
-        typed
+        let options = options.chain(self.rotate.iter().map(|value| ("--rotate", value)));
+        let options = options.chain(instance.iter().map(|value| ("--instance", value)));
+        let options = options.chain(self.derive.iter().map(|value| ("--derive", value)));
+        options.map(|(option, value)| typed_option(option, value)).collect()
     }
+}
+
+/// A file as it is typed: one that begins with a minus would be taken for an option.
+fn typed_path(path: &str) -> String {
+    if path.starts_with('-') && path != "-" { quoted(&format!("./{path}")) } else { quoted(path) }
 }
 
 /// Microtesla a count for x, y, z, of one number or of three.
@@ -225,6 +252,7 @@ impl FieldArgs {
   ironout fit raw.csv --ut-per-count 0.0333         counts, 0.0333 µT each
   ironout fit log.csv --at 52.52,13.40,2026-03-01   scale to Berlin's field
   ironout fit x.csv --map mx_ut=MagX,my_ut=MagY,mz_ut=MagZ --rotate roll180
+  ironout fit monday.csv tuesday.csv -o cal.json    two recordings, one calibration
 
 Turn the sensor slowly through as many attitudes as you can, away from iron:
 for example a full turn about each of its axes, and once more tilted. Exit
@@ -266,7 +294,7 @@ pub struct ApplyArgs {
     /// The calibration
     #[arg(long, value_name = "CAL.json")]
     pub cal: PathBuf,
-    /// Write the corrected log here
+    /// Write the corrected log here (-: to standard output; of one log only)
     #[arg(short, long, value_name = "OUT.csv")]
     pub output: Option<PathBuf>,
 }
@@ -402,7 +430,7 @@ The log carries its truth as # comments. The same seed gives the same log. The
 strength of an effect is the rms of its disturbance in multiples of the noise
 (3 if not given).")]
 pub struct SimulateArgs {
-    /// Write the log here
+    /// Write the log here (-: to standard output)
     #[arg(short, long, value_name = "LOG")]
     pub output: PathBuf,
     /// Seed of everything random
@@ -484,7 +512,8 @@ pub enum HiddenArg {
 /// `diagnose`.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:
-  ironout diagnose log.csv")]
+  ironout diagnose log.csv
+  ironout diagnose flight.csv --derive 'drive=throttle^1.5*vbat'   a guess of your own")]
 pub struct DiagnoseArgs {
     #[command(flatten)]
     #[allow(missing_docs)]

@@ -8,12 +8,15 @@ pub mod cal_file;
 pub mod cli;
 pub mod commands;
 pub mod corrected;
+pub mod derive;
 pub mod failure;
 pub mod geomag;
 pub mod input;
 pub mod interrupt;
+pub mod join;
 pub mod link_args;
 pub mod output;
+pub mod plausible;
 pub mod prior;
 pub mod progress;
 pub mod read_block;
@@ -22,6 +25,7 @@ pub mod refusal;
 pub mod registry;
 pub mod shell;
 pub mod source;
+pub mod wrap;
 pub mod written;
 
 use clap::Parser;
@@ -61,7 +65,7 @@ fn report(failure: &Failure, json: bool) {
     if json {
         output::line(&failure.to_json().to_string());
     } else {
-        eprintln!("error: {failure}");
+        eprintln!("{}", wrap::message(&format!("error: {failure}"), wrap::WIDTH));
     }
 }
 

@@ -2,7 +2,34 @@
 
 use crate::failure::{Failure, Outcome};
 use std::io::{self, Write};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
+
+/// Standard output carries a file (`-o -`): words go to standard error.
+static TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// Whether a path stands for standard output.
+pub fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Leaves standard output to the file where `-o -` asks for it there: words go to standard error from now on.
+///
+/// # Errors
+/// With `--json`, whose object wants the same place.
+pub fn leave_to(path: Option<&Path>, json: bool) -> Outcome<()> {
+    if !path.is_some_and(is_standard) {
+        return Ok(());
+    }
+    if json {
+        return Err(Failure::usage(
+            "-o - and --json both write to standard output: name a file with -o, or leave --json out",
+        ));
+    }
+    TAKEN.store(true, Ordering::Relaxed);
+    Ok(())
+}
 
 /// The first thing that went wrong on standard output: an answer that was not delivered must not end as done.
 static UNDELIVERED: Mutex<Option<String>> = Mutex::new(None);
@@ -30,7 +57,11 @@ pub fn finish() -> Outcome<()> {
 
 /// One line on standard output.
 pub fn line(text: &str) {
-    note(writeln!(io::stdout(), "{text}"));
+    if TAKEN.load(Ordering::Relaxed) {
+        eprintln!("{text}");
+    } else {
+        note(writeln!(io::stdout(), "{text}"));
+    }
 }
 
 /// `value` with `decimals` places, or a dash where it is unknown.
@@ -48,32 +79,9 @@ pub fn json_number(value: Option<f64>) -> serde_json::Value {
 
 /// Several lines on standard output, each with its end.
 pub fn text(text: &str) {
+    if TAKEN.load(Ordering::Relaxed) {
+        eprint!("{text}");
+        return;
+    }
     note(write!(io::stdout(), "{text}"));
-}
-
-/// Breaks text into lines of at most `width` characters, each after `indent`.
-pub fn wrap(text: &str, indent: &str, width: usize) -> Vec<String> {
-    hang(text, indent, indent, width)
-}
-
-/// The same with another indent from the second line on.
-pub fn hang(text: &str, first: &str, rest: &str, width: usize) -> Vec<String> {
-    let mut lines = Vec::new();
-    let mut line = String::new();
-    for word in text.split_whitespace() {
-        let indent = if lines.is_empty() { first } else { rest };
-        let length = indent.chars().count() + line.chars().count() + 1 + word.chars().count();
-        if !line.is_empty() && length > width {
-            lines.push(format!("{indent}{line}"));
-            line.clear();
-        }
-        if !line.is_empty() {
-            line.push(' ');
-        }
-        line.push_str(word);
-    }
-    if !line.is_empty() {
-        lines.push(format!("{}{line}", if lines.is_empty() { first } else { rest }));
-    }
-    lines
 }

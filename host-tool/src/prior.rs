@@ -14,14 +14,14 @@ use ironout::effect::{Effect, Parts};
 use std::path::Path;
 
 /// Reads a calibration file as information for this log. The offsets of its effects are carried over to the log's own
-/// mean of their columns, which is where a new fit puts their reference.
+/// mean of their columns, which is where a new fit puts their reference. `arguments` are those that the log was read with.
 ///
 /// # Errors
 /// A file that is no calibration, is of another scale or mounting, holds no information, or carries effects that this log cannot be related to.
 pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Prior> {
     let file = CalFile::read(path)?;
     if let Some(reading) = &file.reading {
-        reading.must_fit(path, log, &arguments.rotate)?;
+        reading.must_fit(path, log, arguments)?;
     }
     let calibration = file.calibration()?;
     let missing = |what: &str| {

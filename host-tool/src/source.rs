@@ -1,40 +1,165 @@
-//! Logs as the command line names them: read, and what was decided about them said on standard error.
+//! Logs as the command line names them: read, their notices passed on to standard error.
 
 use crate::cal_file::CalFile;
 use crate::cli::LogArgs;
+use crate::derive::{self, Definition};
 use crate::failure::Outcome;
-use crate::input::{self, Log, ReadOptions};
+use crate::input::{self, Log, Mounting, ReadOptions};
+use crate::join::join;
+use crate::plausible::{self, Known};
 use crate::read_block;
+use crate::reading::Reading;
+use crate::wrap;
 use std::path::Path;
 
-/// Reads the log and says how, unless `json`: then the caller gives [`read_block::json`] a place in its object.
-pub fn read(arguments: &LogArgs, json: bool) -> Outcome<Log> {
-    read_with(arguments, None, json)
+/// Reads the logs as one, whatever field is in them. Counts may keep their unit: without a scale they are counts of one. How each was
+/// read is said, unless `json`: then the caller gives [`read_block::json`] a place in its object.
+pub fn read_raw(arguments: &LogArgs, json: bool) -> Outcome<Log> {
+    let log = |path| {
+        let log = one(arguments, path, Some([1.0; 3]), &[])?;
+        say(&log, json);
+        Ok(log)
+    };
+    whole(arguments.logs().map(log).collect::<Outcome<Vec<Log>>>()?)
 }
 
-/// The same for a calibration, which knows the scale of the counts that it was fitted to.
+/// Reads the logs as one for a fit, each held against what is known of the field; on top of an earlier calibration as that
+/// one's log was read. Also gives the options that were used.
+///
+/// # Errors
+/// Those of reading, a log that cannot be in the unit it is read in, and one that the calibration cannot be of.
+pub fn read_held(
+    arguments: &LogArgs,
+    prior: Option<&Path>,
+    known: &Known,
+    json: bool,
+) -> Outcome<(Log, LogArgs)> {
+    let cal = prior.map(CalFile::read).transpose()?;
+    let known = match (&cal, known) {
+        (Some(cal), Known::Earth) => Known::of(cal),
+        _ => *known,
+    };
+    let reading = cal.as_ref().and_then(|cal| cal.reading.as_ref()).zip(prior);
+    let mut used = None;
+    let mut logs = Vec::new();
+    for path in arguments.logs() {
+        let (log, filled) = as_kept(&arguments.alone(path), reading, &known, json)?;
+        logs.push(log);
+        used.get_or_insert(filled);
+    }
+    let used = LogArgs {
+        log: arguments.log.clone(),
+        more: arguments.more.clone(),
+        ..used.unwrap_or_else(|| arguments.clone())
+    };
+    Ok((whole(logs)?, used))
+}
+
+/// Reads the logs as one for a calibration, which knows how its own was read.
 ///
 /// # Errors
 /// Those of reading, and a log that is read in another scale or mounting than the calibration's.
 pub fn read_for(arguments: &LogArgs, cal: &CalFile, file: &Path, json: bool) -> Outcome<Log> {
-    let Some(reading) = &cal.reading else { return read(arguments, json) };
-    let log = read_with(arguments, reading.ut_per_count, json)?;
-    reading.must_fit(file, &log, &arguments.rotate)?;
+    whole(read_each_for(arguments, cal, file, json)?)
+}
+
+/// The same, log by log.
+pub fn read_each_for(arguments: &LogArgs, cal: &CalFile, file: &Path, json: bool) -> Outcome<Vec<Log>> {
+    let (reading, known) = (cal.reading.as_ref().map(|reading| (reading, file)), Known::of(cal));
+    arguments.logs().map(|path| Ok(as_kept(&arguments.alone(path), reading, &known, json)?.0)).collect()
+}
+
+/// One log, as that of the calibration in a file was read.
+fn as_kept(
+    arguments: &LogArgs,
+    kept: Option<(&Reading, &Path)>,
+    known: &Known,
+    json: bool,
+) -> Outcome<(Log, LogArgs)> {
+    let path = &arguments.log;
+    let Some((reading, file)) = kept else {
+        let log = held(arguments, None, known)?;
+        say(&log, json);
+        return Ok((log, arguments.clone()));
+    };
+    let mut filled = reading.fill(file, arguments)?;
+    let log = match held(&filled, Some(reading), known) {
+        // Kept names that this log has not: its own may do.
+        Err(failure) if arguments.map.is_empty() && !reading.map.is_empty() => {
+            filled.map.clear();
+            let log = held(&filled, Some(reading), known).map_err(|_| reading.cannot(file, &failure))?;
+            note(
+                path,
+                &format!(
+                    "it has not the columns of the calibration's log (--map {}), and is read by its own names",
+                    reading.map.join(" --map ")
+                ),
+            );
+            log
+        }
+        Err(failure) if !reading.derive.is_empty() && arguments.derive.is_empty() => {
+            return Err(reading.cannot(file, &failure));
+        }
+        read => read?,
+    };
+    reading.must_fit(file, &log, &filled)?;
+    say(&log, json);
+    Ok((log, filled))
+}
+
+fn held(arguments: &LogArgs, kept: Option<&Reading>, known: &Known) -> Outcome<Log> {
+    let scale = kept.and_then(|reading| reading.ut_per_count);
+    let derived = kept.map_or(&[][..], |reading| &reading.derive);
+    let mut log = one(arguments, &arguments.log, scale, derived)?;
+    let before = log.notices.len();
+    plausible::hold(&mut log, arguments, known)?;
+    tell(&log, before);
     Ok(log)
 }
 
-/// Reads a log whose counts may keep their unit: without a scale they are counts of one.
-pub fn read_raw(arguments: &LogArgs, json: bool) -> Outcome<Log> {
-    read_with(arguments, Some([1.0; 3]), json)
+/// One log with its derived columns, its notices told.
+fn one(
+    arguments: &LogArgs,
+    path: &Path,
+    default_ut_per_count: Option<[f64; 3]>,
+    kept: &[String],
+) -> Outcome<Log> {
+    let mut log = input::read_log(path, &ReadOptions { default_ut_per_count, ..arguments.options()? })?;
+    let there = |one: &Definition| {
+        // A log that was written with the column has no need to compute it again.
+        kept.contains(&one.typed()) && log.covariate(&one.name).is_some()
+    };
+    let mut definitions =
+        arguments.derive.iter().map(|text| Definition::parse(text)).collect::<Outcome<Vec<_>>>()?;
+    definitions.retain(|one| !there(one));
+    derive::add(&mut log, &definitions, &Mounting::parse(&arguments.rotate)?)
+        .map_err(|failure| failure.in_file(path))?;
+    tell(&log, 0);
+    Ok(log)
 }
 
-fn read_with(arguments: &LogArgs, default_ut_per_count: Option<[f64; 3]>, json: bool) -> Outcome<Log> {
-    let log = input::read_log(&arguments.log, &ReadOptions { default_ut_per_count, ..arguments.options()? })?;
-    for notice in &log.notices {
-        eprintln!("note: {}: {notice}", arguments.log.display());
+fn whole(logs: Vec<Log>) -> Outcome<Log> {
+    // Told already, each under its own name.
+    let logs: Vec<Log> = logs.into_iter().map(|log| Log { notices: Vec::new(), ..log }).collect();
+    let several = logs.len() > 1;
+    let log = join(logs)?;
+    if several {
+        tell(&log, 0);
     }
+    Ok(log)
+}
+
+/// How a log was read, for people.
+fn say(log: &Log, json: bool) {
     if !json {
-        eprint!("{}", read_block::text(&log));
+        eprint!("{}", read_block::text(log));
     }
-    Ok(log)
+}
+
+fn tell(log: &Log, from: usize) {
+    log.notices.iter().skip(from).for_each(|notice| note(&log.path, notice));
+}
+
+fn note(path: &Path, notice: &str) {
+    eprintln!("{}", wrap::message(&format!("note: {}: {notice}", path.display()), wrap::WIDTH));
 }

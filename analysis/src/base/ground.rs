@@ -12,12 +12,11 @@
 
 use crate::base::counted::Counted;
 use crate::base::model::Base;
+use crate::plausible::field::EARTH_UT;
 use crate::table::Table;
 use ironout::fit::{FitError, Method};
 
-/// Magnitudes that the field has on Earth, with room for indoor iron, µT …
-const EARTH_UT: std::ops::RangeInclusive<f64> = 12.0..=120.0;
-/// … and one in the middle.
+/// A magnitude in the middle of those that the field has on Earth, µT.
 const TYPICAL_UT: f64 = 50.0;
 
 /// The samples of a log and their base model.

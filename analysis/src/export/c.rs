@@ -1,6 +1,7 @@
 //! A calibration as a C header (C99) with one function that applies it.
 
 use crate::effects::Calibrated;
+use crate::export::bound;
 use crate::export::error::CannotExport;
 use crate::export::range::{Range, ranges};
 use crate::export::reading::Reading;
@@ -124,6 +125,9 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
         "/* Written by `ironout export --as c`: {summary}.\n   corrected = matrix * (measured - offset - effects), microtesla. \
          */\n#ifndef IRONOUT_CALIBRATION_H\n#define IRONOUT_CALIBRATION_H\n\n"
     );
+    if let Some(warning) = bound::warning(calibration) {
+        let _ = write!(text, "/* {}. */\n\n", warning.join("\n   "));
+    }
     if math {
         text.push_str("#include <math.h>\n\n");
     }
@@ -146,9 +150,11 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
             rows(&inverse)
         );
     }
-    text.push_str(
-        "/* Corrects one measured vector; both in microtesla, and they may be the same array.\n   Besides it needs:\n",
-    );
+    text.push_str("/* Corrects one measured vector; both in microtesla, and they may be the same array.");
+    text.push_str(match list.is_empty() && !turning {
+        true => " It needs nothing else.\n",
+        false => "\n   Besides it needs:\n",
+    });
     for Parameter { name, column, delay_s } in &list {
         let what = match column.as_str() {
             TIME => "the time, s, on the recording's clock".to_string(),

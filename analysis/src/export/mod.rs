@@ -2,6 +2,7 @@
 
 pub mod ardupilot;
 pub mod betaflight;
+pub mod bound;
 pub mod c;
 pub mod error;
 pub mod held;

@@ -1,10 +1,11 @@
 //! A calibration as Rust constants for the crate.
 
 use crate::effects::Calibrated;
+use crate::export::bound;
 use crate::export::range::{Range, ranges};
 use crate::export::reading::Reading;
 use ironout::calibration::Calibration;
-use ironout::effect::{ColumnName, RustCode};
+use ironout::effect::{ColumnName, Effect, Made, RustCode, TIME};
 use ironout::extended::{FittedEffect, MAX_EFFECTS, Ranges};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -103,11 +104,14 @@ fn extended(calibration: &Calibrated, summary: &str) -> String {
     if !of_library {
         library.insert("Effect");
     }
+    let warning: String =
+        bound::warning(calibration).iter().flatten().map(|line| format!("// {line}\n")).collect();
     let mut text = format!(
         "// Written by `ironout export --as rust`: {summary}.\n\
          // corrected = matrix · (measured − offset − effects), microtesla:\n\
-         // `let mut live = Live::new(&CALIBRATION)?; live.set(\"column\", value); live.apply(measured_ut, turn_radps)?`.\n\n\
-         use ironout::calibration::Calibration;\n"
+         {}{warning}\n\
+         use ironout::calibration::Calibration;\n",
+        usage(calibration, &columns)
     );
     let mut uses: Vec<String> = imports.iter().map(|(module, names)| import(module, names)).collect();
     uses.push("use ironout::extended::{Effects, ExtendedCalibration, FittedEffect};\n".into());
@@ -146,6 +150,25 @@ fn extended(calibration: &Calibrated, summary: &str) -> String {
              base: {base},\n    effects: Effects::of([\n{places}    ]),\n}};\n"
         );
     }
+    text
+}
+
+/// How the constant is used: only what its effects ask for, with the arguments that `Live` takes.
+fn usage(calibration: &Calibrated, columns: &[ColumnName]) -> String {
+    let mut text = String::from("// `let mut live = Live::new(&CALIBRATION)?;`, then for each sample\n");
+    for column in columns {
+        let _ = writeln!(text, "// `live.set(\"{column}\", value);`");
+    }
+    let all = || calibration.effects.iter().map(|fitted| &fitted.effect);
+    let by_time = |effect: &Made<ColumnName>| {
+        let mut columns = effect.columns().into_iter().flatten();
+        columns.any(|column| column.name == TIME || column.delay_s > 0.0)
+    };
+    if all().any(by_time) {
+        text.push_str("// `live.advance(now_s);`\n");
+    }
+    let turn = if all().any(|effect| effect.needs_gyro()) { "Some(turn_radps)" } else { "None" };
+    let _ = writeln!(text, "// `let corrected_ut = live.apply(measured_ut, {turn})?;`");
     text
 }
 

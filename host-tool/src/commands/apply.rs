@@ -6,31 +6,61 @@ use crate::corrected::Corrected;
 use crate::failure::{EXIT_OK, Failure, Outcome};
 use crate::input::{Lines, Log};
 use crate::output::{json_number, line};
-use crate::{atomic, progress::Progress, read_block, source, written};
+use crate::{atomic, output, progress::Progress, read_block, source, written};
 use ironout::calibration::norm;
 use ironout_analysis::Table;
+use ironout_analysis::effects::Calibrated;
 use ironout_analysis::fit::fitted::spread_of_magnitude;
 use std::path::Path;
 
 /// What the corrected log gains.
 const NEW_COLUMNS: [&str; 5] = ["cx_ut", "cy_ut", "cz_ut", "norm_ut", "residual_ut"];
 
-/// Applies the calibration, prints the errors, writes the corrected log if asked.
+/// Applies the calibration to each log, prints the errors, writes the corrected log if asked.
 pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
+    output::leave_to(arguments.output.as_deref(), json)?;
     let cal = CalFile::read(&arguments.cal)?;
     if let Some(output) = &arguments.output {
+        if !arguments.log.more.is_empty() {
+            return Err(Failure::usage(
+                "-o takes one corrected log, and several logs are named: apply them one by one",
+            ));
+        }
         atomic::not_over(&arguments.cal, output)?;
     }
     let calibration = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
-    let log = source::read_for(&arguments.log, &cal, &arguments.cal, json)?;
-    let table = Table::from(&log);
-    let corrector = Corrected::new(calibration, &log, &table)?;
+    let mut objects = Vec::new();
+    for (place, log) in source::read_each_for(&arguments.log, &cal, &arguments.cal, json)?.iter().enumerate() {
+        if place > 0 && !json {
+            line("");
+        }
+        objects.push(one(arguments, &cal, calibration, log, json)?);
+    }
+    if json {
+        let all = |objects: Vec<serde_json::Value>| serde_json::json!({ "logs": objects });
+        // One log is the object, as ever.
+        let object = if objects.len() == 1 { objects.pop() } else { None };
+        line(&object.unwrap_or_else(|| all(objects)).to_string());
+    }
+    Ok(EXIT_OK)
+}
+
+/// One log: the object of `--json`; without it the words are printed.
+fn one(
+    arguments: &ApplyArgs,
+    cal: &CalFile,
+    calibration: Calibrated,
+    log: &Log,
+    json: bool,
+) -> Outcome<serde_json::Value> {
+    let table = Table::from(log);
+    let corrector = Corrected::new(calibration, log, &table)?;
     if let Some(output) = &arguments.output {
         // The program's own file keeps its lines and comments; another program's is written anew.
         if log.read_as.own_csv && log.path != Path::new("-") {
-            write(&log, &corrector, output)?;
+            write(log, &corrector, output)?;
         } else {
-            write_anew(arguments, &log, &corrector, output)?;
+            write_anew(arguments, log, &corrector, output)?;
         }
     }
     let samples = log.samples();
@@ -43,22 +73,19 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
     let worst = residuals.iter().map(|r| r.abs()).fold(0.0, f64::max);
     let field = calibration.base.field_ut;
     let extrapolation = corrector.extrapolation(&cal.fit.effects);
+    let object = serde_json::json!({
+        "log": log.path.display().to_string(), "samples": samples.len(), "field_ut": field,
+        "effects": cal.fit.effects.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
+        "before": {"mean_ut": json_number(Some(mean)), "rms_ut": json_number(Some(before)),
+                   "rms_percent": json_number(Some(before / mean * 100.0))},
+        "after": {"rms_ut": json_number(Some(after)), "rms_percent": json_number(Some(after / field * 100.0)),
+                  "worst_ut": json_number(Some(worst))},
+        "outside": extrapolation.outside, "range_unknown": extrapolation.unknown,
+        "read_as": read_block::json(&log.read_as),
+        "output": arguments.output.as_ref().map(|path| path.display().to_string()),
+    });
     if json {
-        line(
-            &serde_json::json!({
-                "log": log.path.display().to_string(), "samples": samples.len(), "field_ut": field,
-                "effects": cal.fit.effects.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
-                "before": {"mean_ut": json_number(Some(mean)), "rms_ut": json_number(Some(before)),
-                           "rms_percent": json_number(Some(before / mean * 100.0))},
-                "after": {"rms_ut": json_number(Some(after)), "rms_percent": json_number(Some(after / field * 100.0)),
-                          "worst_ut": json_number(Some(worst))},
-                "outside": extrapolation.outside, "range_unknown": extrapolation.unknown,
-                "read_as": read_block::json(&log.read_as),
-                "output": arguments.output.as_ref().map(|path| path.display().to_string()),
-            })
-            .to_string(),
-        );
-        return Ok(EXIT_OK);
+        return Ok(object);
     }
     line(&format!("{}: {} samples, corrected to {field:.3} µT", log.path.display(), samples.len()));
     if !cal.fit.effects.is_empty() {
@@ -74,10 +101,10 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
         after / field * 100.0
     ));
     extrapolation.notices(field).iter().for_each(|notice| line(&format!("extrapolated: {notice}")));
-    if let Some(path) = &arguments.output {
+    if let Some(path) = arguments.output.as_ref().filter(|path| !output::is_standard(path)) {
         line(&format!("wrote {} with {} added", path.display(), NEW_COLUMNS.join(", ")));
     }
-    Ok(EXIT_OK)
+    Ok(object)
 }
 
 /// Writes the log as the program's own CSV with the corrected columns.

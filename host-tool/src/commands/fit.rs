@@ -3,6 +3,7 @@
 use crate::cal_file::{CalFile, FitObject};
 use crate::cli::FitArgs;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
+use crate::plausible::Known;
 use crate::reading::Reading;
 use crate::registry::REGISTRY;
 use crate::{atomic, output, prior, read_block, refusal, source};
@@ -21,10 +22,12 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
     let expected = arguments.field.expected()?;
     let method = arguments.field.method_with(&arguments.add, arguments.prior.as_ref())?;
     if let Some(path) = &arguments.output {
-        atomic::not_over(&arguments.log.log, path)?;
+        output::leave_to(Some(path), json)?;
+        arguments.log.logs().try_for_each(|log| atomic::not_over(log, path))?;
     }
-    let log = source::read(&arguments.log, json)?;
-    let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &arguments.log)).transpose()?;
+    let known = Known::given(expected.field_ut);
+    let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, json)?;
+    let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &used)).transpose()?;
     let options = Options {
         method,
         field_ut: expected.field_ut,
@@ -43,11 +46,13 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         written = Some(if fitted.accepted {
             let text = {
                 let mut cal = CalFile::of(&fitted, method.name());
-                cal.reading = Some(Reading::of(&log, &arguments.log.rotate));
+                let columns: Vec<String> =
+                    cal.fit.effects.iter().flat_map(|effect| effect.columns.clone()).collect();
+                cal.reading = Some(Reading::of(&log, &used, &columns)?);
                 serde_json::to_string_pretty(&cal).map_err(to_text)?
             };
             atomic::write(path, |out| writeln!(out, "{text}"))?;
-            format!("wrote {}", path.display())
+            if output::is_standard(path) { String::new() } else { format!("wrote {}", path.display()) }
         } else if path.exists() {
             format!("refused: {} is left as it was", path.display())
         } else {
@@ -61,7 +66,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
     } else {
         super::fit_words::print(arguments, &log, &fitted, &expected);
     }
-    if let Some(text) = written {
+    if let Some(text) = written.filter(|text| !text.is_empty()) {
         eprintln!("{text}");
     }
     Ok(if fitted.accepted { EXIT_OK } else { EXIT_REFUSED })

@@ -2,7 +2,8 @@
 
 use crate::cli::{Expected, FitArgs};
 use crate::input::Log;
-use crate::output::{hang, line, number, wrap};
+use crate::output::{line, number};
+use crate::wrap::{hang, wrap};
 use ironout::fit::Order;
 use ironout_analysis::Fitted;
 use ironout_analysis::base::axes::Alignment;

@@ -1,6 +1,6 @@
 //! `ironout simulate`: a log whose truth is known.
 
-use crate::cli::SimulateArgs;
+use crate::cli::{SimulateArgs, quoted};
 use crate::failure::{Failure, Outcome};
 use crate::{atomic, output};
 use ironout_simulation::{EffectSpec, FaultSpec, Log, Motion, Temperature, World, WorldOptions};
@@ -10,6 +10,7 @@ const MAX_ROWS: f64 = 2e7;
 
 /// Writes the log and says what is in it.
 pub fn run(arguments: &SimulateArgs, json: bool) -> Outcome<u8> {
+    output::leave_to(Some(&arguments.output), json)?;
     let positive = |name: &str, value: f64, most: f64| {
         if value.is_finite() && value > 0.0 && value <= most {
             Ok(())
@@ -92,13 +93,19 @@ pub fn run(arguments: &SimulateArgs, json: bool) -> Outcome<u8> {
     } else {
         output::line(&format!(
             "{}: {} rows, columns {}",
-            arguments.output.display(),
+            if output::is_standard(&arguments.output) {
+                "standard output".into()
+            } else {
+                arguments.output.display().to_string()
+            },
             log.rows(),
             log.names.join(", ")
         ));
         output::line("the truth, also in the log as # comments:");
         truth.lines().skip(1).for_each(|line| output::line(&format!("  {line}")));
-        output::line(&format!("next: ironout fit {}", arguments.output.display()));
+        if !output::is_standard(&arguments.output) {
+            output::line(&format!("next: ironout fit {}", quoted(&arguments.output.display().to_string())));
+        }
     }
     Ok(0)
 }

@@ -28,6 +28,6 @@ pub use guard::MAX_LINE_BYTES;
 pub use lines::Lines;
 pub use log::{Covariate, Log, ReadOptions};
 pub use map::parse_map;
-pub use mount::{FORMS as ROTATE_FORMS, Mounting};
+pub use mount::{FORMS as ROTATE_FORMS, Mounting, rotate};
 pub use read_as::{Instance, LeftOut, ReadAs, ReadColumn};
 pub use told::{read_log, read_stream};

@@ -1,6 +1,6 @@
 //! Numbers as people read them: as many digits as mean something.
 
-pub use crate::output::{hang, wrap};
+pub use crate::wrap::{hang, wrap};
 
 /// `value` with `digits` significant digits; a power of ten where there would be too many zeros.
 pub fn significant(value: f64, digits: usize) -> String {

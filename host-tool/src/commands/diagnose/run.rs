@@ -4,6 +4,7 @@ use crate::cli::DiagnoseArgs;
 use crate::commands::diagnose::{told, words};
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
 use crate::output;
+use crate::plausible::Known;
 use crate::progress::Working;
 use crate::registry::REGISTRY;
 use crate::{prior, read_block, refusal, source};
@@ -15,8 +16,9 @@ use ironout_analysis::{Diagnosis, Options, Table, diagnose};
 pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
     let expected = arguments.field.expected()?;
     let method = arguments.field.method_with(&arguments.add, arguments.prior.as_ref())?;
-    let log = source::read(&arguments.log, as_json)?;
-    let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &arguments.log)).transpose()?;
+    let known = Known::given(expected.field_ut);
+    let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, as_json)?;
+    let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &used)).transpose()?;
     let options = Options {
         method,
         field_ut: expected.field_ut,

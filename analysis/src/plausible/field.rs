@@ -1,0 +1,171 @@
+//! The size of the field that a log turned in: the radius of the sphere that the readings lie on, not their length, which
+//! hard iron makes anything.
+
+use crate::samples::samples::unique_rows;
+use crate::samples::series::median;
+use crate::table::Table;
+use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
+
+/// Magnitudes that the field has on Earth, with room for indoor iron and gains, µT.
+pub const EARTH_UT: std::ops::RangeInclusive<f64> = 12.0..=120.0;
+/// Units that fields are written in, and their size in µT.
+pub const UNITS: [(&str, f64); 5] = [("nT", 1e-3), ("mG", 0.1), ("G", 100.0), ("mT", 1e3), ("T", 1e6)];
+
+/// At most this many readings are looked at.
+const MOST: usize = 4000;
+/// Fewer say nothing.
+const LEAST: usize = 50;
+/// Directions must cover at least this: the least eigenvalue of their scatter (1/3 is a whole sphere, 0 a plane).
+const COVERED: f64 = 0.06;
+/// Readings lie on a sphere up to this share of its radius: soft iron makes it an ellipsoid, disturbances make it thick.
+const THICK: f64 = 0.25;
+/// Without a sphere, readings that spread by more than this are in no field that a magnetometer is used in, µT.
+const BEYOND_UT: f64 = 2000.0;
+
+/// How large the field is, as far as a log tells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FieldSize {
+    /// µT as read.
+    pub field_ut: f64,
+    /// Whether this is the radius of a sphere that the readings lie on, or merely the least that it can be.
+    pub is_radius: bool,
+    /// Readings looked at.
+    pub readings: usize,
+}
+
+impl FieldSize {
+    /// The units that the columns may be in instead, with what the field is then, µT; the likeliest first.
+    pub fn units(&self) -> Vec<(&'static str, f64)> {
+        let least = if self.is_radius { 15.0 } else { 1.5 };
+        let mut list: Vec<(&str, f64)> = UNITS
+            .into_iter()
+            .map(|(unit, size)| (unit, self.field_ut * size))
+            .filter(|(_, field)| (least..=100.0).contains(field))
+            .collect();
+        let distance = |field: f64| (field / 45.0).ln().abs();
+        list.sort_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+        list
+    }
+}
+
+/// The size of the field; `None` where the board was not turned enough to tell.
+pub fn size(table: &Table) -> Option<FieldSize> {
+    let rows = unique_rows(table);
+    let stride = rows.len().div_ceil(MOST).max(1);
+    let points: Vec<Vector3<f64>> = rows.iter().step_by(stride).map(|&row| table.field(row).into()).collect();
+    if points.len() < LEAST || points.iter().flatten().any(|value| !value.is_finite()) {
+        return None;
+    }
+    let middle = Vector3::from_fn(|axis, _| median(&mut points.iter().map(|p| p[axis]).collect::<Vec<_>>()));
+    // Unit-free: the same answer in tesla and in nanotesla.
+    let scale = median(&mut points.iter().map(|p| (p - middle).norm()).collect::<Vec<_>>());
+    if !(scale > 0.0 && scale.is_finite()) {
+        return None;
+    }
+    let unit: Vec<Vector3<f64>> = points.iter().map(|p| (p - middle) / scale).collect();
+    let readings = unit.len();
+    if let Some(radius) = sphere(&unit) {
+        return Some(FieldSize { field_ut: radius * scale, is_radius: true, readings });
+    }
+    // Of the inner nine tenths: what one reading does is no spread.
+    let mut lengths: Vec<f64> = unit.iter().map(Vector3::norm_squared).collect();
+    lengths.sort_by(f64::total_cmp);
+    lengths.truncate(readings * 9 / 10);
+    let spread_ut = (lengths.iter().sum::<f64>() / lengths.len() as f64).sqrt() * scale;
+    (spread_ut > BEYOND_UT).then_some(FieldSize { field_ut: spread_ut, is_radius: false, readings })
+}
+
+/// The radius of the sphere that most of the points lie on.
+fn sphere(points: &[Vector3<f64>]) -> Option<f64> {
+    let mut kept: Vec<&Vector3<f64>> = points.iter().collect();
+    let mut found = None;
+    for _ in 0..4 {
+        let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
+        for p in &kept {
+            let row = Vector4::new(2.0 * p.x, 2.0 * p.y, 2.0 * p.z, 1.0);
+            normal += row * row.transpose();
+            right += row * p.norm_squared();
+        }
+        let solution = normal.cholesky()?.solve(&right);
+        let centre = Vector3::new(solution[0], solution[1], solution[2]);
+        let radius = (solution[3] + centre.norm_squared()).sqrt();
+        if !radius.is_finite() {
+            return None;
+        }
+        let off = |p: &Vector3<f64>| ((p - centre).norm() - radius).abs();
+        let usual = median(&mut points.iter().map(off).collect::<Vec<_>>());
+        found = Some((centre, radius, usual));
+        kept = points.iter().filter(|p| off(p) <= 4.5 * usual.max(1e-9 * radius)).collect();
+        if kept.len() * 2 < points.len() {
+            return None;
+        }
+    }
+    let (centre, radius, usual) = found?;
+    let scatter = kept.iter().fold(Matrix3::zeros(), |sum, p| {
+        let direction = (*p - centre).normalize();
+        sum + direction * direction.transpose()
+    }) / kept.len() as f64;
+    let mean = kept.iter().map(|p| (*p - centre).normalize()).sum::<Vector3<f64>>() / kept.len() as f64;
+    let spread = (scatter - mean * mean.transpose()).symmetric_eigenvalues().min();
+    // A median deviation is two thirds of a standard deviation.
+    (spread >= COVERED && 1.5 * usual <= THICK * radius).then_some(radius)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Readings of a field of 50 in some unit, around an offset, with soft iron.
+    fn log(scale: f64, offset: f64, turn: f64) -> [Vec<f64>; 3] {
+        let mut axes = [vec![], vec![], vec![]];
+        for i in 0..2000 {
+            let t = f64::from(i) / 2000.0;
+            let z = turn * (2.0 * t - 1.0);
+            let r = (1.0 - z * z).sqrt();
+            let (sin, cos) = (97.0 * t).sin_cos();
+            for (axis, value) in axes.iter_mut().zip([1.1 * r * cos, 0.95 * r * sin, z]) {
+                axis.push(scale * (50.0 * value + offset));
+            }
+        }
+        axes
+    }
+
+    fn of(axes: &[Vec<f64>; 3]) -> Option<FieldSize> {
+        size(&Table { field_ut: axes.each_ref().map(Vec::as_slice), ..Table::default() })
+    }
+
+    #[test]
+    fn the_radius_is_found_in_every_unit_whatever_the_offset() {
+        for (unit, size) in UNITS.into_iter().chain([("uT", 1.0)]) {
+            for offset in [0.0, 300.0, -2000.0] {
+                let found = of(&log(1.0 / size, offset, 1.0)).expect(unit);
+                assert!(
+                    found.is_radius && (found.field_ut * size / 50.0 - 1.0).abs() < 0.1,
+                    "{unit}: {found:?}"
+                );
+                if unit != "uT" {
+                    assert_eq!(found.units().first().map(|(name, _)| *name), Some(unit), "{found:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_was_hardly_turned_tells_nothing() {
+        assert_eq!(of(&log(1.0, 20.0, 0.0)), None, "a plane");
+        let rest = [0, 1, 2]
+            .map(|axis| (0..500).map(|i| f64::from((i * (7 + axis)) % 11) * 0.1).collect::<Vec<_>>());
+        assert_eq!(of(&rest), None, "rest");
+        assert_eq!(of(&[vec![1.0; 500], vec![2.0; 500], vec![3.0; 500]]), None, "constant");
+        assert_eq!(of(&[vec![], vec![], vec![]]), None, "empty");
+    }
+
+    #[test]
+    fn a_plane_in_nanotesla_is_still_beyond_every_field() {
+        let found = of(&log(1000.0, 20.0, 0.0)).expect("beyond");
+        assert!(
+            !found.is_radius && found.units().first().is_some_and(|(unit, _)| *unit == "nT"),
+            "{found:?}"
+        );
+    }
+}

@@ -1,0 +1,378 @@
+//! Whether a log can be what it is read as, before anything is made of it: units, axes and clock.
+
+use crate::cal_file::CalFile;
+use crate::cli::{LogArgs, quoted, typed_option};
+use crate::failure::{Failure, Outcome};
+use crate::input::{Log, parse_map};
+use ironout_analysis::Table;
+use ironout_analysis::plausible::clock::{self, OddClock};
+use ironout_analysis::plausible::field::{self, EARTH_UT, FieldSize};
+use ironout_analysis::plausible::gravity::{self, OddGravity};
+use ironout_analysis::plausible::turning::{self, OddAxes, OddRate, Whose};
+
+/// A field may be this many times another that is known, or this part of it: gains, and another place.
+const ALIKE: f64 = 4.0;
+/// Gyro and clock name each other's fault where the gyro's factor is within this of the clock's.
+const SAME: f64 = 1.5;
+
+/// What is known of the size of the field, µT as the log should read it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Known {
+    /// That it is the Earth's.
+    Earth,
+    /// What `--field` or `--at` says.
+    Given(f64),
+    /// What the log of a calibration showed.
+    Calibrated(f64),
+}
+
+impl Known {
+    /// From what was said of the field.
+    pub fn given(field_ut: Option<f64>) -> Self {
+        field_ut.map_or(Known::Earth, Known::Given)
+    }
+
+    /// From a calibration: the field before its gains.
+    pub fn of(cal: &CalFile) -> Self {
+        let Ok(calibration) = cal.calibration() else { return Known::Earth };
+        let [[a, b, c], [d, e, f], [g, h, i]] = calibration.matrix;
+        let determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
+        Known::Calibrated(calibration.field_ut / determinant.abs().cbrt())
+    }
+}
+
+/// Holds a log against what can be, and leaves out what cannot. What is found goes to the log's notices.
+///
+/// # Errors
+/// A magnetometer or a clock that cannot be in the unit it is read in.
+pub fn hold(log: &mut Log, arguments: &LogArgs, known: &Known) -> Outcome<()> {
+    let (clock, size, turning, gravity) = {
+        let table = Table::from(&*log);
+        (clock::odd(&table), field::size(&table), turning::judge(&table), gravity::odd(&table))
+    };
+    if let Some(size) = size {
+        hold_field(log, arguments, known, &size)?;
+    }
+    let by_clock = match (&clock, &turning.rate) {
+        (Some(clock), Some(rate)) => {
+            clock.factors.iter().copied().find(|factor| (rate.factor / factor).ln().abs() < SAME.ln())
+        }
+        _ => None,
+    };
+    if let Some(clock) = clock {
+        hold_clock(log, arguments, &clock, by_clock, turning.rate.as_ref())?;
+    }
+    if let Some(rate) = turning.rate.filter(|_| by_clock.is_none()) {
+        let told = rate_words(log, arguments, &rate);
+        log.notices.push(told);
+        log.gyro_radps = None;
+    }
+    if let Some(axes) = turning.axes {
+        log.notices.push(axes_words(&axes));
+        if matches!(axes.whose, Whose::Gyro | Whose::GyroOrAccelerometer | Whose::GyroOrMagnetometer) {
+            log.gyro_radps = None;
+        }
+    }
+    if let Some(gravity) = gravity {
+        log.notices.push(gravity_words(&gravity));
+        if gravity.weightless {
+            log.accel_mps2 = None;
+        }
+    }
+    Ok(())
+}
+
+fn hold_field(log: &mut Log, arguments: &LogArgs, known: &Known, size: &FieldSize) -> Outcome<()> {
+    let like = |other: f64| (size.field_ut / other).ln().abs() <= ALIKE.ln();
+    let fits = match known {
+        _ if EARTH_UT.contains(&size.field_ut) => true,
+        Known::Earth => false,
+        Known::Given(field) | Known::Calibrated(field) => like(*field),
+    };
+    if fits {
+        return Ok(());
+    }
+    let measured = format!(
+        "the magnetometer turned in a field of {}{} µT as it is read ({}, {} readings)",
+        if size.is_radius { "" } else { "at least " },
+        short(size.field_ut),
+        if size.is_radius {
+            "the radius of the sphere that the readings lie on"
+        } else {
+            "half their spread"
+        },
+        size.readings
+    );
+    let expected = match known {
+        Known::Earth => "the Earth's field is 22 to 67 µT everywhere".to_string(),
+        Known::Given(field) => format!("--field or --at says {} µT", short(*field)),
+        Known::Calibrated(field) => format!("the calibration's log showed {} µT", short(*field)),
+    };
+    // Counts of an unknown scale, and the field that gives it: this is how a scale is found.
+    if let (Known::Given(field), Some(scale)) = (known, log.ut_per_count) {
+        let [x, y, z] = scale.map(|scale| short(scale * field / size.field_ut));
+        log.notices.push(format!(
+            "{measured}, and {expected}: the scale of the counts is rather {x}, {y}, {z} µT; the calibration carries the factor"
+        ));
+        return Ok(());
+    }
+    let remedy = match log.ut_per_count {
+        Some(scale) => scale_remedy(&scale, size.field_ut),
+        None => unit_remedy(log, arguments, size),
+    };
+    Err(Failure::usage(format!("{measured}; {expected}. {remedy}")).in_file(&log.path))
+}
+
+/// For counts: the scale with which the field is one of the Earth's.
+fn scale_remedy(scale: &[f64; 3], field_ut: f64) -> String {
+    let of = |field: f64| scale.map(|scale| short(scale * field / field_ut)).join(",");
+    format!(
+        "The scale of the counts must lie between {} and {} µT (see the data sheet, and the range that is set); nearest to the \
+         middle is\n    --ut-per-count {}\nA field of its own (a coil) is said with --field UT",
+        of(22.0),
+        of(67.0),
+        of(45.0)
+    )
+}
+
+/// For columns in microtesla: the unit they are rather in, and the options that say so.
+fn unit_remedy(log: &Log, arguments: &LogArgs, size: &FieldSize) -> String {
+    let units = size.units();
+    if units.is_empty() {
+        return "No unit makes it one: is this the magnetometer? A field of its own (a coil) is said with --field UT".to_string();
+    }
+    let mut text = String::new();
+    for (unit, field) in units {
+        let micro = field / size.field_ut;
+        text.push_str(&format!("In {unit} it would be {} µT: say so with\n", short(field)));
+        text.push_str(&format!("   {}\n", counts_options(log, arguments, micro)));
+    }
+    text + "A field of its own (a coil) is said with --field UT"
+}
+
+/// The options that read the magnetometer's columns as counts of this scale, and everything else as it was.
+fn counts_options(log: &Log, arguments: &LogArgs, ut_per_count: f64) -> String {
+    let given = parse_map(&arguments.map).unwrap_or_default();
+    let found = |name: &str| {
+        let mapped = given.iter().find(|(own, _)| own == name).map(|(_, header)| header.clone());
+        let read =
+            log.read_as.columns.iter().find(|column| column.name == name).map(|column| column.source.clone());
+        mapped.or(read.filter(|source| !source.is_empty())).unwrap_or_else(|| name.to_string())
+    };
+    let field = ["x", "y", "z"].map(|axis| format!("m{axis}_counts={}", found(&format!("m{axis}_ut"))));
+    let is_field = |name: &str| ["mx_ut", "my_ut", "mz_ut"].contains(&name);
+    let others =
+        given.iter().filter(|(name, _)| !is_field(name)).map(|(name, header)| format!("{name}={header}"));
+    let map: Vec<String> = field.into_iter().chain(others).collect();
+    format!("{} --ut-per-count {}", typed_option("--map", &map.join(",")), power(ut_per_count))
+}
+
+fn hold_clock(
+    log: &mut Log,
+    arguments: &LogArgs,
+    clock: &OddClock,
+    by_gyro: Option<f64>,
+    rate: Option<&OddRate>,
+) -> Outcome<()> {
+    let mut text = format!(
+        "the rows are {} s apart as the time is read, {} s from the first to the last (median of {} steps)",
+        short(clock.step_s),
+        short(clock.seconds),
+        clock.steps
+    );
+    if clock.certain {
+        text.push_str(", which no magnetometer is");
+    }
+    if let (Some(_), Some(rate)) = (by_gyro, rate) {
+        text.push_str(&format!(
+            ", and the gyro turned {} times as far in that time as the {} did",
+            short(1.0 / rate.factor),
+            if rate.by_field { "field" } else { "accelerometer" }
+        ));
+    }
+    let units: Vec<String> = by_gyro
+        .into_iter()
+        .chain(clock.factors.iter().copied().filter(|_| by_gyro.is_none()))
+        .filter_map(|factor| Some(format!("   {}", time_option(log, arguments, factor)?)))
+        .collect();
+    if !units.is_empty() {
+        text.push_str(&format!(". If the time is in another unit:\n{}", units.join("\n")));
+    }
+    if clock.certain || by_gyro.is_some() {
+        return Err(Failure::usage(text).in_file(&log.path).at_column("t_s"));
+    }
+    log.notices.push(text);
+    Ok(())
+}
+
+/// The option that reads the time in the unit that makes it `factor` times as long.
+fn time_option(log: &Log, arguments: &LogArgs, factor: f64) -> Option<String> {
+    let given = parse_map(&arguments.map).unwrap_or_default();
+    let role = ["t_s", "t_us"];
+    let mapped = given.iter().find(|(name, _)| role.contains(&name.as_str())).cloned();
+    let read = log.read_as.columns.iter().find(|column| role.contains(&column.name.as_str()));
+    let (name, header) = match (mapped, read) {
+        (Some((name, header)), _) => (name, header),
+        (None, Some(column)) => (column.name.clone(), column.source.clone()),
+        (None, None) => ("t_s".to_string(), "t_s".to_string()),
+    };
+    // What a unit of the column was read as, s.
+    let read_s = if name == "t_us" { 1e-6 } else { 1.0 };
+    let wanted = read_s * factor;
+    let (unit, _) = clock::UNITS.into_iter().find(|(_, size)| (wanted / size - 1.0).abs() < 1e-9)?;
+    let others = given.iter().filter(|(name, _)| !role.contains(&name.as_str()));
+    let map: Vec<String> = std::iter::once(format!("t_s={header}[{unit}]"))
+        .chain(others.map(|(name, header)| format!("{name}={header}")))
+        .collect();
+    Some(typed_option("--map", &map.join(",")))
+}
+
+fn rate_words(log: &Log, arguments: &LogArgs, rate: &OddRate) -> String {
+    let what = if rate.by_field { "the field" } else { "gravity" };
+    let unit = rate
+        .unit
+        .map_or("a unit that is none of the usual (raw counts?)".to_string(), |(unit, _)| unit.to_string());
+    let factor = rate.unit.map_or(rate.factor, |(_, size)| size);
+    format!(
+        "the gyro is left out: its numbers are {} times the turning that {what} shows ({:.0} % of which they explain, {} \
+         stretches), so they are in {unit}, not in rad/s. Say so with\n   {}",
+        short(1.0 / rate.factor),
+        100.0 * rate.explained,
+        rate.stretches,
+        gyro_options(log, arguments, factor)
+    )
+}
+
+/// The options that multiply the gyro by a factor: other names for its columns, and the sensor's computed from them.
+fn gyro_options(log: &Log, arguments: &LogArgs, factor: f64) -> String {
+    let given = parse_map(&arguments.map).unwrap_or_default();
+    let derived = |name: &str| arguments.derive.iter().any(|text| text.starts_with(&format!("{name}=")));
+    let names = ["gx_radps", "gy_radps", "gz_radps"];
+    let header = |name: &str| {
+        let mapped = given.iter().find(|(own, _)| own == name).map(|(_, header)| header.clone());
+        let read =
+            log.read_as.columns.iter().find(|column| column.name == name).map(|column| column.source.clone());
+        mapped.or(read.filter(|source| !source.is_empty())).unwrap_or_else(|| name.to_string())
+    };
+    let others = given.iter().filter(|(name, _)| !names.contains(&name.as_str()));
+    let mut map: Vec<String> = others.map(|(name, header)| format!("{name}={header}")).collect();
+    if !names.iter().any(|name| derived(name)) {
+        map.extend(names.map(|name| format!("{}_read={}", &name[..2], header(name))));
+    }
+    let factor = match factor {
+        f if (f - std::f64::consts::PI / 180.0).abs() < 1e-9 => "*pi/180".to_string(),
+        f if (f - 180.0 / std::f64::consts::PI).abs() < 1e-6 => "*180/pi".to_string(),
+        f => format!("*{f:.6e}"),
+    };
+    let own =
+        names.map(|name| typed_option("--derive", &format!("{name}={}_read{factor}", &name[..2]))).concat();
+    format!("{}{own}", if map.is_empty() { String::new() } else { typed_option("--map", &map.join(",")) })
+}
+
+fn axes_words(axes: &OddAxes) -> String {
+    let figures = format!(
+        "{:.0} % of the turning is explained as it is, {:.0} % then; {} stretches",
+        100.0 * axes.explained,
+        100.0 * axes.explained_then,
+        axes.stretches
+    );
+    let (sensor, form, left_out, whose) = match axes.whose {
+        Whose::Gyro => {
+            ("gyro", "gyro", true, "the gyro's axes are not those of accelerometer and magnetometer")
+        }
+        Whose::Accelerometer => (
+            "accelerometer",
+            "accel",
+            false,
+            "the accelerometer's axes are not those of gyro and magnetometer",
+        ),
+        Whose::Magnetometer => {
+            ("magnetometer", "mag", false, "the magnetometer's axes are not those of gyro and accelerometer")
+        }
+        Whose::GyroOrMagnetometer => ("gyro", "gyro", true, "the gyro's axes are not the magnetometer's"),
+        Whose::GyroOrAccelerometer => ("gyro", "gyro", true, "the gyro's axes are not the accelerometer's"),
+    };
+    let mirrored = axes.orders.iter().all(|order| order.is_mirrored());
+    let mut text = format!("{whose} ({figures})");
+    if left_out {
+        text.push_str("; the gyro is left out");
+    }
+    match axes.orders.as_slice() {
+        [one] => text.push_str(&format!(
+            ". They agree with\n   {}{}",
+            typed_option("--rotate", &format!("{form}:{}", one.name())),
+            if mirrored {
+                format!("\nThat is a mirror, which no mounting makes: the {sensor}'s driver has an axis or a sign wrong")
+            } else {
+                String::new()
+            }
+        )),
+        several => {
+            let names: Vec<String> = several.iter().take(6).map(|order| quoted(&order.name())).collect();
+            text.push_str(&format!(
+                ". The log was turned about too few axes to say in which order they agree ({}): turn it about all three",
+                names.join(", ")
+            ));
+        }
+    }
+    if axes.whose == Whose::GyroOrMagnetometer {
+        text.push_str("\nif it is not the magnetometer that stands otherwise: log the accelerometer too, to tell which it is");
+    }
+    text
+}
+
+fn gravity_words(gravity: &OddGravity) -> String {
+    let OddGravity { magnitude_mps2, readings, unit, weightless } = gravity;
+    let measured = format!("the accelerometer reads {} m/s² (median of {readings})", short(*magnitude_mps2));
+    match unit {
+        Some((unit, _)) => format!(
+            "{measured}, which is gravity in {unit} and not in m/s²: of it only the direction is used, the same in any unit"
+        ),
+        None if *weightless => format!(
+            "{measured}, so there is no gravity in it (a phone's \"linear acceleration\"): it is left out; log the \
+             accelerometer with gravity"
+        ),
+        None => format!(
+            "{measured} where at rest it must be 9.8: its scale is another one; only the direction is used"
+        ),
+    }
+}
+
+/// Three significant digits, without a power of ten.
+fn short(value: f64) -> String {
+    if !value.is_finite() || value == 0.0 {
+        return format!("{value}");
+    }
+    let digits = value.abs().log10().floor() as i32;
+    if !(-9..12).contains(&digits) {
+        return format!("{value:.2e}");
+    }
+    format!("{value:.*}", (2 - digits).max(0) as usize)
+}
+
+/// A power of ten as it is typed.
+fn power(value: f64) -> String {
+    format!("{}", 10.0_f64.powf(value.log10().round()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in [
+            (48_123.4, "48123"),
+            (0.481, "0.481"),
+            (59_980.0, "59980"),
+            (2e-8, "0.0000000200"),
+            (4.567, "4.57"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+        assert_eq!(
+            (power(1e-3), power(0.1), power(100.0), power(1e6)),
+            ("0.001".into(), "0.1".into(), "100".into(), "1000000".into())
+        );
+    }
+}
