@@ -8,6 +8,7 @@ pub mod cli;
 pub mod commands;
 pub mod corrected;
 pub mod failure;
+pub mod formats;
 pub mod geomag;
 pub mod input;
 pub mod output;

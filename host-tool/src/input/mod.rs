@@ -20,4 +20,4 @@ pub use lines::Lines;
 pub use log::{Covariate, Log, ReadOptions};
 pub use mount::{FORMS as ROTATE_FORMS, Mounting};
 pub use read_as::{Instance, LeftOut, ReadAs, ReadColumn};
-pub use reader::{read_log, read_stream};
+pub use reader::{read_any, read_log, read_stream};

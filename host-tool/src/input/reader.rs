@@ -1,10 +1,11 @@
 //! From the bytes of a CSV file to a [`Log`].
 
 use crate::failure::{Failure, Outcome};
+use crate::formats;
 use crate::input::columns::{self, Column, Role};
 use crate::input::lines::{Cutter, Lines};
 use crate::input::log::{Covariate, Log, ReadOptions};
-use crate::input::mount::{determinant, rotate};
+use crate::input::mount::rotate;
 use crate::input::read_as::ReadAs;
 use crate::input::store::Store;
 use crate::progress::Progress;
@@ -19,12 +20,27 @@ pub fn read_log(path: &Path, options: &ReadOptions) -> Outcome<Log> {
     if metadata.is_dir() {
         return Err(Failure::usage("this is a folder: name a log file").in_file(path));
     }
-    let mut log = read_stream(file, metadata.len(), options).map_err(|failure| {
+    let mut log = read_any(file, metadata.len(), options).map_err(|failure| {
         // Usage errors of an option have no file; those of the log have a line.
         if failure.file.is_none() { failure.in_file(path) } else { failure }
     })?;
     log.path = path.to_path_buf();
     Ok(log)
+}
+
+/// Reads a log of any format from any source of bytes: a binary one is told by its first bytes, the rest is CSV.
+pub fn read_any(mut source: impl Read, size_bytes: u64, options: &ReadOptions) -> Outcome<Log> {
+    let mut first = Vec::new();
+    source
+        .by_ref()
+        .take(formats::FIRST_BYTES as u64)
+        .read_to_end(&mut first)
+        .map_err(|error| Failure::usage(format!("cannot read: {error}")))?;
+    let whole = first.as_slice().chain(source);
+    match formats::told(&first) {
+        Some(format) => formats::read(format, whole, size_bytes, options),
+        None => read_stream(whole, size_bytes, options),
+    }
 }
 
 /// Reads a log from any source of bytes; `size_bytes` (0: unknown) only sizes buffers and the progress bar.
@@ -177,29 +193,10 @@ impl Plan {
         };
         let accel = optional(Role::Accel, "the accelerometer is", "ax_mps2,ay_mps2,az_mps2");
         let gyro = optional(Role::Gyro, "the gyroscope is", "gx_radps,gy_radps,gz_radps");
-        for (matrix, has, what) in [
-            (options.mounting.accelerometer, accel.is_some(), "accelerometer"),
-            (options.mounting.gyroscope, gyro.is_some(), "gyroscope"),
-        ] {
-            // Turning everything at once is no wish for what is not there.
-            if matrix.is_some() && matrix != options.mounting.magnetometer && !has {
-                notices.push(format!("--rotate turns the {what}, which is not in the log"));
-            }
-        }
+        notices.extend(options.mounting.notices(accel.is_some(), gyro.is_some()));
         let heading = find(Role::Heading);
         let time = seconds.or(microseconds);
         let strict = time.into_iter().chain(field).collect();
-        for (matrix, what) in [
-            (options.mounting.magnetometer, "magnetometer"),
-            (options.mounting.accelerometer, "accelerometer"),
-            (options.mounting.gyroscope, "gyroscope"),
-        ] {
-            if matrix.is_some_and(|m| determinant(&m) < 0.0) {
-                notices.push(format!(
-                    "--rotate mirrors the {what}: right only if the log has its axes in the wrong order or sign"
-                ));
-            }
-        }
         Ok(Plan {
             time,
             microseconds: microseconds.is_some(),
