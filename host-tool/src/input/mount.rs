@@ -55,6 +55,32 @@ impl Mounting {
         Ok(mounting)
     }
 
+    /// What is to be said of `--rotate` on a log that has an accelerometer and a gyroscope or not.
+    pub fn notices(&self, has_accelerometer: bool, has_gyroscope: bool) -> Vec<String> {
+        let mut notices = Vec::new();
+        for (matrix, has, what) in [
+            (self.accelerometer, has_accelerometer, "accelerometer"),
+            (self.gyroscope, has_gyroscope, "gyroscope"),
+        ] {
+            // Turning everything at once is no wish for what is not there.
+            if matrix.is_some() && matrix != self.magnetometer && !has {
+                notices.push(format!("--rotate turns the {what}, which is not in the log"));
+            }
+        }
+        for (matrix, what) in [
+            (self.magnetometer, "magnetometer"),
+            (self.accelerometer, "accelerometer"),
+            (self.gyroscope, "gyroscope"),
+        ] {
+            if matrix.is_some_and(|m| determinant(&m) < 0.0) {
+                notices.push(format!(
+                    "--rotate mirrors the {what}: right only if the log has its axes in the wrong order or sign"
+                ));
+            }
+        }
+        notices
+    }
+
     fn slot(&mut self, sensor: Sensor) -> &mut Option<[[f64; 3]; 3]> {
         match sensor {
             Sensor::Magnetometer => &mut self.magnetometer,

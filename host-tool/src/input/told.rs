@@ -2,6 +2,7 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::input::columns::{self, Role};
+use crate::input::formats;
 use crate::input::guard::MAX_LINE_BYTES;
 use crate::input::lines::{Cutter, Lines};
 use crate::input::log::{Log, ReadOptions};
@@ -22,19 +23,11 @@ pub enum Format {
     Own,
     /// Any other text.
     Text,
-    /// A binary log, by its name.
-    Binary(&'static str),
+    /// A recording of another program, with streams of their own.
+    Recording(formats::Format),
     /// What is no log and is known.
     Foreign(&'static str),
 }
-
-/// How binary files begin, and what they are.
-const BINARY: &[(&[u8], &str)] = &[
-    (b"ULog\x01\x12\x35", "PX4 ULog"),
-    (b"\xa3\x95", "ArduPilot DataFlash"),
-    (b"\x89MCAP0\r\n", "MCAP"),
-    (b"H Product:Blackbox", "blackbox"),
-];
 
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"PK\x03\x04", "a ZIP archive (or a spreadsheet): unpack it, or save the table as CSV"),
@@ -53,8 +46,8 @@ pub fn told(first: &[u8], options: &ReadOptions) -> Format {
     let begins = |table: &[(&[u8], &'static str)]| {
         table.iter().find(|(magic, _)| first.starts_with(magic)).map(|(_, name)| *name)
     };
-    if let Some(name) = begins(BINARY) {
-        return Format::Binary(name);
+    if let Some(format) = formats::told(first) {
+        return Format::Recording(format);
     }
     if let Some(name) = begins(FOREIGN) {
         return Format::Foreign(name);
@@ -138,9 +131,7 @@ pub fn read_stream(mut source: impl Read, size_bytes: u64, options: &ReadOptions
     match format {
         Format::Own => reader::read_own(whole, size_bytes, options),
         Format::Text => text::read(whole, options),
-        Format::Binary(name) => Err(Failure::usage(format!(
-            "this is a {name} log, which this version does not read: export it as CSV with the tools of its makers"
-        ))),
+        Format::Recording(format) => formats::read(format, whole, size_bytes, options),
         Format::Foreign(what) => Err(Failure::usage(format!("this is no log but {what}"))),
     }
 }

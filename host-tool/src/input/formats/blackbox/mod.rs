@@ -1,0 +1,6 @@
+//! Blackbox logs of Betaflight and INAV, decoded by the crate `blackbox-log`.
+
+mod header;
+mod read;
+
+pub use read::read;

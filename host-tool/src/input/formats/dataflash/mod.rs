@@ -1,0 +1,12 @@
+//! ArduPilot DataFlash, binary and as text, read from its own definitions (ardupilot.org, "Log messages"; the layout is that
+//! of libraries/AP_Logger/LogStructure.h).
+
+mod binary;
+mod collect;
+mod compass;
+mod definition;
+mod text;
+mod wanted;
+
+pub use binary::read_binary;
+pub use text::read_text;

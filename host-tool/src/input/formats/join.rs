@@ -1,0 +1,284 @@
+//! A recording of several streams becomes one log: the magnetometer gives the rows, the rest is read at their times.
+
+use crate::failure::{Failure, Outcome};
+use crate::input::formats::interpolate::{GAP_PERIODS, at_times, gap_s};
+use crate::input::formats::order::ordered;
+use crate::input::formats::stream::{Column, Recording, Stream};
+use crate::input::log::{Covariate, Log, ReadOptions};
+use crate::input::read_as::{Instance, LeftOut, ReadAs, ReadColumn};
+
+const FIELD_UT: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
+const FIELD_COUNTS: [&str; 3] = ["mx_counts", "my_counts", "mz_counts"];
+const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
+const GYRO: [&str; 3] = ["gx_radps", "gy_radps", "gz_radps"];
+/// A stream that has no value in more than this share of the rows is told of.
+const TOLD_SHARE: f64 = 0.05;
+
+/// Joins a recording into a log, in body axes as the recording has them, turned further by `--rotate`.
+///
+/// # Errors
+/// No row is usable, the magnetometer is in counts and no scale is given, or `--map` names what is not there.
+pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
+    rename(&mut recording, options)?;
+    let counts = recording.magnetometer.column(FIELD_COUNTS[0]).is_some();
+    let field_names = if counts { FIELD_COUNTS } else { FIELD_UT };
+    let mut notices = std::mem::take(&mut recording.notices);
+    let scale = match (counts, options.ut_per_count, options.default_ut_per_count) {
+        (true, Some(scale), _) | (true, None, Some(scale)) => Some(scale),
+        (true, None, None) => return Err(no_scale(&recording.magnetometer, &recording.format)),
+        (false, Some(_), _) => {
+            notices.push("--ut-per-count is not used: this log knows its unit".into());
+            None
+        }
+        (false, None, _) => None,
+    };
+    let mut left_out = std::mem::take(&mut recording.left_out);
+    let rows = usable(&mut recording.magnetometer, field_names, &mut left_out);
+    if rows == 0 {
+        return Err(Failure::usage(format!(
+            "no usable row in {}: {}",
+            recording.magnetometer.name,
+            left_out.iter().map(|(rows, why)| format!("{rows} with {why}")).collect::<Vec<_>>().join(", ")
+        )));
+    }
+    if let (true, Some(matrix)) = (rows > 0, options.mounting.magnetometer) {
+        recording.magnetometer.turn(field_names, &matrix);
+    }
+    let joined = others(&mut recording, options, &mut notices);
+    let mut columns = vec![ReadColumn {
+        name: "t_s".into(),
+        source: format!("time of {}", recording.magnetometer.name),
+        unit: String::new(),
+    }];
+    let mut own: Vec<Column> = std::mem::take(&mut recording.magnetometer.columns);
+    own.extend(joined);
+    own.retain(|column| column.values.iter().any(|value| value.is_finite()));
+    columns.extend(own.iter().map(|column| ReadColumn {
+        name: column.name.clone(),
+        source: column.source.clone(),
+        unit: column.unit.clone(),
+    }));
+    let raw = take(&mut own, field_names).unwrap_or_default();
+    let whole = scale.filter(|_| options.mounting.magnetometer.is_none()).and_then(|_| integers(&raw));
+    let mut field_ut = raw;
+    for (column, scale) in field_ut.iter_mut().zip(scale.unwrap_or([1.0; 3])) {
+        column.iter_mut().for_each(|value| *value *= scale);
+    }
+    let accel_mps2 = take(&mut own, ACCEL);
+    let gyro_radps = take(&mut own, GYRO);
+    notices.extend(options.mounting.notices(accel_mps2.is_some(), gyro_radps.is_some()));
+    let time_s = std::mem::take(&mut recording.magnetometer.time_s);
+    Ok(Log {
+        path: Default::default(),
+        rows,
+        time_s: Some(time_s),
+        field_ut,
+        ut_per_count: scale,
+        counts: whole,
+        accel_mps2,
+        gyro_radps,
+        heading_deg: None,
+        covariates: own.into_iter().map(covariate).collect(),
+        read_as: ReadAs {
+            format: recording.format,
+            columns,
+            taken_out: recording.taken_out,
+            pins: pins(&recording.instance, options, scale),
+            instance: recording.instance.map(|(taken, there)| Instance { taken, there }),
+            left_out: left_out
+                .into_iter()
+                .map(|(rows, why)| LeftOut { rows, first_line: None, why })
+                .collect(),
+        },
+        notices,
+    })
+}
+
+fn pins(
+    instance: &Option<(usize, Vec<(usize, String)>)>,
+    options: &ReadOptions,
+    scale: Option<[f64; 3]>,
+) -> Vec<(String, String)> {
+    let mut pins = Vec::new();
+    if let Some((taken, _)) = instance {
+        pins.push(("--instance".to_string(), taken.to_string()));
+    }
+    for (name, source) in &options.map {
+        pins.push(("--map".to_string(), format!("{name}={source}")));
+    }
+    if let Some([x, y, z]) = scale {
+        let value = if x == y && y == z { x.to_string() } else { format!("{x},{y},{z}") };
+        pins.push(("--ut-per-count".to_string(), value));
+    }
+    pins
+}
+
+/// `--map NAME=SOURCE` gives a column another name; the magnetometer is chosen by `--instance`.
+fn rename(recording: &mut Recording, options: &ReadOptions) -> Outcome<()> {
+    for (name, from) in &options.map {
+        if name.starts_with("t_") || [FIELD_UT, FIELD_COUNTS].as_flattened().contains(&name.as_str()) {
+            return Err(Failure::usage(format!(
+                "--map {name}={from}: in this format time and magnetometer are known; another magnetometer of the log \
+                 is taken with --instance"
+            )));
+        }
+        let streams = std::iter::once(&mut recording.magnetometer).chain(&mut recording.others);
+        let mut columns = streams.flat_map(|stream| &mut stream.columns);
+        match columns.find(|column| column.source == *from || column.name == *from) {
+            Some(column) => column.name = name.clone(),
+            None => {
+                let all = std::iter::once(&recording.magnetometer).chain(&recording.others);
+                let names: Vec<&str> =
+                    all.flat_map(|stream| &stream.columns).map(|column| column.source.as_str()).collect();
+                return Err(Failure::usage(format!(
+                    "--map {name}={from}: there is no column {from}; there is\n {}",
+                    names.join("\n ")
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Leaves out rows without a number in the field, and rows out of the order of time. Gives how many stay.
+fn usable(stream: &mut Stream, field: [&str; 3], left_out: &mut Vec<(usize, String)>) -> usize {
+    let columns = field.map(|name| stream.column(name).map(|column| column.values.as_slice()));
+    let [Some(x), Some(y), Some(z)] = columns else { return 0 };
+    let numbers: Vec<bool> = stream
+        .time_s
+        .iter()
+        .zip(x)
+        .zip(y.iter().zip(z))
+        .map(|((t, x), (y, z))| [t, x, y, z].iter().all(|value| value.is_finite()))
+        .collect();
+    let without = numbers.iter().filter(|number| !**number).count();
+    keep(stream, &numbers);
+    let in_order = ordered(&stream.time_s);
+    let disordered = in_order.iter().filter(|stays| !**stays).count();
+    keep(stream, &in_order);
+    for (rows, why) in
+        [(without, "no number in the magnetometer's columns"), (disordered, "a time out of order")]
+    {
+        if rows > 0 {
+            left_out.push((rows, why.to_string()));
+        }
+    }
+    stream.time_s.len()
+}
+
+fn keep(stream: &mut Stream, stays: &[bool]) {
+    if stays.iter().all(|stays| *stays) {
+        return;
+    }
+    let thin = |values: &mut Vec<f64>| {
+        let mut flags = stays.iter();
+        values.retain(|_| flags.next().copied().unwrap_or(false));
+    };
+    thin(&mut stream.time_s);
+    stream.columns.iter_mut().for_each(|column| thin(&mut column.values));
+}
+
+/// The columns of all other streams at the magnetometer's times; the first of a name that has values wins.
+fn others(recording: &mut Recording, options: &ReadOptions, notices: &mut Vec<String>) -> Vec<Column> {
+    let mut joined: Vec<Column> = Vec::new();
+    let mut taken: Vec<String> =
+        recording.magnetometer.columns.iter().map(|column| column.name.clone()).collect();
+    let at_s = recording.magnetometer.time_s.as_slice();
+    for mut stream in std::mem::take(&mut recording.others) {
+        stream.columns.retain(|column| {
+            !taken.contains(&column.name) && column.values.iter().any(|value| value.is_finite())
+        });
+        if stream.columns.is_empty() {
+            continue;
+        }
+        let finite: Vec<bool> = stream.time_s.iter().map(|time| time.is_finite()).collect();
+        keep(&mut stream, &finite);
+        let in_order = ordered(&stream.time_s);
+        keep(&mut stream, &in_order);
+        for (names, matrix) in [(ACCEL, options.mounting.accelerometer), (GYRO, options.mounting.gyroscope)] {
+            if let Some(matrix) = matrix {
+                stream.turn(names, &matrix);
+            }
+        }
+        let gap = gap_s(&stream.time_s);
+        let mut most_empty = 0;
+        for column in stream.columns {
+            let values = at_times(&stream.time_s, &column.values, column.between, gap, at_s);
+            let empty = values.iter().filter(|value| !value.is_finite()).count();
+            if empty < values.len() {
+                most_empty = most_empty.max(empty);
+                taken.push(column.name.clone());
+                joined.push(Column { values, ..column });
+            }
+        }
+        if most_empty as f64 > TOLD_SHARE * at_s.len() as f64 {
+            notices.push(format!(
+                "{}: {most_empty} of {} rows have no value: before its first or after its last sample, or in a gap of \
+                 more than {GAP_PERIODS} of its periods ({gap:.3} s)",
+                stream.name,
+                at_s.len()
+            ));
+        }
+    }
+    joined
+}
+
+fn take(columns: &mut Vec<Column>, names: [&str; 3]) -> Option<[Vec<f64>; 3]> {
+    if !names.iter().all(|name| columns.iter().any(|column| column.name == *name)) {
+        columns.retain(|column| !names.contains(&column.name.as_str()));
+        return None;
+    }
+    Some(names.map(|name| {
+        let at = columns.iter().position(|column| column.name == name);
+        at.map(|at| columns.remove(at).values).unwrap_or_default()
+    }))
+}
+
+fn covariate(column: Column) -> Covariate {
+    let values: Vec<f64> = column.values.iter().map(|v| if v.is_finite() { *v } else { f64::NAN }).collect();
+    let empty = values.iter().filter(|value| value.is_nan()).count();
+    Covariate { name: column.name, values, empty, not_finite: 0 }
+}
+
+fn integers(raw: &[Vec<f64>; 3]) -> Option<Vec<[i16; 3]>> {
+    let exact = |value: f64| {
+        let count = value as i16;
+        (f64::from(count) == value).then_some(count)
+    };
+    let [x, y, z] = raw;
+    x.iter().zip(y).zip(z).map(|((&x, &y), &z)| Some([exact(x)?, exact(y)?, exact(z)?])).collect()
+}
+
+/// Scales of chips that flight controllers carry, µT a count, at the range their firmware sets.
+const CHIPS: [(&str, f64); 6] = [
+    ("HMC5883L at ±1.3 G", 0.0917),
+    ("QMC5883L at ±8 G", 0.0333),
+    ("IST8310", 0.3),
+    ("LIS3MDL at ±4 G", 0.0146),
+    ("AK8963/MPU9250", 0.15),
+    ("AK8975", 0.3),
+];
+
+/// The magnetometer is in counts: which scales give a field that the Earth has.
+fn no_scale(stream: &Stream, format: &str) -> Failure {
+    let mut squares = 0.0;
+    for name in FIELD_COUNTS {
+        let mut values: Vec<f64> =
+            stream.column(name).map(|column| column.values.clone()).unwrap_or_default();
+        values.retain(|value| value.is_finite());
+        values.sort_by(f64::total_cmp);
+        // Half the range from the 2nd to the 98th hundredth: nearly the field where all attitudes were seen, less otherwise.
+        let at = |share: f64| values.get((share * values.len() as f64) as usize).copied().unwrap_or(0.0);
+        squares = f64::max(squares, (at(0.98) - at(0.02)) / 2.0);
+    }
+    let mut message = format!(
+        "{format} holds the magnetometer in counts of its chip, and does not say which chip it is: give the scale with \
+         --ut-per-count, in microtesla a count.\nThe counts span ±{squares:.0}, and the Earth's field is 22 to 67 µT:"
+    );
+    for (chip, scale) in CHIPS {
+        let field = squares * scale;
+        let fits = if (11.0..=100.0).contains(&field) { "" } else { ", which cannot be" };
+        message.push_str(&format!("\n  --ut-per-count {scale}   {chip} (gives ±{field:.0} µT{fits})"));
+    }
+    Failure::usage(message).at_column("magADC")
+}

@@ -1,0 +1,24 @@
+//! Logs of other programs that are no table: PX4 ULog, ArduPilot DataFlash, Betaflight and INAV blackbox, MCAP of ROS.
+//!
+//! Each is read into a [`Recording`]: streams on time bases of their own, in body axes and the program's units, with the
+//! calibration that an autopilot had applied taken out. One join makes a [`Log`](crate::input::Log) of it.
+
+mod blackbox;
+mod correction;
+mod dataflash;
+mod feed;
+mod interpolate;
+mod inventory;
+mod join;
+mod mcap;
+mod order;
+mod parameters;
+mod read;
+mod rotation;
+mod stream;
+mod told;
+mod ulog;
+
+pub use read::read;
+pub use stream::Recording;
+pub use told::{FIRST_BYTES, Format, told};

@@ -1,0 +1,126 @@
+//! What a recording holds: columns that share a time base of their own.
+
+/// How a column is read between two of its samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Between {
+    /// On the straight line between them.
+    #[default]
+    Line,
+    /// The earlier one holds: switches, modes, commands.
+    Hold,
+    /// The shorter way round a circle of 360: degrees of longitude.
+    Circle,
+}
+
+/// One column of a stream, already in the program's unit.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Column {
+    /// Its name in the log: `ax_mps2`, `current_a`, …
+    pub name: String,
+    /// What it is called in the file: `sensor_combined.accelerometer_m_s2[0]`.
+    pub source: String,
+    /// The unit there.
+    pub unit: String,
+    /// How it is read between two samples.
+    pub between: Between,
+    /// One value a sample, NaN where it has none.
+    pub values: Vec<f64>,
+}
+
+/// Columns on one time base.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Stream {
+    /// What the file calls it, with its instance: `battery_status[0]`.
+    pub name: String,
+    /// Seconds since the beginning of the log; in the order of the file.
+    pub time_s: Vec<f64>,
+    /// The columns, each as long as the time.
+    pub columns: Vec<Column>,
+}
+
+impl Stream {
+    /// An empty stream.
+    pub fn new(name: impl Into<String>) -> Self {
+        Stream { name: name.into(), ..Stream::default() }
+    }
+
+    /// Adds an empty column.
+    #[must_use]
+    pub fn with(mut self, name: &str, source: &str, unit: &str, between: Between) -> Self {
+        self.columns.push(Column {
+            name: name.into(),
+            source: source.into(),
+            unit: unit.into(),
+            between,
+            values: Vec::new(),
+        });
+        self
+    }
+
+    /// The column of that name.
+    pub fn column(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|column| column.name == name)
+    }
+
+    /// Adds one sample; values that are not there are NaN.
+    pub fn push(&mut self, time_s: f64, values: &[f64]) {
+        self.time_s.push(time_s);
+        for (index, column) in self.columns.iter_mut().enumerate() {
+            column.values.push(values.get(index).copied().unwrap_or(f64::NAN));
+        }
+    }
+
+    /// The three columns of these names, turned by `matrix` in place.
+    pub fn turn(&mut self, names: [&str; 3], matrix: &[[f64; 3]; 3]) {
+        let [Some(x), Some(y), Some(z)] = names.map(|name| self.columns.iter().position(|c| c.name == name))
+        else {
+            return;
+        };
+        let Ok([x, y, z]) = self.columns.get_disjoint_mut([x, y, z]) else { return };
+        for ((x, y), z) in x.values.iter_mut().zip(&mut y.values).zip(&mut z.values) {
+            let v = [*x, *y, *z];
+            [*x, *y, *z] = matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
+        }
+    }
+}
+
+/// A file read: the magnetometer that gives the rows, what else was measured, and what is to be said of it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Recording {
+    /// The format in words.
+    pub format: String,
+    /// The magnetometer: `mx_ut,my_ut,mz_ut` (or `mx_counts,…`) first, then what comes with it.
+    pub magnetometer: Stream,
+    /// The rest. Where two columns have one name, the first stream with values in it wins.
+    pub others: Vec<Stream>,
+    /// What was undone or turned.
+    pub taken_out: Vec<String>,
+    /// Which of the magnetometers: its number, and all that are there with a word on each.
+    pub instance: Option<(usize, Vec<(usize, String)>)>,
+    /// Rows of the magnetometer that could not be used: how many, and why.
+    pub left_out: Vec<(usize, String)>,
+    /// What the user should know.
+    pub notices: Vec<String>,
+}
+
+/// The instance to read: the one that was asked for, or the first that is there.
+///
+/// # Errors
+/// An instance was asked for that is not there; what is there is named.
+pub fn choose(
+    wanted: Option<usize>,
+    there: &[(usize, String)],
+    what: &str,
+) -> crate::failure::Outcome<usize> {
+    let listing =
+        || there.iter().map(|(number, words)| format!("{number} ({words})")).collect::<Vec<_>>().join(", ");
+    match (wanted, there.first()) {
+        (Some(number), _) if there.iter().any(|(known, _)| *known == number) => Ok(number),
+        (None, Some((number, _))) => Ok(*number),
+        (Some(number), Some(_)) => Err(crate::failure::Failure::usage(format!(
+            "--instance {number}: there is no such {what} in the log; there is {}",
+            listing()
+        ))),
+        (_, None) => Err(crate::failure::Failure::usage(format!("there is no {what} in the log"))),
+    }
+}

@@ -1,0 +1,309 @@
+//! Which topic of a PX4 log is the magnetometer, and what PX4 had done to its values.
+//!
+//! PX4 corrects as `R·(S·((raw + power·comp) − offset))` with R the mounting (src/lib/sensor_calibration/Magnetometer.hpp):
+//! `sensor_mag` is `raw`, `vehicle_magnetometer` is corrected. Before 1.12 drivers corrected `sensor_mag` themselves, without R,
+//! and `sensor_combined` carried the corrected field. Here everything becomes `R·raw`: the sensor's own field in body axes.
+
+use crate::failure::{Failure, Outcome};
+use crate::input::formats::correction::{Correction, Undo};
+use crate::input::formats::interpolate::{at_times, gap_s};
+use crate::input::formats::parameters::Parameters;
+use crate::input::formats::rotation;
+use crate::input::formats::stream::{Between, Recording, Stream, choose};
+use crate::input::formats::ulog::collector::Collector;
+use nalgebra::{Matrix3, Vector3};
+
+const FIELD: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
+/// PX4 knows so many magnetometers.
+const SENSORS: usize = 4;
+/// A corrected stream is taken instead of the raw one of the same sensor where it has so many times more samples: by default
+/// PX4 logs `sensor_mag` once a second.
+const DENSER: usize = 3;
+/// Gauss to microtesla.
+const UT: f64 = 100.0;
+/// Current compensation is in gauss a kiloampere.
+const KILO: f64 = 1000.0;
+
+/// What has been done to the values of a stream.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// Nothing.
+    Raw,
+    /// Offset and scale by the driver, in the sensor's axes.
+    ByDriver,
+    /// Everything, and turned to the body's axes.
+    Corrected,
+}
+
+struct Candidate {
+    number: usize,
+    device_id: u32,
+    state: State,
+    collector: Collector,
+}
+
+/// Takes the magnetometer out of what was collected.
+///
+/// # Errors
+/// The instance asked for is not there. `Ok(None)`: there is no magnetometer at all.
+pub fn take(
+    collectors: &mut Vec<Collector>,
+    parameters: &Parameters,
+    wanted: Option<usize>,
+) -> Outcome<Option<Recording>> {
+    let candidates = candidates(collectors, parameters);
+    if candidates.is_empty() {
+        return Ok(None);
+    }
+    let most = candidates.iter().map(|one| one.collector.stream.time_s.len()).max();
+    let there: Vec<(usize, String)> =
+        candidates.iter().map(|candidate| (candidate.number, describe(candidate))).collect();
+    // Without a wish the one with the most samples: a second sensor is often logged once a second only.
+    let fullest = candidates.iter().find(|one| Some(one.collector.stream.time_s.len()) == most);
+    let taken = choose(wanted.or(fullest.map(|one| one.number)), &there, "magnetometer")?;
+    let Some(candidate) = candidates.into_iter().find(|one| one.number == taken) else { return Ok(None) };
+    let mut recording =
+        Recording { instance: (there.len() > 1).then_some((taken, there)), ..Recording::default() };
+    let stream = undo(candidate, collectors, parameters, &mut recording)?;
+    recording.magnetometer = stream;
+    Ok(Some(recording))
+}
+
+fn describe(candidate: &Candidate) -> String {
+    let samples = candidate.collector.stream.time_s.len();
+    let device = if candidate.device_id == 0 {
+        "device unknown".to_string()
+    } else {
+        format!("device {}", candidate.device_id)
+    };
+    format!("{}, {device}, {samples} samples", candidate.collector.stream.name)
+}
+
+fn candidates(collectors: &mut Vec<Collector>, parameters: &Parameters) -> Vec<Candidate> {
+    let mut of = |topic: &str| -> Vec<Collector> {
+        let is = |one: &mut Collector| one.topic == topic && finite(&one.stream);
+        let mut found: Vec<Collector> = collectors.extract_if(.., is).collect();
+        found.sort_by_key(|one| one.instance);
+        found
+    };
+    let (raw, corrected) = (of("sensor_mag"), of("vehicle_magnetometer"));
+    let prime = parameters.first("CAL_MAG_PRIME").map_or(0, |id| id as i64 as u32);
+    let mut found: Vec<Candidate> = raw
+        .into_iter()
+        .map(|collector| Candidate {
+            number: collector.instance.into(),
+            device_id: collector.device_id,
+            state: if collector.with_counts { State::ByDriver } else { State::Raw },
+            collector,
+        })
+        .collect();
+    for mut collector in corrected {
+        let device_id = if collector.device_id != 0 { collector.device_id } else { prime };
+        let own = found.iter().position(|one| one.device_id == device_id && device_id != 0);
+        let next = found.iter().map(|one| one.number + 1).max().unwrap_or(0);
+        let number = match own.and_then(|at| found.get(at)) {
+            Some(raw) if collector.stream.time_s.len() < DENSER * raw.collector.stream.time_s.len() => {
+                continue;
+            }
+            Some(raw) => raw.number,
+            None => next.max(collector.instance.into()),
+        };
+        if let Some(raw) = own.map(|at| found.remove(at)) {
+            // Its temperature comes along, joined at the times of the denser stream.
+            collector.external = raw.collector.external;
+            let mut rest = raw.collector;
+            rest.stream.columns.retain(|column| !FIELD.contains(&column.name.as_str()));
+            collectors.push(rest);
+        }
+        found.push(Candidate { number, device_id, state: State::Corrected, collector });
+    }
+    if found.is_empty() {
+        let combined =
+            collectors.iter_mut().find(|one| one.topic == "sensor_combined" && finite(&one.stream));
+        if let Some(combined) = combined {
+            let mut collector = combined.clone();
+            collector.stream.columns.retain(|column| FIELD.contains(&column.name.as_str()));
+            combined.stream.columns.retain(|column| !FIELD.contains(&column.name.as_str()));
+            found.push(Candidate { number: 0, device_id: prime, state: State::Corrected, collector });
+        }
+    }
+    found.sort_by_key(|one| one.number);
+    found
+}
+
+fn finite(stream: &Stream) -> bool {
+    FIELD.iter().all(|name| {
+        stream.column(name).is_some_and(|column| column.values.iter().any(|value| value.is_finite()))
+    })
+}
+
+/// The number n of CAL_MAGn_* for a device.
+fn calibration(parameters: &Parameters, device_id: u32) -> Option<usize> {
+    // A parameter is a signed number of 32 bits, a device id an unsigned one.
+    let id = |n: usize| parameters.first(&format!("CAL_MAG{n}_ID")).map(|id| id as i64 as u32);
+    (0..SENSORS).find(|n| device_id != 0 && id(*n) == Some(device_id))
+}
+
+/// The mounting: the sensor's own where it is external, and the board's fine adjustment. With words.
+fn mounting(parameters: &Parameters, n: Option<usize>, external: Option<bool>) -> (Matrix3<f64>, String) {
+    let first = |name: &str| parameters.first(name);
+    let board = first("SENS_BOARD_ROT").unwrap_or(0.0) as i64;
+    let own = n.and_then(|n| first(&format!("CAL_MAG{n}_ROT"))).map(|number| number as i64);
+    let (angles, name) = match (own, n) {
+        (Some(100), Some(n)) => {
+            let names = ["ROLL", "PITCH", "YAW"].map(|axis| format!("CAL_MAG{n}_{axis}"));
+            (parameters.three(names, f64::NEG_INFINITY, 0.0), format!("CAL_MAG{n}_ROLL,PITCH,YAW"))
+        }
+        (Some(number), Some(n)) if number >= 0 => {
+            (rotation::angles_deg(number).unwrap_or_default(), format!("CAL_MAG{n}_ROT = {number}"))
+        }
+        _ if external == Some(true) => ([0.0; 3], "external sensor without a CAL_MAGn_ROT".into()),
+        _ => (rotation::angles_deg(board).unwrap_or_default(), format!("SENS_BOARD_ROT = {board}")),
+    };
+    let level = ["X", "Y", "Z"].map(|axis| first(&format!("SENS_BOARD_{axis}_OFF")).unwrap_or(0.0));
+    let matrix = |angles| {
+        let m = rotation::matrix(angles);
+        Matrix3::from_fn(|i, j| m.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0))
+    };
+    let mut text = format!("{name}: {}", rotation::words(angles));
+    if level != [0.0; 3] {
+        text.push_str(&format!("; SENS_BOARD_X,Y,Z_OFF: {} {} {}°", level[0], level[1], level[2]));
+    }
+    (matrix(level) * matrix(angles), text)
+}
+
+fn undo(
+    candidate: Candidate,
+    collectors: &mut [Collector],
+    parameters: &Parameters,
+    recording: &mut Recording,
+) -> Outcome<Stream> {
+    let Candidate { state, device_id, collector, .. } = candidate;
+    let n = calibration(parameters, device_id);
+    let (turn, turn_words) = mounting(parameters, n, collector.external);
+    let mut stream = collector.stream;
+    let told = &mut recording.taken_out;
+    match (state, n) {
+        (State::Raw, _) => told.push(format!("nothing: {} is not corrected by the autopilot", stream.name)),
+        (_, None) => recording.notices.push(format!(
+            "{}: no CAL_MAGn_ID of the log is that of its sensor (device {device_id}): taken as not corrected",
+            stream.name
+        )),
+        (_, Some(n)) => {
+            let back = if state == State::Corrected { turn } else { Matrix3::identity() };
+            let power = power(&stream, state, n, collectors, parameters, told);
+            remove(&mut stream, n, back, parameters, power.as_deref(), told)?;
+        }
+    }
+    if turn != Matrix3::identity() {
+        told.push(format!("turned from the sensor's axes to the body's by {turn_words}"));
+        // A corrected stream that no calibration is known of stays as it is: it has been turned already.
+        if state != State::Corrected || n.is_some() {
+            stream.turn(FIELD, &[0, 1, 2].map(|i| [turn[(i, 0)], turn[(i, 1)], turn[(i, 2)]]));
+        }
+    }
+    Ok(stream)
+}
+
+/// Takes `CAL_MAGn_*` out of the values, with the parameters as they were at each time.
+fn remove(
+    stream: &mut Stream,
+    n: usize,
+    back: Matrix3<f64>,
+    parameters: &Parameters,
+    power: Option<&[[f64; 3]]>,
+    told: &mut Vec<String>,
+) -> Outcome<()> {
+    let starts = parameters.changes(|name| name.starts_with(&format!("CAL_MAG{n}_")));
+    let mut epochs: Vec<(f64, Undo)> = Vec::new();
+    for since in std::iter::once(f64::NEG_INFINITY).chain(starts) {
+        let three = |what: &str, unset: f64| {
+            parameters.three(["X", "Y", "Z"].map(|axis| format!("CAL_MAG{n}_{axis}{what}")), since, unset)
+        };
+        let (offset, scale, off) = (three("OFF", 0.0), three("SCALE", 1.0), three("ODIAG", 0.0));
+        let correction =
+            Correction { offset: Vector3::from(offset) * UT, matrix: Correction::symmetric(scale, off) };
+        let undo = correction.inverse().ok_or_else(|| {
+            Failure::usage(format!("CAL_MAG{n}_* of the log cannot be undone: its scale is not invertible"))
+        })?;
+        let from = if since.is_finite() { format!(" (from {since:.1} s on)") } else { String::new() };
+        if correction.is_identity() {
+            told.push(format!("nothing: CAL_MAG{n}_* corrects nothing{from}"));
+        } else {
+            let gauss = |values: [f64; 3]| values.map(|v| format!("{v:.4}")).join(" ");
+            told.push(format!(
+                "CAL_MAG{n}_*{from}: offset {} G, scale {}, off-diagonal {}",
+                gauss(offset),
+                gauss(scale),
+                gauss(off)
+            ));
+        }
+        epochs.push((since, undo));
+    }
+    let turned_back = back.transpose();
+    let mut epoch = 0;
+    for row in 0..stream.time_s.len() {
+        let time = stream.time_s.get(row).copied().unwrap_or(f64::NAN);
+        while epochs.get(epoch + 1).is_some_and(|(since, _)| *since <= time) {
+            epoch += 1;
+        }
+        let Some((_, undo)) = epochs.get(epoch) else { break };
+        let cell = |axis: usize| stream.columns.get(axis).and_then(|c| c.values.get(row)).copied();
+        let (Some(x), Some(y), Some(z)) = (cell(0), cell(1), cell(2)) else { break };
+        let added = power.and_then(|power| power.get(row)).copied().unwrap_or_default();
+        let raw = undo.apply(turned_back * Vector3::new(x, y, z)) - Vector3::from(added);
+        for (column, value) in stream.columns.iter_mut().zip(raw.iter()) {
+            if let Some(cell) = column.values.get_mut(row) {
+                *cell = *value;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What the compensation of throttle or current had added, µT a row; `None` where there was none.
+fn power(
+    stream: &Stream,
+    state: State,
+    n: usize,
+    collectors: &[Collector],
+    parameters: &Parameters,
+    told: &mut Vec<String>,
+) -> Option<Vec<[f64; 3]>> {
+    if state != State::Corrected {
+        return None;
+    }
+    let comp =
+        parameters.three(["X", "Y", "Z"].map(|a| format!("CAL_MAG{n}_{a}COMP")), f64::NEG_INFINITY, 0.0);
+    let column = |topic: &str, instance: u8, name: &str| {
+        let found = collectors.iter().find(|one| one.topic == topic && one.instance == instance)?;
+        let column = found.stream.column(name)?;
+        let gap = gap_s(&found.stream.time_s);
+        Some(at_times(&found.stream.time_s, &column.values, Between::Hold, gap, &stream.time_s))
+    };
+    let (signal, unit, words) = match parameters.first("CAL_MAG_COMP_TYP")? as i64 {
+        1 => {
+            let throttle = column("actuator_controls_0", 0, "throttle");
+            (throttle.or_else(|| column("vehicle_thrust_setpoint", 0, "throttle")), 1.0, "throttle")
+        }
+        2 => (column("battery_status", 0, "current_a"), 1.0 / KILO, "current of battery 0"),
+        3 => (column("battery_status", 1, "current_2_a"), 1.0 / KILO, "current of battery 1"),
+        _ => return None,
+    };
+    if comp == [0.0; 3] {
+        return None;
+    }
+    let Some(signal) = signal else {
+        told.push(format!("not CAL_MAG{n}_XCOMP,…: its {words} is not in the log"));
+        return None;
+    };
+    // PX4 compensates while armed only.
+    let armed = column("actuator_armed", 0, "armed").or_else(|| column("vehicle_control_mode", 0, "armed"));
+    told.push(format!("CAL_MAG{n}_XCOMP,…: {comp:?} G a unit of {words}, while armed"));
+    let rows = signal.iter().enumerate().map(|(row, value)| {
+        let on = armed.as_ref().is_none_or(|armed| armed.get(row).is_some_and(|armed| *armed > 0.0));
+        let value = if on && value.is_finite() { value * unit } else { 0.0 };
+        comp.map(|comp| comp * value * UT)
+    });
+    Some(rows.collect())
+}
