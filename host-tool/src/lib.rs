@@ -5,6 +5,7 @@
 pub mod atomic;
 pub mod cal_file;
 pub mod cli;
+pub mod cli_export;
 pub mod commands;
 pub mod corrected;
 pub mod failure;
