@@ -77,6 +77,9 @@ pub struct ExportArgs {
     /// The sensor's id as the autopilot prints it (PX4 CAL_MAGn_ID, ArduPilot COMPASS_DEV_ID)
     #[arg(long, value_name = "ID", help_heading = "Parameters of other programs")]
     pub device_id: Option<u32>,
+    /// PX4, ArduPilot: the whole rotation to the accelerometer as Euler angles (external magnetometers only)
+    #[arg(long, help_heading = "Parameters of other programs")]
+    pub euler: bool,
     /// Microtesla in a count of the target's driver, for Betaflight and IIO (without it, that of the log)
     #[arg(
         long,
@@ -100,6 +103,7 @@ impl ExportArgs {
             .or_else(|| {
                 unused(self.device_id.is_some(), &[Rust, C, Json, Betaflight, Ros, Iio], "--device-id")
             })
+            .or_else(|| unused(self.euler, &[Rust, C, Json, Betaflight, Ros, Iio], "--euler"))
             .or_else(|| {
                 unused(self.ut_per_count.is_some(), &[Rust, C, Json, Px4, Ardupilot, Ros], "--ut-per-count")
             })

@@ -176,6 +176,10 @@ fn px4(file: &str) -> BTreeMap<String, f64> {
         .collect()
 }
 
+fn mag_angle(p: &BTreeMap<String, f64>, n: usize, name: &str) -> f64 {
+    p[&format!("CAL_MAG{n}_{name}")]
+}
+
 /// `Magnetometer::Correct` and `TemperatureCompensation::calc_thermal_offsets_3D` of PX4, in µT.
 fn px4_corrects(p: &BTreeMap<String, f64>, n: usize, raw_ut: Vector, truth: &Truth, row: usize) -> Vector {
     let get = |name: &str| p.get(name).copied().unwrap_or(0.0);
@@ -190,13 +194,15 @@ fn px4_corrects(p: &BTreeMap<String, f64>, n: usize, raw_ut: Vector, truth: &Tru
     if get("TC_M_ENABLE") == 1.0 {
         let tc = |part: &str| get(&format!("TC_M{n}_{part}"));
         let delta = truth.column("temp_c", row).clamp(tc("TMIN"), tc("TMAX")) - tc("TREF");
-        thermal = [0, 1, 2].map(|axis| {
-            (0..4).map(|power| tc(&format!("X{power}_{axis}")) * delta.powi(power)).sum::<f64>()
-        });
+        thermal = [0, 1, 2]
+            .map(|axis| (0..4).map(|power| tc(&format!("X{power}_{axis}")) * delta.powi(power)).sum::<f64>());
     }
     let s = [[scale[0], odiag[0], odiag[1]], [odiag[0], scale[1], odiag[2]], [odiag[1], odiag[2], scale[2]]];
     let centred = [0, 1, 2].map(|axis| raw_ut[axis] / 100.0 + power * comp[axis] - thermal[axis] - off[axis]);
-    let rotation = orientation(get(&format!("CAL_MAG{n}_ROT")) as usize);
+    let rotation = match get(&format!("CAL_MAG{n}_ROT")) as usize {
+        100 => euler(mag_angle(p, n, "ROLL"), mag_angle(p, n, "PITCH"), mag_angle(p, n, "YAW")),
+        number => orientation(number),
+    };
     times(&rotation, times(&s, centred)).map(|gauss| gauss * 100.0)
 }
 
@@ -220,11 +226,17 @@ fn ardupilot_corrects(
     row: usize,
 ) -> Vector {
     let get = |name: String| p.get(&name).copied().unwrap_or(0.0);
-    let three =
-        |part: &str| ["X", "Y", "Z"].map(|axis| get(format!("COMPASS_{part}{suffix}_{axis}")));
+    let three = |part: &str| ["X", "Y", "Z"].map(|axis| get(format!("COMPASS_{part}{suffix}_{axis}")));
     let (ofs, dia, odi, mot) = (three("OFS"), three("DIA"), three("ODI"), three("MOT"));
     let mat = [[dia[0], odi[0], odi[1]], [odi[0], dia[1], odi[2]], [odi[1], odi[2], dia[2]]];
-    let mag = times(&orientation(get(format!("COMPASS_ORIENT{suffix}")) as usize), raw_ut.map(|ut| ut * 10.0));
+    let rotation = match get(format!("COMPASS_ORIENT{suffix}")) as usize {
+        101 => {
+            assert_eq!(p["CUST_ROT_ENABLE"], 1.0);
+            euler(p["CUST_ROT1_ROLL"], p["CUST_ROT1_PITCH"], p["CUST_ROT1_YAW"])
+        }
+        number => orientation(number),
+    };
+    let mag = times(&rotation, raw_ut.map(|ut| ut * 10.0));
     let factor = get(format!("COMPASS_SCALE{suffix}"));
     let mag = times(&mat, [0, 1, 2].map(|axis| (mag[axis] + ofs[axis]) * factor));
     let power = match get("COMPASS_MOTCT".into()) as i32 {
@@ -236,8 +248,15 @@ fn ardupilot_corrects(
 }
 
 /// Mountings by right angles, as `--rotate` takes them.
-const MOUNTINGS: [&[&str]; 7] =
-    [&[], &["mag:roll180"], &["mag:pitch180"], &["mag:yaw180"], &["mag:yaw90"], &["mag:pitch90"], &["roll90,pitch90"]];
+const MOUNTINGS: [&[&str]; 7] = [
+    &[],
+    &["mag:roll180"],
+    &["mag:pitch180"],
+    &["mag:yaw180"],
+    &["mag:yaw90"],
+    &["mag:pitch90"],
+    &["roll90,pitch90"],
+];
 
 fn temperature() -> [Value; 2] {
     [
@@ -253,7 +272,13 @@ fn px4_corrects_as_the_calibration_does() {
     let current = offset("offset:current_a", "current_a", 9.0, [0.31, -0.12, 0.07], [0.0, 30.0]);
     let throttle = offset("offset:throttle", "throttle", 0.4, [3.1, -4.2, 2.7], [0.0, 1.0]);
     let [warm, square] = temperature();
-    let sets = [vec![], vec![current.clone()], vec![throttle, warm.clone()], vec![current, warm, square.clone()], vec![square]];
+    let sets = [
+        vec![],
+        vec![current.clone()],
+        vec![throttle, warm.clone()],
+        vec![current, warm, square.clone()],
+        vec![square],
+    ];
     for rotate in MOUNTINGS {
         for (n, effects) in sets.iter().enumerate() {
             let cal = cal(&here, &SYMMETRIC, effects, reading(rotate));
@@ -264,7 +289,9 @@ fn px4_corrects_as_the_calibration_does() {
             let p = px4(&file);
             assert_eq!(p[&format!("CAL_MAG{number}_ID")], 396_825.0);
             assert_eq!(p.contains_key(&format!("CAL_MAG{number}_ROT")), !rotate.is_empty(), "{rotate:?}");
-            truth.assert_same(&format!("{rotate:?} {n}"), 2e-6, |row, raw| px4_corrects(&p, n % 4, raw, &truth, row));
+            truth.assert_same(&format!("{rotate:?} {n}"), 2e-6, |row, raw| {
+                px4_corrects(&p, n % 4, raw, &truth, row)
+            });
         }
     }
 }
@@ -302,21 +329,38 @@ fn a_rotation_that_no_mounting_has_is_lost_and_said_and_the_magnitude_is_not() {
         let run = ironout(["export", text(&cal), "--as", "px4", "--json"]).json();
         let lost_deg = run["lost_rotation_deg"].as_f64().expect("an angle");
         assert!((3.0..4.0).contains(&lost_deg), "{lost_deg}");
-        assert!(run["not_held"][0].as_str().is_some_and(|text| text.contains("rotation of 3.")), "{run}");
+        assert!(run["not_held"][0].as_str().is_some_and(|text| text.contains("a rotation of 3.")), "{run}");
         assert!(run["text"].as_str().is_some_and(|text| text.contains("--log")), "{run}");
         let p = px4(run["text"].as_str().expect("a file"));
         let angle = truth.assert_same_magnitude(2e-6, |row, raw| px4_corrects(&p, 0, raw, &truth, row));
         assert!(angle <= lost_deg + 1e-6 && angle > 0.9 * lost_deg, "{angle} of {lost_deg}");
         let p = ardupilot(&exported(&cal, "ardupilot", &[]));
-        let angle = truth.assert_same_magnitude(2e-6, |row, raw| ardupilot_corrects(&p, "", raw, &truth, row));
+        let angle =
+            truth.assert_same_magnitude(2e-6, |row, raw| ardupilot_corrects(&p, "", raw, &truth, row));
         assert!(angle <= lost_deg + 1e-6 && angle > 0.9 * lost_deg, "{angle} of {lost_deg}");
+    }
+    // As Euler angles all of it is held.
+    for rotate in MOUNTINGS {
+        let current = offset("offset:current_a", "current_a", 9.0, [0.31, -0.12, 0.07], [0.0, 30.0]);
+        let cal = cal(&here, &turned, &[current], reading(rotate));
+        let truth = Truth::of(&cal, &log);
+        let file = exported(&cal, "px4", &["--euler"]);
+        assert!(file.contains("Nothing of the calibration is lost"), "{file}");
+        let p = px4(&file);
+        truth.assert_same("px4 --euler", 3e-6, |row, raw| px4_corrects(&p, 0, raw, &truth, row));
+        let p = ardupilot(&exported(&cal, "ardupilot", &["--euler", "--number", "2"]));
+        truth
+            .assert_same("ardupilot --euler", 3e-6, |row, raw| ardupilot_corrects(&p, "2", raw, &truth, row));
     }
     // Without an accelerometer the matrix is triangular, and its rotation a convention: nothing is lost.
     let triangle = [[1.07, 0.06, -0.02], [0.0, 0.94, 0.08], [0.0, 0.0, 1.01]];
     let cal = cal(&here, &triangle, &[], reading(&["mag:yaw90"]));
     let truth = Truth::of(&cal, &log);
     let file = exported(&cal, "px4", &[]);
-    assert!(file.contains("not aligned to an accelerometer") && file.contains("Nothing of the calibration is lost"));
+    assert!(
+        file.contains("not aligned to an accelerometer")
+            && file.contains("Nothing of the calibration is lost")
+    );
     let p = px4(&file);
     assert_eq!(p["CAL_MAG0_ROT"], 2.0);
     truth.assert_same_magnitude(2e-6, |row, raw| px4_corrects(&p, 0, raw, &truth, row));
@@ -382,7 +426,8 @@ fn betaflight_takes_away_whole_counts_in_its_own_axes() {
     // A matrix that is aligned and hardly more than a factor.
     let matrix = [[1.0, 1e-9, 0.0], [1e-9, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let offset_ut = [7.362390848010126, -25.127784235575668, -10.650318882112419];
-    for (rotate, word) in [(&[][..], "CW0"), (&["mag:x,-y,-z"][..], "CW0"), (&["mag:y,-x,z"][..], "CW90FLIP")] {
+    for (rotate, word) in [(&[][..], "CW0"), (&["mag:x,-y,-z"][..], "CW0"), (&["mag:y,-x,z"][..], "CW90FLIP")]
+    {
         let counts = json!({"ut_per_count": [0.092, 0.092, 0.092], "rotate": rotate});
         let cal = cal(&here, &matrix, &[], counts);
         let file = exported(&cal, "betaflight", &[]);
@@ -423,8 +468,7 @@ fn what_is_lost_is_said_and_with_the_log_what_it_costs() {
         &["--seconds", "40", "--seed", "3", "--effect", "offset:current_a=6", "--effect", "offset:temp_c=4"],
     );
     let cal = here.join("cal.json");
-    let fit =
-        ["fit", text(&log), "-o", text(&cal), "--add", "offset:current_a", "--add", "offset:temp_c"];
+    let fit = ["fit", text(&log), "-o", text(&cal), "--add", "offset:current_a", "--add", "offset:temp_c"];
     assert_eq!(ironout(fit).status, 0);
     let truth = Truth::of(&cal, &log);
     let field_ut = CalFile::read(&cal).expect("a calibration").fit.field_ut.expect("a field");
@@ -435,7 +479,9 @@ fn what_is_lost_is_said_and_with_the_log_what_it_costs() {
     };
     let rms = |p: &BTreeMap<String, f64>| {
         let squares: f64 = (0..truth.raw.rows)
-            .map(|row| (norm(ardupilot_corrects(p, "", truth.raw.field(row), &truth, row)) - field_ut).powi(2))
+            .map(|row| {
+                (norm(ardupilot_corrects(p, "", truth.raw.field(row), &truth, row)) - field_ut).powi(2)
+            })
             .sum();
         (squares / truth.raw.rows as f64).sqrt()
     };
@@ -443,7 +489,9 @@ fn what_is_lost_is_said_and_with_the_log_what_it_costs() {
     let blind = with("ardupilot", &[]);
     assert!(blind["cost"].is_null() && blind["fitted_anew"] == false, "{blind}");
     assert!(blind["not_held"].to_string().contains("offset:temp_c"), "{blind}");
-    assert!(blind["text"].as_str().is_some_and(|text| text.contains("is not known: give the log with --log")));
+    assert!(
+        blind["text"].as_str().is_some_and(|text| text.contains("is not known: give the log with --log"))
+    );
     let seen = with("ardupilot", &["--log", text(&log)]);
     let cost = &seen["cost"];
     let (whole, held) = (cost["rms_ut"].as_f64().expect("rms"), cost["held_rms_ut"].as_f64().expect("rms"));
@@ -486,6 +534,7 @@ fn what_cannot_be_written_is_refused_with_the_remedy() {
     assert!(message(&["--as", "ardupilot", "--number", "0"]).contains("from 1 to 3"));
     assert!(message(&["--as", "rust", "--number", "1"]).contains("--number says nothing to --as rust"));
     assert!(message(&["--as", "ros", "--device-id", "1"]).contains("leave it out"));
+    assert!(message(&["--as", "ros", "--euler"]).contains("--euler says nothing"));
     assert!(message(&["--as", "iio"]).contains("--ut-per-count"));
     assert!(message(&["--as", "iio", "--ut-per-count", "-1"]).contains("positive"));
     assert!(message(&["--as", "px4", "--log", "nothing.csv"]).contains("no such file"));
@@ -494,12 +543,8 @@ fn what_cannot_be_written_is_refused_with_the_remedy() {
     let mirrored = cal(&here, &SYMMETRIC, &[], reading(&["mag:-x,y,z"]));
     let error = ironout(["export", text(&mirrored), "--as", "px4", "--json"]).error();
     assert!(error["message"].as_str().is_some_and(|text| text.contains("mirror")), "{error}");
-    let needs = cal(
-        &here,
-        &SYMMETRIC,
-        &[offset("offset:load_a", "load_a", 1.0, [0.1; 3], [0.0, 2.0])],
-        reading(&[]),
-    );
+    let needs =
+        cal(&here, &SYMMETRIC, &[offset("offset:load_a", "load_a", 1.0, [0.1; 3], [0.0, 2.0])], reading(&[]));
     let run = ironout(["export", text(&needs), "--as", "px4", "--log", text(&short), "--json"]);
     assert_eq!(run.error()["column"], "load_a");
 }
@@ -524,7 +569,8 @@ fn of_two_currents_the_one_that_moves_more_is_held() {
     assert!((p["CAL_MAG0_XCOMP"] + 3.1).abs() < 1e-6, "{p:?}");
     // Without those two it is the calibration.
     let less = common::write(&here, "less.json", {
-        let mut value: Value = serde_json::from_str(&std::fs::read_to_string(&cal).expect("text")).expect("JSON");
+        let mut value: Value =
+            serde_json::from_str(&std::fs::read_to_string(&cal).expect("text")).expect("JSON");
         value["effects"] = json!([effects[1]]);
         value.to_string()
     });

@@ -11,8 +11,10 @@ use ironout_analysis::samples::samples::Samples;
 const WRONG_DEG: f64 = 5.0;
 /// ... and more than this many times what the calibration predicts.
 const TIMES: f64 = 3.0;
-/// A mean error beyond this is a heading that goes backwards, degrees.
+/// A mean error beyond this is a heading that goes backwards, degrees, ...
 const BACKWARDS_DEG: f64 = 150.0;
+/// ... where the errors lie together, degrees rms about it.
+const SCATTERED_DEG: f64 = 45.0;
 
 /// What the log's `heading_deg` says.
 pub(super) enum Headings {
@@ -84,14 +86,14 @@ impl Judged {
     /// What a wrong heading is, and what to do.
     fn words(&self, declination_given: bool) -> String {
         let HeadingError { rms_deg, mean_deg, spread_deg, .. } = self.error;
-        if spread_deg > self.limit_deg {
-            format!(
-                "headings are off by {rms_deg:.0}° rms, now this way and now that: ironout diagnose looks for the cause"
-            )
-        } else if mean_deg.abs() > BACKWARDS_DEG {
+        if mean_deg.abs() > BACKWARDS_DEG && spread_deg < SCATTERED_DEG {
             format!(
                 "every heading is backwards ({mean_deg:+.0}°): an axis is mirrored, or the sensor is mounted the other way round: \
                  ironout diagnose says which"
+            )
+        } else if spread_deg > self.limit_deg {
+            format!(
+                "headings are off by {rms_deg:.0}° rms, now this way and now that: ironout diagnose looks for the cause"
             )
         } else {
             let else_where = if declination_given {
