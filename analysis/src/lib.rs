@@ -5,7 +5,7 @@
 //! - [`fit()`] gives offset, matrix and effects with their errors, and a verdict;
 //! - [`diagnose`] compares model and measurement and names what is missing;
 //! - [`plausible`] says whether the columns can be what they are read as;
-//! - [`Corrector`] applies a calibration to the rows of a log, [`export`] writes it as C and as Rust.
+//! - [`Corrector`] applies a calibration to the rows of a log, [`export`] writes it as code and as the parameters of other programs.
 //!
 //! Effects of one's own are named in [`Options::registry`]; everything here asks them as it asks those of the library.
 //!

@@ -5,6 +5,7 @@
 
 use crate::export::error::CannotExport;
 use crate::export::held::{Cause, Held, Room, Shape, Turns};
+use crate::export::rotations::euler_deg;
 use crate::export::words::{About, decimal, top};
 use nalgebra::Vector3;
 
@@ -21,6 +22,8 @@ pub const ROOM: Room = Room {
 const MILLIGAUSS: f64 = 10.0;
 /// Offsets beyond this keep the vehicle from arming (`COMPASS_OFFS_MAX`), milligauss.
 const MOST_OFFSET: f64 = 1800.0;
+/// `ROTATION_CUSTOM_1`: by the angles of `CUST_ROT1`.
+const CUSTOM_1: usize = 101;
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
 /// The file. `number` is that of the compass, from 1 (where absent, 1), `device_id` that of the sensor, if it is known.
@@ -84,12 +87,19 @@ pub fn text(
         ));
         put("COMPASS_MOTCT".into(), kind.to_string());
     }
-    if let Some(mounting) = held.mounting.filter(|mounting| !mounting.is_none()) {
-        notes.push(
-            "COMPASS_ORIENT is obeyed by external compasses. The log was in the sensor's own axes; one of ArduPilot's own is \
-             turned by its COMPASS_ORIENT already, and then this line must go."
-                .into(),
-        );
+    let obeyed = "COMPASS_ORIENT is obeyed by external compasses. The log is taken as in the sensor's own axes; one of ArduPilot's \
+                  own is turned by its COMPASS_ORIENT already, and these numbers are not for that.";
+    if held.room.turns == Turns::Any {
+        notes.push(format!(
+            "{obeyed} CUST_ROT1 needs ArduPilot 4.3 or later, and must not be in use for something else."
+        ));
+        put(format!("COMPASS_ORIENT{suffix}"), CUSTOM_1.to_string());
+        put("CUST_ROT_ENABLE".into(), "1".into());
+        for (name, angle_deg) in ["ROLL", "PITCH", "YAW"].iter().zip(euler_deg(turn)) {
+            put(format!("CUST_ROT1_{name}"), decimal(angle_deg));
+        }
+    } else if let Some(mounting) = held.mounting.filter(|mounting| !mounting.is_none()) {
+        notes.push(obeyed.into());
         put(format!("COMPASS_ORIENT{suffix}"), mounting.number.to_string());
     }
     let notes: Vec<&str> = notes.iter().map(String::as_str).collect();

@@ -7,6 +7,7 @@
 
 use crate::export::error::CannotExport;
 use crate::export::held::{Cause, Held, Room, Shape, Turns};
+use crate::export::rotations::euler_deg;
 use crate::export::words::{About, decimal, top};
 use nalgebra::Vector3;
 
@@ -19,6 +20,8 @@ const GAUSS: f64 = 100.0;
 /// Types of MAVLink: `MAV_PARAM_TYPE_REAL32` and `MAV_PARAM_TYPE_INT32`.
 const REAL32: u8 = 9;
 const INT32: u8 = 6;
+/// `ROTATION_CUSTOM`: by Euler angles.
+const CUSTOM: usize = 100;
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
 /// The file. `number` is the n of `CAL_MAGn` (0 where absent), `device_id` that of the sensor, if it is known.
@@ -82,11 +85,15 @@ pub fn text(
         put("CAL_MAG_COMP_TYP".into(), kind.to_string(), INT32);
     }
     thermal(held, n, device_id.map(signed), &mut put, &mut notes);
-    if let Some(mounting) = held.mounting.filter(|mounting| !mounting.is_none()) {
-        notes.push(
-            "CAL_MAGn_ROT is obeyed by external magnetometers; for those on the board the mounting is the autopilot's own."
-                .into(),
-        );
+    let obeyed = "CAL_MAGn_ROT is obeyed by external magnetometers; for those on the board the mounting is the autopilot's own.";
+    if held.room.turns == Turns::Any {
+        notes.push(format!("{obeyed} The angles need PX4 1.14 or later."));
+        put(format!("CAL_MAG{n}_ROT"), CUSTOM.to_string(), INT32);
+        for (name, angle_deg) in ["ROLL", "PITCH", "YAW"].iter().zip(euler_deg(&held.turn)) {
+            put(format!("CAL_MAG{n}_{name}"), decimal(angle_deg), REAL32);
+        }
+    } else if let Some(mounting) = held.mounting.filter(|mounting| !mounting.is_none()) {
+        notes.push(obeyed.into());
         put(format!("CAL_MAG{n}_ROT"), mounting.number.to_string(), INT32);
     }
     let notes: Vec<&str> = notes.iter().map(String::as_str).collect();

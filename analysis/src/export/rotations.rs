@@ -69,6 +69,19 @@ fn matrix([roll, pitch, yaw]: [f64; 3]) -> Matrix3<f64> {
     z * y * x
 }
 
+/// Roll, pitch and yaw of a rotation `Rz(yaw)·Ry(pitch)·Rx(roll)`, degrees.
+pub fn euler_deg(rotation: &Matrix3<f64>) -> [f64; 3] {
+    let r = rotation;
+    let pitch = -r[(2, 0)].clamp(-1.0, 1.0).asin();
+    // With the nose up or down roll and yaw are one angle: all of it is yaw.
+    let (roll, yaw) = if r[(2, 0)].abs() > 1.0 - 1e-12 {
+        (0.0, f64::atan2(-r[(0, 1)], r[(1, 1)]))
+    } else {
+        (f64::atan2(r[(2, 1)], r[(2, 2)]), f64::atan2(r[(1, 0)], r[(0, 0)]))
+    };
+    [roll, pitch, yaw].map(f64::to_degrees)
+}
+
 /// Angle of a rotation, degrees; precise for small ones too.
 pub fn angle_deg(rotation: &Matrix3<f64>) -> f64 {
     let r = rotation;
@@ -129,6 +142,21 @@ mod tests {
         assert_eq!(Rotation::nearest(&matrix([180.0, 0.0, 0.0])).name(), "roll 180");
         assert_eq!(Rotation::nearest(&matrix([1.0, 0.0, 44.0])).number, 1);
         assert_eq!(Rotation::numbered(38), None);
+    }
+
+    #[test]
+    fn euler_angles_make_the_rotation_again() {
+        let own = [
+            [10.0, 20.0, 30.0],
+            [-170.0, 5.0, 100.0],
+            [0.0, 0.0, 0.0],
+            [90.0, 90.0, 0.0],
+            [45.0, -90.0, 10.0],
+        ];
+        for angles in own.into_iter().chain(TABLE) {
+            let rotation = matrix(angles);
+            assert!((matrix(euler_deg(&rotation)) - rotation).norm() < 1e-9, "{angles:?}");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What every file for another program says at its top: what it holds, what it does not, and what that costs.
 
-use crate::export::held::{Held, Shape};
+use crate::export::held::{Held, Shape, Turns};
 use crate::export::refit::Cost;
 
 /// Lines are at most this wide.
@@ -41,8 +41,9 @@ pub fn not_held(held: &Held) -> Vec<String> {
     }
     if let Some(lost_deg) = held.lost_deg.filter(|lost_deg| *lost_deg > LEAST_DEG) {
         list.push(format!(
-            "a rotation of {lost_deg:.2} degrees between the magnetometer and the accelerometer: {name} has no place for it; \
-             the magnitude does not see it, the heading does"
+            "a rotation of {lost_deg:.2} degrees between the magnetometer and the accelerometer, beside the mounting: the \
+             magnitude does not see it, the heading does{}",
+            if held.room.power { " (--euler writes the whole rotation, for external magnetometers)" } else { "" }
         ));
     }
     list
@@ -97,7 +98,7 @@ pub(crate) fn top(held: &Held, about: About, mark: &str, formula: &[&str]) -> St
     }
     lost.iter().for_each(|text| say(&format!("- {text}"), "  "));
     costs(held, about.cost).iter().for_each(|text| say(text, ""));
-    match held.mounting {
+    match held.mounting.filter(|_| held.room.turns == Turns::Numbered) {
         Some(mounting) if !mounting.is_none() => say(&format!("Mounting: {}.", mounting.name()), ""),
         _ => {}
     }

@@ -22,7 +22,7 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
     match &cli.command {
         Command::Fit(arguments) => fit::run(arguments, cli.json),
         Command::Apply(arguments) => apply::run(arguments, cli.json),
-        Command::Check(arguments) => check::run(arguments, cli.json),
+        Command::Check(arguments) => check::run::run(arguments, cli.json),
         Command::Export(arguments) => export::run::run(arguments, cli.json),
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
         Command::Demo(arguments) => demo::run(arguments, cli.json),

@@ -2,6 +2,7 @@
 #![allow(dead_code)] // every test binary uses its own part
 
 pub mod alike;
+pub mod target;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

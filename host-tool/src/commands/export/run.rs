@@ -19,6 +19,13 @@ const WIDTH: usize = 110;
 /// Writes the calibration in the form asked for.
 pub fn run(arguments: &ExportArgs, json: bool) -> Outcome<u8> {
     let cal = CalFile::read(&arguments.cal)?;
+    if cal.reading.is_none() {
+        eprintln!(
+            "note: {}: an earlier program wrote it, and it does not say with which scale and mounting its log was read: taken as \
+             none",
+            arguments.cal.display()
+        );
+    }
     let exported = text(&cal, arguments).map_err(|failure| match failure.file {
         Some(_) => failure,
         None => failure.in_file(&arguments.cal),
@@ -112,9 +119,5 @@ fn reading(cal: &CalFile) -> Outcome<Reading> {
 
 fn summary(cal: &CalFile) -> String {
     let rms = cal.fit.rms_ut.map_or(String::new(), |rms| format!(", residual rms {rms:.3} µT"));
-    let reading = match &cal.reading {
-        Some(_) => "",
-        None => "; the file does not say how its log was read, an earlier program wrote it",
-    };
-    format!("{} samples, method {}{rms}{reading}", cal.fit.samples_used, cal.fit.method)
+    format!("{} samples, method {}{rms}", cal.fit.samples_used, cal.fit.method)
 }

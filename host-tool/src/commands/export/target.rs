@@ -6,7 +6,7 @@ use crate::commands::export::log;
 use crate::failure::{Failure, Outcome};
 use ironout_analysis::Table;
 use ironout_analysis::export::error::CannotExport;
-use ironout_analysis::export::held::Held;
+use ironout_analysis::export::held::{Held, Room, Turns};
 use ironout_analysis::export::reading::Reading;
 use ironout_analysis::export::refit::{Cost, NoCost, refit};
 use ironout_analysis::export::words::About;
@@ -36,6 +36,7 @@ pub(super) fn export(
         ExportForm::Iio => iio::ROOM,
         _ => ros::ROOM,
     };
+    let room = if arguments.euler { Room { turns: Turns::Any, ..room } } else { room };
     let refuse = |error: CannotExport| match error {
         CannotExport::NoNumber { .. } | CannotExport::NoCounts(_) => Failure::usage(error.to_string()),
         CannotExport::Singular => Failure::not_a_calibration(&error.to_string()).at_column("matrix"),
