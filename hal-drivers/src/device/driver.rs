@@ -1,7 +1,7 @@
 //! The driver of every chip that is a register map: what goes over the bus, and in which order.
 
 use super::mode::{DelayNs, I2c, Magnetometer, both};
-use super::registers::Registers;
+use super::registers::{Registers, Wires};
 use crate::chip::description::{Chip, Thermometer};
 use crate::chip::self_test::{Good, Outcome, SelfTest};
 use ironout_sensor::{Error, Reading, Sensor};
