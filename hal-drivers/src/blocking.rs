@@ -6,8 +6,12 @@ mod any;
 mod bmm150;
 #[path = "device/driver.rs"]
 mod driver;
+#[path = "device/gyroscope.rs"]
+mod gyroscope;
 #[path = "device/icm20948.rs"]
 mod icm20948;
+#[path = "device/lsm303_accelerometer.rs"]
+mod lsm303_accelerometer;
 #[path = "device/mmc5983ma.rs"]
 mod mmc5983ma;
 #[path = "device/mode_blocking.rs"]
@@ -22,6 +26,9 @@ mod rm3100;
 pub use any::AnyMagnetometer;
 pub use bmm150::Bmm150;
 pub use driver::Driver;
+pub use gyroscope::L3gd20;
 pub use icm20948::Icm20948;
+pub use lsm303_accelerometer::Lsm303Accelerometer;
 pub use mmc5983ma::Mmc5983ma;
 pub use probe::probe;
+pub use registers::{Registers, SpiRegisters, Wires};

@@ -36,6 +36,11 @@ pub mod chip;
 #[cfg(feature = "async")]
 pub mod asynch;
 
+/// A chip's wires, as the drivers that take either kind of them name them.
+pub mod wires {
+    pub use crate::blocking::{Registers, SpiRegisters, Wires};
+}
+
 pub use blocking::{AnyMagnetometer, Driver, probe};
 pub use chip::description::{Chip, Identity, Thermometer, Write};
 pub use chip::kind::{Findings, Found, Kind, MOST_FOUND};
@@ -128,6 +133,15 @@ chip!(
 chip!(
     /// PNI RM3100: 24 bits, ±800 µT, 9 to 300 Hz.
     rm3100, Rm3100
+);
+
+chip!(
+    /// ST LSM303DLHC and LSM303AGR, the accelerometer half (address 0x19): ±2 to ±16 g.
+    lsm303_accelerometer, own Lsm303Accelerometer
+);
+chip!(
+    /// ST L3GD20, L3GD20H and I3G4250D gyroscopes, on SPI or I²C.
+    l3gd20, own L3gd20
 );
 
 /// The examples of the readme, compiled and run.

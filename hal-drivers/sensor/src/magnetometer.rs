@@ -35,7 +35,7 @@ pub trait Magnetometer {
     /// Reads the latest measurement, all axes in one bus transaction, so that they belong together.
     ///
     /// # Errors
-    /// [`Error::Bus`].
+    /// [`Error::Bus`]; [`Error::NotKept`] where the registers read show that the chip lost its configuration.
     fn read(&mut self) -> Result<Reading, Error<Self::BusError>>;
 
     /// The chip's temperature in °C, `None` where the chip has no sensor for it or it is switched off.

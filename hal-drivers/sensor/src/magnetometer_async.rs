@@ -32,7 +32,7 @@ pub trait AsyncMagnetometer {
     /// As [`Magnetometer::read`](crate::Magnetometer::read).
     ///
     /// # Errors
-    /// [`Error::Bus`].
+    /// [`Error::Bus`]; [`Error::NotKept`] where the registers read show that the chip lost its configuration.
     async fn read(&mut self) -> Result<Reading, Error<Self::BusError>>;
 
     /// As [`Magnetometer::temperature_c`](crate::Magnetometer::temperature_c).

@@ -90,6 +90,11 @@ pub trait Chip {
     /// The chip as an application sees it, its axes taken for the board's.
     fn sensor(&self) -> Sensor;
 
+    /// Register, what was written to it, and what it reads, where the output registers show that the chip lost its configuration.
+    fn lost(&self, _output: &Self::Output) -> Option<(u8, u8, u8)> {
+        None
+    }
+
     /// One measurement from its registers.
     fn decode(&self, output: &Self::Output) -> Reading;
 

@@ -77,7 +77,9 @@ impl Chip for Config {
     // What was measured before the configuration may wait.
     const DROPPED: u8 = 1;
     const TRIGGER: Option<Write> = Some(Write::unread(CNTL1, SINGLE));
-    type Output = [u8; 6];
+    // Up to and with the resolution: a chip that lost it after a dip of its supply would go on measuring when told, with a quarter of
+    // the counts.
+    type Output = [u8; 11];
     type Writes = [Write; 4];
 
     fn address(&self) -> u8 {
@@ -106,7 +108,11 @@ impl Chip for Config {
         }
     }
 
-    fn decode(&self, &[xl, xh, yl, yh, zl, zh]: &[u8; 6]) -> Reading {
+    fn lost(&self, &[.., resolution]: &[u8; 11]) -> Option<(u8, u8, u8)> {
+        (resolution & ALL_16_BIT != ALL_16_BIT).then_some((CNTL3, ALL_16_BIT, resolution))
+    }
+
+    fn decode(&self, &[xl, xh, yl, yh, zl, zh, ..]: &[u8; 11]) -> Reading {
         let counts @ [x, y, z] = [[xl, xh], [yl, yh], [zl, zh]].map(i16::from_le_bytes);
         let [fx, fy, fz] = FULL_SCALE;
         let beyond = |count: i16, most: i16| count.unsigned_abs() >= most.unsigned_abs();

@@ -2,6 +2,7 @@
 
 use super::driver::Driver;
 use super::mode::{DelayNs, I2c, Magnetometer, both};
+use super::registers::Wires;
 use crate::chip::bmm150::{self as chip, Config, Trim, Trimmed};
 use crate::chip::self_test::Outcome;
 use ironout_sensor::{Error, Reading, Sensor};

@@ -1,7 +1,7 @@
 //! The driver of every chip that is a register map: what goes over the bus, and in which order.
 
 use super::mode::{DelayNs, I2c, Magnetometer, both};
-use super::registers::Registers;
+use super::registers::{Registers, Wires};
 use crate::chip::description::{Chip, Thermometer};
 use crate::chip::self_test::{Good, Outcome, SelfTest};
 use ironout_sensor::{Error, Reading, Sensor};
@@ -173,8 +173,12 @@ impl<I2C: I2c, C: Chip> Magnetometer for Driver<I2C, C> {
 
     async fn read(&mut self) -> Result<Reading, Error<I2C::Error>> {
         let mut output = C::Output::default();
-        self.registers().read_into(C::OUTPUT, output.as_mut()).await?;
+        // Also a reading that fails may have taken the measurement.
         self.triggered = false;
+        self.registers().read_into(C::OUTPUT, output.as_mut()).await?;
+        if let Some((register, written, read)) = self.config.lost(&output) {
+            return Err(Error::NotKept { register, written, read });
+        }
         self.trigger().await?;
         Ok(self.config.decode(&output))
     }

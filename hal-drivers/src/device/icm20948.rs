@@ -2,7 +2,7 @@
 
 use super::driver::Driver;
 use super::mode::{DelayNs, I2c, Magnetometer, both};
-use super::registers::Registers;
+use super::registers::{Registers, Wires};
 use crate::chip::self_test::Outcome;
 use crate::chip::{ak09916, icm20948 as chip};
 use ironout_sensor::{Error, Reading, Sensor};

@@ -1,7 +1,7 @@
 //! The MMC5983MA: continuous measurements, interrupted to measure the chip's own offset and temperature.
 
 use super::mode::{I2c, Magnetometer, both};
-use super::registers::Registers;
+use super::registers::{Registers, Wires};
 use crate::chip::mmc5983ma::{self as chip, Config, Raw};
 use ironout_sensor::{Error, Reading, Sensor};
 

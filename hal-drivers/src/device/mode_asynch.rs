@@ -2,5 +2,8 @@
 
 pub use embedded_hal_async::delay::DelayNs;
 pub use embedded_hal_async::i2c::I2c;
-pub use ironout_sensor::AsyncMagnetometer as Magnetometer;
+pub use embedded_hal_async::spi::SpiDevice;
+pub use ironout_sensor::{
+    AsyncAccelerometer as Accelerometer, AsyncGyroscope as Gyroscope, AsyncMagnetometer as Magnetometer,
+};
 pub use maybe_async::must_be_async as both;

@@ -1,7 +1,7 @@
 //! Which chips are on a bus.
 
 use super::mode::{DelayNs, I2c, both};
-use super::registers::Registers;
+use super::registers::{Registers, Wires};
 use crate::chip::bmm150;
 use crate::chip::kind::{
     CANDIDATES, Candidate, Findings, Found, Kind, LSM303_ACCELEROMETER, LSM303AGR_ACCELEROMETER,

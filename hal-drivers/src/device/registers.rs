@@ -1,10 +1,11 @@
-//! Registers of a chip on a bus.
+//! Registers of a chip on its wires.
 
-use super::mode::{I2c, both};
+use super::mode::{I2c, SpiDevice, both};
 use crate::chip::description::Write;
+use embedded_hal::spi::Operation;
 use ironout_sensor::Error;
 
-/// A chip's registers.
+/// A chip's registers on an I²C bus.
 #[derive(Debug)]
 pub struct Registers<I2C> {
     /// The bus.
@@ -15,28 +16,53 @@ pub struct Registers<I2C> {
     pub increment: u8,
 }
 
+/// A chip's registers on SPI, as ST's chips have them: bit 7 of the first byte reads, bit 6 goes on to the next register.
+#[derive(Debug)]
+pub struct SpiRegisters<SPI> {
+    /// The chip on its bus, with its chip select.
+    pub spi: SPI,
+}
+
+const SPI_READ: u8 = 1 << 7;
+const SPI_INCREMENT: u8 = 1 << 6;
+
+/// Wires to registers.
 #[both(AFIT)]
-impl<I2C: I2c> Registers<I2C> {
+#[allow(
+    async_fn_in_trait,
+    reason = "a driver is awaited where it is made: no executor needs to move its futures"
+)]
+pub trait Wires {
+    /// The error of the bus.
+    type Error;
+
     /// Reads from `first` on, all in one transaction.
-    pub async fn read_into(&mut self, first: u8, bytes: &mut [u8]) -> Result<(), I2C::Error> {
-        let first = if bytes.len() > 1 { first | self.increment } else { first };
-        self.i2c.write_read(self.address, &[first], bytes).await
-    }
+    ///
+    /// # Errors
+    /// Those of the bus.
+    async fn read_into(&mut self, first: u8, bytes: &mut [u8]) -> Result<(), Self::Error>;
+
+    /// Writes one register.
+    ///
+    /// # Errors
+    /// Those of the bus.
+    async fn write(&mut self, register: u8, byte: u8) -> Result<(), Self::Error>;
 
     /// Reads `N` registers from `first` on, all in one transaction.
-    pub async fn read<const N: usize>(&mut self, first: u8) -> Result<[u8; N], I2C::Error> {
+    ///
+    /// # Errors
+    /// Those of the bus.
+    async fn read<const N: usize>(&mut self, first: u8) -> Result<[u8; N], Self::Error> {
         let mut bytes = [0; N];
         self.read_into(first, &mut bytes).await?;
         Ok(bytes)
     }
 
-    /// Writes one register.
-    pub async fn write(&mut self, register: u8, byte: u8) -> Result<(), I2C::Error> {
-        self.i2c.write(self.address, &[register, byte]).await
-    }
-
-    /// Whether the chip is who it should be.
-    pub async fn identify(&mut self, register: u8, bytes: &[u8]) -> Result<(), Error<I2C::Error>> {
+    /// Whether the chip is who it should be, by one to three bytes from a register on.
+    ///
+    /// # Errors
+    /// Those of the bus, and [`Error::NotFound`].
+    async fn identify(&mut self, register: u8, bytes: &[u8]) -> Result<(), Error<Self::Error>> {
         let (mut expected, mut found) = ([0; 3], [0; 3]);
         let told = bytes.len().min(3);
         for (to, from) in expected.iter_mut().zip(bytes) {
@@ -50,7 +76,10 @@ impl<I2C: I2c> Registers<I2C> {
 
     /// Writes a configuration, one register a transaction (not every chip increments its pointer on writing), and reads it back,
     /// neighbours together.
-    pub async fn configure(&mut self, writes: &[Write]) -> Result<(), Error<I2C::Error>> {
+    ///
+    /// # Errors
+    /// Those of the bus, and [`Error::NotKept`].
+    async fn configure(&mut self, writes: &[Write]) -> Result<(), Error<Self::Error>> {
         for write in writes {
             self.write(write.register, write.byte).await?;
         }
@@ -73,6 +102,35 @@ impl<I2C: I2c> Registers<I2C> {
             }
         }
         Ok(())
+    }
+}
+
+#[both(AFIT)]
+impl<I2C: I2c> Wires for Registers<I2C> {
+    type Error = I2C::Error;
+
+    async fn read_into(&mut self, first: u8, bytes: &mut [u8]) -> Result<(), I2C::Error> {
+        let first = if bytes.len() > 1 { first | self.increment } else { first };
+        self.i2c.write_read(self.address, &[first], bytes).await
+    }
+
+    async fn write(&mut self, register: u8, byte: u8) -> Result<(), I2C::Error> {
+        self.i2c.write(self.address, &[register, byte]).await
+    }
+}
+
+#[both(AFIT)]
+impl<SPI: SpiDevice> Wires for SpiRegisters<SPI> {
+    type Error = SPI::Error;
+
+    async fn read_into(&mut self, first: u8, bytes: &mut [u8]) -> Result<(), SPI::Error> {
+        let increment = if bytes.len() > 1 { SPI_INCREMENT } else { 0 };
+        let first = [first | SPI_READ | increment];
+        self.spi.transaction(&mut [Operation::Write(&first), Operation::Read(bytes)]).await
+    }
+
+    async fn write(&mut self, register: u8, byte: u8) -> Result<(), SPI::Error> {
+        self.spi.write(&[register, byte]).await
     }
 }
 

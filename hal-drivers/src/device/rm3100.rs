@@ -2,6 +2,7 @@
 
 use super::driver::Driver;
 use super::mode::{DelayNs, I2c, Magnetometer, both};
+use super::registers::Wires;
 use crate::chip::rm3100::{self as chip, Config};
 use crate::chip::self_test::Outcome;
 use ironout_sensor::Error;

@@ -72,6 +72,8 @@ pub struct RegisterChip<M> {
     pub temperature_c: f64,
     /// The axis whose self-test fails.
     pub dead_axis: Option<usize>,
+    /// Its measurements do not end any more, though it answers.
+    pub frozen: bool,
     pointer: u8,
     goes_on: bool,
     expects_pointer: bool,
@@ -92,6 +94,7 @@ impl<M: Model> RegisterChip<M> {
             field: Box::new(field),
             temperature_c: 25.0,
             dead_axis: None,
+            frozen: false,
             pointer: 0,
             goes_on: true,
             expects_pointer: false,
@@ -128,6 +131,9 @@ impl<M: Model> RegisterChip<M> {
 
     /// What was measured up to now; only the last of it is still there.
     fn catch_up(&mut self, now_ns: u64) {
+        if self.frozen {
+            return;
+        }
         if let Some(at) = self.once_at_ns.filter(|&at| at <= now_ns) {
             self.once_at_ns = None;
             self.measure_at(at);

@@ -7,14 +7,16 @@ use crate::input::Log;
 use crate::source;
 
 /// The log of `--log`, if it is given.
-pub(super) fn read(arguments: &ExportArgs, cal: &CalFile) -> Outcome<Option<Log>> {
+pub(super) fn read(arguments: &ExportArgs, cal: &CalFile, json: bool) -> Outcome<Option<Log>> {
     let Some(path) = &arguments.log else { return Ok(None) };
     let log = LogArgs {
         log: path.clone(),
+        more: Vec::new(),
+        derive: Vec::new(),
         ut_per_count: None,
         map: arguments.map.clone(),
         rotate: cal.reading.as_ref().map_or_else(Vec::new, |reading| reading.rotate.clone()),
         instance: None,
     };
-    source::read_for(&log, cal, &arguments.cal).map(Some)
+    source::read_for(&log, cal, &arguments.cal, json).map(Some)
 }

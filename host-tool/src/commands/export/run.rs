@@ -5,7 +5,8 @@ use crate::cli::{ExportArgs, ExportForm};
 use crate::commands::export::target::{self, Exported};
 use crate::failure::{EXIT_OK, Failure, Outcome};
 use crate::input::Mounting;
-use crate::output::{hang, json_number};
+use crate::output::json_number;
+use crate::wrap::hang;
 use crate::{atomic, output};
 use ironout_analysis::export::error::CannotExport;
 use ironout_analysis::export::reading::Reading;
@@ -30,7 +31,7 @@ pub fn run(arguments: &ExportArgs, json: bool) -> Outcome<u8> {
         Some(_) => failure,
         None => failure.in_file(&arguments.cal),
     })?;
-    match &arguments.output {
+    match arguments.output.as_ref().filter(|path| !output::is_standard(path)) {
         Some(path) => {
             atomic::not_over(&arguments.cal, path)?;
             atomic::write(path, |out| out.write_all(exported.text.as_bytes()))?;

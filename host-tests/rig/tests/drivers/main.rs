@@ -1,0 +1,9 @@
+//! Every driver against a chip at the level of its registers: what the datasheets say, from both sides.
+
+mod bench;
+mod faults;
+mod measuring;
+mod probing;
+mod self_tests;
+mod twins;
+mod wide;
