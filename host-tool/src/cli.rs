@@ -357,15 +357,28 @@ pub struct SimulateArgs {
 
 /// `demo`.
 #[derive(Debug, Args)]
-#[command(after_help = "Example:
+#[command(after_help = "Examples:
   ironout demo
+  ironout demo --board pico
 
-Needs qemu-system-arm for the emulated board; without it the same session runs
-on a simulated bus.")]
+Needs qemu-system-arm for mps2, without which the same session runs on a
+simulated bus, and Node with rp2040js (npm ci in host-tests/pico) for pico.")]
 pub struct DemoArgs {
     /// Use the simulated bus even where QEMU is installed
     #[arg(long)]
     pub no_qemu: bool,
+    /// The board whose firmware is emulated
+    #[arg(long, value_enum, value_name = "BOARD", default_value = "mps2")]
+    pub board: BoardArg,
+}
+
+/// The boards that can be emulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BoardArg {
+    /// Arm's MPS2 with a Cortex-M4F, in QEMU
+    Mps2,
+    /// A Raspberry Pi Pico, in rp2040js
+    Pico,
 }
 
 /// `diagnose`.

@@ -6,6 +6,8 @@
 mod absent;
 #[cfg(feature = "demo")]
 mod bench;
+#[cfg(all(feature = "demo", unix))]
+mod pico;
 #[cfg(feature = "demo")]
 mod story;
 

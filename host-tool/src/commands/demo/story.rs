@@ -1,6 +1,6 @@
 //! The story of the demo, told on a board.
 
-use crate::cli::DemoArgs;
+use crate::cli::{BoardArg, DemoArgs};
 use crate::commands::demo::bench::{self, Answer, Bench, Simulated};
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::output::line;
@@ -60,6 +60,9 @@ pub fn run(arguments: &DemoArgs, json: bool) -> Outcome<u8> {
 #[cfg(unix)]
 fn power_up(arguments: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench>, bool)> {
     use ironout_rig::qemu::{self, Error, Firmware};
+    if arguments.board == BoardArg::Pico {
+        return Ok((crate::commands::demo::pico::start(tell)?, true));
+    }
     if arguments.no_qemu {
         return Ok((simulated(tell), false));
     }
@@ -92,7 +95,10 @@ fn power_up(arguments: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench
 }
 
 #[cfg(not(unix))]
-fn power_up(_: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench>, bool)> {
+fn power_up(arguments: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench>, bool)> {
+    if arguments.board == BoardArg::Pico {
+        return Err(Failure::usage("the emulated Pico runs on Unix only: leave --board away"));
+    }
     Ok((simulated(tell), false))
 }
 
@@ -225,7 +231,7 @@ impl Story {
     }
 
     fn raw_error(&mut self, world: &World) -> Outcome<f64> {
-        let scale = ironout_drivers::lsm303dlhc::Range::Gauss1_9.ut_per_count().map(f64::from);
+        let scale = self.board.ut_per_count();
         self.error(world, "stream raw", |text| {
             let counts: [f64; 3] = numbers(text.strip_prefix("R,")?, 1).try_into().ok()?;
             Some(ironout::calibration::norm([0, 1, 2].map(|axis| counts[axis] * scale[axis])))
