@@ -46,6 +46,7 @@ export class Board {
     this.resets = [];
     this.warnings = new Map();
     this.nsBefore = 0;
+    this.at = 0;
     this.lastFault = null;
     this.powerOn();
   }
@@ -198,6 +199,7 @@ export class Board {
       let executed = 0;
       try {
         while (!core.waiting && core.cycles < stop && core.cycles < clock.dueCycles) {
+          this.at = core.PC;
           core.executeInstruction();
           executed++;
         }
@@ -212,8 +214,8 @@ export class Board {
     const { core } = this.mcu;
     this.lastFault = fault.message;
     if (core.IPSR === HARD_FAULT || core.IPSR === NMI) throw new Lockup(`a fault in the handler of a fault: ${fault.message}`);
-    // rp2040js has stepped over the instruction already.
-    core.PC -= 2;
+    // rp2040js may have stepped over the instruction already.
+    core.PC = this.at;
     core.exceptionEntry(HARD_FAULT);
     core.PC &= ~1;
   }

@@ -100,7 +100,7 @@ fn every_cut<const WRITE: usize>(new: &Record) {
     let stored = |left| {
         let mut slots = FlashSlots::new(Flash::<WRITE>::new(), 2 * SECTOR as u32).unwrap();
         for sequence in 1..=3 {
-            run(StoreJob::save(None, Record { sequence, ..record() }), &mut slots, |_| {}).unwrap();
+            run(StoreJob::save(None, Record { sequence, ..record(1.0) }), &mut slots, |_| {}).unwrap();
         }
         let mut flash = slots.destroy();
         flash.left = left;
@@ -129,7 +129,7 @@ fn every_cut<const WRITE: usize>(new: &Record) {
 
 #[test]
 fn power_cut_after_any_byte_or_in_an_erase_leaves_the_old_record_or_the_new_one() {
-    for new in [record(), with(&all_effects())] {
+    for new in [record(7.0), with(&all_effects()[..4])] {
         every_cut::<1>(&new);
         every_cut::<4>(&new);
         every_cut::<8>(&new);

@@ -1,5 +1,6 @@
 //! The command line: what can be asked, with help and examples.
 
+pub use crate::cli_demo::{BoardArg, DemoArgs, HiddenArg};
 pub use crate::cli_export::{ExportArgs, ExportForm};
 use crate::failure::{Failure, Outcome};
 use crate::geomag::EarthField;
@@ -385,34 +386,6 @@ pub struct ImportArgs {
     /// Write the log here; - is standard output
     #[arg(short, long, value_name = "LOG.csv")]
     pub output: PathBuf,
-}
-
-/// `demo`.
-#[derive(Debug, Args)]
-#[command(after_help = "Examples:
-  ironout demo
-  ironout demo --hidden temperature    the board names what it is missing
-
-Needs qemu-system-arm for the emulated board; without it the same session runs
-on a simulated bus.")]
-pub struct DemoArgs {
-    /// Use the simulated bus even where QEMU is installed
-    #[arg(long)]
-    pub no_qemu: bool,
-    /// Hide an effect that the board has to name, learn and correct
-    #[arg(long, value_enum, value_name = "EFFECT")]
-    pub hidden: Option<HiddenArg>,
-}
-
-/// What `demo` may hide.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum HiddenArg {
-    /// An offset that follows the chip's temperature
-    Temperature,
-    /// An offset that follows a current, which the board is told with cov
-    Current,
-    /// An offset that jumps: something magnetic was attached
-    Step,
 }
 
 /// `diagnose`.

@@ -6,6 +6,7 @@ pub mod atomic;
 pub mod board;
 pub mod cal_file;
 pub mod cli;
+pub mod cli_demo;
 pub mod cli_export;
 pub mod commands;
 pub mod corrected;

@@ -15,7 +15,7 @@ use std::path::Path;
 /// Reads the logs as one, whatever field is in them. Counts may keep their unit: without a scale they are counts of one. How each was
 /// read is said, unless `json`: then the caller gives [`read_block::json`] a place in its object.
 pub fn read_raw(arguments: &LogArgs, json: bool) -> Outcome<Log> {
-    let log = |path| {
+    let log = |path: &std::path::PathBuf| {
         let log = one(arguments, path, Some([1.0; 3]), &[])?;
         say(&log, json);
         Ok(log)

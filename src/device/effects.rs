@@ -11,7 +11,7 @@ use crate::extended::{Effects, ExtendedCalibration};
 use crate::fit::{MAX_PREDICTED_ERROR, Order};
 use crate::learn::{Candidate, Outcome, Status, has_id};
 use crate::protocol::{Answered, Code, EffectId, Reply};
-use crate::record::Record;
+use crate::record::{PredictedError, Record};
 use crate::store::{Done, StoreError, StoreJob};
 
 fn reads_time(effect: &BuiltIn<f64>) -> bool {
@@ -149,6 +149,7 @@ impl Device {
             noise_ut: f64::from(outcome.floor_ut),
             rms_ut: f64::from(outcome.rms_ut),
             axes: Some(self.config.sensor.axes),
+            predicted_error: PredictedError::of_share(f64::from(outcome.base_error)),
         })
     }
 

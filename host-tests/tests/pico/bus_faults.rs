@@ -1,7 +1,10 @@
 //! What goes wrong on the I²C bus is reported within a second, and healed when it ends.
 
-use crate::support::{board, figure, ok};
+use crate::support::{ask, board, figure, ok};
+use ironout_rig::chips::{Lis2mdlModel, Qmc5883pModel, RegisterChip};
 use ironout_rig::pico::{self, CLOCK_PIN, DATA_PIN, Event, Fault, Pico};
+use std::cell::RefCell;
+use std::rc::Rc;
 
 /// Whether the sensor works, by what `status` says.
 fn complaint(board: &mut Pico) -> Option<String> {
@@ -55,7 +58,7 @@ fn faults_of_the_bus_are_reported_within_a_second_and_healed() {
         board.run_ms(900).unwrap();
         let said = complaint(&mut board).unwrap_or_else(|| panic!("{what}: not reported within a second"));
         assert!(said.contains("does not answer on the bus"), "{what}: {said}");
-        assert_eq!(crate::support::ask(&mut board, "cal start").code(), Some("sensor"), "{what}");
+        assert_eq!(ask(&mut board, "cal start").code(), Some("sensor"), "{what}");
         // The longest pause between two attempts is 3.2 s, the next after 0.9 s comes before 0.8 s more.
         end(&mut board);
         board.run_ms(1_500).unwrap();
@@ -110,8 +113,15 @@ fn a_sensor_that_comes_late_is_taken_up() {
     let mut board = Pico::start(crate::support::firmware().path()).unwrap();
     board.run_ms(5_000).unwrap();
     assert!(complaint(&mut board).is_some());
-    let chip = ironout_rig::chips::Lsm303dlhcChip::new(|_| [20.0, 0.0, 43.0], 0.1, 1);
-    board.attach(std::rc::Rc::new(std::cell::RefCell::new(chip)));
+    let chip = RegisterChip::new(0x1e, Lis2mdlModel { is_lsm303agr: false }, |_| [20.0, 0.0, 43.0]);
+    board.attach(Rc::new(RefCell::new(chip)));
     board.run_ms(3_500).unwrap();
     assert_eq!(complaint(&mut board), None);
+    assert_eq!(ok(&mut board, "version").value("sensor"), Some("LIS2MDL"));
+    // Another chip in its place is found, and described as what it is.
+    board.detach(0x1e);
+    board.attach(Rc::new(RefCell::new(RegisterChip::new(0x2c, Qmc5883pModel, |_| [20.0, 0.0, 43.0]))));
+    board.run_ms(3_500).unwrap();
+    assert_eq!(complaint(&mut board), None);
+    assert_eq!(ok(&mut board, "version").value("sensor"), Some("QMC5883P"));
 }

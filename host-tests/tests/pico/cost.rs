@@ -4,9 +4,10 @@ use crate::support::{board, figure, firmware, numbers, ok};
 use ironout_rig::pico::{self, CYCLES_PER_US};
 
 const PERIOD_S: f64 = 8.0;
-/// Bytes of flash and RAM that a board may take, the second with what the stack has reached.
-const MOST_FLASH: u64 = 112 * 1024;
-const MOST_RAM: u64 = 24 * 1024;
+/// Bytes of flash and RAM that the board may take, the second with what the stack has reached. Of its 2 MiB and 264 KiB; the
+/// limits are there to make growth seen.
+const MOST_FLASH: u64 = 232 * 1024;
+const MOST_RAM: u64 = 48 * 1024;
 
 #[test]
 fn no_sample_is_lost_beside_a_solve_and_flash_ram_and_stack_stay_within_their_limits() {
@@ -24,7 +25,7 @@ fn no_sample_is_lost_beside_a_solve_and_flash_ram_and_stack_stay_within_their_li
     let idle = cycles_in(&mut board, 2_000);
     ok(&mut board, "cal start");
     let collecting = cycles_in(&mut board, (PERIOD_S * 1000.0) as u64);
-    let samples = 75.0 * PERIOD_S;
+    let samples = 100.0 * PERIOD_S;
     let a_sample = (collecting - idle * PERIOD_S / 2.0) / samples;
     let longest_push_us = figure(&ok(&mut board, "version"), "longest_turn_us");
     ok(&mut board, "status");
@@ -44,8 +45,9 @@ fn no_sample_is_lost_beside_a_solve_and_flash_ram_and_stack_stay_within_their_li
     let lost = figure(&ok(&mut board, "version"), "samples_lost");
     assert!(lost <= 4.0, "{lost} samples lost while storing");
     println!(
-        "idle {:.1} % busy; a sample {:.0} cycles in the mean, its longest turn {:.0} us; cal stop {:.0} ms",
+        "busy {:.2} % idle, {:.2} % collecting; a sample of the session {:.0} cycles in the mean, its longest turn {:.0} us; cal stop {:.0} ms",
         100.0 * idle / (2e6 * CYCLES_PER_US),
+        100.0 * collecting / (PERIOD_S * 1e6 * CYCLES_PER_US),
         a_sample,
         longest_push_us,
         stop_ms
@@ -53,7 +55,7 @@ fn no_sample_is_lost_beside_a_solve_and_flash_ram_and_stack_stay_within_their_li
     println!("the longest turn of all: {} us", version.value("longest_turn_us").unwrap_or("-"));
     assert_eq!(version.value("samples_lost"), Some("0"), "{version}");
     let times: Vec<i64> = lines.iter().map(|line| numbers::<i64>(line, 1)[0]).collect();
-    assert!(times.windows(2).all(|pair| (12..=15).contains(&(pair[1] - pair[0]))), "{times:?}");
+    assert!(times.windows(2).all(|pair| (9..=11).contains(&(pair[1] - pair[0]))), "{times:?}");
 
     let bottom = firmware().symbol("_stack_end").unwrap();
     let region = firmware().symbol("_stack_start").unwrap() - bottom;

@@ -11,4 +11,5 @@ mod console;
 mod cost;
 mod faults;
 mod power;
+mod sensors;
 mod support;

@@ -7,15 +7,16 @@ use ironout::record::Record;
 use ironout::sensor::Sample;
 use ironout::session::{Session, SessionConfig};
 use ironout_drivers::Magnetometer;
-use ironout_drivers::lsm303dlhc::{
-    Config, DataRate, Lsm303dlhc, Range, TemperatureFormat, register::OVERFLOW,
-};
+use ironout_drivers::lis2mdl::{Config, Lis2mdl, Model};
 use ironout_rig::bus::{Clock, SimBus};
-use ironout_rig::chips::Lsm303dlhcChip;
+use ironout_rig::chips::{Lis2mdlModel, RegisterChip};
 use ironout_rig::pico::{Pico, SLOT_STRIDE, SLOTS};
 use ironout_rig::qemu::Firmware;
 use ironout_rig::reply::Reply;
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use rand::SeedableRng;
+use rand::rngs::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::OnceLock;
@@ -47,17 +48,31 @@ pub fn turning(t_s: f64, period_s: f64) -> [f64; 3] {
         .into()
 }
 
+/// The sensor of most tests.
+pub type Lis2mdlChip = RegisterChip<Lis2mdlModel>;
+
+/// [`turning`] with the sensor's noise, the same in every run.
+pub fn noisy(period_s: f64) -> impl FnMut(f64) -> [f64; 3] {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    move |t_s| {
+        turning(t_s, period_s).map(|axis| {
+            let noise: f64 = StandardNormal.sample(&mut rng);
+            axis + NOISE_UT * noise
+        })
+    }
+}
+
 /// A board that has this image in its flash, with a sensor that is turned once in `period_s`.
-pub fn board_of(image: &std::path::Path, period_s: f64) -> (Pico, Rc<RefCell<Lsm303dlhcChip>>) {
+pub fn board_of(image: &std::path::Path, period_s: f64) -> (Pico, Rc<RefCell<Lis2mdlChip>>) {
     let mut board = Pico::start(image).unwrap_or_else(|error| panic!("{error}"));
-    let chip = Lsm303dlhcChip::new(move |t_s| turning(t_s, period_s), NOISE_UT, 7);
-    let chip = Rc::new(RefCell::new(chip));
+    let model = Lis2mdlModel { is_lsm303agr: false };
+    let chip = Rc::new(RefCell::new(RegisterChip::new(0x1e, model, noisy(period_s))));
     board.attach(chip.clone());
     (board, chip)
 }
 
 /// A new board with the firmware.
-pub fn board(period_s: f64) -> (Pico, Rc<RefCell<Lsm303dlhcChip>>) {
+pub fn board(period_s: f64) -> (Pico, Rc<RefCell<Lis2mdlChip>>) {
     board_of(firmware().path(), period_s)
 }
 
@@ -114,19 +129,13 @@ pub fn figure(reply: &Reply, key: &str) -> f64 {
 
 /// What the host's session makes of a raw stream: offset and matrix, as bits.
 pub fn host_bits(raw: &[String], field_ut: f64) -> Vec<u64> {
-    let config = Config {
-        range: Range::Gauss1_9,
-        rate: DataRate::Hz75,
-        temperature: true,
-        temperature_format: TemperatureFormat::LeftJustified,
-    };
-    let sensor = Lsm303dlhc::new(SimBus::new(Clock::default()), config).describe();
+    let driver = Lis2mdl::new(SimBus::new(Clock::default()), Config::of(Model::Lis2mdl));
+    let sensor = driver.describe();
     let mut session = Session::new(SessionConfig { field_ut: Some(field_ut), ..SessionConfig::of(&sensor) });
     session.start();
     for line in raw {
         let counts: [i16; 3] = numbers(line, 2).try_into().expect("three counts after the time");
-        let sample = if counts.contains(&OVERFLOW) { Sample::out_of_range } else { Sample::valid };
-        session.push(sample(counts));
+        session.push(Sample::valid(counts));
     }
     let outcome = session.stop().unwrap();
     let calibration = outcome.report.as_ref().expect("a report").calibration;

@@ -30,7 +30,8 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
     }
     let calibration = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
     let mut objects = Vec::new();
-    for (place, log) in source::read_each_for(&arguments.log, &cal, &arguments.cal, json)?.iter().enumerate() {
+    for (place, log) in source::read_each_for(&arguments.log, &cal, &arguments.cal, json)?.iter().enumerate()
+    {
         if place > 0 && !json {
             line("");
         }

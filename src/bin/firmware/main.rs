@@ -15,19 +15,21 @@ mod fault;
 use board::{Board, Sampled};
 use defmt::Display2Format;
 use ironout::device::{Device, DeviceConfig, SensorAnswer};
-use ironout::sensor::Magnetometer;
+use ironout::sensor::{Magnetometer, Sensor};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let restarts = fault::Restarts::read();
     let Some(board) = Board::take() else { panic!("the board was taken before") };
     let Board { mut sensor, mut sampled, mut store, mut console, mut clock, mut panel, mut watchdog } = board;
-    let mut device = Device::new(DeviceConfig {
-        board: board::NAME,
-        sensor: sensor.describe().mounted(board::MOUNTING),
-        pace: board::PACE,
-    });
-    device.note_restarts(restarts.count, restarts.last);
+    let mut described = sensor.describe();
+    let device_of = |sensor: Sensor| {
+        let sensor = sensor.mounted(board::MOUNTING);
+        let mut device = Device::new(DeviceConfig { board: board::NAME, sensor, pace: board::PACE });
+        device.note_restarts(restarts.count, restarts.last);
+        device
+    };
+    let mut device = device_of(described);
     defmt::info!("ironout {=str} on {=str}", env!("CARGO_PKG_VERSION"), board::NAME);
     if restarts.count > 0 {
         defmt::error!("restart {=u32} after a fault: {=str}", restarts.count, restarts.last);
@@ -48,6 +50,11 @@ fn main() -> ! {
             fault::started();
         }
         watchdog.turned();
+        // Another chip than before has been found: counts have another meaning, and nothing collected is worth anything.
+        if device.is_idle() && sensor.describe() != described {
+            described = sensor.describe();
+            device = device_of(described);
+        }
         // One line at a time: its reply goes where it came from. An idle device takes every byte.
         while device.is_idle()
             && let Some(byte) = console.read()

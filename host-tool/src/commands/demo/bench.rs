@@ -39,6 +39,10 @@ pub trait Bench {
     fn warm(&mut self, temp_c: f64) -> Outcome<()>;
     /// Takes the power away in the middle of everything, and gives it back.
     fn power_cut(self: Box<Self>) -> Outcome<Box<dyn Bench>>;
+    /// The sensor's scale, µT a count along each axis.
+    fn ut_per_count(&self) -> [f64; 3] {
+        ironout_drivers::lsm303dlhc::Range::Gauss1_9.ut_per_count().map(f64::from)
+    }
 }
 
 /// The simulated board: the same drivers and application over a simulated I²C bus.

@@ -8,6 +8,8 @@ mod absent;
 mod bench;
 #[cfg(feature = "demo")]
 mod hidden;
+#[cfg(all(feature = "demo", unix))]
+mod pico;
 #[cfg(feature = "demo")]
 mod story;
 #[cfg(feature = "demo")]

@@ -149,7 +149,7 @@ impl Story {
     }
 
     fn raw_error(&mut self, world: &World) -> Outcome<f64> {
-        let scale = ironout_drivers::lsm303dlhc::Range::Gauss1_9.ut_per_count().map(f64::from);
+        let scale = self.talk.board.ut_per_count();
         self.error(world, "stream raw", |text| {
             let counts: [f64; 3] = numbers(text.strip_prefix("R,")?, 1).try_into().ok()?;
             Some(ironout::calibration::norm([0, 1, 2].map(|axis| counts[axis] * scale[axis])))

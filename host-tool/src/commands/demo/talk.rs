@@ -1,6 +1,6 @@
 //! A board that is spoken to while somebody watches.
 
-use crate::cli::DemoArgs;
+use crate::cli::{BoardArg, DemoArgs};
 use crate::commands::demo::bench::{self, Answer, Bench, Simulated};
 use crate::failure::{Failure, Outcome};
 use crate::output::line;
@@ -76,6 +76,9 @@ impl Talk {
 #[cfg(unix)]
 fn power_up(arguments: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench>, bool)> {
     use ironout_rig::qemu::{self, Error, Firmware};
+    if arguments.board == BoardArg::Pico {
+        return Ok((crate::commands::demo::pico::start(tell)?, true));
+    }
     if arguments.no_qemu {
         return Ok((simulated(tell), false));
     }
@@ -108,7 +111,10 @@ fn power_up(arguments: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench
 }
 
 #[cfg(not(unix))]
-fn power_up(_: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench>, bool)> {
+fn power_up(arguments: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench>, bool)> {
+    if arguments.board == BoardArg::Pico {
+        return Err(Failure::usage("the emulated Pico runs on Unix only: leave --board away"));
+    }
     Ok((simulated(tell), false))
 }
 

@@ -45,7 +45,7 @@ pub(super) fn export(
     let calibration = cal.extended()?;
     let mut held = Held::of(&calibration, reading, room).map_err(refuse)?;
     let mut cost = None;
-    if let Some(log) = log::read(arguments, cal)? {
+    if let Some(log) = log::read(arguments, cal, true)? {
         let (fitted, found) =
             refit(&held, &calibration, reading, &Table::from(&log)).map_err(|error| match &error {
                 NoCost::Column(column, why) => {

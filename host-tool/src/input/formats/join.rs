@@ -89,6 +89,7 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
                 .into_iter()
                 .map(|(rows, why)| LeftOut { rows, first_line: None, why })
                 .collect(),
+            ..ReadAs::default()
         },
         notices,
     })

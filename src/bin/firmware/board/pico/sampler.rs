@@ -10,19 +10,15 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use critical_section::Mutex;
 use embassy_rp::interrupt;
 use embassy_rp::interrupt::InterruptExt;
+use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::ErrorKind;
 use heapless::spsc::{Consumer, Producer, Queue};
 use ironout::device::SensorFault;
 use ironout::sensor::{Error, Magnetometer, Reading, Sensor};
-use ironout_drivers::lsm303dlhc::{Config, DataRate, Lsm303dlhc, Range, TemperatureFormat};
+use ironout_drivers::{AnyMagnetometer, Kind, probe};
 
-/// How the sensor is set up.
-const SENSOR: Config = Config {
-    range: Range::Gauss1_9,
-    rate: DataRate::Hz75,
-    temperature: true,
-    temperature_format: TemperatureFormat::LeftJustified,
-};
+/// The sensor as long as none was found: whatever it will be, it is described anew then.
+const UNKNOWN: Sensor = Sensor::uniform("magnetometer", 0.15, 100.0);
 
 /// The timer's alarm of the sampler.
 const ALARM: Alarm = Alarm(1);
@@ -36,9 +32,16 @@ const FAILURES: u8 = 3;
 /// How often a sampler without a sensor shows that it lives.
 const IDLE_US: u64 = 100_000;
 
+/// The bus with the chip that was found on it, if one was.
+enum Chip {
+    Unknown(Bus),
+    Found(AnyMagnetometer<Bus, Wait>),
+}
+
 /// What the interrupt works with.
 struct Sampler {
-    driver: Lsm303dlhc<Bus>,
+    /// Taken out only while it is exchanged.
+    chip: Option<Chip>,
     out: Producer<'static, Sampled>,
     period_us: u64,
     is_running: bool,
@@ -54,6 +57,8 @@ enum Start {
 }
 
 static SAMPLER: Mutex<RefCell<Option<Sampler>>> = Mutex::new(RefCell::new(None));
+/// The sensor as it was described when it was started last.
+static DESCRIPTION: Mutex<Cell<Sensor>> = Mutex::new(Cell::new(UNKNOWN));
 static START: Mutex<Cell<Start>> = Mutex::new(Cell::new(Start::None));
 
 /// Counts the sampler's turns: that it counts shows that interrupts and the timer work.
@@ -68,15 +73,16 @@ pub fn beats() -> u32 {
 pub fn start(bus: Bus) -> Option<(Proxy, Samples)> {
     let queue = cortex_m::singleton!(: Queue<Sampled, WAITING> = Queue::new())?;
     let (out, samples) = queue.split();
-    let driver = Lsm303dlhc::new(bus, SENSOR);
-    let description = driver.describe();
-    let period_us = (1e6 / description.rate_hz) as u64;
-    let sampler = Sampler { driver, out, period_us, is_running: false, failures: 0 };
+    let sampler =
+        Sampler { chip: Some(Chip::Unknown(bus)), out, period_us: IDLE_US, is_running: false, failures: 0 };
     critical_section::with(|section| SAMPLER.borrow(section).replace(Some(sampler)));
     // SAFETY: its handler is below, and no critical section relies on masks.
     unsafe { interrupt::TIMER_IRQ_1.enable() };
     ALARM.set(now_us() + IDLE_US);
-    Some((Proxy { description }, Samples(samples)))
+    let mut proxy = Proxy(());
+    // What is there is described from the beginning; what is not will be asked for again.
+    let _ = proxy.init();
+    Some((proxy, Samples(samples)))
 }
 
 #[interrupt]
@@ -87,7 +93,7 @@ fn TIMER_IRQ_1() {
     // Taken out for the time of its work, so that other interrupts go on meanwhile; nobody else takes it.
     let Some(mut sampler) = critical_section::with(|section| SAMPLER.borrow(section).take()) else { return };
     if let Start::Asked = critical_section::with(|section| START.borrow(section).get()) {
-        let done = sampler.driver.init();
+        let done = sampler.start();
         (sampler.is_running, sampler.failures) = (done.is_ok(), 0);
         critical_section::with(|section| START.borrow(section).set(Start::Done(done)));
     }
@@ -96,15 +102,58 @@ fn TIMER_IRQ_1() {
     ALARM.set(next_us);
 }
 
+/// Waits by counting: a chip's start asks for some milliseconds at most.
+struct Wait;
+
+impl DelayNs for Wait {
+    fn delay_ns(&mut self, ns: u32) {
+        let end_us = now_us() + u64::from(ns.div_ceil(1000));
+        while now_us() < end_us {}
+    }
+}
+
 impl Sampler {
+    /// Starts the chip that was found before; where that fails, or none was found yet, the bus is looked through anew.
+    fn start(&mut self) -> Result<(), Error<ErrorKind>> {
+        let mut bus = match self.chip.take() {
+            Some(Chip::Found(mut driver)) => {
+                if driver.init().is_ok() {
+                    self.chip = Some(Chip::Found(driver));
+                    return Ok(());
+                }
+                driver.destroy()
+            }
+            Some(Chip::Unknown(bus)) => bus,
+            None => return Err(Error::Bus(ErrorKind::Other)),
+        };
+        let findings = probe(&mut bus, &mut Wait);
+        // An ICM-20948 with its bypass open is found as the AK09916 behind it as well; whoever closes it is the first of the two.
+        let icm20948 = findings.iter().find(|found| found.kind == Kind::Icm20948);
+        let Some(found) = icm20948.or(findings.first()) else {
+            self.chip = Some(Chip::Unknown(bus));
+            return Err(Error::Bus(findings.trouble.unwrap_or(ErrorKind::Other)));
+        };
+        let mut driver = AnyMagnetometer::new(bus, Wait, found);
+        let done = driver.init();
+        if done.is_err() {
+            self.chip = Some(Chip::Unknown(driver.destroy()));
+            return done;
+        }
+        let description = driver.describe();
+        self.period_us = (1e6 / description.rate_hz) as u64;
+        critical_section::with(|section| DESCRIPTION.borrow(section).set(description));
+        self.chip = Some(Chip::Found(driver));
+        Ok(())
+    }
+
     /// Looks for a conversion; when to look again.
     fn turn(&mut self, tick_us: u64) -> u64 {
-        if !self.is_running {
+        let (true, Some(Chip::Found(driver))) = (self.is_running, &mut self.chip) else {
             return tick_us + IDLE_US;
-        }
-        let reading = match self.driver.data_ready() {
+        };
+        let reading = match driver.data_ready() {
             Ok(false) => return tick_us + self.period_us / 16,
-            Ok(true) => self.driver.read(),
+            Ok(true) => driver.read(),
             Err(error) => Err(error),
         };
         let reading = reading.map_err(|error| SensorFault::of(&error));
@@ -133,15 +182,14 @@ impl Samples {
 }
 
 /// The magnetometer as the loop sees it: it can be described and started.
-pub struct Proxy {
-    description: Sensor,
-}
+pub struct Proxy(());
 
 impl Magnetometer for Proxy {
     type BusError = ErrorKind;
 
+    /// Changes where another chip is found than before.
     fn describe(&self) -> Sensor {
-        self.description
+        critical_section::with(|section| DESCRIPTION.borrow(section).get())
     }
 
     /// The sampler starts the sensor before this goes on: its interrupt has to wait for nobody.
