@@ -252,7 +252,8 @@ impl Learner {
         for (slot, more) in delta.iter_mut().zip(already) {
             *slot += more;
         }
-        self.shift(&delta, &base);
+        let (point, _) = Point::of(&base)?;
+        self.shift(&delta, point);
         Some(ExtendedCalibration { base, effects })
     }
 

@@ -171,6 +171,19 @@ impl Factor {
         self.solve(unit).get(column).copied().unwrap_or(f32::NAN)
     }
 
+    /// The largest standard error among the base's columns, for noise as large as what all leave.
+    pub(super) fn largest_error(&self, sums: &Work) -> f32 {
+        let freedom = (sums.rows as f32 - self.chosen.len() as f32).max(1.0);
+        let variance = self.squares(sums) / freedom;
+        let largest = self
+            .chosen
+            .iter()
+            .take(usize::from(self.chosen.base))
+            .map(|column| self.inverse(column))
+            .fold(0.0, f32::max);
+        math::sqrtf(variance * largest)
+    }
+
     /// The squared error with the chosen columns.
     pub(super) fn squares(&self, sums: &Work) -> f32 {
         let known = self.forward(|column| sums.right(column));

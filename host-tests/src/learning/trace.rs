@@ -54,8 +54,8 @@ impl Kind {
     fn spec(self, strength: f64) -> Option<EffectSpec> {
         let text = match self {
             Kind::Clean => return None,
-            // In time: so many noises of 5 ms each.
-            Kind::Lag => format!("lag={}ms", 15.0 * strength),
+            // In time: three noises are 18 ms.
+            Kind::Lag => format!("lag={}ms", 6.0 * strength),
             _ => format!("{}={strength}", self.id()),
         };
         Some(EffectSpec::parse(&text).expect("an effect of the simulation"))
