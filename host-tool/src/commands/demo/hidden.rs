@@ -43,13 +43,18 @@ impl HiddenArg {
         }
     }
 
+    /// The column that it follows; any where it follows none.
+    fn column(self) -> &'static str {
+        if self == HiddenArg::Current { "current_a" } else { "temp_c" }
+    }
+
     fn words(self) -> &'static str {
         match self {
-            HiddenArg::Temperature => {
-                "its offset moves with the chip's temperature, which rises while it is turned"
+            HiddenArg::Temperature => "the chip warms up, and its offset moves with its temperature",
+            HiddenArg::Current => {
+                "the motors run, and their current moves the offset (the board is told it: cov current_a=…)"
             }
-            HiddenArg::Current => "its offset moves with a current, which the board is told: cov current_a=…",
-            HiddenArg::Step => "its offset jumps once: something magnetic has been attached",
+            HiddenArg::Step => "something magnetic is attached, and the offset jumps",
         }
     }
 }
