@@ -7,7 +7,8 @@ use super::lessons::{Change, Purpose};
 use super::machine::{Device, Errand};
 use super::why::{Figure, Id, NOTHING_YET};
 use crate::effect::{BuiltIn, Effect, TIME};
-use crate::extended::ExtendedCalibration;
+use crate::extended::{Effects, ExtendedCalibration};
+use crate::fit::{MAX_PREDICTED_ERROR, Order};
 use crate::learn::{Candidate, Outcome, Status, has_id};
 use crate::protocol::{Answered, Code, EffectId, Reply};
 use crate::record::Record;
@@ -56,19 +57,12 @@ impl Device {
         reply: Reply<'_, W>,
         id: EffectId,
     ) -> Option<Answered> {
-        let Some(active) = &self.active else {
-            return Some(reply.err(
-                Code::State,
-                format_args!(
-                    "there is no calibration that could carry it: cal start, cal stop, cal accept first"
-                ),
-            ));
-        };
         let learner = &self.lessons.learner;
         if !learner.is_learning() {
             return Some(reply.err(Code::State, format_args!("{NOTHING_YET}")));
         }
-        if active.record.effects.iter().any(|fitted| has_id(&fitted.effect, &id)) {
+        let in_use = || self.active.iter().flat_map(|active| active.record.effects.iter());
+        if in_use().any(|fitted| has_id(&fitted.effect, &id)) {
             return Some(
                 reply.err(Code::State, format_args!("{id} is in use; effect remove {id} takes it out")),
             );
@@ -94,7 +88,7 @@ impl Device {
         id: &EffectId,
         outcome: &Outcome,
     ) -> Option<Answered> {
-        let (Some(candidate), Some(active)) = (self.named(id), &self.active) else {
+        let Some(candidate) = self.named(id) else {
             return Some(
                 reply.err(Code::State, format_args!("{id} is not tested any more; see effect list")),
             );
@@ -112,7 +106,14 @@ impl Device {
                 format_args!("{status} {text} (held-out error {before} to {after}, p={p:.1e}); see why"),
             ));
         }
-        let record = active.record;
+        let Some(record) = self.to_change(outcome) else {
+            return Some(reply.err(
+                Code::Refused,
+                format_args!(
+                    "error-too-large the base is not known well enough for a calibration yet: turn the board through all directions"
+                ),
+            ));
+        };
         let is_foreign = || record.effects.iter().any(|fitted| reads_time(&fitted.effect));
         if candidate.goes_by_time() && !self.lessons.own_clock && is_foreign() {
             return Some(reply.err(
@@ -129,6 +130,26 @@ impl Device {
                 None
             }
         }
+    }
+
+    /// The record in use; without one, that of the base on which the study stands, where that is known as well as a calibration that
+    /// is accepted: one whose effect was missing is often refused for that alone.
+    fn to_change(&self, outcome: &Outcome) -> Option<Record> {
+        if let Some(active) = &self.active {
+            return Some(active.record);
+        }
+        let calibration = self.lessons.learner.calibration()?;
+        (f64::from(outcome.base_error) <= MAX_PREDICTED_ERROR).then(|| Record {
+            sequence: 0,
+            calibration,
+            effects: Effects::none(),
+            method: self.session.config().method,
+            model: Order::Ellipsoid,
+            samples: u64::from(outcome.rows),
+            noise_ut: f64::from(outcome.floor_ut),
+            rms_ut: f64::from(outcome.rms_ut),
+            axes: Some(self.config.sensor.axes),
+        })
     }
 
     /// `effect remove`.

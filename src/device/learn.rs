@@ -22,10 +22,10 @@ const NO_TEMPERATURE_MS: u64 = 30_000;
 /// The column of the chip's temperature.
 const TEMPERATURE: &str = "temp_c";
 /// How often a calibration under way is looked at, and with how many samples first.
-const BEGIN_MS: u64 = 3000;
-const BEGIN_SAMPLES: u64 = 200;
+const BEGIN_MS: u64 = 2000;
+const BEGIN_SAMPLES: u64 = 150;
 /// The study begins at a calibration whose predicted error is so many times what would be accepted.
-const GOOD_ENOUGH: f64 = 2.0;
+const GOOD_ENOUGH: f64 = 5.0;
 
 const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
 const TURN: [&str; 3] = ["gx_radps", "gy_radps", "gz_radps"];
@@ -189,6 +189,7 @@ impl Device {
         if had_effects || !learner.field_ut().is_some_and(near) {
             learner.begin(&record.calibration);
         }
+        self.lessons.own_clock = false;
         self.active = Some(Active::new(slot, record, self.config.sensor.axes));
         self.feed_again();
     }

@@ -100,6 +100,9 @@ pub struct Outcome {
     pub holdout_rms_ut: f32,
     /// ... and what of it is noise.
     pub floor_ut: f32,
+    /// Predicted error of the base, relative to the field: the largest standard error of its parameters, from the noise that is left with
+    /// every effect in.
+    pub base_error: f32,
     /// Rms of the dip, degrees; NaN without accelerometer and gyro.
     pub dip_rms_deg: f32,
     /// By place.

@@ -91,6 +91,7 @@ impl Inquiry {
                 rms_ut: f32::NAN,
                 holdout_rms_ut: f32::NAN,
                 floor_ut: f32::NAN,
+                base_error: f32::NAN,
                 dip_rms_deg: f32::NAN,
                 findings: [NOTHING; CANDIDATES],
             },
@@ -178,7 +179,8 @@ impl Inquiry {
         let Some(base) = Factor::of(&total, Chosen::base(BASE), false) else { return Stage::End };
         let scale = (self.variance * self.time) as f32;
         let error = (0..BASE).map(|column| base.inverse(column) * scale).fold(0.0, f32::max);
-        if math::sqrtf(error) > MOST_BASE_ERROR {
+        self.outcome.base_error = math::sqrtf(error);
+        if self.outcome.base_error > MOST_BASE_ERROR {
             return Stage::End;
         }
         self.outcome.verdict = Verdict::Complete;

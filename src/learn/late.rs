@@ -47,8 +47,12 @@ pub(super) struct Late {
     begun: bool,
 }
 
+/// Rows before it is looked for the first time whether it stands well.
+const LOOK_AT: u32 = 200;
+/// More than this is no rotation that so few rows tell, rad.
+const ABSURD_RAD: f32 = 0.8;
 /// A rotation further than this from where it was linearised begins anew, rad.
-const FAR_RAD: f32 = 0.02;
+const FAR_RAD: f32 = 0.04;
 
 impl Late {
     pub(super) const fn new() -> Self {
@@ -57,7 +61,7 @@ impl Late {
             sine: 0.0,
             blocks: Blocks::new(),
             memory: Memory::new(),
-            look_at: 50,
+            look_at: LOOK_AT,
             begun: false,
         }
     }
@@ -65,7 +69,7 @@ impl Late {
     pub(super) fn begin(&mut self, rotation: [[f32; 3]; 3]) {
         self.blocks.clear();
         self.memory = Memory::new();
-        (self.rotation, self.look_at, self.begun) = (rotation, 50, false);
+        (self.rotation, self.look_at, self.begun) = (rotation, LOOK_AT, false);
     }
 
     /// Takes a corrected direction.
@@ -95,14 +99,16 @@ impl Late {
         self.look_at = self.look_at.saturating_mul(2);
         let mut work = Work::new();
         self.blocks.iter().for_each(|block| work.merge(block));
-        let Some(factor) = Factor::of(&work, Chosen::base(DIP_BASE), false) else { return };
+        // Beside the delay, which turns the field too.
+        let Some(factor) = Factor::of(&work, Chosen::base(DIP_BASE).with(DIP_BASE, 1), true) else { return };
         let [x, y, z, sine, ..] = factor.step(&work);
-        if norm([x, y, z]) > FAR_RAD || sine.abs() > FAR_RAD {
+        let far = norm([x, y, z]).max(sine.abs());
+        if far > FAR_RAD && far < ABSURD_RAD && factor.largest_error(&work) < FAR_RAD {
             self.rotation = product(&f32::rotation([x, y, z]), &self.rotation);
             self.sine = (self.sine + sine).clamp(-0.99, 0.99);
             self.blocks.clear();
             self.memory = Memory::new();
-            self.look_at = 50;
+            self.look_at = LOOK_AT;
         }
     }
 

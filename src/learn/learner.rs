@@ -20,6 +20,10 @@ const FAR_EARLY: f32 = 0.05;
 /// ... up to so many rows, and one further than that at any time.
 const EARLY_ROWS: u32 = 1000;
 const FAR: f32 = 0.25;
+/// No base is that far.
+const ABSURD: f32 = 1.0;
+/// The samples tell the base once its standard errors are this small.
+const TOLD: f32 = 0.01;
 /// Rows between two looks at that.
 const LOOK_EVERY: u32 = 128;
 
@@ -102,6 +106,12 @@ impl Learner {
     /// Samples that were learned from.
     pub fn rows(&self) -> u32 {
         self.blocks.rows()
+    }
+
+    /// The calibration at which it stands.
+    pub fn calibration(&self) -> Option<Calibration<f64>> {
+        const UPRIGHT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        self.point.map(|point| point.calibration(&UPRIGHT))
     }
 
     /// The field of the point, µT.
@@ -202,10 +212,16 @@ impl Learner {
     fn look(&mut self) {
         let mut work = Work::new();
         self.blocks.iter().for_each(|block| work.merge(block));
-        let Some(factor) = Factor::of(&work, Chosen::base(BASE), false) else { return };
+        // Beside everything that is fed: what an effect does is no reason to look elsewhere for the base.
+        let effects = 3 + 3 * self.columns.width();
+        let Some(factor) = Factor::of(&work, Chosen::base(BASE).with(DRIFT, effects), true) else { return };
         let delta = factor.step(&work);
         let far = delta.iter().take(BASE).fold(0.0f32, |most, value| most.max(value.abs()));
-        if far > if self.blocks.rows() <= EARLY_ROWS { FAR_EARLY } else { FAR }
+        let limit = if self.blocks.rows() <= EARLY_ROWS { FAR_EARLY } else { FAR };
+        // Where the samples do not tell it yet, it is where it was.
+        if far > limit
+            && far < ABSURD
+            && factor.largest_error(&work) < TOLD
             && let Some(point) = self.point
         {
             self.point = Some(point.stepped(&delta));
@@ -219,7 +235,8 @@ impl Learner {
     /// moved by `delta`, the point becomes that of `calibration`.
     pub(super) fn shift(&mut self, delta: &[f32; WIDEST], calibration: &Calibration<f64>) {
         let Some((point, _)) = Point::of(calibration) else { return };
-        for index in 0..super::blocks::BLOCKS {
+        // From the last to the first: the sums since a mark are those of all blocks less those before it, which are still to come.
+        for index in (0..super::blocks::BLOCKS).rev() {
             let mut work = Work::new();
             if let Some(block) = self.blocks.iter().nth(index) {
                 work.merge(block);

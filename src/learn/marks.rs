@@ -11,6 +11,12 @@ use super::sums::{Work, at};
 
 /// Snapshots that are kept.
 const MARKS: usize = 4;
+/// No place among them.
+const NONE: u8 = u8::MAX;
+/// A step has so many rows before and after it, ...
+const LEAST_ROWS: u32 = 100;
+/// ... and that part of all.
+const LEAST_SHARE: u32 = 50;
 /// Rows between two.
 pub(super) const EVERY: u32 = 32;
 
@@ -31,6 +37,7 @@ const NO_MARK: Mark = Mark { rows: 0, t_ms: 0, cross: [[0.0; STREAMED]; 3], righ
 pub(super) struct Marks {
     marks: [Mark; MARKS],
     used: u8,
+    /// Its place, or none's.
     best: u8,
     /// The best is that of a step in use, and stays.
     pub(super) pinned: bool,
@@ -38,11 +45,11 @@ pub(super) struct Marks {
 
 impl Marks {
     pub(super) const fn new() -> Self {
-        Self { marks: [NO_MARK; MARKS], used: 0, best: 0, pinned: false }
+        Self { marks: [NO_MARK; MARKS], used: 0, best: NONE, pinned: false }
     }
 
     pub(super) fn clear(&mut self) {
-        (self.used, self.best, self.pinned) = (0, 0, false);
+        (self.used, self.best, self.pinned) = (0, NONE, false);
     }
 
     /// The moment at which a jump explains most.
@@ -75,7 +82,7 @@ impl Marks {
                 rest.rotate_left(1);
             }
             self.used -= 1;
-            if usize::from(self.best) > index {
+            if self.best != NONE && usize::from(self.best) > index {
                 self.best -= 1;
             }
         }
@@ -91,16 +98,19 @@ impl Marks {
         blocks.iter().for_each(|block| work.merge(block));
         let Some(base) = Factor::of(&work, Chosen::base(BASE), false) else { return };
         let mut best: Option<(f32, u8)> = None;
+        let rows = blocks.rows();
+        let margin = LEAST_ROWS.max(rows / LEAST_SHARE);
         for (index, mark) in self.marks.iter().enumerate().take(usize::from(self.used)) {
+            if mark.rows < margin || rows - mark.rows < margin {
+                continue;
+            }
             work_with(&mut work, &since(blocks, mark));
             let gained = base.test(&work, STEP, 3, false);
             if best.is_none_or(|(known, _)| gained.decrease > known) {
                 best = Some((gained.decrease, index as u8));
             }
         }
-        if let Some((_, index)) = best {
-            self.best = index;
-        }
+        self.best = best.map_or(NONE, |(_, index)| index);
     }
 
     /// Puts the columns of the best jump beside the sums of all rows.

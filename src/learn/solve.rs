@@ -7,8 +7,10 @@ use crate::study::MIN_EIGENVALUE;
 /// Information without data that every effect's unit column gets where a step is taken, so that directions the data do not show
 /// stay at zero.
 const RIDGE: f32 = 1e-5;
-/// A pivot below this is rounding.
+/// A pivot of the base below this is rounding, ...
 const LEAST_PIVOT: f32 = 4e-6;
+/// ... and one of an effect's columns below this no direction of its own.
+const LEAST_OWN_PIVOT: f32 = 1e-4;
 /// The most columns of one candidate.
 pub(super) const MOST_OF_ONE: usize = 3;
 
@@ -94,7 +96,14 @@ impl Factor {
                         sum -= value * value;
                     }
                     if ridge && i >= usize::from(chosen.base) {
-                        sum += if own_scale == 0.0 { 1.0 } else { RIDGE };
+                        if !(sum > LEAST_OWN_PIVOT) {
+                            // It says nothing beyond the columns before it, and is left out.
+                            line.iter_mut().take(i).for_each(|value| *value = 0.0);
+                            *line.get_mut(j)? = 1.0;
+                            *factor.scale.get_mut(i)? = 0.0;
+                            continue;
+                        }
+                        sum += RIDGE;
                     }
                     if !(sum > LEAST_PIVOT && sum.is_finite()) {
                         return None;
@@ -160,6 +169,19 @@ impl Factor {
     pub(super) fn inverse(&self, column: usize) -> f32 {
         let unit = |other: usize| if other == column { 1.0 } else { 0.0 };
         self.solve(unit).get(column).copied().unwrap_or(f32::NAN)
+    }
+
+    /// The largest standard error among the base's columns, for noise as large as what all leave.
+    pub(super) fn largest_error(&self, sums: &Work) -> f32 {
+        let freedom = (sums.rows as f32 - self.chosen.len() as f32).max(1.0);
+        let variance = self.squares(sums) / freedom;
+        let largest = self
+            .chosen
+            .iter()
+            .take(usize::from(self.chosen.base))
+            .map(|column| self.inverse(column))
+            .fold(0.0, f32::max);
+        math::sqrtf(variance * largest)
     }
 
     /// The squared error with the chosen columns.
