@@ -22,10 +22,12 @@ const STRENGTH: f64 = 5.0;
 const RATE_HZ: f64 = 25.0;
 /// Attitudes of the calibration, of the work after it, and of all that the simulated world has.
 const CALIBRATION: usize = 400;
-const WORK: usize = 400;
+const WORK: usize = 700;
 const ATTITUDES: usize = 1400;
 /// Attitudes in which an error is measured.
-const PROBES: usize = 60;
+const PROBES: usize = 50;
+/// Without the effect nothing has to be known of its column: the error is looked at over more of what happens.
+const STRIDE: usize = 8;
 /// More of them before the question is asked again, and how often.
 const MORE: usize = 200;
 const ROUNDS: usize = 12;
@@ -221,14 +223,14 @@ impl Story {
         self.talk.quiet("stream raw")?;
         self.turn(WORK)?;
         self.talk.quiet("stream off")?;
-        let before = self.error()?;
+        let before = self.error(1)?;
         self.talk.say(&format!(
             "  it is off by {before:.2} µT rms, and its noise alone would make {NOISE_UT:.2} µT. Why?\n"
         ));
         let (first, rounds) = self.why()?;
         let id = self.effect.id();
         self.talk.ok(&format!("effect add {id}"))?;
-        let learnt = self.error()?;
+        let learnt = self.error(1)?;
         self.talk.say(&format!("  now it is off by {learnt:.2} µT\n"));
 
         let how = if self.talk.emulated { " (kill -9)" } else { "" };
@@ -236,11 +238,11 @@ impl Story {
         let Story { talk, world, effect, .. } = self;
         let mut again = Story { talk: talk.power_cut()?, world, effect, fed: None };
         again.talk.ask("cal show")?;
-        let restarted = again.error()?;
+        let restarted = again.error(1)?;
         again.talk.say(&format!("  it has kept what it learnt: off by {restarted:.2} µT\n"));
         again.talk.say("And to see that it is this effect and nothing else:");
         again.talk.ok(&format!("effect remove {id}"))?;
-        let removed = again.error()?;
+        let removed = again.error(STRIDE)?;
         again.talk.say(&format!("  without it the old error is back: {removed:.2} µT"));
         Ok(Figures { floor: NOISE_UT, before, learnt, restarted, removed, rounds, first })
     }
@@ -292,12 +294,13 @@ impl Story {
         self.talk.board.expose(field_ut)
     }
 
-    /// Rms of the corrected magnitude about F, µT, in attitudes that come next.
-    fn error(&mut self) -> Outcome<f64> {
+    /// Rms of the corrected magnitude about F, µT, in attitudes that come next, or each so many of them.
+    fn error(&mut self, stride: usize) -> Outcome<f64> {
         self.talk.quiet("stream cal")?;
         let (mut squares, mut probes, mut unknown) = (0.0, 0, 0);
         while probes < PROBES {
             let text = self.attitude()?;
+            self.world.attitude += stride - 1;
             let Some(norm) = numbers(text.strip_prefix("C,").unwrap_or_default(), 4).first().copied() else {
                 // A column that the effect needs is not known yet.
                 unknown += 1;
