@@ -60,7 +60,7 @@ fn a_board_is_recorded_through_a_pulled_cable_a_restart_and_lost_samples() {
     let content = std::fs::read_to_string(&log).expect("the log");
     let told = content.lines().filter(|line| line.ends_with(",31.5")).count();
     // Less what was on the wire when the cable was pulled.
-    assert!((100..=300).contains(&told), "{told} rows with the column, of some five seconds");
+    assert!(told >= 100, "{told} rows with the column, of five seconds at least");
     assert!(
         content.contains(&format!("# lost {lost} samples")) && content.contains("# the board restarted"),
         "{object}"

@@ -21,21 +21,6 @@ fn what_cannot_be_sent_is_refused_before_anything_is() {
         value["effects"] = Value::Array(vec![one; 5]);
     });
     let unknown = change("unknown.json", &|value| value["effects"][0]["id"] = json!("servo"));
-    let late = change("late.json", &|value| {
-        let mut one = value["effects"][0].clone();
-        one["parameters"] = json!({"delay_s": 1.5});
-        value["effects"] = Value::Array(
-            ["a_a", "b_a", "c_a"]
-                .map(|column| {
-                    one["id"] = json!(format!("offset:{column}@delay"));
-                    one["columns"] = json!([column]);
-                    one["reference"] = json!({column: 0.5});
-                    one["range"] = json!({column: [0.0, 1.0]});
-                    one.clone()
-                })
-                .to_vec(),
-        );
-    });
     let rotated = change("rotated.json", &|value| {
         value["reading"] = json!({"ut_per_count": null, "rotate": ["yaw90"]});
     });
@@ -45,7 +30,6 @@ fn what_cannot_be_sent_is_refused_before_anything_is() {
     for (file, words) in [
         (&five, "more than 4 effects"),
         (&unknown, "there is no effect servo"),
-        (&late, "act late"),
         (&rotated, "--rotate"),
         (&scaled, "counts"),
     ] {

@@ -17,13 +17,17 @@ const HARD_IRON_UT: [f64; 3] = [93.0; 3];
 /// Noise of the sensor on each axis, µT.
 const NOISE_UT: f64 = 0.25;
 /// How strong the hidden effect is, in noises.
-const STRENGTH: f64 = 4.0;
+const STRENGTH: f64 = 5.0;
 /// Attitudes a second of the simulated world, which is what the board takes two samples for.
 const RATE_HZ: f64 = 25.0;
-/// Attitudes of the calibration.
-const CALIBRATION: usize = 750;
+/// Attitudes of the calibration, of the work after it, and of all that the simulated world has.
+const CALIBRATION: usize = 400;
+const WORK: usize = 700;
+const ATTITUDES: usize = 1400;
 /// Attitudes in which an error is measured.
-const PROBES: usize = 60;
+const PROBES: usize = 50;
+/// Without the effect nothing has to be known of its column: the error is looked at over more of what happens.
+const STRIDE: usize = 8;
 /// More of them before the question is asked again, and how often.
 const MORE: usize = 200;
 const ROUNDS: usize = 12;
@@ -41,13 +45,18 @@ impl HiddenArg {
         }
     }
 
+    /// The column that it follows; any where it follows none.
+    fn column(self) -> &'static str {
+        if self == HiddenArg::Current { "current_a" } else { "temp_c" }
+    }
+
     fn words(self) -> &'static str {
         match self {
-            HiddenArg::Temperature => {
-                "its offset moves with the chip's temperature, which rises while it is turned"
+            HiddenArg::Temperature => "the chip warms up, and its offset moves with its temperature",
+            HiddenArg::Current => {
+                "the motors run, and their current moves the offset (the board is told it: cov current_a=…)"
             }
-            HiddenArg::Current => "its offset moves with a current, which the board is told: cov current_a=…",
-            HiddenArg::Step => "its offset jumps once: something magnetic has been attached",
+            HiddenArg::Step => "something magnetic is attached, and the offset jumps",
         }
     }
 }
@@ -98,13 +107,17 @@ pub fn run(effect: HiddenArg, arguments: &DemoArgs, json: bool) -> Outcome<u8> {
     Ok(if good { EXIT_OK } else { EXIT_REFUSED })
 }
 
-/// A board in the hand: one attitude after the other, with what the chips feel there.
+/// A board in the hand: one attitude after the other, with what the chips feel there. While it is calibrated nothing but the
+/// attitude changes; the hidden effect acts afterwards.
 struct Turning {
+    calm: World,
     world: World,
     /// Noise of each axis, µT, over and over.
     noise_ut: Vec<[f64; 3]>,
-    /// Whether what happens goes back and forth, rather than happening once.
-    returns: bool,
+    /// The value of the column at which the effect is nothing, and from which it goes on after the calibration.
+    reference: f64,
+    from: usize,
+    effect: HiddenArg,
     attitude: usize,
 }
 
@@ -112,18 +125,19 @@ impl Turning {
     fn new(effect: HiddenArg) -> Outcome<Self> {
         let spec = EffectSpec::parse(&format!("{}={STRENGTH}", effect.id()))
             .map_err(|error| Failure::usage(error.to_string()))?;
-        let world = World::new(WorldOptions {
+        let options = WorldOptions {
             seed: 2015,
             field_ut: FIELD_UT,
             hard_iron_ut: Some(HARD_IRON_UT),
             noise_ut: NOISE_UT,
             lsb_ut: 0.0,
-            seconds: CALIBRATION as f64 / RATE_HZ,
+            seconds: ATTITUDES as f64 / RATE_HZ,
             rate_hz: RATE_HZ,
-            effects: vec![spec],
             ..WorldOptions::default()
-        });
-        let log = world.run();
+        };
+        let calm = World::new(options.clone());
+        let world = World::new(WorldOptions { effects: vec![spec], ..options });
+        let log = calm.run();
         let axes =
             ["mx_ut", "my_ut", "mz_ut"].map(|name| log.position(name).and_then(|at| log.columns.get(at)));
         let [Some(x), Some(y), Some(z)] = axes else {
@@ -131,29 +145,50 @@ impl Turning {
         };
         let noise_ut = (x.iter().zip(y).zip(z).enumerate())
             .map(|(row, ((x, y), z))| {
-                let clean = world.sensor_ut(row as f64 / RATE_HZ);
+                let clean = calm.sensor_ut(row as f64 / RATE_HZ);
                 [x - clean[0], y - clean[1], z - clean[2]]
             })
             .collect();
-        Ok(Turning { world, noise_ut, returns: effect != HiddenArg::Step, attitude: 0 })
+        let reference = world.hidden().first().map_or(0.0, |hidden| hidden.drawn.reference);
+        let column = |row: usize| world.covariate(effect.column(), row as f64 / RATE_HZ);
+        let from = (0..ATTITUDES).find(|row| column(*row) >= reference).unwrap_or(0);
+        Ok(Turning { calm, world, noise_ut, reference, from, effect, attitude: 0 })
     }
 
+    /// Whether it is being calibrated, and nothing but the attitude changes.
+    fn is_calm(&self) -> bool {
+        self.attitude < CALIBRATION && self.effect != HiddenArg::Step
+    }
+
+    /// The time in the world: what happens there goes back and forth, but for what happens once.
     fn t_s(&self) -> f64 {
-        let (way, there) = (2 * CALIBRATION - 2, CALIBRATION - 1);
-        let at = self.attitude % way;
-        let at = if at > there { way - at } else { at };
-        (if self.returns { at } else { self.attitude }) as f64 / RATE_HZ
+        let (way, there) = (2 * ATTITUDES - 2, ATTITUDES - 1);
+        let at = if self.is_calm() {
+            self.attitude
+        } else {
+            self.from + self.attitude.saturating_sub(CALIBRATION)
+        } % way;
+        let row = match self.effect {
+            HiddenArg::Step => self.attitude,
+            _ if at > there => way - at,
+            _ => at,
+        };
+        row as f64 / RATE_HZ
     }
 
     /// The field along the sensor's axes, noise and all, µT.
     fn field_ut(&self) -> [f64; 3] {
-        let clean = self.world.sensor_ut(self.t_s());
+        let world = if self.is_calm() { &self.calm } else { &self.world };
+        let clean = world.sensor_ut(self.t_s());
         let noise =
             self.noise_ut.get(self.attitude % self.noise_ut.len().max(1)).copied().unwrap_or_default();
         [0, 1, 2].map(|axis| clean[axis] + noise[axis])
     }
 
     fn column(&self, name: &str) -> f64 {
+        if self.is_calm() && name == self.effect.column() {
+            return self.reference;
+        }
         self.world.covariate(name, self.t_s())
     }
 }
@@ -169,10 +204,8 @@ struct Story {
 impl Story {
     fn run(mut self) -> Outcome<Figures> {
         self.talk.ask("version")?;
-        self.talk.say(&format!(
-            "\nThe board stands in a field of {FIELD_UT} µT. What nobody has told it: {}.\n",
-            self.effect.words()
-        ));
+        self.talk
+            .say(&format!("\nThe board stands in a field of {FIELD_UT} µT and is calibrated in peace.\n"));
         self.talk.ok(&format!("field {FIELD_UT}"))?;
         self.talk.quiet("stream raw")?;
         // The emulated sensor starts without any field at all, which is no attitude.
@@ -183,14 +216,21 @@ impl Story {
         self.talk.quiet("stream off")?;
         self.talk.ok("cal stop")?;
         self.talk.ok("cal accept")?;
-        let before = self.error()?;
         self.talk.say(&format!(
-            "  calibrated, and still off by {before:.2} µT rms; its noise alone would make {NOISE_UT:.2} µT. Why?\n"
+            "\nNow it works for {WORK} attitudes, and what nobody has told it: {}.",
+            self.effect.words()
+        ));
+        self.talk.quiet("stream raw")?;
+        self.turn(WORK)?;
+        self.talk.quiet("stream off")?;
+        let before = self.error(1)?;
+        self.talk.say(&format!(
+            "  it is off by {before:.2} µT rms, and its noise alone would make {NOISE_UT:.2} µT. Why?\n"
         ));
         let (first, rounds) = self.why()?;
         let id = self.effect.id();
         self.talk.ok(&format!("effect add {id}"))?;
-        let learnt = self.error()?;
+        let learnt = self.error(1)?;
         self.talk.say(&format!("  now it is off by {learnt:.2} µT\n"));
 
         let how = if self.talk.emulated { " (kill -9)" } else { "" };
@@ -198,11 +238,11 @@ impl Story {
         let Story { talk, world, effect, .. } = self;
         let mut again = Story { talk: talk.power_cut()?, world, effect, fed: None };
         again.talk.ask("cal show")?;
-        let restarted = again.error()?;
+        let restarted = again.error(1)?;
         again.talk.say(&format!("  it has kept what it learnt: off by {restarted:.2} µT\n"));
         again.talk.say("And to see that it is this effect and nothing else:");
         again.talk.ok(&format!("effect remove {id}"))?;
-        let removed = again.error()?;
+        let removed = again.error(STRIDE)?;
         again.talk.say(&format!("  without it the old error is back: {removed:.2} µT"));
         Ok(Figures { floor: NOISE_UT, before, learnt, restarted, removed, rounds, first })
     }
@@ -254,12 +294,13 @@ impl Story {
         self.talk.board.expose(field_ut)
     }
 
-    /// Rms of the corrected magnitude about F, µT, in attitudes that come next.
-    fn error(&mut self) -> Outcome<f64> {
+    /// Rms of the corrected magnitude about F, µT, in attitudes that come next, or each so many of them.
+    fn error(&mut self, stride: usize) -> Outcome<f64> {
         self.talk.quiet("stream cal")?;
         let (mut squares, mut probes, mut unknown) = (0.0, 0, 0);
         while probes < PROBES {
             let text = self.attitude()?;
+            self.world.attitude += stride - 1;
             let Some(norm) = numbers(text.strip_prefix("C,").unwrap_or_default(), 4).first().copied() else {
                 // A column that the effect needs is not known yet.
                 unknown += 1;
