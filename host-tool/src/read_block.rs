@@ -43,9 +43,14 @@ pub fn text(log: &Log) -> String {
         let line = entry.first_line.map_or(String::new(), |line| format!(", first on line {line}"));
         push(&mut out, "  left out: ", &format!("{} lines{line}: {}", entry.rows, entry.why));
     }
-    if !read.not_read.is_empty() {
-        push(&mut out, "  not read: ", &read.not_read.join("; "));
+    // What ends with options to paste stands by itself.
+    let (long, short): (Vec<&String>, Vec<&String>) =
+        read.not_read.iter().partition(|what| what.contains('\n'));
+    if !short.is_empty() {
+        let all: Vec<&str> = short.into_iter().map(String::as_str).collect();
+        push(&mut out, "  not read: ", &all.join("; "));
     }
+    long.into_iter().for_each(|what| push(&mut out, "  not read: ", what));
     // One line, however long: it is to be pasted.
     let pins = pins(read);
     if !pins.is_empty() {

@@ -79,7 +79,14 @@ pub fn meaning(header: &str) -> Meaning {
     {
         // The unit tells what a name in any language is: `Magnetfeld x (µT)`, `X (µT)`. A G by itself is no gauss.
         kind = match any.quantity {
-            Some(Quantity::Field) if !matches!(text.trim(), "g" | "mg" | "t") => {
+            // (G) behind an acceleration is no gauss.
+            Some(Quantity::Field)
+                if !matches!(text.trim(), "g" | "mg" | "t")
+                    && !words
+                        .iter()
+                        .any(|word| [ACCEL, GYRO].iter().any(|names| names.contains(&word.as_str())))
+                    && !is_motion(&words) =>
+            {
                 if axis.is_some() {
                     Kind::Field
                 } else {

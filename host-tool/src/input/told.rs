@@ -4,7 +4,7 @@ use crate::failure::{Failure, Outcome};
 use crate::input::columns::{self, Role};
 use crate::input::formats;
 use crate::input::guard::MAX_LINE_BYTES;
-use crate::input::lines::{Cutter, Lines};
+use crate::input::lines::{Cutter, Line};
 use crate::input::log::{Log, ReadOptions};
 use crate::input::names::{Kind, meaning};
 use crate::input::reader;
@@ -58,17 +58,32 @@ pub fn told(first: &[u8], options: &ReadOptions) -> Format {
     own(first, options).unwrap_or(Format::Text)
 }
 
+/// The first line that is no comment, and its number; `None` where it does not end, or where there is none: the strict reader says
+/// best what is wrong with that.
+fn first_row(first: &[u8]) -> Option<(u64, &[u8])> {
+    let mut rest = first.strip_prefix(b"\xef\xbb\xbf").unwrap_or(first);
+    let mut number = 0;
+    while !rest.is_empty() {
+        number += 1;
+        let end = match memchr::memchr(b'\n', rest) {
+            Some(end) => end,
+            None if first.len() as u64 >= LOOK_BYTES => return None,
+            None => rest.len(),
+        };
+        let (text, tail) = rest.split_at(end);
+        let line = Line { text: text.strip_suffix(b"\r").unwrap_or(text), number, ended: true };
+        if line.is_row() {
+            return Some((number, line.text));
+        }
+        rest = tail.get(1..).unwrap_or_default();
+    }
+    None
+}
+
 /// Whether the first line is the header of this program's CSV: a whole magnetometer by its own names, or by names that `--map`
 /// gives; and no time under a name of somebody else's.
 fn own(first: &[u8], options: &ReadOptions) -> Option<Format> {
-    let mut lines = Lines::new(first);
-    let line = match lines.next_row() {
-        Ok(Some(line)) => line,
-        // Empty, or no line of text: the strict reader says so best.
-        Ok(None) => return Some(Format::Own),
-        Err(_) => return (first.len() as u64 >= LOOK_BYTES).then_some(Format::Own),
-    };
-    let (number, text) = (line.number, line.text);
+    let Some((number, text)) = first_row(first) else { return Some(Format::Own) };
     let mut cutter = Cutter::new();
     let cells = cutter.cut(text);
     if cells > columns::MAX_COLUMNS {

@@ -59,7 +59,8 @@ pub fn samples(rows: &[Row]) -> Vec<Sample> {
             ),
             0.0917,
         )
-        .scale(0.0917),
+        .scale(0.0917)
+        .gyro(),
         Sample::new(
             "ROS 1, rostopic echo -p",
             format!(

@@ -178,6 +178,7 @@ pub fn samples(rows: &[Row]) -> Vec<Sample> {
             1e-4,
         )
         .accel(1e-4)
+        .gyro()
         .map(&["mx_ut=column 8[uT],my_ut=column 9[uT],mz_ut=column 10[uT]"]),
         Sample::new(
             "two sensors in the rows of one table",

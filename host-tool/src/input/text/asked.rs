@@ -40,7 +40,7 @@ fn place(grid: &Grid, failure: Failure) -> Failure {
 /// The unit of the magnetometer is not known: `units` are those that fit.
 pub fn field_unit(grid: &Grid, columns: [usize; 3], units: &[Unit], counts: bool, why: &str) -> Failure {
     let mut lines = vec![format!(
-        "the unit of the magnetometer ({}) is not known: {why}. State one:",
+        "the unit of the magnetometer ({}) is not known:\n  {why}. State it:",
         names(grid, columns)
     )];
     let shown: Vec<Unit> = if units.is_empty() && !counts {
@@ -90,7 +90,7 @@ pub fn time_unit(grid: &Grid, column: usize, units: &[Unit], step: f64) -> Failu
     let name = header(grid, column);
     let mut lines = vec![if units.is_empty() {
         format!(
-            "column {} steps by {step}, which is no sensor's step in s, ms, us or ns. State its unit:",
+            "column {} steps by {step}, which is no sensor's step in s, ms, us or ns. State it:",
             shorten(name)
         )
     } else {

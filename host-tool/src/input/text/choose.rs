@@ -283,7 +283,7 @@ fn motion(grid: &Grid, vectors: &[Vector], choice: &mut Choice) {
                 choice.take(vector.columns, names, Some(unit));
             }
             [] => choice.not_read.push(format!(
-                "{listed} (the {what}: the median magnitude {} is one g in no unit; state its scale to m/s2:\n      {})",
+                "{listed}: the {what}'s median magnitude {} is one g in no unit; to use it, state its scale to m/s2:\n      {}",
                 shown(&size),
                 asked::map_of(grid, vector.columns, names, Some(&Unit::scale(scale_of(kind, size.median))))
             )),
@@ -292,7 +292,7 @@ fn motion(grid: &Grid, vectors: &[Vector], choice: &mut Choice) {
                     .iter()
                     .map(|unit| format!("\n      {}", asked::map_of(grid, vector.columns, names, Some(unit))))
                     .collect();
-                choice.not_read.push(format!("{listed} (the {what}: its unit is not known; to use it:{})", options.concat()));
+                choice.not_read.push(format!("{listed}: the unit of the {what} is not known; to use it:{}", options.concat()));
             }
         }
     }

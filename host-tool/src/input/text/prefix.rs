@@ -67,6 +67,10 @@ fn stamped(line: &str) -> Option<(f64, &str)> {
         return None;
     }
     let time_s = clock::seconds(stamp.as_bytes())?;
+    // Behind a tab stands the next cell of a table.
+    if rest.starts_with('\t') {
+        return None;
+    }
     let rest = rest.trim_start();
     let arrow = ["->", "=>", ">", "|"].iter().find_map(|arrow| rest.strip_prefix(arrow));
     let rest = match arrow {
@@ -109,6 +113,7 @@ mod tests {
             ("\u{1b}[0;32mI (2500) mag: x=1\u{1b}[0m", Some(2.5), "x=1"),
             ("00:00:02.500,1,2,3", None, "00:00:02.500,1,2,3"),
             ("00:00:02.500;1;2", None, "00:00:02.500;1;2"),
+            ("1970-01-01 00:00:02.5\t1\t2", None, "1970-01-01 00:00:02.5\t1\t2"),
             ("1,2,3\r", None, "1,2,3"),
             ("0.5 1 2 3", None, "0.5 1 2 3"),
             ("", None, ""),
