@@ -315,9 +315,14 @@ fn axes_words(axes: &OddAxes) -> String {
             ));
         }
     }
-    if axes.whose == Whose::GyroOrMagnetometer {
-        text.push_str("\nif it is not the magnetometer that stands otherwise: log the accelerometer too, to tell which it is");
-    }
+    let other = match axes.whose {
+        Whose::GyroOrMagnetometer => "magnetometer",
+        Whose::GyroOrAccelerometer => "accelerometer",
+        _ => return text,
+    };
+    text.push_str(&format!(
+        "\nOr it is the {other} that stands otherwise: this log does not tell which of the two"
+    ));
     text
 }
 

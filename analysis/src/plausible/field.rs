@@ -18,7 +18,12 @@ const LEAST: usize = 50;
 /// Directions must cover at least this: the least eigenvalue of their scatter (1/3 is a whole sphere, 0 a plane).
 const COVERED: f64 = 0.06;
 /// Readings lie on a sphere up to this share of its radius: soft iron makes it an ellipsoid, disturbances make it thick.
-const THICK: f64 = 0.25;
+const THICK: f64 = 0.3;
+/// A sphere is this many of the sensor's steps large: the corners of a cube of one step lie on a sphere too.
+const STEPS: f64 = 8.0;
+/// A sphere too small for the Earth is one that the board was turned over where a reading lies this near to the one before,
+/// of the radius: noise jumps.
+const JUMP: f64 = 0.7;
 /// Without a sphere, readings that spread by more than this are in no field that a magnetometer is used in, µT.
 const BEYOND_UT: f64 = 2000.0;
 
@@ -64,7 +69,17 @@ pub fn size(table: &Table) -> Option<FieldSize> {
     }
     let unit: Vec<Vector3<f64>> = points.iter().map(|p| (p - middle) / scale).collect();
     let readings = unit.len();
-    if let Some(radius) = sphere(&unit) {
+    let step = (0..3).map(|axis| least_step(&unit, axis)).fold(0.0, f64::max);
+    let mut jumps: Vec<f64> = rows
+        .windows(2)
+        .step_by(stride)
+        .map(|pair| {
+            (Vector3::from(table.field(pair[1])) - Vector3::from(table.field(pair[0]))).norm() / scale
+        })
+        .collect();
+    let jump = median(&mut jumps);
+    let turned = |radius: f64| radius * scale >= *EARTH_UT.start() || jump <= JUMP * radius;
+    if let Some(radius) = sphere(&unit).filter(|radius| *radius >= STEPS * step && turned(*radius)) {
         return Some(FieldSize { field_ut: radius * scale, is_radius: true, readings });
     }
     // Of the inner nine tenths: what one reading does is no spread.
@@ -73,6 +88,15 @@ pub fn size(table: &Table) -> Option<FieldSize> {
     lengths.truncate(readings * 9 / 10);
     let spread_ut = (lengths.iter().sum::<f64>() / lengths.len() as f64).sqrt() * scale;
     (spread_ut > BEYOND_UT).then_some(FieldSize { field_ut: spread_ut, is_radius: false, readings })
+}
+
+/// The least distance between two values that occur on an axis.
+fn least_step(points: &[Vector3<f64>], axis: usize) -> f64 {
+    let mut values: Vec<f64> = points.iter().map(|p| p[axis]).collect();
+    values.sort_by(f64::total_cmp);
+    let steps = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9);
+    let least = steps.fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
 }
 
 /// The radius of the sphere that most of the points lie on.
@@ -156,6 +180,18 @@ mod tests {
         let rest = [0, 1, 2]
             .map(|axis| (0..500).map(|i| f64::from((i * (7 + axis)) % 11) * 0.1).collect::<Vec<_>>());
         assert_eq!(of(&rest), None, "rest");
+        // The least noise there is: each axis between two of the sensor's steps, at all corners of a cube.
+        let corner = |i: u32, axis: u32| f64::from((i.wrapping_mul(2_654_435_761) >> (9 + axis)) & 1) * 0.15;
+        let cube = [0, 1, 2].map(|axis| (0..900).map(|i| corner(i, axis)).collect::<Vec<_>>());
+        assert_eq!(of(&cube), None, "a cube");
+        // And noise of many steps.
+        let wide = |i: u32, k: u32| {
+            f64::from((i.wrapping_mul(2_654_435_761 ^ (k * 77_777)) >> 8) % 1000) / 1000.0 - 0.5
+        };
+        let ball = |axis: u32| {
+            (0..900).map(|i| wide(i, axis) + wide(i, axis + 3) + wide(i, axis + 6)).collect::<Vec<_>>()
+        };
+        assert_eq!(of(&[ball(0), ball(1), ball(2)]), None, "noise");
         assert_eq!(of(&[vec![1.0; 500], vec![2.0; 500], vec![3.0; 500]]), None, "constant");
         assert_eq!(of(&[vec![], vec![], vec![]]), None, "empty");
     }

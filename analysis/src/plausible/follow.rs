@@ -27,6 +27,9 @@ pub struct Fit {
     pub factor: f64,
     /// Share of the vector's changes that it explains.
     pub explained: f64,
+    /// How much of what the scale does an offset cannot do as well: 1 without one, near 0 where the vector moved over too
+    /// small a part of its sphere to tell them apart.
+    pub told: f64,
 }
 
 /// How a gyro follows a vector.
@@ -77,7 +80,7 @@ impl Pair<'_> {
             return None;
         }
         let fits: Vec<Fit> = Order::all().filter_map(|order| fit(&stretches, order, self.offset)).collect();
-        let own = Fit { factor: f64::NAN, explained: 0.0, order: Order::all().next()? };
+        let own = Fit { factor: f64::NAN, explained: 0.0, told: 0.0, order: Order::all().next()? };
         let own = fits.iter().copied().find(|fit| fit.order.is_own()).unwrap_or(own);
         let most = fits.iter().copied().max_by(|a, b| a.explained.total_cmp(&b.explained))?;
         let best = if own.explained > most.explained - 0.05 { own } else { most };
@@ -203,5 +206,7 @@ fn fit(stretches: &[Stretch], order: Order, offset: bool) -> Option<Fit> {
     let solution = unit.cholesky()?.solve(&right.component_mul(&scale));
     let explained = solution.dot(&right.component_mul(&scale)) / squares;
     let factor = solution[0] * scale[0];
-    (factor > 0.0 && explained.is_finite()).then_some(Fit { order, factor, explained })
+    // What is left of the scale's column beside the offset's, of a diagonal of 1.
+    let told = unit.try_inverse().map_or(0.0, |inverse| inverse[(0, 0)].recip());
+    (factor > 0.0 && explained.is_finite()).then_some(Fit { order, factor, explained, told })
 }

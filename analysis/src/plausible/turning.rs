@@ -12,6 +12,12 @@ const FITS: f64 = 0.7;
 const FAILS: f64 = 0.5;
 /// … and others this much.
 const OTHERS_FIT: f64 = 0.8;
+/// Scale and offset of the magnetometer are told apart where this much of the scale is its own …
+const TOLD: f64 = 0.2;
+/// … and nearly where it is this much: then the scale is within a factor of three or so, …
+const HARDLY_TOLD: f64 = 0.05;
+/// … which is enough where it is wrong by more than this.
+const FAR: f64 = 10.0;
 /// A scale is wrong beyond this factor: no gyro is.
 const SCALE: f64 = 2.5;
 /// A unit is named within this factor of its size.
@@ -143,11 +149,13 @@ fn axes(field: Option<&Follow>, gravity: Option<&Follow>) -> Option<OddAxes> {
 }
 
 fn scale(field: Option<&Follow>, gravity: Option<&Follow>) -> Option<OddRate> {
-    let fits = [(field, true), (gravity, false)];
-    let fits = fits.into_iter().filter_map(|(follow, by_field)| Some((follow?, by_field)));
-    let (follow, by_field) = fits.max_by(|a, b| a.0.best.explained.total_cmp(&b.0.best.explained))?;
-    let Fit { factor, explained, .. } = follow.best;
-    let odd = explained >= OTHERS_FIT && !(SCALE.recip()..=SCALE).contains(&factor);
+    // Gravity where it explains enough: there is no offset and no soft iron in it.
+    let gravity = gravity.filter(|follow| follow.best.explained >= OTHERS_FIT);
+    let (follow, by_field) = gravity.map(|follow| (follow, false)).or(field.map(|follow| (follow, true)))?;
+    let Fit { factor, explained, told, .. } = follow.best;
+    let far = !(FAR.recip()..=FAR).contains(&factor);
+    let told = told >= TOLD || (told >= HARDLY_TOLD && far);
+    let odd = told && explained >= OTHERS_FIT && !(SCALE.recip()..=SCALE).contains(&factor);
     let unit = UNITS.into_iter().find(|(_, size)| (factor / size).ln().abs() < UNIT.ln());
     odd.then_some(OddRate { factor, unit, explained, stretches: follow.stretches, by_field })
 }
