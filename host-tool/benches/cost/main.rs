@@ -8,6 +8,7 @@ mod child;
 mod core;
 mod data;
 mod files;
+mod flight;
 // The one splice of tables into the document; the tool depends on no crate of the tests.
 #[path = "../../../host-tests/src/measured.rs"]
 mod measured;

@@ -1,6 +1,6 @@
 //! The last lines: side by side with `magcal`, and the long log.
 
-use crate::{child, data, files};
+use crate::{child, data, files, flight};
 use ironout::fit::Method;
 use ironout_analysis::{Options, Table, diagnose};
 use std::fmt::Write as _;
@@ -11,6 +11,8 @@ use std::time::Instant;
 
 /// Rows of the long log.
 const LONG: usize = 1_000_000;
+/// Bytes of the long flight.
+const FLIGHT: usize = 100_000_000;
 /// Runs on it; the fastest counts, for the sake of machines that have other work.
 const RUNS: usize = 3;
 
@@ -26,8 +28,17 @@ fn median(mut times: Vec<f64>) -> f64 {
 }
 
 /// Median times of two works run in turn, so that whatever else runs slows both.
-fn in_turn(mut ours: impl FnMut(), mut theirs: impl FnMut()) -> [f64; 2] {
-    let both: Vec<[f64; 2]> = (0..101).map(|_| [seconds(&mut ours), seconds(&mut theirs)]).collect();
+fn in_turn(ours: impl FnMut(), theirs: impl FnMut()) -> [f64; 2] {
+    turns(101, ours, theirs)
+}
+
+/// The same for works that take long.
+fn in_turn_few(ours: impl FnMut(), theirs: impl FnMut()) -> [f64; 2] {
+    turns(5, ours, theirs)
+}
+
+fn turns(count: usize, mut ours: impl FnMut(), mut theirs: impl FnMut()) -> [f64; 2] {
+    let both: Vec<[f64; 2]> = (0..count).map(|_| [seconds(&mut ours), seconds(&mut theirs)]).collect();
     [0, 1].map(|i| median(both.iter().map(|times| times[i]).collect()))
 }
 
@@ -106,6 +117,19 @@ fn logs(text: &mut String) {
         files::ROWS as f64 / read / 1e6,
         csv.len() as f64 / read / 1e6
     );
+    let ulog = flight::ulog(FLIGHT);
+    let rows = flight::read(&ulog).rows;
+    let [read, passed] = in_turn_few(
+        || _ = black_box(flight::read(black_box(&ulog))),
+        || _ = black_box(black_box(&ulog).iter().fold(0_u64, |sum, byte| sum + u64::from(*byte))),
+    );
+    let _ = writeln!(
+        text,
+        "a ULog of {} MB, {rows} rows of the magnetometer: {read:.2} s, {:.0} MB/s (adding its bytes up: {passed:.2} s)",
+        ulog.len() / 1_000_000,
+        ulog.len() as f64 / read / 1e6
+    );
+    drop(ulog);
     let log = data::log("offset:temp_c=3");
     let table = Table::from_columns(log.named()).expect("a simulated log has a magnetometer");
     let options = Options { search: true, ..Options::default() };

@@ -50,10 +50,10 @@ impl<R: Read> Feed<R> {
         self.buffer.drain(..self.from);
         self.from = 0;
         self.progress.at(self.position);
-        let want = count.max(BUFFER_BYTES);
-        while self.buffer.len() < want {
+        while self.buffer.len() < count {
             let held = self.buffer.len();
-            self.buffer.resize(want, 0);
+            // A step at a time: what a broken length asks for is never more than the file has.
+            self.buffer.resize(held + BUFFER_BYTES, 0);
             let read = loop {
                 match self.source.read(self.buffer.get_mut(held..).unwrap_or_default()) {
                     Err(error) if error.kind() == ErrorKind::Interrupted => {}
@@ -71,6 +71,23 @@ impl<R: Read> Feed<R> {
             }
         }
         Ok(())
+    }
+
+    /// Passes `count` bytes that nobody needs to see; false where the source has fewer.
+    ///
+    /// # Errors
+    /// The source cannot be read.
+    pub fn skip(&mut self, mut count: u64) -> Outcome<bool> {
+        while count > 0 {
+            let step = usize::try_from(count).unwrap_or(usize::MAX).min(BUFFER_BYTES);
+            let seen = self.ahead(step)?.len();
+            self.pass(seen);
+            count -= seen as u64;
+            if seen < step {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 }
 

@@ -53,6 +53,7 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
     let mut own: Vec<Column> = std::mem::take(&mut recording.magnetometer.columns);
     own.extend(joined);
     own.retain(|column| column.values.iter().any(|value| value.is_finite()));
+    silent(&mut own, &mut notices);
     columns.extend(own.iter().map(|column| ReadColumn {
         name: column.name.clone(),
         source: column.source.clone(),
@@ -202,26 +203,40 @@ fn others(recording: &mut Recording, options: &ReadOptions, notices: &mut Vec<St
             }
         }
         let gap = gap_s(&stream.time_s);
-        let mut most_empty = 0;
+        let (mut most_empty, mut names) = (0, Vec::new());
         for column in stream.columns {
             let values = at_times(&stream.time_s, &column.values, column.between, gap, at_s);
             let empty = values.iter().filter(|value| !value.is_finite()).count();
             if empty < values.len() {
                 most_empty = most_empty.max(empty);
                 taken.push(column.name.clone());
+                names.push(column.name.clone());
                 joined.push(Column { values, ..column });
             }
         }
         if most_empty as f64 > TOLD_SHARE * at_s.len() as f64 {
             notices.push(format!(
-                "{}: {most_empty} of {} rows have no value: before its first or after its last sample, or in a gap of \
-                 more than {GAP_PERIODS} of its periods ({gap:.3} s)",
+                "{} ({}): {most_empty} of {} rows are before its first or after its last sample, or in a gap of more than \
+                 {GAP_PERIODS} of its periods ({gap:.3} s): left empty",
+                names.join(", "),
                 stream.name,
                 at_s.len()
             ));
         }
     }
     joined
+}
+
+/// Outputs that are not connected, currents that nothing measures: zero from beginning to end, and no cause of anything.
+fn silent(columns: &mut Vec<Column>, notices: &mut Vec<String>) {
+    let sensor = |name: &str| [FIELD_UT, FIELD_COUNTS, ACCEL, GYRO].as_flattened().contains(&name);
+    let is = |column: &mut Column| {
+        !sensor(&column.name) && column.values.iter().all(|value| *value == 0.0 || !value.is_finite())
+    };
+    let names: Vec<String> = columns.extract_if(.., is).map(|column| column.name).collect();
+    if !names.is_empty() {
+        notices.push(format!("zero throughout and left out: {}", names.join(", ")));
+    }
 }
 
 fn take(columns: &mut Vec<Column>, names: [&str; 3]) -> Option<[Vec<f64>; 3]> {

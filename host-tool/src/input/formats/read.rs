@@ -22,7 +22,7 @@ pub fn read(format: Format, source: impl Read, size_bytes: u64, options: &ReadOp
         }
         Format::DataflashText => dataflash::read_text(&mut Feed::new(source, progress), options.instance)?,
         Format::Blackbox => blackbox::read(source, options.instance)?,
-        Format::Mcap => mcap::read(source, progress, options.instance)?,
+        Format::Mcap => mcap::read(&mut Feed::new(source, progress), size_bytes, options.instance)?,
     };
     join(recording, options)
 }

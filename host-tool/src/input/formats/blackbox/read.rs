@@ -7,28 +7,13 @@ use crate::failure::{Failure, Outcome};
 use crate::input::formats::blackbox::header::{MARK, generalise, lines};
 use crate::input::formats::inventory::Inventory;
 use crate::input::formats::stream::{Between, Recording, Stream, choose};
+use blackbox_log::Headers;
 use blackbox_log::frame::{Frame, FrameDef, GpsValue};
 use blackbox_log::prelude::ParserEvent;
 use blackbox_log::units::si::length::meter;
-use blackbox_log::{Filter, FilterSet, Headers};
 use std::collections::HashMap;
 use std::io::Read;
 
-/// Fields of the main frames that are read.
-const FIELDS: [&str; 12] = [
-    "magADC",
-    "gyroADC",
-    "accSmooth",
-    "motor",
-    "amperageLatest",
-    "amperage",
-    "vbatLatest",
-    "vbat",
-    "baroAlt",
-    "BaroAlt",
-    "rcCommand",
-    "escTemperature",
-];
 /// Standard gravity, m/s².
 const G: f64 = 9.806_65;
 /// The clock of the log has 32 bits of microseconds.
@@ -90,12 +75,7 @@ struct Place {
 }
 
 fn frames(parsed: &Headers<'_>, headers: &HashMap<&str, &str>, recording: &mut Recording) -> Outcome<()> {
-    let filters = FilterSet {
-        main: Filter::OnlyFields(FIELDS.into()),
-        slow: Filter::only_required(),
-        gps: Filter::OnlyFields(["GPS_coord", "GPS_altitude"].into()),
-    };
-    let mut parser = parsed.data_parser_with_filters(&filters);
+    let mut parser = parsed.data_parser();
     let names: Vec<(String, bool)> =
         parser.main_frame_def().iter().map(|field| (field.name.to_string(), field.signed)).collect();
     let gps_names: Vec<String> = parser

@@ -25,10 +25,14 @@ pub fn read_binary(feed: &mut Feed<impl Read>, instance: Option<usize>) -> Outco
         let kind = match head {
             [a, b, kind] if [*a, *b] == MARKS => *kind,
             [] => break,
-            _ => {
+            [_, _, _] => {
                 skipped += pass_to_mark(feed)?;
                 places += 1;
                 continue;
+            }
+            _ => {
+                notices.push(cut_off(feed.position()));
+                break;
             }
         };
         let length = match definitions.get(usize::from(kind)) {
@@ -43,10 +47,7 @@ pub fn read_binary(feed: &mut Feed<impl Read>, instance: Option<usize>) -> Outco
         };
         let message = feed.ahead(length)?;
         let Some(body) = message.get(HEADER_BYTES..length) else {
-            notices.push(format!(
-                "the file is cut off inside a message (byte {}): read up to there",
-                feed.position()
-            ));
+            notices.push(cut_off(feed.position()));
             break;
         };
         if kind == FMT.0 {
@@ -78,6 +79,10 @@ pub fn read_binary(feed: &mut Feed<impl Read>, instance: Option<usize>) -> Outco
         notices.push(format!("{skipped} bytes in {places} places are no messages and are left out"));
     }
     compass::finish(collected, "ArduPilot DataFlash", instance, notices)
+}
+
+fn cut_off(position: u64) -> String {
+    format!("the file is cut off inside a message (byte {position}): read up to there")
 }
 
 /// Passes to the next mark, or the end; gives how many bytes.

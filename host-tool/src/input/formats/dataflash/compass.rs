@@ -158,7 +158,7 @@ fn undo(taken: usize, parameters: &Parameters, recording: &mut Recording) -> Out
     let mut epoch = 0;
     for row in 0..stream.time_s.len() {
         let time = stream.time_s.get(row).copied().unwrap_or(f64::NAN);
-        while epochs.get(epoch + 1).is_some_and(|(since, ..)| *since <= time) {
+        while epochs.get(epoch + 1).is_some_and(|(since, ..)| *since < time) {
             epoch += 1;
         }
         let Some((_, undo, parameter)) = epochs.get(epoch) else { break };

@@ -1,7 +1,8 @@
-//! MCAP files of ROS 2 (messages in CDR) and of ROS 1, records read by the crate `mcap`.
+//! MCAP files of ROS 2 (messages in CDR) and of ROS 1, packed chunks unpacked by the crate `mcap`.
 
 mod cdr;
 mod messages;
 mod read;
+mod records;
 
 pub use read::read;

@@ -1,19 +1,16 @@
 //! The topics of an MCAP file.
 
 use crate::failure::{Failure, Outcome};
+use crate::input::formats::feed::Feed;
 use crate::input::formats::inventory::Inventory;
 use crate::input::formats::mcap::cdr::Encoding;
 use crate::input::formats::mcap::messages::Kind;
+use crate::input::formats::mcap::records::{self, Channel};
 use crate::input::formats::stream::{Recording, Stream, choose};
-use crate::progress::Progress;
-use mcap::McapError;
-use mcap::io::MessageReader;
-use mcap::sans_io::LinearReaderOptions;
+use mcap::records::op;
 use std::collections::BTreeMap;
 use std::io::Read;
 
-/// The largest record, bytes: a picture of a camera beside the sensors, and no more than memory bears.
-const LARGEST_RECORD: usize = 1 << 28;
 /// More topics of these kinds than any robot has.
 const MOST_TOPICS: usize = 1024;
 /// From x forward, y left, z up (ROS REP 103) to x forward, y right, z down.
@@ -28,46 +25,85 @@ struct Topic {
     stamp_ns: Vec<i64>,
 }
 
-/// Reads an MCAP file from its first byte.
+/// What is known while a file is read.
+#[derive(Default)]
+struct Topics {
+    schemas: BTreeMap<u16, String>,
+    channels: BTreeMap<u16, Channel>,
+    topics: BTreeMap<String, Topic>,
+    counts: BTreeMap<u16, u64>,
+    broken: u64,
+    other_encoding: Option<String>,
+}
+
+/// Reads an MCAP file from its first byte; `size_bytes` (0: unknown) bounds what it may ask memory for.
 ///
 /// # Errors
 /// Not readable, or no magnetometer in it.
-pub fn read(source: impl Read, progress: Progress, instance: Option<usize>) -> Outcome<Recording> {
-    let options = LinearReaderOptions::default().with_record_length_limit(LARGEST_RECORD);
-    let source = Counted { source, progress, read: 0 };
-    let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
+pub fn read(feed: &mut Feed<impl Read>, size_bytes: u64, instance: Option<usize>) -> Outcome<Recording> {
+    let mut all = Topics::default();
+    let notices = records::records(feed, size_bytes, &mut |kind, content| all.take(kind, content))?;
+    let mut recording = Recording { format: "MCAP".into(), notices, ..Recording::default() };
+    if all.broken > 0 {
+        recording
+            .notices
+            .push(format!("{} messages are not as their schema says and are left out", all.broken));
+    }
+    if let Some(encoding) = &all.other_encoding {
+        recording
+            .notices
+            .push(format!("messages in the encoding {encoding} are left out: cdr (ROS 2) and ros1 are read"));
+    }
     let mut inventory = Inventory::default();
-    let (mut broken, mut other_encoding) = (0_u64, None);
-    let mut recording = Recording { format: "MCAP".into(), ..Recording::default() };
-    for message in MessageReader::new_with_options(source, options) {
-        let message = match message {
-            Ok(message) => message,
-            Err(error) => {
-                recording.notices.push(stopped(&error));
-                break;
-            }
+    for (id, count) in &all.counts {
+        if let Some(channel) = all.channels.get(id) {
+            let schema = all.schemas.get(&channel.schema).map_or("without a schema", String::as_str);
+            inventory.add(&format!("{} {schema}", channel.topic), *count);
+        }
+    }
+    finish(all.topics, inventory, instance, recording)
+}
+
+impl Topics {
+    fn take(&mut self, kind: u8, content: &[u8]) {
+        match kind {
+            op::SCHEMA => self.schemas.extend(records::schema(content)),
+            op::CHANNEL => self.channels.extend(records::channel(content)),
+            op::MESSAGE => match records::message(content) {
+                Some((channel, log_ns, data)) => self.message(channel, log_ns, data),
+                None => self.broken += 1,
+            },
+            _ => {}
+        }
+    }
+
+    fn message(&mut self, id: u16, log_ns: i64, data: &[u8]) {
+        let Some(channel) = self.channels.get(&id) else {
+            self.broken += 1;
+            return;
         };
-        let schema = message.channel.schema.as_ref().map_or("no schema", |schema| schema.name.as_str());
-        let name = &message.channel.topic;
-        inventory.add(&format!("{name} {schema}"), 1);
-        let Some(kind) = Kind::of(schema) else { continue };
-        let encoding = match message.channel.message_encoding.as_str() {
+        *self.counts.entry(id).or_default() += 1;
+        let Some(kind) = self.schemas.get(&channel.schema).and_then(|schema| Kind::of(schema)) else {
+            return;
+        };
+        let encoding = match channel.encoding.as_str() {
             "cdr" => Encoding::Cdr,
             "ros1" => Encoding::Ros1,
             other => {
-                other_encoding = Some(other.to_string());
-                continue;
+                self.other_encoding = Some(other.chars().take(40).collect());
+                return;
             }
         };
-        let Some(decoded) = kind.decode(&message.data, encoding) else {
-            broken += 1;
-            continue;
+        let Some(decoded) = kind.decode(data, encoding) else {
+            self.broken += 1;
+            return;
         };
-        if !topics.contains_key(name) {
-            if topics.len() >= MOST_TOPICS {
-                continue;
+        let name = &channel.topic;
+        if !self.topics.contains_key(name) {
+            if self.topics.len() >= MOST_TOPICS {
+                return;
             }
-            let number = topics.values().filter(|topic| topic.kind == kind).count();
+            let number = self.topics.values().filter(|topic| topic.kind == kind).count();
             let topic = Topic {
                 kind,
                 frame: Some(decoded.frame.clone()).filter(|frame| !frame.is_empty()),
@@ -75,31 +111,13 @@ pub fn read(source: impl Read, progress: Progress, instance: Option<usize>) -> O
                 log_ns: Vec::new(),
                 stamp_ns: Vec::new(),
             };
-            topics.insert(name.clone(), topic);
+            self.topics.insert(name.clone(), topic);
         }
-        let Some(topic) = topics.get_mut(name).filter(|topic| topic.kind == kind) else { continue };
-        topic.log_ns.push(message.log_time.cast_signed());
-        topic.stamp_ns.push(decoded.stamp_ns);
-        topic.stream.push(0.0, &decoded.values);
-    }
-    if broken > 0 {
-        recording.notices.push(format!("{broken} messages are not as their schema says and are left out"));
-    }
-    if let Some(encoding) = other_encoding {
-        recording
-            .notices
-            .push(format!("messages in the encoding {encoding} are left out: cdr (ROS 2) and ros1 are read"));
-    }
-    finish(topics, inventory, instance, recording)
-}
-
-/// Why reading ended before the end.
-fn stopped(error: &McapError) -> String {
-    match error {
-        McapError::UnexpectedEof | McapError::UnexpectedEoc => {
-            "the file is cut off inside a record: read up to there".into()
+        if let Some(topic) = self.topics.get_mut(name).filter(|topic| topic.kind == kind) {
+            topic.log_ns.push(log_ns);
+            topic.stamp_ns.push(decoded.stamp_ns);
+            topic.stream.push(0.0, &decoded.values);
         }
-        error => format!("the file is broken ({error}): read up to there"),
     }
 }
 
@@ -210,20 +228,4 @@ fn turn(topic: &mut Topic, told: &mut Vec<String>) {
         "{}, frame {frame}: turned from x forward, y left, z up (REP 103) to x forward, y right, z down",
         topic.stream.name
     ));
-}
-
-/// Follows how much was read.
-struct Counted<R> {
-    source: R,
-    progress: Progress,
-    read: u64,
-}
-
-impl<R: Read> Read for Counted<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let count = self.source.read(buffer)?;
-        self.read += count as u64;
-        self.progress.at(self.read);
-        Ok(count)
-    }
 }

@@ -19,6 +19,8 @@ const SENSORS: usize = 4;
 /// A corrected stream is taken instead of the raw one of the same sensor where it has so many times more samples: by default
 /// PX4 logs `sensor_mag` once a second.
 const DENSER: usize = 3;
+/// From this release on (major, minor) drivers leave `sensor_mag` alone.
+const DRIVERS_STOPPED: [u8; 2] = [1, 12];
 /// Gauss to microtesla.
 const UT: f64 = 100.0;
 /// Current compensation is in gauss a kiloampere.
@@ -42,16 +44,17 @@ struct Candidate {
     collector: Collector,
 }
 
-/// Takes the magnetometer out of what was collected.
+/// Takes the magnetometer out of what was collected; `release` is the major and minor version of PX4, where the log names it.
 ///
 /// # Errors
 /// The instance asked for is not there. `Ok(None)`: there is no magnetometer at all.
 pub fn take(
     collectors: &mut Vec<Collector>,
     parameters: &Parameters,
+    release: Option<[u8; 2]>,
     wanted: Option<usize>,
 ) -> Outcome<Option<Recording>> {
-    let candidates = candidates(collectors, parameters);
+    let candidates = candidates(collectors, parameters, release);
     if candidates.is_empty() {
         return Ok(None);
     }
@@ -79,7 +82,12 @@ fn describe(candidate: &Candidate) -> String {
     format!("{}, {device}, {samples} samples", candidate.collector.stream.name)
 }
 
-fn candidates(collectors: &mut Vec<Collector>, parameters: &Parameters) -> Vec<Candidate> {
+fn candidates(
+    collectors: &mut Vec<Collector>,
+    parameters: &Parameters,
+    release: Option<[u8; 2]>,
+) -> Vec<Candidate> {
+    let by_driver = release.is_some_and(|release| release < DRIVERS_STOPPED);
     let mut of = |topic: &str| -> Vec<Collector> {
         let is = |one: &mut Collector| one.topic == topic && finite(&one.stream);
         let mut found: Vec<Collector> = collectors.extract_if(.., is).collect();
@@ -93,7 +101,7 @@ fn candidates(collectors: &mut Vec<Collector>, parameters: &Parameters) -> Vec<C
         .map(|collector| Candidate {
             number: collector.instance.into(),
             device_id: collector.device_id,
-            state: if collector.with_counts { State::ByDriver } else { State::Raw },
+            state: if by_driver || collector.with_counts { State::ByDriver } else { State::Raw },
             collector,
         })
         .collect();
@@ -244,7 +252,8 @@ fn remove(
     let mut epoch = 0;
     for row in 0..stream.time_s.len() {
         let time = stream.time_s.get(row).copied().unwrap_or(f64::NAN);
-        while epochs.get(epoch + 1).is_some_and(|(since, _)| *since <= time) {
+        // A change is told behind the sample that it comes after.
+        while epochs.get(epoch + 1).is_some_and(|(since, _)| *since < time) {
             epoch += 1;
         }
         let Some((_, undo)) = epochs.get(epoch) else { break };

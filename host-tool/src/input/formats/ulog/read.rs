@@ -41,6 +41,7 @@ struct Log {
     collectors: Vec<Collector>,
     parameters: Parameters,
     system: [Option<String>; 2],
+    release: Option<[u8; 2]>,
     dropouts: u64,
     dropout_ms: u64,
     broken: u64,
@@ -224,6 +225,11 @@ impl Log {
         let slot = match name {
             "sys_name" => 0,
             "ver_hw" => 1,
+            "ver_sw_release" => {
+                // Patch and type of the release in the lower bytes.
+                self.release = bytes_at::<4>(value, 0).map(|[_, _, minor, major]| [major, minor]);
+                return;
+            }
             _ => return,
         };
         let text: String =
@@ -254,7 +260,8 @@ impl Log {
         for topic in &self.topics {
             inventory.add(&format!("{}[{}]", topic.name, topic.instance), topic.messages);
         }
-        let Some(mut recording) = magnetometer::take(&mut self.collectors, &self.parameters, instance)?
+        let Some(mut recording) =
+            magnetometer::take(&mut self.collectors, &self.parameters, self.release, instance)?
         else {
             return Err(inventory.no_magnetometer(
                 "sensor_mag, vehicle_magnetometer, sensor_combined.magnetometer_ga",
@@ -271,9 +278,11 @@ impl Log {
         if self.broken > 0 {
             notices.push(format!("{} records could not be understood and are left out", self.broken));
         }
+        let release = self.release.map(|[major, minor]| format!("release {major}.{minor}"));
         recording.format = ["PX4 ULog".to_string()]
             .into_iter()
             .chain(self.system.into_iter().flatten())
+            .chain(release)
             .collect::<Vec<_>>()
             .join(", ");
         self.collectors.sort_by_key(|one| (place(&one.topic), one.instance));
