@@ -43,7 +43,7 @@ fn a_wrong_heading_is_not_good() {
     assert_eq!(good["verdict"], "good", "{good}");
     assert!(good["heading"]["rms_deg"].as_f64().is_some_and(|rms| rms < 2.0), "{good}");
 
-    // The board's magnetometer mounted turned by 180° about the vertical: the magnitude is right, every heading wrong.
+    // The magnetometer mounted turned by 180° about the board's vertical: the magnitude is right, headings are wrong.
     let turned = changed(&here, &log, "turned.csv", |place, cells| {
         for name in ["mx_ut", "my_ut"] {
             let at = place(name);
@@ -61,7 +61,22 @@ fn a_wrong_heading_is_not_good() {
     let wrong = run.json();
     assert_eq!((run.status, &wrong["verdict"]), (1, &"heading".into()), "{wrong}");
     assert!(wrong["heading"]["mean_deg"].as_f64().is_some_and(|mean| mean.abs() > 170.0), "{wrong}");
-    assert!(wrong["reasons"].to_string().contains("backwards"), "{wrong}");
+    assert!(wrong["reasons"].to_string().contains("ironout diagnose"), "{wrong}");
+    // All three axes reversed: every heading is backwards, at any attitude.
+    let reversed = changed(&here, &log, "reversed.csv", |place, cells| {
+        for name in ["mx_ut", "my_ut", "mz_ut"] {
+            let at = place(name);
+            cells[at] = -cells[at];
+        }
+    });
+    let content =
+        std::fs::read_to_string(&reversed).expect("text").replacen("ax_mps2,ay_mps2,az_mps2", "p,q,r", 1);
+    let blind = write(&here, "blind.csv", content);
+    assert_eq!(ironout(["fit", text(&blind), "-o", text(&here.join("reversed.json"))]).status, 0);
+    let run = ironout(["check", text(&reversed), "--cal", text(&here.join("reversed.json")), "--json"]);
+    let wrong = run.json();
+    assert_eq!((run.status, &wrong["verdict"]), (1, &"heading".into()), "{wrong}");
+    assert!(wrong["reasons"].to_string().contains("every heading is backwards"), "{wrong}");
     let words = ironout(["check", text(&turned), "--cal", text(&other)]).stdout;
     assert!(words.contains("HEADING:") && words.contains("heading off by"), "{words}");
 

@@ -8,8 +8,9 @@ use std::process::Command;
 /// A log in counts in axes of its own, its calibration, and what `apply` makes of its first rows: raw and corrected.
 fn calibrated(name: &str, effect: Option<&str>) -> (std::path::PathBuf, std::path::PathBuf, Vec<[f64; 8]>) {
     let here = folder(name);
-    let own =
-        simulate(&here, "own.csv", &["--seconds", "40", "--seed", "4", "--effect", "offset:current_a=6"]);
+    let mut world = vec!["--seconds", "40", "--seed", "4"];
+    world.extend(effect.iter().flat_map(|effect| ["--effect", *effect]));
+    let own = simulate(&here, "own.csv", &world);
     let content = std::fs::read_to_string(&own).expect("text");
     let mut lines = content.lines().filter(|line| !line.starts_with('#'));
     let header = lines.next().expect("a header");
@@ -32,7 +33,6 @@ fn calibrated(name: &str, effect: Option<&str>) -> (std::path::PathBuf, std::pat
     let mut fit = vec!["fit", text(&log), "-o", text(&cal)];
     fit.extend(read);
     fit.extend(effect.iter().flat_map(|effect| ["--add", *effect]));
-    // Without its effect the log carries a calibration all the same.
     let run = ironout(&fit);
     assert_eq!(run.status, 0, "{}", run.stdout);
     let mut apply = vec!["apply", text(&log), "--cal", text(&cal), "-o", text(&out)];

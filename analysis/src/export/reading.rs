@@ -109,6 +109,6 @@ mod tests {
         };
         let c = turned.c("float");
         assert!(c.contains("{(float)0.0, (float)0.25, (float)0.0}"), "{c}");
-        assert!(turned.rust().contains("[-0.5, -0.0, 0.0],"), "{}", turned.rust());
+        assert!(turned.rust().contains("[-0.5, 0.0, 0.0],"), "{}", turned.rust());
     }
 }

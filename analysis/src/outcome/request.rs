@@ -17,7 +17,8 @@ pub struct Options {
     pub method: Method,
     /// The magnitude of the field, µT; the log's own mean, or that of the earlier calibration, where absent.
     pub field_ut: Option<f64>,
-    /// The dip of the field below the horizon, degrees, where it is known; a fit predicts the error of the heading with it.
+    /// The dip of the field below the horizon, degrees, where it is known; a fit predicts the error of the heading with
+    /// it, and it tells a mounting from a mirror image.
     pub dip_deg: Option<f64>,
     /// Ids of effects that stand in the model from the beginning.
     pub add: Vec<String>,

@@ -94,9 +94,9 @@ fn alignment(alignment: &Alignment) {
     match alignment {
         Alignment::None => {}
         Alignment::Done { angle_deg, before_deg, after_deg, standing } => {
-            line("alignment    the matrix is a full 3×3 in the accelerometer's axes");
             line(&format!(
-                "             turned by {angle_deg:.2}°; spread of the dip {before_deg:.2}° → {after_deg:.2}°"
+                "alignment    the matrix is a full 3×3 in the accelerometer's axes: turned by {angle_deg:.2}°; spread of the dip \
+                 {before_deg:.2}° → {after_deg:.2}°"
             ));
             for (row, words) in
                 standing.words().iter().flat_map(|words| wrap(words, "", WIDTH - 13)).enumerate()
