@@ -1,7 +1,7 @@
 //! A bus that answers anything: no driver panics, hangs, or gives a measurement out of its own range.
 
 use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, Operation};
-use ironout_drivers::{AnyMagnetometer, Found, Magnetometer, probe};
+use ironout_drivers::{AnyMagnetometer, Found, Kind, Magnetometer, probe};
 use ironout_rig::board::SimDelay;
 use ironout_rig::bus::Clock;
 use rand::rngs::ChaCha8Rng;
@@ -31,7 +31,7 @@ impl I2c for NoiseBus {
             match operation {
                 Operation::Write([first, rest @ ..]) => {
                     register = *first & 0x7f;
-                    for &byte in *rest {
+                    for &byte in rest.iter() {
                         self.written[usize::from(register)] = byte;
                     }
                 }
@@ -92,7 +92,8 @@ fn random_answers_never_panic_and_what_is_in_range_is() {
                 }
             }
         }
-        assert!(read > 500 && valid > 0, "{kind:?}: {read} {valid}");
+        // Of 24 random bits on three axes next to none are within ±800 µT.
+        assert!(read > 500 && (valid > 0 || kind == Kind::Rm3100), "{kind:?}: {read} {valid}");
     }
 }
 
