@@ -94,13 +94,9 @@ fn the_accelerometer_of_an_lsm303agr_is_identified_and_reads_what_the_crate_of_t
 fn the_magnetometer_of_an_lsm303agr_reads_what_the_crate_of_that_name_reads() {
     use ironout_drivers::{Driver, Magnetometer, lis2mdl};
     let bytes = rd(0x1e, 0xe8, &[0x02, 0x01, 0xd4, 0xfe, 0x07, 0x00]);
-    let mut other = lsm303agr::Lsm303agr::new_with_i2c(Mock::new(std::slice::from_ref(&bytes)));
-    let (x, y, z) = {
-        let mut started = other.into_mag_continuous().ok().expect("continuous");
-        let field = started.magnetic_field().unwrap().xyz_nt();
-        other = started.into_mag_one_shot().ok().expect("one shot");
-        field
-    };
+    let other = lsm303agr::Lsm303agr::new_with_i2c(Mock::new(&[wr(0x1e, 0x60, 0x00), bytes.clone()]));
+    let mut other = other.into_mag_continuous().expect("continuous");
+    let (x, y, z) = other.magnetic_field().unwrap().xyz_nt();
     other.destroy().done();
     let mut driver = Driver::new(Mock::new(&[bytes]), lis2mdl::Config::of(lis2mdl::Model::Lsm303agr));
     let sensor = driver.describe();

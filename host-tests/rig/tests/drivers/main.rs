@@ -3,6 +3,7 @@
 mod bench;
 mod faults;
 mod measuring;
+mod noise;
 mod probing;
 mod self_tests;
 mod twins;
