@@ -47,6 +47,7 @@ export class Board {
     this.warnings = new Map();
     this.nsBefore = 0;
     this.at = 0;
+    this.watched = null;
     this.lastFault = null;
     this.powerOn();
   }
@@ -200,6 +201,7 @@ export class Board {
       try {
         while (!core.waiting && core.cycles < stop && core.cycles < clock.dueCycles) {
           this.at = core.PC;
+          if (this.watched) this.observe(core);
           core.executeInstruction();
           executed++;
         }
@@ -207,6 +209,24 @@ export class Board {
         this.counts.instructions += executed;
       }
       if (core.cycles >= clock.dueCycles) clock.fire();
+    }
+  }
+
+  /** Counts the calls of the function at `address` from now on, and the cycles of each: those of interrupts in it too. */
+  watch(address) {
+    this.watched = { address, calls: 0, cycles: 0, worst: 0, since: null, back: 0, sp: 0 };
+  }
+
+  observe(core) {
+    const { watched } = this;
+    if (watched.since === null) {
+      if (core.PC === watched.address) Object.assign(watched, { since: core.cycles, back: core.LR & ~1, sp: core.SP });
+    } else if (core.PC === watched.back && core.SP === watched.sp) {
+      const cycles = core.cycles - watched.since;
+      watched.calls++;
+      watched.cycles += cycles;
+      watched.worst = Math.max(watched.worst, cycles);
+      watched.since = null;
     }
   }
 
@@ -232,7 +252,7 @@ export class Board {
       operations: this.flash.operations,
       erased: [...this.flash.erased],
       warnings: Object.fromEntries(this.warnings),
-      pc: core.PC,
+      watched: this.watched && { calls: this.watched.calls, cycles: this.watched.cycles, worst: this.watched.worst },
     };
   }
 }

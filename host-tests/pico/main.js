@@ -79,6 +79,7 @@ const requests = {
     board.powerOn();
   },
   state: () => board.state(),
+  watch: ({ address }) => board.watch(address & ~1),
   memory: ({ address, length }) => hex(Array.from({ length }, (_, i) => board.mcu.readUint8(address + i))),
   poke: ({ address, bytes }) => Buffer.from(bytes, 'hex').forEach((byte, i) => board.mcu.writeUint8(address + i, byte)),
   flash: ({ at, bytes }) => board.flash.memory.set(Buffer.from(bytes, 'hex'), at),

@@ -112,11 +112,9 @@ fn every_cut<const WRITE: usize>(new: &Record) {
         flash.left = usize::MAX;
         let mut slots = FlashSlots::new(flash, 2 * SECTOR as u32).unwrap();
         let after = current(&mut slots).expect("a calibration, whatever happened");
-        assert_eq!(saved.is_ok(), after != before, "cut after {left}");
-        assert!(
-            after == before || after == Record { sequence: 4, ..new.clone() },
-            "cut after {left}: {after:?}"
-        );
+        // Power may fail after the last byte that counts, too: then it is stored, and nobody was told.
+        assert!(saved.is_err() || after != before, "cut after {left}");
+        assert!(after == before || after == Record { sequence: 4, ..new.clone() }, "cut after {left}: {after:?}");
         (used, slots.destroy())
     };
     let (all, flash) = stored(usize::MAX);

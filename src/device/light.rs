@@ -21,26 +21,44 @@ pub enum Light {
 impl Light {
     /// Whether the light is on at `t_ms`.
     pub const fn is_on(self, t_ms: u64) -> bool {
+        self.is_on_in((t_ms % PERIOD_MS) as u32)
+    }
+
+    /// The same within a period. In 32 bits: a small core divides 64 of them in hundreds of cycles, and the pattern is looked
+    /// through at every turn of a loop.
+    const fn is_on_in(self, phase_ms: u32) -> bool {
         match self {
             Light::Calibrated => true,
-            Light::Collecting => t_ms % 250 < 125,
-            Light::Solved => t_ms % 1000 < 500,
-            Light::Refused => flashes(t_ms % 1000, 2),
-            Light::SensorFault => flashes(t_ms % 2000, 3),
-            Light::Uncalibrated => flashes(t_ms % 2000, 1),
+            Light::Collecting => phase_ms % 250 < 125,
+            Light::Solved => phase_ms % 1000 < 500,
+            Light::Refused => flashes(phase_ms % 1000, 2),
+            Light::SensorFault => flashes(phase_ms, 3),
+            Light::Uncalibrated => flashes(phase_ms, 1),
         }
     }
 
     /// When the light changes next after `t_ms`; `None` where it never does.
     pub fn next_change_ms(self, t_ms: u64) -> Option<u64> {
+        const STEP_MS: u32 = 25;
+        if self == Light::Calibrated {
+            return None;
+        }
         // Every pattern changes at multiples of 25 ms, and within two seconds if at all.
-        let now = self.is_on(t_ms);
-        (1..=80).map(|step| (t_ms / 25 + step) * 25).find(|&later_ms| self.is_on(later_ms) != now)
+        let phase_ms = (t_ms % PERIOD_MS) as u32;
+        let begin_ms = phase_ms - phase_ms % STEP_MS;
+        let now = self.is_on_in(phase_ms);
+        let steps = (1..=PERIOD_MS as u32 / STEP_MS).map(|step| begin_ms + step * STEP_MS);
+        let mut phases = steps.map(|later_ms| (later_ms, later_ms % PERIOD_MS as u32));
+        let (later_ms, _) = phases.find(|&(_, phase_ms)| self.is_on_in(phase_ms) != now)?;
+        Some(t_ms + u64::from(later_ms - phase_ms))
     }
 }
 
+/// All patterns repeat within it.
+const PERIOD_MS: u64 = 2000;
+
 /// `count` flashes of 100 ms, 200 ms apart, from the beginning of the period on.
-const fn flashes(t_ms: u64, count: u64) -> bool {
+const fn flashes(t_ms: u32, count: u32) -> bool {
     t_ms < 200 * count && t_ms % 200 < 100
 }
 

@@ -39,6 +39,7 @@ fn calibrates(image: &Path) {
             assert_eq!(ok(&mut board, "status").value("calibrated"), Some("1"));
             assert_eq!(shown_bits(&ok(&mut board, "cal show")), on_host);
         }
+        board.take_streamed(); // of the raw stream
         ok(&mut board, "stream cal");
         board.run_ms(2_000).unwrap();
         ok(&mut board, "stream off");

@@ -16,24 +16,19 @@ fn no_sample_is_lost_beside_a_solve_and_flash_ram_and_stack_stay_within_their_li
     }
     let (mut board, _chip) = board(PERIOD_S);
     board.run_ms(500).unwrap();
-    let cycles_in = |board: &mut pico::Pico, ms: u64| {
-        let before = board.state().unwrap();
-        board.run_ms(ms).unwrap();
-        let after = board.state().unwrap();
-        after.cycles - before.cycles
-    };
-    let idle = cycles_in(&mut board, 2_000);
     ok(&mut board, "cal start");
-    let collecting = cycles_in(&mut board, (PERIOD_S * 1000.0) as u64);
-    let samples = 100.0 * PERIOD_S;
-    let a_sample = (collecting - idle * PERIOD_S / 2.0) / samples;
-    let longest_push_us = figure(&ok(&mut board, "version"), "longest_turn_us");
+    board.watch(firmware().function("Device::take_sample").unwrap()).unwrap();
+    let before = board.state().unwrap();
+    board.run_ms((PERIOD_S * 1000.0) as u64).unwrap();
+    let busy = (board.state().unwrap().cycles - before.cycles) / (PERIOD_S * 1e6 * CYCLES_PER_US);
+    let sample = board.watched().unwrap();
+    assert!(sample.count as f64 >= 100.0 * PERIOD_S - 2.0, "{sample:?}");
     ok(&mut board, "status");
     ok(&mut board, "stream raw");
     board.run_ms(200).unwrap();
-    let begun = board.state().unwrap();
+    board.watch(firmware().function("Session::stop").unwrap()).unwrap();
     let stopped = ok(&mut board, "cal stop");
-    let stop_ms = board.state().unwrap().ms - begun.ms;
+    let solve = board.watched().unwrap();
     assert_eq!(stopped.value("verdict"), Some("accepted"), "{stopped}");
     board.run_ms(300).unwrap();
     let lines = board.take_streamed();
@@ -45,14 +40,16 @@ fn no_sample_is_lost_beside_a_solve_and_flash_ram_and_stack_stay_within_their_li
     let lost = figure(&ok(&mut board, "version"), "samples_lost");
     assert!(lost <= 4.0, "{lost} samples lost while storing");
     println!(
-        "busy {:.2} % idle, {:.2} % collecting; a sample of the session {:.0} cycles in the mean, its longest turn {:.0} us; cal stop {:.0} ms",
-        100.0 * idle / (2e6 * CYCLES_PER_US),
-        100.0 * collecting / (PERIOD_S * 1e6 * CYCLES_PER_US),
-        a_sample,
-        longest_push_us,
-        stop_ms
+        "collecting 100 samples a second the core is {:.1} % busy; a sample {:.0} cycles in the mean, {:.0} at most, of {}; \
+         Session::stop {:.0} cycles, {:.1} ms; the longest turn {} us",
+        100.0 * busy,
+        sample.mean_cycles,
+        sample.worst_cycles,
+        sample.count,
+        solve.worst_cycles,
+        solve.worst_cycles / CYCLES_PER_US / 1e3,
+        version.value("longest_turn_us").unwrap_or("-"),
     );
-    println!("the longest turn of all: {} us", version.value("longest_turn_us").unwrap_or("-"));
     assert_eq!(version.value("samples_lost"), Some("0"), "{version}");
     let times: Vec<i64> = lines.iter().map(|line| numbers::<i64>(line, 1)[0]).collect();
     assert!(times.windows(2).all(|pair| (9..=11).contains(&(pair[1] - pair[0]))), "{times:?}");

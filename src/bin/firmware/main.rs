@@ -22,14 +22,12 @@ fn main() -> ! {
     let restarts = fault::Restarts::read();
     let Some(board) = Board::take() else { panic!("the board was taken before") };
     let Board { mut sensor, mut sampled, mut store, mut console, mut clock, mut panel, mut watchdog } = board;
+    if !restarts.is_stuck() {
+        // A board that finds its sensor by probing knows only now what it is. An error is told by the device, which asks again.
+        let _ = sensor.init();
+    }
     let mut described = sensor.describe();
-    let device_of = |sensor: Sensor| {
-        let sensor = sensor.mounted(board::MOUNTING);
-        let mut device = Device::new(DeviceConfig { board: board::NAME, sensor, pace: board::PACE });
-        device.note_restarts(restarts.count, restarts.last);
-        device
-    };
-    let mut device = device_of(described);
+    let mut device = device_of(described, &restarts);
     defmt::info!("ironout {=str} on {=str}", env!("CARGO_PKG_VERSION"), board::NAME);
     if restarts.count > 0 {
         defmt::error!("restart {=u32} after a fault: {=str}", restarts.count, restarts.last);
@@ -53,7 +51,7 @@ fn main() -> ! {
         // Another chip than before has been found: counts have another meaning, and nothing collected is worth anything.
         if device.is_idle() && sensor.describe() != described {
             described = sensor.describe();
-            device = device_of(described);
+            renew(&mut device, described, &restarts);
         }
         // One line at a time: its reply goes where it came from. An idle device takes every byte.
         while device.is_idle()
@@ -98,4 +96,18 @@ fn main() -> ! {
             });
         }
     }
+}
+
+/// The application on this board with this sensor.
+fn device_of(sensor: Sensor, restarts: &fault::Restarts) -> Device {
+    let sensor = sensor.mounted(board::MOUNTING);
+    let mut device = Device::new(DeviceConfig { board: board::NAME, sensor, pace: board::PACE });
+    device.note_restarts(restarts.count, restarts.last);
+    device
+}
+
+/// The application begins anew. Apart, so that the loop's own stack has room for one of it only.
+#[inline(never)]
+fn renew(device: &mut Device, sensor: Sensor, restarts: &fault::Restarts) {
+    *device = device_of(sensor, restarts);
 }

@@ -86,6 +86,17 @@ pub struct State {
     pub flash_operations: u64,
 }
 
+/// Calls of a function that was watched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Calls {
+    /// How many.
+    pub count: u64,
+    /// Cycles of one in the mean, those of interrupts in it too.
+    pub mean_cycles: f64,
+    /// Of the longest.
+    pub worst_cycles: f64,
+}
+
 /// What has come on a port.
 #[derive(Default)]
 struct Received {
@@ -287,6 +298,20 @@ impl Pico {
             overruns: number("overruns") as u64,
             flash_operations: number("operations") as u64,
         })
+    }
+
+    /// Counts the calls of the function at `address` from now on, until another one is watched.
+    pub fn watch(&mut self, address: u64) -> Result<(), Error> {
+        self.request(&json!({ "do": "watch", "address": address })).map(drop)
+    }
+
+    /// The calls of the function that is watched, so far.
+    pub fn watched(&mut self) -> Result<Calls, Error> {
+        let state = self.request(&json!({ "do": "state" }))?;
+        let number = |key: &str| state["watched"][key].as_f64().unwrap_or_default();
+        let count = number("calls");
+        let mean_cycles = number("cycles") / count.max(1.0);
+        Ok(Calls { count: count as u64, mean_cycles, worst_cycles: number("worst") })
     }
 
     /// Copies bytes of the board's memory.

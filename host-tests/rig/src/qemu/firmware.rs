@@ -117,6 +117,19 @@ impl Firmware {
             .ok_or_else(|| self.wrong(format!("it has no symbol {name}")))
     }
 
+    /// The address of the only symbol whose demangled path, without its hash, ends with `path`.
+    pub fn function(&self, path: &str) -> Result<u64, Error> {
+        let bytes = self.bytes()?;
+        let file = self.parse(&bytes)?;
+        // Legacy mangling: each part behind its length, then a hash.
+        let mangled: String = path.split("::").map(|part| format!("{}{part}", part.len())).collect();
+        let found = |name: &str| {
+            name.rsplit_once("17h").is_some_and(|(path, _)| path.ends_with(&mangled))
+        };
+        let named = file.symbols().find(|symbol| symbol.name().is_ok_and(found));
+        named.map(|symbol| symbol.address()).ok_or_else(|| self.wrong(format!("it has no function {path}")))
+    }
+
     /// What it takes of the microcontroller.
     pub fn footprint(&self) -> Result<Footprint, Error> {
         let bytes = self.bytes()?;

@@ -18,8 +18,10 @@ enum Flow {
 pub struct Outgoing {
     queue: Producer<'static, u8>,
     flow: Flow,
-    /// How much was queued when it last became less, and when that was.
-    progress: Cell<(usize, u32)>,
+    /// Bytes that were queued since the start, wrapping.
+    queued: u32,
+    /// How many of them had gone when that was last seen to change, and when that was.
+    progress: Cell<(u32, u32)>,
     /// How long text may stay where it is. A terminal that stopped reading for longer must not keep commands waiting.
     stall_limit: u32,
 }
@@ -27,7 +29,7 @@ pub struct Outgoing {
 impl Outgoing {
     /// Into this queue; times are counts of any clock that wraps at 32 bits.
     pub fn new(queue: Producer<'static, u8>, stall_limit: u32) -> Self {
-        Self { queue, flow: Flow::Open, progress: Cell::new((0, 0)), stall_limit }
+        Self { queue, flow: Flow::Open, queued: 0, progress: Cell::new((0, 0)), stall_limit }
     }
 
     /// Queues the text. Where the other end does not take it, whole lines of it are lost.
@@ -42,20 +44,28 @@ impl Outgoing {
         self.queue.capacity() - self.queue.len() >= bytes || self.flow != Flow::Open || self.is_stuck(now)
     }
 
-    /// Whether what is queued has not become less for the stall limit.
+    /// Whether nothing has gone for the stall limit, though something waits.
     fn is_stuck(&self, now: u32) -> bool {
-        let (queued, (least, since)) = (self.queue.len(), self.progress.get());
-        if queued < least || least == 0 {
-            self.progress.set((queued, now));
+        let waiting = self.queue.len();
+        let gone = self.queued.wrapping_sub(waiting as u32);
+        let (gone_before, since) = self.progress.get();
+        if gone != gone_before || waiting == 0 {
+            self.progress.set((gone, now));
             return false;
         }
         now.wrapping_sub(since) > self.stall_limit
     }
 
+    fn enqueue(&mut self, byte: u8) -> bool {
+        let is_queued = self.queue.enqueue(byte).is_ok();
+        self.queued = self.queued.wrapping_add(u32::from(is_queued));
+        is_queued
+    }
+
     fn put_byte(&mut self, byte: u8) {
         match self.flow {
             Flow::Open => {
-                if self.queue.enqueue(byte).is_err() {
+                if !self.enqueue(byte) {
                     self.flow = Flow::Stalled;
                 }
             }
@@ -64,7 +74,7 @@ impl Outgoing {
                 self.flow = if byte == b'\n' { Flow::Open } else { Flow::SkippingLine };
                 // The cut line gets an end of its own, so that the next one begins a line.
                 if self.flow == Flow::Open {
-                    let _ = self.queue.enqueue(byte);
+                    let _ = self.enqueue(byte);
                 }
             }
         }
