@@ -60,7 +60,7 @@ fn a_hidden_effect_is_named_learnt_and_kept() {
 #[cfg(unix)]
 #[test]
 fn the_firmware_names_a_temperature_that_its_chip_feels() {
-    if ironout_rig::qemu::available("demo --hidden") {
+    if let Some(_turn) = ironout_rig::qemu::turn("demo --hidden") {
         hidden("temperature", "offset:temp_c", &[], true);
     }
 }

@@ -89,7 +89,7 @@ pub struct Device {
     pub(super) stream: StreamMode,
     pub(super) log: Log,
     samples_taken: u32,
-    waiting: Deque<stream::Sample, WAITING_SAMPLES>,
+    waiting: Deque<streamed::Sample, WAITING_SAMPLES>,
     splitter: LineSplitter,
     line_waits: bool,
     /// Since when a computation has waited for the moment after a sample.
@@ -215,7 +215,7 @@ impl Device {
                 self.waiting.pop_front();
             }
             // There is room now.
-            let _ = self.waiting.push_back(stream::Sample {
+            let _ = self.waiting.push_back(streamed::Sample {
                 t_ms,
                 seq: self.samples_taken.wrapping_add(self.sensor.lost()),
                 counts: sample.counts,

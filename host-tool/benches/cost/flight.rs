@@ -4,7 +4,7 @@
 #[path = "../../tests/writers/ulog.rs"]
 mod writer;
 
-use ironout_cli::input::{Log, ReadOptions, read_any};
+use ironout_cli::input::{Log, ReadOptions, read_stream};
 use writer::{Ulog, floats};
 
 /// A ULog of at least `bytes`: accelerometer and gyroscope 250 times a second, the magnetometer 50 times, and topics that are not
@@ -40,5 +40,5 @@ pub fn ulog(bytes: usize) -> Vec<u8> {
 
 /// Reads it.
 pub fn read(bytes: &[u8]) -> Log {
-    read_any(bytes, bytes.len() as u64, &ReadOptions::default()).expect("the log is good")
+    read_stream(bytes, bytes.len() as u64, &ReadOptions::default()).expect("the log is good")
 }

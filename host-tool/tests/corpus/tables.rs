@@ -1,6 +1,6 @@
 //! Tables: separators, commas, encodings, names, units.
 
-use super::{Row, Sample, lines};
+use super::sample::{Row, Sample, lines};
 
 fn table(header: &str, rows: &[Row], line: impl FnMut(usize, &Row) -> String) -> String {
     format!("{header}\n{}", lines(rows, line))

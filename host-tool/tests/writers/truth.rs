@@ -1,7 +1,7 @@
 //! The log that all others are made from, and what is fitted to it.
 
 use crate::common::{folder, ironout, text};
-use ironout_cli::input::{Log, ReadOptions, read_any, read_log};
+use ironout_cli::input::{Log, ReadOptions, read_stream, read_log};
 use std::path::{Path, PathBuf};
 
 /// A simulated log in our own format.
@@ -53,7 +53,7 @@ pub fn read(bytes: &[u8]) -> Result<Log, ironout_cli::failure::Failure> {
 }
 
 pub fn read_with(bytes: &[u8], options: &ReadOptions) -> Result<Log, ironout_cli::failure::Failure> {
-    read_any(bytes, bytes.len() as u64, options)
+    read_stream(bytes, bytes.len() as u64, options)
 }
 
 /// What the program fits.
