@@ -52,11 +52,11 @@ fn why_names_the_current_that_is_fed_and_it_stays_over_a_power_cut() {
     let rms_ut = |key| added.value(key).and_then(|text| text.parse::<f64>().ok()).expect("a figure");
     assert!(rms_ut("rms_ut") < 0.7 * rms_ut("rms_before_ut"), "{added}");
     let shown = ok(&mut board, "cal show");
-    let row = shown.values("effect").next().expect("an effect").to_owned();
-    assert!(row.starts_with("offset:current_a coefficients="), "{row}");
+    let row = shown.info.iter().find(|line| line.starts_with("effect=offset:current_a coefficients="));
+    let row = row.unwrap_or_else(|| panic!("{shown}"));
     let theta: Vec<f64> = row
         .split(['=', ' '])
-        .nth(2)
+        .nth(3)
         .expect("coefficients")
         .split(',')
         .map(|word| word.parse().expect("a number"))
