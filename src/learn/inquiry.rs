@@ -152,7 +152,7 @@ impl Inquiry {
                 Candidate::Column(place) => {
                     learner.columns.get(usize::from(place)).is_some_and(|column| !column.is_constant())
                 }
-                Candidate::Step => learner.marks.best().is_some(),
+                Candidate::Step => learner.marks.has_step(rows),
                 Candidate::Lag => false,
             };
             if self.in_use.get(candidate.place()).is_some_and(Option::is_some) {
