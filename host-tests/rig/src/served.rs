@@ -4,6 +4,7 @@
 //! long as somebody reads. What it says does not depend on how fast the machine is.
 
 use crate::board::SimBoard;
+use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
@@ -27,9 +28,25 @@ pub struct Bench {
     client: Option<TcpStream>,
     plugged: bool,
     waiting: Vec<u8>,
+    /// What is to be done once the board's clock shows so many ms, in that order.
+    planned: VecDeque<(u64, Hand)>,
 }
 
 impl Bench {
+    /// Does this once the board's clock ([`SimBoard::clock`]) shows `ms`: in the board's own time, however busy the machine is.
+    /// Plans are carried out in the order in which they were made.
+    pub fn plan(&mut self, ms: u64, hand: impl FnOnce(&mut Bench) + Send + 'static) {
+        self.planned.push_back((ms, Box::new(hand)));
+    }
+
+    fn carry_out_plans(&mut self) {
+        while self.planned.front().is_some_and(|(ms, _)| self.board.clock.ms() >= *ms) {
+            if let Some((_, hand)) = self.planned.pop_front() {
+                hand(self);
+            }
+        }
+    }
+
     /// Pulls the cable: the connection ends, and no other one is taken until it is plugged in.
     pub fn pull(&mut self) {
         self.plugged = false;
@@ -61,7 +78,13 @@ impl Served {
         let address = listener.local_addr()?;
         let (hands, asked) = mpsc::channel();
         let thread = thread::spawn(move || {
-            let bench = Bench { board: make(), client: None, plugged: true, waiting: Vec::new() };
+            let bench = Bench {
+                board: make(),
+                client: None,
+                plugged: true,
+                waiting: Vec::new(),
+                planned: VecDeque::new(),
+            };
             serve(bench, &listener, &asked);
         });
         Ok(Self { address, hands: Some(hands), thread: Some(thread) })
@@ -108,6 +131,7 @@ fn serve(mut bench: Bench, listener: &TcpListener, asked: &Receiver<Hand>) {
             bench.client = Some(client);
             bench.waiting.clear();
         }
+        bench.carry_out_plans();
         let busy = turn(&mut bench).unwrap_or_else(|_| {
             // The other side is gone.
             bench.client = None;

@@ -2,7 +2,6 @@
 
 use crate::common::{folder, ironout, text};
 use crate::support::{PATIENT, turned};
-use ironout_rig::served::Served;
 use serde_json::{Value, json};
 
 #[test]
@@ -10,6 +9,26 @@ fn a_board_is_recorded_through_a_pulled_cable_a_restart_and_lost_samples() {
     let here = folder("link-pulled");
     let board = turned(64);
     let (log, address) = (here.join("log.csv"), board.address());
+    // By the board's clock, which runs while somebody records: the cable after ten seconds, for two seconds of the board …
+    board.with(|bench| {
+        bench.plan(10_000, |bench| {
+            bench.pull();
+            bench.board.run_ms(2_000);
+            bench.board.received();
+            bench.plug();
+        });
+        // … then a column that was not there before, then a restart, which forgets it.
+        bench.plan(20_000, |bench| {
+            bench.board.device.on_column("vane_deg", 31.5, 0);
+        });
+        bench.plan(25_000, |bench| {
+            bench.pull();
+            bench.board.restart();
+            bench.board.run_ms(1_000);
+            bench.board.received();
+            bench.plug();
+        });
+    });
     let arguments =
         ["record", "-o", text(&log), "--seconds", "60", "--json", "--tcp", &address, "--wait", PATIENT];
     let child = std::process::Command::new(env!("CARGO_BIN_EXE_ironout"))
@@ -18,31 +37,6 @@ fn a_board_is_recorded_through_a_pulled_cable_a_restart_and_lost_samples() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("the command starts");
-    let samples = |board: &Served| board.with(|bench| bench.board.clock.ms()).expect("the board runs");
-    // By the board's clock, which runs while somebody records: the cable after ten seconds, for two seconds of the board …
-    let until = |board: &Served, ms: u64| {
-        while samples(board) < ms {
-            std::thread::yield_now();
-        }
-    };
-    until(&board, 10_000);
-    board.with(|bench| {
-        bench.pull();
-        bench.board.run_ms(2_000);
-        bench.board.received();
-        bench.plug();
-    });
-    until(&board, 20_000);
-    // … then a column that was not there before, then a restart, which forgets it.
-    board.with(|bench| bench.board.device.on_column("vane_deg", 31.5, 0));
-    until(&board, 25_000);
-    board.with(|bench| {
-        bench.pull();
-        bench.board.restart();
-        bench.board.run_ms(1_000);
-        bench.board.received();
-        bench.plug();
-    });
     let output = child.wait_with_output().expect("it ends by itself");
     let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert_eq!(output.status.code(), Some(0), "{stdout} {stderr}");
@@ -51,7 +45,7 @@ fn a_board_is_recorded_through_a_pulled_cable_a_restart_and_lost_samples() {
     assert_eq!((&object["reconnections"], &object["restarts"]), (&json!(2), &json!(1)), "{object}");
     // Two seconds at 50 samples a second, and those that were on the wire when it was pulled.
     let lost = object["lost"].as_u64().expect("a number");
-    assert!((100..=100 + 6000).contains(&lost), "{object}");
+    assert!((100..=400).contains(&lost), "{object}");
     assert_eq!(
         object["columns"].as_array().and_then(|names| names.last()),
         Some(&json!("vane_deg")),
@@ -60,7 +54,7 @@ fn a_board_is_recorded_through_a_pulled_cable_a_restart_and_lost_samples() {
     let content = std::fs::read_to_string(&log).expect("the log");
     let told = content.lines().filter(|line| line.ends_with(",31.5")).count();
     // Less what was on the wire when the cable was pulled.
-    assert!(told >= 100, "{told} rows with the column, of five seconds at least");
+    assert!((100..=250).contains(&told), "{told} rows with the column, of five seconds");
     assert!(
         content.contains(&format!("# lost {lost} samples")) && content.contains("# the board restarted"),
         "{object}"

@@ -20,9 +20,8 @@ const NOISE_UT: f64 = 0.25;
 const STRENGTH: f64 = 5.0;
 /// Attitudes a second of the simulated world, which is what the board takes two samples for.
 const RATE_HZ: f64 = 25.0;
-/// Attitudes of the calibration, of the work after it, and of all that the simulated world has.
+/// Attitudes of the calibration, and of all that the simulated world has.
 const CALIBRATION: usize = 400;
-const WORK: usize = 700;
 const ATTITUDES: usize = 1400;
 /// Attitudes in which an error is measured.
 const PROBES: usize = 50;
@@ -43,6 +42,11 @@ impl HiddenArg {
             HiddenArg::Current => "offset:current_a",
             HiddenArg::Step => "step",
         }
+    }
+
+    /// Attitudes of the work after the calibration, in which it acts: a column has to go through its range, a jump to happen.
+    fn work(self) -> usize {
+        if self == HiddenArg::Step { 450 } else { 700 }
     }
 
     /// The column that it follows; any where it follows none.
@@ -217,11 +221,12 @@ impl Story {
         self.talk.ok("cal stop")?;
         self.talk.ok("cal accept")?;
         self.talk.say(&format!(
-            "\nNow it works for {WORK} attitudes, and what nobody has told it: {}.",
+            "\nNow it works for {} attitudes, and what nobody has told it: {}.",
+            self.effect.work(),
             self.effect.words()
         ));
         self.talk.quiet("stream raw")?;
-        self.turn(WORK)?;
+        self.turn(self.effect.work())?;
         self.talk.quiet("stream off")?;
         let before = self.error(1)?;
         self.talk.say(&format!(
