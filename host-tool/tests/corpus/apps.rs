@@ -1,6 +1,6 @@
 //! Telephone apps.
 
-use super::{Row, Sample, lines};
+use super::sample::{Row, Sample, lines};
 
 pub fn samples(rows: &[Row]) -> Vec<Sample> {
     let norm = |r: &Row| r.m.iter().map(|v| v * v).sum::<f64>().sqrt();

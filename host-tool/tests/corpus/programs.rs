@@ -1,6 +1,6 @@
 //! Autopilots and robots: tables that their tools export.
 
-use super::{Row, Sample, lines};
+use super::sample::{Row, Sample, lines};
 
 pub fn samples(rows: &[Row]) -> Vec<Sample> {
     vec![
