@@ -1,7 +1,6 @@
 //! What boards print, as serial monitors and terminals keep it.
 
-use super::tables::nine;
-use super::sample::{Row, Sample, lines, of_day};
+use super::sample::{Row, Sample, lines, nine, of_day};
 
 /// A boot, and now and then a message between the rows.
 fn chatter(text: String) -> String {

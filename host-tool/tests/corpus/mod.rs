@@ -1,12 +1,12 @@
 //! One simulated log in the text formats of many programs, each written by a writer of the tests' own.
 #![allow(dead_code, unused_imports)] // every test binary uses its own part
 
-mod all;
 mod apps;
 mod boards;
+mod every;
 mod programs;
 mod sample;
 mod tables;
 
-pub use all::all;
-pub use sample::*;
+pub use every::all;
+pub use sample::{Row, Sample, lines, rows};

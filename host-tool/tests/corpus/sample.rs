@@ -1,4 +1,4 @@
-//! The log in rows, and one of its forms.
+//! The simulated log, and a sample of it in one format.
 
 use ironout_cli::input::{Log, ReadOptions, read_stream};
 use ironout_simulation::{World, WorldOptions};
@@ -126,4 +126,13 @@ pub fn lines(rows: &[Row], mut line: impl FnMut(usize, &Row) -> String) -> Strin
 pub fn of_day(seconds: f64) -> String {
     let ms = (seconds * 1e3).round() as u64 % 86_400_000;
     format!("{:02}:{:02}:{:02}.{:03}", ms / 3_600_000, ms / 60_000 % 60, ms / 1000 % 60, ms % 1000)
+}
+
+/// MotionCal's nine whole numbers.
+pub fn nine(r: &Row, between: &str) -> String {
+    let a = r.a.map(|v| v * 8192.0 / 9.80665);
+    let g = r.g.map(|v| v.to_degrees() * 16.0);
+    let m = r.m.map(|v| v * 10.0);
+    let cells: Vec<String> = a.iter().chain(&g).chain(&m).map(|v| format!("{v:.0}")).collect();
+    cells.join(between)
 }

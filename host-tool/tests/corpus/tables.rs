@@ -1,6 +1,6 @@
 //! Tables: separators, commas, encodings, names, units.
 
-use super::sample::{Row, Sample, lines};
+use super::sample::{Row, Sample, lines, nine, of_day};
 
 fn table(header: &str, rows: &[Row], line: impl FnMut(usize, &Row) -> String) -> String {
     format!("{header}\n{}", lines(rows, line))
@@ -109,7 +109,7 @@ pub fn samples(rows: &[Row]) -> Vec<Sample> {
         Sample::new(
             "a time of day over midnight",
             table("time,magX_uT,magY_uT,magZ_uT,note", rows, |_, r| {
-                format!("{},{:.3},{:.3},{:.3},ok", super::of_day(86_390.0 + r.t), r.m[0], r.m[1], r.m[2])
+                format!("{},{:.3},{:.3},{:.3},ok", of_day(86_390.0 + r.t), r.m[0], r.m[1], r.m[2])
             }),
             1e-3,
         ),
@@ -207,13 +207,4 @@ pub fn samples(rows: &[Row]) -> Vec<Sample> {
             1e-3,
         ),
     ]
-}
-
-/// MotionCal's nine whole numbers.
-pub fn nine(r: &Row, between: &str) -> String {
-    let a = r.a.map(|v| v * 8192.0 / 9.80665);
-    let g = r.g.map(|v| v.to_degrees() * 16.0);
-    let m = r.m.map(|v| v * 10.0);
-    let cells: Vec<String> = a.iter().chain(&g).chain(&m).map(|v| format!("{v:.0}")).collect();
-    cells.join(between)
 }

@@ -92,7 +92,7 @@ fn field(
     grid: &Grid,
     options: &ReadOptions,
     meanings: &[Meaning],
-    vectors: &mut Vec<Vector>,
+    vectors: &mut [Vector],
     choice: &mut Choice,
 ) -> Outcome<()> {
     for names in [FIELD_UT, FIELD_COUNTS] {

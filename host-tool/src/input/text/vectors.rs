@@ -39,7 +39,9 @@ pub fn meanings(grid: &Grid) -> Vec<Meaning> {
 
 /// All complete vectors, in the order of the file.
 pub fn vectors(meanings: &[Meaning]) -> Vec<Vector> {
-    let mut groups: Vec<(Kind, &str, Vec<(usize, usize)>)> = Vec::new();
+    // Kind and stem of a vector, and its axes with their columns.
+    type Group<'a> = (Kind, &'a str, Vec<(usize, usize)>);
+    let mut groups: Vec<Group<'_>> = Vec::new();
     for (column, meaning) in meanings.iter().enumerate() {
         let Some(axis) = meaning.axis else { continue };
         let bare = meaning.kind == Kind::Other && meaning.stem.is_empty();

@@ -1,4 +1,4 @@
-//! All forms.
+//! All formats of the corpus.
 
 use super::sample::{Row, Sample};
 use super::{apps, boards, programs, tables};
