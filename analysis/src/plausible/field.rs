@@ -24,6 +24,12 @@ const STEPS: f64 = 8.0;
 /// A sphere too small for the Earth is one that the board was turned over where a reading lies this near to the one before,
 /// of the radius: noise jumps.
 const JUMP: f64 = 0.7;
+/// Without an accelerometer that shows the turning, a small sphere must be covered by this …
+const ALL_OVER: f64 = 0.15;
+/// … and be this thin.
+const THIN: f64 = 0.15;
+/// Gravity was turned where its mean direction is shorter than this.
+const TILTED: f64 = 0.8;
 /// Without a sphere, readings that spread by more than this are in no field that a magnetometer is used in, µT.
 const BEYOND_UT: f64 = 2000.0;
 
@@ -78,9 +84,17 @@ pub fn size(table: &Table) -> Option<FieldSize> {
         })
         .collect();
     let jump = median(&mut jumps);
-    let turned = |radius: f64| radius * scale >= *EARTH_UT.start() || jump <= JUMP * radius;
-    if let Some(radius) = sphere(&unit).filter(|radius| *radius >= STEPS * step && turned(*radius)) {
-        return Some(FieldSize { field_ut: radius * scale, is_radius: true, readings });
+    // What moves the readings of a board at rest can run over something round, but never over all of a sphere.
+    let turned = |found: &Sphere| match tilted(table, &rows) {
+        Some(tilted) => tilted,
+        None => found.spread >= ALL_OVER && found.thickness <= THIN,
+    };
+    let is_one = |found: &Sphere| {
+        let large = found.radius * scale >= *EARTH_UT.start();
+        found.radius >= STEPS * step && (large || (jump <= JUMP * found.radius && turned(found)))
+    };
+    if let Some(found) = sphere(&unit).filter(is_one) {
+        return Some(FieldSize { field_ut: found.radius * scale, is_radius: true, readings });
     }
     // Of the inner nine tenths: what one reading does is no spread.
     let mut lengths: Vec<f64> = unit.iter().map(Vector3::norm_squared).collect();
@@ -99,8 +113,27 @@ fn least_step(points: &[Vector3<f64>], axis: usize) -> f64 {
     if least.is_finite() { least } else { 0.0 }
 }
 
-/// The radius of the sphere that most of the points lie on.
-fn sphere(points: &[Vector3<f64>]) -> Option<f64> {
+/// Whether gravity shows that the board was turned; `None` without an accelerometer.
+fn tilted(table: &Table, rows: &[usize]) -> Option<bool> {
+    let accel = table.accel_mps2?;
+    let at = |row: usize| Vector3::from_fn(|axis, _| accel[axis].get(row).copied().unwrap_or(f64::NAN));
+    let directions = rows.iter().map(|&row| at(row)).filter(|a| a.norm() > 0.0 && a.norm().is_finite());
+    let (count, sum) =
+        directions.fold((0_usize, Vector3::zeros()), |(n, sum), a| (n + 1, sum + a.normalize()));
+    (count >= LEAST).then(|| sum.norm() < TILTED * f64::from(count as u32))
+}
+
+/// A sphere that points lie on.
+struct Sphere {
+    radius: f64,
+    /// Least eigenvalue of the scatter of the directions.
+    spread: f64,
+    /// How far the points lie off it, 1σ, as a share of the radius.
+    thickness: f64,
+}
+
+/// The sphere that most of the points lie on.
+fn sphere(points: &[Vector3<f64>]) -> Option<Sphere> {
     let mut kept: Vec<&Vector3<f64>> = points.iter().collect();
     let mut found = None;
     for _ in 0..4 {
@@ -132,7 +165,8 @@ fn sphere(points: &[Vector3<f64>]) -> Option<f64> {
     let mean = kept.iter().map(|p| (*p - centre).normalize()).sum::<Vector3<f64>>() / kept.len() as f64;
     let spread = (scatter - mean * mean.transpose()).symmetric_eigenvalues().min();
     // A median deviation is two thirds of a standard deviation.
-    (spread >= COVERED && 1.5 * usual <= THICK * radius).then_some(radius)
+    let thickness = 1.5 * usual / radius;
+    (spread >= COVERED && thickness <= THICK).then_some(Sphere { radius, spread, thickness })
 }
 
 #[cfg(test)]

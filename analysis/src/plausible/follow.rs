@@ -13,6 +13,8 @@ const MOVES: f64 = 0.35;
 const MOST_A_STEP: f64 = 0.6;
 /// Stretches of at most this many readings.
 const LONGEST: usize = 512;
+/// Below this share of its own, even the sign of the scale is a guess.
+const SIGN_TOLD: f64 = 0.2;
 /// Fewer stretches say nothing.
 pub const LEAST: usize = 40;
 /// More are not looked at.
@@ -23,7 +25,7 @@ const MOST: usize = 2000;
 pub struct Fit {
     /// The order.
     pub order: Order,
-    /// What the gyro's numbers must be multiplied by.
+    /// What the gyro's numbers must be multiplied by; negative only where little of it is told.
     pub factor: f64,
     /// Share of the vector's changes that it explains.
     pub explained: f64,
@@ -178,7 +180,7 @@ impl Pair<'_> {
     }
 }
 
-/// Least squares of the changes on scale and offset, for one order; `None` where the scale comes out negative.
+/// Least squares of the changes on scale and offset, for one order; `None` where the scale is certainly negative.
 fn fit(stretches: &[Stretch], order: Order, offset: bool) -> Option<Fit> {
     let (mut normal, mut right, mut squares) = (Matrix4::zeros(), Vector4::zeros(), 0.0);
     for stretch in stretches {
@@ -208,5 +210,7 @@ fn fit(stretches: &[Stretch], order: Order, offset: bool) -> Option<Fit> {
     let factor = solution[0] * scale[0];
     // What is left of the scale's column beside the offset's, of a diagonal of 1.
     let told = unit.try_inverse().map_or(0.0, |inverse| inverse[(0, 0)].recip());
-    (factor > 0.0 && explained.is_finite()).then_some(Fit { order, factor, explained, told })
+    // Where the offset does nearly as well, the sign of the scale says nothing.
+    let signed = factor > 0.0 || (offset && told < SIGN_TOLD);
+    (signed && explained.is_finite()).then_some(Fit { order, factor, explained, told })
 }

@@ -119,7 +119,10 @@ fn by_gravity(table: &Table, time_s: &[f64], rate: [&[f64]; 3]) -> Option<Follow
 }
 
 fn axes(field: Option<&Follow>, gravity: Option<&Follow>) -> Option<OddAxes> {
-    let wrong = |follow: &Follow| follow.own.explained < FAILS && follow.best.explained >= OTHERS_FIT;
+    let wrong = |follow: &Follow| {
+        let Follow { own, best, .. } = follow;
+        own.explained < FAILS && best.explained >= OTHERS_FIT && best.told >= HARDLY_TOLD
+    };
     let right = |follow: &Follow| follow.own.explained >= FITS;
     let odd = |whose: Whose, follow: &Follow, turned_back: bool| {
         let all = std::iter::once(follow.best.order).chain(follow.equal.iter().copied());
@@ -155,7 +158,7 @@ fn scale(field: Option<&Follow>, gravity: Option<&Follow>) -> Option<OddRate> {
     let Fit { factor, explained, told, .. } = follow.best;
     let far = !(FAR.recip()..=FAR).contains(&factor);
     let told = told >= TOLD || (told >= HARDLY_TOLD && far);
-    let odd = told && explained >= OTHERS_FIT && !(SCALE.recip()..=SCALE).contains(&factor);
+    let odd = told && factor > 0.0 && explained >= OTHERS_FIT && !(SCALE.recip()..=SCALE).contains(&factor);
     let unit = UNITS.into_iter().find(|(_, size)| (factor / size).ln().abs() < UNIT.ln());
     odd.then_some(OddRate { factor, unit, explained, stretches: follow.stretches, by_field })
 }
