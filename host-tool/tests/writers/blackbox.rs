@@ -47,6 +47,8 @@ pub fn session(firmware: &str, rows: &[Row]) -> Vec<u8> {
         ("Firmware type", "Cleanflight".into()),
         ("Firmware revision", firmware.into()),
         ("Craft name", "test".into()),
+        ("I interval", "32".into()),
+        ("P interval", "1".into()),
         ("motorOutput", format!("{LEAST_MOTOR},2047")),
         ("minthrottle", "1000".into()),
         // One degree a second, and 1/1000 of a degree a second.

@@ -4,6 +4,7 @@
 //! has x forward, y right, z down, so y and z change their sign.
 
 use crate::failure::{Failure, Outcome};
+use crate::input::formats::blackbox::averages::Averages;
 use crate::input::formats::blackbox::header::{MARK, generalise, lines};
 use crate::input::formats::inventory::Inventory;
 use crate::input::formats::stream::{Between, Recording, Stream, choose};
@@ -82,12 +83,22 @@ fn frames(parsed: &Headers<'_>, headers: &HashMap<&str, &str>, recording: &mut R
         .gps_frame_def()
         .map(|def| def.iter().map(|field| field.name.to_string()).collect())
         .unwrap_or_default();
-    let (mut main, places) = main_stream(&names, headers);
+    let mut averages = Averages::new(&names, headers);
+    let unreadable = averages.as_ref().err().cloned().unwrap_or_default();
+    if !unreadable.is_empty() {
+        recording.notices.push(format!(
+            "left out, as the header does not say how often I frames come: {}",
+            unreadable.join(", ")
+        ));
+    }
+    let (mut main, mut places) = main_stream(&names, headers);
+    places.retain(|place| names.get(place.field).is_none_or(|(name, _)| !unreadable.contains(name)));
     let mut gps = Stream::new("GPS frames")
         .with("lat_deg", "GPS_coord[0]", "°", Between::Line)
         .with("lon_deg", "GPS_coord[1]", "°", Between::Circle)
         .with("gps_height_m", "GPS_altitude", "m", Between::Line);
     let mut row = vec![f64::NAN; main.columns.len()];
+    let mut values: Vec<i64> = Vec::new();
     let (mut wraps, mut last) = (0.0, 0.0);
     let mut ended = false;
     while let Some(event) = parser.next() {
@@ -99,11 +110,15 @@ fn frames(parsed: &Headers<'_>, headers: &HashMap<&str, &str>, recording: &mut R
                     time += CLOCK_US;
                 }
                 last = time;
+                values.clear();
+                values.extend(frame.iter_raw().zip(&names).map(|(raw, (_, signed))| {
+                    if *signed { i64::from(raw.cast_signed()) } else { i64::from(raw) }
+                }));
+                if let Ok(averages) = &mut averages {
+                    averages.repair(&mut values);
+                }
                 for place in &places {
-                    let signed = names.get(place.field).is_some_and(|(_, signed)| *signed);
-                    let value = frame.get_raw(place.field).map_or(f64::NAN, |raw| {
-                        if signed { f64::from(raw.cast_signed()) } else { f64::from(raw) }
-                    });
+                    let value = values.get(place.field).map_or(f64::NAN, |value| *value as f64);
                     if let Some(cell) = row.get_mut(place.column) {
                         *cell = value * place.scale;
                     }

@@ -21,6 +21,8 @@ const SENSORS: usize = 4;
 const DENSER: usize = 3;
 /// From this release on (major, minor) drivers leave `sensor_mag` alone.
 const DRIVERS_STOPPED: [u8; 2] = [1, 12];
+/// From this release on the fine adjustment of the board is applied to external sensors too.
+const ALL_LEVELLED: [u8; 2] = [1, 13];
 /// Gauss to microtesla.
 const UT: f64 = 100.0;
 /// Current compensation is in gauss a kiloampere.
@@ -67,7 +69,7 @@ pub fn take(
     let Some(candidate) = candidates.into_iter().find(|one| one.number == taken) else { return Ok(None) };
     let mut recording =
         Recording { instance: (there.len() > 1).then_some((taken, there)), ..Recording::default() };
-    let stream = undo(candidate, collectors, parameters, &mut recording)?;
+    let stream = undo(candidate, collectors, parameters, release, &mut recording)?;
     recording.magnetometer = stream;
     Ok(Some(recording))
 }
@@ -153,7 +155,12 @@ fn calibration(parameters: &Parameters, device_id: u32) -> Option<usize> {
 }
 
 /// The mounting: the sensor's own where it is external, and the board's fine adjustment. With words.
-fn mounting(parameters: &Parameters, n: Option<usize>, external: Option<bool>) -> (Matrix3<f64>, String) {
+fn mounting(
+    parameters: &Parameters,
+    n: Option<usize>,
+    external: Option<bool>,
+    release: Option<[u8; 2]>,
+) -> (Matrix3<f64>, String) {
     let first = |name: &str| parameters.first(name);
     let board = first("SENS_BOARD_ROT").unwrap_or(0.0) as i64;
     let own = n.and_then(|n| first(&format!("CAL_MAG{n}_ROT"))).map(|number| number as i64);
@@ -168,7 +175,12 @@ fn mounting(parameters: &Parameters, n: Option<usize>, external: Option<bool>) -
         _ if external == Some(true) => ([0.0; 3], "external sensor without a CAL_MAGn_ROT".into()),
         _ => (rotation::angles_deg(board).unwrap_or_default(), format!("SENS_BOARD_ROT = {board}")),
     };
-    let level = ["X", "Y", "Z"].map(|axis| first(&format!("SENS_BOARD_{axis}_OFF")).unwrap_or(0.0));
+    // Before that release the fine adjustment was of the board, and of no external sensor.
+    let outside = external == Some(true) || own.is_some_and(|number| number >= 0);
+    let level = match release {
+        Some(release) if outside && release < ALL_LEVELLED => [0.0; 3],
+        _ => ["X", "Y", "Z"].map(|axis| first(&format!("SENS_BOARD_{axis}_OFF")).unwrap_or(0.0)),
+    };
     let matrix = |angles| {
         let m = rotation::matrix(angles);
         Matrix3::from_fn(|i, j| m.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0))
@@ -184,11 +196,12 @@ fn undo(
     candidate: Candidate,
     collectors: &mut [Collector],
     parameters: &Parameters,
+    release: Option<[u8; 2]>,
     recording: &mut Recording,
 ) -> Outcome<Stream> {
     let Candidate { state, device_id, collector, .. } = candidate;
     let n = calibration(parameters, device_id);
-    let (turn, turn_words) = mounting(parameters, n, collector.external);
+    let (turn, turn_words) = mounting(parameters, n, collector.external, release);
     let mut stream = collector.stream;
     let told = &mut recording.taken_out;
     match (state, n) {
