@@ -61,3 +61,19 @@ impl<E: fmt::Debug> fmt::Display for Error<E> {
 }
 
 impl<E: fmt::Debug> core::error::Error for Error<E> {}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::Error;
+    use std::string::ToString;
+
+    #[test]
+    fn an_identity_is_told_with_the_bytes_that_it_has() {
+        let told = |expected, found| Error::<()>::NotFound { expected, found }.to_string();
+        assert_eq!(told([0x40, 0, 0], [0x33, 0, 0]), "identity [33] where [40] is expected");
+        assert_eq!(told([0x40, 0, 0], [0, 0, 0]), "identity [00] where [40] is expected");
+        assert_eq!(told([0x48, 0x09, 0], [0x48, 0x05, 0]), "identity [48, 05] where [48, 09] is expected");
+        assert_eq!(told(*b"H43", [0; 3]), "identity [00, 00, 00] where [48, 34, 33] is expected");
+    }
+}

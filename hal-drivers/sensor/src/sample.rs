@@ -30,9 +30,10 @@ impl Reading {
             let half = if shift == 0 { 0 } else { 1_i64.checked_shl(u32::from(shift) - 1).unwrap_or(0) };
             let rounded = (magnitude + half).checked_shr(u32::from(shift)).unwrap_or(0);
             let signed = if wide < 0 { -rounded } else { rounded };
+            // −32 768 has no opposite: it is no measurement, as its opposite is none.
             match i16::try_from(signed) {
-                Ok(fits) => *count = fits,
-                Err(_) => {
+                Ok(fits) if fits != i16::MIN => *count = fits,
+                _ => {
                     *count = if wide < 0 { i16::MIN } else { i16::MAX };
                     *overflow = true;
                 }
@@ -82,5 +83,41 @@ impl Sample {
     #[inline]
     pub const fn is_valid(&self) -> bool {
         matches!(self.validity, Validity::Valid)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Reading;
+
+    #[test]
+    fn carried_counts_turn_around_with_their_axis_and_are_wrong_by_half_a_count_at_most() {
+        for shift in 0..=8 {
+            for wide in (-140_000..=140_000).step_by(37).chain([0, 1, 2, 3, 4, 5, 6, 7, 8]) {
+                let one = Reading::carried([wide, 0, 0], shift, [false; 3]);
+                let other = Reading::carried([-wide, 0, 0], shift, [false; 3]);
+                assert_eq!(one.overflow, other.overflow, "{wide} {shift}");
+                if one.saturated() {
+                    // Only what does not fit.
+                    assert!(wide.abs() >> shift >= 32_767, "{wide} {shift}");
+                    continue;
+                }
+                assert_eq!(one.counts[0], -other.counts[0], "{wide} {shift}");
+                let back = i32::from(one.counts[0]) << shift;
+                assert!(2 * (back - wide).abs() <= 1 << shift, "{wide} {shift}: {back}");
+            }
+        }
+    }
+
+    #[test]
+    fn any_number_and_any_shift_is_a_reading() {
+        for wide in [i32::MIN, i32::MIN + 1, -1, 0, 1, i32::MAX] {
+            for shift in 0..=u8::MAX {
+                let reading = Reading::carried([wide; 3], shift, [false, true, false]);
+                assert!(reading.overflow[1]);
+            }
+        }
+        let most = Reading::carried([i32::MIN, i32::MAX, 0], 16, [false; 3]);
+        assert_eq!((most.counts, most.overflow), ([-32_768, 32_767, 0], [true, true, false]));
     }
 }

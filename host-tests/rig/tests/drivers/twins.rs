@@ -7,7 +7,8 @@ use embassy_futures::block_on;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, Operation};
 use ironout_drivers::{
-    AnyMagnetometer, AsyncMagnetometer, Found, Kind, Magnetometer, Reading, Sensor, asynch,
+    AnyMagnetometer, AsyncMagnetometer, Driver, Error, Found, Kind, Magnetometer, Outcome, Reading, SelfTest,
+    Sensor, ak09916, asynch, bmm150, hmc5883l, icm20948, ist8310, lis2mdl, lis3mdl, rm3100,
 };
 use ironout_rig::board::SimDelay;
 use ironout_rig::bus::{Clock, SimBus};
@@ -106,4 +107,82 @@ fn both_do_the_same_on_the_bus_and_read_the_same() {
         assert!(one.0.len() > 300 && one.1.len() >= 5, "{kind:?}: {} {}", one.0.len(), one.1.len());
         assert_eq!(one, other, "{kind:?}");
     }
+}
+
+type Tested = (Vec<String>, Result<Outcome, Error<ErrorKind>>);
+
+fn same(
+    kind: Kind,
+    blocking: impl Fn(Recorded, SimDelay) -> Tested,
+    awaited: impl Fn(Recorded, SimDelay) -> Tested,
+) {
+    let (clock, bus, _) = board(kind);
+    let one = blocking(bus, SimDelay(clock));
+    let (clock, bus, _) = board(kind);
+    let other = awaited(bus, SimDelay(clock));
+    assert!(one.0.len() > 5 && one.1.is_ok_and(|outcome| outcome.passed()), "{kind:?}: {:?}", one.1);
+    assert_eq!(one, other, "{kind:?}");
+}
+
+fn same_of<C: SelfTest + Copy>(kind: Kind, config: C) {
+    same(
+        kind,
+        |bus, mut delay| {
+            let mut driver = Driver::new(bus.clone(), config);
+            let outcome = driver.self_test(&mut delay);
+            (bus.transcript.take(), outcome)
+        },
+        |bus, delay| {
+            let mut driver = asynch::Driver::new(Awaited(bus.clone()), config);
+            let outcome = block_on(driver.self_test(&mut Awaited(delay)));
+            (bus.transcript.take(), outcome)
+        },
+    );
+}
+
+#[test]
+fn both_do_the_same_in_a_self_test() {
+    same_of(Kind::Lis2mdl, lis2mdl::Config::default());
+    same_of(Kind::Lis3mdl, lis3mdl::Config::default());
+    same_of(Kind::Hmc5883l, hmc5883l::Config::default());
+    same_of(Kind::Ak09916, ak09916::Config::default());
+    same_of(Kind::Ist8310, ist8310::Config::default());
+    same(
+        Kind::Rm3100,
+        |bus, mut delay| {
+            let outcome = Driver::new(bus.clone(), rm3100::Config::default()).self_test(&mut delay);
+            (bus.transcript.take(), outcome)
+        },
+        |bus, delay| {
+            let mut driver = asynch::Driver::new(Awaited(bus.clone()), rm3100::Config::default());
+            let outcome = block_on(driver.self_test(&mut Awaited(delay)));
+            (bus.transcript.take(), outcome)
+        },
+    );
+    same(
+        Kind::Bmm150,
+        |bus, delay| {
+            let outcome = bmm150::Bmm150::new(bus.clone(), delay, bmm150::Config::default()).self_test();
+            (bus.transcript.take(), outcome)
+        },
+        |bus, delay| {
+            let mut driver =
+                asynch::Bmm150::new(Awaited(bus.clone()), Awaited(delay), bmm150::Config::default());
+            let outcome = block_on(driver.self_test());
+            (bus.transcript.take(), outcome)
+        },
+    );
+    same(
+        Kind::Icm20948,
+        |bus, mut delay| {
+            let mut driver = icm20948::Icm20948::new(bus.clone(), icm20948::Config::default());
+            let outcome = driver.self_test(&mut delay);
+            (bus.transcript.take(), outcome)
+        },
+        |bus, delay| {
+            let mut driver = asynch::Icm20948::new(Awaited(bus.clone()), icm20948::Config::default());
+            let outcome = block_on(driver.self_test(&mut Awaited(delay)));
+            (bus.transcript.take(), outcome)
+        },
+    );
 }
