@@ -100,7 +100,8 @@ fn write(map: &Map) {
     let stack_bytes = map.stack_kib * 1024;
     let ram_end = map.ram_origin + map.ram_kib * 1024;
     let (second_stage, flash) = if map.second_stage {
-        let region = format!("  BOOT2 (rx)  : ORIGIN = {:#010x}, LENGTH = {SECOND_STAGE_BYTES}\n", map.flash_origin);
+        let region =
+            format!("  BOOT2 (rx)  : ORIGIN = {:#010x}, LENGTH = {SECOND_STAGE_BYTES}\n", map.flash_origin);
         (region, map.flash_origin + SECOND_STAGE_BYTES)
     } else {
         (String::new(), map.flash_origin)

@@ -64,7 +64,8 @@ impl<F: NorFlash> Store for FlashSlots<F> {
         // The end of a record is filled up to what the flash writes at once: with ones, which are no change.
         let mut chunk = [0xFF; CHUNK_BYTES];
         let length = bytes.len().next_multiple_of(F::WRITE_SIZE);
-        let (Some(place), Some(offset)) = (chunk.get_mut(..bytes.len()), self.offset(slot, at, length)) else {
+        let (Some(place), Some(offset)) = (chunk.get_mut(..bytes.len()), self.offset(slot, at, length))
+        else {
             return Err(StoreError::Write(slot));
         };
         place.copy_from_slice(bytes);

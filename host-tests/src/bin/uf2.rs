@@ -22,7 +22,9 @@ fn main() -> ExitCode {
         .and_then(|image| std::fs::write(file, image).map_err(|error| format!("{file}: {error}")));
     match made {
         Ok(()) => {
-            println!("{file}: hold BOOTSEL while the Pico is plugged in, and copy the file onto the drive RPI-RP2");
+            println!(
+                "{file}: hold BOOTSEL while the Pico is plugged in, and copy the file onto the drive RPI-RP2"
+            );
             ExitCode::SUCCESS
         }
         Err(error) => {

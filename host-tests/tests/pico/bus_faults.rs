@@ -35,13 +35,21 @@ fn faults_of_the_bus_are_reported_within_a_second_and_healed() {
     };
     let settings: [Setting; 6] = [
         ("nothing acknowledges", |b| b.set_faults(|_, _| Some(Fault::Nack)), let_go),
-        ("data is not acknowledged", |b| {
-            b.set_faults(|event, _| matches!(event, Event::Write(_)).then_some(Fault::Nack));
-        }, let_go),
+        (
+            "data is not acknowledged",
+            |b| {
+                b.set_faults(|event, _| matches!(event, Event::Write(_)).then_some(Fault::Nack));
+            },
+            let_go,
+        ),
         ("every byte hangs", |b| b.set_faults(|_, _| Some(Fault::Hang)), let_go),
-        ("reading hangs", |b| {
-            b.set_faults(|event, _| matches!(event, Event::Read).then_some(Fault::Hang));
-        }, let_go),
+        (
+            "reading hangs",
+            |b| {
+                b.set_faults(|event, _| matches!(event, Event::Read).then_some(Fault::Hang));
+            },
+            let_go,
+        ),
         ("the data line is held low", lines_down, let_go),
         ("the clock line is held low", clock_down, let_go),
     ];

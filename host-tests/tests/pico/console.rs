@@ -22,7 +22,11 @@ fn both_ports_answer_as_written_and_each_where_it_was_asked() {
         assert_eq!(version.value("board"), Some("pico"), "{version}");
         assert_eq!(version.value("slots"), Some("empty,empty"), "{version}");
         let status = ok(&mut board, "status\r");
-        assert_eq!((status.value("state"), status.value("calibrated")), (Some("idle"), Some("0")), "{status}");
+        assert_eq!(
+            (status.value("state"), status.value("calibrated")),
+            (Some("idle"), Some("0")),
+            "{status}"
+        );
         for (line, code) in [
             ("dance", "unknown"),
             ("field", "usage"),
@@ -84,8 +88,20 @@ fn a_flood_of_commands_loses_no_reply_and_no_sample() {
 /// A line of a command's words, some of them changed.
 fn mutated(rng: &mut ChaCha8Rng) -> Vec<u8> {
     const LINES: [&str; 14] = [
-        "help", "version", "status", "cal start", "cal cancel", "cal show", "cal method trace", "stream off",
-        "stream raw", "effect list", "field 50.0", "cov current_a=3.2", "why", "cal load 1 2 3",
+        "help",
+        "version",
+        "status",
+        "cal start",
+        "cal cancel",
+        "cal show",
+        "cal method trace",
+        "stream off",
+        "stream raw",
+        "effect list",
+        "field 50.0",
+        "cov current_a=3.2",
+        "why",
+        "cal load 1 2 3",
     ];
     let mut line = LINES[rng.random_range(0..LINES.len())].as_bytes().to_vec();
     for _ in 0..rng.random_range(0..4) {
@@ -101,8 +117,12 @@ fn mutated(rng: &mut ChaCha8Rng) -> Vec<u8> {
     line.retain(|&byte| byte != b'\n');
     line.insert(0, b' ');
     line.insert(0, b'x');
-    if rng.random_bool(0.5) { line.drain(..2); }
-    if line.iter().all(|&byte| byte == b'\r') { line.push(b'?'); }
+    if rng.random_bool(0.5) {
+        line.drain(..2);
+    }
+    if line.iter().all(|&byte| byte == b'\r') {
+        line.push(b'?');
+    }
     line
 }
 

@@ -61,7 +61,11 @@ fn no_sample_is_lost_beside_a_solve_and_flash_ram_and_stack_stay_within_their_li
     let stack = region - untouched as u64;
     let size = firmware().footprint().unwrap();
     let ram = size.data + size.bss + stack;
-    println!("flash {} bytes; RAM {ram} bytes: statics {}, stack {stack}", size.flash(), size.data + size.bss);
+    println!(
+        "flash {} bytes; RAM {ram} bytes: statics {}, stack {stack}",
+        size.flash(),
+        size.data + size.bss
+    );
     assert!(size.flash() <= MOST_FLASH, "{} bytes of flash", size.flash());
     assert!(ram <= MOST_RAM, "{ram} bytes of RAM");
 }

@@ -4,8 +4,8 @@
 //! `IRONOUT_REQUIRE_PICO=1` it fails instead.
 #![cfg(unix)]
 
-mod button;
 mod bus_faults;
+mod button;
 mod calibration;
 mod console;
 mod cost;

@@ -72,7 +72,9 @@ fn power_cut_in_any_flash_operation_leaves_the_old_calibration_or_the_new_one() 
         }
         current = shown;
     }
-    println!("{cuts} cuts over the {operations} operations of an accept: {old} times the old, {taken} times the new");
+    println!(
+        "{cuts} cuts over the {operations} operations of an accept: {old} times the old, {taken} times the new"
+    );
     assert!(old > 0 && taken > 0, "{old} {taken}");
 }
 

@@ -44,7 +44,8 @@ pub fn turning(t_s: f64, period_s: f64) -> [f64; 3] {
     let z = if phase < 0.5 { 1.0 - 4.0 * phase } else { 4.0 * phase - 3.0 };
     let (sin, cos) = (phase * 2.0 * std::f64::consts::PI * 21.3).sin_cos();
     let across = (1.0 - z * z).sqrt();
-    (soft_iron * (FIELD_UT * Vector3::new(across * cos, across * sin, z)) + Vector3::from(HARD_IRON_UT)).into()
+    (soft_iron * (FIELD_UT * Vector3::new(across * cos, across * sin, z)) + Vector3::from(HARD_IRON_UT))
+        .into()
 }
 
 /// The sensor of most tests.

@@ -97,7 +97,8 @@ impl Restarts {
     pub fn read() -> Self {
         let mut trace = load();
         if crate::board::was_hung() {
-            trace = Trace { kind: KIND_HUNG, pc: 0, lr: 0, cfsr: 0, address: 0, message_len: 0, ..trace }.counted();
+            trace = Trace { kind: KIND_HUNG, pc: 0, lr: 0, cfsr: 0, address: 0, message_len: 0, ..trace }
+                .counted();
             store(trace);
         }
         if trace.count == 0 {

@@ -29,23 +29,18 @@ impl Node {
             .spawn()
             .map_err(Error::io("start node"))?;
         match (child.stdin.take(), child.stdout.take()) {
-            (Some(requests), Some(answers)) => {
-                Ok(Self { child, requests, answers: BufReader::new(answers) })
-            }
+            (Some(requests), Some(answers)) => Ok(Self { child, requests, answers: BufReader::new(answers) }),
             _ => Err(Error::Ended),
         }
     }
 
     /// Sends a request. Questions that come before its answer are answered by `reply`.
-    pub fn ask(
-        &mut self,
-        request: &Value,
-        mut reply: impl FnMut(&Value) -> Value,
-    ) -> Result<Value, Error> {
+    pub fn ask(&mut self, request: &Value, mut reply: impl FnMut(&Value) -> Value) -> Result<Value, Error> {
         self.send(request)?;
         loop {
             let mut line = String::new();
-            let length = self.answers.read_line(&mut line).map_err(Error::io("read the emulator's answer"))?;
+            let length =
+                self.answers.read_line(&mut line).map_err(Error::io("read the emulator's answer"))?;
             let message = serde_json::from_str::<Value>(&line);
             let (Ok(mut message), true) = (message, length > 0) else { return Err(Error::Ended) };
             if message.get("i2c").is_some() {

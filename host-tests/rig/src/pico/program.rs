@@ -19,7 +19,8 @@ pub fn missing() -> Option<String> {
     let node = Command::new(NODE).arg("--version").stdin(Stdio::null()).output();
     if !node.is_ok_and(|out| out.status.success()) {
         return Some(
-            "node was not found: install Node 18 or newer (Debian, Ubuntu: apt-get install nodejs npm)".into(),
+            "node was not found: install Node 18 or newer (Debian, Ubuntu: apt-get install nodejs npm)"
+                .into(),
         );
     }
     let package = Path::new(FOLDER).join(PACKAGE);

@@ -52,7 +52,8 @@ fn pages(bytes: &[u8]) -> Result<BTreeMap<u32, Vec<u8>>, String> {
         if segment.p_type(LittleEndian) != PT_LOAD || !FLASH.contains(&at) {
             continue;
         }
-        let data = segment.data(LittleEndian, bytes).map_err(|()| "a segment ends beyond the file".to_owned())?;
+        let data =
+            segment.data(LittleEndian, bytes).map_err(|()| "a segment ends beyond the file".to_owned())?;
         for (&byte, address) in data.iter().zip(at..) {
             let page = pages
                 .entry(address - address % PAGE_BYTES)
