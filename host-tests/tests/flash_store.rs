@@ -114,7 +114,10 @@ fn every_cut<const WRITE: usize>(new: &Record) {
         let after = current(&mut slots).expect("a calibration, whatever happened");
         // Power may fail after the last byte that counts, too: then it is stored, and nobody was told.
         assert!(saved.is_err() || after != before, "cut after {left}");
-        assert!(after == before || after == Record { sequence: 4, ..new.clone() }, "cut after {left}: {after:?}");
+        assert!(
+            after == before || after == Record { sequence: 4, ..new.clone() },
+            "cut after {left}: {after:?}"
+        );
         (used, slots.destroy())
     };
     let (all, flash) = stored(usize::MAX);

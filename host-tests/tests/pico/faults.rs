@@ -46,13 +46,13 @@ fn panic_hard_fault_and_watchdog_leave_their_traces_and_the_board_goes_on() {
     // The loop stands still while interrupts come: the sampler alone does not feed the watchdog.
     board.set_memory(LOOP.into(), &0xE7FE_u16.to_le_bytes()).unwrap();
     board.jump(Some(LOOP), None).unwrap();
-    let fault = last_fault(&mut board, 8_500);
+    let fault = last_fault(&mut board, 3_500);
     assert!(fault.starts_with("watchdog"), "{fault}");
 
     // Interrupts stand still while the loop turns: it does not feed it either.
     let sampler_interrupt = 1 << 1;
     board.set_memory(0xE000_E180, &u32::to_le_bytes(sampler_interrupt)).unwrap();
-    let fault = last_fault(&mut board, 8_500);
+    let fault = last_fault(&mut board, 3_500);
     assert!(fault.starts_with("watchdog"), "{fault}");
 
     assert_eq!(figure(&ok(&mut board, "status"), "faults"), 4.0);
@@ -86,7 +86,7 @@ fn a_firmware_that_fails_at_every_start_ends_in_one_that_only_answers() {
     }
     for _ in 0..2 {
         assert_eq!(ask(&mut board, "status").code(), Some("busy"));
-        board.run_ms(8_000).unwrap();
+        board.run_ms(3_000).unwrap();
     }
     board.power_cycle().unwrap();
     board.run_ms(200).unwrap();

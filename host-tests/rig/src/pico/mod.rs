@@ -26,7 +26,10 @@ mod program;
 mod uf2;
 mod wire;
 
-pub use board::{BUTTON_PIN, CLOCK_PIN, CYCLES_PER_US, Calls, DATA_PIN, Ended, LIGHT_PIN, Pico, PinChange, Port, SLOTS, SLOT_STRIDE, State};
+pub use board::{
+    BUTTON_PIN, CLOCK_PIN, CYCLES_PER_US, Calls, DATA_PIN, Ended, LIGHT_PIN, Pico, PinChange, Port,
+    SLOT_STRIDE, SLOTS, State,
+};
 pub use error::Error;
 pub use program::{REQUIRE, available, missing};
 pub use uf2::uf2;

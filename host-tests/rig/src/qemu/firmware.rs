@@ -123,9 +123,7 @@ impl Firmware {
         let file = self.parse(&bytes)?;
         // Legacy mangling: each part behind its length, then a hash.
         let mangled: String = path.split("::").map(|part| format!("{}{part}", part.len())).collect();
-        let found = |name: &str| {
-            name.rsplit_once("17h").is_some_and(|(path, _)| path.ends_with(&mangled))
-        };
+        let found = |name: &str| name.rsplit_once("17h").is_some_and(|(path, _)| path.ends_with(&mangled));
         let named = file.symbols().find(|symbol| symbol.name().is_ok_and(found));
         named.map(|symbol| symbol.address()).ok_or_else(|| self.wrong(format!("it has no function {path}")))
     }

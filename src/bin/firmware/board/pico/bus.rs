@@ -7,11 +7,14 @@ use embassy_rp::gpio::{Level, OutputOpenDrain};
 use embassy_rp::i2c::{Async, Config, I2c, InterruptHandler};
 use embassy_rp::interrupt::InterruptExt;
 use embassy_rp::peripherals::{I2C0, PIN_4, PIN_5};
-use embassy_rp::{Peri, bind_interrupts};
+use embassy_rp::{Peri, bind_interrupts, pac};
 use embedded_hal::i2c::{self, ErrorKind, Operation};
 
 /// How long a transaction may take. A sample is 0.3 ms on the wire, and a chip stretches the clock for microseconds, if at all.
 const LIMIT_US: u64 = 3_000;
+
+/// How long a stop may take: some bits.
+const STOP_LIMIT_US: u64 = 100;
 
 /// Half a bit of the clocks that free a line, at 100 kHz: some cycles of 125 MHz.
 const HALF_BIT_CYCLES: u32 = 625;
@@ -95,8 +98,8 @@ impl i2c::I2c for Bus {
             Some(Ok(())) => Ok(()),
             Some(Err(error)) => {
                 let kind = i2c::Error::kind(&error);
-                // After a missing acknowledgement the bus is idle; after anything else nobody knows.
-                if !matches!(kind, ErrorKind::NoAcknowledge(_)) {
+                // After a missing acknowledgement the bus will be idle; after anything else nobody knows.
+                if !matches!(kind, ErrorKind::NoAcknowledge(_)) || !settles() {
                     self.i2c = None;
                 }
                 Err(kind)
@@ -107,6 +110,19 @@ impl i2c::I2c for Bus {
             }
         }
     }
+}
+
+/// Waits for the stop that the port makes by itself after a missing acknowledgement, and forgets it; whether it came. The HAL's
+/// driver returns before, and would take this stop for that of its next transfer.
+fn settles() -> bool {
+    let end_us = now_us() + STOP_LIMIT_US;
+    while pac::I2C0.ic_status().read().mst_activity() {
+        if now_us() > end_us {
+            return false;
+        }
+    }
+    pac::I2C0.ic_clr_intr().read();
+    true
 }
 
 /// What comes of `transfer`, or nothing where it takes longer.

@@ -6,8 +6,8 @@ use embassy_rp::peripherals::WATCHDOG;
 use embassy_rp::{Peri, watchdog};
 use embassy_time::Duration;
 
-/// How long the firmware may stand still: far beyond the longest solve, short of the 8.3 s that the counter holds.
-const LIMIT: Duration = Duration::from_secs(6);
+/// How long the firmware may stand still: far beyond the longest solve (0.05 s) and the slowest erase (0.4 s).
+const LIMIT: Duration = Duration::from_millis(2_500);
 
 /// Whether the watchdog has restarted the board because it was not fed.
 pub fn was_hung() -> bool {
