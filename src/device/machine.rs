@@ -12,6 +12,7 @@ use super::log::Log;
 use super::output::{MAX_REPLY_BYTES, Output};
 use super::sensor::{Pace, SensorAnswer, SensorTask, SensorWatch};
 use super::stream;
+use super::streamed;
 use crate::gate::block_samples;
 use crate::protocol::{Line, LineSplitter, StreamMode};
 use crate::record::Record;

@@ -14,9 +14,7 @@ const PER_AMPERE_UT: [f64; 3] = [0.5, -0.3, 0.2];
 
 #[test]
 fn why_names_the_current_that_is_fed_and_it_stays_over_a_power_cut() {
-    if !qemu::available("learning") {
-        return;
-    }
+    let Some(_turn) = qemu::turn("learning") else { return };
     let mut board = board();
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
