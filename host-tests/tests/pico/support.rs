@@ -112,6 +112,7 @@ pub fn record(sequence: u32, offset_ut: f64) -> Vec<u8> {
         noise_ut: 0.05,
         rms_ut: 0.05,
         axes: None,
+        predicted_error: ironout::record::PredictedError::UNKNOWN,
     };
     record.encode().expect("it fits").as_bytes().to_vec()
 }

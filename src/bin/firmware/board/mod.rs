@@ -3,12 +3,12 @@
 //! - `NAME` and `Board::take() -> Option<Board>`, whose fields are
 //!   `sensor` ([`Magnetometer`](ironout_drivers::Magnetometer)),
 //!   `sampled` (`next() -> Option<Sampled>` and `is_waiting() -> bool`: what was read beside the loop, with
-//!   [`Pace::Pushed`](ironout::device::Pace); [`Polled`] where the device asks for each sample),
+//!   [`Pace::Pushed`](ironout::device::Pace); [`Polled`](sampled) where the device asks for each sample),
 //!   `store` ([`Store`](ironout::store::Store)),
 //!   `console` (`read() -> Option<u8>`, `has_input() -> bool` and [`Output`](ironout::device::Output), none of which waits),
 //!   `clock` (`now_us() -> u64`, and `sleep_until_ms(deadline, awake)`, which waits for the deadline or an interrupt unless
 //!   `awake()`), `panel` (`set_light(bool)`, `button_down() -> bool`) and
-//!   `watchdog` (`turned()`, told at each turn of the loop; [`Unwatched`] where there is none);
+//!   `watchdog` (`turned()`, told at each turn of the loop; [`Unwatched`](sampled) where there is none);
 //! - `MOUNTING`, how the sensor sits on the board, and `PACE`, when samples are taken;
 //! - `was_hung() -> bool`: whether the watchdog has restarted the board; `restart() -> !` restarts it;
 //! - `last_words(text) -> !`, which answers each line on the console with `text` for ever: for a firmware that fails at every start.
@@ -18,46 +18,10 @@ mod mps2;
 mod outgoing;
 #[cfg(feature = "board-pico")]
 mod pico;
+mod sampled;
 
 #[cfg(feature = "board-mps2")]
 pub use mps2::*;
 #[cfg(feature = "board-pico")]
 pub use pico::*;
-
-use ironout::device::SensorFault;
-use ironout::sensor::Reading;
-
-/// What came of a reading that the board made by itself.
-pub struct Sampled {
-    /// When.
-    pub at_ms: u64,
-    /// The reading, or why there is none.
-    pub reading: Result<Reading, SensorFault>,
-}
-
-/// For a board whose sensor is read in the loop.
-#[cfg(feature = "board-mps2")]
-pub struct Polled;
-
-#[cfg(feature = "board-mps2")]
-impl Polled {
-    /// Nothing, ever.
-    pub const fn next(&mut self) -> Option<Sampled> {
-        None
-    }
-
-    /// Never.
-    pub const fn is_waiting(&self) -> bool {
-        false
-    }
-}
-
-/// For a board without a watchdog.
-#[cfg(feature = "board-mps2")]
-pub struct Unwatched;
-
-#[cfg(feature = "board-mps2")]
-impl Unwatched {
-    /// Nobody watches.
-    pub const fn turned(&mut self) {}
-}
+pub use sampled::Sampled;

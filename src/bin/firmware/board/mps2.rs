@@ -8,7 +8,7 @@ mod sbcon;
 mod time;
 mod uart;
 
-use super::{Polled, Unwatched};
+use super::sampled::{Polled, Unwatched};
 use core::cell::RefCell;
 use defmt_semihosting as _;
 use eeprom24x::{Eeprom24x, SlaveAddr, addr_size::TwoBytes, page_size::B32, unique_serial};

@@ -4,7 +4,7 @@
 
 use super::bus::Bus;
 use super::time::{Alarm, now_us};
-use crate::board::Sampled;
+use crate::board::sampled::Sampled;
 use core::cell::{Cell, RefCell};
 use core::sync::atomic::{AtomicU32, Ordering};
 use critical_section::Mutex;
