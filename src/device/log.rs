@@ -4,7 +4,7 @@ use core::fmt;
 
 use heapless::Vec;
 
-use super::stream::Sample;
+use super::taken::Sample;
 use crate::effect::ColumnName;
 
 /// The most columns beside the sensor's own.

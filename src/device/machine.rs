@@ -12,6 +12,7 @@ use super::log::Log;
 use super::output::{MAX_REPLY_BYTES, Output};
 use super::sensor::{Pace, SensorAnswer, SensorTask, SensorWatch};
 use super::stream;
+use super::taken;
 use crate::gate::block_samples;
 use crate::protocol::{Line, LineSplitter, StreamMode};
 use crate::record::Record;
@@ -89,7 +90,7 @@ pub struct Device {
     pub(super) stream: StreamMode,
     pub(super) log: Log,
     samples_taken: u32,
-    waiting: Deque<stream::Sample, WAITING_SAMPLES>,
+    waiting: Deque<taken::Sample, WAITING_SAMPLES>,
     splitter: LineSplitter,
     line_waits: bool,
     /// Since when a computation has waited for the moment after a sample.
@@ -212,7 +213,7 @@ impl Device {
                 self.waiting.pop_front();
             }
             // There is room now.
-            let _ = self.waiting.push_back(stream::Sample {
+            let _ = self.waiting.push_back(taken::Sample {
                 t_ms,
                 seq: self.samples_taken.wrapping_add(self.sensor.lost()),
                 counts: sample.counts,

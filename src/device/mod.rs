@@ -60,6 +60,7 @@ mod output;
 mod sensor;
 mod serve;
 mod stream;
+mod taken;
 #[cfg(test)]
 mod tests;
 mod why;

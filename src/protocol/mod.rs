@@ -9,6 +9,8 @@ mod cov;
 mod line;
 mod load;
 mod reply;
+#[cfg(test)]
+mod tests;
 
 pub use command::{Command, EffectId, MAX_ID, ParseError, StreamMode, parse};
 pub use cov::{Assignments, MAX_ASSIGNMENTS};
