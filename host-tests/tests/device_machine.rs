@@ -127,6 +127,9 @@ fn a_console_without_end_starves_neither_the_sensor_nor_the_button() {
                 let reading = Reading { counts: counts.map(|c| c as i16), overflow: [false; 3] };
                 device.complete_sensor(SensorAnswer::Reading(reading), now_ms);
             }
+            Action::Sensor(SensorTask::Temperature) => {
+                device.complete_sensor(SensorAnswer::Temperature(Some(25.0)), now_ms);
+            }
             // An erased memory.
             Action::Store(StoreTask::Read { length, .. }) => {
                 let bytes = std::iter::repeat_n(0xff, length).collect();
@@ -304,7 +307,10 @@ fn a_record_with_four_late_columns_runs() {
     assert_eq!(value(&last(&mut board, "status"), "calibrated"), "1");
     for column in ["a_a", "b_a", "c_a", "d_a"] {
         assert_eq!(corrected_x(&mut board), None, "{column} is not known yet");
-        assert_eq!(last(&mut board, &format!("cov {column}=2")), format!("ok {column}=2.0 used=1"));
+        assert_eq!(
+            last(&mut board, &format!("cov {column}=2")),
+            format!("ok {column}=2.0 used=1 tested={}", u8::from(column != "d_a" && column != "c_a"))
+        );
     }
     let x = corrected_x(&mut board).expect("all four are known");
     assert!((x - (20.0 - 3.0 - 8.0)).abs() < 0.1, "{x}");
@@ -336,7 +342,7 @@ fn a_slot_that_does_not_answer_is_asked_again_and_the_columns_that_were_fed_stay
         "now both are silent"
     );
     silent(&board);
-    assert_eq!(last(&mut board, "cov current_a=4"), "ok current_a=4.0 used=1");
+    assert_eq!(last(&mut board, "cov current_a=4"), "ok current_a=4.0 used=1 tested=1");
     // Every line looks again, and nothing of it is forgotten.
     for _ in 0..3 {
         silent(&board);

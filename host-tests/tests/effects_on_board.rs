@@ -59,7 +59,7 @@ fn column(name: &str) -> ColumnName {
 
 #[test]
 fn effects_are_applied_once_their_columns_are_fed() {
-    let temperature = BuiltIn::Offset(Offset::linear(column("temp_c"), 25.0));
+    let temperature = BuiltIn::Offset(Offset::linear(column("case_c"), 25.0));
     let current = BuiltIn::Gain(Gain { column: column("current_a"), reference: 0.0 });
     let record = record(&[fitted(temperature, [1.0, -2.0, 0.5]), fitted(current, [0.01, 0.0, -0.01])]);
     let mut board = board_with(&record);
@@ -67,20 +67,25 @@ fn effects_are_applied_once_their_columns_are_fed() {
     let show = board.command("cal show");
     assert!(
         show.contains(
-            &"+ effect=offset:temp_c coefficients=1.0,-2.0,0.5 std_errors=0.0010000000474974513,0.0010000000474974513,\
+            &"+ effect=offset:case_c coefficients=1.0,-2.0,0.5 std_errors=0.0010000000474974513,0.0010000000474974513,\
              0.0010000000474974513 reference=25.0 range=-"
                 .to_owned()
         ),
         "{show:?}"
     );
-    assert!(board.command("status")[0].ends_with("waits for: cov temp_c=VALUE"));
+    assert!(board.command("status")[0].ends_with("waits for: cov case_c=VALUE"));
     let unknown = stream_cal(&mut board);
     assert!(!unknown.is_empty() && unknown.iter().all(|line| line.ends_with(",-,-,-,-,-")), "{unknown:?}");
 
-    assert_eq!(last(&mut board, "cov temp_c=35"), "ok temp_c=35.0 used=1");
+    assert_eq!(last(&mut board, "cov case_c=35"), "ok case_c=35.0 used=1 tested=1");
     assert!(board.command("status")[0].ends_with("waits for: cov current_a=VALUE"));
-    assert_eq!(last(&mut board, "cov current_a=4.5"), "ok current_a=4.5 used=1");
-    assert_eq!(last(&mut board, "cov throttle=0.5"), "ok throttle=0.5 used=0");
+    assert_eq!(last(&mut board, "cov current_a=4.5"), "ok current_a=4.5 used=1 tested=1");
+    // Temperature of the chip, case and current: three are tested, and a fourth is refused, nothing lost.
+    assert!(
+        last(&mut board, "cov throttle=0.5").starts_with("err state no room: 3 columns are tested at once")
+    );
+    assert_eq!(last(&mut board, "cov temp_c=- throttle=0.5"), "ok temp_c=- throttle=0.5 used=0 tested=1");
+    assert!(last(&mut board, "cov throttle=-").starts_with("ok throttle=- "));
     let known = stream_cal(&mut board);
     assert!(
         !known.is_empty() && known.iter().all(|line| !line.contains('-') || line.contains('.')),
@@ -99,7 +104,7 @@ fn effects_are_applied_once_their_columns_are_fed() {
     let calibration: ExtendedCalibration = record.extended();
     let mut seen = Vec::new();
     for (temp_c, current_a) in [(35.0, 4.5), (15.0, 4.5), (15.0, -30.0), (25.0, 0.0)] {
-        last(&mut board, &format!("cov temp_c={temp_c}"));
+        last(&mut board, &format!("cov case_c={temp_c}"));
         last(&mut board, &format!("cov current_a={current_a}"));
         let mut conditions = Conditions::unknown();
         (conditions.inputs[0][0], conditions.inputs[1][0]) = (temp_c, current_a);
@@ -124,13 +129,13 @@ fn effects_of_time_wait_for_the_clock_and_then_go_by_it() {
     let drift = BuiltIn::Drift(Drift { reference_s: 100.0 });
     let mut board = board_with(&record(&[fitted(drift, [1.0, 0.0, 0.0])]));
     assert!(board.command("status")[0].ends_with("waits for: cov t_s=VALUE"));
-    assert_eq!(last(&mut board, "cov t_s=100"), "ok t_s=100.0 used=1");
+    assert_eq!(last(&mut board, "cov t_s=100"), "ok t_s=100.0 used=1 tested=0");
     let at = |board: &mut SimBoard| -> f64 {
         let line = stream_cal(board).pop().expect("a sample");
         line.split(',').nth(2).and_then(|word| word.parse().ok()).unwrap_or_else(|| panic!("{line}"))
     };
     let before = at(&mut board);
-    assert_eq!(last(&mut board, "cov t_s=1100"), "ok t_s=1100.0 used=1");
+    assert_eq!(last(&mut board, "cov t_s=1100"), "ok t_s=1100.0 used=1 tested=0");
     let after = at(&mut board);
     // A thousand seconds at 1 µT/s.
     assert!((before - after - 1000.0).abs() < 0.5, "{before} {after}");

@@ -163,7 +163,7 @@ impl Device {
                     }
                     None if Live::needs_gyro(live) && self.lessons.motion.turn_radps.is_none() => {
                         reply.line(format_args!(
-                            "hint the calibration waits for: cov gx_radps=… gy_radps=… gz_radps=…"
+                            "hint the calibration waits for: cov gx_radps=X gy_radps=Y gz_radps=Z"
                         ));
                     }
                     None => reply.line(format_args!(

@@ -59,6 +59,9 @@ fn answer(device: &mut Device, line: &str, now_ms: u64) -> std::string::String {
                 let reading = Reading { counts: [200, -100, 350], overflow: [false; 3] };
                 device.complete_sensor(SensorAnswer::Reading(reading), now_ms);
             }
+            Action::Sensor(SensorTask::Temperature) => {
+                device.complete_sensor(SensorAnswer::Temperature(None), now_ms);
+            }
             Action::Store(_) => device.complete_store(&StoreAnswer::Failed, now_ms),
             Action::Again => {}
             Action::Sleep => break,
@@ -76,11 +79,11 @@ fn the_value_that_is_fed_is_the_one_that_is_corrected_for() {
     let column = ColumnName::new("current_a").expect("a name");
     let mut device = device(BuiltIn::Offset(Offset::linear(column, 1.0)));
     assert_eq!(corrected(&mut device, 0), None, "nothing is known yet");
-    assert_eq!(answer(&mut device, "cov current_a=1", 10), "ok current_a=1.0 used=1");
+    assert_eq!(answer(&mut device, "cov current_a=1", 10), "ok current_a=1.0 used=1 tested=1");
     assert_eq!(corrected(&mut device, 20), Some([20.0, -10.0, 35.0]), "the current at the reference");
-    assert_eq!(answer(&mut device, "cov current_a=5", 30), "ok current_a=5.0 used=1");
+    assert_eq!(answer(&mut device, "cov current_a=5", 30), "ok current_a=5.0 used=1 tested=1");
     assert_eq!(corrected(&mut device, 40), Some([12.0, -6.0, 33.0]));
-    assert_eq!(answer(&mut device, "cov throttle=9", 50), "ok throttle=9.0 used=0");
+    assert_eq!(answer(&mut device, "cov throttle=9", 50), "ok throttle=9.0 used=0 tested=1");
     assert_eq!(corrected(&mut device, 60), Some([12.0, -6.0, 33.0]));
 }
 
@@ -88,10 +91,10 @@ fn the_value_that_is_fed_is_the_one_that_is_corrected_for() {
 fn the_time_that_is_fed_is_that_of_now_and_goes_on() {
     let mut device = device(BuiltIn::Drift(Drift { reference_s: 100.0 }));
     assert_eq!(corrected(&mut device, 7000), None, "the recording's clock is not known yet");
-    assert_eq!(answer(&mut device, "cov t_s=100", 7000), "ok t_s=100.0 used=1");
+    assert_eq!(answer(&mut device, "cov t_s=100", 7000), "ok t_s=100.0 used=1 tested=0");
     assert_eq!(corrected(&mut device, 7000), Some([20.0, -10.0, 35.0]));
     assert_eq!(corrected(&mut device, 9000), Some([16.0, -8.0, 34.0]), "two seconds later");
-    assert_eq!(answer(&mut device, "cov t_s=104", 9000), "ok t_s=104.0 used=1");
+    assert_eq!(answer(&mut device, "cov t_s=104", 9000), "ok t_s=104.0 used=1 tested=0");
     assert_eq!(corrected(&mut device, 9000), Some([12.0, -6.0, 33.0]));
 }
 

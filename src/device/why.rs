@@ -89,7 +89,7 @@ impl Device {
             }
         }
         self.say(&mut reply, outcome);
-        let first = outcome.ranked().find(|(_, finding)| finding.order == 1);
+        let first = outcome.ranked().find(|(_, finding)| finding.order > 0);
         reply.ok(format_args!(
             "verdict={} first={} steps={steps}",
             outcome.verdict.name(),

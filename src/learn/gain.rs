@@ -234,7 +234,8 @@ impl Learner {
                 let shift = reference.map_or(0.0, |reference| reference - self.held_against(candidate));
                 for axis in 0..3 {
                     fitted.coefficients[axis] += more[axis];
-                    fitted.std_errors[axis] = error[axis];
+                    // As a record keeps it, so that a restart changes no digit.
+                    fitted.std_errors[axis] = f64::from(error[axis] as f32);
                     offset_ut[axis] += more[axis] * shift;
                 }
                 fitted.ranges = self.range(candidate);
@@ -252,7 +253,8 @@ impl Learner {
         for (slot, more) in delta.iter_mut().zip(already) {
             *slot += more;
         }
-        self.shift(&delta, &base);
+        let (point, _) = Point::of(&base)?;
+        self.shift(&delta, point);
         Some(ExtendedCalibration { base, effects })
     }
 
@@ -270,7 +272,8 @@ impl Learner {
         let mut coefficients = [0.0; 9];
         let mut std_errors = [f64::NAN; 9];
         coefficients[0] = f64::from(delta[DIP_BASE]);
-        std_errors[0] = math::sqrt(variance * time * f64::from(factor.inverse(DIP_BASE)));
+        let error = math::sqrt(variance * time * f64::from(factor.inverse(DIP_BASE)));
+        std_errors[0] = f64::from(error as f32);
         let mut dip = [0.0; DIP];
         dip.copy_from_slice(&delta[..DIP]);
         self.late.shift(&dip);
@@ -293,7 +296,9 @@ impl Learner {
     /// Over which values of its columns a candidate was learned.
     fn range(&self, candidate: Candidate) -> Ranges<f64> {
         match candidate {
-            Candidate::Drift => [Some([self.first_ms as f64 * 1e-3, self.last_ms as f64 * 1e-3]), None],
+            Candidate::Drift => {
+                [Some([self.first_ms, self.last_ms].map(|ms| f64::from(ms as f32 * 1e-3))), None]
+            }
             Candidate::Column(place) => {
                 [self.columns.get(usize::from(place)).map(|column| column.range.map(f64::from)), None]
             }

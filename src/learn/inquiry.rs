@@ -2,19 +2,20 @@
 
 use super::candidate::{CANDIDATES, Candidate, Found, SHOWN_BY_MAGNITUDE};
 use super::finding::{Finding, InUse, NOTHING, Outcome, Status, Verdict};
-use super::late::{DIP, DIP_BASE};
+use super::lateness::Lateness;
 use super::learner::Learner;
 use super::point::BASE;
 use super::solve::{Chosen, Factor};
-use super::sums::Work;
 use super::test::{chance, held_out};
 use crate::math;
-use crate::study::rule::{NEARLY, RIVAL_SHARE, STEP_PLACES, falls, is_accepted, is_significant};
+use crate::study::rule::{NEARLY, RELEVANCE, RIVAL_SHARE, STEP_PLACES, falls, is_accepted, is_significant};
 
 /// Fewer samples say nothing.
 const LEAST_ROWS: u32 = 300;
 /// Standard error of a base parameter, relative to the field, beyond which the attitude does not carry a study.
 const MOST_BASE_ERROR: f32 = 0.03;
+/// A step that takes this share off the squared error is relevant whatever blocks of time say that it is hardly seen in.
+const STEP_SHARE: f32 = 0.1;
 /// What two effects explain beyond each other is at most this share of what each explains: they are the same.
 const SAME: f32 = 0.01;
 /// Structure makes at least this share of the residual's variance, or it may be noise.
@@ -24,12 +25,10 @@ const STRUCTURE_SHARE: f64 = 0.25;
 #[derive(Clone, Copy, Debug)]
 struct Tested {
     decrease: f32,
-    /// Squared held-out error with it.
-    held_out: Option<f32>,
     accepted: bool,
 }
 
-const UNTESTED: Tested = Tested { decrease: 0.0, held_out: None, accepted: false };
+const UNTESTED: Tested = Tested { decrease: 0.0, accepted: false };
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
@@ -60,6 +59,7 @@ pub struct Inquiry {
     variance: f64,
     time: f64,
     model_held_out: Option<f32>,
+    model_squares: f32,
     tested: [Tested; SHOWN_BY_MAGNITUDE],
     added: u8,
     /// The last stage was work, not only a decision.
@@ -82,6 +82,7 @@ impl Inquiry {
             variance: 0.0,
             time: 1.0,
             model_held_out: None,
+            model_squares: f32::NAN,
             tested: [UNTESTED; SHOWN_BY_MAGNITUDE],
             added: 0,
             worked: false,
@@ -112,7 +113,7 @@ impl Inquiry {
                 Stage::Choose => self.choose(),
                 Stage::Rival(winner, other) => self.rival(learner, winner, other),
                 Stage::Drop(place) => self.drop_one(learner, place),
-                Stage::Dip => self.dip(learner),
+                Stage::Dip => self.conclude(learner),
                 Stage::End => return Some(self.outcome),
             };
         }
@@ -151,7 +152,7 @@ impl Inquiry {
                 Candidate::Column(place) => {
                     learner.columns.get(usize::from(place)).is_some_and(|column| !column.is_constant())
                 }
-                Candidate::Step => learner.marks.best().is_some(),
+                Candidate::Step => learner.marks.has_step(rows),
                 Candidate::Lag => false,
             };
             if self.in_use.get(candidate.place()).is_some_and(Option::is_some) {
@@ -192,9 +193,10 @@ impl Inquiry {
         self.worked = true;
         let chosen = self.model.chosen();
         self.model_held_out = held_out(learner, chosen);
+        let mut total = learner.total();
+        let squares = Factor::of(&total, chosen, true).map_or(f32::NAN, |factor| factor.squares(&total));
+        self.model_squares = squares;
         if self.added == 0 {
-            let mut total = learner.total();
-            let squares = Factor::of(&total, chosen, true).map_or(f32::NAN, |factor| factor.squares(&total));
             self.outcome.rms_ut = self.ut(learner, squares);
             self.outcome.holdout_rms_ut = self.model_held_out.map_or(f32::NAN, |held| self.ut(learner, held));
             // What it would be without each effect in use.
@@ -238,10 +240,14 @@ impl Inquiry {
             * Self::searched(candidate))
         .min(1.0);
         let held = held_out(learner, chosen.with(first, 3));
-        let lowers = falls(self.model_held_out.map(f64::from), held.map(f64::from));
+        let share = gained.decrease / self.model_squares;
+        // Of a step that lies in the first block or the last, the others know nothing: what it takes off has to be so much the more.
+        let lowers = share > RELEVANCE as f32
+            && (falls(self.model_held_out.map(f64::from), held.map(f64::from))
+                || (candidate == Candidate::Step && share > STEP_SHARE));
         let accepted = is_accepted(p_value, self.count(), lowers);
         if let Some(slot) = self.tested.get_mut(usize::from(place)) {
-            *slot = Tested { decrease: gained.decrease, held_out: held, accepted };
+            *slot = Tested { decrease: gained.decrease, accepted };
         }
         let count = self.count() as f64;
         let (before, after) = (
@@ -272,7 +278,7 @@ impl Inquiry {
         };
         if winner.is_in_time() {
             let logged = self.testable.iter().filter(|one| !one.is_in_time()).filter(passing).reduce(better);
-            let left = |one: Candidate| self.of(one).held_out.unwrap_or(f32::INFINITY);
+            let left = |one: Candidate| self.model_squares - self.of(one).decrease;
             if let Some(logged) = logged.filter(|one| left(*one) < (NEARLY * NEARLY) as f32 * left(winner)) {
                 winner = logged;
             }
@@ -388,63 +394,31 @@ impl Inquiry {
     }
 
     /// The dip, and the last word.
-    fn dip(&mut self, learner: &Learner) -> Stage {
+    fn conclude(&mut self, learner: &Learner) -> Stage {
         self.worked = true;
         self.unexplained(learner);
-        let late = &learner.late;
-        let rows = late.blocks.rows();
-        let mut total = Work::new();
-        late.blocks.iter().for_each(|block| total.merge(block));
-        let (chosen, lag) = (Chosen::base(DIP_BASE), DIP_BASE);
-        if rows < LEAST_ROWS {
-            return Stage::End;
-        }
-        let Some(base) = Factor::of(&total, chosen, false) else { return Stage::End };
-        let with = chosen.with(lag, 1);
-        let Some(full) = Factor::of(&total, with, true) else { return Stage::End };
-        let degrees = |squares: f32| (math::sqrtf(squares.max(0.0) / rows as f32)).to_degrees();
-        self.outcome.dip_rms_deg = degrees(base.squares(&total));
+        let Some(dip) = Lateness::of(&learner.late) else { return Stage::End };
+        self.outcome.dip_rms_deg = dip.rms_deg;
         let is_in_use = self.in_use.get(Candidate::Lag.place()).is_some_and(Option::is_some);
-        let variance = f64::from(full.squares(&total)) / f64::from(rows - DIP as u32);
-        let time = late.memory.time(variance, f64::from(rows), DIP as f64);
-        let gained = base.test(&total, lag, 1, false);
-        // Once for the delay and once for a coupling, as on the host, which also tests that.
-        let p_value = chance(&gained, variance, time, rows, DIP_BASE);
-        let held = |chosen: Chosen| {
-            let mut rest = total.clone();
-            let mut squares = 0.0;
-            for block in late.blocks.iter().filter(|block| block.rows > 0) {
-                rest.take_out(block);
-                let delta = Factor::of(&rest, chosen, true)?.step(&rest);
-                rest.merge(block);
-                let mut own = Work::new();
-                own.merge(block);
-                squares += own.squares_after(&delta).max(0.0);
-            }
-            Some(squares)
+        let is_missing = dip.is_shown && !is_in_use;
+        let order = if is_missing { self.added + 1 } else { 0 };
+        let status = match (is_in_use, is_missing) {
+            (true, _) => Status::InUse,
+            (false, true) => Status::Missing,
+            (false, false) => Status::NotNeeded,
         };
-        let (before, after) = (held(chosen), held(with));
-        let delay_s = full.step(&total).get(lag).copied().unwrap_or(0.0);
-        // No sensor is early.
-        let shown =
-            is_accepted(p_value, 2, falls(before.map(f64::from), after.map(f64::from))) && delay_s > 0.0;
-        let order = self.added + 1;
-        let verdict = self.outcome.verdict;
         if let Some(finding) = self.finding(Candidate::Lag) {
-            (finding.before, finding.after) =
-                (before.map_or(f32::NAN, degrees), after.map_or(f32::NAN, degrees));
-            finding.p_value = (2.0 * p_value).min(1.0) as f32;
-            finding.status = match (is_in_use, shown) {
-                (true, _) => Status::InUse,
-                (false, true) => Status::Missing,
-                (false, false) => Status::NotNeeded,
+            *finding = Finding {
+                status,
+                before: dip.before_deg,
+                after: dip.after_deg,
+                p_value: dip.p_value as f32,
+                partners: Found::none(),
+                order,
             };
-            if finding.status == Status::Missing {
-                finding.order = order;
-                if verdict == Verdict::Complete {
-                    self.outcome.verdict = Verdict::Missing;
-                }
-            }
+        }
+        if is_missing && self.outcome.verdict == Verdict::Complete {
+            self.outcome.verdict = Verdict::Missing;
         }
         Stage::End
     }

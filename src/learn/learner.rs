@@ -20,6 +20,8 @@ const FAR_EARLY: f32 = 0.05;
 /// ... up to so many rows, and one further than that at any time.
 const EARLY_ROWS: u32 = 1000;
 const FAR: f32 = 0.25;
+/// A base nearer than this is near enough, also for directions.
+const NEAR: f32 = 0.004;
 /// No base is that far.
 const ABSURD: f32 = 1.0;
 /// The samples tell the base once its standard errors are this small.
@@ -219,22 +221,27 @@ impl Learner {
         let far = delta.iter().take(BASE).fold(0.0f32, |most, value| most.max(value.abs()));
         let limit = if self.blocks.rows() <= EARLY_ROWS { FAR_EARLY } else { FAR };
         // Where the samples do not tell it yet, it is where it was.
-        if far > limit
-            && far < ABSURD
-            && factor.largest_error(&work) < TOLD
-            && let Some(point) = self.point
-        {
+        if !(far > NEAR && far < ABSURD && factor.largest_error(&work) < TOLD) {
+            return;
+        }
+        let Some(point) = self.point else { return };
+        let rotation = self.late.rotation;
+        if far > limit {
             self.point = Some(point.stepped(&delta));
-            let rotation = self.late.rotation;
             self.late.begin(rotation);
             self.forget();
+        } else if self.blocks.rows().is_power_of_two() {
+            // What was learned stays; the direction that the dip looks at was another one.
+            let mut base = [0.0; WIDEST];
+            base.iter_mut().zip(delta).take(BASE).for_each(|(slot, value)| *slot = value);
+            self.shift(&base, point.stepped(&delta));
+            self.late.begin(rotation);
         }
     }
 
     /// Moves to another point of the linearised model: what was learned is kept. The base, streamed columns and the best step are
-    /// moved by `delta`, the point becomes that of `calibration`.
-    pub(super) fn shift(&mut self, delta: &[f32; WIDEST], calibration: &Calibration<f64>) {
-        let Some((point, _)) = Point::of(calibration) else { return };
+    /// moved by `delta`, which leads to `point`.
+    pub(super) fn shift(&mut self, delta: &[f32; WIDEST], point: Point) {
         // From the last to the first: the sums since a mark are those of all blocks less those before it, which are still to come.
         for index in (0..super::blocks::BLOCKS).rev() {
             let mut work = Work::new();

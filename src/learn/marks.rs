@@ -13,9 +13,9 @@ use super::sums::{Work, at};
 const MARKS: usize = 4;
 /// No place among them.
 const NONE: u8 = u8::MAX;
-/// A step has so many rows before and after it, ...
-const LEAST_ROWS: u32 = 100;
-/// ... and that part of all.
+/// A mark is looked at with so many rows before and after it, so early that none gives way before, ...
+const LEAST_ROWS: u32 = 48;
+/// ... and a step is one with at least that part of all rows before and after it.
 const LEAST_SHARE: u32 = 50;
 /// Rows between two.
 pub(super) const EVERY: u32 = 32;
@@ -55,6 +55,12 @@ impl Marks {
     /// The moment at which a jump explains most.
     pub(super) fn best(&self) -> Option<&Mark> {
         self.marks.get(usize::from(self.best)).filter(|_| self.best < self.used)
+    }
+
+    /// Whether there is a step to be tested, of so many rows in all.
+    pub(super) fn has_step(&self, rows: u32) -> bool {
+        let margin = LEAST_ROWS.max(rows / LEAST_SHARE);
+        self.best().is_some_and(|mark| mark.rows >= margin && rows.saturating_sub(mark.rows) >= margin)
     }
 
     /// Takes a snapshot before the next row, at the time `t_ms`; the one that is missed least gives way.
@@ -99,9 +105,8 @@ impl Marks {
         let Some(base) = Factor::of(&work, Chosen::base(BASE), false) else { return };
         let mut best: Option<(f32, u8)> = None;
         let rows = blocks.rows();
-        let margin = LEAST_ROWS.max(rows / LEAST_SHARE);
         for (index, mark) in self.marks.iter().enumerate().take(usize::from(self.used)) {
-            if mark.rows < margin || rows - mark.rows < margin {
+            if mark.rows < LEAST_ROWS || rows - mark.rows < LEAST_ROWS {
                 continue;
             }
             work_with(&mut work, &since(blocks, mark));

@@ -14,6 +14,7 @@ mod finding;
 mod gain;
 mod inquiry;
 mod late;
+mod lateness;
 mod layout;
 mod learner;
 mod marks;

@@ -1,1 +1,143 @@
+//! The learner on synthetic samples, without a device.
 
+use super::sums::{WIDEST, Work};
+use super::*;
+use crate::calibration::Calibration;
+use crate::effect::ColumnName;
+use crate::extended::ExtendedCalibration;
+use crate::math;
+use crate::study::Normal;
+
+/// Seeded noise, mean zero and variance one.
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        let mut uniform = || {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 33) as f64 / f64::from(1u32 << 31) - 0.5
+        };
+        // Twelve uniform numbers: near enough to a normal one.
+        (0..12).map(|_| uniform()).sum()
+    }
+}
+
+const OFFSET_UT: [f64; 3] = [20.0, -8.0, 3.0];
+/// Of the hidden effect, µT per unit.
+const THETA: [f64; 3] = [0.8, -0.5, 0.3];
+
+/// A current that is on and off.
+fn current(i: u64) -> f64 {
+    if i / 170 % 2 == 0 { 0.0 } else { 2.0 }
+}
+
+fn column(name: &str) -> ColumnName {
+    ColumnName::new(name).expect("a name")
+}
+
+/// Eighty seconds at 50 Hz with noise of 0.25 µT, the effect as large as `size`.
+fn learned(seed: u64, size: f64) -> Learner {
+    let mut noise = Noise(seed);
+    let mut learner = Learner::new();
+    assert!(!learner.is_learning());
+    learner.begin(&Calibration { offset_ut: OFFSET_UT, ..Calibration::identity(50.0) });
+    for i in 0..4000u64 {
+        assert_eq!(learner.feed(&column("current_a"), current(i) as f32), Fed::Tested);
+        let (turn, tilt) = (0.017 * i as f64, 1.5 * math::sin(0.0061 * i as f64));
+        let field = [
+            50.0 * math::cos(tilt) * math::cos(turn),
+            50.0 * math::cos(tilt) * math::sin(turn),
+            50.0 * math::sin(tilt),
+        ];
+        let measured = core::array::from_fn(|axis| {
+            (field[axis] + OFFSET_UT[axis] + size * THETA[axis] * current(i) + 0.25 * noise.next()) as f32
+        });
+        learner.push(measured, 20 * i, &Motion::UNKNOWN);
+    }
+    learner
+}
+
+fn asked(learner: &Learner, in_use: InUse) -> Outcome {
+    let mut inquiry = Inquiry::new(learner, in_use);
+    loop {
+        if let Some(outcome) = inquiry.step(learner) {
+            return outcome;
+        }
+    }
+}
+
+#[test]
+fn what_is_fed_is_named_added_and_removed_again() {
+    let mut learner = learned(5, 1.0);
+    let outcome = asked(&learner, InUse::default());
+    assert_eq!(outcome.verdict, Verdict::Missing, "{outcome:?}");
+    let (first, finding) = outcome.ranked().next().expect("candidates");
+    assert_eq!((first, finding.status), (Candidate::Column(0), Status::Missing), "{outcome:?}");
+    assert!((0.22..0.28).contains(&outcome.floor_ut), "{outcome:?}");
+
+    let base = Calibration { offset_ut: OFFSET_UT, ..Calibration::identity(50.0) };
+    let plain = ExtendedCalibration::plain(base);
+    let with = learner.add(first, &plain).expect("it is shown");
+    let fitted = with.effects.iter().next().expect("an effect");
+    for axis in 0..3 {
+        let error = fitted.coefficients[axis] - THETA[axis];
+        assert!(math::abs(error) < 4.0 * fitted.std_errors[axis], "{fitted:?}");
+        assert!(fitted.std_errors[axis] < 0.03, "{fitted:?}");
+    }
+    assert!(learner.rms_ut() < 0.28 && outcome.rms_ut > 0.4, "{} {}", outcome.rms_ut, learner.rms_ut());
+
+    // In use it is told with what it takes off, and nothing more is missing.
+    let in_use = learner.in_use(&with.effects);
+    let again = asked(&learner, in_use);
+    assert_eq!(again.verdict, Verdict::Complete, "{again:?}");
+    let own = again.of(first);
+    assert_eq!(own.status, Status::InUse);
+    assert!((own.before / outcome.rms_ut - 1.0).abs() < 0.02, "{} {}", own.before, outcome.rms_ut);
+
+    let effect = fitted.effect;
+    let without = learner.remove(&effect, &with);
+    assert!(without.effects.is_empty());
+    assert!((learner.rms_ut() / outcome.rms_ut - 1.0).abs() < 0.02, "the old error is back");
+}
+
+#[test]
+fn without_an_effect_nothing_is_missing() {
+    let wrong = (0..40)
+        .filter(|seed| asked(&learned(100 + seed, 0.0), InUse::default()).verdict != Verdict::Complete);
+    assert!(wrong.count() <= 1);
+}
+
+#[test]
+fn too_many_columns_are_refused_and_one_that_is_forgotten_makes_room() {
+    let mut learner = learned(6, 0.0);
+    let rows = learner.rows();
+    assert_eq!(learner.feed(&column("a"), 1.0), Fed::Tested);
+    assert_eq!((rows, learner.rows()), (4000, 0), "what was learned without it is forgotten");
+    assert_eq!(learner.feed(&column("b"), 1.0), Fed::Tested);
+    assert_eq!(learner.feed(&column("c"), 1.0), Fed::Full);
+    assert!(learner.drop_column("a") && !learner.drop_column("a"));
+    assert_eq!(learner.feed(&column("c"), 1.0), Fed::Tested);
+    assert_eq!(learner.tested().count(), MAX_TESTED);
+}
+
+#[test]
+fn packed_sums_are_the_studys_normal_matrix() {
+    let mut noise = Noise(9);
+    let (mut packed, mut full): (Work, Normal<f64, WIDEST>) = (Work::new(), Normal::new(WIDEST));
+    for _ in 0..500 {
+        let row: [f32; WIDEST] = core::array::from_fn(|_| noise.next() as f32);
+        let residual = row[3] * 0.5 + 0.1 * noise.next() as f32;
+        packed.push(&row, residual);
+        full.push(&row.map(f64::from), f64::from(residual));
+    }
+    let chosen = super::solve::Chosen::base(WIDEST);
+    let step = super::solve::Factor::of(&packed, chosen, false).expect("regular").step(&packed);
+    let expected = full.step(&full.factor().expect("regular"));
+    for (got, right) in step.into_iter().zip(expected) {
+        assert!(math::abs(f64::from(got) - right) < 1e-5, "{got} for {right}");
+    }
+    let after = f64::from(packed.squares_after(&step));
+    assert!((after / full.squares_after(&expected) - 1.0).abs() < 1e-4);
+    packed.shift(&step);
+    assert!(math::abs(f64::from(packed.squares) / after - 1.0) < 1e-6);
+}

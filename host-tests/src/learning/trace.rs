@@ -54,8 +54,8 @@ impl Kind {
     fn spec(self, strength: f64) -> Option<EffectSpec> {
         let text = match self {
             Kind::Clean => return None,
-            // In time: so many noises of 5 ms each.
-            Kind::Lag => format!("lag={}ms", 15.0 * strength),
+            // In time: three noises are 18 ms.
+            Kind::Lag => format!("lag={}ms", 6.0 * strength),
             _ => format!("{}={strength}", self.id()),
         };
         Some(EffectSpec::parse(&text).expect("an effect of the simulation"))
@@ -198,10 +198,9 @@ impl Trace {
             let turn = rates.map(|rate| (rate + 0.005 * self.normal()) as f32);
             self.board.device.on_motion(Some(accel), Some(turn));
         }
-        if self.current && self.ms.is_multiple_of(100) {
+        if self.current && self.ms.is_multiple_of(20) {
             let current_a = self.world.covariate("current_a", t_s);
-            let line = self.board.command(&format!("cov current_a={current_a:.3}"));
-            assert!(line.last().is_some_and(|line| line.starts_with("ok ")), "{line:?}");
+            self.board.send(format!("cov current_a={current_a:.3}\n").as_bytes());
         }
     }
 
@@ -231,6 +230,24 @@ impl Trace {
         if self.last("cal stop").starts_with("ok verdict=accepted") {
             assert!(self.last("cal accept").starts_with("ok calibrated=1 "));
         }
+    }
+
+    /// The values of the last of each `C` line over some seconds: the residual of the corrected magnitude, µT, and the corrected field.
+    pub fn streamed(&mut self, seconds: u64) -> Vec<([f64; 3], f64)> {
+        self.last("stream cal");
+        self.run_ms(1000 * seconds);
+        let lines = self.board.received();
+        self.last("stream off");
+        let numbers = |line: &String| -> Option<Vec<f64>> {
+            line.strip_prefix("C,")?.split(',').map(|word| word.parse().ok()).collect()
+        };
+        lines.iter().filter_map(numbers).map(|v| ([v[1], v[2], v[3]], v[5])).collect()
+    }
+
+    /// Rms of the residual that is streamed, µT; NaN where nothing is.
+    pub fn streamed_rms_ut(&mut self, seconds: u64) -> f64 {
+        let values = self.streamed(seconds);
+        (values.iter().map(|(_, residual)| residual * residual).sum::<f64>() / values.len() as f64).sqrt()
     }
 
     /// What `why` says.

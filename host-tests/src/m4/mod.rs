@@ -173,6 +173,10 @@ pub fn measure() -> Result<Measured, M4Error> {
         ours("apply_base", mean("apply_base")?, None),
         ours("apply", mean("apply")?, Some(400)),
         ours("study_push", mean("study_push")?, Some(6_000)),
+        ours("learn_push", mean("learn_push")?, Some(6_000)),
+        ours("learn_push_worst", worst("learn_push_worst")?, None),
+        ours("why", once("why")?, None),
+        ours("why_step_worst", once("why_step_worst")?, Some(640_000)),
         ours("session_push", session("push")?, Some(900)),
         ours("session_push_worst", session("push_worst")?, Some(5_000)),
         ours("session_stop", session("stop")?, Some(150_000)),
@@ -187,6 +191,8 @@ pub fn measure() -> Result<Measured, M4Error> {
         ours("state_bytes", bytes("state")?, Some(400)),
         ours("session_bytes", bytes("session_bytes")?, Some(1_600)),
         theirs("magcal_state_bytes", bytes("magcal_state")?),
+        ours("learner_bytes", bytes("learner_bytes")?, Some(6_144)),
+        ours("why_stack_bytes", bytes("why_stack")?, None),
         ours("stack_bytes", bytes("stack_solve")?, None),
         ours("stack_push_bytes", bytes("stack_push")?, None),
         theirs("magcal_stack_bytes", bytes("magcal_stack_solve")?),
@@ -202,13 +208,17 @@ impl Measured {
 
     /// The JSON object of the bench: instructions and bytes.
     pub fn json(&self) -> serde_json::Value {
-        const KEYS: [&str; 16] = [
+        const KEYS: [&str; 20] = [
             "push",
             "push_worst",
             "trace_solve",
             "adjusted_solve",
             "apply",
             "study_push",
+            "learn_push",
+            "why",
+            "why_step_worst",
+            "learner_bytes",
             "session_push",
             "session_push_worst",
             "session_stop",

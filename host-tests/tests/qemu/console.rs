@@ -22,7 +22,7 @@ fn odd_lines_are_refused_and_the_console_goes_on() {
     assert_eq!(refused(&mut board, b"cal shwo\n"), "usage");
     assert_eq!(refused(&mut board, b"field -3\n"), "usage");
     assert_eq!(refused(&mut board, b"field nan\n"), "usage");
-    assert_eq!(refused(&mut board, b"why\n"), "unknown");
+    assert_eq!(refused(&mut board, b"why\n"), "state");
     assert_eq!(refused(&mut board, b"ver\x07sion\n"), "usage");
     assert_eq!(refused(&mut board, "große Felder\n".as_bytes()), "usage");
     assert_eq!(refused(&mut board, &[b"x".repeat(81), b"\n".to_vec()].concat()), "long");

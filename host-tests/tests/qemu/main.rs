@@ -8,5 +8,6 @@ mod console;
 mod cost;
 mod effects;
 mod faults;
+mod learning;
 mod store;
 mod support;

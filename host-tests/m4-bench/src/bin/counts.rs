@@ -10,6 +10,7 @@ use ironout::calibration::Calibration;
 use ironout::effect::{AmbientField, BuiltIn, ColumnName, Drift, Gain, Offset};
 use ironout::extended::{ExtendedCalibration, FittedEffect, Live, Slots};
 use ironout::fit::{FitOptions, FitReport, Method, fit};
+use ironout::learn::{Inquiry, Learner, Motion};
 use ironout::moments::Moments;
 use ironout::scatter::Scatter;
 use ironout::session::{Session, SessionConfig};
@@ -144,6 +145,60 @@ fn study(table: &[[i16; 3]; COUNT], moments: &Moments) -> Option<u32> {
 }
 
 #[inline(never)]
+fn push_learner(learner: &mut Learner, measured_ut: [f32; 3], t_ms: u64, motion: &Motion) {
+    learner.push(measured_ut, t_ms, motion);
+}
+
+#[inline(never)]
+fn step_inquiry(inquiry: &mut Inquiry, learner: &Learner) -> bool {
+    inquiry.step(learner).is_some()
+}
+
+/// The board's own study of a table with all that it can be fed, and the question what is missing.
+#[inline(never)]
+fn learn(table: &[[i16; 3]; COUNT], moments: &Moments) -> Option<()> {
+    let calibration = solve(moments, Method::Adjusted)?.calibration;
+    let mut learner = Learner::new();
+    learner.begin(&calibration);
+    let names =
+        [ColumnName::new("temp_c").ok()?, ColumnName::new("current_a").ok()?, ColumnName::new("fan").ok()?];
+    let mut sample = 0u16;
+    let pushed = each(table, |counts| {
+        sample += 1;
+        let t = f32::from(sample) * 0.02;
+        for (place, name) in names.iter().enumerate() {
+            // A few times a second, as such columns are.
+            if sample % 10 == 1 {
+                learner.feed(name, t * (place as f32 + 1.0) % 7.0);
+            }
+        }
+        let measured_ut = counts.map(|c| f32::from(c) * UT_PER_COUNT as f32);
+        let motion = Motion { accel_mps2: Some([0.1 * t, 0.2, -9.8]), turn_radps: Some([0.3, -0.2, 0.1]) };
+        push_learner(&mut learner, measured_ut, u64::from(sample) * 20, &motion);
+    });
+    let mut inquiry = Inquiry::new(&learner, Default::default());
+    let (mut total, mut worst, mut answered) = (0, 0, false);
+    while !answered {
+        let ticks = ticks_of(|| answered = step_inquiry(black_box(&mut inquiry), black_box(&learner)));
+        total += ticks;
+        worst = worst.max(ticks);
+    }
+    say("learn_push", pushed.total);
+    say("learn_push_worst", pushed.worst);
+    say("why", total);
+    say("why_step_worst", worst);
+    say(
+        "why_stack",
+        stack_of(|| {
+            let mut inquiry = Inquiry::new(&learner, Default::default());
+            while !step_inquiry(&mut inquiry, &learner) {}
+        }),
+    );
+    say("learner_bytes", size_of::<Learner>() as u32);
+    Some(())
+}
+
+#[inline(never)]
 fn push_session(session: &mut Session, counts: [i16; 3]) {
     session.push(ironout::sensor::Sample::valid(counts));
 }
@@ -229,6 +284,9 @@ fn main() -> ! {
         }
     }
     say("study_push", study(&table, &moments).unwrap_or_else(|| exit(false)));
+    if learn(&table, &moments).is_none() {
+        exit(false)
+    }
     let mut found = None;
     say("magcal_solve", ticks_of(|| found = solve_magcal(black_box(&mut solver))));
     let Some(found) = found else { exit(false) };
