@@ -46,7 +46,7 @@ impl HiddenArg {
 
     /// Attitudes of the work after the calibration, in which it acts: a column has to go through its range, a jump to happen.
     fn work(self) -> usize {
-        if self == HiddenArg::Step { 450 } else { 700 }
+        if self == HiddenArg::Step { 1000 } else { 700 }
     }
 
     /// The column that it follows; any where it follows none.
