@@ -210,6 +210,9 @@ fn instances_are_never_mixed_and_a_wrong_one_is_named() {
     };
     let other = with(3).expect("a log");
     assert_eq!((other.field_ut[0][7], other.field_ut[1][7]), (found.field_ut[1][7], found.field_ut[0][7]));
+    let own = log.replace("t_ms,I,MagX_mG,MagY_mG,MagZ_mG", "t_ms,instance,mx_mg,my_mg,mz_mg");
+    let split = read(&own, &[]).expect("a log");
+    assert_eq!((split.rows, &split.field_ut), (found.rows, &found.field_ut));
     assert!(with(2).expect_err("none").message.contains("there are 1 (1500 rows), 3 (1500 rows)"));
 }
 
