@@ -41,7 +41,16 @@ pub fn text(log: &Log) -> String {
     }
     for entry in &read.left_out {
         let line = entry.first_line.map_or(String::new(), |line| format!(", first on line {line}"));
-        push(&mut out, "  left out: ", &format!("{} lines{line}: {}", entry.rows, entry.why));
+        push(
+            &mut out,
+            "  left out: ",
+            &format!(
+                "{} {}{line}: {}",
+                entry.rows,
+                if entry.rows == 1 { "line" } else { "lines" },
+                entry.why
+            ),
+        );
     }
     // What ends with options to paste stands by itself.
     let (long, short): (Vec<&String>, Vec<&String>) =
@@ -121,7 +130,7 @@ fn push(out: &mut String, label: &str, text: &str) {
     let mut line = label.to_string();
     for (index, part) in text.split('\n').enumerate() {
         if index > 0 {
-            out.push_str(&line);
+            out.push_str(line.trim_end());
             out.push('\n');
             // A line of its own is an option to paste: not broken.
             line = part.to_string();

@@ -166,7 +166,7 @@ fn ragged_rows_and_open_quotes() {
 fn columns_twice_and_no_names() {
     refused("twice", "t_s,mx_ut,my_ut,mz_ut,mx_ut\n0,1,2,3,4\n", Some(1), Some("mx_ut"), &["twice"]);
     let words = ["unit", "--map 'mx_ut=column 2[", "--ut-per-count"];
-    refused("no_header", "0,1,20,30\n0.02,2,30,40\n", Some(1), Some("column 2"), &words);
+    refused("no_header", "0,1,20,30\n0.02,2,30,40\n", Some(1), Some("2"), &words);
     refused("two_times", "t_s,t_us,mx_ut,my_ut,mz_ut\n0,0,1,2,3\n", Some(1), None, &["both t_s and t_us"]);
 }
 

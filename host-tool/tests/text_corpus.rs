@@ -122,8 +122,8 @@ fn pinned(log: &Log) -> ReadOptions {
     for (option, value) in &log.read_as.pins {
         match option.as_str() {
             "--map" => {
-                options.map =
-                    parse_map(&[value.clone()]).unwrap_or_else(|failure| panic!("{value}: {failure}"))
+                options.map = parse_map(std::slice::from_ref(value))
+                    .unwrap_or_else(|failure| panic!("{value}: {failure}"))
             }
             "--instance" => options.instance = Some(value.parse().expect("a number")),
             "--ut-per-count" => {

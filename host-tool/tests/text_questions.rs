@@ -160,6 +160,42 @@ fn rows_that_are_none_are_left_out_and_counted() {
 }
 
 #[test]
+fn what_holds_the_field_is_no_covariate() {
+    let norm = |r: &Row| r.m.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let log = table("time_s,MagX_uT,MagY_uT,MagZ_uT,Total,value,Azimuth,throttle", |index, r| {
+        format!(
+            "{:.2},{},{},{},{},{},{},{}",
+            r.t,
+            r.m[0],
+            r.m[1],
+            r.m[2],
+            norm(r),
+            norm(r) * 10.0,
+            index % 360,
+            index % 11
+        )
+    });
+    let log = read(&log, &[]).expect("a log");
+    let names: Vec<&str> = log.covariates.iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(names, ["throttle"], "{}", read_block::text(&log));
+}
+
+#[test]
+fn a_column_that_runs_forward_is_no_axis() {
+    // z is text, and what is left are time, x and y.
+    let log = lines(&rows(), |_, r| format!("{:.3},{:.3},{:.3},{:.3}oops", r.t, r.m[0], r.m[1], r.m[2]));
+    asked(&log, &["no magnetometer found"]);
+}
+
+#[test]
+fn commas_between_cells_and_in_numbers_cannot_be_told_apart() {
+    let log = table("time,MagX,MagY,MagZ", |_, r| {
+        format!("{:.3},{:.2},{:.2},{:.2}", r.t, r.m[0], r.m[1], r.m[2]).replace('.', ",")
+    });
+    assert_eq!(asked(&log, &["half as many names", "semicolons"]).line, Some(1));
+}
+
+#[test]
 fn instances_are_never_mixed_and_a_wrong_one_is_named() {
     let log = table("t_ms,I,MagX_mG,MagY_mG,MagZ_mG", |_, r| {
         let m = r.m.map(|v| v * 10.0);
@@ -174,6 +210,9 @@ fn instances_are_never_mixed_and_a_wrong_one_is_named() {
     };
     let other = with(3).expect("a log");
     assert_eq!((other.field_ut[0][7], other.field_ut[1][7]), (found.field_ut[1][7], found.field_ut[0][7]));
+    let own = log.replace("t_ms,I,MagX_mG,MagY_mG,MagZ_mG", "t_ms,instance,mx_mg,my_mg,mz_mg");
+    let split = read(&own, &[]).expect("a log");
+    assert_eq!((split.rows, &split.field_ut), (found.rows, &found.field_ut));
     assert!(with(2).expect_err("none").message.contains("there are 1 (1500 rows), 3 (1500 rows)"));
 }
 

@@ -60,9 +60,8 @@ pub fn meaning(header: &str) -> Meaning {
     let (base, index) = if index.is_some() { (base, index) } else { index_off(base) };
     let (words, suffix) = words_and_suffix(base, bracket.is_some());
     let mut words: Vec<String> = words;
-    let own_stem = words.join("_");
     let axis = axis_of(&mut words, index);
-    let kind = kind_of(&words, axis, &own_stem, base);
+    let kind = kind_of(&words, axis, base);
     let counts = words.iter().any(|w| matches!(w.as_str(), "counts" | "adc" | "lsb" | "magadc" | "digit"))
         || bracket
             .is_some_and(|text| matches!(text.to_lowercase().as_str(), "counts" | "lsb" | "raw" | "adc"));
@@ -299,7 +298,7 @@ fn is_motion(words: &[String]) -> bool {
         .any(|word| matches!(word.as_str(), "linear" | "lin" | "user" | "gravity" | "useracceleration"))
 }
 
-fn kind_of(words: &[String], axis: Option<usize>, own_stem: &str, base: &str) -> Kind {
+fn kind_of(words: &[String], axis: Option<usize>, base: &str) -> Kind {
     let has = |names: &[&str]| words.iter().any(|word| names.contains(&word.as_str()));
     // One letter names a vector only with an axis, and only first.
     let vector = |names: &[&str]| {
@@ -320,7 +319,9 @@ fn kind_of(words: &[String], axis: Option<usize>, own_stem: &str, base: &str) ->
             Kind::Field
         };
     }
-    if has(MAGNITUDE) && words.len() == 1 && matches!(own_stem, "bt" | "btotal") {
+    // `Total`, `norm`, `|B|` by themselves; a `total_current` is something else.
+    let only = words.iter().all(|word| MAGNITUDE.contains(&word.as_str()) || word == "b");
+    if axis.is_none() && only && (has(MAGNITUDE) || base.contains('|')) {
         return Kind::Derived;
     }
     if has(TEMPERATURE) && !has(ASIDE) {

@@ -15,6 +15,11 @@ pub const FORMAT: &str = "CSV of this program";
 
 /// Reads a log in the program's own format; `size_bytes` (0: unknown) only sizes buffers and the progress bar.
 pub fn read_own(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Outcome<Log> {
+    if let Some(asked) = options.instance.filter(|asked| *asked > 0) {
+        return Err(Failure::usage(format!(
+            "--instance {asked}: the log has one magnetometer; leave the option out"
+        )));
+    }
     let mut lines = Lines::new(source);
     let mut cutter = Cutter::new();
     let Some(first) = lines.next_row()? else {

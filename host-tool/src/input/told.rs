@@ -81,7 +81,7 @@ fn first_row(first: &[u8]) -> Option<(u64, &[u8])> {
 }
 
 /// Whether the first line is the header of this program's CSV: a whole magnetometer by its own names, or by names that `--map`
-/// gives; and no time under a name of somebody else's.
+/// gives; no column that says which sensor a row is of; and no time under a name of somebody else's.
 fn own(first: &[u8], options: &ReadOptions) -> Option<Format> {
     let Some((number, text)) = first_row(first) else { return Some(Format::Own) };
     let mut cutter = Cutter::new();
@@ -91,6 +91,10 @@ fn own(first: &[u8], options: &ReadOptions) -> Option<Format> {
     }
     let header: Vec<String> =
         (0..cells).map(|i| String::from_utf8_lossy(cutter.cell(text, i).trim_ascii()).into_owned()).collect();
+    // A table of several sensors is split, which the strict reader does not.
+    if header.iter().any(|cell| meaning(cell).kind == Kind::Instance) {
+        return None;
+    }
     let stated = options
         .map
         .iter()

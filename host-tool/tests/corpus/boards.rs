@@ -74,6 +74,28 @@ pub fn samples(rows: &[Row]) -> Vec<Sample> {
         .gyro()
         .untimed(),
         Sample::new(
+            "ROS log lines",
+            lines(rows, |_, r| {
+                format!("[INFO] [{:.6}] [imu]: mag=({:.3}, {:.3}, {:.3})", 1.7e9 + r.t, m(r)[0], m(r)[1], m(r)[2])
+            }),
+            1e-3,
+        ),
+        Sample::new(
+            "tuples as Python prints them",
+            lines(rows, |_, r| format!("({:.3}, {:.3}, {:.3}, {:.3})", r.t, m(r)[0], m(r)[1], m(r)[2])),
+            1e-3,
+        ),
+        Sample::new(
+            "dictionaries as Python prints them",
+            lines(rows, |_, r| format!("{{'t_s': {:.3}, 'mx': {:.3}, 'my': {:.3}, 'mz': {:.3}}}", r.t, m(r)[0], m(r)[1], m(r)[2])),
+            1e-3,
+        ),
+        Sample::new(
+            "sentences with a checksum",
+            lines(rows, |_, r| format!("$MAG,{:.3},{:.3},{:.3},{:.3}*5A", r.t, m(r)[0], m(r)[1], m(r)[2])),
+            1e-3,
+        ),
+        Sample::new(
             "JSON lines, nested",
             lines(rows, |_, r| {
                 format!(

@@ -30,6 +30,12 @@ fn header(grid: &Grid, column: usize) -> &str {
     grid.columns.get(column).map(|column| column.header.as_str()).unwrap_or_default()
 }
 
+/// The column's name, or its number where it has none.
+fn place_of(grid: &Grid, column: usize) -> &str {
+    let name = header(grid, column);
+    name.strip_prefix("column ").unwrap_or(name)
+}
+
 fn place(grid: &Grid, failure: Failure) -> Failure {
     match grid.header_line.or(grid.lines.first().copied()) {
         Some(line) => failure.at_line(line),
@@ -57,7 +63,7 @@ pub fn field_unit(grid: &Grid, columns: [usize; 3], units: &[Unit], counts: bool
             map_of(grid, columns, FIELD_COUNTS, None)
         ));
     }
-    place(grid, Failure::usage(lines.join("\n")).at_column(header(grid, columns[0])))
+    place(grid, Failure::usage(lines.join("\n")).at_column(place_of(grid, columns[0])))
 }
 
 /// Counts without a scale.
@@ -68,7 +74,7 @@ pub fn scale(grid: &Grid, columns: [usize; 3]) -> Failure {
          AK8963 or AK09916)",
         names(grid, columns)
     );
-    place(grid, Failure::usage(text).at_column(header(grid, columns[0])))
+    place(grid, Failure::usage(text).at_column(place_of(grid, columns[0])))
 }
 
 /// Several columns can be the magnetometer, and nothing tells which.
@@ -89,21 +95,15 @@ pub fn which_vector(grid: &Grid, candidates: &[[usize; 3]], units: &[Vec<Unit>])
 pub fn time_unit(grid: &Grid, column: usize, units: &[Unit], step: f64) -> Failure {
     let name = header(grid, column);
     let mut lines = vec![if units.is_empty() {
-        format!(
-            "column {} steps by {step}, which is no sensor's step in s, ms, us or ns. State it:",
-            shorten(name)
-        )
+        format!("{} steps by {step}, which is no sensor's step in s, ms, us or ns. State it:", shorten(name))
     } else {
-        format!(
-            "the unit of time is not known: column {} steps by {step}, and both fit. State one:",
-            shorten(name)
-        )
+        format!("the unit of time is not known: {} steps by {step}, and both fit. State it:", shorten(name))
     }];
     let all = ["s", "ms"];
     let units: Vec<&str> =
         if units.is_empty() { all.to_vec() } else { units.iter().map(|unit| unit.name.as_ref()).collect() };
     lines.extend(units.into_iter().map(|unit| format!("  {}", map_time(grid, column, unit))));
-    place(grid, Failure::usage(lines.join("\n")).at_column(name))
+    place(grid, Failure::usage(lines.join("\n")).at_column(place_of(grid, column)))
 }
 
 /// No magnetometer: what was looked for, what is there.

@@ -12,6 +12,8 @@ use crate::input::unit::{Quantity, Unit};
 
 /// A gyroscope comes to rest: its least magnitude is below this share of its greatest.
 const COMES_TO_REST: f64 = 0.1;
+/// In fewer rows an axis may run forward by chance.
+const TELLING: usize = 50;
 /// One g as MotionCal has it, counts.
 const MOTIONCAL_G: f64 = 8192.0;
 
@@ -87,6 +89,15 @@ pub fn without_names(grid: &Grid, vectors: &mut Vec<Vector>, choice: &mut Choice
     let can_be = |size: &Size| {
         size.least_share > COMES_TO_REST && (size.whole || !magnitude::field_units(size).is_empty())
     };
+    // What runs forward from row to row is time or a count, and no axis of a field.
+    let forward = |triple: &[usize; 3]| {
+        triple.iter().any(|column| {
+            grid.columns.get(*column).is_some_and(|c| magnitude::clock(&c.values, &choice.rows).is_some())
+        })
+    };
+    if choice.rows.len() >= TELLING && left.iter().any(|(triple, _)| forward(triple)) {
+        return Err(asked::no_field(grid));
+    }
     let candidates: Vec<&([usize; 3], Size)> = left.iter().filter(|(_, size)| can_be(size)).collect();
     let taken = match (left.as_slice(), candidates.as_slice()) {
         ([(only, _)], _) => *only,

@@ -191,6 +191,10 @@ fn end_of_number(bytes: &[u8], start: usize, decimal_comma: bool) -> usize {
 fn json(line: &str) -> Vec<Labelled> {
     match serde_json::from_str::<serde_json::Value>(line) {
         Ok(value) => object(&value),
+        // A dictionary as Python prints it.
+        Err(_) if line.contains('\'') => {
+            serde_json::from_str(&line.replace('\'', "\"")).map_or(Vec::new(), |value| object(&value))
+        }
         Err(_) => Vec::new(),
     }
 }
@@ -262,6 +266,8 @@ mod tests {
         expect("X: 1.5 uT, Y: -2 uT, Z: 3e-2 uT", ["X (uT)", "Y (uT)", "Z (uT)"]);
         expect("mag[0]: 1.5 mag[1]: -2 mag[2]: 3e-2", ["mag[0]", "mag[1]", "mag[2]"]);
         expect("{\"mag\":{\"x\":1.5,\"y\":-2,\"z\":3e-2}}", ["mag.x", "mag.y", "mag.z"]);
+        expect("{'mx': 1.5, 'my': -2, 'mz': 3e-2}", ["mx", "my", "mz"]);
+        expect("mag=(1.5, -2, 3e-2)", ["mag[0]", "mag[1]", "mag[2]"]);
         expect("{\"mag\":[1.5,-2,3e-2]}", ["mag[0]", "mag[1]", "mag[2]"]);
         assert_eq!(pairs("X: 1,5 Y: -2,5", true), [("X".to_string(), 1.5), ("Y".to_string(), -2.5)]);
     }

@@ -14,9 +14,17 @@ pub struct Bare<'a> {
 
 /// Takes colours and the prefix off a line: `12:34:56.789 -> `, `[12:34:56.789] `, `2026-01-02 12:34:56.789 > `,
 /// `[00:00:01.234,000] <inf> main: `, `I (1234) main: `.
+///
+/// Also off go `[INFO] [1700000000.02] [node]: `, the checksum of an NMEA sentence, and brackets around a whole line.
 pub fn bare(line: &str) -> Bare<'_> {
     let text = without_colours(line.trim_end_matches('\r'));
-    let found = stamped(&text).or_else(|| espressif(&text)).map(|(time_s, rest)| (time_s, rest.to_string()));
+    if let Some(inner) = unwrapped(&text) {
+        return Bare { text: Cow::Owned(inner.to_string()), time_s: None };
+    }
+    let found = stamped(&text)
+        .or_else(|| espressif(&text))
+        .or_else(|| ros(&text))
+        .map(|(time_s, rest)| (time_s, rest.to_string()));
     match found {
         Some((time_s, rest)) => Bare { text: Cow::Owned(rest), time_s: Some(time_s) },
         None => Bare { text, time_s: None },
@@ -87,6 +95,33 @@ fn stamped(line: &str) -> Option<(f64, &str)> {
     Some((time_s, rest))
 }
 
+/// `(1, 2, 3)` and `[1, 2, 3]` without the brackets, `$MAG,1,2,3*5A` without the checksum.
+fn unwrapped(line: &str) -> Option<&str> {
+    let line = line.trim();
+    if line.starts_with('$') {
+        let (said, sum) = line.rsplit_once('*')?;
+        return (sum.len() == 2 && sum.bytes().all(|b| b.is_ascii_hexdigit())).then_some(said);
+    }
+    let inner = [('(', ')'), ('[', ']')]
+        .iter()
+        .find_map(|(open, close)| line.strip_prefix(*open)?.strip_suffix(*close))?;
+    let plain = inner.bytes().all(|b| b.is_ascii_digit() || b" \t,;.+-eE".contains(&b));
+    plain.then_some(inner)
+}
+
+/// `[INFO] [1700000000.02] [node]: `, as ROS logs: seconds since 1970.
+fn ros(line: &str) -> Option<(f64, &str)> {
+    let (level, rest) = line.strip_prefix('[')?.split_once("] [")?;
+    let (stamp, rest) = rest.split_once(']')?;
+    let level_is_word = level.len() <= 6 && level.bytes().all(|b| b.is_ascii_alphabetic() || b == b' ');
+    let digits = stamp.len() <= 24 && stamp.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+    if !level_is_word || !digits {
+        return None;
+    }
+    let said = rest.split_once(": ").map_or(rest, |(_, said)| said);
+    Some((stamp.parse().ok()?, said))
+}
+
 /// `I (1234) tag: `, as ESP-IDF logs: milliseconds since the start.
 fn espressif(line: &str) -> Option<(f64, &str)> {
     let inside = ["I (", "W (", "E (", "D (", "V ("].iter().find_map(|head| line.strip_prefix(head))?;
@@ -115,6 +150,9 @@ mod tests {
             ("00:00:02.500;1;2", None, "00:00:02.500;1;2"),
             ("1970-01-01 00:00:02.5\t1\t2", None, "1970-01-01 00:00:02.5\t1\t2"),
             ("1,2,3\r", None, "1,2,3"),
+            ("[INFO] [2.5] [imu]: mag=(1, 2, 3)", Some(2.5), "mag=(1, 2, 3)"),
+            ("(1.5, -2, 3)", None, "1.5, -2, 3"),
+            ("$MAG,1,2,3*5A", None, "$MAG,1,2,3"),
             ("0.5 1 2 3", None, "0.5 1 2 3"),
             ("", None, ""),
             ("\u{1b}[", None, ""),

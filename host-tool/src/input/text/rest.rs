@@ -1,7 +1,7 @@
 //! Every other column: a covariate of its own, or left out with a reason.
 
 use crate::input::names::{Kind, Meaning};
-use crate::input::text::choice::{Choice, Taken};
+use crate::input::text::choice::{Choice, FIELD_COUNTS, FIELD_UT, Taken};
 use crate::input::text::grid::{Grid, GridColumn};
 use crate::input::text::vectors::Vector;
 use crate::input::unit::{Quantity, Unit};
@@ -13,6 +13,8 @@ pub fn covariates(grid: &Grid, meanings: &[Meaning], vectors: &[Vector], choice:
     let sensors: Vec<usize> = others.flat_map(|vector| vector.columns).collect();
     let said: String = choice.not_read.join("; ");
     let mut found: Vec<Taken> = Vec::new();
+    let of_field = |taken: &&Taken| FIELD_UT.iter().chain(&FIELD_COUNTS).any(|name| *name == taken.name);
+    let field: Vec<usize> = choice.taken.iter().filter(of_field).map(|taken| taken.column).collect();
     let added: Vec<usize> = choice.added.iter().flatten().copied().collect();
     for (index, (column, meaning)) in grid.columns.iter().zip(meanings).enumerate() {
         if choice.has(index) || sensors.contains(&index) || added.contains(&index) {
@@ -21,7 +23,9 @@ pub fn covariates(grid: &Grid, meanings: &[Meaning], vectors: &[Vector], choice:
         let header = &column.header;
         let finite =
             choice.rows.iter().filter(|row| column.values.get(**row).is_some_and(|v| v.is_finite())).count();
-        let why = if column.texts > 0 && column.texts * 2 > finite {
+        let why = if is_magnitude(grid, &field, column, &choice.rows) {
+            Some("the magnitude of the field")
+        } else if column.texts > 0 && column.texts * 2 > finite {
             Some("text")
         } else if finite == 0 {
             Some("empty")
@@ -61,6 +65,27 @@ pub fn covariates(grid: &Grid, meanings: &[Meaning], vectors: &[Vector], choice:
         }
     }
     choice.taken.extend(found);
+}
+
+/// Whether a column is the length of the field in every row, in any unit.
+fn is_magnitude(grid: &Grid, field: &[usize], column: &GridColumn, rows: &[usize]) -> bool {
+    let ratio = |row: &usize| -> Option<f64> {
+        let square = |index: &usize| grid.columns.get(*index)?.values.get(*row).map(|value| value * value);
+        let norm = field.iter().filter_map(square).sum::<f64>().sqrt();
+        Some(column.values.get(*row)? / norm).filter(|ratio| ratio.is_finite())
+    };
+    let ratios: Vec<f64> = rows.iter().filter_map(ratio).collect();
+    let [least, most] = [f64::min, f64::max].map(|pick| ratios.iter().copied().reduce(pick).unwrap_or(0.0));
+    let [short, long] = [f64::min, f64::max].map(|pick| {
+        rows.iter()
+            .filter_map(|row| column.values.get(*row))
+            .copied()
+            .filter(|v| v.is_finite())
+            .reduce(pick)
+            .unwrap_or(0.0)
+    });
+    // A constant beside a constant magnitude proves nothing.
+    ratios.len() > 10 && least > 0.0 && most < 1.01 * least && long > 1.03 * short
 }
 
 /// Whether a column only counts: whole numbers that never fall, and rise by one or by a step that is always the same.

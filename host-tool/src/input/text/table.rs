@@ -179,6 +179,21 @@ pub fn read(lines: &[Bare<'_>], layout: Layout) -> Grid {
     grid
 }
 
+/// Where the header of a table of commas has half as many names as the rows have cells: numbers with decimal commas between
+/// commas. Gives the header's line.
+pub fn doubled(lines: &[Bare<'_>], layout: Layout) -> Option<u64> {
+    let mut cells = Vec::new();
+    let found = lines.iter().take(LOOK).position(|line| {
+        layout.separator.cut(&line.text, &mut cells);
+        let names = cells.len() >= LEAST_NUMBERS && numbers(&cells, false) == 0;
+        // One whole number among them has no comma.
+        names && (layout.cells == 2 * cells.len() || layout.cells + 1 == 2 * cells.len())
+    });
+    found
+        .filter(|_| layout.separator == Separator::Mark(',') && !layout.decimal_comma)
+        .map(|at| at as u64 + 1)
+}
+
 /// The line above the first row that names as many columns as rows have cells.
 fn header(lines: &[Bare<'_>], first: usize, layout: Layout) -> Option<(usize, Vec<String>)> {
     let mut cells = Vec::new();

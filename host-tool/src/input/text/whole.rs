@@ -56,7 +56,18 @@ fn grid(text: &str) -> Outcome<Grid> {
         return checked(records::read_prints(&lines, &prints));
     }
     match table {
-        Some(layout) => checked(table::read(&lines, layout)),
+        Some(layout) => {
+            let grid = checked(table::read(&lines, layout))?;
+            match table::doubled(&lines, layout).filter(|_| !grid.named) {
+                Some(line) => Err(Failure::usage(format!(
+                    "the header has half as many names as the rows have cells ({}): are there commas between cells and in the \
+                     numbers, too?\n  Export the table with semicolons or tabs, or with points in its numbers",
+                    layout.cells
+                ))
+                .at_line(line)),
+                None => Ok(grid),
+            }
+        }
         None => Err(no_rows(&lines)),
     }
 }
