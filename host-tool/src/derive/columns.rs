@@ -73,7 +73,7 @@ fn sensor(
     mounting: Option<[[f64; 3]; 3]>,
 ) -> Option<[Vec<f64>; 3]> {
     let derived = |name: &&str| definitions.iter().any(|definition| definition.name == **name);
-    if !names.iter().all(|name| derived(name)) {
+    if !names.iter().all(derived) {
         return None;
     }
     let mut axes = names.map(|name| {
