@@ -4,7 +4,8 @@ use crate::failure::{Failure, Outcome};
 use crate::formats::interpolate::{GAP_PERIODS, at_times, gap_s};
 use crate::formats::order::ordered;
 use crate::formats::stream::{Column, Recording, Stream};
-use crate::input::{Covariate, Instance, LeftOut, Log, ReadAs, ReadColumn, ReadOptions};
+use crate::input::log::{Covariate, Log, ReadOptions};
+use crate::input::read_as::{Instance, LeftOut, ReadAs, ReadColumn};
 
 const FIELD_UT: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
 const FIELD_COUNTS: [&str; 3] = ["mx_counts", "my_counts", "mz_counts"];

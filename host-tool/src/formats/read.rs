@@ -5,7 +5,7 @@ use crate::formats::feed::Feed;
 use crate::formats::join::join;
 use crate::formats::told::Format;
 use crate::formats::{blackbox, dataflash, mcap, ulog};
-use crate::input::{Log, ReadOptions};
+use crate::input::log::{Log, ReadOptions};
 use crate::progress::Progress;
 use std::io::Read;
 

@@ -6,10 +6,10 @@
 mod columns;
 mod guard;
 mod lines;
-mod log;
+pub mod log;
 mod mount;
 pub mod number;
-mod read_as;
+pub mod read_as;
 mod reader;
 mod store;
 mod table;
