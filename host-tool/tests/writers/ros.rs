@@ -38,7 +38,7 @@ impl Message {
     /// A number in little-endian bytes.
     pub fn number<const N: usize>(&mut self, mut bytes: [u8; N]) {
         if self.form != Form::Ros1 {
-            while self.bytes.len() % N != 0 {
+            while !self.bytes.len().is_multiple_of(N) {
                 self.bytes.push(0);
             }
         }

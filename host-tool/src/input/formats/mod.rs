@@ -1,7 +1,7 @@
 //! Logs of other programs that are no table: PX4 ULog, ArduPilot DataFlash, Betaflight and INAV blackbox, MCAP of ROS.
 //!
 //! Each is read into a [`Recording`]: streams on time bases of their own, in body axes and the program's units, with the
-//! calibration that an autopilot had applied taken out. One join makes a [`Log`](crate::input::Log) of it.
+//! calibration that an autopilot had applied taken out. One join makes a [`Log`](crate::input::log::Log) of it.
 
 mod blackbox;
 mod correction;
