@@ -106,7 +106,12 @@ impl Fitted {
         let calibration = solution.calibration;
         let fields = || counted.used.iter().map(|&sample| counted.data.field(sample));
         self.before = Some(spread_of_magnitude(fields().map(norm)));
-        self.dip_deg = self.dip_deg.or_else(|| median_dip_deg(&counted.samples, &calibration));
+        // Axes that are not told from their mirror image have no dip, and no heading.
+        let unknown = matches!(solution.alignment, Alignment::Mirrored(_) | Alignment::Open(_));
+        self.dip_deg = match unknown {
+            true => None,
+            false => self.dip_deg.or_else(|| median_dip_deg(&counted.samples, &calibration)),
+        };
         self.heading_error_deg = self.dip_deg.map(|dip_deg| {
             let level_ut = calibration.field_ut * dip_deg.to_radians().cos();
             let error_ut = solution.predicted_error_ut.hypot(solution.rms_ut);

@@ -198,6 +198,9 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected) {
                 "against the accelerometer"
             }
         )),
+        None if matches!(solution.alignment, Alignment::Mirrored(_) | Alignment::Open(_)) => {
+            line("heading error               -               not before the axes are in order")
+        }
         None => line("heading error               -               needs the dip: an accelerometer, or --at"),
     }
     if let Some(coverage) = fitted.coverage {
