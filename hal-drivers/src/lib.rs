@@ -6,7 +6,7 @@
 //! calibrated and which pins it hangs on belong to the board and to the application; nothing here knows any of them.
 //!
 //! A chip is data, [`Chip`]: a register map and what its bytes mean. One text drives them all, [`Driver`], and is compiled
-//! twice, for a bus that is waited for and, with the feature `async`, for one that is awaited ([`asynch`]).
+//! twice, for a bus that is waited for and, with the feature `async`, for one that is awaited (`asynch`).
 //!
 //! ```
 //! use ironout_drivers::lsm303dlhc::{Config, Lsm303dlhc, Range};

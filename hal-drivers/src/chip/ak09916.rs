@@ -1,6 +1,6 @@
 //! AKM AK09916: 16 bits, ±4912 µT, 10 to 100 Hz. Alone, or in a TDK ICM-20948 (see [`icm20948`](crate::icm20948)).
 //!
-//! From the datasheet (MS1697-E): register map section 11.1, modes 9.3, self-test 9.4.4, sensitivity 5.3.
+//! From the datasheet: register map, operating modes, self-test, sensitivity.
 //!
 //! | what | where |
 //! |---|---|

@@ -156,12 +156,21 @@ impl<E> Findings<E> {
 
     /// One more; those beyond [`MOST_FOUND`] are left out.
     pub(crate) fn add(&mut self, found: Found) {
+        if found.kind == Kind::Icm20948 {
+            // With its bypass open, as a restart without a loss of power leaves it, its magnetometer was found already: the same
+            // board has to be the same chip each time.
+            let own = |place: &&mut Option<Found>| place.is_some_and(|other| other.kind == Kind::Ak09916);
+            if let Some(place) = self.found.iter_mut().find(own) {
+                *place = Some(found);
+                return;
+            }
+        }
         if let Some(place) = self.found.iter_mut().find(|place| place.is_none()) {
             *place = Some(found);
         }
     }
 
-    /// The chips, by address. An ICM-20948 whose bypass is open is listed beside its AK09916.
+    /// The chips, by address. An AK09916 beside an ICM-20948 is taken for the one in it, and only the ICM-20948 is listed.
     pub fn iter(&self) -> impl Iterator<Item = Found> + '_ {
         self.found.iter().flatten().copied()
     }

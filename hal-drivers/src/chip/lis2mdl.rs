@@ -1,6 +1,6 @@
 //! ST LIS2MDL, IIS2MDC, and the magnetic half of an LSM303AGR: 16 bits, ±49.152 G, 10 to 100 Hz.
 //!
-//! | | LIS2MDL (DocID 028968), IIS2MDC (DocID 030171) | LSM303AGR (DocID 027765) |
+//! | | LIS2MDL, IIS2MDC | LSM303AGR (DocID 027765) |
 //! |---|---|---|
 //! | address | 0x1e (section "I2C operation") | 0x1e |
 //! | identity | WHO_AM_I 0x4f = 0x40 | WHO_AM_I_M 0x4f = 0x40 |

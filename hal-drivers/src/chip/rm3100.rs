@@ -1,7 +1,7 @@
 //! PNI RM3100 (three sensor coils and a MagI2C): 24 bits, ±800 µT, 2 to 300 Hz.
 //!
-//! From the user manual (revision R07): gains and rates by cycle count table 3-1, registers table 5-1 and sections 5.1 to 5.8; the
-//! continuous mode's byte as Linux and PX4 write it.
+//! From the user manual: gains and rates by cycle count, register map, self-test; the bytes of the continuous mode, the rate and the
+//! self-test as Linux and PX4 write them.
 //!
 //! | what | where |
 //! |---|---|

@@ -82,6 +82,8 @@ fn every_chip_is_found_alone_and_its_driver_measures() {
         let sensor = driver.describe();
         let field = sensor.measured_ut(sensor.sample(&driver.read().unwrap())).unwrap();
         assert!((field[2] + 30.0).abs() < 0.4, "{kind:?}: {field:?}");
+        // A microcontroller that restarts alone finds the chip as it left it: the same one.
+        assert_eq!(found_on(&driver.destroy(), &clock), [found], "{kind:?}");
     }
 }
 
