@@ -195,8 +195,9 @@ export class Board {
         clock.sleep(endNs);
         continue;
       }
-      // Some milliseconds at once, and no further than the next alarm.
-      const stop = Math.min(clock.cyclesAt(endNs), core.cycles + 100_000);
+      // Some milliseconds at once, no further than the next alarm, and one instruction at least: rounding may put the end of the
+      // time at a cycle that has been.
+      const stop = Math.max(core.cycles + 1, Math.min(clock.cyclesAt(endNs), core.cycles + 100_000));
       let executed = 0;
       try {
         while (!core.waiting && core.cycles < stop && core.cycles < clock.dueCycles) {
