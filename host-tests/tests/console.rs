@@ -49,7 +49,7 @@ fn the_answers_of_the_contract() {
         ("effect", "err usage effect list, effect add ID"),
         ("why", "err state nothing to study yet: cal start"),
         ("cov current_a=3.2", "ok current_a=3.2 used=0 tested=1"),
-        ("cov a=1 b=2", "err state no room: 3 columns are tested at once (current_a, temp_c)"),
+        ("cov a=1 b=2", "err state no room: 3 columns are tested at once (temp_c, current_a)"),
         ("cov ax_mps2=0 ay_mps2=0 az_mps2=-9.8", "ok ax_mps2=0.0 ay_mps2=0.0 az_mps2=-9.8 used=0 tested=3"),
         ("cov current_a=-", "ok current_a=- used=0 tested=0"),
         ("cov current_a=much", "err usage cov NAME=VALUE"),
