@@ -1,6 +1,7 @@
 //! A long flight as PX4 records it.
 
-// The tests' writer, so that there is one.
+// The tests' writer, so that there is one; the bench uses a part of it.
+#[allow(dead_code)]
 #[path = "../../tests/writers/ulog.rs"]
 mod writer;
 
