@@ -9,8 +9,7 @@ fn the_three_lines_are_read() {
         Ok(Command::CalLoad(Load::Begin { bytes: 512, crc: 0x00c0_ffee }))
     );
     assert_eq!(parse("cal load end"), Ok(Command::CalLoad(Load::End)));
-    let Ok(Command::CalLoad(Load::Data { offset: 484, bytes })) = parse("cal load data 484 00ff7A")
-    else {
+    let Ok(Command::CalLoad(Load::Data { offset: 484, bytes })) = parse("cal load data 484 00ff7A") else {
         panic!("no data")
     };
     assert_eq!(bytes.as_slice(), [0, 0xff, 0x7a]);

@@ -1,7 +1,7 @@
 //! The log that all others are made from, and what is fitted to it.
 
 use crate::common::{folder, ironout, text};
-use ironout_cli::input::{Log, ReadOptions, read_stream, read_log};
+use ironout_cli::input::{Log, ReadOptions, read_log, read_stream};
 use std::path::{Path, PathBuf};
 
 /// A simulated log in our own format.
