@@ -206,7 +206,7 @@ impl Learner {
     pub(super) fn total(&self) -> Work {
         let mut work = Work::new();
         self.blocks.iter().for_each(|block| work.merge(block));
-        self.marks.into_total(&self.blocks, &mut work);
+        self.marks.beside_total(&self.blocks, &mut work);
         work
     }
 
@@ -248,7 +248,7 @@ impl Learner {
             if let Some(block) = self.blocks.iter().nth(index) {
                 work.merge(block);
             }
-            self.marks.into_block(&self.blocks, index, &mut work);
+            self.marks.beside_block(&self.blocks, index, &mut work);
             work.shift(delta);
             if let Some(block) = self.blocks.iter_mut().nth(index) {
                 block.right.iter_mut().zip(&work.right).for_each(|(to, from)| *to = *from);

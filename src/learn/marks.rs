@@ -119,14 +119,14 @@ impl Marks {
     }
 
     /// Puts the columns of the best jump beside the sums of all rows.
-    pub(super) fn into_total(&self, blocks: &Blocks<STREAMED, ENTRIES>, work: &mut Work) {
+    pub(super) fn beside_total(&self, blocks: &Blocks<STREAMED, ENTRIES>, work: &mut Work) {
         if let Some(mark) = self.best() {
             work_with(work, &since(blocks, mark));
         }
     }
 
     /// The same of one block.
-    pub(super) fn into_block(&self, blocks: &Blocks<STREAMED, ENTRIES>, index: usize, work: &mut Work) {
+    pub(super) fn beside_block(&self, blocks: &Blocks<STREAMED, ENTRIES>, index: usize, work: &mut Work) {
         let Some(mark) = self.best() else { return };
         let begin = blocks.rows_before(index);
         let Some(block) = blocks.iter().nth(index) else { return };

@@ -14,7 +14,7 @@ pub(super) fn held_out(learner: &Learner, chosen: Chosen) -> Option<f32> {
         let Some(block) = learner.blocks.iter().nth(index).filter(|block| block.rows > 0) else { continue };
         let mut own = Work::new();
         own.merge(block);
-        learner.marks.into_block(&learner.blocks, index, &mut own);
+        learner.marks.beside_block(&learner.blocks, index, &mut own);
         rest.take_out(&own);
         let delta = Factor::of(&rest, chosen, true)?.step(&rest);
         rest.merge(&own);
