@@ -86,7 +86,7 @@ fn a_firmware_that_fails_at_every_start_ends_in_one_that_only_answers() {
     }
     for _ in 0..2 {
         assert_eq!(ask(&mut board, "status").code(), Some("busy"));
-        board.run_ms(3_000).unwrap();
+        board.run_ms(2_600).unwrap();
     }
     board.power_cycle().unwrap();
     board.run_ms(200).unwrap();
