@@ -118,7 +118,7 @@ mod tests {
     fn the_longest_lines_fit_into_the_room_that_is_asked_for() {
         let mut log = Log::new();
         for i in 0..=LOG_COLUMNS {
-            let name = std::format!("{i}23456789_123456789_123456789_12");
+            let name = std::format!("{i:x}23456789_123456789_123456789_12");
             let fed = log.feed(&ColumnName::new(&name).unwrap(), -f32::MIN_POSITIVE);
             assert_eq!(fed, i < LOG_COLUMNS);
         }
