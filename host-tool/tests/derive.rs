@@ -147,11 +147,17 @@ fn wrong_expressions_name_what_is_near() {
     assert!(run.status == 0 && run.stderr.contains("has no finite value in"), "{}", run.stderr);
 }
 
+/// What was fitted, whatever the columns are called in the file.
+fn fitted(mut object: serde_json::Value) -> serde_json::Value {
+    object.as_object_mut().expect("an object").remove("read_as").expect("how it was read");
+    object
+}
+
 #[test]
 fn a_sensor_in_another_unit_is_computed() {
     let here = folder("derive_sensor");
     let log = common::simulate(&here, "log.csv", &["--seed", "4"]);
-    let right = ironout(["fit", text(&log), "--json"]).json();
+    let right = fitted(ironout(["fit", text(&log), "--json"]).json());
     let options = [
         "--map",
         "x=ax_mps2,y=ay_mps2,z=az_mps2",
@@ -162,6 +168,6 @@ fn a_sensor_in_another_unit_is_computed() {
         "--derive",
         "az_mps2=z+0",
     ];
-    let computed = ironout(["fit", text(&log), "--json"].iter().chain(&options)).json();
+    let computed = fitted(ironout(["fit", text(&log), "--json"].iter().chain(&options)).json());
     assert_eq!(computed, right);
 }

@@ -25,8 +25,8 @@ const CALIBRATION: usize = 400;
 const ATTITUDES: usize = 1400;
 /// Attitudes in which an error is measured.
 const PROBES: usize = 50;
-/// Without the effect nothing has to be known of its column: the error is looked at over more of what happens.
-const STRIDE: usize = 8;
+/// Without the effect nothing has to be known of its column: the error is looked at over all that happens there and back.
+const STRIDE: usize = 2 * ATTITUDES / PROBES;
 /// More of them before the question is asked again, and how often.
 const MORE: usize = 200;
 const ROUNDS: usize = 12;

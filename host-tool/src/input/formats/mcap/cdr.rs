@@ -103,7 +103,8 @@ mod tests {
             let three = 3_u32;
             data.extend(if little { three.to_le_bytes() } else { three.to_be_bytes() });
             data.extend(b"ab\0");
-            data.push(0xee);
+            // Up to a multiple of eight behind the head.
+            data.extend([0xee; 5]);
             data.extend(if little { 1.5_f64.to_le_bytes() } else { 1.5_f64.to_be_bytes() });
             let mut reader = Reader::new(&data, Encoding::Cdr).expect("a known form");
             assert_eq!(reader.u8(), Some(7));
