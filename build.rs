@@ -35,7 +35,7 @@ const MAPS: &[Map] = &[
         second_stage: false,
         ram_origin: 0x2000_0000,
         ram_kib: 128,
-        stack_kib: 64,
+        stack_kib: 96,
         own_vectors: true,
     },
     // Two sectors of 4 KiB for the slots. Of the RAM the four striped banks: the boot ROM uses the two banks above them, and

@@ -115,7 +115,9 @@ fn shape(line: &str) -> String {
 #[test]
 fn the_documented_session_is_what_the_board_says() {
     let text = include_str!("../../docs/console.md");
-    let mut documented = text.lines().filter_map(|line| line.strip_prefix("    ")).peekable();
+    // Indented lines are the session; what stands between fences is a program's or an example's.
+    let parts = text.split("```").step_by(2);
+    let mut documented = parts.flat_map(str::lines).filter_map(|line| line.strip_prefix("    ")).peekable();
     let mut board = world_board(Motion::Sphere, 1);
     board.run_ms(100);
     let mut seconds = [3, 57].into_iter();

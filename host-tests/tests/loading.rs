@@ -295,7 +295,7 @@ fn a_log_is_streamed_with_its_columns_and_its_gaps_by_number() {
     assert_eq!(last(&mut board, "stream log"), "ok stream=log");
     board.run_ms(1000);
     let lines = board.received();
-    assert_eq!(lines[0], "H,t_ms,seq,x,y,z");
+    assert_eq!(lines[0], "H,t_ms,seq,x,y,z,temp_c", "the chip's own temperature is known");
     let numbers = |line: &String| -> Vec<u64> {
         line.split(',').skip(1).take(2).map(|word| word.parse().expect("a number")).collect()
     };

@@ -179,7 +179,7 @@ fn recordings_are_left_alone_unless_their_sensors_disagree() {
         let Some(log) = recording(name) else { continue };
         let run = ironout(["fit", text(&log)].iter().chain(options));
         assert!(run.status <= 1, "{name}: {}", run.stderr);
-        assert_eq!(run.stderr.is_empty(), told.is_empty(), "{name}: {}", run.stderr);
+        assert_eq!(run.stderr.contains("note: "), !told.is_empty(), "{name}: {}", run.stderr);
         let words = run.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(told.iter().all(|word| words.contains(word)), "{name}: {words}");
     }
