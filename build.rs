@@ -48,7 +48,7 @@ const MAPS: &[Map] = &[
         second_stage: true,
         ram_origin: 0x2000_0000,
         ram_kib: 256,
-        stack_kib: 64,
+        stack_kib: 160,
         own_vectors: false,
     },
 ];

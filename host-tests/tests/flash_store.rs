@@ -106,7 +106,7 @@ fn every_cut<const WRITE: usize>(new: &Record) {
         flash.left = left;
         let mut slots = FlashSlots::new(flash, 2 * SECTOR as u32).unwrap();
         let before = current(&mut slots).expect("the third");
-        let saved = run(StoreJob::save(None, new.clone()), &mut slots, |_| {});
+        let saved = run(StoreJob::save(None, *new), &mut slots, |_| {});
         let mut flash = slots.destroy();
         let used = left - flash.left;
         flash.left = usize::MAX;
@@ -114,10 +114,7 @@ fn every_cut<const WRITE: usize>(new: &Record) {
         let after = current(&mut slots).expect("a calibration, whatever happened");
         // Power may fail after the last byte that counts, too: then it is stored, and nobody was told.
         assert!(saved.is_err() || after != before, "cut after {left}");
-        assert!(
-            after == before || after == Record { sequence: 4, ..new.clone() },
-            "cut after {left}: {after:?}"
-        );
+        assert!(after == before || after == Record { sequence: 4, ..*new }, "cut after {left}: {after:?}");
         (used, slots.destroy())
     };
     let (all, flash) = stored(usize::MAX);

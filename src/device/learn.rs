@@ -15,6 +15,8 @@ use crate::sensor::Sample;
 use crate::session::State;
 use crate::store::Slot;
 
+/// Whether a board studies its samples: one without a floating-point unit does not.
+pub(super) const STUDIES: bool = !cfg!(armv6m);
 /// How often the chip's temperature is asked for.
 const TEMPERATURE_MS: u64 = 1000;
 /// How often, where it has none.
@@ -133,7 +135,7 @@ impl Device {
 
     /// Learns from a sample.
     pub(super) fn learn(&mut self, sample: Sample, t_ms: u64) {
-        if !self.lessons.learner.is_learning() {
+        if !STUDIES || !self.lessons.learner.is_learning() {
             return;
         }
         let Some(measured_ut) = self.config.sensor.measured_ut(sample) else { return };
@@ -153,6 +155,7 @@ impl Device {
     /// A calibration begins from nothing, and so does the study: at the calibration in use, or once there is one.
     pub(super) fn learn_anew(&mut self) {
         match &self.active {
+            _ if !STUDIES => {}
             Some(active) => self.lessons.learner.begin(&active.record.calibration),
             None => self.lessons.learner.reset(),
         }
@@ -162,7 +165,8 @@ impl Device {
     /// Begins the study at a calibration that is under way, once it is good enough. Whether it took a computation.
     pub(super) fn begin_to_learn(&mut self) -> bool {
         let lessons = &self.lessons;
-        if lessons.learner.is_learning()
+        if !STUDIES
+            || lessons.learner.is_learning()
             || self.session.state() != State::Collecting
             || self.now_ms < lessons.begin_at_ms
             || self.session.counts().n < BEGIN_SAMPLES
@@ -186,7 +190,7 @@ impl Device {
         let had_effects = self.active.as_ref().is_some_and(|active| !active.record.effects.is_empty());
         let learner = &mut self.lessons.learner;
         let near = |field: f64| (field / record.calibration.field_ut - 1.0).abs() < 1e-6;
-        if had_effects || !learner.field_ut().is_some_and(near) {
+        if STUDIES && (had_effects || !learner.field_ut().is_some_and(near)) {
             learner.begin(&record.calibration);
         }
         self.lessons.own_clock = false;
@@ -209,7 +213,7 @@ impl Device {
     /// There is no calibration any more.
     pub(super) fn cleared_from_work(&mut self) {
         let Some(active) = self.active.take() else { return };
-        if !active.record.effects.is_empty() {
+        if STUDIES && !active.record.effects.is_empty() {
             self.lessons.learner.begin(&active.record.calibration);
         }
     }

@@ -28,7 +28,7 @@ const THETA: [f64; 3] = [0.8, -0.5, 0.3];
 
 /// A current that is on and off.
 fn current(i: u64) -> f64 {
-    if i / 170 % 2 == 0 { 0.0 } else { 2.0 }
+    if (i / 170).is_multiple_of(2) { 0.0 } else { 2.0 }
 }
 
 fn column(name: &str) -> ColumnName {

@@ -79,7 +79,7 @@ fn no_false_alarm_in_simulated_days_of_any_noise() {
 fn single_spikes_are_passed_over() {
     // Every ten seconds one sample is as wrong as it can be.
     let changes = run(7, 6.0, 50.0, 0.0, |t_s, field| {
-        if (t_s * 50.0).round() as u64 % 500 == 0 {
+        if ((t_s * 50.0).round() as u64).is_multiple_of(500) {
             field[2] += 4000.0;
         }
     });
