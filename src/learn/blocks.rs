@@ -72,8 +72,19 @@ impl<const P: usize, const E: usize> Blocks<P, E> {
             other.clear();
         }
         if let Some(rest) = self.blocks.get_mut(first + 1..) {
-            rest.rotate_left(1);
+            first_to_end(rest);
         }
+    }
+}
+
+/// Puts the first behind all others. A rotation by one, without the panic that the library's has for an empty slice: this is on the
+/// path of a sample.
+pub(super) fn first_to_end<T>(all: &mut [T]) {
+    let mut rest = all.iter_mut();
+    let Some(mut place) = rest.next() else { return };
+    for next in rest {
+        core::mem::swap(place, next);
+        place = next;
     }
 }
 

@@ -3,7 +3,7 @@
 //! A jump at some row has the columns of the offset, from that row on. Their sums are those of all rows less those before it, so
 //! that a copy of the offset's rows of the normal matrix is all that a possible jump costs, and nothing a sample.
 
-use super::blocks::Blocks;
+use super::blocks::{Blocks, first_to_end};
 use super::layout::{ENTRIES, STEP, STREAMED};
 use super::point::BASE;
 use super::solve::{Chosen, Factor};
@@ -85,7 +85,7 @@ impl Marks {
             }
             let Some((_, index)) = least else { return };
             if let Some(rest) = self.marks.get_mut(index..) {
-                rest.rotate_left(1);
+                first_to_end(rest);
             }
             self.used -= 1;
             if self.best != NONE && usize::from(self.best) > index {
