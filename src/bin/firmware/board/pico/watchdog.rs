@@ -20,7 +20,9 @@ pub fn restart() -> ! {
     // SAFETY: nothing else runs any more.
     let mut watchdog = watchdog::Watchdog::new(unsafe { WATCHDOG::steal() });
     watchdog.trigger_reset();
-    loop {}
+    loop {
+        cortex_m::asm::nop();
+    }
 }
 
 /// Feeds it, for what comes after the end of everything else.
