@@ -85,7 +85,10 @@ pub struct LogArgs {
     /// Scale of mx_counts,… in microtesla a count: one number, or three for x,y,z
     #[arg(long, value_name = "UT[,UT,UT]", help_heading = "Reading the log", allow_hyphen_values = true)]
     pub ut_per_count: Option<String>,
-    /// Which column is what: mx_ut=MagX,my_ut=MagY,mz_ut=MagZ, with its unit as in t_s=time[ms] or mx_ut=MagX[mG] (repeatable)
+    /// Which column is what, with its unit (repeatable)
+    #[arg(
+        help = "Which column is what: mx_ut=MagX,my_ut=MagY,mz_ut=MagZ, with its unit as in t_s=time[ms] or mx_ut=MagX[mG] (repeatable)"
+    )]
     #[arg(long, value_name = "NAME=HEADER[UNIT],…", help_heading = "Reading the log")]
     pub map: Vec<String>,
     /// From the sensor's mounting to body axes: roll180 | roll180,yaw90 | y,-x,z (body x,y,z from sensor axes) | nine

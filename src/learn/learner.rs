@@ -40,7 +40,7 @@ pub enum Fed {
 
 /// The study that a board carries with it.
 ///
-/// Nine columns of base, three of drift and three for each of up to [`MAX_TESTED`] fed columns, in four blocks of time; snapshots
+/// Nine columns of base, three of drift and three for each of up to [`MAX_TESTED`](super::MAX_TESTED) fed columns, in four blocks of time; snapshots
 /// for a step; and the dip with a delay. No sample is kept.
 #[derive(Clone, Debug)]
 pub struct Learner {
