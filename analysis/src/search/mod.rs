@@ -12,4 +12,5 @@ pub mod screen;
 pub mod search;
 pub mod shown;
 pub mod state;
+pub mod thinned;
 pub mod undisturbed;
