@@ -105,6 +105,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         lower_order: None,
         base: None,
         dip_deg: None,
+        searches: options.search,
     };
     let in_group = |id: &String| confounded.iter().any(|group| group.ids.contains(id));
     let mut steps = view.steps(&None)?;

@@ -113,7 +113,18 @@ fn magnitude(
         Err(why) => return Ok(undetermined(table, samples, options.registry, why)),
     };
     let base = stand.base;
-    let dip_deg = options.dip_deg;
-    View { table, samples, catalogue: &catalogue, pass, known, explanation, lower_order: None, base, dip_deg }
-        .finish(pure_lag)
+    let (dip_deg, searches) = (options.dip_deg, options.search);
+    View {
+        table,
+        samples,
+        catalogue: &catalogue,
+        pass,
+        known,
+        explanation,
+        lower_order: None,
+        base,
+        dip_deg,
+        searches,
+    }
+    .finish(pure_lag)
 }

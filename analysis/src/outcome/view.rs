@@ -45,6 +45,8 @@ pub(crate) struct View<'v, 'a> {
     pub(crate) base: Option<&'v Base>,
     /// The dip of the place, degrees, where it is known.
     pub(crate) dip_deg: Option<f64>,
+    /// Whether effects are looked for; a fit takes those that were asked for and no other.
+    pub(crate) searches: bool,
 }
 
 /// What the dip says in the end.
@@ -77,6 +79,10 @@ impl<'a> View<'_, 'a> {
             tested: None,
             shown: None,
         };
+        let is_coupled = fitted.pieces.iter().any(|piece| !piece.hidden_delay().is_empty());
+        if !(self.searches || force_lag || is_coupled) {
+            return Ok(Some(study));
+        }
         let Some(lag) = self.catalogue.late_sensor() else { return Ok(Some(study)) };
         let lag_id = lag.id.clone();
         let pass = Pass { samples: &clean, residual: Residual::Dip };
@@ -88,7 +94,7 @@ impl<'a> View<'_, 'a> {
         let Some(tested) = screening.tested.into_iter().next() else { return Ok(Some(study)) };
         let held_deg = tested.held_out.map(|squares| (squares / base.rows).sqrt().to_degrees());
         study.tested = Some((tested.p_value, held_deg));
-        let has_eddy = fitted.pieces.iter().any(|piece| !piece.hidden_delay().is_empty());
+        let has_eddy = is_coupled;
         let far = if tested.accepted || force_lag || has_eddy || after_deg < LOOSE_DEG {
             None
         } else {

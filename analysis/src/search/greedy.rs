@@ -133,7 +133,8 @@ impl<'a> Greedy<'_, 'a> {
                 break;
             }
             let most = if self.pass.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };
-            let next = if fitted.pieces.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
+            let next =
+                if fitted.pieces.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
             let next = next.flatten();
             if let Some((winner, next)) = next {
                 fitted = self.aligned(prefer(&self.pass, next, self.known)?)?;
