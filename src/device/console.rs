@@ -10,7 +10,7 @@ use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Repl
 use crate::session::{Hint, State};
 use crate::store::StoreJob;
 
-const HELP: [&str; 10] = [
+const HELP: [&str; 11] = [
     "help | version | status",
     "cal start | cal stop | cal accept [force] | cal cancel | cal show | cal clear",
     "cal method adjusted|trace|constant",
@@ -18,6 +18,7 @@ const HELP: [&str; 10] = [
     "stream off | stream raw | stream cal | stream motioncal | stream log",
     "field UT: the expected magnitude, microtesla",
     "cov NAME=VALUE: a column that effects may follow, as in cov temp_c=31.5; NAME=- forgets it",
+    "heading | heading DECLINATION_DEG: where the front points, clockwise from north; east positive",
     "why: which effect is missing | effect list | effect add ID | effect remove ID",
     "a calibration: cal start, turn the board in all directions, cal stop, cal accept",
     "status says where to turn next",
@@ -43,6 +44,7 @@ impl Device {
                 let most = protocol::MAX_LINE;
                 return Some(reply.err(Code::Long, format_args!("a line has at most {most} characters")));
             }
+            Line::Packet(bytes) => return self.motioncal_packet(bytes, reply),
             Line::NotText => {
                 return Some(
                     reply.err(Code::Usage, format_args!("a line holds printable ASCII characters only")),
@@ -97,6 +99,7 @@ impl Device {
             }
             Command::Stream(mode) => self.set_stream(reply, mode),
             Command::Cov(list) => self.cov(reply, &list),
+            Command::Heading(declination_deg) => self.heading(reply, declination_deg),
             Command::Why => return self.why(reply),
             Command::EffectList => self.effect_list(reply),
             Command::EffectAdd(id) => return self.effect_add(reply, id),
@@ -181,7 +184,10 @@ impl Device {
         }
         if let Some(Active { live: Ok(_), monitor, .. }) = &self.active {
             let condition = monitor.condition().name();
-            reply.line(format_args!("monitor condition={condition} residual_ratio={:.2}", monitor.ratio()));
+            let (ratio, dip_ratio) = (monitor.ratio(), Opt(monitor.dip_ratio()));
+            reply.line(format_args!(
+                "monitor condition={condition} residual_ratio={ratio:.2} dip_ratio={dip_ratio:.2}"
+            ));
         }
         // What went wrong: restarts of the firmware, lost transactions, and samples out of range.
         let faults = [self.restarts.count, self.sensor.faults()]
