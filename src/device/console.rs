@@ -6,6 +6,7 @@ use super::active::Active;
 use super::machine::{Device, Errand};
 use super::sensor::SensorFault;
 use crate::extended::Live;
+use crate::number::Num;
 use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Reply, StreamMode};
 use crate::session::{Hint, State};
 use crate::store::StoreJob;
@@ -107,7 +108,7 @@ impl Device {
             Command::Field(field_ut) => {
                 if self.session.set_field_ut(Some(field_ut)) {
                     self.status = None;
-                    reply.ok(format_args!("field_ut={field_ut:?}"))
+                    reply.ok(format_args!("field_ut={:?}", Num(field_ut)))
                 } else {
                     reply.err(Code::Usage, format_args!("field UT, a positive magnitude in microtesla"))
                 }
@@ -119,7 +120,7 @@ impl Device {
         let mut reply = Reply::new(out);
         let [a, b] = self.slots().states;
         reply.line(format_args!("slots={a},{b}"));
-        let [x, y, z] = self.config.sensor.board_ut_per_count();
+        let [x, y, z] = self.config.sensor.board_ut_per_count().map(Num);
         reply.line(format_args!("ut_per_count={x:?},{y:?},{z:?}"));
         reply.line(format_args!(
             "samples_lost={} longest_turn_us={}",
@@ -184,7 +185,7 @@ impl Device {
         }
         if let Some(Active { live: Ok(_), monitor, .. }) = &self.active {
             let condition = monitor.condition().name();
-            let (ratio, dip_ratio) = (monitor.ratio(), Opt(monitor.dip_ratio()));
+            let (ratio, dip_ratio) = (Num(monitor.ratio()), Opt(monitor.dip_ratio().map(Num)));
             reply.line(format_args!(
                 "monitor condition={condition} residual_ratio={ratio:.2} dip_ratio={dip_ratio:.2}"
             ));
@@ -198,10 +199,10 @@ impl Device {
             status.state.name(),
             counts.n,
             counts.skipped,
-            status.coverage,
-            status.gap_deg,
-            Opt(status.rms_ut),
-            Opt(status.noise_ut),
+            Num(status.coverage),
+            Num(status.gap_deg),
+            Opt(status.rms_ut.map(Num)),
+            Opt(status.noise_ut.map(Num)),
             u8::from(self.record().is_some()),
         ))
     }

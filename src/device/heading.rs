@@ -8,6 +8,7 @@ use super::machine::Device;
 use super::shown::Shown;
 use crate::coverage::Seen;
 use crate::heading::{NoHeading, heading_deg};
+use crate::number::Num;
 use crate::protocol::{Answered, Code, Reply};
 use crate::session::State;
 
@@ -133,7 +134,7 @@ impl Device {
             Ok(heading_deg) => {
                 // What would be rounded up to a whole turn is north.
                 let heading_deg = if heading_deg < 359.95 { heading_deg } else { 0.0 };
-                let declination_deg = self.view.declination_deg;
+                let (heading_deg, declination_deg) = (Num(heading_deg), Num(self.view.declination_deg));
                 reply.ok(format_args!("heading_deg={heading_deg:.1} declination_deg={declination_deg:?}"))
             }
             Err(Missing::Sample) if self.sensor.fault().is_some() => {

@@ -3,6 +3,7 @@
 use super::cov::{Assignments, assignments};
 use super::load::{self, Load};
 use crate::fit::Method;
+use crate::number::read;
 
 /// What is sent unasked, one line a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -163,13 +164,13 @@ fn stream(mode: Option<&str>) -> Option<Command> {
 }
 
 fn field(value: Option<&str>) -> Option<Command> {
-    let ut: f64 = value?.parse().ok()?;
+    let ut = read(value?)?;
     FIELD_UT.contains(&ut).then_some(Command::Field(ut))
 }
 
 fn heading(declination: Option<&str>) -> Option<Command> {
     let Some(text) = declination else { return Some(Command::Heading(None)) };
-    let degrees: f64 = text.parse().ok()?;
+    let degrees = read(text)?;
     (-180.0..=180.0).contains(&degrees).then_some(Command::Heading(Some(degrees)))
 }
 

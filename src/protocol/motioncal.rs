@@ -8,6 +8,7 @@
 use core::fmt;
 
 use crate::calibration::Calibration;
+use crate::number::Num;
 use crc::{CRC_16_MODBUS, Crc};
 
 /// Bytes of a packet.
@@ -61,10 +62,11 @@ impl Packet {
 impl fmt::Display for Packet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(Calibration { offset_ut: [x, y, z], matrix, field_ut }) = self;
+        let (x, y, z, field_ut) = (Num(*x), Num(*y), Num(*z), Num(*field_ut));
         writeln!(f, "Cal1:0.0,0.0,0.0,0.0,0.0,0.0,{x:?},{y:?},{z:?},{field_ut:?}")?;
         f.write_str("Cal2:")?;
         for (index, value) in matrix.iter().flatten().enumerate() {
-            write!(f, "{}{value:?}", if index == 0 { "" } else { "," })?;
+            write!(f, "{}{:?}", if index == 0 { "" } else { "," }, Num(*value))?;
         }
         f.write_str("\n")
     }
