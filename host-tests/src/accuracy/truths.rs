@@ -39,6 +39,8 @@ pub struct Outcome {
     pub seconds: f64,
     /// Rows of the log.
     pub rows: usize,
+    /// The noise that is left: its colour, and how far it is from that.
+    pub noise: String,
     /// Why there is no diagnosis, or the verdict's reasons.
     pub why: String,
 }
@@ -58,6 +60,7 @@ impl Outcome {
             left: f64::NAN,
             seconds: 0.0,
             rows: log.rows(),
+            noise: String::new(),
             why: String::new(),
         };
         let options = Options { search: true, ..Options::default() };
@@ -79,6 +82,9 @@ impl Outcome {
         self.floor = diagnosis.noise_floor_ut.map_or(f64::NAN, |floor| floor / noise_ut);
         let last = diagnosis.steps.last().and_then(|step| step.holdout_rms_ut);
         self.left = last.zip(diagnosis.residual_floor_ut).map_or(f64::NAN, |(error, floor)| error / floor);
+        self.noise = diagnosis
+            .noise
+            .map_or_else(String::new, |noise| format!("{:?} misfit {:.1}", noise.colour, noise.misfit));
         self.why = diagnosis.reasons.join("; ");
     }
 
@@ -116,7 +122,7 @@ impl Outcome {
     /// One line.
     pub fn line(&self, kind: Kind) -> String {
         format!(
-            "{} {} [{}] hidden {:?} named {:?} confounded {:?} {} floor {:.2} left {:.2} {} rows {:.1} s; {}",
+            "{} {} [{}] hidden {:?} named {:?} confounded {:?} {} floor {:.2} left {:.2} {} {} rows {:.1} s; {}",
             kind.name(),
             self.number,
             self.words,
@@ -126,6 +132,7 @@ impl Outcome {
             self.verdict.map_or("refused", Verdict::name),
             self.floor,
             self.left,
+            self.noise,
             self.rows,
             self.seconds,
             self.why
