@@ -89,7 +89,7 @@ const MOST_ROWS: f64 = 16_000.0;
 /// Draws until a world is one that could be measured.
 const MOST_DRAWS: u64 = 60;
 
-const COLUMNS: [&str; 4] = ["temp_c", "current_a", "height_m", "throttle"];
+const COLUMNS: [&str; 6] = ["temp_c", "current_a", "height_m", "throttle", "servo", "load"];
 
 fn one_of<T: Copy>(list: &[T], rng: &mut ChaCha8Rng) -> T {
     list[rng.random_range(0..list.len())]
@@ -127,7 +127,11 @@ fn any(rng: &mut ChaCha8Rng) -> String {
 /// The effects of a kind of log, as `ID=STRENGTH`.
 fn effects(kind: Kind, rng: &mut ChaCha8Rng) -> Vec<String> {
     let sized = |id: String, low: f64, high: f64, rng: &mut ChaCha8Rng| {
-        format!("{id}={:.3}", about(low, high, rng))
+        match id.as_str() {
+            // What the magnitude does not see is measured against the accelerometer, not against the noise.
+            "lag" => format!("{id}={:.1}ms", about(15.0, 80.0, rng)),
+            _ => format!("{id}={:.3}", about(low, high, rng)),
+        }
     };
     match kind {
         Kind::One | Kind::OneFlicker => {

@@ -6,7 +6,10 @@ use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::residual::spectrum::{Frame, Rows, Verdict};
 pub use ironout::study::rule::{ACCUSED, RELEVANCE, SIGNIFICANCE};
 use ironout::study::rule::{falls, is_accepted};
-use ironout::study::{Improvement, f_tail, held_out};
+use ironout::study::{Improvement, Residual, f_tail, held_out};
+
+/// An effect of the magnitude is named if it takes at least this share off the squared error on unseen time.
+pub const WORTH_NAMING: f64 = 0.15;
 
 /// A candidate with the number of places that were searched for its fixed parameter.
 #[derive(Clone)]
@@ -165,7 +168,15 @@ pub fn screen(
                     (None, true) => 1.0,
                     (None, false) => chance(gain, index),
                 };
-                let falls = falls(screening.held_out, tested.held_out);
+                // The board's rule takes less for relevant; of so little the log's own structure makes as much by chance.
+                let relevant = match pass.residual {
+                    Residual::Magnitude => WORTH_NAMING,
+                    Residual::Dip | Residual::Vector => RELEVANCE,
+                };
+                let falls = match (screening.held_out, tested.held_out) {
+                    (Some(before), Some(after)) => after < before * (1.0 - relevant),
+                    (before, after) => falls(before, after),
+                };
                 tested.accepted = is_accepted(tested.p_value, count, falls);
             }
             screening.tested.push(tested);
