@@ -198,7 +198,8 @@ impl<'a> Greedy<'_, 'a> {
                 Some(next) => next,
                 None => return Ok(before),
             };
-            if unmoved(&before, &fitted) {
+            // What does not settle in one fit does not in twelve.
+            if unmoved(&before, &fitted) || !fitted.converged {
                 break;
             }
         }
