@@ -2,6 +2,7 @@
 
 use crate::base::known::Known;
 use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::noise::turning::Turning;
 use crate::samples::samples::Samples;
 use crate::threads::halves;
 use ironout::study::{Model, NoRow, NotFinite, Residual};
@@ -146,6 +147,20 @@ impl Pass<'_> {
             }
         }
         Ok(out)
+    }
+}
+
+impl Pass<'_> {
+    /// How the board turned, as the noise of the residual shows it.
+    pub fn turning(&self, model: &Model<f64>) -> Turning {
+        if self.residual != Residual::Magnitude {
+            return Turning::none(self.samples.len() * 3);
+        }
+        Turning::of(self.samples.readings.iter().map(|reading| {
+            let off: [f64; 3] =
+                core::array::from_fn(|axis| reading.measured_ut[axis] - model.offset_ut[axis]);
+            model.matrix.map(|row| row.iter().zip(off).map(|(c, v)| c * v).sum())
+        }))
     }
 }
 

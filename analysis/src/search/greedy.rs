@@ -297,6 +297,7 @@ impl<'a> Greedy<'_, 'a> {
                 if fewer || pair.second * (count as f64) * other.candidate.searched < SIGNIFICANCE {
                     if let Some(next) = self.with(&without, &other.candidate.piece)?
                         && may_follow(&own, &other.candidate.piece, fitted, &next)
+                        && self.beats_its_copies(&without, &other.candidate.piece)?
                     {
                         return Ok(Reconsidered::Swap {
                             from: own.id,

@@ -103,7 +103,7 @@ fn with_step(whole: &Matrix, suffix: &Matrix, base: usize) -> Matrix {
 }
 
 /// How much each candidate alone takes off the squared error.
-fn decreases(pass: &Pass, fitted: &Fitted, candidates: &[Piece]) -> Result<Vec<f64>, BadShape> {
+pub(crate) fn decreases(pass: &Pass, fitted: &Fitted, candidates: &[Piece]) -> Result<Vec<f64>, BadShape> {
     let base = fitted.columns();
     let mut out = Vec::new();
     let width = candidates.iter().map(Piece::k).max().unwrap_or(1);

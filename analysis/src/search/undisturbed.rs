@@ -8,7 +8,7 @@
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::residue;
+use crate::samples::series::Autocorrelation;
 use ironout::effect::{Acts, Coefficients, Column, Effect, MAX_INPUTS, Quantities, Shape};
 use ironout::study::Residual;
 use std::fmt;
@@ -122,8 +122,8 @@ pub fn prefer<'a>(pass: &Pass, fitted: Fitted<'a>, known: &Known) -> Result<Fitt
     let Some(other) = undisturbed(pass, &plain, known)? else { return Ok(plain) };
     let list: Vec<&Piece> = other.pieces.iter().collect();
     let residuals = pass.residuals(&other.model, &list)?;
-    let left = residue(&residuals, other.columns(), pass.samples.quantum_ut, pass.samples.step_s());
-    let variance = other.squares / other.rows.max(1.0) * left.time;
+    let time = Autocorrelation::of(&residuals).time;
+    let variance = other.squares / other.rows.max(1.0) * time;
     let better = other.squares.is_finite() && plain.squares - other.squares > PREFERRED * variance;
     Ok(if better { other } else { plain })
 }
