@@ -6,6 +6,7 @@
 
 use crate::noise::power::{Band, bands, padded, symmetric, transforms};
 use crate::noise::turning::Turning;
+use crate::samples::series::median;
 use serde::Serialize;
 
 /// Exponents of 1/f noise that are tried.
@@ -67,7 +68,8 @@ impl Colour {
     /// Whether a sensor's noise may be so: steeper than 1/f, or with a longer memory than a filter gives it, it is an error
     /// that moves. `step_s` is the time from sample to sample, 0 where unknown.
     pub fn is_of_a_sensor(self, step_s: f64) -> bool {
-        let short = |samples: f64, most: f64| samples <= most || (step_s > 0.0 && samples * step_s <= MEMORY_S);
+        let short =
+            |samples: f64, most: f64| samples <= most || (step_s > 0.0 && samples * step_s <= MEMORY_S);
         match self {
             Colour::White => true,
             // Samples until it has fallen to 60 %.
@@ -88,6 +90,16 @@ impl Colour {
             Colour::Flicker { exponent, white } => {
                 Some((Colour::Flicker { exponent: exponent + 0.05, white }, 0.05))
             }
+        }
+    }
+
+    /// A word for it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Colour::White => "white",
+            Colour::Fading(_) => "fading",
+            Colour::RollingMean(_) => "rolling-mean",
+            Colour::Flicker { .. } => "flicker",
         }
     }
 
@@ -138,6 +150,8 @@ pub struct Described {
     pub deviance: f64,
     /// Bands beyond what was chosen.
     pub free: f64,
+    /// Share of the variance by which some bands stand out above the others.
+    pub excess: f64,
 }
 
 impl Described {
@@ -171,7 +185,8 @@ impl<'t> Seen<'t> {
         let n = residuals.len();
         let size = padded(n);
         let transform = transforms(std::slice::from_ref(&residuals.to_vec()), size).swap_remove(0);
-        let power: Vec<f64> = transform.iter().map(|(re, im)| (re * re + im * im) / n.max(1) as f64).collect();
+        let power: Vec<f64> =
+            transform.iter().map(|(re, im)| (re * re + im * im) / n.max(1) as f64).collect();
         let bands = bands(&power, n, size);
         Seen { size, n, power, bands, turning, absorbed, rounding: rounding.clamp(0.0, 1.0) }
     }
@@ -220,8 +235,14 @@ impl<'t> Seen<'t> {
             deviance += 2.0 * count * (ratio - 1.0 - ratio.ln());
         }
         power.iter_mut().for_each(|value| *value = value.max(1e-9) * scale);
+        // Against the median: a line or a slow part raises the mean.
+        let mut ratios: Vec<f64> = sums.iter().map(|(expected, seen, _)| seen / (scale * expected)).collect();
+        let usual = median(&mut ratios) * scale;
+        let whole: f64 = sums.iter().map(|one| one.1).sum();
+        let above: f64 = sums.iter().map(|(expected, seen, _)| (seen - usual * expected).max(0.0)).sum();
+        let excess = (above / whole.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         let free = (self.bands.len() as f64 - 1.0 - colour.parameters()).max(1.0);
-        Described { colour, power, deviance, free }
+        Described { colour, power, deviance, free, excess }
     }
 
     /// How the logarithm of the power changes with the number that the colour was chosen by, by bin, and that number's

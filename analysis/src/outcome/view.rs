@@ -260,9 +260,8 @@ impl<'a> View<'_, 'a> {
         if !reasons.is_empty() {
             return (Verdict::Undetermined, reasons);
         }
-        if let Some(error) =
-            predicted.filter(|error| self.lower_order.is_none() && *error > MAX_PREDICTED_ERROR)
-        {
+        let refused = self.refused_by_fit(predicted, field);
+        if let Some(error) = refused {
             reasons.push(format!(
                 "a calibration from this log would be off by {:.1} % of the field in the worst direction (1σ), for its \
                  noise and its effects: record longer",
@@ -297,11 +296,29 @@ impl<'a> View<'_, 'a> {
             }
             return (Verdict::Confounded, reasons);
         }
+        // Where `fit` would send the log back nothing reassures: noise so slow may as well be an error that moves.
+        match (refused, self.explanation.fitted.pieces.is_empty()) {
+            (None, _) => {}
+            (Some(_), true) => return (Verdict::Undetermined, reasons),
+            (Some(_), false) => return (Verdict::Unexplained, reasons),
+        }
         if self.explanation.fitted.pieces.is_empty() {
             (Verdict::Complete, reasons)
         } else {
             (Verdict::Missing, reasons)
         }
+    }
+
+    /// The predicted error of a calibration from this log, as a share of the field, where `fit` refuses it: by its noise and
+    /// effects, or by what unseen time shows.
+    fn refused_by_fit(&self, predicted: Option<f64>, field: f64) -> Option<f64> {
+        if self.lower_order.is_some() {
+            return None;
+        }
+        let fitted = &self.explanation.fitted;
+        let beyond = held_out_rms(fitted).map_or(0.0, |held| held * held - fitted.rms().powi(2));
+        let unseen = (0.5 * beyond.max(0.0)).sqrt() / field;
+        predicted.map(|error| error.max(unseen)).filter(|error| *error > MAX_PREDICTED_ERROR)
     }
 
     pub(crate) fn heading(&self, dip: &Option<DipStudy>) -> Result<Option<Heading>, BadShape> {

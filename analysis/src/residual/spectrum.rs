@@ -7,8 +7,8 @@
 
 use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
-use crate::noise::power::{add_power, padded, transforms, weight};
 use crate::noise::colour::Seen;
+use crate::noise::power::{add_power, padded, transforms, weight};
 use crate::noise::turning::Turning;
 use crate::samples::fft;
 use ironout::study::{MIN_EIGENVALUE, Residual, f_tail};
@@ -41,8 +41,14 @@ impl Rows {
         let columns = pass.residual.base_columns() + all.iter().map(|piece| piece.k()).sum::<usize>();
         let columns = columns.min(COLUMNS);
         let step_s = pass.samples.step_s();
-        let mut rows =
-            Rows { columns, values: Vec::new(), residuals: Vec::new(), alike: Vec::new(), rounding: 0.0, step_s };
+        let mut rows = Rows {
+            columns,
+            values: Vec::new(),
+            residuals: Vec::new(),
+            alike: Vec::new(),
+            rounding: 0.0,
+            step_s,
+        };
         pass.rows(0..pass.samples.len(), &fitted.model, all, |_, row, r| {
             rows.values.extend_from_slice(&row[..columns]);
             rows.residuals.push(r);
