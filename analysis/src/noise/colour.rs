@@ -11,8 +11,8 @@ use serde::Serialize;
 
 /// Exponents of 1/f noise that are tried.
 const EXPONENTS: [f64; 4] = [0.6, 0.8, 1.0, 1.2];
-/// Shares of white noise beside it.
-const WHITE: [f64; 5] = [0.0, 0.15, 0.3, 0.5, 0.7];
+/// Shares of white noise beside it. With more of that anything slow would look like 1/f noise.
+const WHITE: [f64; 5] = [0.0, 0.08, 0.16, 0.25, 0.35];
 /// The longest rolling mean that is looked for.
 const LONGEST_MEAN: usize = 64;
 /// Noise of first order falls to 60 % within so many samples ...
@@ -27,6 +27,8 @@ const STEEPEST: f64 = 1.3;
 const LIKE: f64 = 6.0;
 /// White noise that fits this well is not looked at further, standard deviations.
 const PLAIN: f64 = 1.0;
+/// A colour whose spectrum is this much less likely (twice the logarithm) may still be the one.
+const UNCERTAIN: f64 = 6.0;
 /// Fewer samples tell no colour.
 const FEWEST: usize = 60;
 
@@ -266,52 +268,75 @@ impl<'t> Seen<'t> {
 
     /// The most likely of the colours.
     pub fn describe(&self) -> Described {
+        self.plausible().swap_remove(0)
+    }
+
+    /// The colours that the residual may have, the most likely first: the best of each family that is not much less likely.
+    /// There is at least one.
+    pub fn plausible(&self) -> Vec<Described> {
         let cost = |one: &Described| one.deviance + (self.n as f64).ln() * one.colour.parameters();
-        let mut best = self.fit(Colour::White);
-        if best.misfit() < PLAIN || self.n < FEWEST {
-            return best;
+        let white = self.fit(Colour::White);
+        if white.misfit() < PLAIN || self.n < FEWEST {
+            return vec![white];
         }
-        let mut take = |next: Described, least: &mut f64| {
-            let better = next.deviance < *least;
-            *least = least.min(next.deviance);
-            if cost(&next) < cost(&best) {
-                best = next;
-            }
-            better
-        };
         let own = self.correlation();
-        let first = own.get(1).copied().unwrap_or(0.0).clamp(0.05, 0.98);
-        let (mut near, mut least) = (first, f64::INFINITY);
-        take(self.fit(Colour::Fading(near)), &mut least);
+        let mut list = vec![white, self.best_fading(&own), self.best_mean(&own), self.best_flicker()];
+        list.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let most = cost(&list[0]) + UNCERTAIN;
+        list.retain(|one| cost(one) <= most);
+        list
+    }
+
+    fn best_fading(&self, own: &[f64]) -> Described {
+        let mut near = own.get(1).copied().unwrap_or(0.0).clamp(0.05, 0.98);
+        let mut best = self.fit(Colour::Fading(near));
         for step in [0.5, 0.25, 0.1, 0.04] {
             for rho in [near - step * (1.0 - near), near + step * (1.0 - near)] {
                 let rho = rho.clamp(0.01, 0.995);
-                if take(self.fit(Colour::Fading(rho)), &mut least) {
-                    near = rho;
+                let next = self.fit(Colour::Fading(rho));
+                if next.deviance < best.deviance {
+                    (best, near) = (next, rho);
                 }
             }
         }
-        // A rolling mean forgets all at once.
+        best
+    }
+
+    /// A rolling mean forgets all at once.
+    fn best_mean(&self, own: &[f64]) -> Described {
         let end = own.iter().position(|value| *value < 0.125).unwrap_or(own.len()).max(2);
-        let end = (end as f64 / 0.875).round() as usize;
-        for of in end.saturating_sub(1).max(2)..=end + 1 {
-            take(self.fit(Colour::RollingMean(of)), &mut least);
+        let end = ((end as f64 / 0.875).round() as usize).max(3);
+        let mut best = self.fit(Colour::RollingMean(end));
+        for of in [end - 1, end + 1] {
+            let next = self.fit(Colour::RollingMean(of));
+            if next.deviance < best.deviance {
+                best = next;
+            }
         }
-        let mut least = f64::INFINITY;
-        let mut steepest = EXPONENTS[0];
+        best
+    }
+
+    fn best_flicker(&self) -> Described {
+        let at = |exponent: f64| {
+            let plain = self.expected(Colour::Flicker { exponent, white: 0.0 });
+            let fits = WHITE
+                .iter()
+                .map(|white| self.fit_to(Colour::Flicker { exponent, white: *white }, mixed(&plain, *white)));
+            fits.reduce(|best, next| if next.deviance < best.deviance { next } else { best })
+        };
+        let better = |best: Described, next: Option<Described>| match next {
+            Some(next) if next.deviance < best.deviance => (next, true),
+            _ => (best, false),
+        };
+        let mut best = self.fit(Colour::Flicker { exponent: EXPONENTS[0], white: 0.0 });
+        let mut near = EXPONENTS[0];
         for exponent in EXPONENTS {
-            let plain = self.expected(Colour::Flicker { exponent, white: 0.0 });
-            for white in WHITE {
-                if take(self.fit_to(Colour::Flicker { exponent, white }, mixed(&plain, white)), &mut least) {
-                    steepest = exponent;
-                }
-            }
+            let (next, is_better) = better(best, at(exponent));
+            best = next;
+            near = if is_better { exponent } else { near };
         }
-        for exponent in [steepest - 0.1, steepest + 0.1] {
-            let plain = self.expected(Colour::Flicker { exponent, white: 0.0 });
-            for white in WHITE {
-                take(self.fit_to(Colour::Flicker { exponent, white }, mixed(&plain, white)), &mut least);
-            }
+        for exponent in [near - 0.1, near + 0.1] {
+            best = better(best, at(exponent)).0;
         }
         best
     }

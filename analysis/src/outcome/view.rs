@@ -20,6 +20,7 @@ use crate::search::screen::{Candidate, SIGNIFICANCE, screen};
 use crate::search::shown::Shown;
 use crate::search::state::{Explanation, held_out_rms};
 use crate::table::Table;
+use ironout::effect::Follows;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::quality::MAX_RESIDUAL;
 use ironout::study::{Model, Residual, f_tail};
@@ -31,6 +32,9 @@ const LOOSE_DEG: f64 = 3.0;
 const UNSEEN_SLACK: f64 = 2.0;
 /// ... and by this share of the noise's square.
 const UNSEEN_LEAST: f64 = 0.1;
+
+/// Directions with a larger cosine than this are the same: by chance three of a hundred pairs.
+const SAME_WAY: f64 = 0.97;
 
 /// Everything that the report of a magnitude study is made from.
 pub(crate) struct View<'v, 'a> {
@@ -279,6 +283,10 @@ impl<'a> View<'_, 'a> {
             ));
             return (Verdict::Unexplained, reasons);
         }
+        if let Some(words) = self.stand_ins() {
+            reasons.push(words);
+            return (Verdict::Unexplained, reasons);
+        }
         if let Some(times) = self.fails_on_unseen_time(left) {
             reasons.push(format!(
                 "on unseen time the error is {times:.1} times what the noise leaves: what stands in the model does not \
@@ -307,6 +315,22 @@ impl<'a> View<'_, 'a> {
         } else {
             (Verdict::Missing, reasons)
         }
+    }
+
+    /// Shapes in time that point the same way stand in for one slow cause that the log does not hold: two events, or an event
+    /// and a drift, have no reason to.
+    fn stand_ins(&self) -> Option<String> {
+        let in_time = self.explanation.fitted.pieces.iter().filter(|piece| piece.follows(Follows::Time));
+        let list: Vec<&Piece> = in_time.filter(|piece| piece.k() == 3).collect();
+        let dot = |a: &Piece, b: &Piece| (0..3).map(|i| a.coefficients[i] * b.coefficients[i]).sum::<f64>();
+        let alike = |a: &Piece, b: &Piece| dot(a, b).abs() > SAME_WAY * (dot(a, a) * dot(b, b)).sqrt();
+        let pairs = list.iter().enumerate().flat_map(|(at, a)| list[at + 1..].iter().map(move |b| (*a, *b)));
+        let (a, b) = pairs.into_iter().find(|(a, b)| alike(a, b))?;
+        Some(format!(
+            "{} and {} move the offset the same way: they stand in for one cause that changes in time and that the log does \
+             not hold; log what changes meanwhile (a temperature, a current)",
+            a.id, b.id
+        ))
     }
 
     /// The predicted error of a calibration from this log, as a share of the field, where `fit` refuses it: by its noise and
