@@ -34,7 +34,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     let Some(base) = model.map(|model| pass.fit(model, Vec::new(), &known)).transpose()?.flatten() else {
         return Ok(nothing());
     };
-    let greedy = Greedy { pass, catalogue: &catalogue, known: &known };
+    let greedy = Greedy::new(pass, &catalogue, &known);
     let mut start = base.clone();
     for id in &options.add {
         if start.pieces.len() >= MOST_ADDED {
@@ -50,7 +50,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         }
     }
     let explanation = if options.search {
-        greedy.certain(greedy.run(start)?, &options.add)?
+        greedy.certain(greedy.search(start)?, &options.add)?
     } else {
         greedy.only(base, start)?
     };

@@ -82,7 +82,7 @@ pub(crate) fn explain<'a>(
     let accepted = stand.base.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR);
     let hopeless = !(stand.held || accepted)
         && attitude_error(&base, &best).is_none_or(|error| error > HOPELESS * MAX_PREDICTED_ERROR);
-    let greedy = Greedy { pass, catalogue, known };
+    let greedy = Greedy::new(pass, catalogue, known);
     let mut pure_lag = false;
     let mut start = base.clone();
     let mut searched: Vec<(String, f64)> = Vec::new();
@@ -119,7 +119,7 @@ pub(crate) fn explain<'a>(
         }
     }
     let mut explanation = if options.search && !hopeless {
-        greedy.certain(greedy.run(start)?, &options.add)?
+        greedy.certain(greedy.search(start)?, &options.add)?
     } else {
         greedy.only(base.clone(), start)?
     };

@@ -276,6 +276,15 @@ impl<'a> View<'_, 'a> {
             reasons.push(format!("there is {again}, and a model holds each effect once"));
             return (Verdict::Unexplained, reasons);
         }
+        if self.explanation.ended_early {
+            reasons.push(
+                "the search ended at the limit of its work, with candidates left that were not tried beside what was found"
+                    .into(),
+            );
+            if left.structure <= 0.0 {
+                return (Verdict::Unexplained, reasons);
+            }
+        }
         if left.structure > 0.0 {
             reasons.push(format!(
                 "{:.0} % of the residual's variance is structure that no candidate explains",

@@ -8,3 +8,4 @@ pub mod fft;
 pub mod rest;
 pub mod samples;
 pub mod series;
+pub mod work;

@@ -13,4 +13,5 @@ pub mod search;
 pub mod shifted;
 pub mod shown;
 pub mod state;
+pub mod thinned;
 pub mod undisturbed;
