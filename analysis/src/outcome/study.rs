@@ -4,6 +4,7 @@ use crate::base::counted::Counted;
 use crate::base::engine::Pass;
 use crate::base::ground::Ground;
 use crate::base::known::Known;
+use crate::base::level::{LEVEL_DEG, tilt_deg};
 use crate::base::start;
 use crate::outcome::at_rest::at_rest;
 use crate::outcome::blank::undetermined;
@@ -78,6 +79,11 @@ fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
             "no sphere or ellipsoid fits the samples".into(),
         ));
     };
+    if options.prior.is_none()
+        && let Some(tilt_deg) = tilt_deg(samples).filter(|tilt| *tilt < LEVEL_DEG)
+    {
+        return level(table, samples, model, options, tilt_deg);
+    }
     // On top of an earlier calibration the base is fitted with it, which sums alone cannot.
     let base = ground.base.as_ref().ok().filter(|_| options.prior.is_none());
     let mut diagnosis = magnitude(table, samples, model, &known, options, Stand { base, held: false })?;
@@ -96,6 +102,32 @@ fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
             accuse_nobody(&mut diagnosis);
         }
     }
+    Ok(diagnosis)
+}
+
+/// The diagnosis of a log in which the board hardly tilted: what the readings spread by is then no attitude, whatever fits.
+fn level(
+    table: &Table,
+    samples: &Samples,
+    model: Model<f64>,
+    options: &Options,
+    tilt_deg: f64,
+) -> Result<Diagnosis, Refusal> {
+    let reason = format!(
+        "by the accelerometer the board was tilted by {tilt_deg:.0}° (rms) only, which carries no offset and no matrix: study \
+         this log on top of an earlier calibration of the board, --prior CAL.json, or turn the board through more attitudes"
+    );
+    let told = |one: &Diagnosis| matches!(one.verdict, Verdict::Missing | Verdict::Confounded);
+    if let Some(mut lower) = as_logged(table, samples, options)?.filter(told) {
+        lower.reasons.insert(0, reason);
+        return Ok(lower);
+    }
+    let stand = Stand { base: None, held: false };
+    let base_only = Options { search: false, add: Vec::new(), ..options.clone() };
+    let mut diagnosis = magnitude(table, samples, model, &Known::default(), &base_only, stand)?;
+    diagnosis.verdict = Verdict::Undetermined;
+    diagnosis.reasons.insert(0, reason);
+    accuse_nobody(&mut diagnosis);
     Ok(diagnosis)
 }
 
