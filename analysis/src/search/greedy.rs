@@ -38,6 +38,9 @@ fn candidates<'a>(
         let is_prompt = |own: Named| own.is_plain() && own.is_variant_of(&named);
         if fitted.pieces.iter().filter_map(Piece::named).any(is_prompt) {
             list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
+        } else if !at_rest && finite(search::acts_late(pass, fitted, catalogue, &named))?.unwrap_or(false) {
+            // A long delay leaves little of the prompt one to show through.
+            list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
         }
     }
     list.retain(|candidate| !fitted.pieces.iter().any(|piece| piece.id == candidate.piece.id));
