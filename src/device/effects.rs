@@ -3,8 +3,9 @@
 use core::fmt;
 
 use super::active::Active;
+use super::errand::Errand;
 use super::lessons::{Change, Purpose};
-use super::machine::{Device, Errand};
+use super::machine::Device;
 use super::why::{Figure, Id, NOTHING_YET};
 use crate::effect::{BuiltIn, Effect, TIME};
 use crate::extended::{Effects, ExtendedCalibration};
@@ -21,6 +22,7 @@ fn reads_time(effect: &BuiltIn<f64>) -> bool {
 
 impl Device {
     /// What the calibration in use carries, and what could be tested beside it.
+    #[inline(never)]
     pub(super) fn effect_list<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
         let learner = &self.lessons.learner;
         let in_use = || self.active.iter().flat_map(|active| active.record.effects.iter());
@@ -53,6 +55,7 @@ impl Device {
     }
 
     /// `effect add`: the question first, then what comes of it.
+    #[inline(never)]
     pub(super) fn effect_add<W: fmt::Write>(
         &mut self,
         reply: Reply<'_, W>,
@@ -155,6 +158,7 @@ impl Device {
     }
 
     /// `effect remove`.
+    #[inline(never)]
     pub(super) fn effect_remove<W: fmt::Write>(
         &mut self,
         reply: Reply<'_, W>,
@@ -189,6 +193,7 @@ impl Device {
     }
 
     /// It was stored, or not; only then it is applied.
+    #[inline(never)]
     pub(super) fn effect_stored<W: fmt::Write>(
         &mut self,
         outcome: Result<Done, StoreError>,

@@ -10,7 +10,7 @@ use crate::effect::{ColumnName, TIME};
 use crate::fit::{MAX_PREDICTED_ERROR, Order};
 use crate::learn::{Fed, MAX_TESTED};
 use crate::number::Num;
-use crate::protocol::{Answered, Assignments, Code, Opt, Reply};
+use crate::protocol::{Answered, Assignments, Code, Reply};
 use crate::record::Record;
 use crate::sensor::Sample;
 use crate::session::State;
@@ -97,6 +97,7 @@ impl Device {
     }
 
     /// `cov`: all columns of the line, or none.
+    #[inline(never)]
     pub(super) fn cov<W: fmt::Write>(&mut self, reply: Reply<'_, W>, list: &Assignments) -> Answered {
         let learner = &self.lessons.learner;
         let is_read = |name: &ColumnName| {
@@ -135,6 +136,7 @@ impl Device {
     }
 
     /// Learns from a sample.
+    #[inline(never)]
     pub(super) fn learn(&mut self, sample: Sample, t_ms: u64) {
         if !STUDIES || !self.lessons.learner.is_learning() {
             return;
@@ -164,6 +166,7 @@ impl Device {
     }
 
     /// Begins the study at a calibration that is under way, once it is good enough. Whether it took a computation.
+    #[inline(never)]
     pub(super) fn begin_to_learn(&mut self) -> bool {
         let lessons = &self.lessons;
         if !STUDIES
@@ -187,6 +190,7 @@ impl Device {
     }
 
     /// Applies a record from now on. What was learned goes on where it was learned without effects, in the same field.
+    #[inline(never)]
     pub(super) fn put_to_work(&mut self, slot: Slot, record: Record) {
         let had_effects = self.active.as_ref().is_some_and(|active| !active.record.effects.is_empty());
         let learner = &mut self.lessons.learner;
@@ -212,6 +216,7 @@ impl Device {
     }
 
     /// There is no calibration any more.
+    #[inline(never)]
     pub(super) fn cleared_from_work(&mut self) {
         let Some(active) = self.active.take() else { return };
         if STUDIES && !active.record.effects.is_empty() {
@@ -261,7 +266,7 @@ impl fmt::Display for Shown<'_> {
             f.write_str(if index == 0 { "" } else { " " })?;
             match value {
                 Some(value) => write!(f, "{name}={:?}", Num(*value))?,
-                None => write!(f, "{name}={}", Opt::<f64>(None))?,
+                None => write!(f, "{name}=-")?,
             }
         }
         Ok(())

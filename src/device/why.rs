@@ -12,6 +12,7 @@ use crate::protocol::{Answered, Code, Opt, Reply};
 
 impl Device {
     /// Puts the question; the answer comes once the study has it. An answer at once where there is nothing to study.
+    #[inline(never)]
     pub(super) fn why<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Option<Answered> {
         if !self.lessons.learner.is_learning() {
             return Some(reply.err(Code::State, format_args!("{NOTHING_YET}")));
@@ -29,6 +30,7 @@ impl Device {
     }
 
     /// Does one piece of the question's work, right after a sample; with the last one it is answered. `false` where it has to wait.
+    #[inline(never)]
     pub(super) fn ponder<W: fmt::Write>(&mut self, out: &mut W) -> bool {
         if !self.may_compute(true) {
             return false;

@@ -92,6 +92,14 @@ impl Learner {
         self.forget();
     }
 
+    /// Forgets everything, columns too.
+    pub fn begin_anew(&mut self) {
+        self.late = Late::new();
+        self.columns = Columns::new();
+        self.reset();
+        (self.first_ms, self.last_ms) = (0, 0);
+    }
+
     fn forget(&mut self) {
         self.blocks.clear();
         self.marks.clear();
