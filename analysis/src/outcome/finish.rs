@@ -25,7 +25,13 @@ impl View<'_, '_> {
         let plain = self.base.filter(|_| fitted.pieces.is_empty() && self.lower_order.is_none());
         let left = match plain {
             Some(base) => base.residue.clone(),
-            None => residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s(), &self.pass.turning(&fitted.model)),
+            None => residue(
+                &residuals,
+                fitted.columns(),
+                self.samples.quantum_ut,
+                self.samples.step_s(),
+                &self.pass.turning(&fitted.model),
+            ),
         };
         let gain = noise_gain(fitted, Residual::Magnitude);
         let predicted = match plain {

@@ -146,7 +146,14 @@ pub fn screen(
             let left = rows.moved(&step);
             let noise = frame.spectrum(&total, span.clone(), &left)?;
             let test = frame.test(&total, span.clone(), &noise)?;
-            Some(with_colour(frame, &total, span, &left, test, candidates[start + offset].searched * count as f64))
+            Some(with_colour(
+                frame,
+                &total,
+                span,
+                &left,
+                test,
+                candidates[start + offset].searched * count as f64,
+            ))
         };
         for (offset, keep) in keeps.iter().enumerate() {
             let index = start + offset;
