@@ -7,6 +7,7 @@ use crate::calibration::FittedEffect;
 use crate::outcome::blank::untestable;
 use crate::outcome::outcome::{CandidateRow, Status, Verdict};
 use crate::outcome::view::{DipStudy, View};
+use crate::search::parameter::in_words;
 use crate::search::screen::SIGNIFICANCE;
 use crate::search::state::{Confounded, Judged};
 use ironout::effect::{Follows, Named};
@@ -60,6 +61,9 @@ impl View<'_, '_> {
                     kin.join(", "),
                     self.separating(&piece.id, kin)
                 ),
+                (None, None) if piece.searched().is_some() && piece.is_in_time() => {
+                    format!("a {}: {}", in_words(piece), piece.effect.explanation())
+                }
                 (None, None) => piece.effect.explanation().to_string(),
             };
             let partners = partners.or(kin);
@@ -101,7 +105,10 @@ impl View<'_, '_> {
         }
         for one in &self.explanation.last {
             let id = &one.candidate.piece.id;
-            if list.iter().any(|row| row.id == *id) {
+            // A further step or tone that nothing asks for is not worth a row.
+            let further = id.contains('#')
+                && one.candidate.piece.made.is_some_and(|made| made.parts().form.is_repeated());
+            if further || list.iter().any(|row| row.id == *id) {
                 continue;
             }
             if !one.candidate.piece.hidden_delay().is_empty() && dip.is_some() {
