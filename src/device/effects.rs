@@ -10,7 +10,7 @@ use super::why::{Figure, Id, NOTHING_YET};
 use crate::effect::{BuiltIn, Effect, TIME};
 use crate::extended::{Effects, ExtendedCalibration};
 use crate::fit::{MAX_PREDICTED_ERROR, Order};
-use crate::learn::{Candidate, Outcome, Status, has_id};
+use crate::learn::{Candidate, Motion, Outcome, Status, has_id};
 use crate::number::Num;
 use crate::protocol::{Answered, Code, EffectId, Reply};
 use crate::record::{PredictedError, Record};
@@ -39,8 +39,7 @@ impl Device {
                 continue;
             }
             let state = match candidate {
-                Candidate::Lag if self.lessons.motion.turn_radps.is_none() => "needs-gyro",
-                Candidate::Lag if self.lessons.motion.accel_mps2.is_none() => "needs-accelerometer",
+                Candidate::Lag if self.lessons.motion == Motion::UNKNOWN => "needs-gyro-or-accelerometer",
                 _ if !learner.is_learning() => "waits",
                 _ => "tested",
             };
@@ -71,7 +70,12 @@ impl Device {
                 reply.err(Code::State, format_args!("{id} is in use; effect remove {id} takes it out")),
             );
         }
-        if self.named(&id).is_none() {
+        let named = self.named(&id);
+        if named == Some(Candidate::Lag) && self.lessons.motion.turn_radps.is_none() {
+            let text = "a late sensor is corrected by the gyro alone, and there is none: feed gx_radps, gy_radps, gz_radps";
+            return Some(reply.err(Code::State, format_args!("{text}")));
+        }
+        if named.is_none() {
             return Some(reply.err(Code::Unknown, format_args!("{id} is not tested here; see effect list")));
         }
         self.ask(Purpose::Add(id));

@@ -27,8 +27,10 @@ const TEMPERATURE: &str = "temp_c";
 /// How often a calibration under way is looked at, and with how many samples first.
 const BEGIN_MS: u64 = 2000;
 const BEGIN_SAMPLES: u64 = 150;
-/// The study begins at a calibration whose predicted error is so many times what would be accepted.
+/// The study begins at a calibration whose predicted error is so many times what would be accepted, ...
 const GOOD_ENOUGH: f64 = 5.0;
+/// ... and with so many samples at any: a strong effect is what makes it wrong.
+const MOST_SAMPLES: u64 = 1500;
 
 const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
 const TURN: [&str; 3] = ["gx_radps", "gy_radps", "gz_radps"];
@@ -160,7 +162,8 @@ impl Device {
         match &self.active {
             _ if !STUDIES => {}
             Some(active) => self.lessons.learner.begin(&active.record.calibration),
-            None => self.lessons.learner.reset(),
+            // The study knows where it stood; where that is wrong it finds out.
+            None => self.lessons.learner.begin_again(),
         }
         self.lessons.begin_at_ms = 0;
     }
@@ -180,10 +183,15 @@ impl Device {
         }
         self.compute_asked_ms = None;
         self.lessons.begin_at_ms = self.now_ms + BEGIN_MS;
-        if let Some(Ok(report)) = self.session.ellipsoid_so_far()
-            && report.model == Order::Ellipsoid
-            && report.predicted_error_ut < GOOD_ENOUGH * MAX_PREDICTED_ERROR * report.calibration.field_ut
-        {
+        let n = self.session.counts().n;
+        if n < MOST_SAMPLES {
+            if let Some(Ok(report)) = self.session.ellipsoid_so_far()
+                && report.model == Order::Ellipsoid
+                && report.predicted_error_ut < GOOD_ENOUGH * MAX_PREDICTED_ERROR * report.calibration.field_ut
+            {
+                self.lessons.learner.begin(&report.calibration);
+            }
+        } else if let Some(Ok(report)) = self.session.fit_so_far() {
             self.lessons.learner.begin(&report.calibration);
         }
         true

@@ -22,6 +22,7 @@ impl Device {
     }
 
     pub(super) fn ask(&mut self, purpose: Purpose) {
+        self.lessons.learner.settle();
         let learner = &self.lessons.learner;
         let none = Effects::none();
         let effects = self.active.as_ref().map_or(&none, |active| &active.record.effects);
@@ -122,7 +123,11 @@ impl Device {
                     let Some(effect) = self.lessons.learner.effect(candidate) else { continue };
                     let (finding, unit) = (
                         outcome.of(candidate),
-                        if candidate == Candidate::Lag { "deg of the dip" } else { "uT" },
+                        match candidate {
+                            Candidate::Lag if outcome.late_by_turning => "deg of the turning",
+                            Candidate::Lag => "deg of the dip",
+                            _ => "uT",
+                        },
                     );
                     reply.line(format_args!(
                         "says With it the error falls from {} to {} {unit}: effect add {}",

@@ -18,14 +18,19 @@ pub struct End {
     steps_near: u32,
     /// By this share a step may raise the squared residuals.
     rise: f64,
+    /// What has not ended after so many steps does not end.
+    steps: u32,
 }
 
 /// Good enough to go on from: what is left of the way is a thirtieth of a standard error.
-const USUAL: End = End { step_left: 1e-9, variances_left: 1e-3, steps_near: 1, rise: 0.0 };
+const USUAL: End = End { step_left: 1e-9, variances_left: 1e-3, steps_near: 1, rise: 0.0, steps: 24 };
 
 /// Where the steps themselves end, wherever they began: the shape of a coupling depends on the model, which its derivatives
 /// leave out, so that the least sum is not quite where no step is left.
-pub const SETTLED: End = End { step_left: 1e-15, variances_left: 0.0, steps_near: 20, rise: 1e-5 };
+pub const SETTLED: End = End { step_left: 1e-15, variances_left: 0.0, steps_near: 20, rise: 1e-5, steps: 40 };
+
+/// Steps so damped that do not lower the error either end a fit.
+const TOO_DAMPED: f64 = 1e2;
 
 /// With fewer samples a second thread costs more than it does.
 const ALONE: usize = 2000;
@@ -282,7 +287,7 @@ impl Pass<'_> {
         let mut damping = 0.0;
         let mut converged = false;
         let mut steps_near = 0;
-        for _ in 0..40 {
+        for _ in 0..end.steps {
             let total = Matrix::total(&blocks, Some(&prior));
             let Some(factor) = total.damped_factor(damping) else {
                 if damping > 1e3 {
@@ -329,11 +334,11 @@ impl Pass<'_> {
                     prior = known.matrix(self.residual, &model, sigma, &list, &data);
                     damping = if damping < 1e-7 { 0.0 } else { damping * 0.1 };
                 }
-                None if near || damping > 1e4 => {
+                None if near || damping > TOO_DAMPED => {
                     converged = near;
                     break;
                 }
-                None => damping = if damping == 0.0 { 1e-4 } else { damping * 10.0 },
+                None => damping = if damping == 0.0 { 1e-4 } else { damping * 30.0 },
             }
         }
         Ok(Some(Fitted { model, pieces, blocks, prior, squares, rows, converged }))

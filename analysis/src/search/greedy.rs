@@ -38,6 +38,9 @@ fn candidates<'a>(
         let is_prompt = |own: Named| own.is_plain() && own.is_variant_of(&named);
         if fitted.pieces.iter().filter_map(Piece::named).any(is_prompt) {
             list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
+        } else if !at_rest && finite(search::acts_late(pass, fitted, catalogue, &named))?.unwrap_or(false) {
+            // A long delay leaves little of the prompt one to show through.
+            list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
         }
     }
     list.retain(|candidate| !fitted.pieces.iter().any(|piece| piece.id == candidate.piece.id));
@@ -133,7 +136,8 @@ impl<'a> Greedy<'_, 'a> {
                 break;
             }
             let most = if self.pass.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };
-            let next = if fitted.pieces.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
+            let next =
+                if fitted.pieces.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
             let next = next.flatten();
             if let Some((winner, next)) = next {
                 fitted = self.aligned(prefer(&self.pass, next, self.known)?)?;

@@ -164,9 +164,8 @@ impl<'a> Greedy<'_, 'a> {
             if self.beats_its_copies(fitted, piece)? {
                 return Ok(Some((id, next)));
             }
-            let alike = |one: &Judged| {
-                one.candidate.piece.id == id || one.candidate.piece.is_variant_of(piece)
-            };
+            let alike =
+                |one: &Judged| one.candidate.piece.id == id || one.candidate.piece.is_variant_of(piece);
             judged.iter_mut().filter(|one| alike(one)).for_each(|one| one.tested.accepted = false);
         }
         Ok(None)

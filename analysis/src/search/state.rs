@@ -53,7 +53,10 @@ pub struct Judged<'a> {
 impl Judged<'_> {
     /// The same of the effect over other samples.
     pub fn on<'b>(&self, piece: Piece<'b>) -> Judged<'b> {
-        Judged { candidate: Candidate { piece, searched: self.candidate.searched }, tested: self.tested.clone() }
+        Judged {
+            candidate: Candidate { piece, searched: self.candidate.searched },
+            tested: self.tested.clone(),
+        }
     }
 }
 
@@ -198,7 +201,8 @@ impl<'a> Greedy<'_, 'a> {
                 Some(next) => next,
                 None => return Ok(before),
             };
-            if unmoved(&before, &fitted) {
+            // What does not settle in one fit does not in twelve.
+            if unmoved(&before, &fitted) || !fitted.converged {
                 break;
             }
         }

@@ -5,6 +5,7 @@ use crate::commands::diagnose::told::{Told, WIDTH, at_rest, counted, groups, nam
 use crate::commands::diagnose::{advice, conclusion, found, place};
 use ironout::effect::{Named, Registry};
 use ironout_analysis::base::mounting;
+use ironout_analysis::noise::colour::Colour;
 use ironout_analysis::outcome::outcome::{CandidateRow, Status, Verdict};
 use ironout_analysis::samples::faults::{DataFault, FaultKind};
 
@@ -149,6 +150,15 @@ fn base(told: &Told, out: &mut Vec<String>) {
         let prior =
             if diagnosis.prior.is_empty() { String::new() } else { format!(" Prior: {}.", diagnosis.prior) };
         out.extend(wrap(&format!("{base}{prior}"), "  ", WIDTH));
+    }
+    if let Some(noise) = diagnosis.noise.filter(|noise| noise.is_noise && noise.colour != Colour::White) {
+        let text = format!(
+            "The noise is {}: {:.0} samples say as much as one of white noise, so errors are {:.1} times as large.",
+            noise.colour.words(),
+            noise.memory_samples,
+            noise.memory_samples.sqrt()
+        );
+        out.extend(wrap(&text, "  ", WIDTH));
     }
 }
 
