@@ -96,7 +96,8 @@ impl Learner {
         self.late = Late::new();
         self.columns = Columns::new();
         self.reset();
-        (self.first_ms, self.last_ms) = (0, 0);
+        self.carried = [[0.0; 3]; EFFECTS];
+        (self.first_ms, self.last_ms, self.lost) = (0, 0, 0);
     }
 
     /// Forgets what was learned and where; columns stay.
