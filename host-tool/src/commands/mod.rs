@@ -7,7 +7,6 @@ mod diagnose;
 mod export;
 mod fetch;
 mod fit;
-mod fit_words;
 mod import;
 mod later;
 mod record;
@@ -26,7 +25,7 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Export(arguments) => export::run::run(arguments, cli.json),
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
         Command::Demo(arguments) => demo::run(arguments, cli.json),
-        Command::Diagnose(arguments) => diagnose::run::run(arguments, cli.json),
+        Command::Diagnose(arguments) => diagnose::run(arguments, cli.json),
         Command::Send(arguments) => send::run(arguments, cli.json),
         Command::Fetch(arguments) => fetch::run(arguments, cli.json),
         Command::Record(arguments) => record::run(arguments, cli.json),

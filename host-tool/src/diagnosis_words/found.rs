@@ -1,11 +1,11 @@
 //! The effects that were found: cause, coefficients, and the error falling.
 
-use crate::commands::diagnose::curve::{bar, limits, sparkline};
-use crate::commands::diagnose::numbers::{
+use crate::diagnosis_words::curve::{bar, limits, sparkline};
+use crate::diagnosis_words::numbers::{
     degrees, microtesla, probability, readable_unit, significant, unit_of, with_error, wrap,
 };
-use crate::commands::diagnose::place::{self, axis_label};
-use crate::commands::diagnose::told::{Told, WIDTH, at_rest, name_of, title};
+use crate::diagnosis_words::place::{self, axis_label};
+use crate::diagnosis_words::told::{Told, WIDTH, at_rest, name_of, title};
 use crate::input::Log;
 use ironout::effect::{Amount, Follows, Group, Named, Need, TIME};
 use ironout_analysis::base::mounting::{AXIS_ORDER, Standing};
