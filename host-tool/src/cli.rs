@@ -5,6 +5,7 @@ pub use crate::cli_export::{ExportArgs, ExportForm};
 use crate::failure::{Failure, Outcome};
 use crate::geomag::EarthField;
 use crate::input::{self, Mounting, ReadOptions};
+pub use crate::cli_page::{ReportArgs, WebArgs};
 use crate::link_args::{FetchArgs, RecordArgs, SendArgs};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use ironout::fit::Method;
@@ -66,12 +67,14 @@ pub enum Command {
     Fetch(FetchArgs),
     /// Write a board's stream as a log
     Record(RecordArgs),
-    /// A page with the plots of a log and its calibration (not built yet)
-    Report(LaterArgs),
+    /// One page about a log, to be read in a browser: verdict, sphere, plots, and effects as switches
+    Report(ReportArgs),
     /// Read a log of another program, and write it as CSV
     Import(ImportArgs),
     /// Calibrate a connected board while watching (not built yet)
     Live(LaterArgs),
+    /// The page by itself, to be put on any web server: logs are read and fitted in the browser
+    Web(WebArgs),
 }
 
 /// Options about reading a log.

@@ -10,6 +10,7 @@ pub mod cal_file;
 pub mod cli;
 pub mod cli_demo;
 pub mod cli_export;
+pub mod cli_page;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod commands;
 pub mod corrected;
@@ -25,6 +26,7 @@ pub mod interrupt;
 pub mod join;
 pub mod link_args;
 pub mod output;
+pub mod page;
 pub mod plausible;
 pub mod prior;
 #[cfg_attr(target_arch = "wasm32", path = "progress_none.rs")]

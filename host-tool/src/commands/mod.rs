@@ -10,8 +10,12 @@ mod fit;
 mod import;
 mod later;
 mod record;
+#[cfg(feature = "page")]
+mod report;
 mod send;
 mod simulate;
+#[cfg(feature = "page")]
+mod web;
 
 use crate::cli::{Cli, Command};
 use crate::failure::Outcome;
@@ -29,7 +33,12 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Send(arguments) => send::run(arguments, cli.json),
         Command::Fetch(arguments) => fetch::run(arguments, cli.json),
         Command::Record(arguments) => record::run(arguments, cli.json),
-        Command::Report(_) => later::not_built("report"),
+        #[cfg(feature = "page")]
+        Command::Report(arguments) => report::run(arguments, cli.json),
+        #[cfg(feature = "page")]
+        Command::Web(arguments) => web::run(arguments, cli.json),
+        #[cfg(not(feature = "page"))]
+        Command::Report(_) | Command::Web(_) => later::without_the_page(),
         Command::Import(arguments) => import::run(arguments, cli.json),
         Command::Live(_) => later::not_built("live"),
     }

@@ -11,5 +11,6 @@ mod told;
 mod words;
 
 pub use conclusion::sentence;
+pub use found::amount;
 pub use told::Told;
 pub use words::text;
