@@ -33,12 +33,12 @@ export async function report({ file, effect, shots }) {
   const before = await drawn();
   await page.locator(`[data-effect="${effect}"]`).focus();
   await page.keyboard.press("Space");
-  await browser.until((old) => document.getElementById("plot-column").dataset.drawn !== old && !document.body.dataset.busy, before);
+  await browser.until((old) => !document.body.dataset.busy && (document.getElementById("plot-column").dataset.drawn !== old || document.getElementById("busy").textContent), before);
   said.now = number(await browser.text("#error-now"));
   said.sentenceNow = await browser.text("#sentence");
   said.steps = await page.locator("[data-step]").allInnerTexts();
   said.checked = await page.locator(`[data-effect="${effect}"]`).isChecked();
-  said.busy = await browser.text("#busy").catch(() => "");
+  said.busy = await page.locator("#busy").textContent();
   await page.locator("#falling").scrollIntoViewIfNeeded();
   await browser.shot("report-switched", { fullPage: true });
   // A calibration for a target, as a download.

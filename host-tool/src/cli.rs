@@ -1,18 +1,24 @@
 //! The command line: what can be asked, with help and examples.
 
+#[cfg(not(target_arch = "wasm32"))]
 pub use crate::cli_demo::{BoardArg, DemoArgs, HiddenArg};
 pub use crate::cli_export::{ExportArgs, ExportForm};
 use crate::failure::{Failure, Outcome};
 use crate::geomag::EarthField;
 use crate::input::{self, Mounting, ReadOptions};
-pub use crate::cli_page::{ReportArgs, WebArgs};
+#[cfg(not(target_arch = "wasm32"))]
+pub use crate::cli_page::{LiveArgs, ReportArgs, WebArgs};
+#[cfg(not(target_arch = "wasm32"))]
 use crate::link_args::{FetchArgs, RecordArgs, SendArgs};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, ValueEnum};
+#[cfg(not(target_arch = "wasm32"))]
+use clap::{Parser, Subcommand};
 use ironout::fit::Method;
 use std::path::{Path, PathBuf};
 
 pub use crate::shell::{quoted, typed_option};
 
+#[cfg(not(target_arch = "wasm32"))]
 const ABOUT: &str = "Calibrates magnetometers and shows what the calibration leaves over.
 
 A log is what your board, telephone or logger wrote: it is told by its content,
@@ -21,6 +27,7 @@ units: t_s,mx_ut,my_ut,mz_ut (microtesla) or mx_counts,… with --ut-per-count,
 and any other columns (ax_mps2,…, gx_radps,…, temp_c, motor_a, anything).
 Body axes: x forward, y right, z down. docs/command-line.md has all of it.";
 
+#[cfg(not(target_arch = "wasm32"))]
 const EXAMPLES: &str = "Examples:
   ironout demo                                 a board calibrates itself
   ironout simulate -o log.csv --seed 1         a log to try things on
@@ -33,6 +40,7 @@ Exit status: 0 done, 1 the data do not support a calibration, 2 bad input or
 usage.";
 
 /// The command line.
+#[cfg(not(target_arch = "wasm32"))]
 #[derive(Debug, Parser)]
 #[command(name = "ironout", version, about = ABOUT, after_help = EXAMPLES, max_term_width = 110)]
 pub struct Cli {
@@ -45,6 +53,7 @@ pub struct Cli {
 }
 
 /// The commands.
+#[cfg(not(target_arch = "wasm32"))]
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Calibrate: offset and matrix from a log of the sensor turned through many attitudes
@@ -71,8 +80,8 @@ pub enum Command {
     Report(ReportArgs),
     /// Read a log of another program, and write it as CSV
     Import(ImportArgs),
-    /// Calibrate a connected board while watching (not built yet)
-    Live(LaterArgs),
+    /// Calibrate a connected board in a browser: where to turn, how good it is, why it is off
+    Live(LiveArgs),
     /// The page by itself, to be put on any web server: logs are read and fitted in the browser
     Web(WebArgs),
 }
@@ -412,12 +421,4 @@ pub struct DiagnoseArgs {
     /// Study on top of an earlier calibration's information
     #[arg(long, value_name = "CAL.json")]
     pub prior: Option<PathBuf>,
-}
-
-/// Any arguments of a command that is not built yet.
-#[derive(Debug, Args)]
-pub struct LaterArgs {
-    /// Whatever follows
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
-    pub rest: Vec<String>,
 }

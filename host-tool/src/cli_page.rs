@@ -1,8 +1,12 @@
 //! What can be asked of the commands that make a page.
 
+use crate::board::Address;
 use crate::cli::{FieldArgs, LogArgs};
-use clap::Args;
+use crate::failure::Outcome;
+use crate::link_args;
+use clap::{ArgGroup, Args};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// `report`.
 #[derive(Debug, Args)]
@@ -50,4 +54,47 @@ pub struct WebArgs {
     /// Write the page into this folder
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
+}
+
+/// `live`.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("where").required(true).args(["port", "tcp", "qemu", "replay"]))]
+#[command(after_help = "Examples:
+  ironout live --port /dev/ttyACM0      then open the address that it prints
+  ironout live --qemu                   an emulated board that turns by itself
+  ironout live --replay log.csv         a simulated board in the field of a log
+
+The page is served on this machine alone. Ctrl-C ends.")]
+pub struct LiveArgs {
+    /// The board's serial port, as in /dev/ttyACM0 or COM5 (115200 8N1)
+    #[arg(long, value_name = "SERIAL", help_heading = "The board")]
+    pub port: Option<String>,
+    /// The board's console behind a TCP port, as in localhost:4000
+    #[arg(long, value_name = "ADDR", help_heading = "The board")]
+    pub tcp: Option<String>,
+    /// The firmware in QEMU, turned all the time
+    #[arg(long, help_heading = "The board")]
+    pub qemu: bool,
+    /// A simulated board in the field of this log, with its columns, at the log's own pace
+    #[arg(long, value_name = "LOG", help_heading = "The board")]
+    pub replay: Option<PathBuf>,
+    /// The port on this machine to serve the page at (0: a free one)
+    #[arg(long, value_name = "PORT", default_value_t = 0)]
+    pub listen: u16,
+    /// How long the board may take to answer, seconds
+    #[arg(long, value_name = "S", default_value_t = 10.0, help_heading = "The board")]
+    pub wait: f64,
+}
+
+impl LiveArgs {
+    /// Where the board is, if it is a real one.
+    pub fn address(&self) -> Option<Address> {
+        let serial = self.port.clone().map(Address::Serial);
+        serial.or_else(|| self.tcp.clone().map(Address::Tcp))
+    }
+
+    /// How long an answer may take; errors name the option.
+    pub fn wait(&self) -> Outcome<Duration> {
+        link_args::wait(self.wait)
+    }
 }

@@ -8,8 +8,10 @@ pub mod atomic;
 pub mod board;
 pub mod cal_file;
 pub mod cli;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod cli_demo;
 pub mod cli_export;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod cli_page;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod commands;
@@ -24,6 +26,7 @@ pub mod input;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod interrupt;
 pub mod join;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod link_args;
 pub mod output;
 pub mod page;

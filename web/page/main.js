@@ -3,8 +3,10 @@ import { by, fill, h, later } from "./dom.js";
 import { compare } from "./compare.js";
 import { Engine } from "./engine.js";
 import { Figures } from "./figures.js";
+import { Live } from "./live.js";
 import { redraw } from "./plots.js";
 import { Staircase } from "./staircase.js";
+import { ServedWire, SerialWire } from "./wires.js";
 
 const text = async (part, name) => {
   const bytes = await part(name);
@@ -28,6 +30,8 @@ class Page {
       later("Licences", () => h("pre", { tabindex: "0" }, licences)));
     const report = await text(this.part, "report");
     if (report) this.open(JSON.parse(report));
+    if (this.mode === "alone") this.alone();
+    if (this.mode === "live") this.live(new ServedWire());
     document.body.dataset.ready = "true";
   }
 
@@ -45,6 +49,109 @@ class Page {
     const start = () => this.unpack().catch(() => {});
     if (window.requestIdleCallback) requestIdleCallback(start, { timeout: 3000 });
     else setTimeout(start, 500);
+  }
+
+  /** The page by itself: logs are dropped, boards are connected. */
+  alone() {
+    fill(by("sentence"), "Drop a log of your magnetometer here");
+    by("drop").hidden = false;
+    const input = h("input", { type: "file", id: "file", multiple: true, onchange: ({ target }) => this.take([...target.files]) });
+    const options = ["map", "rotate", "ut_per_count", "instance", "derive"].map((name) => [name, h("input", { type: "text", id: `option-${name}`, size: 28 })]);
+    this.options = Object.fromEntries(options);
+    this.field = h("input", { type: "text", id: "option-field", size: 8 });
+    const connect = h("button", { type: "button", id: "connect", onclick: () => this.connect() }, "connect a board");
+    const zone = h("div", { class: "zone", id: "zone" },
+      h("p", {}, h("label", {}, "A log of any format that ironout reads, or a CAL.json to compare: drop it here, or ", input)),
+      h("p", {}, SerialWire.possible ? [connect, " with ironout's console, or one that prints Raw: lines as for MotionCal"]
+        : h("span", { class: "note" }, "This browser has no Web Serial: a board can be connected in Chromium, Chrome or Edge.")));
+    for (const kind of ["dragenter", "dragover", "dragleave", "drop"]) {
+      document.addEventListener(kind, (event) => {
+        event.preventDefault();
+        zone.classList.toggle("over", kind === "dragenter" || kind === "dragover");
+        if (kind === "drop") this.take([...event.dataTransfer.files]);
+      });
+    }
+    fill(by("drop-body"), zone, h("p", { class: "error", id: "trouble", role: "alert", hidden: true }),
+      h("details", {}, h("summary", {}, "How it is to be read"), h("p", { class: "note" }, "As the options of the command line; several of one are separated by semicolons."),
+        options.map(([name, field]) => h("p", {}, h("label", {}, `--${name.replaceAll("_", "-")} `, field))), h("p", {}, h("label", {}, "--field, µT ", this.field)),
+        h("button", { type: "button", id: "again", onclick: () => this.again() }, "read again")));
+  }
+
+  asked(name) {
+    const several = (field) => this.options[field].value.split(";").map((text) => text.trim()).filter(Boolean);
+    const one = (field) => this.options[field].value.trim() || null;
+    return { name, map: several("map"), rotate: several("rotate"), derive: several("derive"), ut_per_count: one("ut_per_count"), instance: one("instance") === null ? null : Number(one("instance")) };
+  }
+
+  async take(files) {
+    for (const file of files) {
+      const bytes = new Uint8Array(await file.arrayBuffer());
+      if (file.name.endsWith(".json") && this.look) await this.besides(file.name, new TextDecoder().decode(bytes));
+      else await this.read({ name: file.name, bytes });
+    }
+  }
+
+  again() {
+    if (this.last) this.read(this.last);
+  }
+
+  trouble(text) {
+    const at = by("trouble") ?? by("busy");
+    at.hidden = !text;
+    fill(at, text);
+  }
+
+  /** Reads a log, fits it, searches, and shows it. */
+  async read(log) {
+    this.last = log;
+    this.trouble("");
+    fill(by("busy"), `Reading ${log.name} …`);
+    document.body.dataset.busy = "true";
+    try {
+      const options = this.options ? this.asked(log.name) : { name: log.name };
+      const field = this.field?.value.trim() ? Number(this.field.value) : null;
+      this.said = await this.engine.ask({ do: "read", place: this.place, options, field_ut: field }, log.bytes);
+      fill(by("busy"), `Studying ${this.said.rows} rows …`);
+      const look = await this.engine.ask({ do: "look", place: this.place, asked: { search: true, field_ut: field } });
+      this.unpacked = Promise.resolve();
+      this.found = look.diagnosis;
+      this.beside = [];
+      this.stairs.errors.clear();
+      this.show(look);
+      this.stairs.show(look, this.found);
+      this.parts();
+      document.body.dataset.log = log.name;
+      fill(by("busy"), "");
+    } catch (error) {
+      fill(by("busy"), "");
+      this.trouble(error.message);
+    } finally {
+      delete document.body.dataset.busy;
+    }
+  }
+
+  /** The log under a calibration file, beside its own fit. */
+  async besides(name, cal) {
+    try {
+      this.beside.push(await this.engine.ask({ do: "under", place: this.place, cal, name }));
+      this.show(this.look);
+    } catch (error) {
+      this.trouble(error.message);
+    }
+  }
+
+  async connect() {
+    try {
+      this.live(await SerialWire.choose());
+    } catch (error) {
+      this.trouble(error.message);
+    }
+  }
+
+  live(wire) {
+    if (this.mode === "live") fill(by("sentence"), "Turn the board");
+    this.board ??= new Live(({ name, text: log }) => this.read({ name, bytes: new TextEncoder().encode(log) }));
+    this.board.follow(wire).catch((error) => this.trouble(error.message));
   }
 
   unpack() {
@@ -97,6 +204,7 @@ function theme() {
     by("theme").setAttribute("aria-pressed", on);
     redraw();
     page?.figures.ball?.build();
+    page?.board?.sphere.build();
   };
   set(dark.matches);
   dark.addEventListener("change", () => set(dark.matches));

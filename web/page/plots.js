@@ -82,6 +82,19 @@ export class Plot {
     this.root.dataset.drawn = String(Number(this.root.dataset.drawn ?? 0) + 1);
   }
 
+  /** Shows a series that grows; cheaper than [`show`]. */
+  stream(x, values, { label, ...axes }) {
+    if (this.plot && this.given?.growing) {
+      this.given.x = x;
+      this.given.series[0].values = values;
+      this.plot.setData([x, values]);
+      this.root.dataset.drawn = String(Number(this.root.dataset.drawn ?? 0) + 1);
+      return;
+    }
+    this.given = { x, series: [{ label, values, colour: "--blue" }], axes, marks: [], growing: true };
+    this.draw();
+  }
+
   fit() {
     const width = this.root.clientWidth;
     if (this.plot && width && width !== this.plot.width) this.plot.setSize({ width, height: HEIGHT });

@@ -53,9 +53,9 @@ function label(text) {
 }
 
 export class Sphere {
-  constructor(root) {
+  constructor(root, id = "sphere") {
     this.canvas = h("canvas", {
-      id: "sphere", tabindex: "0", role: "img",
+      id, tabindex: "0", role: "img",
       "aria-label": "Samples on the sphere; drag or use the arrow keys to turn, plus and minus to come nearer",
     });
     this.showing = { tiles: true, corrected: true, measured: true };
@@ -83,6 +83,9 @@ export class Sphere {
     this.camera = new PerspectiveCamera(35, 1, 0.05, 200);
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enablePan = false;
+    // The wheel, and a finger up and down, move the page.
+    this.controls.enableZoom = false;
+    this.canvas.style.touchAction = "pan-y";
     this.controls.addEventListener("change", () => this.draw());
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.size()).observe(this.canvas);
@@ -201,8 +204,9 @@ export class Sphere {
     });
     const empty = [...sides].filter(([, side]) => side.seen < side.tiles).map(([name]) => name);
     fill(this.told,
-      h("p", {}, `${fixed(100 * tiles.coverage, 0)} % of all directions were seen; the largest gap is ${fixed(tiles.gap_deg, 0)}°` +
-        (tiles.gap_deg > 30 ? `, on the ${tiles.gap_side} side.` : ".")),
+      h("p", {}, tiles.rough ? `${fixed(100 * tiles.coverage, 0)} % of the tiles have samples, among the last ones that are drawn.`
+        : `${fixed(100 * tiles.coverage, 0)} % of all directions were seen; the largest gap is ${fixed(tiles.gap_deg, 0)}°` +
+          (tiles.gap_deg > 30 ? `, on the ${tiles.gap_side} side.` : ".")),
       empty.length ? h("p", {}, `Gaps: ${empty.join(", ")}.`) : null,
       later("Tiles as a table", () => table("Tiles of equal area by the side of the board that the field came through", ["side", "seen", "tiles", "samples"],
         [...sides].map(([name, side]) => [name, side.seen, side.tiles, side.samples]))));

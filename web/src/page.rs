@@ -31,7 +31,7 @@ impl Mode {
 }
 
 /// Scripts, each after those that it imports.
-const SCRIPTS: [&str; 11] = [
+const SCRIPTS: [&str; 15] = [
     "three.min.js",
     "uplot.min.js",
     "dom.js",
@@ -42,6 +42,10 @@ const SCRIPTS: [&str; 11] = [
     "figures.js",
     "staircase.js",
     "compare.js",
+    "wires.js",
+    "board.js",
+    "recording.js",
+    "live.js",
     "main.js",
 ];
 /// The script of the worker.

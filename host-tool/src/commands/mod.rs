@@ -8,7 +8,8 @@ mod export;
 mod fetch;
 mod fit;
 mod import;
-mod later;
+#[cfg(feature = "page")]
+mod live;
 mod record;
 #[cfg(feature = "page")]
 mod report;
@@ -37,9 +38,12 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Report(arguments) => report::run(arguments, cli.json),
         #[cfg(feature = "page")]
         Command::Web(arguments) => web::run(arguments, cli.json),
+        #[cfg(feature = "page")]
+        Command::Live(arguments) => live::run(arguments, cli.json),
         #[cfg(not(feature = "page"))]
-        Command::Report(_) | Command::Web(_) => later::without_the_page(),
+        Command::Report(_) | Command::Web(_) | Command::Live(_) => Err(crate::failure::Failure::usage(
+            "this program was built without the page: build it with --features page",
+        )),
         Command::Import(arguments) => import::run(arguments, cli.json),
-        Command::Live(_) => later::not_built("live"),
     }
 }

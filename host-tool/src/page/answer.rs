@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 #[serde(tag = "do", rename_all = "kebab-case")]
 enum Question {
     /// Reads the bytes as a log, which takes the place of the one with this number.
-    Read { place: usize, options: ReadAsked },
+    Read { place: usize, options: ReadAsked, field_ut: Option<f64> },
     /// The same of a log that was packed.
     Unpack { place: usize },
     /// Looks at a log.
@@ -74,7 +74,9 @@ impl Answering {
         let question: Question = serde_json::from_str(question)
             .map_err(|error| Failure::usage(format!("this is no question of the page: {error}")))?;
         match question {
-            Question::Read { place, options } => self.take(place, Held::read(options, bytes, None)?),
+            Question::Read { place, options, field_ut } => {
+                self.take(place, Held::read(options, bytes, field_ut)?)
+            }
             Question::Unpack { place } => self.take(place, Held::unpack(bytes)?),
             Question::Look { place, asked } => look(self.held(place)?, &asked),
             Question::Under { place, cal, name } => under(self.held(place)?, &cal, &name),
