@@ -60,6 +60,11 @@ export class Browser {
     return this.page.locator(selector).first().innerText();
   }
 
+  /** The text of something that may not be there. */
+  maybe(selector) {
+    return this.page.evaluate((at) => document.querySelector(at)?.textContent ?? null, selector);
+  }
+
   /** Waits until the page itself says so. */
   until(what, argument) {
     return this.page.waitForFunction(what, argument, { timeout: PATIENCE_MS, polling: 100 });

@@ -67,3 +67,20 @@ export async function report({ file, effect, shots }) {
   said.wrong = await browser.close();
   return said;
 }
+
+/** A report of a log with hostile names: nothing of it becomes markup, and all of it is text. */
+export async function hostile({ file, names }) {
+  const browser = await Browser.open({});
+  const { page } = browser;
+  await browser.go(pathToFileURL(file).href);
+  const said = { columns: await page.locator("#column option").allInnerTexts() };
+  for (const name of said.columns) {
+    await page.locator("#column").selectOption({ label: name });
+  }
+  await page.locator("details").evaluateAll((all) => all.forEach((one) => { one.open = true; }));
+  said.injected = await page.evaluate(() => [...document.querySelectorAll("img, iframe, b:not([id]), object, embed")].map((one) => one.outerHTML));
+  said.marked = await page.evaluate(() => Boolean(window.injected));
+  said.seen = await page.evaluate((all) => all.filter((name) => document.body.textContent.includes(name)), names);
+  said.wrong = await browser.close();
+  return said;
+}

@@ -357,6 +357,7 @@ export class Live {
   draw() {
     this.counts.drawn += 1;
     document.body.dataset.samples = String(this.counts.lines);
+    document.body.dataset.drawn = String(this.counts.drawn);
     const last = this.points.at(-1);
     const corrected = this.kind === "cal";
     this.reading.textContent = [

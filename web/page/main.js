@@ -98,6 +98,7 @@ class Page {
   trouble(text) {
     const at = by("trouble") ?? by("busy");
     at.hidden = !text;
+    if (text && this.options) by("again").closest("details").open = true;
     fill(at, text);
   }
 
@@ -111,8 +112,10 @@ class Page {
       const options = this.options ? this.asked(log.name) : { name: log.name };
       const field = this.field?.value.trim() ? Number(this.field.value) : null;
       this.said = await this.engine.ask({ do: "read", place: this.place, options, field_ut: field }, log.bytes);
+      let { took } = this.engine;
       fill(by("busy"), `Studying ${this.said.rows} rows …`);
       const look = await this.engine.ask({ do: "look", place: this.place, asked: { search: true, field_ut: field } });
+      took += this.engine.took;
       this.unpacked = Promise.resolve();
       this.found = look.diagnosis;
       this.beside = [];
@@ -121,6 +124,7 @@ class Page {
       this.stairs.show(look, this.found);
       this.parts();
       document.body.dataset.log = log.name;
+      document.body.dataset.took = took;
       fill(by("busy"), "");
     } catch (error) {
       fill(by("busy"), "");
