@@ -51,6 +51,30 @@ const MAPS: &[Map] = &[
         stack_kib: 160,
         own_vectors: false,
     },
+    // Two pages of 4 KiB for the slots; the interface chip programs the flash from its beginning on, without a bootloader.
+    Map {
+        feature: "board-microbit-v2",
+        flash_origin: 0x0000_0000,
+        flash_kib: 512,
+        slots_kib: 8,
+        second_stage: false,
+        ram_origin: 0x2000_0000,
+        ram_kib: 128,
+        stack_kib: 64,
+        own_vectors: false,
+    },
+    // Two pages of 2 KiB for the slots. The core-coupled 8 KiB are left alone.
+    Map {
+        feature: "board-stm32f3discovery",
+        flash_origin: 0x0800_0000,
+        flash_kib: 256,
+        slots_kib: 4,
+        second_stage: false,
+        ram_origin: 0x2000_0000,
+        ram_kib: 40,
+        stack_kib: 24,
+        own_vectors: false,
+    },
 ];
 
 /// Bytes of the RP2040's second stage.

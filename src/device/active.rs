@@ -7,6 +7,7 @@ use crate::effect::{Effect, Searched, TIME};
 use crate::extended::{Live, LiveError};
 use crate::fit::MAX_PREDICTED_ERROR;
 use crate::fit::Spread;
+use crate::learn::Motion;
 use crate::monitor::Monitor;
 use crate::record::Record;
 use crate::sensor::AxisMap;
@@ -95,9 +96,9 @@ impl Active {
     }
 
     /// Watches a measured vector, µT.
-    pub(super) fn watch(&mut self, t_ms: u64, measured_ut: [f32; 3]) {
-        if let Some(Ok(corrected_ut)) = self.at(t_ms).map(|live| live.apply(measured_ut, None)) {
-            self.monitor.push(t_ms, corrected_ut);
+    pub(super) fn watch(&mut self, t_ms: u64, measured_ut: [f32; 3], motion: &Motion) {
+        if let Some(Ok(corrected_ut)) = self.at(t_ms).map(|live| live.apply(measured_ut, motion.turn_radps)) {
+            self.monitor.push(t_ms, corrected_ut, motion.accel_mps2);
         }
     }
 

@@ -8,6 +8,7 @@ use super::sensor::SensorFault;
 use crate::effect::Effect;
 use crate::extended::FittedEffect;
 use crate::fit::FitReport;
+use crate::number::Num;
 use crate::protocol::{Answered, Code, Reply, StreamMode};
 use crate::quality::Reason;
 use crate::replacement::{Worse, clearly_worse};
@@ -193,9 +194,10 @@ impl Device {
             return reply.err(Code::State, format_args!("there is no calibration: cal start begins one"));
         };
         // `{:?}` writes the shortest digits that read back to the same bits.
-        let [x, y, z] = record.calibration.offset_ut;
+        let [x, y, z] = record.calibration.offset_ut.map(Num);
         reply.line(format_args!("offset_ut={x:?},{y:?},{z:?}"));
-        for [x, y, z] in record.calibration.matrix {
+        for row in record.calibration.matrix {
+            let [x, y, z] = row.map(Num);
             reply.line(format_args!("matrix={x:?},{y:?},{z:?}"));
         }
         for fitted in record.effects.iter() {
@@ -203,12 +205,12 @@ impl Device {
         }
         reply.ok(format_args!(
             "field_ut={:?} method={} model={} n={} rms_ut={:.4} noise_ut={:.4} stored={}",
-            record.calibration.field_ut,
+            Num(record.calibration.field_ut),
             record.method.name(),
             record.model.name(),
             record.samples,
-            record.rms_ut,
-            record.noise_ut,
+            Num(record.rms_ut),
+            Num(record.noise_ut),
             u8::from(stored.is_some()),
         ))
     }
@@ -240,10 +242,10 @@ impl fmt::Display for Quality<'_> {
             report.method.name(),
             report.model.name(),
             report.samples,
-            report.calibration.field_ut,
-            report.rms_ut,
-            report.noise_ut,
-            100.0 * report.predicted_error_ut / report.calibration.field_ut,
+            Num(report.calibration.field_ut),
+            Num(report.rms_ut),
+            Num(report.noise_ut),
+            Num(100.0 * report.predicted_error_ut / report.calibration.field_ut),
         )
     }
 }
@@ -259,20 +261,20 @@ impl fmt::Display for Row<'_> {
         for (key, values) in [(" coefficients=", coefficients), (" std_errors=", std_errors)] {
             for (index, value) in values.iter().take(k).enumerate() {
                 f.write_str(if index == 0 { key } else { "," })?;
-                if value.is_nan() { f.write_str("-") } else { write!(f, "{value:?}") }?;
+                if value.is_nan() { f.write_str("-") } else { write!(f, "{:?}", Num(*value)) }?;
             }
         }
         let parts = effect.parts();
         if let Some(reference) = parts.reference() {
-            write!(f, " reference={reference:?}")?;
+            write!(f, " reference={:?}", Num(reference))?;
         }
         if let Some((searched, value)) = parts.parameter() {
-            write!(f, " {}={value:?}", searched.name())?;
+            write!(f, " {}={:?}", searched.name(), Num(value))?;
         }
         for (column, range) in effect.columns().into_iter().zip(ranges) {
             match (column, range) {
                 (None, _) => {}
-                (Some(_), Some([least, most])) => write!(f, " range={least:?},{most:?}")?,
+                (Some(_), Some([least, most])) => write!(f, " range={:?},{:?}", Num(*least), Num(*most))?,
                 (Some(_), None) => f.write_str(" range=-")?,
             }
         }

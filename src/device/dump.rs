@@ -4,6 +4,7 @@ use core::fmt;
 
 use super::machine::Device;
 use crate::fit::Spread;
+use crate::number::Num;
 use crate::protocol::{Answered, Code, Reply};
 
 /// Bytes of the record on one line.
@@ -65,7 +66,7 @@ impl fmt::Display for Row<'_> {
             if i > 0 {
                 f.write_str(",")?;
             }
-            write!(f, "{value:?}")
+            write!(f, "{:?}", Num(*value))
         })
     }
 }

@@ -10,6 +10,7 @@ use crate::effect::{BuiltIn, Effect, TIME};
 use crate::extended::{Effects, ExtendedCalibration};
 use crate::fit::{MAX_PREDICTED_ERROR, Order};
 use crate::learn::{Candidate, Outcome, Status, has_id};
+use crate::number::Num;
 use crate::protocol::{Answered, Code, EffectId, Reply};
 use crate::record::{PredictedError, Record};
 use crate::store::{Done, StoreError, StoreJob};
@@ -99,7 +100,7 @@ impl Device {
                 Status::NotNeeded => "the samples do not ask for it",
                 _ => "the samples cannot tell yet: turn the board longer",
             };
-            let (status, p) = (finding.status.name(), finding.p_value);
+            let (status, p) = (finding.status.name(), Num(finding.p_value));
             let (before, after) = (Figure(finding.before), Figure(finding.after));
             return Some(reply.err(
                 Code::Refused,

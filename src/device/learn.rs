@@ -9,6 +9,7 @@ use super::sensor::SensorTask;
 use crate::effect::{ColumnName, TIME};
 use crate::fit::{MAX_PREDICTED_ERROR, Order};
 use crate::learn::{Fed, MAX_TESTED};
+use crate::number::Num;
 use crate::protocol::{Answered, Assignments, Code, Opt, Reply};
 use crate::record::Record;
 use crate::sensor::Sample;
@@ -259,7 +260,7 @@ impl fmt::Display for Shown<'_> {
         for (index, (name, value)) in self.0.iter().enumerate() {
             f.write_str(if index == 0 { "" } else { " " })?;
             match value {
-                Some(value) => write!(f, "{name}={value:?}")?,
+                Some(value) => write!(f, "{name}={:?}", Num(*value))?,
                 None => write!(f, "{name}={}", Opt::<f64>(None))?,
             }
         }

@@ -4,6 +4,7 @@ use core::fmt;
 
 use super::loading::NotTaken;
 use super::machine::Device;
+use crate::number::Num;
 use crate::protocol::{Answered, Code, Load, Reply};
 use crate::record::Record;
 use crate::session::State;
@@ -40,7 +41,7 @@ impl Device {
                     "state={} effects={} field_ut={:?}",
                     self.state().name(),
                     record.effects.len(),
-                    record.calibration.field_ut
+                    Num(record.calibration.field_ut)
                 ))
             }
             Err(why) => reply.err(Code::Refused, format_args!("{why}")),

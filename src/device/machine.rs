@@ -6,6 +6,7 @@ use heapless::Deque;
 
 use super::active::Active;
 use super::button::{Button, ButtonEvent};
+use super::heading::View;
 use super::lessons::Lessons;
 use super::loading::Loading;
 use super::log::Log;
@@ -86,6 +87,7 @@ pub struct Device {
     pub(super) loading: Loading,
     pub(super) active: Option<Active>,
     pub(super) lessons: Lessons,
+    pub(super) view: View,
     pub(super) sensor: SensorWatch,
     pub(super) stream: StreamMode,
     pub(super) log: Log,
@@ -124,6 +126,7 @@ impl Device {
             loading: Loading::nothing(),
             active: None,
             lessons: Lessons::new(),
+            view: View::new(),
             sensor: SensorWatch::new(config.pace, sensor),
             stream: StreamMode::Off,
             log: Log::new(),
@@ -172,7 +175,8 @@ impl Device {
         if self.line_waits {
             return false;
         }
-        self.line_waits = self.splitter.push(byte).is_some();
+        let packets = self.stream == StreamMode::MotionCal;
+        self.line_waits = self.splitter.push_or_packet(byte, packets).is_some();
         true
     }
 
@@ -207,8 +211,11 @@ impl Device {
         self.session.push(sample);
         self.samples_taken = self.samples_taken.wrapping_add(1);
         let measured_ut = self.config.sensor.measured_ut(sample);
-        if let (Some(active), Some(measured_ut)) = (&mut self.active, measured_ut) {
-            active.watch(t_ms, measured_ut);
+        if let Some(measured_ut) = measured_ut {
+            self.view.measured(t_ms, measured_ut);
+            if let Some(active) = &mut self.active {
+                active.watch(t_ms, measured_ut, &self.lessons.motion);
+            }
         }
         self.learn(sample, t_ms);
         if self.stream != StreamMode::Off {
@@ -287,7 +294,7 @@ impl Device {
         if self.line_waits && out.takes(MAX_REPLY_BYTES) && self.answer_line(out) {
             return Action::Again;
         }
-        if self.begin_to_learn() { Action::Again } else { Action::Sleep }
+        if self.begin_to_learn() || self.look_at_coverage() { Action::Again } else { Action::Sleep }
     }
 
     /// When there is something to do without anything coming from outside; a time past: at once.

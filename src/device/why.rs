@@ -7,6 +7,7 @@ use super::machine::Device;
 use crate::effect::{BuiltIn, Effect, advice};
 use crate::extended::Effects;
 use crate::learn::{Candidate, Finding, Found, Inquiry, Outcome, Status, Verdict};
+use crate::number::Num;
 use crate::protocol::{Answered, Code, Opt, Reply};
 
 impl Device {
@@ -208,7 +209,7 @@ pub(super) struct Figure(pub(super) f32);
 
 impl fmt::Display for Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.0.is_finite() { write!(f, "{:.4}", self.0) } else { f.write_str("-") }
+        if self.0.is_finite() { write!(f, "{:.4}", Num(self.0)) } else { f.write_str("-") }
     }
 }
 
@@ -217,7 +218,7 @@ struct Chance(f32);
 
 impl fmt::Display for Chance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.0 < 1e-30 { f.write_str("0") } else { write!(f, "{:.1e}", self.0) }
+        if self.0 < 1e-30 { f.write_str("0") } else { write!(f, "{:.1e}", Num(self.0)) }
     }
 }
 

@@ -5,6 +5,7 @@ use crate::base::model::Base;
 use crate::base::mounting::Standing;
 use crate::base::order::AxisOrder;
 use crate::calibration::{FittedEffect, Information, StdErrors};
+use crate::noise::colour::Colour;
 use crate::plain;
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
@@ -137,6 +138,17 @@ pub struct Heading {
     pub rms_deg_after: f64,
 }
 
+/// The noise that is left.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct NoiseRow {
+    /// What it is most like.
+    pub colour: Colour,
+    /// By how many standard deviations its spectrum is another one than that.
+    pub misfit: f64,
+    /// How many samples say as much about a calibration as one of white noise.
+    pub memory_samples: f64,
+}
+
 /// A diagnosis.
 #[derive(Debug, Clone, Serialize)]
 pub struct Diagnosis {
@@ -152,6 +164,8 @@ pub struct Diagnosis {
     pub noise_floor_ut: Option<f64>,
     /// What it makes of the residual, µT.
     pub residual_floor_ut: Option<f64>,
+    /// What noise is left, where a model was fitted.
+    pub noise: Option<NoiseRow>,
     /// Every candidate.
     pub candidates: Vec<CandidateRow>,
     /// Faults of the data.

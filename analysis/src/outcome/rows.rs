@@ -85,6 +85,20 @@ impl View<'_, '_> {
                 list.push(row_of(one, Status::NotNeeded, Vec::new(), withdrawn.why.clone()));
             }
         }
+        for id in &self.explanation.dropped {
+            let name = self.catalogue.registry.parse(id).and_then(|named| self.catalogue.build(&named, 0.0));
+            list.push(CandidateRow {
+                id: id.clone(),
+                name: name.map_or_else(|| id.clone(), |piece| piece.effect.name().to_string()),
+                status: Status::Untestable,
+                residual: Residual::Magnitude.name(),
+                holdout_rms_ut: None,
+                p_value: None,
+                confounded_with: Vec::new(),
+                why: "its shape is not finite on this log, so it was left out; the others were tried".into(),
+                angle_deg: None,
+            });
+        }
         for one in &self.explanation.last {
             let id = &one.candidate.piece.id;
             if list.iter().any(|row| row.id == *id) {

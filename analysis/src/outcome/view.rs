@@ -9,11 +9,12 @@ use crate::base::known::Known;
 use crate::base::model::Base;
 use crate::base::mounting::Standing;
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::{Residue, attitude_error, covariance, residue};
+use crate::base::quality::{Residue, attitude_error, covariance};
 use crate::base::start;
 use crate::outcome::outcome::{Heading, StepRow, Verdict, Where};
 use crate::residual::late::{Late, scan};
 use crate::samples::samples::Samples;
+use crate::samples::series::Autocorrelation;
 use crate::search::candidates::Catalogue;
 use crate::search::screen::{Candidate, SIGNIFICANCE, screen};
 use crate::search::shown::Shown;
@@ -149,13 +150,13 @@ impl<'a> View<'_, 'a> {
         let fitted = &self.explanation.fitted;
         let list: Vec<&Piece> = fitted.pieces.iter().collect();
         let residuals = self.pass.residuals(&fitted.model, &list)?;
-        let left = residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s());
-        let (Some(errors), Some(rows)) = (errors, covariance(fitted, left.time)) else { return Ok(1.0) };
+        let time = Autocorrelation::of(&residuals).time;
+        let (Some(errors), Some(rows)) = (errors, covariance(fitted, time)) else { return Ok(1.0) };
         let variance = errors.delay_variance(&rows);
         if delay_s <= 0.0 || variance.is_nan() || variance <= 0.0 {
             return Ok(1.0);
         }
-        Ok(f_tail(delay_s * delay_s / variance, 1.0, fitted.rows / left.time.max(1.0)))
+        Ok(f_tail(delay_s * delay_s / variance, 1.0, fitted.rows / time.max(1.0)))
     }
 
     /// Takes the alignment's model, or its opposite where heading or place say so: how the axes stand.
@@ -271,6 +272,15 @@ impl<'a> View<'_, 'a> {
         if let Some(again) = &self.explanation.repeated {
             reasons.push(format!("there is {again}, and a model holds each effect once"));
             return (Verdict::Unexplained, reasons);
+        }
+        if self.explanation.ended_early {
+            reasons.push(
+                "the search ended at the limit of its work, with candidates left that were not tried beside what was found"
+                    .into(),
+            );
+            if left.structure <= 0.0 {
+                return (Verdict::Unexplained, reasons);
+            }
         }
         if left.structure > 0.0 {
             reasons.push(format!(

@@ -7,3 +7,4 @@ pub mod fft;
 pub mod rest;
 pub mod samples;
 pub mod series;
+pub mod work;

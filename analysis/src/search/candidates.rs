@@ -70,6 +70,26 @@ impl<'a> Catalogue<'a> {
         }
     }
 
+    /// The log.
+    pub fn table(&self) -> &'a Table<'a> {
+        self.table
+    }
+
+    /// The same of other samples of the log.
+    pub fn over<'b>(&self, samples: &'b Samples) -> Catalogue<'b>
+    where
+        'a: 'b,
+    {
+        Catalogue::new(samples, self.table, self.registry)
+    }
+
+    /// An effect of other samples of the log, with its coefficients, over these.
+    pub fn again(&self, piece: &Piece) -> Option<Piece<'a>> {
+        let parameter = piece.searched().map_or(0.0, |(_, value)| value);
+        let own = self.build(&piece.named()?, parameter)?;
+        Some(Piece { coefficients: piece.coefficients, ..own })
+    }
+
     /// Index of a covariate that can be tested.
     pub fn usable(&self, name: &str) -> Option<usize> {
         let index = self.names.iter().position(|known| *known == name)?;

@@ -98,7 +98,7 @@ impl<'a> Greedy<'_, 'a> {
         let list: Vec<&Piece> = fitted.pieces.iter().collect();
         let residuals = self.pass.residuals(&fitted.model, &list)?;
         let samples = self.pass.samples;
-        let left = residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s());
+        let left = residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s(), &self.pass.turning(&fitted.model));
         let remains = left.structure * left.rms * left.rms;
         // Where all is explained there is nothing to doubt.
         if remains <= 0.0 {

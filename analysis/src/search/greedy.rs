@@ -30,18 +30,27 @@ fn candidates<'a>(
         catalogue.plain(at_rest).into_iter().map(|piece| Candidate { piece, searched: 1.0 }).collect();
     for named in catalogue.searched() {
         if periodic || named.form.searched != Some(Searched::Frequency) {
-            list.extend(search::best(pass, fitted, catalogue, &named)?);
+            list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
         }
     }
     for named in catalogue.usable_columns().flat_map(|column| catalogue.late(column)) {
         // A late column stands beside the prompt one, or shows through it.
         let is_prompt = |own: Named| own.is_plain() && own.is_variant_of(&named);
         if fitted.pieces.iter().filter_map(Piece::named).any(is_prompt) {
-            list.extend(search::best(pass, fitted, catalogue, &named)?);
+            list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
         }
     }
     list.retain(|candidate| !fitted.pieces.iter().any(|piece| piece.id == candidate.piece.id));
     Ok(list)
+}
+
+/// What was found, unless some shape was not finite on the way.
+fn finite<T>(found: Result<T, BadShape>) -> Result<Option<T>, BadShape> {
+    match found {
+        Ok(found) => Ok(Some(found)),
+        Err(BadShape::NotFinite(_)) => Ok(None),
+        Err(bad) => Err(bad),
+    }
 }
 
 // One at a time, on the stack: the size does not matter.
@@ -66,8 +75,18 @@ impl<'a> Greedy<'_, 'a> {
             let turns = |piece: &Piece| piece.acts(Acts::Measured) || piece.acts(Acts::Field);
             list.retain(|candidate| !turns(&candidate.piece));
         }
+        list.retain(|candidate| !self.dropped.borrow().contains(&candidate.piece.id));
         let count = self.independent(&list);
-        let Screening { held_out, tested } = screen(&self.pass, fitted, &list, count)?;
+        let Screening { held_out, tested } = loop {
+            match screen(&self.pass, fitted, &list, count) {
+                // One candidate that runs away is no reason to give up the others.
+                Err(BadShape::NotFinite(id)) if list.iter().any(|one| one.piece.id == id) => {
+                    list.retain(|one| one.piece.id != id);
+                    self.dropped.borrow_mut().push(id);
+                }
+                screening => break screening?,
+            }
+        };
         let mut judged: Vec<Judged> = tested
             .into_iter()
             .filter_map(|tested| Some(Judged { candidate: list.get(tested.index)?.clone(), tested }))
@@ -89,7 +108,12 @@ impl<'a> Greedy<'_, 'a> {
         let (mut confounded, mut families) = (Vec::new(), Vec::new());
         let mut swapped: Vec<(String, String)> = Vec::new();
         let mut repeated = None;
+        let mut ended_early = false;
         for round in 0..3 * MOST_AT_REST {
+            if self.is_spent() {
+                ended_early = true;
+                break;
+            }
             let (judged, tried, _) = self.judge(&fitted, true)?;
             count = tried;
             first.get_or_insert_with(|| judged.clone());
@@ -109,7 +133,8 @@ impl<'a> Greedy<'_, 'a> {
                 break;
             }
             let most = if self.pass.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };
-            let next = if fitted.pieces.len() < most { self.choose(&fitted, &last, count)? } else { None };
+            let next = if fitted.pieces.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
+            let next = next.flatten();
             if let Some((winner, next)) = next {
                 fitted = self.aligned(prefer(&self.pass, next, self.known)?)?;
                 order.push(winner);
@@ -162,6 +187,8 @@ impl<'a> Greedy<'_, 'a> {
             last,
             repeated,
             withdrawn: Vec::new(),
+            dropped: self.dropped.take(),
+            ended_early,
             count,
             shown: Vec::new(),
         })
@@ -228,6 +255,9 @@ impl<'a> Greedy<'_, 'a> {
     fn reconsider(&self, fitted: &Fitted<'a>, count: usize) -> Result<Reconsidered<'a>, BadShape> {
         let (mut groups, mut families) = (Vec::new(), Vec::new());
         for index in 0..fitted.pieces.len() {
+            if self.is_spent() {
+                break;
+            }
             let mut pieces = fitted.pieces.clone();
             let own = pieces.remove(index);
             let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
@@ -266,6 +296,7 @@ impl<'a> Greedy<'_, 'a> {
                 if fewer || pair.second * (count as f64) * other.candidate.searched < SIGNIFICANCE {
                     if let Some(next) = self.with(&without, &other.candidate.piece)?
                         && may_follow(&own, &other.candidate.piece, fitted, &next)
+                        && self.beats_its_copies(&without, &other.candidate.piece)?
                     {
                         return Ok(Reconsidered::Swap {
                             from: own.id,

@@ -4,7 +4,7 @@ use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
 use crate::search::kin::NEARLY;
 use crate::search::parameter;
-use crate::search::screen::{ACCUSED, RELEVANCE, SIGNIFICANCE, rivalry, screen, stands};
+use crate::search::screen::{ACCUSED, SIGNIFICANCE, WORTH_NAMING, rivalry, screen, stands};
 use crate::search::search;
 use crate::search::state::{Greedy, Judged, held_out_rms};
 use ironout::effect::{Named, Searched};
@@ -16,6 +16,8 @@ const STRONG: f64 = 0.01;
 const STRONG_SHARE: f64 = 0.2;
 /// ... but at most so many.
 const STRONG_LEADERS: usize = 6;
+/// So many effects that copies of their columns beat are passed over for the next best.
+const MOST_REFUSED: usize = 4;
 /// At rest the linear term comes before its square or its past if it takes this share of what they take.
 const PROMPT_SHARE: f64 = 0.3;
 
@@ -89,7 +91,7 @@ impl<'a> Greedy<'_, 'a> {
             tested.p_value = (test.p_value * one.candidate.searched).min(1.0);
             tested.held_out = held_out.map(|rms| rms * rms * next.rows);
             tested.accepted = tested.p_value * (count as f64) < ACCUSED
-                && held_out.is_some_and(|after| after * after < before * before * (1.0 - RELEVANCE));
+                && held_out.is_some_and(|after| after * after < before * before * (1.0 - WORTH_NAMING));
         }
         Ok(())
     }
@@ -148,9 +150,31 @@ impl<'a> Greedy<'_, 'a> {
         Ok(best)
     }
 
-    /// The next effect: the three leaders fully refitted, the best by its held-out error, and the one with fewer
-    /// coefficients where it explains as much.
+    /// The next effect: the best of those that chance, as the log itself shows it, does not do as well as.
     pub(crate) fn choose(
+        &self,
+        fitted: &Fitted<'a>,
+        judged: &[Judged<'a>],
+        count: usize,
+    ) -> Result<Option<(String, Fitted<'a>)>, BadShape> {
+        let mut judged = judged.to_vec();
+        for _ in 0..MOST_REFUSED {
+            let Some((id, next)) = self.best_of(fitted, &judged, count)? else { return Ok(None) };
+            let Some(piece) = next.pieces.iter().find(|piece| piece.id == id) else { return Ok(None) };
+            if self.beats_its_copies(fitted, piece)? {
+                return Ok(Some((id, next)));
+            }
+            let alike = |one: &Judged| {
+                one.candidate.piece.id == id || one.candidate.piece.is_variant_of(piece)
+            };
+            judged.iter_mut().filter(|one| alike(one)).for_each(|one| one.tested.accepted = false);
+        }
+        Ok(None)
+    }
+
+    /// The next effect by the tests alone: the three leaders fully refitted, the best by its held-out error, and the one with fewer
+    /// coefficients where it explains as much.
+    fn best_of(
         &self,
         fitted: &Fitted<'a>,
         judged: &[Judged<'a>],

@@ -10,6 +10,8 @@ pub mod pairs;
 pub mod parameter;
 pub mod screen;
 pub mod search;
+pub mod shifted;
 pub mod shown;
 pub mod state;
+pub mod thinned;
 pub mod undisturbed;

@@ -103,7 +103,7 @@ fn with_step(whole: &Matrix, suffix: &Matrix, base: usize) -> Matrix {
 }
 
 /// How much each candidate alone takes off the squared error.
-fn decreases(pass: &Pass, fitted: &Fitted, candidates: &[Piece]) -> Result<Vec<f64>, BadShape> {
+pub(crate) fn decreases(pass: &Pass, fitted: &Fitted, candidates: &[Piece]) -> Result<Vec<f64>, BadShape> {
     let base = fitted.columns();
     let mut out = Vec::new();
     let width = candidates.iter().map(Piece::k).max().unwrap_or(1);
@@ -182,14 +182,15 @@ fn periodic<'a>(
     }
     let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     // Rows that arrive in bursts have a short median step: the mean one tells the sensor's rate.
-    let step = median(&mut gaps).max(seconds / n as f64 * 0.9);
+    // Thinned rows stand on the grid of all.
+    let step = median(&mut gaps).max(seconds / n as f64 * 0.9) / samples.stride as f64;
     let nyquist = 0.5 / step;
     if nyquist <= LOWEST_HZ {
         return Ok(None);
     }
     let cells = (seconds / step).ceil() as usize + 1;
     let size = (2 * cells).next_power_of_two();
-    let uniform = gaps.iter().all(|gap| (gap / step - 1.0).abs() < 0.2);
+    let uniform = samples.stride == 1 && gaps.iter().all(|gap| (gap / step - 1.0).abs() < 0.2);
     let mut series = vec![vec![(0.0, 0.0); size]; 3];
     let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
     let vector = pass.residual == ironout::study::Residual::Vector;

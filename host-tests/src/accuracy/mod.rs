@@ -17,3 +17,4 @@ pub mod simulated;
 pub mod snapshot;
 pub mod solvers;
 pub mod table;
+pub mod truths;

@@ -61,12 +61,14 @@ fn main() -> ! {
         }
         device.on_button_level(panel.button_down(), now_ms);
         // One sample a turn: each has its line of a stream.
-        match sampled.next() {
-            Some(Sampled { at_ms, reading: Ok(reading) }) => device.on_sample(&reading, at_ms),
-            Some(Sampled { at_ms, reading: Err(fault) }) => {
-                device.complete_sensor(SensorAnswer::Failed(fault), at_ms);
+        if let Some(Sampled { at_us, reading, moved }) = sampled.next() {
+            if moved.accel_mps2.is_some() || moved.turn_radps.is_some() {
+                device.on_motion(moved.accel_mps2, moved.turn_radps);
             }
-            None => {}
+            match reading {
+                Ok(reading) => device.on_sample(&reading, at_us / 1000),
+                Err(fault) => device.complete_sensor(SensorAnswer::Failed(fault), at_us / 1000),
+            }
         }
         let more = device.turn(now_ms, &mut sensor, &mut store, &mut console);
         // Half an hour in one turn fits.
@@ -88,7 +90,7 @@ fn main() -> ! {
         if let Some(event) = device.take_event() {
             defmt::info!("button: {}", event);
         }
-        panel.set_light(device.light().is_on(now_ms));
+        panel.show(&device.shown(now_ms));
         if !more {
             let wants_bytes = device.is_idle();
             clock.sleep_until_ms(device.next_deadline_ms(), || {
@@ -103,6 +105,9 @@ fn device_of(sensor: Sensor, restarts: &fault::Restarts) -> Device {
     let sensor = sensor.mounted(board::MOUNTING);
     let mut device = Device::new(DeviceConfig { board: board::NAME, sensor, pace: board::PACE });
     device.note_restarts(restarts.count, restarts.last);
+    if board::SHOWS_COVERAGE {
+        device.show_coverage();
+    }
     device
 }
 

@@ -3,8 +3,8 @@
 //! embassy-usb's task runs on an executor in an interrupt of the lowest priority; the loop sees two buffers.
 
 use super::time::now_us;
-use super::uart::STALL_LIMIT_US;
 use crate::board::outgoing::Outgoing;
+use crate::board::port::STALL_LIMIT_US;
 use embassy_executor::{InterruptExecutor, SendSpawner};
 use embassy_futures::join::join3;
 use embassy_rp::peripherals::USB;

@@ -1,0 +1,5 @@
+//! The colours that a sensor's noise has, and which of them a residual has.
+
+pub mod colour;
+pub mod power;
+pub mod turning;
