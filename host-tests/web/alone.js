@@ -19,7 +19,13 @@ export async function alone({ file, samples, cal, unreadable, shots }) {
   const { page } = browser;
   await browser.go(pathToFileURL(file).href);
   const said = { samples: [], empty: await browser.objections() };
-  for (const sample of samples) {
+  // The samples are many, and the search is tested elsewhere.
+  await page.locator("#reading-options").evaluate((one) => { one.open = true; });
+  await page.locator("#search").uncheck();
+  for (const { path: sample, options } of samples) {
+    for (const name of ["map", "ut_per_count", "instance"]) {
+      await page.locator(`#option-${name}`).fill(options.filter(([own]) => own.replaceAll("-", "_") === name).map(([, value]) => value).join(";"));
+    }
     await drop(page, sample);
     await browser.until((name) => document.body.dataset.log === name || !document.getElementById("trouble").hidden, basename(sample));
     await browser.settled();

@@ -20,14 +20,20 @@ async function session(browser, said, shots) {
   said.hint = await browser.text("#hint");
   await browser.until(() => document.getElementById("hint").textContent.includes("enough directions"));
   said.coverage = await browser.text("#value-coverage");
-  await browser.shot(`${shots}-collecting`);
+  await browser.shot(`${shots}-collecting`, { fullPage: true });
   said.stopped = await click("cal-stop");
   said.judged = await browser.text("#judged");
   said.accepted = await click("cal-accept");
   await browser.until(() => document.body.dataset.calibrated === "1");
   await browser.until(() => document.getElementById("reading").textContent.includes("magnitude"));
   said.reading = await browser.text("#reading");
-  said.whyAnswer = await click("ask-why");
+  // It learns from the samples of its calibration: asked again until there were enough of them.
+  for (let asked = 0; asked < 12; asked += 1) {
+    said.whyAnswer = await click("ask-why");
+    said.verdict = await browser.page.locator("#why").getAttribute("data-verdict");
+    if (said.verdict !== "undetermined") break;
+    await browser.until((before) => Number(document.body.dataset.samples) > before + 400, Number(await page.evaluate(() => document.body.dataset.samples)));
+  }
   said.why = await browser.text("#why");
   await browser.until(() => Number(document.getElementById("plot-live").dataset.drawn) > 30);
   await browser.shot(`${shots}-calibrated`, { fullPage: true });

@@ -1,9 +1,9 @@
 //! What can be asked of the commands that make a page.
 
-use crate::board::Address;
-use crate::cli::{FieldArgs, LogArgs};
+
 use crate::failure::Outcome;
 use crate::link_args;
+use crate::log_args::{FieldArgs, LogArgs};
 use clap::{ArgGroup, Args};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -87,12 +87,6 @@ pub struct LiveArgs {
 }
 
 impl LiveArgs {
-    /// Where the board is, if it is a real one.
-    pub fn address(&self) -> Option<Address> {
-        let serial = self.port.clone().map(Address::Serial);
-        serial.or_else(|| self.tcp.clone().map(Address::Tcp))
-    }
-
     /// How long an answer may take; errors name the option.
     pub fn wait(&self) -> Outcome<Duration> {
         link_args::wait(self.wait)

@@ -28,6 +28,7 @@ pub mod interrupt;
 pub mod join;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod link_args;
+pub mod log_args;
 pub mod output;
 pub mod page;
 pub mod plausible;

@@ -44,8 +44,8 @@ function tiles(vectors, middle) {
   return { slices: SLICES, sectors: SECTORS, samples, sides };
 }
 
-const meter = (id, label, low, high, max) => {
-  const bar = h("meter", { id: `meter-${id}`, min: 0, max, low, high, optimum: low < high ? max : 0, value: 0, "aria-label": label });
+const meter = (id, label, low, high, max, best) => {
+  const bar = h("meter", { id: `meter-${id}`, min: 0, max, low, high, optimum: best, value: 0, "aria-label": label });
   const text = h("span", { id: `value-${id}` }, "–");
   return { bar, text, parts: [h("span", {}, label), bar, text] };
 };
@@ -63,9 +63,9 @@ export class Live {
     this.hint = h("p", { class: "hint", id: "hint", role: "status", "aria-live": "polite" });
     this.answer = h("p", { class: "note", id: "answer", role: "status", "aria-live": "polite" });
     this.meters = {
-      coverage: meter("coverage", "directions seen", 0.3, 0.6, 1),
-      gap: meter("gap", "largest gap", 40, 90, 180),
-      error: meter("error", "error, % (limit 1)", 1, 2, 4),
+      coverage: meter("coverage", "directions seen", 0.3, 0.6, 1, 1),
+      gap: meter("gap", "largest gap", 40, 90, 180, 0),
+      error: meter("error", "error, % (limit 1)", 1, 2, 4, 0),
     };
     this.reading = h("p", { class: "state", id: "reading" }, "–");
     this.judged = h("div", { id: "judged" });
@@ -187,15 +187,17 @@ export class Live {
   }
 
   status(reply) {
-    const hints = reply.info.filter((text) => /^(hint|sensor|outside|monitor)/.test(text)).map((text) => text.replace(/^hint /, ""));
+    const hints = reply.info.filter((text) => /^(hint|sensor|outside)/.test(text) || /^monitor condition=(disturbed|outdated)/.test(text)).map((text) => text.replace(/^hint /, ""));
     if (this.hint.textContent !== hints.join(" · ")) fill(this.hint, hints.join(" · "));
     const { state, coverage, gap_deg: gap, rms_ut: rms, noise_ut: noise, n, calibrated } = reply.all;
     this.known = { state, calibrated: calibrated === "1" };
     document.body.dataset.board = state;
     document.body.dataset.calibrated = calibrated;
-    this.set("coverage", Number(coverage), `${fixed(100 * Number(coverage), 0)} %`);
-    this.set("gap", Number(gap), `${fixed(Number(gap), 0)}°`);
-    this.figures = `n ${n} · rms ${rms} µT · noise ${noise} µT`;
+    // Idle, it counts for a calibration that there is not.
+    const [part, hole] = state === "idle" ? [NaN, NaN] : [Number(coverage), Number(gap)];
+    this.set("coverage", part, `${fixed(100 * Number(coverage), 0)} %`);
+    this.set("gap", hole, `${fixed(Number(gap), 0)}°`);
+    this.figures = state === "collecting" ? `n ${n} · rms ${rms} µT · noise ${noise} µT` : null;
     this.enable();
     this.later();
   }
@@ -252,10 +254,11 @@ export class Live {
     const reply = await this.command("cal stop");
     const found = reply.all;
     this.set("error", Number(found.error_percent), `${found.error_percent} %`);
+    const shown = (what) => (what === undefined || what === "-" ? "–" : what);
     fill(this.judged, table(reply.ok ? "Accepted: it waits to be stored" : `Refused: ${reply.text}`, ["", "value", "limit"], [
-      ["predicted error, % of the field", found.error_percent ?? "–", "1"],
+      ["predicted error, % of the field", shown(found.error_percent), "1"],
       ["residual, % of the field", found.rms_ut && found.field_ut ? fixed(100 * Number(found.rms_ut) / Number(found.field_ut), 3) : "–", "5"],
-      ["samples", found.n ?? "–", ""], ["field, µT", found.field_ut ?? "–", ""], ["noise, µT", found.noise_ut ?? "–", ""],
+      ["samples", shown(found.n), ""], ["field, µT", shown(found.field_ut), ""], ["noise, µT", shown(found.noise_ut), ""],
     ]));
     this.known = { ...this.known, state: reply.ok ? "solved" : "refused" };
     document.body.dataset.board = this.known.state;

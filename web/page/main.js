@@ -58,6 +58,7 @@ class Page {
     const input = h("input", { type: "file", id: "file", multiple: true, onchange: ({ target }) => this.take([...target.files]) });
     const options = ["map", "rotate", "ut_per_count", "instance", "derive"].map((name) => [name, h("input", { type: "text", id: `option-${name}`, size: 28 })]);
     this.options = Object.fromEntries(options);
+    this.search = h("input", { type: "checkbox", id: "search", checked: true });
     this.field = h("input", { type: "text", id: "option-field", size: 8 });
     const connect = h("button", { type: "button", id: "connect", onclick: () => this.connect() }, "connect a board");
     const zone = h("div", { class: "zone", id: "zone" },
@@ -72,8 +73,9 @@ class Page {
       });
     }
     fill(by("drop-body"), zone, h("p", { class: "error", id: "trouble", role: "alert", hidden: true }),
-      h("details", {}, h("summary", {}, "How it is to be read"), h("p", { class: "note" }, "As the options of the command line; several of one are separated by semicolons."),
+      h("details", { id: "reading-options" }, h("summary", {}, "How it is to be read"), h("p", { class: "note" }, "As the options of the command line; several of one are separated by semicolons."),
         options.map(([name, field]) => h("p", {}, h("label", {}, `--${name.replaceAll("_", "-")} `, field))), h("p", {}, h("label", {}, "--field, µT ", this.field)),
+        h("p", {}, h("label", {}, this.search, " search for missing effects")),
         h("button", { type: "button", id: "again", onclick: () => this.again() }, "read again")));
   }
 
@@ -114,7 +116,7 @@ class Page {
       this.said = await this.engine.ask({ do: "read", place: this.place, options, field_ut: field }, log.bytes);
       let { took } = this.engine;
       fill(by("busy"), `Studying ${this.said.rows} rows …`);
-      const look = await this.engine.ask({ do: "look", place: this.place, asked: { search: true, field_ut: field } });
+      const look = await this.engine.ask({ do: "look", place: this.place, asked: { search: this.search?.checked ?? true, field_ut: field } });
       took += this.engine.took;
       this.unpacked = Promise.resolve();
       this.found = look.diagnosis;

@@ -1,5 +1,6 @@
 //! Which board, and where its page is.
 
+use crate::board::Address;
 use crate::cli::LiveArgs;
 use crate::commands::live::link::Link;
 use crate::commands::live::server::Serving;
@@ -12,7 +13,8 @@ use ironout_web::{Mode, Page};
 pub fn run(arguments: &LiveArgs, json: bool) -> Outcome<u8> {
     let wait = arguments.wait()?;
     let interrupt = Interrupt::noted()?;
-    let link = match arguments.address() {
+    let serial = arguments.port.clone().map(Address::Serial);
+    let link = match serial.or_else(|| arguments.tcp.clone().map(Address::Tcp)) {
         Some(address) => Link::keep(address.to_string(), wait, move || address.open(wait)),
         None => bench(arguments)?,
     };

@@ -1,6 +1,7 @@
-//! `ironout report`: one page about a log.
+//! What is fitted, searched and written.
 
 use crate::cli::{MethodArg, ReportArgs};
+use crate::commands::report::plots::plots;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::input::Log;
 use crate::page::{Held, LookAsked, ReadAsked, look, under};
@@ -67,6 +68,14 @@ pub fn run(arguments: &ReportArgs, as_json: bool) -> Outcome<u8> {
             written.push((path.display().to_string(), html.len()));
         }
     }
+    if let Some(folder) = &arguments.plots {
+        std::fs::create_dir_all(folder).map_err(|error| Failure::io("make the folder", folder, &error))?;
+        for (name, svg) in plots(&looked) {
+            let path = folder.join(name);
+            atomic::write(&path, |out| out.write_all(svg.as_bytes()))?;
+            written.push((path.display().to_string(), svg.len()));
+        }
+    }
     if as_json {
         let files: Vec<Value> =
             written.iter().map(|(path, bytes)| json!({"output": path, "bytes": bytes})).collect();
@@ -74,10 +83,14 @@ pub fn run(arguments: &ReportArgs, as_json: bool) -> Outcome<u8> {
     } else {
         output::line(looked["sentence"].as_str().unwrap_or_default());
         for (path, bytes) in &written {
-            output::line(&format!("wrote {path} ({:.1} MB)", *bytes as f64 / 1e6));
+            output::line(&format!("wrote {path} ({})", size(*bytes)));
         }
     }
     Ok(if accepted { EXIT_OK } else { EXIT_REFUSED })
+}
+
+fn size(bytes: usize) -> String {
+    if bytes < 1_000_000 { format!("{:.0} KB", bytes as f64 / 1e3) } else { format!("{:.1} MB", bytes as f64 / 1e6) }
 }
 
 /// Another log, fitted by itself, as the page compares it.
