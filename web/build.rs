@@ -12,8 +12,16 @@ use std::process::Command;
 use std::{env, fs};
 
 /// What the module is made of, from the workspace's root.
-const SOURCES: [&str; 8] =
-    ["src", "analysis/src", "host-tool/src", "hal-drivers/sensor/src", "simulation/src", "web/wasm", "Cargo.lock", "Cargo.toml"];
+const SOURCES: [&str; 8] = [
+    "src",
+    "analysis/src",
+    "host-tool/src",
+    "hal-drivers/sensor/src",
+    "simulation/src",
+    "web/wasm",
+    "Cargo.lock",
+    "Cargo.toml",
+];
 /// What the page is made of, from this folder.
 const FILES: [&str; 2] = ["page", "vendor"];
 
@@ -35,8 +43,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Each file of the page by its name, packed where it is long.
     let mut list = String::from("pub(crate) const FILES: &[(&str, &[u8])] = &[\n");
     for folder in FILES {
-        let mut paths: Vec<PathBuf> =
-            fs::read_dir(here.join(folder))?.map(|entry| entry.map(|entry| entry.path())).collect::<Result<_, _>>()?;
+        let mut paths: Vec<PathBuf> = fs::read_dir(here.join(folder))?
+            .map(|entry| entry.map(|entry| entry.path()))
+            .collect::<Result<_, _>>()?;
         paths.sort();
         for path in paths {
             let name = path.file_name().and_then(|name| name.to_str()).ok_or("a file's name is no text")?;
@@ -73,12 +82,29 @@ fn module(root: &Path, out: &Path) -> Result<Vec<u8>, Box<dyn std::error::Error>
     let target = out.ancestors().nth(4).ok_or("no folder to build in")?.join("web-module");
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
-    command.current_dir(root).args(["build", "--quiet", "--locked", "--package", "ironout-wasm", "--profile", "web"]);
+    command.current_dir(root).args([
+        "build",
+        "--quiet",
+        "--locked",
+        "--package",
+        "ironout-wasm",
+        "--profile",
+        "web",
+    ]);
     command.args(["--target", TARGET, "--target-dir"]).arg(&target);
     // What cargo says to the build around this one is not said to this one; what people say of networks and registries is.
     const NOT_MEANT: [&str; 11] = [
-        "CARGO_PKG_", "CARGO_CFG_", "CARGO_FEATURE_", "CARGO_MANIFEST_", "CARGO_ENCODED_", "CARGO_BUILD_", "CARGO_PROFILE_",
-        "CARGO_TARGET_", "CARGO_MAKEFLAGS", "RUSTFLAGS", "RUSTC_",
+        "CARGO_PKG_",
+        "CARGO_CFG_",
+        "CARGO_FEATURE_",
+        "CARGO_MANIFEST_",
+        "CARGO_ENCODED_",
+        "CARGO_BUILD_",
+        "CARGO_PROFILE_",
+        "CARGO_TARGET_",
+        "CARGO_MAKEFLAGS",
+        "RUSTFLAGS",
+        "RUSTC_",
     ];
     for (key, _) in env::vars_os() {
         if NOT_MEANT.iter().any(|start| key.to_string_lossy().starts_with(start)) {

@@ -43,6 +43,7 @@ export async function alone({ file, samples, cal, unreadable, shots }) {
     await browser.until(() => !document.getElementById("beside").hidden || !document.getElementById("trouble").hidden);
     said.beside = await browser.text("#beside-body");
   }
+  await page.locator("#reading-options").evaluate((one) => { one.open = false; });
   await page.evaluate(() => window.scrollTo(0, 0));
   await browser.shot("alone");
   if (unreadable) {

@@ -1,6 +1,5 @@
 //! What can be asked of the commands that make a page.
 
-
 use crate::failure::Outcome;
 use crate::link_args;
 use crate::log_args::{FieldArgs, LogArgs};

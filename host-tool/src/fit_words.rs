@@ -213,7 +213,9 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut L
         None if matches!(solution.alignment, Alignment::Mirrored(_) | Alignment::Open(_)) => {
             out.line("heading error               -               not before the axes are in order")
         }
-        None => out.line("heading error               -               needs the dip: an accelerometer, or --at"),
+        None => {
+            out.line("heading error               -               needs the dip: an accelerometer, or --at")
+        }
     }
     if let Some(coverage) = fitted.coverage {
         out.line(&format!(

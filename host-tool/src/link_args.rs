@@ -43,7 +43,9 @@ pub fn wait(seconds: f64) -> Outcome<Duration> {
     if seconds > 0.0 && seconds <= LONGEST_WAIT_S {
         return Ok(Duration::from_secs_f64(seconds));
     }
-    Err(Failure::usage(format!("--wait {seconds}: expected seconds, more than 0 and at most {LONGEST_WAIT_S}")))
+    Err(Failure::usage(format!(
+        "--wait {seconds}: expected seconds, more than 0 and at most {LONGEST_WAIT_S}"
+    )))
 }
 
 /// `send`.

@@ -69,9 +69,8 @@ fn scenario(name: &str, mut given: Value) -> Value {
         .output()
         .expect("node runs");
     let said = String::from_utf8_lossy(&run.stdout);
-    let seen: Value = serde_json::from_str(said.trim()).unwrap_or_else(|error| {
-        panic!("{name}: {error}: {said}\n{}", String::from_utf8_lossy(&run.stderr))
-    });
+    let seen: Value = serde_json::from_str(said.trim())
+        .unwrap_or_else(|error| panic!("{name}: {error}: {said}\n{}", String::from_utf8_lossy(&run.stderr)));
     assert_eq!(seen["wrong"], json!([]), "{name}: the browser complains");
     for key in ["objections", "objectionsDark", "empty", "wide"] {
         if let Some(objections) = seen.get(key) {
@@ -93,7 +92,8 @@ fn words(value: &Value) -> &str {
 fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
     let Some(_turn) = turn("a report") else { return };
     let here = folder("page-report");
-    let log = simulate(&here, "log.csv", &["--seed", "17", "--seconds", "40", "--effect", "offset:current_a=3"]);
+    let log =
+        simulate(&here, "log.csv", &["--seed", "17", "--seconds", "40", "--effect", "offset:current_a=3"]);
     let file = here.join("report.html");
     let run = ironout(["report", text(&log), "-o", text(&file), "--json"]);
     assert_eq!(run.status, 0, "{}", run.stderr);
@@ -134,7 +134,11 @@ fn names_in_a_log_are_never_markup() {
             _ => format!("{line},{row},{},{},{}\n", row % 7, row % 11, row % 13),
         })
         .collect();
-    let log = write(&here, "a<b onclick=alert(1)>.csv", format!("# </script><script>window.injected=1</script>\n{hostile}"));
+    let log = write(
+        &here,
+        "a<b onclick=alert(1)>.csv",
+        format!("# </script><script>window.injected=1</script>\n{hostile}"),
+    );
     let file = here.join("report.html");
     let run = ironout(["report", text(&log), "-o", text(&file), "--no-search"]);
     assert!(run.status < 2, "{}", run.stderr);
@@ -160,7 +164,8 @@ fn a_long_log_stays_small() {
 #[test]
 fn each_plot_is_a_file_of_its_own() {
     let here = folder("page-plots");
-    let log = simulate(&here, "log.csv", &["--seed", "17", "--seconds", "30", "--effect", "offset:current_a=3"]);
+    let log =
+        simulate(&here, "log.csv", &["--seed", "17", "--seconds", "30", "--effect", "offset:current_a=3"]);
     let plots = here.join("plots");
     let options = ["--add", "offset:current_a", "--no-search", "--plots", text(&plots)];
     let run = ironout(["report", text(&log)].iter().chain(&options));
@@ -170,7 +175,8 @@ fn each_plot_is_a_file_of_its_own() {
         .map(|entry| entry.expect("a file").file_name().into_string().expect("text"))
         .collect();
     for part in ["magnitude", "error", "dip", "heading", "current-a", "spectrum", "histogram", "sphere-xy"] {
-        let name = names.iter().find(|name| name.contains(part)).unwrap_or_else(|| panic!("no {part}: {names:?}"));
+        let name =
+            names.iter().find(|name| name.contains(part)).unwrap_or_else(|| panic!("no {part}: {names:?}"));
         let svg = std::fs::read_to_string(plots.join(name)).expect("text");
         assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n") && svg.len() > 2000, "{name}");
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}");
@@ -217,7 +223,14 @@ fn samples(here: &Path) -> Vec<Dropped> {
         let stamp = (1000 + micros).to_le_bytes();
         ulog.data(
             0,
-            &[&stamp, &stamp, &7_u32.to_le_bytes(), &floats(field.map(|v| v / 100.0)), &20_f32.to_le_bytes(), &[0; 4]],
+            &[
+                &stamp,
+                &stamp,
+                &7_u32.to_le_bytes(),
+                &floats(field.map(|v| v / 100.0)),
+                &20_f32.to_le_bytes(),
+                &[0; 4],
+            ],
         );
         let [x, y, z] = field.map(|v| N(v * 10.0));
         let zero = N(0.0);
@@ -276,7 +289,9 @@ fn every_format_dropped_on_the_page_says_what_the_command_line_says() {
     let cal = here.join("cal.json");
     let last = samples.last().expect("samples");
     let scale = last.options.iter().map(|(option, value)| format!("--{option}={value}"));
-    let fit = ironout(["fit".to_string(), text(&last.path).into(), "-o".into(), text(&cal).into()].into_iter().chain(scale));
+    let fit = ironout(
+        ["fit".to_string(), text(&last.path).into(), "-o".into(), text(&cal).into()].into_iter().chain(scale),
+    );
     assert_eq!(fit.status, 0, "{}", fit.stderr);
     let unreadable = write(&here, "not a log.txt", "once upon a time\n");
     let given: Vec<Value> =
@@ -287,7 +302,9 @@ fn every_format_dropped_on_the_page_says_what_the_command_line_says() {
             "file": here.join("web/index.html"), "samples": given, "cal": cal, "unreadable": unreadable,
         }),
     );
-    for ((sample, expected), seen) in samples.iter().zip(&expected).zip(seen["samples"].as_array().expect("a list")) {
+    for ((sample, expected), seen) in
+        samples.iter().zip(&expected).zip(seen["samples"].as_array().expect("a list"))
+    {
         let name = sample.path.display();
         assert_eq!(seen["trouble"], "", "{name}: {seen}");
         // But for the advice to keep it.
@@ -335,8 +352,8 @@ struct Served(Child);
 
 impl Drop for Served {
     fn drop(&mut self) {
-        // It may have ended by itself.
-        let _ = self.0.kill();
+        // As by Ctrl-C: it switches its board off. It may have ended by itself.
+        let _ = Command::new("kill").args(["-TERM", &self.0.id().to_string()]).status();
         let _ = self.0.wait();
     }
 }
@@ -386,7 +403,8 @@ fn a_board_is_calibrated_over_a_serial_port_of_the_browser() {
     board.set_field_ut(world.sensor_ut(0.0)).expect("a field");
     // It goes with the test program: the page may open the port any number of times.
     std::thread::spawn(move || {
-        while board.serve(&listener, |sample| Some(world.sensor_ut((sample as f64 * 0.04) % 600.0))).is_ok() {}
+        while board.serve(&listener, |sample| Some(world.sensor_ut((sample as f64 * 0.04) % 600.0))).is_ok() {
+        }
     });
     let seen = scenario("serial", json!({"file": here.join("index.html"), "address": address}));
     assert!(words(&seen["gone"]).contains("it is waited for"), "{seen}");

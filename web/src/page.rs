@@ -1,6 +1,6 @@
 //! Puts the page together.
 
-use crate::files::{MODULE, licences, packed, text};
+use crate::files::{MODULE, has_module, licences, packed, text};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
@@ -95,7 +95,8 @@ impl Page {
         out += &format!("<meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n");
         out += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n";
         out += "<meta name=\"referrer\" content=\"no-referrer\">\n<link rel=\"icon\" href=\"data:,\">\n";
-        out += &format!("<title>{} · ironout</title>\n<style>{style}</style>\n</head>\n", escaped(&self.title));
+        out +=
+            &format!("<title>{} · ironout</title>\n<style>{style}</style>\n</head>\n", escaped(&self.title));
         out += &format!("<body data-mode=\"{}\">\n{}\n", self.mode.name(), text("body.html"));
         let data = |out: &mut String, kind: &str, name: &str, bytes: &[u8]| {
             *out += &format!("<script type=\"text/plain\" data-{kind}=\"{name}\">");
@@ -106,7 +107,7 @@ impl Page {
             data(&mut out, "script", name, packed(name));
         }
         data(&mut out, "worker", WORKER, packed(WORKER));
-        if !MODULE.is_empty() && crate::has_module() {
+        if !MODULE.is_empty() && has_module() {
             data(&mut out, "bytes", "module", MODULE);
         }
         data(&mut out, "bytes", "licences", &gzip(licences().as_bytes()));

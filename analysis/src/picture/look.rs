@@ -73,7 +73,8 @@ pub fn look_with(table: &Table, calibration: Calibrated) -> Result<(Picture, f64
     let corrector = Corrector::new(calibration, table)?;
     Ok(with_room(|| {
         let ground = Ground::of(table, Default::default(), None, None);
-        let rows: Vec<usize> = ground.counted.used.iter().map(|&sample| ground.counted.data.row(sample)).collect();
+        let rows: Vec<usize> =
+            ground.counted.used.iter().map(|&sample| ground.counted.data.row(sample)).collect();
         let squares: (f64, usize) = rows.iter().filter_map(|&row| corrector.correct(row).ok()).fold(
             (0.0, 0),
             |(sum, n), corrected| {

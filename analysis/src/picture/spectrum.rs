@@ -86,12 +86,8 @@ mod tests {
         let tone: Vec<f64> = time.iter().map(|t| (std::f64::consts::TAU * 12.5 * t).sin()).collect();
         let zero = vec![0.0; n];
         let density = density(Some(&time), &tone, &zero, 0.5).expect("long enough");
-        let (at, _) = density
-            .without
-            .iter()
-            .enumerate()
-            .max_by(|a, b| a.1.total_cmp(b.1))
-            .expect("there are bins");
+        let (at, _) =
+            density.without.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).expect("there are bins");
         assert!((density.hz[at] - 12.5).abs() < 0.1, "{}", density.hz[at]);
         let df = f64::from(density.hz[1] - density.hz[0]);
         let variance: f64 = density.without.iter().map(|a| f64::from(*a).powi(2) * df).sum();

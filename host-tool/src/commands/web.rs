@@ -20,9 +20,15 @@ pub fn run(arguments: &WebArgs, json: bool) -> Outcome<u8> {
     atomic::write(&index, |out| out.write_all(html.as_bytes()))?;
     atomic::write(&texts, |out| out.write_all(licences().as_bytes()))?;
     if json {
-        output::line(&serde_json::json!({"output": index.display().to_string(), "bytes": html.len()}).to_string());
+        output::line(
+            &serde_json::json!({"output": index.display().to_string(), "bytes": html.len()}).to_string(),
+        );
     } else {
-        output::line(&format!("wrote {} ({:.1} MB) and LICENSES.txt", index.display(), html.len() as f64 / 1e6));
+        output::line(&format!(
+            "wrote {} ({:.1} MB) and LICENSES.txt",
+            index.display(),
+            html.len() as f64 / 1e6
+        ));
     }
     Ok(EXIT_OK)
 }

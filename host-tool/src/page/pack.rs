@@ -3,7 +3,6 @@
 use crate::failure::{Failure, Outcome};
 use crate::input::{Covariate, Log, ReadAs};
 use crate::page::asked::ReadAsked;
-use crate::page::held::Held;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -104,8 +103,7 @@ fn by_place<const N: usize>(values: impl Iterator<Item = [u8; N]> + Clone, out: 
 }
 
 /// The bytes of a log, and the columns that were rounded to single precision.
-pub fn pack(held: &Held) -> (Vec<u8>, Vec<String>) {
-    let log = &held.log;
+pub fn pack(log: &Log, asked: &ReadAsked) -> (Vec<u8>, Vec<String>) {
     let (mut body, mut rounded) = (Vec::new(), Vec::new());
     let mut columns = Vec::new();
     let mut add = |name: String, values: Cow<[f64]>| {
@@ -134,7 +132,7 @@ pub fn pack(held: &Held) -> (Vec<u8>, Vec<String>) {
         add(format!("={}", column.name), Cow::Borrowed(&column.values));
     }
     let head = Head {
-        asked: held.asked.clone(),
+        asked: asked.clone(),
         read_as: log.read_as.clone(),
         notices: log.notices.clone(),
         rows: log.rows,
@@ -201,11 +199,11 @@ fn unpacked(kind: Kind, rows: usize, bytes: &[u8]) -> Option<Vec<f64>> {
 ///
 /// # Errors
 /// They are not what [`pack`] gives.
-pub fn unpack(bytes: &[u8]) -> Outcome<Held> {
+pub fn unpack(bytes: &[u8]) -> Outcome<(Log, ReadAsked)> {
     parse(bytes).ok_or_else(|| Failure::usage("the log in this page is damaged: make the page again"))
 }
 
-fn parse(bytes: &[u8]) -> Option<Held> {
+fn parse(bytes: &[u8]) -> Option<(Log, ReadAsked)> {
     let rest = bytes.strip_prefix(MAGIC)?;
     let (length, rest) = rest.split_first_chunk::<4>()?;
     let length = usize::try_from(u32::from_le_bytes(*length)).ok()?;
@@ -258,60 +256,5 @@ fn parse(bytes: &[u8]) -> Option<Held> {
         let name = name.strip_prefix('=')?.to_string();
         log.covariates.push(Covariate { name, values, empty, not_finite });
     }
-    Some(Held { log, asked: head.asked })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn held(csv: &str, ut_per_count: Option<&str>) -> Held {
-        let asked = ReadAsked {
-            name: "a.csv".into(),
-            ut_per_count: ut_per_count.map(String::from),
-            ..ReadAsked::default()
-        };
-        Held::read(asked, csv.as_bytes(), Some(50.0)).expect("a log")
-    }
-
-    #[test]
-    fn a_log_comes_back_to_the_last_bit() {
-        let mut csv = "t_s,mx_ut,my_ut,mz_ut,temp_c,odd\n".to_string();
-        for i in 0..500 {
-            let a = f64::from(i) * 0.1;
-            let temp = if i % 7 == 0 { String::new() } else { format!("{:.2}", 20.0 - 3.0 * a) };
-            csv += &format!("{:.3},{:.3},{:.2},{},{temp},{}\n", a, 50.0 * a.sin(), -40.0 * a.cos(), 0.1 + a.sin(), a.exp());
-        }
-        let log = held(&csv, None);
-        let (bytes, rounded) = log.pack();
-        assert!(rounded.is_empty());
-        let again = Held::unpack(&bytes).expect("its own");
-        assert_eq!(again.asked, log.asked);
-        let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a == b || (a.is_nan() && b.is_nan()));
-        assert!(log.log.field_ut.iter().zip(&again.log.field_ut).all(|(a, b)| same(a, b)));
-        for (a, b) in log.log.covariates.iter().zip(&again.log.covariates) {
-            assert_eq!((&a.name, a.not_finite), (&b.name, b.not_finite));
-            assert!(same(&a.values, &b.values), "{}", a.name);
-        }
-        assert_eq!(log.log.time_s, again.log.time_s);
-        let counts: String = (0..200).map(|i| format!("{},{},{}\n", i * 3 - 300, 200 - i, (i * i) % 97)).collect();
-        let log = held(&format!("mx_counts,my_counts,mz_counts\n{counts}"), Some("0.15,0.15,0.17"));
-        let again = Held::unpack(&log.pack().0).expect("its own");
-        assert_eq!((again.log.counts, again.log.field_ut), (log.log.counts, log.log.field_ut));
-    }
-
-    #[test]
-    fn what_is_damaged_is_refused() {
-        let log = held("mx_ut,my_ut,mz_ut\n1.5,2,3\n4,5,6\n30,40,-50\n", None);
-        let (bytes, _) = log.pack();
-        for end in 0..bytes.len() {
-            assert!(Held::unpack(&bytes[..end]).is_err(), "{end}");
-        }
-        for at in 0..bytes.len() {
-            let mut other = bytes.clone();
-            other[at] ^= 0x55;
-            // No panic; a number in it may be another one.
-            let _ = Held::unpack(&other);
-        }
-    }
+    Some((log, head.asked))
 }

@@ -1,6 +1,8 @@
 //! Boards that are not there: the firmware in QEMU, and a simulated board in the field of a log.
 
-use crate::board::{Address, Wire};
+#[cfg(unix)]
+use crate::board::Address;
+use crate::board::Wire;
 use crate::cli::LogArgs;
 use crate::commands::live::link::Link;
 use crate::failure::{Failure, Outcome};
@@ -8,9 +10,16 @@ use crate::input::Log;
 use crate::plausible::Known;
 use crate::source;
 use ironout_rig::board::SimBoard;
+use std::any::Any;
 use std::io;
 use std::path::Path;
+#[cfg(unix)]
+use std::sync::Arc;
+#[cfg(unix)]
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+#[cfg(unix)]
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// The board's time between two samples.
@@ -20,9 +29,32 @@ const FEED_MS: u64 = 100;
 /// The columns that a board tests at once.
 const MOST_COLUMNS: usize = 3;
 
+/// An emulator in its thread: hung up on and switched off when this goes.
+#[cfg(unix)]
+struct Running {
+    link: Link,
+    address: String,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[cfg(unix)]
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        self.link.end();
+        // It may be waiting for a client.
+        drop(std::net::TcpStream::connect(&self.address));
+        if let Some(thread) = self.thread.take() {
+            // A board that has failed has said so.
+            let _ = thread.join();
+        }
+    }
+}
+
 /// The firmware in QEMU; its sensor turns with every sample that it streams.
 #[cfg(unix)]
-pub fn emulated(wait: Duration) -> Outcome<Link> {
+pub fn emulated(wait: Duration) -> Outcome<(Link, Box<dyn Any>)> {
     use ironout_rig::qemu::{self, Emulator, Error, Firmware, Options};
     use ironout_simulation::{World, WorldOptions};
     /// The world's time between two samples, s: twice as fast as by hand.
@@ -46,16 +78,22 @@ pub fn emulated(wait: Duration) -> Outcome<Link> {
     board.set_field_ut(world.sensor_ut(0.0)).map_err(failed)?;
     let io = |error: io::Error| Failure::usage(format!("no port for the emulated board: {error}"));
     let listener = std::net::TcpListener::bind("127.0.0.1:0").map_err(io)?;
-    let address = Address::Tcp(listener.local_addr().map_err(io)?.to_string());
-    std::thread::spawn(move || {
-        while board.serve(&listener, |sample| Some(world.sensor_ut((sample as f64 * STEP_S) % 600.0))).is_ok() {}
+    let address = listener.local_addr().map_err(io)?.to_string();
+    let stop = Arc::new(AtomicBool::new(false));
+    let stopped = Arc::clone(&stop);
+    let thread = std::thread::spawn(move || {
+        let turn = |sample: u64| Some(world.sensor_ut((sample as f64 * STEP_S) % 600.0));
+        while !stopped.load(Ordering::Relaxed) && board.serve(&listener, turn).is_ok() {}
     });
-    Ok(Link::keep("the board in QEMU".into(), wait, move || address.open(wait)))
+    let tcp = Address::Tcp(address.clone());
+    let link = Link::keep("the board in QEMU".into(), wait, move || tcp.open(wait));
+    let running = Running { link: link.clone(), address, stop, thread: Some(thread) };
+    Ok((link, Box::new(running)))
 }
 
 /// There is no such board.
 #[cfg(not(unix))]
-pub fn emulated(_wait: Duration) -> Outcome<Link> {
+pub fn emulated(_wait: Duration) -> Outcome<(Link, Box<dyn Any>)> {
     Err(Failure::usage("the emulated board runs on Unix only"))
 }
 

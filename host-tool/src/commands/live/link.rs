@@ -3,6 +3,7 @@
 use crate::board::Wire;
 use crate::failure::Outcome;
 use serde_json::json;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -33,6 +34,7 @@ struct Audience {
 #[derive(Clone)]
 pub struct Link {
     audience: Arc<Mutex<Audience>>,
+    ended: Arc<AtomicBool>,
     to_board: Sender<Vec<u8>>,
 }
 
@@ -44,7 +46,7 @@ impl Link {
         open: impl Fn() -> Outcome<Box<dyn Wire>> + Send + 'static,
     ) -> Self {
         let (to_board, from_pages) = mpsc::channel();
-        let link = Link { audience: Arc::default(), to_board };
+        let link = Link { audience: Arc::default(), ended: Arc::default(), to_board };
         let own = link.clone();
         std::thread::spawn(move || own.follow(&name, wait, &open, &from_pages));
         link
@@ -63,6 +65,15 @@ impl Link {
     /// Sends bytes to the board; those for a board that is not there are lost.
     pub fn say(&self, bytes: Vec<u8>) {
         let _ = self.to_board.send(bytes);
+    }
+
+    /// Hangs up for good.
+    pub fn end(&self) {
+        self.ended.store(true, Ordering::Relaxed);
+    }
+
+    fn is_ended(&self) -> bool {
+        self.ended.load(Ordering::Relaxed)
     }
 
     fn tell(&self, event: Event) {
@@ -84,7 +95,7 @@ impl Link {
         open: &impl Fn() -> Outcome<Box<dyn Wire>>,
         from_pages: &Receiver<Vec<u8>>,
     ) {
-        loop {
+        while !self.is_ended() {
             match open() {
                 Ok(mut wire) => {
                     while from_pages.try_recv().is_ok() {}
@@ -103,6 +114,9 @@ impl Link {
         let mut rest = Vec::new();
         let mut chunk = [0; 4096];
         loop {
+            if self.is_ended() {
+                return "the program has ended".into();
+            }
             while let Ok(bytes) = from_pages.try_recv() {
                 if let Err(error) = wire.write(&bytes, wait) {
                     return error.to_string();

@@ -14,8 +14,9 @@ pub fn run(arguments: &LiveArgs, json: bool) -> Outcome<u8> {
     let wait = arguments.wait()?;
     let interrupt = Interrupt::noted()?;
     let serial = arguments.port.clone().map(Address::Serial);
-    let link = match serial.or_else(|| arguments.tcp.clone().map(Address::Tcp)) {
-        Some(address) => Link::keep(address.to_string(), wait, move || address.open(wait)),
+    // What goes with the board is put away at the end.
+    let (link, _bench) = match serial.or_else(|| arguments.tcp.clone().map(Address::Tcp)) {
+        Some(address) => (Link::keep(address.to_string(), wait, move || address.open(wait)), None),
         None => bench(arguments)?,
     };
     let serving = Serving::at(arguments.listen, Page::new(Mode::Live, "live").html(), link)?;
@@ -30,17 +31,20 @@ pub fn run(arguments: &LiveArgs, json: bool) -> Outcome<u8> {
     Ok(EXIT_OK)
 }
 
+/// What a board that is not real needs to be put away.
+type Bench = Box<dyn std::any::Any>;
+
 #[cfg(feature = "demo")]
-fn bench(arguments: &LiveArgs) -> Outcome<Link> {
+fn bench(arguments: &LiveArgs) -> Outcome<(Link, Option<Bench>)> {
     use crate::commands::live::bench;
     match &arguments.replay {
-        Some(log) => bench::replay(log),
-        None => bench::emulated(arguments.wait()?),
+        Some(log) => Ok((bench::replay(log)?, None)),
+        None => bench::emulated(arguments.wait()?).map(|(link, bench)| (link, Some(bench))),
     }
 }
 
 #[cfg(not(feature = "demo"))]
-fn bench(_arguments: &LiveArgs) -> Outcome<Link> {
+fn bench(_arguments: &LiveArgs) -> Outcome<(Link, Option<Bench>)> {
     Err(crate::failure::Failure::usage(
         "--qemu and --replay need the boards of the project's tests: run it as cargo ironout live, or build with --features demo",
     ))

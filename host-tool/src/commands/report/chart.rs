@@ -145,12 +145,21 @@ impl Chart {
         for (value, label) in x.ticks() {
             let at = x.at(value);
             writeln!(out, "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"#ddd\"/>")?;
-            writeln!(out, "<text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{label}</text>", bottom + 16.0)?;
+            writeln!(
+                out,
+                "<text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{label}</text>",
+                bottom + 16.0
+            )?;
         }
         for (value, label) in y.ticks() {
             let at = y.at(value);
             writeln!(out, "<path d=\"M{left} {at:.1}H{right}\" stroke=\"#ddd\"/>")?;
-            writeln!(out, "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>", left - 6.0, at + 4.0)?;
+            writeln!(
+                out,
+                "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
+                left - 6.0,
+                at + 4.0
+            )?;
         }
         let (width, height) = (right - left, bottom - top);
         writeln!(
@@ -207,14 +216,21 @@ mod tests {
     use super::*;
 
     fn chart(points: Vec<[f64; 2]>, log: bool) -> Chart {
-        let series =
-            Series { label: "<b>".into(), points, colour: BLUE, dots: false, dashed: true };
-        Chart { title: "a & b".into(), x: "x".into(), y: "y".into(), log, square: false, series: vec![series] }
+        let series = Series { label: "<b>".into(), points, colour: BLUE, dots: false, dashed: true };
+        Chart {
+            title: "a & b".into(),
+            x: "x".into(),
+            y: "y".into(),
+            log,
+            square: false,
+            series: vec![series],
+        }
     }
 
     #[test]
     fn a_chart_is_drawn_with_gaps_and_its_words_are_text() {
-        let svg = chart(vec![[0.0, 1.0], [1.0, 2.0], [2.0, f64::NAN], [3.0, 4.0]], false).svg().expect("points");
+        let svg =
+            chart(vec![[0.0, 1.0], [1.0, 2.0], [2.0, f64::NAN], [3.0, 4.0]], false).svg().expect("points");
         assert!(svg.contains("a &amp; b") && svg.contains("&lt;b&gt;") && !svg.contains("<b>"));
         assert!(!svg.contains("NaN"));
         assert_eq!(svg.matches('M').count() - svg.matches("<path d=\"M").count(), 1, "one gap: {svg}");

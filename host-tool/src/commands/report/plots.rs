@@ -18,9 +18,8 @@ fn line(label: &str, x: &[f64], y: &[f64], colour: &'static str) -> Series {
 /// Least and greatest of each piece, one after the other: a line that fills the band.
 fn band(label: &str, at: &[f64], band: &Value, add: f64, colour: &'static str) -> Series {
     let (low, high) = (numbers(&band["low"]), numbers(&band["high"]));
-    let points = at.iter().zip(low.iter().zip(&high)).flat_map(|(x, (low, high))| {
-        [[*x, low + add], [*x, high + add]]
-    });
+    let points =
+        at.iter().zip(low.iter().zip(&high)).flat_map(|(x, (low, high))| [[*x, low + add], [*x, high + add]]);
     Series { label: label.into(), points: points.collect(), colour, dots: false, dashed: false }
 }
 
@@ -30,7 +29,8 @@ fn chart(title: &str, x: &str, y: &str, series: Vec<Series>) -> Chart {
 
 /// Letters and digits of a column's name.
 fn file_name(name: &str) -> String {
-    let safe: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).take(40).collect();
+    let safe: String =
+        name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).take(40).collect();
     safe.trim_matches('-').to_string()
 }
 
@@ -82,7 +82,10 @@ pub fn plots(look: &Value) -> Vec<(String, String)> {
         }
         let place = charts.len();
         let title = format!("Error against {name}");
-        charts.push((format!("against-{place:02}-{}", file_name(name)), chart(&title, name, "rms, µT", series)));
+        charts.push((
+            format!("against-{place:02}-{}", file_name(name)),
+            chart(&title, name, "rms, µT", series),
+        ));
     }
     let spectrum = &picture["spectrum"];
     let hz = numbers(&spectrum["hz"]);

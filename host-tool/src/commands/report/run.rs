@@ -90,7 +90,11 @@ pub fn run(arguments: &ReportArgs, as_json: bool) -> Outcome<u8> {
 }
 
 fn size(bytes: usize) -> String {
-    if bytes < 1_000_000 { format!("{:.0} KB", bytes as f64 / 1e3) } else { format!("{:.1} MB", bytes as f64 / 1e6) }
+    if bytes < 1_000_000 {
+        format!("{:.0} KB", bytes as f64 / 1e3)
+    } else {
+        format!("{:.1} MB", bytes as f64 / 1e6)
+    }
 }
 
 /// Another log, fitted by itself, as the page compares it.

@@ -81,7 +81,8 @@ fn unpacked(mut source: impl Read, most: u64, take: &mut impl FnMut(u8, &[u8])) 
         let length = u64_at(&head, 1).filter(|length| *length <= most);
         let length = length.ok_or_else(|| "a record in it is longer than the file could hold".to_string())?;
         content.clear();
-        let read = source.by_ref().take(length).read_to_end(&mut content).map_err(|error| error.to_string())?;
+        let read =
+            source.by_ref().take(length).read_to_end(&mut content).map_err(|error| error.to_string())?;
         if (read as u64) < length {
             return Err("its last record is cut off".into());
         }
