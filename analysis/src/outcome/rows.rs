@@ -216,7 +216,10 @@ impl View<'_, '_> {
     fn not_named(&self, one: &Judged) -> String {
         let share = one.tested.decrease / self.explanation.fitted.squares.max(f64::MIN_POSITIVE);
         if share < WORTH_NAMING {
-            return format!("there, but too small to matter: it takes {:.0} % off the squared error", 100.0 * share);
+            return format!(
+                "there, but too small to matter: it takes {:.0} % off the squared error",
+                100.0 * share
+            );
         }
         format!(
             "it takes {:.0} % off the squared error, and is not certain: unseen time or copies of its column moved round in \
