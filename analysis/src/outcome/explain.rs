@@ -36,7 +36,11 @@ pub(crate) fn added<'a>(
     let Some(named) = catalogue.registry.parse(id).filter(|named| named.form.offered) else {
         return Ok(None);
     };
-    Ok(search::best(pass, fitted, catalogue, &named)?)
+    let mut found = search::best(pass, fitted, catalogue, &named)?;
+    if let Some(found) = found.as_mut().filter(|_| named.form.is_repeated()) {
+        found.piece.id = id.to_string();
+    }
+    Ok(found)
 }
 
 /// What a study of the magnitude stands on.

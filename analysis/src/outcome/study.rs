@@ -36,7 +36,10 @@ pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> 
 pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     let counted = &ground.counted;
     let mut diagnosis = of_kind(ground, options)?;
+    // Samples that some column lacks are told after the faults of the sensor.
+    let lacking = std::mem::take(&mut diagnosis.data_faults);
     diagnosis.data_faults.clone_from(&counted.faults);
+    diagnosis.data_faults.extend(lacking);
     diagnosis.samples_used = counted.studied();
     diagnosis.samples_set_aside = counted.set_aside();
     if diagnosis.bursts_explained {
@@ -51,6 +54,22 @@ pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
 
 fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     let Counted { table, samples, .. } = &ground.counted;
+    let asked = |name: &str| {
+        let parsed = options.add.iter().filter_map(|id| options.registry.parse(id));
+        parsed.into_iter().any(|named| named.form.column && named.column == name)
+    };
+    match samples.with_all_known(table, |name| options.search || asked(name)) {
+        Some((common, lacking)) => {
+            let mut diagnosis = of_samples(ground, &common, options)?;
+            diagnosis.data_faults = lacking;
+            Ok(diagnosis)
+        }
+        None => of_samples(ground, samples, options),
+    }
+}
+
+fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
+    let table = ground.counted.table;
     if samples.len() < FEWEST {
         let why = match ground.counted.at_rest {
             0 => format!("fewer than {FEWEST} different samples"),

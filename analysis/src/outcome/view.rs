@@ -278,10 +278,6 @@ impl<'a> View<'_, 'a> {
                 100.0 * error
             ));
         }
-        if let Some(again) = &self.explanation.repeated {
-            reasons.push(format!("there is {again}, and a model holds each effect once"));
-            return (Verdict::Unexplained, reasons);
-        }
         if self.explanation.ended_early {
             reasons.push(
                 "the search ended at the limit of its work, with candidates left that were not tried beside what was found"

@@ -94,7 +94,7 @@ impl<'a> Catalogue<'a> {
     pub fn again(&self, piece: &Piece) -> Option<Piece<'a>> {
         let parameter = piece.searched().map_or(0.0, |(_, value)| value);
         let own = self.build(&piece.named()?, parameter)?;
-        Some(Piece { coefficients: piece.coefficients, ..own })
+        Some(Piece { coefficients: piece.coefficients, id: piece.id.clone(), ..own })
     }
 
     /// Index of a covariate that can be tested.

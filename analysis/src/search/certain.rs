@@ -104,6 +104,7 @@ impl<'a> Greedy<'_, 'a> {
             explanation.steps = self.falling(&explanation.base, &explanation.fitted, &order)?;
             explanation.withdrawn.push(doubtful);
         }
+        explanation.renumber();
         Ok(explanation)
     }
 
@@ -127,8 +128,9 @@ impl<'a> Greedy<'_, 'a> {
             &self.pass.turning(&fitted.model),
         );
         let remains = left.structure * left.rms * left.rms;
-        // Where all is explained there is nothing to doubt.
-        if remains <= 0.0 {
+        let is_step = |piece: &&Piece| matches!(piece.searched(), Some((Searched::At, _)));
+        // Where all is explained there is nothing to doubt, but several steps make a stair of any slow change.
+        if remains <= 0.0 && fitted.pieces.iter().filter(is_step).count() < 2 {
             return Ok(None);
         }
         for piece in fitted.pieces.iter().filter(|piece| !asked.contains(&piece.id)) {
@@ -140,6 +142,9 @@ impl<'a> Greedy<'_, 'a> {
                            like a step";
                 return Ok(Some(Withdrawn { id: piece.id.clone(), why: why.into() }));
             }
+        }
+        if remains <= 0.0 {
+            return Ok(None);
         }
         let mut least: Option<(f64, &String)> = None;
         for pair in explanation.steps.windows(2) {

@@ -48,7 +48,7 @@ fn explain_fault(kind: FaultKind) -> &'static str {
         }
         FaultKind::Burst => "a magnet or iron passed close by, or single readings went wrong",
         FaultKind::Stuck => "one reading was repeated while the board turned: the sensor or its bus hung",
-        FaultKind::Gap => "rows are missing here; nothing else is wrong with the rest",
+        FaultKind::Gap => "rows are missing here, or cells of the column named: such samples are left out, the rest is good",
         FaultKind::CopiedAxis => "an axis is a copy of another: the driver reads one register twice",
     }
 }
