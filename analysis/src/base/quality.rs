@@ -84,7 +84,8 @@ pub fn residue(
     let noise = Seen::of(residuals, turning, &turning.absorbed, rounding).describe();
     let odd = correlation.structure(n) > STRUCTURE_RATIO || beside;
     let lines = noise.misfit() > STRUCTURE_MISFIT && noise.excess > STRUCTURE_SHARE;
-    let is_noise = noise.is_noise(step_s);
+    // A resting board's own drifts, and what a logger rounds, look like slow noise: there only a short memory is noise.
+    let is_noise = turning.of_magnitude && noise.is_noise(step_s);
     let structured = (odd && share > STRUCTURE_SHARE || lines) && !is_noise;
     // Fast structure is in the second differences too.
     let (share, smooth) = match lines && noise.excess > share {

@@ -58,9 +58,8 @@ fn described(colour: Colour, seed: u64, more: impl Fn(usize) -> f64) -> Describe
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let axes = [noise(colour, &mut rng), noise(colour, &mut rng), noise(colour, &mut rng)];
     let directions = directions();
-    let residual: Vec<f64> = (0..N)
-        .map(|at| (0..3).map(|i| axes[i][at] * directions[at][i]).sum::<f64>() + more(at))
-        .collect();
+    let residual: Vec<f64> =
+        (0..N).map(|at| (0..3).map(|i| axes[i][at] * directions[at][i]).sum::<f64>() + more(at)).collect();
     let turning = Turning::of(directions.into_iter());
     // Nothing was fitted here.
     Seen::of(&residual, &turning, &[], 0.0).describe()
@@ -70,7 +69,9 @@ fn described(colour: Colour, seed: u64, more: impl Fn(usize) -> f64) -> Describe
 fn each_colour_is_told() {
     let flicker = Colour::Flicker { exponent: 1.0, white: 0.0 };
     for seed in 0..6 {
-        for colour in [Colour::White, Colour::Fading(0.4), Colour::Fading(0.9), Colour::RollingMean(5), flicker] {
+        for colour in
+            [Colour::White, Colour::Fading(0.4), Colour::Fading(0.9), Colour::RollingMean(5), flicker]
+        {
             let found = described(colour, seed, |_| 0.0);
             let near = match (colour, found.colour) {
                 (Colour::White, Colour::White) => true,
@@ -92,7 +93,12 @@ fn what_moves_beside_noise_is_no_noise() {
         for period in [8.0, 60.0, 400.0] {
             let wave = |at: usize| 1.5 * (std::f64::consts::TAU * at as f64 / period).sin();
             let found = described(Colour::White, seed, wave);
-            assert!(!found.is_noise(0.02), "seed {seed}, period {period}: {:?} {}", found.colour, found.misfit());
+            assert!(
+                !found.is_noise(0.02),
+                "seed {seed}, period {period}: {:?} {}",
+                found.colour,
+                found.misfit()
+            );
             assert!(found.excess > 0.2, "seed {seed}, period {period}: {}", found.excess);
         }
         let switched = |at: usize| if (at / 300).is_multiple_of(2) { 1.5 } else { -1.5 };

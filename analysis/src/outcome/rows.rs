@@ -9,7 +9,7 @@ use crate::outcome::blank::untestable;
 use crate::outcome::outcome::{CandidateRow, Status, Verdict};
 use crate::outcome::view::{DipStudy, View};
 use crate::search::parameter::in_words;
-use crate::search::screen::SIGNIFICANCE;
+use crate::search::screen::{SIGNIFICANCE, WORTH_NAMING};
 use crate::search::state::{Confounded, Judged};
 use ironout::effect::{Follows, Named};
 use ironout::study::Residual;
@@ -131,7 +131,7 @@ impl View<'_, '_> {
                     let why = if verdict == Verdict::Undetermined {
                         "the data do not support a calibration, so this cannot be told".to_string()
                     } else if one.tested.p_value * (self.explanation.count as f64) < SIGNIFICANCE {
-                        "there, but too small to matter".to_string()
+                        self.not_named(one)
                     } else {
                         "the data do not ask for it".to_string()
                     };
@@ -229,6 +229,22 @@ impl View<'_, '_> {
         let known: Vec<String> = list.iter().map(|row| row.id.clone()).collect();
         list.extend(more.into_iter().filter(|row| !known.contains(&row.id)));
         list
+    }
+
+    /// Why a candidate that chance hardly explains is not named.
+    fn not_named(&self, one: &Judged) -> String {
+        let share = one.tested.decrease / self.explanation.fitted.squares.max(f64::MIN_POSITIVE);
+        if share < WORTH_NAMING {
+            return format!(
+                "there, but too small to matter: it takes {:.0} % off the squared error",
+                100.0 * share
+            );
+        }
+        format!(
+            "it takes {:.0} % off the squared error, and is not certain: unseen time or copies of its column moved round in \
+             time do not bear it out beside what else is left",
+            100.0 * share.min(1.0)
+        )
     }
 
     /// Which recording would tell the candidates apart.

@@ -136,8 +136,7 @@ fn level(
         "by the accelerometer the board was tilted by {tilt_deg:.0}° (rms) only, which carries no offset and no matrix: study \
          this log on top of an earlier calibration of the board, --prior CAL.json, or turn the board through more attitudes"
     );
-    let told = |one: &Diagnosis| matches!(one.verdict, Verdict::Missing | Verdict::Confounded);
-    if let Some(mut lower) = as_logged(table, samples, options)?.filter(told) {
+    if let Some(mut lower) = as_logged(table, samples, options)? {
         lower.reasons.insert(0, reason);
         return Ok(lower);
     }

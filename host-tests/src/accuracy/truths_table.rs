@@ -34,7 +34,10 @@ impl Truths {
     pub fn times(&self) -> String {
         let all: Vec<Outcome> = self.kinds.iter().flat_map(|(_, list)| list.iter().cloned()).collect();
         let [median, most, worst] = times(&all);
-        format!("time of a diagnosis: median {median:.2} s, 90 % {most:.1} s, worst {worst:.1} s of {} logs", all.len())
+        format!(
+            "time of a diagnosis: median {median:.2} s, 90 % {most:.1} s, worst {worst:.1} s of {} logs",
+            all.len()
+        )
     }
 
     /// One object a figure.

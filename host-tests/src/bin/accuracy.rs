@@ -38,10 +38,18 @@ fn main() -> ExitCode {
         object["truths"] = truths.json();
         println!("{object}");
     } else {
-        print!("{text}\nHidden effects\n\n{found}\nIrrelevant effects added\n\n{added}\nHarder truths\n\n{}\n{}\n", truths.text(), truths.times());
+        print!(
+            "{text}\nHidden effects\n\n{found}\nIrrelevant effects added\n\n{added}\nHarder truths\n\n{}\n{}\n",
+            truths.text(),
+            truths.times()
+        );
     }
     let held = if accept {
-        solvers.store().and_then(|()| effects.store()).and_then(|()| irrelevant.store()).and_then(|()| truths.store())
+        solvers
+            .store()
+            .and_then(|()| effects.store())
+            .and_then(|()| irrelevant.store())
+            .and_then(|()| truths.store())
     } else {
         snapshot::hold(&table::snapshot_path(), &text)
             .and_then(|()| snapshot::hold(&Effects::snapshot_path(), &found))

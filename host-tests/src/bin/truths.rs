@@ -65,6 +65,9 @@ fn main() -> ExitCode {
         list.extend(found);
     }
     let [median, most, worst] = times(&list);
-    println!("\ntime of a diagnosis: median {median:.2} s, 90 % {most:.1} s, worst {worst:.1} s of {} logs", list.len());
+    println!(
+        "\ntime of a diagnosis: median {median:.2} s, 90 % {most:.1} s, worst {worst:.1} s of {} logs",
+        list.len()
+    );
     ExitCode::SUCCESS
 }

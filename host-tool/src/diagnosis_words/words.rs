@@ -191,7 +191,11 @@ fn tested(told: &Told, out: &mut Vec<String>) {
             .iter()
             .map(|row| format!("{} (chance {})", row.id, row.p_value.map_or("-".into(), probability)))
             .collect();
-        out.extend(wrap(&format!("there, but too small to matter: {}", ids.join(", ")), "  ", WIDTH));
+        out.extend(wrap(
+            &format!("not by chance, but too small or not certain: {}", ids.join(", ")),
+            "  ",
+            WIDTH,
+        ));
     }
 }
 
