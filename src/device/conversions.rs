@@ -27,6 +27,9 @@ pub struct Conversions {
     /// Looks in vain since the last find.
     in_vain: u8,
     at_once: u8,
+    /// The last find, and how far the finds were from a period after the one before, at most, since the rhythm was known.
+    found_us: Option<u64>,
+    worst_off_us: Option<u32>,
 }
 
 impl Conversions {
@@ -34,12 +37,26 @@ impl Conversions {
     pub fn new(rate_hz: f32) -> Self {
         let period_us = if rate_hz > 0.1 && rate_hz < 10_000.0 { 1e6 / rate_hz } else { 1e5 };
         let nominal_us = period_us as u32;
-        Self { nominal_us, period_us: nominal_us, edge: None, edges: 0, in_vain: 0, at_once: 0 }
+        Self {
+            nominal_us,
+            period_us: nominal_us,
+            edge: None,
+            edges: 0,
+            in_vain: 0,
+            at_once: 0,
+            found_us: None,
+            worst_off_us: None,
+        }
     }
 
     /// The period as it is known by now, µs.
     pub const fn period_us(&self) -> u32 {
         self.period_us
+    }
+
+    /// How far a stamp was from one period after the stamp before it, µs, at most, since the rhythm was known for the first time.
+    pub const fn worst_off_us(&self) -> Option<u32> {
+        self.worst_off_us
     }
 
     /// Whether the rhythm is known.
@@ -51,6 +68,15 @@ impl Conversions {
     pub fn found(&mut self, at_us: u64) -> u64 {
         let is_edge = self.in_vain > 0;
         self.in_vain = 0;
+        let last_us = self.found_us.replace(at_us);
+        if let Some(last_us) = last_us.filter(|_| self.is_known()) {
+            let apart_us = at_us.saturating_sub(last_us).min(u64::from(u32::MAX)) as u32;
+            // What was missed is counted elsewhere.
+            if apart_us < self.period_us + self.period_us / 2 {
+                let off_us = apart_us.abs_diff(self.period_us);
+                self.worst_off_us = Some(self.worst_off_us.map_or(off_us, |worst| worst.max(off_us)));
+            }
+        }
         self.edge = match self.edge {
             Some((edge_us, since)) if is_edge => {
                 self.learn(at_us.saturating_sub(edge_us), since + 1);
@@ -142,6 +168,8 @@ mod tests {
             }
         }
         let looks = looks / taken;
+        let worst_us = rhythm.worst_off_us().expect("it was known");
+        assert!(worst_us < 2 * look_us as u32 + 60, "{worst_us}");
         (offs, looks, lost)
     }
 

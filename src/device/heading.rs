@@ -36,6 +36,11 @@ impl View {
         Self { latest: None, declination_deg: 0.0, has_lights: false, heading: (0, None) }
     }
 
+    /// Forgets what was measured; what was told stays.
+    pub(super) const fn begin_anew(&mut self) {
+        (self.latest, self.heading) = (None, (0, None));
+    }
+
     pub(super) const fn measured(&mut self, t_ms: u64, measured_ut: [f32; 3]) {
         self.latest = Some((t_ms, measured_ut));
     }
@@ -94,6 +99,7 @@ impl Device {
     }
 
     /// Looks at the coverage, where it is due. Whether it took a computation.
+    #[inline(never)]
     pub(super) fn look_at_coverage(&mut self) -> bool {
         let is_old = self.status.is_none_or(|(t_ms, status)| {
             status.state != State::Collecting || self.now_ms.saturating_sub(t_ms) >= COVERAGE_MS
@@ -122,6 +128,7 @@ impl Device {
     }
 
     /// `heading`, and with a number the declination from now on.
+    #[inline(never)]
     pub(super) fn heading<W: fmt::Write>(
         &mut self,
         reply: Reply<'_, W>,

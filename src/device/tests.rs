@@ -3,8 +3,9 @@
 extern crate std;
 
 use super::active::Active;
+use super::config::DeviceConfig;
 use super::light::Light;
-use super::machine::{Action, Device, DeviceConfig};
+use super::machine::{Action, Device};
 use super::sensor::{Pace, SensorAnswer, SensorTask};
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, ColumnName, Drift, Offset};
@@ -137,4 +138,20 @@ fn status_says_what_keeps_a_calibration_from_use() {
         let said = answer(&mut device, "status", 3000);
         assert!(said.starts_with(hint), "{said}");
     }
+}
+
+#[test]
+fn a_device_that_begins_anew_is_as_good_as_a_new_one() {
+    let other = Sensor::uniform("another chip", 0.05, 100.0);
+    let config = DeviceConfig { board: "bench", sensor: other, pace: Pace::Pushed };
+    let mut used = device(BuiltIn::Drift(Drift { reference_s: 100.0 }));
+    used.session.start();
+    let _ = answer(&mut used, "cov temp_c=20 current_a=3", 5);
+    let _ = answer(&mut used, "field 48", 6);
+    used.begin_anew(config);
+    let mut new = Device::new(config);
+    for (line, now_ms) in [("status", 2000), ("effect list", 2001), ("cal show", 2002), ("version", 2003)] {
+        assert_eq!(answer(&mut used, line, now_ms), answer(&mut new, line, now_ms), "{line}");
+    }
+    assert_eq!(used.session.config(), new.session.config());
 }

@@ -135,7 +135,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         steps,
         noise_floor_ut: Some(left.floor),
         residual_floor_ut: Some(left.floor),
-        noise: Some(NoiseRow { colour: left.colour, misfit: left.misfit, memory_samples: left.memory }),
+        noise: Some(NoiseRow::of(&left)),
         candidates,
         effects,
         shows,

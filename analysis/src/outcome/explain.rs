@@ -81,6 +81,7 @@ pub(crate) fn explain<'a>(
         memory: 1.0,
         colour: Colour::White,
         misfit: 0.0,
+        is_noise: false,
     };
     let accepted = stand.base.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR);
     let hopeless = !(stand.held || accepted)

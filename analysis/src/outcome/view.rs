@@ -20,6 +20,7 @@ use crate::search::screen::{Candidate, SIGNIFICANCE, screen};
 use crate::search::shown::Shown;
 use crate::search::state::{Explanation, held_out_rms};
 use crate::table::Table;
+use ironout::effect::Follows;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::quality::MAX_RESIDUAL;
 use ironout::study::{Model, Residual, f_tail};
@@ -31,6 +32,9 @@ const LOOSE_DEG: f64 = 3.0;
 const UNSEEN_SLACK: f64 = 2.0;
 /// ... and by this share of the noise's square.
 const UNSEEN_LEAST: f64 = 0.1;
+
+/// Directions with a larger cosine than this are the same: by chance three of a hundred pairs.
+const SAME_WAY: f64 = 0.97;
 
 /// Everything that the report of a magnitude study is made from.
 pub(crate) struct View<'v, 'a> {
@@ -266,9 +270,8 @@ impl<'a> View<'_, 'a> {
         if !reasons.is_empty() {
             return (Verdict::Undetermined, reasons);
         }
-        if let Some(error) =
-            predicted.filter(|error| self.lower_order.is_none() && *error > MAX_PREDICTED_ERROR)
-        {
+        let refused = self.refused_by_fit(predicted, field);
+        if let Some(error) = refused {
             reasons.push(format!(
                 "a calibration from this log would be off by {:.1} % of the field in the worst direction (1σ), for its \
                  noise and its effects: record longer",
@@ -291,6 +294,10 @@ impl<'a> View<'_, 'a> {
             ));
             return (Verdict::Unexplained, reasons);
         }
+        if let Some(words) = self.stand_ins() {
+            reasons.push(words);
+            return (Verdict::Unexplained, reasons);
+        }
         if let Some(times) = self.fails_on_unseen_time(left) {
             reasons.push(format!(
                 "on unseen time the error is {times:.1} times what the noise leaves: what stands in the model does not \
@@ -308,11 +315,45 @@ impl<'a> View<'_, 'a> {
             }
             return (Verdict::Confounded, reasons);
         }
+        // Where `fit` would send the log back nothing reassures: noise so slow may as well be an error that moves.
+        match (refused, self.explanation.fitted.pieces.is_empty()) {
+            (None, _) => {}
+            (Some(_), true) => return (Verdict::Undetermined, reasons),
+            (Some(_), false) => return (Verdict::Unexplained, reasons),
+        }
         if self.explanation.fitted.pieces.is_empty() {
             (Verdict::Complete, reasons)
         } else {
             (Verdict::Missing, reasons)
         }
+    }
+
+    /// Shapes in time that point the same way stand in for one slow cause that the log does not hold: two events, or an event
+    /// and a drift, have no reason to.
+    fn stand_ins(&self) -> Option<String> {
+        let in_time = self.explanation.fitted.pieces.iter().filter(|piece| piece.follows(Follows::Time));
+        let list: Vec<&Piece> = in_time.filter(|piece| piece.k() == 3).collect();
+        let dot = |a: &Piece, b: &Piece| (0..3).map(|i| a.coefficients[i] * b.coefficients[i]).sum::<f64>();
+        let alike = |a: &Piece, b: &Piece| dot(a, b).abs() > SAME_WAY * (dot(a, a) * dot(b, b)).sqrt();
+        let pairs = list.iter().enumerate().flat_map(|(at, a)| list[at + 1..].iter().map(move |b| (*a, *b)));
+        let (a, b) = pairs.into_iter().find(|(a, b)| alike(a, b))?;
+        Some(format!(
+            "{} and {} move the offset the same way: they stand in for one cause that changes in time and that the log does \
+             not hold; log what changes meanwhile (a temperature, a current)",
+            a.id, b.id
+        ))
+    }
+
+    /// The predicted error of a calibration from this log, as a share of the field, where `fit` refuses it: by its noise and
+    /// effects, or by what unseen time shows.
+    fn refused_by_fit(&self, predicted: Option<f64>, field: f64) -> Option<f64> {
+        if self.lower_order.is_some() {
+            return None;
+        }
+        let fitted = &self.explanation.fitted;
+        let beyond = held_out_rms(fitted).map_or(0.0, |held| held * held - fitted.rms().powi(2));
+        let unseen = (0.5 * beyond.max(0.0)).sqrt() / field;
+        predicted.map(|error| error.max(unseen)).filter(|error| *error > MAX_PREDICTED_ERROR)
     }
 
     pub(crate) fn heading(&self, dip: &Option<DipStudy>) -> Result<Option<Heading>, BadShape> {

@@ -51,6 +51,10 @@ fn no_sample_is_lost_beside_a_solve_and_flash_ram_and_stack_stay_within_their_li
         version.value("longest_turn_us").unwrap_or("-"),
     );
     assert_eq!(version.value("samples_lost"), Some("0"), "{version}");
+    // Beside the stream, the answers and the solve; of the chip's own rhythm.
+    let jitter_us = figure(&version, "stamp_jitter_us");
+    println!("stamps of samples within {jitter_us} us of one period after the one before");
+    assert!(jitter_us < 100.0, "{version}");
     let times: Vec<i64> = lines.iter().map(|line| numbers::<i64>(line, 1)[0]).collect();
     assert!(times.windows(2).all(|pair| (9..=11).contains(&(pair[1] - pair[0]))), "{times:?}");
 

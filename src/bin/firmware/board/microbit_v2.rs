@@ -16,9 +16,9 @@ mod time;
 mod uart;
 mod watchdog;
 
-use super::lines::{Place, Shared};
 use super::motion::{Motion, NoGyro};
 use super::sampler::{self, Ground, Seat};
+use super::shared_bus::{Place, Shared};
 use defmt_rtt as _;
 use embassy_nrf::config::{Config, HfclkSource};
 use embassy_nrf::gpio::{Input, Pull};

@@ -18,9 +18,9 @@ mod time;
 mod uart;
 mod watchdog;
 
-use super::lines::{Place, Shared};
 use super::motion::Motion;
 use super::sampler::{self, Ground, Seat};
+use super::shared_bus::{Place, Shared};
 use defmt_rtt as _;
 use embassy_stm32::Config;
 use embassy_stm32::flash::{Blocking, Flash};
