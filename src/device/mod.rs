@@ -69,6 +69,7 @@ mod stream;
 mod streamed;
 #[cfg(test)]
 mod tests;
+mod view;
 mod why;
 
 pub use crate::store::{StoreAnswer, StoreTask};

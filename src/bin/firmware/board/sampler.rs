@@ -13,7 +13,7 @@ use ironout::device::{Conversions, SensorFault};
 use ironout::sensor::{Error, Magnetometer, Reading, Sensor};
 
 /// Readings that wait for the loop: several times those of the longest solve.
-const WAITING: usize = 64;
+const WAITING: usize = 32;
 
 /// Failures in a row after which the device asks for a start, and nothing is tried before.
 const FAILURES: u8 = 3;
