@@ -29,6 +29,9 @@ const USUAL: End = End { step_left: 1e-9, variances_left: 1e-3, steps_near: 1, r
 /// leave out, so that the least sum is not quite where no step is left.
 pub const SETTLED: End = End { step_left: 1e-15, variances_left: 0.0, steps_near: 20, rise: 1e-5, steps: 40 };
 
+/// A fit has ended where no step lowers the error and the step is at most so many of its own variances.
+const STALLED: f64 = 1.0;
+
 /// Steps so damped that do not lower the error either end a fit.
 const TOO_DAMPED: f64 = 1e2;
 
@@ -287,6 +290,8 @@ impl Pass<'_> {
         let mut damping = 0.0;
         let mut converged = false;
         let mut steps_near = 0;
+        // What the last step that was not damped much promised, in variances of one sample.
+        let mut promised = f64::INFINITY;
         for _ in 0..end.steps {
             let total = Matrix::total(&blocks, Some(&prior));
             let Some(factor) = total.damped_factor(damping) else {
@@ -299,7 +304,8 @@ impl Pass<'_> {
             let delta = total.step(&factor);
             let predicted: f64 = (0..total.columns()).map(|i| -delta[i] * total.right(i)).sum();
             let left = end.step_left * total.squares().max(1e-300);
-            if predicted <= left.max(end.variances_left * sigma * sigma) && damping < 1.0 {
+            let settled = damping < 1.0 && predicted <= end.variances_left * sigma * sigma;
+            if settled || predicted <= left {
                 converged = true;
                 break;
             }
@@ -307,6 +313,9 @@ impl Pass<'_> {
             // that is near enough.
             let near = damping < 1.0 && predicted <= 0.01 * sigma * sigma;
             steps_near = if near { steps_near + 1 } else { 0 };
+            if damping < 1.0 {
+                promised = predicted / (sigma * sigma).max(f64::MIN_POSITIVE);
+            }
             if steps_near > end.steps_near {
                 converged = true;
                 break;
@@ -335,7 +344,8 @@ impl Pass<'_> {
                     damping = if damping < 1e-7 { 0.0 } else { damping * 0.1 };
                 }
                 None if near || damping > TOO_DAMPED => {
-                    converged = near;
+                    // No step lowers the error, and the columns' own error is all that asks for one.
+                    converged = near || promised <= STALLED;
                     break;
                 }
                 None => damping = if damping == 0.0 { 1e-4 } else { damping * 30.0 },

@@ -58,6 +58,7 @@ pub(crate) fn untestable(catalogue: &Catalogue) -> Vec<CandidateRow> {
             confounded_with: Vec::new(),
             why: one.why,
             angle_deg: None,
+            takes: None,
         })
         .collect()
 }

@@ -79,6 +79,9 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
                 "holdout_rms_ut": number(row.holdout_rms_ut), "p_value": number(row.p_value),
                 "confounded_with": row.confounded_with, "why": row.why,
             });
+            if let (Some(takes), Some(map)) = (row.takes, object.as_object_mut()) {
+                map.insert("takes".into(), number(Some(takes)));
+            }
             if let (Some(angle), Some(map)) = (row.angle_deg, object.as_object_mut()) {
                 map.insert("angle_deg".into(), number(Some(angle)));
             }

@@ -104,6 +104,8 @@ pub struct CandidateRow {
     pub why: String,
     /// Angle of a misalignment, degrees.
     pub angle_deg: Option<f64>,
+    /// Share of the squared error that it would take off the model in which it was tested: of one in the model, off the base.
+    pub takes: Option<f64>,
 }
 
 /// How much of the base model's residual something explains.

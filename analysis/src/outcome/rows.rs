@@ -1,6 +1,7 @@
 //! The candidates and effects of a diagnosis as rows, in words and numbers.
 
 use crate::base::alignment::SWAPPED_DEG;
+use crate::base::engine::Fitted;
 use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT, Standing};
 use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::{Residue, covariance, covariance_of};
@@ -9,10 +10,11 @@ use crate::outcome::blank::untestable;
 use crate::outcome::outcome::{CandidateRow, Status, Verdict};
 use crate::outcome::view::{DipStudy, View};
 use crate::search::parameter::in_words;
-use crate::search::screen::{SIGNIFICANCE, WORTH_NAMING};
-use crate::search::state::{Confounded, Judged};
+use crate::search::screen::{RELEVANCE, SIGNIFICANCE, WORTH_NAMING};
+use crate::search::state::{Confounded, Judged, held_out_rms};
 use ironout::effect::{Follows, Named};
 use ironout::study::Residual;
+use ironout::study::rule::falls;
 
 /// A rotation between the sensors beyond this is worth a word, degrees: soft iron itself may turn the field by less.
 const MISALIGNED_DEG: f64 = 4.0;
@@ -27,6 +29,8 @@ impl View<'_, '_> {
     ) -> Vec<CandidateRow> {
         let rows = self.explanation.fitted.rows;
         let mut list: Vec<CandidateRow> = Vec::new();
+        let squares = |fitted: &Fitted| fitted.squares.max(f64::MIN_POSITIVE);
+        let (base, whole) = (squares(&self.explanation.base), squares(&self.explanation.fitted));
         let row_of = |one: &Judged, status: Status, partners: Vec<String>, why: String| CandidateRow {
             id: one.candidate.piece.id.clone(),
             name: one.candidate.piece.effect.name().to_string(),
@@ -37,6 +41,10 @@ impl View<'_, '_> {
             confounded_with: partners,
             why,
             angle_deg: None,
+            takes: Some(
+                (one.tested.decrease / if status == Status::NotNeeded { whole } else { base })
+                    .clamp(0.0, 1.0),
+            ),
         };
         let others_in = |groups: &[Confounded], id: &str| {
             groups
@@ -80,6 +88,7 @@ impl View<'_, '_> {
                     confounded_with: partners.unwrap_or_default(),
                     why,
                     angle_deg: None,
+                    takes: None,
                 }),
             }
         }
@@ -102,6 +111,7 @@ impl View<'_, '_> {
                 confounded_with: Vec::new(),
                 why: "its shape is not finite on this log, so it was left out; the others were tried".into(),
                 angle_deg: None,
+                takes: None,
             });
         }
         for one in &self.explanation.last {
@@ -131,7 +141,7 @@ impl View<'_, '_> {
                     let why = if verdict == Verdict::Undetermined {
                         "the data do not support a calibration, so this cannot be told".to_string()
                     } else if one.tested.p_value * (self.explanation.count as f64) < SIGNIFICANCE {
-                        self.not_named(one)
+                        self.not_taken(one, one.tested.decrease / whole)
                     } else {
                         "the data do not ask for it".to_string()
                     };
@@ -164,6 +174,7 @@ impl View<'_, '_> {
                     confounded_with: Vec::new(),
                     why,
                     angle_deg: None,
+                    takes: None,
                 });
             }
             let angle = dip.alignment.angle_deg;
@@ -185,6 +196,7 @@ impl View<'_, '_> {
                      full matrix contains it"
                 ),
                 angle_deg: Some(angle),
+                takes: None,
             });
             list.push(CandidateRow {
                 id: AXIS_ORDER.id.into(),
@@ -208,6 +220,7 @@ impl View<'_, '_> {
                     _ => "the axes stand in the board's order".into(),
                 },
                 angle_deg: None,
+                takes: None,
             });
         }
         if self.lower_order.is_some() && self.catalogue.has_down() {
@@ -222,6 +235,7 @@ impl View<'_, '_> {
                     confounded_with: Vec::new(),
                     why: "too little attitude: turn the board through more of it".into(),
                     angle_deg: None,
+                    takes: None,
                 });
             }
         }
@@ -231,19 +245,32 @@ impl View<'_, '_> {
         list
     }
 
-    /// Why a candidate that chance hardly explains is not named.
-    fn not_named(&self, one: &Judged) -> String {
-        let share = one.tested.decrease / self.explanation.fitted.squares.max(f64::MIN_POSITIVE);
-        if share < WORTH_NAMING {
+    /// Why what chance hardly does was not added, from what it would take off the squared error.
+    fn not_taken(&self, one: &Judged, takes: f64) -> String {
+        let percent = 100.0 * takes.clamp(0.0, 1.0);
+        if takes < RELEVANCE {
             return format!(
-                "there, but too small to matter: it takes {:.0} % off the squared error",
-                100.0 * share
+                "there, but too small to matter: it takes {percent:.1} % off the squared error that is left"
+            );
+        }
+        if takes < WORTH_NAMING && self.pass.residual == Residual::Magnitude {
+            return format!(
+                "it would take {percent:.0} % off the squared error that is left; below {:.0} % chance and structure of other kinds \
+                 do as much, so nobody is named for it",
+                100.0 * WORTH_NAMING
+            );
+        }
+        let before =
+            held_out_rms(&self.explanation.fitted).map(|rms| rms * rms * self.explanation.fitted.rows);
+        if !falls(before, one.tested.held_out) {
+            return format!(
+                "it would take {percent:.0} % off the squared error that is left, but not off that of unseen time: it does not \
+                 hold there"
             );
         }
         format!(
-            "it takes {:.0} % off the squared error, and is not certain: unseen time or copies of its column moved round in \
-             time do not bear it out beside what else is left",
-            100.0 * share.min(1.0)
+            "it would take {percent:.0} % off the squared error that is left, but by itself it is not certain: something that \
+             the log lacks may move as it does"
         )
     }
 

@@ -18,6 +18,9 @@ pub const MOST_EFFECTS: usize = 6;
 /// The same at rest, where a coil has a prompt, a late and a squared part.
 pub const MOST_AT_REST: usize = 9;
 
+/// Candidates explain the same if the squared error on unseen time with the one is at most this many times the other's.
+const NO_WORSE: f64 = 2.0;
+
 /// The candidates of one round, the searched ones at their best places.
 fn candidates<'a>(
     pass: &Pass,
@@ -64,6 +67,14 @@ enum Reconsidered<'a> {
     Swap { from: String, to: String, fitted: Box<Fitted<'a>> },
     /// All stand; some of them with rivals that explain as much.
     Stands { confounded: Vec<Confounded>, families: Vec<Confounded> },
+}
+
+/// Whether one leaves hardly more error on unseen time than another: what leaves much more does not explain the same.
+fn as_good(one: &Judged, other: &Judged) -> bool {
+    match (one.tested.held_out, other.tested.held_out) {
+        (Some(one), Some(other)) => one <= NO_WORSE * other,
+        (one, other) => one.is_some() || other.is_none(),
+    }
 }
 
 impl<'a> Greedy<'_, 'a> {
@@ -236,7 +247,10 @@ impl<'a> Greedy<'_, 'a> {
                             fitted: Box::new(next),
                         });
                     }
-                } else if other.tested.directions == mine.tested.directions && pair.correlation > ALIKE {
+                } else if other.tested.directions == mine.tested.directions
+                    && pair.correlation > ALIKE
+                    && as_good(other, mine)
+                {
                     group.push(id.clone());
                 }
             }

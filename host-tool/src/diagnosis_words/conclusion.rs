@@ -99,6 +99,34 @@ fn reasons_or<'a>(reasons: &'a str, otherwise: &'a str) -> &'a str {
     if reasons.is_empty() { otherwise } else { reasons }
 }
 
+/// What the error is held against that is no column of the log.
+const NO_COLUMNS: [&str; 4] = ["time", "spectrum", "attitude", "rate of turn"];
+/// A column is said to go with most of the error from this share of its square on ...
+const MOST_OF_IT: f64 = 0.5;
+/// ... and below this probability of chance.
+const SURELY: f64 = 1e-6;
+
+/// The column that most of the error goes with, where none of its effects is in the model. Says whether there is one.
+fn goes_with(diagnosis: &Diagnosis, add: &[String], out: &mut Vec<String>) -> bool {
+    let is_column = |name: &str| !NO_COLUMNS.contains(&name);
+    let named = |column: &str| add.iter().any(|id| id.contains(&format!(":{column}")));
+    let mut columns = diagnosis.shows.iter().filter(|shown| is_column(&shown.against));
+    let most = columns.find(|shown| shown.explained > MOST_OF_IT && shown.p_value < SURELY);
+    let Some(shown) = most.filter(|shown| !named(&shown.against)) else { return false };
+    out.push(String::new());
+    out.extend(wrap(
+        &format!(
+            "{:.0} % of the base model's squared error goes with {}, though not so surely beside the rest that it is named. Record \
+             a log in which it changes at many attitudes, up and down again, and diagnose that.",
+            100.0 * shown.explained,
+            shown.against
+        ),
+        "",
+        WIDTH,
+    ));
+    true
+}
+
 /// The verdict.
 pub fn verdict(told: &Told, out: &mut Vec<String>) {
     out.push(String::new());
@@ -210,6 +238,7 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
                 say(out, "What was found helps all the same:");
                 command(out, next::fit(arguments, &add));
             }
+            goes_with(diagnosis, &add, out);
             say(
                 out,
                 "For the rest, look at where it fails (above) and log what changed there: temperature, currents, what moves. \
@@ -220,6 +249,10 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             if diagnosis.data_faults.iter().any(|fault| fault.kind == FaultKind::CopiedAxis) =>
         {
             say(out, "Repair the driver so that each axis is read from its own registers, and record again.");
+        }
+        Verdict::Undetermined if goes_with(diagnosis, &add, out) => {
+            say(out, "What the fit itself says:");
+            command(out, next::fit(arguments, &add));
         }
         Verdict::Undetermined
             if diagnosis.reasons.iter().all(|reason| reason.starts_with("the residual is")) =>

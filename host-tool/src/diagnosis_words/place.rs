@@ -4,7 +4,7 @@ use crate::diagnosis_words::curve::{Curve, Residuals, limits, sparkline, spectru
 use crate::diagnosis_words::numbers::{microtesla, percent, probability, significant, unit_of, wrap};
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, title};
 use crate::input::Log;
-use ironout_analysis::outcome::outcome::{Diagnosis, Where};
+use ironout_analysis::outcome::outcome::{Diagnosis, Verdict, Where};
 
 /// More columns than this are summed up.
 const MOST: usize = 12;
@@ -174,7 +174,9 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
     let nowhere = diagnosis.shows.iter().all(|shown| shown.p_value >= SURE);
     title(
         out,
-        if nowhere {
+        if nowhere && diagnosis.verdict == Verdict::Unexplained {
+            "Where the base model fails: nothing that was logged explains it"
+        } else if nowhere {
             "Where the base model could fail: nowhere that chance does not explain"
         } else {
             "Where the base model fails"

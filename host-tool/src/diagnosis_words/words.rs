@@ -48,7 +48,9 @@ fn explain_fault(kind: FaultKind) -> &'static str {
         }
         FaultKind::Burst => "a magnet or iron passed close by, or single readings went wrong",
         FaultKind::Stuck => "one reading was repeated while the board turned: the sensor or its bus hung",
-        FaultKind::Gap => "rows are missing here, or cells of the column named: such samples are left out, the rest is good",
+        FaultKind::Gap => {
+            "rows are missing here, or cells of the column named: such samples are left out, the rest is good"
+        }
         FaultKind::CopiedAxis => "an axis is a copy of another: the driver reads one register twice",
     }
 }
@@ -180,6 +182,8 @@ fn tested(told: &Told, out: &mut Vec<String>) {
             _ => "Tested and not needed",
         },
     );
+    let (uncertain, rest): (Vec<&CandidateRow>, Vec<&CandidateRow>) =
+        rest.into_iter().partition(|row| row.why.contains("it would take"));
     if !rest.is_empty() {
         let ids: Vec<&str> = rest.iter().map(|row| row.id.as_str()).collect();
         for (family, members) in families(diagnosis.registry, &ids) {
@@ -196,6 +200,9 @@ fn tested(told: &Told, out: &mut Vec<String>) {
             "  ",
             WIDTH,
         ));
+    }
+    for row in uncertain {
+        out.extend(wrap(&format!("{}: {}", row.id, row.why), "  ", WIDTH));
     }
 }
 
