@@ -3,9 +3,10 @@
 use super::side::side_name;
 use crate::math;
 
-/// Slices of equal height (so of equal area) and sectors in each: the bins of the coverage.
-const SLICES: usize = 6;
-const SECTORS: usize = 8;
+/// Slices of equal height (so of equal area): the bins of the coverage are their sectors.
+pub const SLICES: usize = 6;
+/// Sectors in each slice.
+pub const SECTORS: usize = 8;
 /// Number of equal-area bins.
 pub const BINS: usize = SLICES * SECTORS;
 /// Directions at which the largest gap is looked for; they lie some 16° apart.

@@ -12,7 +12,7 @@ use super::point::BASE;
 use super::solve::{Chosen, Factor};
 use super::sums::WIDEST;
 use crate::math;
-use crate::study::rule::RELEVANCE;
+use crate::study::rule::{NEARLY, RELEVANCE};
 
 /// A point further than this from what the sums say, relative to the field, is left, and everything begins anew, while no more rows
 /// than that would be lost with those that were lost so before: what is wrong for long is rather an effect.
@@ -54,13 +54,26 @@ impl Learner {
             let Some(factor) = Factor::of(&work, chosen, true) else { return };
             let left = factor.squares(&work);
             let least = (STANDS_OUT * left / work.rows as f32).max(RELEVANCE as f32 * left);
-            let mut best: Option<(f32, usize)> = None;
+            // A logged cause, and a shape in time.
+            let mut best: [Option<(f32, usize)>; 2] = [None; 2];
             for (index, _) in open.iter().enumerate().filter(|(_, open)| **open) {
                 let gained = factor.test(&work, DRIFT + 3 * index, 3, index < EFFECTS).decrease;
-                if gained > least && best.is_none_or(|(known, _)| gained > known) {
-                    best = Some((gained, index));
+                let is_in_time = index == 0 || index == EFFECTS;
+                for best in best.iter_mut().skip(usize::from(is_in_time)).take(1) {
+                    if gained > least && best.is_none_or(|(known, _)| gained > known) {
+                        *best = Some((gained, index));
+                    }
                 }
             }
+            // The cause stands before a shape that is hardly better.
+            let best = match best {
+                [Some(logged), Some(timed)]
+                    if left - logged.0 > (NEARLY * NEARLY) as f32 * (left - timed.0) =>
+                {
+                    Some(timed)
+                }
+                [logged, timed] => logged.or(timed),
+            };
             let Some((_, index)) = best else { break factor };
             chosen.add(DRIFT + 3 * index, 3);
             open.iter_mut().skip(index).take(1).for_each(|open| *open = false);

@@ -83,7 +83,7 @@ impl Columns {
 
     /// How far a column is from its first value; nothing of one that is not there.
     #[inline]
-    pub(super) fn from_first(&self, place: usize) -> f32 {
+    pub(super) fn since_first(&self, place: usize) -> f32 {
         self.get(place).map_or(0.0, |column| column.now - column.first)
     }
 

@@ -195,7 +195,7 @@ impl Learner {
     fn values(&self, first_ms: u64, t_ms: u64) -> [f32; EFFECTS] {
         core::array::from_fn(|effect| match effect.checked_sub(1) {
             None => t_ms.saturating_sub(first_ms) as f32 / DRIFT_UNIT_MS,
-            Some(place) => self.columns.from_first(place),
+            Some(place) => self.columns.since_first(place),
         })
     }
 

@@ -7,5 +7,5 @@ mod trace;
 
 pub use compare::{Both, One, apart, triangle};
 pub use replay::{Board, Recording, UT_PER_COUNT};
-pub use table::{Row, is_right, row};
+pub use table::{Row, is_right, row, row_of};
 pub use trace::{Kind, Said, Trace, TraceOptions};

@@ -1,8 +1,8 @@
 //! What `diagnose` says to people: an explanation from the noise floor to the command that repairs it.
 
-use crate::commands::diagnose::numbers::{hang, microtesla, probability, wrap};
-use crate::commands::diagnose::told::{Told, WIDTH, at_rest, counted, groups, name_of, title};
-use crate::commands::diagnose::{advice, conclusion, found, place};
+use crate::diagnosis_words::numbers::{hang, microtesla, probability, wrap};
+use crate::diagnosis_words::told::{Told, WIDTH, at_rest, counted, groups, name_of, title};
+use crate::diagnosis_words::{advice, conclusion, found, place};
 use ironout::effect::{Named, Registry};
 use ironout_analysis::base::mounting;
 use ironout_analysis::noise::colour::Colour;

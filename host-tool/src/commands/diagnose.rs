@@ -1,7 +1,7 @@
 //! `ironout diagnose`: find the missing effect.
 
 use crate::cli::DiagnoseArgs;
-use crate::commands::diagnose::{told, words};
+use crate::diagnosis_words::{self, Told};
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
 use crate::output;
 use crate::plausible::Known;
@@ -40,7 +40,7 @@ pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
         }
         output::line(&object.to_string());
     } else {
-        output::text(&words::text(&told::Told { log: &log, arguments, diagnosis: &diagnosis }));
+        output::text(&diagnosis_words::text(&Told { log: &log, arguments, diagnosis: &diagnosis }));
     }
     Ok(status(&diagnosis))
 }

@@ -1,13 +1,13 @@
 //! The effects that were found: cause, coefficients, and the error falling.
 
-use crate::commands::diagnose::curve::{bar, limits, sparkline};
-use crate::commands::diagnose::numbers::{
+use crate::diagnosis_words::curve::{bar, limits, sparkline};
+use crate::diagnosis_words::numbers::{
     degrees, microtesla, probability, readable_unit, significant, unit_of, with_error, wrap,
 };
-use crate::commands::diagnose::place::{self, axis_label};
-use crate::commands::diagnose::told::{Told, WIDTH, at_rest, name_of, title};
+use crate::diagnosis_words::place::{self, axis_label};
+use crate::diagnosis_words::told::{Told, WIDTH, at_rest, name_of, title};
 use crate::input::Log;
-use ironout::effect::{Amount, Follows, Group, Named, Need, TIME};
+use ironout::effect::{Amount, Follows, Group, Named, Need, Registry, TIME};
 use ironout_analysis::base::mounting::{AXIS_ORDER, Standing};
 use ironout_analysis::calibration::FittedEffect;
 use ironout_analysis::outcome::outcome::{Diagnosis, StepRow, Verdict};
@@ -117,7 +117,7 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
     if !at.is_empty() {
         out.push(format!("{INDENT}{:<15}{}", "where", at.join(", ")));
     }
-    if let Some(text) = amount(told, effect) {
+    if let Some(text) = amount(told.log, told.diagnosis.registry, effect) {
         out.push(format!("{INDENT}{:<15}{text}", "amounts to"));
     }
     let column = effect.columns.first();
@@ -207,12 +207,12 @@ fn span(log: &Log, column: &str) -> Option<(f64, f64)> {
 }
 
 /// What an effect does over the whole log: an additive one in µT, a gain in per cent.
-fn amount(told: &Told, effect: &FittedEffect) -> Option<String> {
-    let named = named(told.diagnosis, effect)?;
+pub fn amount(log: &Log, registry: Registry, effect: &FittedEffect) -> Option<String> {
+    let named = registry.parse(&effect.id)?;
     let size = effect.coefficients.iter().map(|value| value * value).sum::<f64>().sqrt();
     let over_column = || {
         let column = effect.columns.first()?;
-        let (low, high) = span(told.log, column)?;
+        let (low, high) = span(log, column)?;
         let unit = unit_of(column);
         let range = format!("{column} from {} to {}{unit}", significant(low, 3), significant(high, 3));
         let reach = if named.form.is_squared() {
@@ -236,7 +236,7 @@ fn amount(told: &Told, effect: &FittedEffect) -> Option<String> {
             Some(format!("{} % over this log ({range})", significant(100.0 * largest * reach, 2)))
         }
         Amount::OverTime => {
-            let (low, high) = span(told.log, TIME)?;
+            let (low, high) = span(log, TIME)?;
             let seconds = high - low;
             Some(format!("{} µT over the {seconds:.0} s of this log", microtesla(size * seconds)))
         }

@@ -1,9 +1,9 @@
 //! The end of the explanation: the verdict in a sentence, and what to do about it.
 
 use crate::cli::{DiagnoseArgs, typed_option};
-use crate::commands::diagnose::numbers::{degrees, microtesla, wrap};
-use crate::commands::diagnose::told::{Told, WIDTH, at_rest, groups, listed, name_of, title};
-use crate::commands::diagnose::{found, next};
+use crate::diagnosis_words::numbers::{degrees, microtesla, wrap};
+use crate::diagnosis_words::told::{Told, WIDTH, at_rest, groups, listed, name_of, title};
+use crate::diagnosis_words::{found, next};
 use ironout_analysis::base::mounting;
 use ironout_analysis::outcome::outcome::{Diagnosis, Verdict};
 use ironout_analysis::samples::faults::FaultKind;

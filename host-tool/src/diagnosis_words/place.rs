@@ -1,8 +1,8 @@
 //! Where the base model fails: against each column, time, attitude and in the spectrum.
 
-use crate::commands::diagnose::curve::{Curve, Residuals, limits, sparkline, spectrum};
-use crate::commands::diagnose::numbers::{microtesla, percent, probability, significant, unit_of, wrap};
-use crate::commands::diagnose::told::{Told, WIDTH, at_rest, title};
+use crate::diagnosis_words::curve::{Curve, Residuals, limits, sparkline, spectrum};
+use crate::diagnosis_words::numbers::{microtesla, percent, probability, significant, unit_of, wrap};
+use crate::diagnosis_words::told::{Told, WIDTH, at_rest, title};
 use crate::input::Log;
 use ironout_analysis::outcome::outcome::{Diagnosis, Where};
 

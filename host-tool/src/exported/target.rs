@@ -2,8 +2,8 @@
 
 use crate::cal_file::CalFile;
 use crate::cli::{ExportArgs, ExportForm, scale};
-use crate::commands::export::log;
 use crate::failure::{Failure, Outcome};
+use crate::input::Log;
 use ironout_analysis::Table;
 use ironout_analysis::export::error::CannotExport;
 use ironout_analysis::export::held::{Held, Room, Turns};
@@ -13,19 +13,20 @@ use ironout_analysis::export::words::About;
 use ironout_analysis::export::{ardupilot, betaflight, iio, px4, ros};
 
 /// A file, and what its target holds of the calibration.
-pub(super) struct Exported {
+pub struct Exported {
     /// The file.
-    pub(super) text: String,
+    pub text: String,
     /// What the target holds; `None` where it holds all.
-    pub(super) held: Option<Held>,
+    pub held: Option<Held>,
     /// What it costs that it does not hold all; `None` without a log.
-    pub(super) cost: Option<Cost>,
+    pub cost: Option<Cost>,
 }
 
 /// The file of a target.
 pub(super) fn export(
     cal: &CalFile,
     arguments: &ExportArgs,
+    log: Option<&Log>,
     reading: &Reading,
     summary: &str,
 ) -> Outcome<Exported> {
@@ -45,9 +46,9 @@ pub(super) fn export(
     let calibration = cal.extended()?;
     let mut held = Held::of(&calibration, reading, room).map_err(refuse)?;
     let mut cost = None;
-    if let Some(log) = log::read(arguments, cal, true)? {
+    if let Some(log) = log {
         let (fitted, found) =
-            refit(&held, &calibration, reading, &Table::from(&log)).map_err(|error| match &error {
+            refit(&held, &calibration, reading, &Table::from(log)).map_err(|error| match &error {
                 NoCost::Column(column, why) => {
                     Failure::usage(why.clone()).in_file(&log.path).at_column(column.clone())
                 }
