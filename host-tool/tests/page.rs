@@ -4,9 +4,7 @@
 //! skipped; with `IRONOUT_REQUIRE_CHROMIUM=1` what is missing is a failure. `IRONOUT_SCREENSHOTS=DIR` keeps the pictures.
 
 mod common;
-#[allow(dead_code)]
 mod corpus;
-#[allow(dead_code)]
 mod writers;
 
 use common::{folder, ironout, simulate, text, write};
