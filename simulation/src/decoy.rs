@@ -37,7 +37,13 @@ fn standardised(values: &[f64]) -> Vec<f64> {
 }
 
 /// Levels from `0` to `levels - 1`, each held for some seconds.
-fn held(levels: u32, rows: usize, row_s: f64, seconds: core::ops::Range<f64>, rng: &mut ChaCha8Rng) -> Vec<f64> {
+fn held(
+    levels: u32,
+    rows: usize,
+    row_s: f64,
+    seconds: core::ops::Range<f64>,
+    rng: &mut ChaCha8Rng,
+) -> Vec<f64> {
     let mut out = Vec::with_capacity(rows);
     let mut level = rng.random_range(0..levels);
     while out.len() < rows {
@@ -61,7 +67,13 @@ fn walk(rows: usize, row_s: f64, rng: &mut ChaCha8Rng) -> Vec<f64> {
 
 impl Decoy {
     /// Its values beside `other`, the column that it moves with.
-    pub(crate) fn values(&self, rows: usize, row_s: f64, other: Option<&[f64]>, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    pub(crate) fn values(
+        &self,
+        rows: usize,
+        row_s: f64,
+        other: Option<&[f64]>,
+        rng: &mut ChaCha8Rng,
+    ) -> Vec<f64> {
         match self {
             Decoy::Walk => walk(rows, row_s, rng),
             Decoy::Mode => held(4, rows, row_s, 3.0..20.0, rng),

@@ -200,7 +200,11 @@ mod tests {
                     let now = path_of(&path, f64::from(step) * 0.005);
                     assert!((now * now.transpose() - Matrix3::identity()).norm() < 1e-9, "{name} {seed}");
                     // 0.2 rad in 5 ms would be 40 rad/s.
-                    assert!((now - last).norm() < 0.2, "{name} {seed} jumps at {step}: {}", (now - last).norm());
+                    assert!(
+                        (now - last).norm() < 0.2,
+                        "{name} {seed} jumps at {step}: {}",
+                        (now - last).norm()
+                    );
                     let down = now.transpose() * Vector3::new(0.5, 0.0, 0.87);
                     let bit = |value: f64| usize::from(value > 0.0);
                     octants[bit(down.x) + 2 * bit(down.y) + 4 * bit(down.z)] = true;

@@ -177,7 +177,8 @@ fn effects(kind: Kind, rng: &mut ChaCha8Rng) -> Vec<String> {
 }
 
 fn options(kind: Kind, seed: u64, rng: &mut ChaCha8Rng) -> (WorldOptions, String) {
-    let motions = [Motion::Tumbling, Motion::Eights, Motion::Waving, Motion::Table, Motion::Rings, Motion::Acro];
+    let motions =
+        [Motion::Tumbling, Motion::Eights, Motion::Waving, Motion::Table, Motion::Rings, Motion::Acro];
     let motion = one_of(&motions, rng);
     let rate_hz = match kind {
         Kind::Arrival => about(30.0, 200.0, rng),

@@ -3,7 +3,8 @@
 use core::fmt;
 
 use super::button::ButtonEvent;
-use super::machine::{Device, Errand};
+use super::errand::Errand;
+use super::machine::Device;
 use super::sensor::SensorFault;
 use crate::effect::Effect;
 use crate::extended::FittedEffect;
@@ -29,6 +30,7 @@ enum NotStarted {
 
 impl Device {
     /// Does what a press of the button does: starts a calibration, or ends one and accepts it if its verdict allows.
+    #[inline(never)]
     pub(super) fn pressed(&mut self) {
         match self.start() {
             Ok(()) => self.tell(ButtonEvent::Started),
@@ -46,6 +48,7 @@ impl Device {
         }
     }
 
+    #[inline(never)]
     fn start(&mut self) -> Result<(), NotStarted> {
         if self.session.state() == State::Collecting {
             return Err(NotStarted::Collecting);
@@ -61,6 +64,7 @@ impl Device {
     }
 
     /// Begins to store the solution.
+    #[inline(never)]
     fn save(&mut self, errand: Errand, force: bool) -> Result<(), NotSaved> {
         let record = self.waiting().ok_or(NotSaved::NoSolution)?;
         let in_use = self.active.as_ref().map(|active| &active.record).filter(|_| !force);
@@ -72,6 +76,7 @@ impl Device {
     }
 
     /// The solution was stored, or not; only then it is applied.
+    #[inline(never)]
     pub(super) fn stored(&mut self, outcome: Result<Done, StoreError>) -> Result<Slot, StoreError> {
         let Done::Saved(slot, record) = outcome? else { return Err(StoreError::DoesNotFit) };
         let spread = self.spread_of_solution();
@@ -96,6 +101,7 @@ impl Device {
         }
     }
 
+    #[inline(never)]
     pub(super) fn cal_stop<W: fmt::Write>(&mut self, mut reply: Reply<'_, W>) -> Answered {
         let outcome = match self.session.stop() {
             Ok(outcome) => outcome,
@@ -117,6 +123,7 @@ impl Device {
         refused(reply, first)
     }
 
+    #[inline(never)]
     pub(super) fn cal_accept<W: fmt::Write>(&mut self, reply: Reply<'_, W>, force: bool) -> Option<Answered> {
         match self.save(Errand::Accept, force) {
             Ok(()) => return None,
@@ -134,6 +141,7 @@ impl Device {
         })
     }
 
+    #[inline(never)]
     pub(super) fn accepted<W: fmt::Write>(
         &mut self,
         outcome: Result<Done, StoreError>,
@@ -154,6 +162,7 @@ impl Device {
         }
     }
 
+    #[inline(never)]
     pub(super) fn cal_cancel<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Answered {
         if self.state() == State::Idle {
             return reply.err(Code::State, format_args!("nothing to cancel"));
@@ -163,6 +172,7 @@ impl Device {
         reply.ok(format_args!("state={}", self.state().name()))
     }
 
+    #[inline(never)]
     pub(super) fn cleared<W: fmt::Write>(
         &mut self,
         outcome: Result<Done, StoreError>,
@@ -187,6 +197,7 @@ impl Device {
     }
 
     /// The stored calibration, applied or not, or else the solution that waits to be accepted.
+    #[inline(never)]
     pub(super) fn cal_show<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
         let waiting = self.waiting();
         let stored = self.active.as_ref().map(|active| &active.record);

@@ -3,7 +3,8 @@
 use core::fmt;
 
 use super::active::Active;
-use super::machine::{Device, Errand};
+use super::errand::Errand;
+use super::machine::Device;
 use super::sensor::SensorFault;
 use crate::extended::Live;
 use crate::number::Num;
@@ -116,6 +117,7 @@ impl Device {
         })
     }
 
+    #[inline(never)]
     pub(super) fn version<W: fmt::Write>(&self, out: &mut W) -> Answered {
         let mut reply = Reply::new(out);
         let [a, b] = self.slots().states;
@@ -123,9 +125,10 @@ impl Device {
         let [x, y, z] = self.config.sensor.board_ut_per_count().map(Num);
         reply.line(format_args!("ut_per_count={x:?},{y:?},{z:?}"));
         reply.line(format_args!(
-            "samples_lost={} longest_turn_us={}",
+            "samples_lost={} longest_turn_us={} stamp_jitter_us={}",
             self.samples_lost(),
-            self.longest_turn_us
+            self.longest_turn_us,
+            Opt(self.stamp_jitter_us)
         ));
         if self.restarts.count > 0 {
             reply.line(format_args!("last_fault={}", self.restarts.last));
@@ -138,6 +141,7 @@ impl Device {
         ))
     }
 
+    #[inline(never)]
     fn status<W: fmt::Write>(&mut self, mut reply: Reply<'_, W>) -> Answered {
         let counts = self.session.counts();
         let status = match self.status {
@@ -212,6 +216,7 @@ impl Device {
         self.stream != StreamMode::Off
     }
 
+    #[inline(never)]
     fn set_stream<W: fmt::Write>(&mut self, reply: Reply<'_, W>, mode: StreamMode) -> Answered {
         if let (true, Some(fault)) = (mode != StreamMode::Off, self.sensor.fault()) {
             return self.no_sensor(reply, fault);

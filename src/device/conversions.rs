@@ -27,6 +27,9 @@ pub struct Conversions {
     /// Looks in vain since the last find.
     in_vain: u8,
     at_once: u8,
+    /// The last find, and how far the finds were from a period after the one before, at most, since the rhythm was known.
+    found_us: Option<u64>,
+    worst_off_us: Option<u32>,
 }
 
 impl Conversions {
@@ -34,12 +37,26 @@ impl Conversions {
     pub fn new(rate_hz: f32) -> Self {
         let period_us = if rate_hz > 0.1 && rate_hz < 10_000.0 { 1e6 / rate_hz } else { 1e5 };
         let nominal_us = period_us as u32;
-        Self { nominal_us, period_us: nominal_us, edge: None, edges: 0, in_vain: 0, at_once: 0 }
+        Self {
+            nominal_us,
+            period_us: nominal_us,
+            edge: None,
+            edges: 0,
+            in_vain: 0,
+            at_once: 0,
+            found_us: None,
+            worst_off_us: None,
+        }
     }
 
     /// The period as it is known by now, µs.
     pub const fn period_us(&self) -> u32 {
         self.period_us
+    }
+
+    /// How far a stamp was from one period after the stamp before it, µs, at most, since the rhythm was known for the first time.
+    pub const fn worst_off_us(&self) -> Option<u32> {
+        self.worst_off_us
     }
 
     /// Whether the rhythm is known.
@@ -51,6 +68,15 @@ impl Conversions {
     pub fn found(&mut self, at_us: u64) -> u64 {
         let is_edge = self.in_vain > 0;
         self.in_vain = 0;
+        let last_us = self.found_us.replace(at_us);
+        if let Some(last_us) = last_us.filter(|_| self.is_known()) {
+            let apart_us = at_us.saturating_sub(last_us).min(u64::from(u32::MAX)) as u32;
+            // What was missed is counted elsewhere.
+            if apart_us < self.period_us + self.period_us / 2 {
+                let off_us = apart_us.abs_diff(self.period_us);
+                self.worst_off_us = Some(self.worst_off_us.map_or(off_us, |worst| worst.max(off_us)));
+            }
+        }
         self.edge = match self.edge {
             Some((edge_us, since)) if is_edge => {
                 self.learn(at_us.saturating_sub(edge_us), since + 1);
@@ -115,7 +141,7 @@ mod tests {
         nominal_hz: f32,
         look_us: u64,
         stop: core::ops::Range<u64>,
-    ) -> (Vec<f64>, f64, u64) {
+    ) -> (Vec<f64>, f64, u64, u32) {
         let mut rhythm = Conversions::new(nominal_hz);
         let (mut now_us, mut next_us, mut taken) = (777, 0, 0.0_f64);
         let (mut offs, mut looks, mut lost) = (Vec::new(), 0.0, 0);
@@ -142,7 +168,7 @@ mod tests {
             }
         }
         let looks = looks / taken;
-        (offs, looks, lost)
+        (offs, looks, lost, rhythm.worst_off_us().expect("it was known"))
     }
 
     fn spread(offs: &[f64]) -> f64 {
@@ -153,7 +179,8 @@ mod tests {
     #[test]
     fn stamps_lie_within_a_tenth_of_a_millisecond_of_each_other_whatever_the_sensors_clock() {
         for true_us in [10_000.0, 9_400.0, 10_730.5, 10_000.37, 9_990.0] {
-            let (offs, looks, lost) = stamps(true_us, 100.0, 75, 0..0);
+            let (offs, looks, lost, worst_us) = stamps(true_us, 100.0, 75, 0..0);
+            assert!(worst_us < 100, "{true_us}: {worst_us}");
             // Of the conversion's own time, from the first to the last of a minute.
             assert!(spread(&offs) < 200.0, "{true_us}: {}", spread(&offs));
             let mean = offs.iter().sum::<f64>() / offs.len() as f64;
@@ -165,7 +192,7 @@ mod tests {
 
     #[test]
     fn after_a_time_without_looks_the_rhythm_is_found_again() {
-        let (offs, _, lost) = stamps(10_050.0, 100.0, 75, 20_000_000..20_055_000);
+        let (offs, _, lost, _) = stamps(10_050.0, 100.0, 75, 20_000_000..20_055_000);
         assert!((4..=6).contains(&lost), "{lost}");
         let late = &offs[offs.len() - 3000..];
         assert!(spread(late) < 200.0, "{}", spread(late));
@@ -174,7 +201,7 @@ mod tests {
     #[test]
     fn fast_and_slow_sensors_are_followed_and_no_rate_is_survived() {
         for (rate_hz, look_us) in [(10.0, 80), (30.0, 240), (200.0, 75), (1000.0, 60)] {
-            let (offs, looks, _) = stamps(1.02e6 / f64::from(rate_hz), rate_hz, look_us, 0..0);
+            let (offs, looks, _, _) = stamps(1.02e6 / f64::from(rate_hz), rate_hz, look_us, 0..0);
             assert!(!offs.is_empty() && looks < 4.5, "{rate_hz} Hz: {looks}");
         }
         for rate_hz in [0.0, -3.0, f32::NAN, f32::INFINITY] {

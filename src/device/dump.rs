@@ -12,6 +12,7 @@ const LINE_BYTES: usize = 32;
 
 impl Device {
     /// The calibration that `cal show` shows, with every bit of it.
+    #[inline(never)]
     pub(super) fn cal_dump<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
         let stored = self.active.as_ref().map(|active| (active.record, active.spread));
         let of_session = || self.session.solution().map(|report| report.spread);

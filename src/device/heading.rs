@@ -18,29 +18,6 @@ const FRESH_MS: u64 = 1000;
 const HEADING_MS: u64 = 100;
 const COVERAGE_MS: u64 = 1000;
 
-/// What the device keeps for its heading and for its lights.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct View {
-    /// The last measured vector, µT, and when.
-    latest: Option<(u64, [f32; 3])>,
-    /// East positive.
-    declination_deg: f64,
-    /// Whether the board has lights for more than a state.
-    has_lights: bool,
-    /// The heading that the lights show, and when it was worked out.
-    heading: (u64, Option<f32>),
-}
-
-impl View {
-    pub(super) const fn new() -> Self {
-        Self { latest: None, declination_deg: 0.0, has_lights: false, heading: (0, None) }
-    }
-
-    pub(super) const fn measured(&mut self, t_ms: u64, measured_ut: [f32; 3]) {
-        self.latest = Some((t_ms, measured_ut));
-    }
-}
-
 /// Why the console has no heading.
 enum Missing {
     Calibration,
@@ -94,6 +71,7 @@ impl Device {
     }
 
     /// Looks at the coverage, where it is due. Whether it took a computation.
+    #[inline(never)]
     pub(super) fn look_at_coverage(&mut self) -> bool {
         let is_old = self.status.is_none_or(|(t_ms, status)| {
             status.state != State::Collecting || self.now_ms.saturating_sub(t_ms) >= COVERAGE_MS
@@ -122,6 +100,7 @@ impl Device {
     }
 
     /// `heading`, and with a number the declination from now on.
+    #[inline(never)]
     pub(super) fn heading<W: fmt::Write>(
         &mut self,
         reply: Reply<'_, W>,

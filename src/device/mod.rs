@@ -44,10 +44,12 @@
 mod active;
 mod button;
 mod calibrate;
+mod config;
 mod console;
 mod conversions;
 mod dump;
 mod effects;
+mod errand;
 mod extrapolated;
 mod figures;
 mod heading;
@@ -67,13 +69,15 @@ mod stream;
 mod streamed;
 #[cfg(test)]
 mod tests;
+mod view;
 mod why;
 
 pub use crate::store::{StoreAnswer, StoreTask};
 pub use button::ButtonEvent;
+pub use config::DeviceConfig;
 pub use conversions::Conversions;
 pub use light::Light;
-pub use machine::{Action, Device, DeviceConfig};
+pub use machine::{Action, Device};
 pub use output::{MAX_REPLY_BYTES, Output};
 pub use sensor::{Pace, SensorAnswer, SensorFault, SensorTask};
 pub use serve::serve_sensor;

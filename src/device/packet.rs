@@ -12,6 +12,7 @@ use crate::session::State;
 impl Device {
     /// Takes a packet: its numbers are sent back in MotionCal's own lines, and what it holds is stored and applied as by `cal
     /// accept`. `None` where that has begun.
+    #[inline(never)]
     pub(super) fn motioncal_packet<W: fmt::Write>(
         &mut self,
         bytes: &[u8; PACKET_BYTES],

@@ -12,6 +12,7 @@ use crate::protocol::{Answered, Code, Opt, Reply};
 
 impl Device {
     /// Puts the question; the answer comes once the study has it. An answer at once where there is nothing to study.
+    #[inline(never)]
     pub(super) fn why<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Option<Answered> {
         if !self.lessons.learner.is_learning() {
             return Some(reply.err(Code::State, format_args!("{NOTHING_YET}")));
@@ -21,6 +22,7 @@ impl Device {
     }
 
     pub(super) fn ask(&mut self, purpose: Purpose) {
+        self.lessons.learner.settle();
         let learner = &self.lessons.learner;
         let none = Effects::none();
         let effects = self.active.as_ref().map_or(&none, |active| &active.record.effects);
@@ -29,6 +31,7 @@ impl Device {
     }
 
     /// Does one piece of the question's work, right after a sample; with the last one it is answered. `false` where it has to wait.
+    #[inline(never)]
     pub(super) fn ponder<W: fmt::Write>(&mut self, out: &mut W) -> bool {
         if !self.may_compute(true) {
             return false;
@@ -120,7 +123,11 @@ impl Device {
                     let Some(effect) = self.lessons.learner.effect(candidate) else { continue };
                     let (finding, unit) = (
                         outcome.of(candidate),
-                        if candidate == Candidate::Lag { "deg of the dip" } else { "uT" },
+                        match candidate {
+                            Candidate::Lag if outcome.late_by_turning => "deg of the turning",
+                            Candidate::Lag => "deg of the dip",
+                            _ => "uT",
+                        },
                     );
                     reply.line(format_args!(
                         "says With it the error falls from {} to {} {unit}: effect add {}",

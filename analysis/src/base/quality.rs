@@ -46,6 +46,8 @@ pub struct Residue {
     pub colour: Colour,
     /// By how many standard deviations its spectrum is another one than that.
     pub misfit: f64,
+    /// Whether it is that noise and nothing more.
+    pub is_noise: bool,
 }
 
 /// [`Residue::memory`] of a residual, from its second differences: those hold what is new from sample to sample.
@@ -80,8 +82,16 @@ pub fn residue(
         sigmas > STRUCTURE_SIGMAS && independent > 3.0 * rounding && slow > SLOW_SHARE && slow_to_fade
     });
     let noise = Seen::of(residuals, turning, &turning.absorbed, rounding).describe();
-    let odd = correlation.structure(n) > STRUCTURE_RATIO || beside || noise.misfit() > STRUCTURE_MISFIT;
-    let structured = odd && share > STRUCTURE_SHARE && !noise.is_noise(step_s);
+    let odd = correlation.structure(n) > STRUCTURE_RATIO || beside;
+    let lines = noise.misfit() > STRUCTURE_MISFIT && noise.excess > STRUCTURE_SHARE;
+    // A resting board's own drifts, and what a logger rounds, look like slow noise: there only a short memory is noise.
+    let is_noise = turning.of_magnitude && noise.is_noise(step_s);
+    let structured = (odd && share > STRUCTURE_SHARE || lines) && !is_noise;
+    // Fast structure is in the second differences too.
+    let (share, smooth) = match lines && noise.excess > share {
+        true => (noise.excess, whole * (1.0 - noise.excess).sqrt()),
+        false => (share, smooth),
+    };
     Residue {
         rms: rms(residuals),
         floor: if structured { smooth } else { whole },
@@ -90,6 +100,7 @@ pub fn residue(
         memory: memory(residuals),
         colour: noise.colour,
         misfit: noise.misfit(),
+        is_noise,
     }
 }
 

@@ -6,12 +6,13 @@
 
 use crate::noise::power::{Band, bands, padded, symmetric, transforms};
 use crate::noise::turning::Turning;
+use crate::samples::series::median;
 use serde::Serialize;
 
 /// Exponents of 1/f noise that are tried.
 const EXPONENTS: [f64; 4] = [0.6, 0.8, 1.0, 1.2];
-/// Shares of white noise beside it.
-const WHITE: [f64; 5] = [0.0, 0.15, 0.3, 0.5, 0.7];
+/// Shares of white noise beside it. With more of that anything slow would look like 1/f noise.
+const WHITE: [f64; 5] = [0.0, 0.08, 0.16, 0.25, 0.35];
 /// The longest rolling mean that is looked for.
 const LONGEST_MEAN: usize = 64;
 /// Noise of first order falls to 60 % within so many samples ...
@@ -26,6 +27,8 @@ const STEEPEST: f64 = 1.3;
 const LIKE: f64 = 6.0;
 /// White noise that fits this well is not looked at further, standard deviations.
 const PLAIN: f64 = 1.0;
+/// A colour whose spectrum is this much less likely (twice the logarithm) may still be the one.
+const UNCERTAIN: f64 = 6.0;
 /// Fewer samples tell no colour.
 const FEWEST: usize = 60;
 
@@ -67,7 +70,8 @@ impl Colour {
     /// Whether a sensor's noise may be so: steeper than 1/f, or with a longer memory than a filter gives it, it is an error
     /// that moves. `step_s` is the time from sample to sample, 0 where unknown.
     pub fn is_of_a_sensor(self, step_s: f64) -> bool {
-        let short = |samples: f64, most: f64| samples <= most || (step_s > 0.0 && samples * step_s <= MEMORY_S);
+        let short =
+            |samples: f64, most: f64| samples <= most || (step_s > 0.0 && samples * step_s <= MEMORY_S);
         match self {
             Colour::White => true,
             // Samples until it has fallen to 60 %.
@@ -88,6 +92,16 @@ impl Colour {
             Colour::Flicker { exponent, white } => {
                 Some((Colour::Flicker { exponent: exponent + 0.05, white }, 0.05))
             }
+        }
+    }
+
+    /// A word for it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Colour::White => "white",
+            Colour::Fading(_) => "fading",
+            Colour::RollingMean(_) => "rolling-mean",
+            Colour::Flicker { .. } => "flicker",
         }
     }
 
@@ -138,6 +152,8 @@ pub struct Described {
     pub deviance: f64,
     /// Bands beyond what was chosen.
     pub free: f64,
+    /// Share of the variance by which some bands stand out above the others.
+    pub excess: f64,
 }
 
 impl Described {
@@ -171,7 +187,8 @@ impl<'t> Seen<'t> {
         let n = residuals.len();
         let size = padded(n);
         let transform = transforms(std::slice::from_ref(&residuals.to_vec()), size).swap_remove(0);
-        let power: Vec<f64> = transform.iter().map(|(re, im)| (re * re + im * im) / n.max(1) as f64).collect();
+        let power: Vec<f64> =
+            transform.iter().map(|(re, im)| (re * re + im * im) / n.max(1) as f64).collect();
         let bands = bands(&power, n, size);
         Seen { size, n, power, bands, turning, absorbed, rounding: rounding.clamp(0.0, 1.0) }
     }
@@ -220,8 +237,14 @@ impl<'t> Seen<'t> {
             deviance += 2.0 * count * (ratio - 1.0 - ratio.ln());
         }
         power.iter_mut().for_each(|value| *value = value.max(1e-9) * scale);
+        // Against the median: a line or a slow part raises the mean.
+        let mut ratios: Vec<f64> = sums.iter().map(|(expected, seen, _)| seen / (scale * expected)).collect();
+        let usual = median(&mut ratios) * scale;
+        let whole: f64 = sums.iter().map(|one| one.1).sum();
+        let above: f64 = sums.iter().map(|(expected, seen, _)| (seen - usual * expected).max(0.0)).sum();
+        let excess = (above / whole.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         let free = (self.bands.len() as f64 - 1.0 - colour.parameters()).max(1.0);
-        Described { colour, power, deviance, free }
+        Described { colour, power, deviance, free, excess }
     }
 
     /// How the logarithm of the power changes with the number that the colour was chosen by, by bin, and that number's
@@ -245,52 +268,75 @@ impl<'t> Seen<'t> {
 
     /// The most likely of the colours.
     pub fn describe(&self) -> Described {
+        self.plausible().swap_remove(0)
+    }
+
+    /// The colours that the residual may have, the most likely first: the best of each family that is not much less likely.
+    /// There is at least one.
+    pub fn plausible(&self) -> Vec<Described> {
         let cost = |one: &Described| one.deviance + (self.n as f64).ln() * one.colour.parameters();
-        let mut best = self.fit(Colour::White);
-        if best.misfit() < PLAIN || self.n < FEWEST {
-            return best;
+        let white = self.fit(Colour::White);
+        if white.misfit() < PLAIN || self.n < FEWEST {
+            return vec![white];
         }
-        let mut take = |next: Described, least: &mut f64| {
-            let better = next.deviance < *least;
-            *least = least.min(next.deviance);
-            if cost(&next) < cost(&best) {
-                best = next;
-            }
-            better
-        };
         let own = self.correlation();
-        let first = own.get(1).copied().unwrap_or(0.0).clamp(0.05, 0.98);
-        let (mut near, mut least) = (first, f64::INFINITY);
-        take(self.fit(Colour::Fading(near)), &mut least);
+        let mut list = vec![white, self.best_fading(&own), self.best_mean(&own), self.best_flicker()];
+        list.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let most = cost(&list[0]) + UNCERTAIN;
+        list.retain(|one| cost(one) <= most);
+        list
+    }
+
+    fn best_fading(&self, own: &[f64]) -> Described {
+        let mut near = own.get(1).copied().unwrap_or(0.0).clamp(0.05, 0.98);
+        let mut best = self.fit(Colour::Fading(near));
         for step in [0.5, 0.25, 0.1, 0.04] {
             for rho in [near - step * (1.0 - near), near + step * (1.0 - near)] {
                 let rho = rho.clamp(0.01, 0.995);
-                if take(self.fit(Colour::Fading(rho)), &mut least) {
-                    near = rho;
+                let next = self.fit(Colour::Fading(rho));
+                if next.deviance < best.deviance {
+                    (best, near) = (next, rho);
                 }
             }
         }
-        // A rolling mean forgets all at once.
+        best
+    }
+
+    /// A rolling mean forgets all at once.
+    fn best_mean(&self, own: &[f64]) -> Described {
         let end = own.iter().position(|value| *value < 0.125).unwrap_or(own.len()).max(2);
-        let end = (end as f64 / 0.875).round() as usize;
-        for of in end.saturating_sub(1).max(2)..=end + 1 {
-            take(self.fit(Colour::RollingMean(of)), &mut least);
+        let end = ((end as f64 / 0.875).round() as usize).max(3);
+        let mut best = self.fit(Colour::RollingMean(end));
+        for of in [end - 1, end + 1] {
+            let next = self.fit(Colour::RollingMean(of));
+            if next.deviance < best.deviance {
+                best = next;
+            }
         }
-        let mut least = f64::INFINITY;
-        let mut steepest = EXPONENTS[0];
+        best
+    }
+
+    fn best_flicker(&self) -> Described {
+        let at = |exponent: f64| {
+            let plain = self.expected(Colour::Flicker { exponent, white: 0.0 });
+            let fits = WHITE
+                .iter()
+                .map(|white| self.fit_to(Colour::Flicker { exponent, white: *white }, mixed(&plain, *white)));
+            fits.reduce(|best, next| if next.deviance < best.deviance { next } else { best })
+        };
+        let better = |best: Described, next: Option<Described>| match next {
+            Some(next) if next.deviance < best.deviance => (next, true),
+            _ => (best, false),
+        };
+        let mut best = self.fit(Colour::Flicker { exponent: EXPONENTS[0], white: 0.0 });
+        let mut near = EXPONENTS[0];
         for exponent in EXPONENTS {
-            let plain = self.expected(Colour::Flicker { exponent, white: 0.0 });
-            for white in WHITE {
-                if take(self.fit_to(Colour::Flicker { exponent, white }, mixed(&plain, white)), &mut least) {
-                    steepest = exponent;
-                }
-            }
+            let (next, is_better) = better(best, at(exponent));
+            best = next;
+            near = if is_better { exponent } else { near };
         }
-        for exponent in [steepest - 0.1, steepest + 0.1] {
-            let plain = self.expected(Colour::Flicker { exponent, white: 0.0 });
-            for white in WHITE {
-                take(self.fit_to(Colour::Flicker { exponent, white }, mixed(&plain, white)), &mut least);
-            }
+        for exponent in [near - 0.1, near + 0.1] {
+            best = better(best, at(exponent)).0;
         }
         best
     }

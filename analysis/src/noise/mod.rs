@@ -3,3 +3,6 @@
 pub mod colour;
 pub mod power;
 pub mod turning;
+
+#[cfg(test)]
+mod tests;

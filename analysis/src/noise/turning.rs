@@ -14,13 +14,15 @@ pub struct Turning {
     pub alike: Vec<f64>,
     /// Share of white noise that a fit of offset and matrix takes out, by bin of the half spectrum.
     pub absorbed: Vec<f64>,
+    /// Whether the residual is that of a magnitude on a board that turns.
+    pub of_magnitude: bool,
 }
 
 impl Turning {
     /// Where nothing turns: a residual that is no magnitude.
     pub fn none(n: usize) -> Self {
         let alike = (0..n).map(|lag| 1.0 - lag as f64 / n.max(1) as f64).collect();
-        Turning { alike, absorbed: vec![0.0; padded(n) / 2 + 1] }
+        Turning { alike, absorbed: vec![0.0; padded(n) / 2 + 1], of_magnitude: false }
     }
 
     /// Of the field's directions in the frame of the sensor, one a sample (of any length but zero).
@@ -40,7 +42,7 @@ impl Turning {
         }
         let mut absorbed = vec![0.0; size / 2 + 1];
         add_power(&mut absorbed, &transforms(&orthogonal(columns), size), n);
-        Turning { alike, absorbed }
+        Turning { alike, absorbed, of_magnitude: true }
     }
 }
 

@@ -2,12 +2,12 @@
 
 use crate::base::engine::Pass;
 use crate::base::known::Known;
-use crate::noise::turning::Turning;
 use crate::base::quality::{covariance, residue};
 use crate::base::start;
+use crate::noise::turning::Turning;
 use crate::outcome::blank::undetermined;
 use crate::outcome::explain::{MOST_ADDED, added, cannot_add};
-use crate::outcome::outcome::{NoiseRow, Diagnosis, Status, Verdict};
+use crate::outcome::outcome::{Diagnosis, NoiseRow, Status, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::rows::describe;
 use crate::outcome::view::View;
@@ -57,7 +57,13 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     let (used, confounded) = (explanation.fitted.pieces.len(), explanation.confounded.clone());
     let fitted = &explanation.fitted;
     let residuals = pass.residuals(&fitted.model, &fitted.pieces.iter().collect::<Vec<_>>())?;
-    let left = residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s(), &Turning::none(residuals.len()));
+    let left = residue(
+        &residuals,
+        fitted.columns(),
+        samples.quantum_ut,
+        samples.step_s(),
+        &Turning::none(residuals.len()),
+    );
     let covariance = covariance(fitted, left.time);
     let mut column = 3;
     let effects = fitted
@@ -106,6 +112,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         lower_order: None,
         base: None,
         dip_deg: None,
+        searches: options.search,
     };
     let in_group = |id: &String| confounded.iter().any(|group| group.ids.contains(id));
     let mut steps = view.steps(&None)?;
@@ -128,7 +135,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         steps,
         noise_floor_ut: Some(left.floor),
         residual_floor_ut: Some(left.floor),
-        noise: Some(NoiseRow { colour: left.colour, misfit: left.misfit, memory_samples: left.memory }),
+        noise: Some(NoiseRow::of(&left)),
         candidates,
         effects,
         shows,

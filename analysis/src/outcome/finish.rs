@@ -25,7 +25,13 @@ impl View<'_, '_> {
         let plain = self.base.filter(|_| fitted.pieces.is_empty() && self.lower_order.is_none());
         let left = match plain {
             Some(base) => base.residue.clone(),
-            None => residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s(), &self.pass.turning(&fitted.model)),
+            None => residue(
+                &residuals,
+                fitted.columns(),
+                self.samples.quantum_ut,
+                self.samples.step_s(),
+                &self.pass.turning(&fitted.model),
+            ),
         };
         let gain = noise_gain(fitted, Residual::Magnitude);
         let predicted = match plain {
@@ -77,7 +83,7 @@ impl View<'_, '_> {
             steps,
             noise_floor_ut: Some(left.floor / gain),
             residual_floor_ut: Some(left.floor),
-            noise: Some(NoiseRow { colour: left.colour, misfit: left.misfit, memory_samples: left.memory }),
+            noise: Some(NoiseRow::of(&left)),
             candidates,
             data_faults: Vec::new(),
             dip: dip.as_ref().map(|dip| Dip {
@@ -101,6 +107,7 @@ impl View<'_, '_> {
             converged: fitted.converged,
             base: None,
             predicted_error_ut: predicted.map(|error| error * field),
+            bursts_explained: false,
             samples_used: 0,
             samples_set_aside: 0,
             prior: self.prior_words(),

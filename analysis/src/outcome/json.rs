@@ -2,7 +2,8 @@
 
 use crate::base::mounting::{AXIS_ORDER, DecidedBy};
 use crate::calibration::StdErrors;
-use crate::outcome::outcome::Diagnosis;
+use crate::noise::colour::Colour;
+use crate::outcome::outcome::{Diagnosis, NoiseRow};
 use ironout::calibration::Calibration;
 use serde_json::{Map, Value, json};
 
@@ -37,6 +38,24 @@ pub fn effects(diagnosis: &Diagnosis) -> Value {
             })
         })
         .collect()
+}
+
+/// The colour of the noise that is left.
+fn noise(row: NoiseRow) -> Value {
+    let mut object = json!({
+        "colour": row.colour.name(), "only_noise": row.is_noise, "misfit": number(Some(row.misfit)),
+        "memory_samples": number(Some(row.memory_samples)),
+    });
+    let own = match row.colour {
+        Colour::White => json!({}),
+        Colour::Fading(correlation) => json!({"correlation": correlation}),
+        Colour::RollingMean(of) => json!({"samples": of}),
+        Colour::Flicker { exponent, white } => json!({"exponent": exponent, "white": white}),
+    };
+    if let (Some(map), Some(own)) = (object.as_object_mut(), own.as_object()) {
+        map.extend(own.clone());
+    }
+    object
 }
 
 /// The object of the contract.
@@ -104,6 +123,7 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
         "steps": steps,
         "noise_floor_ut": number(diagnosis.noise_floor_ut),
         "residual_floor_ut": number(diagnosis.residual_floor_ut),
+        "noise": diagnosis.noise.map(noise),
         "candidates": candidates,
         "data_faults": data_faults,
         "dip": diagnosis.dip.map(|dip| json!({

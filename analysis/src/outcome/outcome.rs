@@ -4,6 +4,7 @@ use crate::base::axes::Alignment;
 use crate::base::model::Base;
 use crate::base::mounting::Standing;
 use crate::base::order::AxisOrder;
+use crate::base::quality::Residue;
 use crate::calibration::{FittedEffect, Information, StdErrors};
 use crate::noise::colour::Colour;
 use crate::plain;
@@ -145,8 +146,18 @@ pub struct NoiseRow {
     pub colour: Colour,
     /// By how many standard deviations its spectrum is another one than that.
     pub misfit: f64,
+    /// Whether it is that noise and nothing more.
+    pub is_noise: bool,
     /// How many samples say as much about a calibration as one of white noise.
     pub memory_samples: f64,
+}
+
+impl NoiseRow {
+    /// Of a residual.
+    pub fn of(left: &Residue) -> NoiseRow {
+        let Residue { colour, misfit, is_noise, memory, .. } = *left;
+        NoiseRow { colour, misfit, is_noise, memory_samples: memory }
+    }
 }
 
 /// A diagnosis.
@@ -195,6 +206,9 @@ pub struct Diagnosis {
     pub base: Option<Base>,
     /// Predicted error of a corrected vector in the worst direction, µT.
     pub predicted_error_ut: Option<f64>,
+    /// Whether effects explain what stood out of the base model, so that nothing was set aside for it.
+    #[serde(skip)]
+    pub bursts_explained: bool,
     /// Samples used.
     pub samples_used: usize,
     /// Samples set aside.

@@ -1,5 +1,6 @@
 //! The candidates and effects of a diagnosis as rows, in words and numbers.
 
+use crate::base::alignment::SWAPPED_DEG;
 use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT, Standing};
 use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::{Residue, covariance, covariance_of};
@@ -7,7 +8,8 @@ use crate::calibration::FittedEffect;
 use crate::outcome::blank::untestable;
 use crate::outcome::outcome::{CandidateRow, Status, Verdict};
 use crate::outcome::view::{DipStudy, View};
-use crate::search::screen::SIGNIFICANCE;
+use crate::search::parameter::in_words;
+use crate::search::screen::{SIGNIFICANCE, WORTH_NAMING};
 use crate::search::state::{Confounded, Judged};
 use ironout::effect::{Follows, Named};
 use ironout::study::Residual;
@@ -60,6 +62,9 @@ impl View<'_, '_> {
                     kin.join(", "),
                     self.separating(&piece.id, kin)
                 ),
+                (None, None) if piece.searched().is_some() && piece.is_in_time() => {
+                    format!("a {}: {}", in_words(piece), piece.effect.explanation())
+                }
                 (None, None) => piece.effect.explanation().to_string(),
             };
             let partners = partners.or(kin);
@@ -101,7 +106,10 @@ impl View<'_, '_> {
         }
         for one in &self.explanation.last {
             let id = &one.candidate.piece.id;
-            if list.iter().any(|row| row.id == *id) {
+            // A further step or tone that nothing asks for is not worth a row.
+            let further = id.contains('#')
+                && one.candidate.piece.made.is_some_and(|made| made.parts().form.is_repeated());
+            if further || list.iter().any(|row| row.id == *id) {
                 continue;
             }
             if !one.candidate.piece.hidden_delay().is_empty() && dip.is_some() {
@@ -123,7 +131,7 @@ impl View<'_, '_> {
                     let why = if verdict == Verdict::Undetermined {
                         "the data do not support a calibration, so this cannot be told".to_string()
                     } else if one.tested.p_value * (self.explanation.count as f64) < SIGNIFICANCE {
-                        "there, but too small to matter".to_string()
+                        self.not_named(one)
                     } else {
                         "the data do not ask for it".to_string()
                     };
@@ -162,7 +170,12 @@ impl View<'_, '_> {
             list.push(CandidateRow {
                 id: MISALIGNMENT.id.into(),
                 name: MISALIGNMENT.name.into(),
-                status: if angle > MISALIGNED_DEG { Status::Missing } else { Status::NotNeeded },
+                // A rotation so large is a matter of the axes' order, told below.
+                status: if angle > MISALIGNED_DEG && angle <= SWAPPED_DEG {
+                    Status::Missing
+                } else {
+                    Status::NotNeeded
+                },
                 residual: Residual::Dip.name(),
                 holdout_rms_ut: None,
                 p_value: None,
@@ -178,6 +191,7 @@ impl View<'_, '_> {
                 name: AXIS_ORDER.name.into(),
                 status: match standing.and_then(|standing| standing.swapped()) {
                     Some(_) => Status::Missing,
+                    None if angle > SWAPPED_DEG => Status::Untestable,
                     None => Status::NotNeeded,
                 },
                 residual: Residual::Dip.name(),
@@ -185,6 +199,11 @@ impl View<'_, '_> {
                 p_value: None,
                 confounded_with: Vec::new(),
                 why: match standing.map(|standing| standing.words()) {
+                    Some(_) if angle > SWAPPED_DEG => format!(
+                        "the dip is most constant with the axes turned by {angle:.0}°, but it spreads by {:.1}° there too: too \
+                         much to tell their order; turn the board slowly and without shaking it",
+                        dip.after_deg
+                    ),
                     Some(words) if !words.is_empty() => words.join("; "),
                     _ => "the axes stand in the board's order".into(),
                 },
@@ -210,6 +229,22 @@ impl View<'_, '_> {
         let known: Vec<String> = list.iter().map(|row| row.id.clone()).collect();
         list.extend(more.into_iter().filter(|row| !known.contains(&row.id)));
         list
+    }
+
+    /// Why a candidate that chance hardly explains is not named.
+    fn not_named(&self, one: &Judged) -> String {
+        let share = one.tested.decrease / self.explanation.fitted.squares.max(f64::MIN_POSITIVE);
+        if share < WORTH_NAMING {
+            return format!(
+                "there, but too small to matter: it takes {:.0} % off the squared error",
+                100.0 * share
+            );
+        }
+        format!(
+            "it takes {:.0} % off the squared error, and is not certain: unseen time or copies of its column moved round in \
+             time do not bear it out beside what else is left",
+            100.0 * share.min(1.0)
+        )
     }
 
     /// Which recording would tell the candidates apart.

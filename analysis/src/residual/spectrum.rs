@@ -7,8 +7,8 @@
 
 use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
-use crate::noise::power::{add_power, padded, transforms, weight};
 use crate::noise::colour::Seen;
+use crate::noise::power::{add_power, padded, transforms, weight};
 use crate::noise::turning::Turning;
 use crate::samples::fft;
 use ironout::study::{MIN_EIGENVALUE, Residual, f_tail};
@@ -41,8 +41,14 @@ impl Rows {
         let columns = pass.residual.base_columns() + all.iter().map(|piece| piece.k()).sum::<usize>();
         let columns = columns.min(COLUMNS);
         let step_s = pass.samples.step_s();
-        let mut rows =
-            Rows { columns, values: Vec::new(), residuals: Vec::new(), alike: Vec::new(), rounding: 0.0, step_s };
+        let mut rows = Rows {
+            columns,
+            values: Vec::new(),
+            residuals: Vec::new(),
+            alike: Vec::new(),
+            rounding: 0.0,
+            step_s,
+        };
         pass.rows(0..pass.samples.len(), &fitted.model, all, |_, row, r| {
             rows.values.extend_from_slice(&row[..columns]);
             rows.residuals.push(r);
@@ -133,30 +139,29 @@ impl Spectrum {
         Spectrum { power, size, coefficients: model.coefficients, uncertain, freedom, chosen: None }
     }
 
-    /// That of the colour that the residual is noise of; `None` where it is more than noise.
-    fn coloured(rows: &Rows, residuals: &[f64], absorbed: &[f64]) -> Option<Spectrum> {
+    /// Those of the colours that the residual may be noise of; none where it is more than noise.
+    fn coloured(rows: &Rows, residuals: &[f64], absorbed: &[f64]) -> Vec<Spectrum> {
         let n = residuals.len();
         let turning = match rows.alike.is_empty() {
             true => Turning::none(n),
-            false => Turning { alike: rows.alike.clone(), absorbed: Vec::new() },
+            false => Turning { alike: rows.alike.clone(), absorbed: Vec::new(), of_magnitude: true },
         };
         let variance = residuals.iter().map(|r| r * r).sum::<f64>() / n.max(1) as f64;
         let seen = Seen::of(residuals, &turning, absorbed, rows.rounding / variance.max(f64::MIN_POSITIVE));
-        let described = seen.describe();
-        if !described.is_noise(rows.step_s) {
-            return None;
-        }
         let size = padded(n);
         let taken = absorbed.iter().enumerate().map(|(bin, share)| weight(bin, size) * share.clamp(0.0, 1.0));
         let freedom = n as f64 * (1.0 - taken.sum::<f64>() / size as f64);
-        Some(Spectrum {
-            size,
-            coefficients: Vec::new(),
-            uncertain: DMatrix::zeros(0, 0),
-            freedom,
-            chosen: seen.slope(&described),
-            power: described.power,
-        })
+        let noises = seen.plausible().into_iter().filter(|one| one.is_noise(rows.step_s));
+        noises
+            .map(|described| Spectrum {
+                size,
+                coefficients: Vec::new(),
+                uncertain: DMatrix::zeros(0, 0),
+                freedom,
+                chosen: seen.slope(&described),
+                power: described.power,
+            })
+            .collect()
     }
 
     /// Degrees of freedom of the power where `shares` (they add up to 1) of a candidate's variance lie: two over the
@@ -378,12 +383,15 @@ impl<'r> Frame<'r> {
         Some(Spectrum::of(residuals, &absorbed))
     }
 
-    /// The same as the colour of a sensor's noise has it: beyond what an autoregression remembers. `None` where the
-    /// residual is more than such noise.
-    pub fn coloured(&self, total: &Matrix, with: Range<usize>, residuals: &[f64]) -> Option<Spectrum> {
+    /// The same as the colours of a sensor's noise have it that may be this one: beyond what an autoregression remembers.
+    /// None where the residual is more than such noise.
+    pub fn coloured(&self, total: &Matrix, with: Range<usize>, residuals: &[f64]) -> Vec<Spectrum> {
         let mut absorbed = self.absorbed.clone();
         if !with.is_empty() {
-            add_power(&mut absorbed, &self.beyond(total, with)?.transforms, self.rows.len());
+            match self.beyond(total, with) {
+                Some(beyond) => add_power(&mut absorbed, &beyond.transforms, self.rows.len()),
+                None => return Vec::new(),
+            }
         }
         Spectrum::coloured(self.rows, residuals, &absorbed)
     }

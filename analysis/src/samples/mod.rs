@@ -1,5 +1,7 @@
 //! The samples of a log, and what is wrong with them.
 
+pub mod clock;
+pub mod common;
 pub mod data;
 pub mod families;
 pub mod faults;

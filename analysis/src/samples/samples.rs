@@ -152,7 +152,7 @@ impl Samples {
         few
     }
 
-    fn of_rows(table: &Table, row: Vec<usize>, stride: usize, axes: [bool; 3]) -> Samples {
+    pub(super) fn of_rows(table: &Table, row: Vec<usize>, stride: usize, axes: [bool; 3]) -> Samples {
         let pick = |axis: &[f64]| -> Vec<f64> { row.iter().map(|&row| axis[row]).collect() };
         let triple = |axes: &[&[f64]; 3], row: usize| {
             let vector = axes.map(|axis| axis[row]);
@@ -174,7 +174,17 @@ impl Samples {
             .iter()
             .map(|named| column(named.name, pick(named.values), named.not_finite))
             .collect();
-        let mut samples = Samples { time, middle_s, readings, columns, row, stride, axes, quantum_ut: 0.0, work: Work::default() };
+        let mut samples = Samples {
+            time,
+            middle_s,
+            readings,
+            columns,
+            row,
+            stride,
+            axes,
+            quantum_ut: 0.0,
+            work: Work::default(),
+        };
         samples.quantum_ut =
             table.field_ut.iter().map(|axis| crate::samples::series::quantum(axis)).fold(0.0, f64::max);
         samples.find_down(table, 0.0);

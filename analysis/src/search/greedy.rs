@@ -4,9 +4,9 @@ use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::{BadShape, Piece};
 use crate::search::candidates::Catalogue;
 use crate::search::kin::may_follow;
-use crate::search::parameter;
 use crate::search::screen::{Candidate, SIGNIFICANCE, Screening, rivalry, screen};
 use crate::search::search;
+use crate::search::several::numbered;
 use crate::search::state::{Confounded, Explanation, Greedy, Judged};
 use crate::search::undisturbed::prefer;
 use ironout::effect::{Acts, Follows, Named, Searched};
@@ -30,13 +30,17 @@ fn candidates<'a>(
         catalogue.plain(at_rest).into_iter().map(|piece| Candidate { piece, searched: 1.0 }).collect();
     for named in catalogue.searched() {
         if periodic || named.form.searched != Some(Searched::Frequency) {
-            list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
+            let found = finite(search::best(pass, fitted, catalogue, &named))?.flatten();
+            list.extend(found.and_then(|found| numbered(fitted, found)));
         }
     }
     for named in catalogue.usable_columns().flat_map(|column| catalogue.late(column)) {
         // A late column stands beside the prompt one, or shows through it.
         let is_prompt = |own: Named| own.is_plain() && own.is_variant_of(&named);
         if fitted.pieces.iter().filter_map(Piece::named).any(is_prompt) {
+            list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
+        } else if !at_rest && finite(search::acts_late(pass, fitted, catalogue, &named))?.unwrap_or(false) {
+            // A long delay leaves little of the prompt one to show through.
             list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
         }
     }
@@ -107,7 +111,6 @@ impl<'a> Greedy<'_, 'a> {
         let (mut last, mut count) = (Vec::new(), 0);
         let (mut confounded, mut families) = (Vec::new(), Vec::new());
         let mut swapped: Vec<(String, String)> = Vec::new();
-        let mut repeated = None;
         let mut ended_early = false;
         for round in 0..3 * MOST_AT_REST {
             if self.is_spent() {
@@ -118,22 +121,9 @@ impl<'a> Greedy<'_, 'a> {
             count = tried;
             first.get_or_insert_with(|| judged.clone());
             last = judged;
-            // A second step or tone beside the one in the model: whatever else follows its trace is no cause.
-            if let Some((second, decrease)) = self.again(&fitted)?
-                && last.iter().all(|one| !one.tested.accepted || one.tested.decrease < decrease)
-            {
-                fitted = self.without_proxies(fitted, &second, count)?;
-                order.retain(|id| fitted.pieces.iter().any(|piece| piece.id == *id));
-                let first = fitted.pieces.iter().find(|piece| piece.id == second.id);
-                repeated = Some(format!(
-                    "a second {} beside the {}",
-                    parameter::in_words(&second),
-                    first.map_or_else(|| "first".into(), parameter::in_words)
-                ));
-                break;
-            }
             let most = if self.pass.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };
-            let next = if fitted.pieces.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
+            let next =
+                if fitted.pieces.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
             let next = next.flatten();
             if let Some((winner, next)) = next {
                 fitted = self.aligned(prefer(&self.pass, next, self.known)?)?;
@@ -185,70 +175,12 @@ impl<'a> Greedy<'_, 'a> {
             families,
             first: first.unwrap_or_default(),
             last,
-            repeated,
             withdrawn: Vec::new(),
             dropped: self.dropped.take(),
             ended_early,
             count,
             shown: Vec::new(),
         })
-    }
-
-    /// A searched effect that the model holds once and that would be accepted a second time, fitted beside it, and what it
-    /// takes off the squared error.
-    fn again(&self, fitted: &Fitted<'a>) -> Result<Option<(Piece<'a>, f64)>, BadShape> {
-        let mut list = Vec::new();
-        for piece in &fitted.pieces {
-            if let Some(named) = piece.named().filter(|named| !named.form.column) {
-                list.extend(search::best(&self.pass, fitted, self.catalogue, &named)?);
-            }
-        }
-        let screening = screen(&self.pass, fitted, &list, 2)?;
-        let found = screening.tested.iter().filter(|tested| tested.accepted);
-        let best = found.max_by(|a, b| a.decrease.total_cmp(&b.decrease));
-        let Some((second, decrease)) =
-            best.and_then(|tested| Some((&list.get(tested.index)?.piece, tested.decrease)))
-        else {
-            return Ok(None);
-        };
-        let mut pieces = fitted.pieces.clone();
-        pieces.push(second.clone());
-        let both = self.pass.fit(fitted.model, pieces, self.known)?;
-        Ok(Some((both.and_then(|mut both| both.pieces.pop()).unwrap_or_else(|| second.clone()), decrease)))
-    }
-
-    /// The model without the effects that only stood in for a second step or tone.
-    fn without_proxies(
-        &self,
-        mut fitted: Fitted<'a>,
-        second: &Piece<'a>,
-        count: usize,
-    ) -> Result<Fitted<'a>, BadShape> {
-        let mut index = 0;
-        while let Some(removed) = fitted.pieces.get(index).cloned() {
-            index += 1;
-            if removed.id == second.id {
-                continue;
-            }
-            let mut pieces = fitted.pieces.clone();
-            pieces.remove(index - 1);
-            let both = pieces.iter().chain([second]).cloned().collect();
-            let Some(mut both) = self.pass.fit(fitted.model, both, self.known)? else { continue };
-            // The proxy has pulled at both places in time.
-            both = self.at_its_time(both)?;
-            both.pieces.reverse();
-            both = self.at_its_time(self.pass.hold(both.model, both.pieces, self.known)?)?;
-            let candidate =
-                Candidate { piece: Piece { coefficients: Default::default(), ..removed }, searched: 1.0 };
-            let screening = screen(&self.pass, &both, &[candidate], count)?;
-            if screening.tested.first().is_none_or(|tested| !tested.accepted)
-                && let Some(next) = self.pass.fit(fitted.model, pieces, self.known)?
-            {
-                fitted = self.aligned(self.at_its_time(next)?)?;
-                index = 0;
-            }
-        }
-        Ok(fitted)
     }
 
     /// Compares every effect of the model with the candidates that could stand in its place.

@@ -43,23 +43,32 @@ impl<'a> Greedy<'_, 'a> {
         self.at_its_time(next)
     }
 
-    /// A strong step bends the base that its time was searched at: searched again at the model with the step.
+    /// A strong step bends the base that its time was searched at: searched again at the model with the step, each of
+    /// several beside the others.
     pub(crate) fn at_its_time(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
         for _ in 0..3 {
-            let mut pieces = fitted.pieces.clone();
-            let at_a_time = |piece: &Piece| matches!(piece.searched(), Some((Searched::At, _)));
-            let Some(place) = pieces.iter().position(at_a_time) else { break };
-            let step = pieces.remove(place);
-            let bare = self.pass.hold(fitted.model, pieces.clone(), self.known)?;
-            let Some(named) = step.named() else { break };
-            let Some(found) = search::best(&self.pass, &bare, self.catalogue, &named)? else { break };
-            if found.piece.parts() == step.parts() {
-                break;
+            let mut moved = false;
+            for place in 0..fitted.pieces.len() {
+                let mut pieces = fitted.pieces.clone();
+                if !matches!(pieces[place].searched(), Some((Searched::At, _))) {
+                    continue;
+                }
+                let step = pieces.remove(place);
+                let bare = self.pass.hold(fitted.model, pieces.clone(), self.known)?;
+                let Some(named) = step.named() else { continue };
+                let Some(found) = search::best(&self.pass, &bare, self.catalogue, &named)? else { continue };
+                if found.piece.parts() == step.parts() {
+                    continue;
+                }
+                let Piece { id, coefficients, .. } = step;
+                pieces.insert(place, Piece { id, coefficients, ..found.piece });
+                match self.pass.fit(fitted.model, pieces, self.known)? {
+                    Some(next) if next.squares < fitted.squares => (fitted, moved) = (next, true),
+                    _ => {}
+                }
             }
-            pieces.insert(place, Piece { coefficients: step.coefficients, ..found.piece });
-            match self.pass.fit(fitted.model, pieces, self.known)? {
-                Some(next) if next.squares < fitted.squares => fitted = next,
-                _ => break,
+            if !moved {
+                break;
             }
         }
         Ok(fitted)
@@ -164,9 +173,8 @@ impl<'a> Greedy<'_, 'a> {
             if self.beats_its_copies(fitted, piece)? {
                 return Ok(Some((id, next)));
             }
-            let alike = |one: &Judged| {
-                one.candidate.piece.id == id || one.candidate.piece.is_variant_of(piece)
-            };
+            let alike =
+                |one: &Judged| one.candidate.piece.id == id || one.candidate.piece.is_variant_of(piece);
             judged.iter_mut().filter(|one| alike(one)).for_each(|one| one.tested.accepted = false);
         }
         Ok(None)

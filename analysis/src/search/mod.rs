@@ -10,6 +10,7 @@ pub mod pairs;
 pub mod parameter;
 pub mod screen;
 pub mod search;
+pub mod several;
 pub mod shifted;
 pub mod shown;
 pub mod state;

@@ -25,7 +25,13 @@ impl<'a> Greedy<'_, 'a> {
         let inner: Vec<&Piece> = fitted.pieces.iter().collect();
         let residuals = self.pass.residuals(&fitted.model, &inner)?;
         let samples = self.pass.samples;
-        let left = residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s(), &self.pass.turning(&fitted.model));
+        let left = residue(
+            &residuals,
+            fitted.columns(),
+            samples.quantum_ut,
+            samples.step_s(),
+            &self.pass.turning(&fitted.model),
+        );
         if left.structure <= 0.0 {
             return Ok(None);
         }

@@ -146,7 +146,14 @@ pub fn screen(
             let left = rows.moved(&step);
             let noise = frame.spectrum(&total, span.clone(), &left)?;
             let test = frame.test(&total, span.clone(), &noise)?;
-            Some(with_colour(frame, &total, span, &left, test, candidates[start + offset].searched * count as f64))
+            Some(with_colour(
+                frame,
+                &total,
+                span,
+                &left,
+                test,
+                candidates[start + offset].searched * count as f64,
+            ))
         };
         for (offset, keep) in keeps.iter().enumerate() {
             let index = start + offset;
@@ -199,11 +206,10 @@ fn with_colour(
     if test.p_value * tries >= SIGNIFICANCE {
         return test;
     }
-    let again = frame.coloured(total, span.clone(), left).and_then(|noise| frame.test(total, span, &noise));
-    match again {
-        Some(again) if again.p_value > test.p_value => again,
-        _ => test,
-    }
+    let noises = frame.coloured(total, span.clone(), left);
+    let tests = noises.iter().filter_map(|noise| frame.test(total, span.clone(), noise));
+    // The noise may be any of them: what chance does by one of them may be chance.
+    tests.fold(test, |most, next| if next.p_value > most.p_value { next } else { most })
 }
 
 /// How two candidates stand to each other: the p-value of each given the other, and their largest and smallest

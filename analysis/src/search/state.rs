@@ -53,7 +53,10 @@ pub struct Judged<'a> {
 impl Judged<'_> {
     /// The same of the effect over other samples.
     pub fn on<'b>(&self, piece: Piece<'b>) -> Judged<'b> {
-        Judged { candidate: Candidate { piece, searched: self.candidate.searched }, tested: self.tested.clone() }
+        Judged {
+            candidate: Candidate { piece, searched: self.candidate.searched },
+            tested: self.tested.clone(),
+        }
     }
 }
 
@@ -74,8 +77,6 @@ pub struct Explanation<'a> {
     pub first: Vec<Judged<'a>>,
     /// The candidates tested last, against the final model.
     pub last: Vec<Judged<'a>>,
-    /// A step or a tone that the model holds once and the log shows again, in words.
-    pub repeated: Option<String>,
     /// Effects that were found and are not certain.
     pub withdrawn: Vec<Withdrawn>,
     /// Candidates whose shape was not finite somewhere, and which were left out.
@@ -218,7 +219,6 @@ impl<'a> Greedy<'_, 'a> {
             families: Vec::new(),
             first: Vec::new(),
             last: Vec::new(),
-            repeated: None,
             withdrawn: Vec::new(),
             dropped: Vec::new(),
             ended_early: false,

@@ -65,7 +65,6 @@ impl<'a> Greedy<'_, 'a> {
             steps,
             confounded: found.confounded.clone(),
             families: found.families.clone(),
-            repeated: found.repeated.clone(),
             withdrawn: found.withdrawn.clone(),
             dropped: found.dropped.clone(),
             ended_early: found.ended_early,

@@ -57,6 +57,9 @@ impl Effect<f64> for Undisturbed<'_> {
     fn reads_centre(&self) -> bool {
         self.inner.reads_centre()
     }
+    fn delay_s(&self, coefficients: &Coefficients<f64>) -> Option<f64> {
+        self.inner.delay_s(coefficients)
+    }
     fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
         let mut near = *at;
         for _ in 0..MOST_STEPS {

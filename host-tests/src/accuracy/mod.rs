@@ -18,3 +18,4 @@ pub mod snapshot;
 pub mod solvers;
 pub mod table;
 pub mod truths;
+pub mod truths_table;

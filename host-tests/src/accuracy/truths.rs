@@ -199,7 +199,10 @@ pub fn rates(kind: Kind, list: &[Outcome]) -> Vec<(&'static str, Rate)> {
         Kind::Alike | Kind::AlikeGaps => vec![
             ("named first", rate(list, Outcome::first)),
             ("exactly", rate(list, Outcome::exact)),
-            ("exactly, or confounded with it", rate(list, |one| one.exact() || one.confounded_with_the_truth())),
+            (
+                "exactly, or confounded with it",
+                rate(list, |one| one.exact() || one.confounded_with_the_truth()),
+            ),
             ("another accused", rate(list, |one| one.accuses(&[]))),
         ],
         _ => vec![

@@ -5,6 +5,7 @@
 
 use ironout_host_tests::accuracy::effect_report::{Effects, SEEDS};
 use ironout_host_tests::accuracy::irrelevant_table::{self, Irrelevant};
+use ironout_host_tests::accuracy::truths_table::{LOGS, Truths};
 use ironout_host_tests::accuracy::{gates, snapshot, table};
 use std::process::ExitCode;
 
@@ -26,22 +27,34 @@ fn main() -> ExitCode {
     let effects = Effects::measure(SEEDS, |line| eprintln!("{line}"));
     eprintln!("irrelevant effects added, minutes …");
     let irrelevant = Irrelevant::measure(irrelevant_table::SEEDS, |_, _, _| {});
+    eprintln!("harder truths, minutes …");
+    let truths = Truths::measure(LOGS);
     let (text, found, added) = (solvers.text(), effects.text(), irrelevant.text());
     if json {
         let mut object = solvers.json();
         object["effects"] = effects.json();
         object["dip"] = effects.dip_json();
         object["irrelevant"] = irrelevant.json();
+        object["truths"] = truths.json();
         println!("{object}");
     } else {
-        print!("{text}\nHidden effects\n\n{found}\nIrrelevant effects added\n\n{added}");
+        print!(
+            "{text}\nHidden effects\n\n{found}\nIrrelevant effects added\n\n{added}\nHarder truths\n\n{}\n{}\n",
+            truths.text(),
+            truths.times()
+        );
     }
     let held = if accept {
-        solvers.store().and_then(|()| effects.store()).and_then(|()| irrelevant.store())
+        solvers
+            .store()
+            .and_then(|()| effects.store())
+            .and_then(|()| irrelevant.store())
+            .and_then(|()| truths.store())
     } else {
         snapshot::hold(&table::snapshot_path(), &text)
             .and_then(|()| snapshot::hold(&Effects::snapshot_path(), &found))
             .and_then(|()| snapshot::hold(&Irrelevant::snapshot_path(), &added))
+            .and_then(|()| truths.hold())
     };
     let mut good = true;
     if let Err(error) = held {

@@ -1,16 +1,34 @@
 //! `cargo truths`: harder truths, as a table with intervals.
 //!
-//! `-n N` logs of each kind, `--tuned-on` takes the logs that thresholds were tuned on instead of those that are measured,
+//! Without words it runs what the snapshot holds, and holds it to that; `--accept` writes the snapshot and the table of
+//! `docs/measured.md`. `-n N` logs of each kind, `--tuned-on` takes the logs that thresholds were tuned on instead of those that are measured,
 //! `--failing` prints what did not come out as it should, `--all` every log, `--from N` begins elsewhere, words choose kinds.
 
 use ironout_host_tests::accuracy::truths::{MEASURED_ON, Outcome, TUNED_ON, run, text, times};
+use ironout_host_tests::accuracy::truths_table::{LOGS, Truths};
 use ironout_simulation::truths::Kind;
 use std::process::ExitCode;
 
-/// Logs of each kind where nothing is said.
-const LOGS: u64 = 20;
+/// Runs what the snapshot holds.
+fn whole(accept: bool) -> ExitCode {
+    let truths = Truths::measure(LOGS);
+    print!("{}", truths.text());
+    println!("\n{}", truths.times());
+    match if accept { truths.store() } else { truths.hold() } {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}\nif the change is meant: cargo truths --accept, and look at the difference");
+            ExitCode::FAILURE
+        }
+    }
+}
 
 fn main() -> ExitCode {
+    match std::env::args().nth(1).as_deref() {
+        None => return whole(false),
+        Some("--accept") => return whole(true),
+        Some(_) => {}
+    }
     let (mut logs, mut from, mut family) = (LOGS, 0, MEASURED_ON);
     let (mut failing, mut all) = (false, false);
     let mut kinds: Vec<Kind> = Vec::new();
@@ -47,6 +65,9 @@ fn main() -> ExitCode {
         list.extend(found);
     }
     let [median, most, worst] = times(&list);
-    println!("\ntime of a diagnosis: median {median:.2} s, 90 % {most:.1} s, worst {worst:.1} s of {} logs", list.len());
+    println!(
+        "\ntime of a diagnosis: median {median:.2} s, 90 % {most:.1} s, worst {worst:.1} s of {} logs",
+        list.len()
+    );
     ExitCode::SUCCESS
 }

@@ -5,6 +5,7 @@ use crate::diagnosis_words::told::{Told, WIDTH, at_rest, counted, groups, name_o
 use crate::diagnosis_words::{advice, conclusion, found, place};
 use ironout::effect::{Named, Registry};
 use ironout_analysis::base::mounting;
+use ironout_analysis::noise::colour::Colour;
 use ironout_analysis::outcome::outcome::{CandidateRow, Status, Verdict};
 use ironout_analysis::samples::faults::{DataFault, FaultKind};
 
@@ -47,7 +48,7 @@ fn explain_fault(kind: FaultKind) -> &'static str {
         }
         FaultKind::Burst => "a magnet or iron passed close by, or single readings went wrong",
         FaultKind::Stuck => "one reading was repeated while the board turned: the sensor or its bus hung",
-        FaultKind::Gap => "rows are missing here; nothing else is wrong with the rest",
+        FaultKind::Gap => "rows are missing here, or cells of the column named: such samples are left out, the rest is good",
         FaultKind::CopiedAxis => "an axis is a copy of another: the driver reads one register twice",
     }
 }
@@ -150,6 +151,15 @@ fn base(told: &Told, out: &mut Vec<String>) {
             if diagnosis.prior.is_empty() { String::new() } else { format!(" Prior: {}.", diagnosis.prior) };
         out.extend(wrap(&format!("{base}{prior}"), "  ", WIDTH));
     }
+    if let Some(noise) = diagnosis.noise.filter(|noise| noise.is_noise && noise.colour != Colour::White) {
+        let text = format!(
+            "The noise is {}: {:.0} samples say as much as one of white noise, so errors are {:.1} times as large.",
+            noise.colour.words(),
+            noise.memory_samples,
+            noise.memory_samples.sqrt()
+        );
+        out.extend(wrap(&text, "  ", WIDTH));
+    }
 }
 
 fn tested(told: &Told, out: &mut Vec<String>) {
@@ -181,7 +191,11 @@ fn tested(told: &Told, out: &mut Vec<String>) {
             .iter()
             .map(|row| format!("{} (chance {})", row.id, row.p_value.map_or("-".into(), probability)))
             .collect();
-        out.extend(wrap(&format!("there, but too small to matter: {}", ids.join(", ")), "  ", WIDTH));
+        out.extend(wrap(
+            &format!("not by chance, but too small or not certain: {}", ids.join(", ")),
+            "  ",
+            WIDTH,
+        ));
     }
 }
 

@@ -12,13 +12,13 @@
 
 mod bus;
 mod matrix;
+mod sampling;
 mod time;
 mod uart;
 mod watchdog;
 
-use super::lines::{Place, Shared};
 use super::motion::{Motion, NoGyro};
-use super::sampler::{self, Ground, Seat};
+use super::sampler;
 use defmt_rtt as _;
 use embassy_nrf::config::{Config, HfclkSource};
 use embassy_nrf::gpio::{Input, Pull};
@@ -49,37 +49,13 @@ pub const PACE: Pace = Pace::Pushed;
 /// Where the memory map (build.rs) keeps the two pages.
 const SLOTS: u32 = 512 * 1024 - 2 * 4096;
 
-static BUS: Place<bus::Bus> = Place::new();
-static SEAT: Seat<Sampling> = Seat::new();
-
-/// Where the sampler works.
-pub struct Sampling;
-
-impl Ground for Sampling {
-    type Sensor = Lis2mdl<Shared<bus::Bus>>;
-    type Motion = Motion<Lsm303Accelerometer<Shared<bus::Bus>>, NoGyro>;
-
-    fn now_us() -> u64 {
-        time::now_us()
-    }
-
-    fn set_alarm(at_us: u64) {
-        time::set_sampler(at_us);
-    }
-
-    fn pend() {
-        time::set_sampler(0);
-        cortex_m::asm::isb();
-    }
-}
-
 /// Whether its lights show more than a state: directions seen, north.
 pub const SHOWS_COVERAGE: bool = true;
 
 /// Everything the firmware uses of the board.
 pub struct Board {
     /// The magnetometer, by the sampler that reads it.
-    pub sensor: sampler::Proxy<Sampling>,
+    pub sensor: sampler::Proxy<sampling::Sampling>,
     /// What the sampler has read.
     pub sampled: Samples,
     /// Where the calibration is kept.
@@ -109,7 +85,7 @@ impl Board {
         interrupt::TIMER2.set_priority(Priority::P3);
         time::start(p.TIMER1);
         let console = uart::new(p.UARTE0, p.P0_06, p.P1_08)?;
-        let bus = BUS.put(bus::Bus::new(p.TWISPI0, p.P0_08, p.P0_16));
+        let bus = sampling::BUS.put(bus::Bus::new(p.TWISPI0, p.P0_08, p.P0_16));
         let accelerometer = lsm303_accelerometer::Config {
             model: lsm303_accelerometer::Model::Lsm303agr,
             ..lsm303_accelerometer::Config::default()
@@ -117,8 +93,8 @@ impl Board {
         let motion = Motion::new(Lsm303Accelerometer::new(bus.clone(), accelerometer), NoGyro, MOUNTING);
         let magnetometer = Lis2mdl::new(bus, lis2mdl::Config::of(Model::Lsm303agr));
         let queue = cortex_m::singleton!(: sampler::Waiting = sampler::Waiting::new())?;
-        let (sensor, sampled) = SEAT.take_in(magnetometer, motion, queue);
-        // SAFETY: its handler is in `time`, and no critical section relies on masks.
+        let (sensor, sampled) = sampling::SEAT.take_in(magnetometer, motion, queue);
+        // SAFETY: its handler is in `sampling`, and no critical section relies on masks.
         unsafe { interrupt::TIMER1.enable() };
         Some(Self {
             sensor,

@@ -2,7 +2,7 @@
 //!
 //! - `NAME` and `Board::take() -> Option<Board>`, whose fields are
 //!   `sensor` ([`Magnetometer`](ironout_drivers::Magnetometer)),
-//!   `sampled` (`next() -> Option<Sampled>` and `is_waiting() -> bool`: what was read beside the loop, with
+//!   `sampled` (`next() -> Option<Sampled>`, `is_waiting() -> bool` and `jitter_us() -> Option<u32>`: what was read beside the loop, with
 //!   [`Pace::Pushed`](ironout::device::Pace); [`Polled`](sampled) where the device asks for each sample),
 //!   `store` ([`Store`](ironout::store::Store)),
 //!   `console` (`read() -> Option<u8>`, `has_input() -> bool` and [`Output`](ironout::device::Output), none of which waits),
@@ -32,6 +32,8 @@ mod port;
 mod sampled;
 #[cfg(not(feature = "board-mps2"))]
 mod sampler;
+#[cfg(any(feature = "board-microbit-v2", feature = "board-stm32f3discovery"))]
+mod shared_bus;
 #[cfg(feature = "board-stm32f3discovery")]
 mod stm32f3discovery;
 

@@ -13,12 +13,13 @@
 mod bus;
 mod console;
 mod probed;
+mod sampling;
 mod time;
 mod uart;
 mod usb;
 mod watchdog;
 
-use super::sampler::{self, Ground, Seat};
+use super::sampler;
 use defmt_rtt as _;
 use embassy_rp::flash::{Blocking, Flash};
 use embassy_rp::gpio::{Input, Level, Output, Pull};
@@ -50,46 +51,13 @@ const FLASH_BYTES: usize = 2 * 1024 * 1024;
 /// Where the memory map (build.rs) keeps the two sectors.
 const SLOTS: u32 = FLASH_BYTES as u32 - 2 * 4096;
 
-/// The timer's alarm of the sampler.
-const ALARM: time::Alarm = time::Alarm(1);
-
-/// Where the sampler works.
-pub struct Sampling;
-
-impl Ground for Sampling {
-    type Sensor = probed::Probed;
-    type Motion = ();
-
-    fn now_us() -> u64 {
-        time::now_us()
-    }
-
-    fn set_alarm(at_us: u64) {
-        ALARM.set(at_us);
-    }
-
-    fn pend() {
-        interrupt::TIMER_IRQ_1.pend();
-        // It has come when the next instruction but one is done.
-        cortex_m::asm::isb();
-    }
-}
-
-static SEAT: Seat<Sampling> = Seat::new();
-
-#[interrupt]
-fn TIMER_IRQ_1() {
-    ALARM.clear();
-    SEAT.interrupt();
-}
-
 /// Whether its lights show more than a state: directions seen, north.
 pub const SHOWS_COVERAGE: bool = false;
 
 /// Everything the firmware uses of the board.
 pub struct Board {
     /// The magnetometer, by the sampler that reads it.
-    pub sensor: sampler::Proxy<Sampling>,
+    pub sensor: sampler::Proxy<sampling::Sampling>,
     /// What the sampler has read.
     pub sampled: Samples,
     /// Where the calibration is kept.
@@ -121,8 +89,8 @@ impl Board {
         let usb = usb::Usb::new(p.USB)?;
         let queue = cortex_m::singleton!(: sampler::Waiting = sampler::Waiting::new())?;
         let sensor = probed::Probed::new(bus::Bus::new(p.I2C0, p.PIN_5, p.PIN_4));
-        let (sensor, sampled) = SEAT.take_in(sensor, (), queue);
-        // SAFETY: its handler is below, and no critical section relies on masks.
+        let (sensor, sampled) = sampling::SEAT.take_in(sensor, (), queue);
+        // SAFETY: its handler is in `sampling`, and no critical section relies on masks.
         unsafe { interrupt::TIMER_IRQ_1.enable() };
         Some(Self {
             sensor,

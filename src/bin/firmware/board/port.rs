@@ -7,13 +7,13 @@ use core::marker::PhantomData;
 use core::sync::atomic::{AtomicBool, Ordering};
 use critical_section::Mutex;
 use heapless::spsc::{Consumer, Producer, Queue};
-use ironout::device::Output;
+use ironout::device::{MAX_REPLY_BYTES, Output};
 
 /// What arrives at full speed in 90 ms. A solve may take longer: bytes that find no room are marked as lost, and the line they
 /// belonged to is refused.
 const RX_BYTES: usize = 1024;
 /// Holds the longest reply and some lines of a stream.
-const TX_BYTES: usize = 4096;
+const TX_BYTES: usize = MAX_REPLY_BYTES + 256;
 
 /// How long text may stay where it is, µs. A terminal that stopped reading for longer must not keep commands waiting.
 pub const STALL_LIMIT_US: u32 = 200_000;

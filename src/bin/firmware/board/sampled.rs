@@ -37,6 +37,11 @@ impl Polled {
     pub const fn is_waiting(&self) -> bool {
         false
     }
+
+    /// The device itself takes the time.
+    pub const fn jitter_us(&self) -> Option<u32> {
+        None
+    }
 }
 
 /// For a board without a watchdog.

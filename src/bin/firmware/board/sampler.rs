@@ -13,7 +13,7 @@ use ironout::device::{Conversions, SensorFault};
 use ironout::sensor::{Error, Magnetometer, Reading, Sensor};
 
 /// Readings that wait for the loop: several times those of the longest solve.
-const WAITING: usize = 64;
+const WAITING: usize = 32;
 
 /// Failures in a row after which the device asks for a start, and nothing is tried before.
 const FAILURES: u8 = 3;
@@ -80,6 +80,8 @@ pub struct Seat<G: Ground> {
     start: Mutex<Cell<Start>>,
     /// Counts the sampler's turns: that it counts shows that interrupts and the timer work.
     beats: AtomicU32,
+    /// How far stamps were from the sensor's rhythm at most, µs; the highest number as long as that is not known.
+    jitter_us: AtomicU32,
 }
 
 impl<G: Ground> Seat<G> {
@@ -90,6 +92,7 @@ impl<G: Ground> Seat<G> {
             description: Mutex::new(Cell::new(None)),
             start: Mutex::new(Cell::new(Start::None)),
             beats: AtomicU32::new(0),
+            jitter_us: AtomicU32::new(u32::MAX),
         }
     }
 
@@ -109,7 +112,7 @@ impl<G: Ground> Seat<G> {
             self.sampler.borrow(section).replace(Some(sampler));
         });
         G::set_alarm(G::now_us() + IDLE_US);
-        (Proxy { seat: self, described }, Samples(samples))
+        (Proxy { seat: self, described }, Samples { waiting: samples, jitter_us: &self.jitter_us })
     }
 
     /// How often the sampler has had its turn.
@@ -133,6 +136,7 @@ impl<G: Ground> Seat<G> {
             });
         }
         let next_us = sampler.turn(tick_us);
+        self.jitter_us.store(sampler.rhythm.worst_off_us().unwrap_or(u32::MAX), Ordering::Relaxed);
         critical_section::with(|section| self.sampler.borrow(section).replace(Some(sampler)));
         G::set_alarm(next_us);
     }
@@ -171,17 +175,25 @@ impl<G: Ground> Sampler<G> {
 }
 
 /// What the sampler has read.
-pub struct Samples(Consumer<'static, Sampled>);
+pub struct Samples {
+    waiting: Consumer<'static, Sampled>,
+    jitter_us: &'static AtomicU32,
+}
 
 impl Samples {
     /// The oldest reading that waits.
     pub fn next(&mut self) -> Option<Sampled> {
-        self.0.dequeue()
+        self.waiting.dequeue()
     }
 
     /// Whether one waits.
     pub fn is_waiting(&self) -> bool {
-        self.0.ready()
+        self.waiting.ready()
+    }
+
+    /// How far the stamps of samples were from the sensor's own rhythm at most, µs, since it was known.
+    pub fn jitter_us(&self) -> Option<u32> {
+        Some(self.jitter_us.load(Ordering::Relaxed)).filter(|us| *us < u32::MAX)
     }
 }
 

@@ -13,31 +13,28 @@
 
 mod bus;
 mod ring;
+mod sampling;
 mod sensor;
 mod time;
 mod uart;
 mod watchdog;
 
-use super::lines::{Place, Shared};
 use super::motion::Motion;
-use super::sampler::{self, Ground, Seat};
+use super::sampler;
 use defmt_rtt as _;
 use embassy_stm32::Config;
 use embassy_stm32::flash::{Blocking, Flash};
 use embassy_stm32::gpio::{Input, Level, Output, Pull, Speed};
 use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::{InterruptExt, Priority};
-use embassy_stm32::mode;
 use embassy_stm32::rcc::{APBPrescaler, Pll, PllMul, PllPreDiv, PllSource, Sysclk};
-use embassy_stm32::spi::mode::Master;
 use embassy_stm32::spi::{self, Spi};
 use embassy_stm32::time::Hertz;
-use embedded_hal_bus::spi::{ExclusiveDevice, NoDelay};
+use embedded_hal_bus::spi::ExclusiveDevice;
 use ironout::device::Pace;
 use ironout::sensor::AxisMap;
 use ironout::store::FlashSlots;
 use ironout_drivers::l3gd20::{self, L3gd20};
-use ironout_drivers::wires::SpiRegisters;
 
 pub use super::sampler::Samples;
 pub use ring::Panel;
@@ -57,41 +54,13 @@ pub const PACE: Pace = Pace::Pushed;
 /// Where the memory map (build.rs) keeps the two pages.
 const SLOTS: u32 = 256 * 1024 - 2 * 2048;
 
-/// The gyro's wires.
-type Gyro =
-    L3gd20<SpiRegisters<ExclusiveDevice<Spi<'static, mode::Blocking, Master>, Output<'static>, NoDelay>>>;
-
-static BUS: Place<bus::Bus> = Place::new();
-static SEAT: Seat<Sampling> = Seat::new();
-
-/// Where the sampler works.
-pub struct Sampling;
-
-impl Ground for Sampling {
-    type Sensor = sensor::Lsm303<Shared<bus::Bus>>;
-    type Motion = Motion<sensor::Accelerometer<Shared<bus::Bus>>, Gyro>;
-
-    fn now_us() -> u64 {
-        time::now_us()
-    }
-
-    fn set_alarm(at_us: u64) {
-        time::set_sampler(at_us);
-    }
-
-    fn pend() {
-        time::set_sampler(0);
-        cortex_m::asm::isb();
-    }
-}
-
 /// Whether its lights show more than a state: directions seen, north.
 pub const SHOWS_COVERAGE: bool = true;
 
 /// Everything the firmware uses of the board.
 pub struct Board {
     /// The magnetometer, by the sampler that reads it.
-    pub sensor: sampler::Proxy<Sampling>,
+    pub sensor: sampler::Proxy<sampling::Sampling>,
     /// What the sampler has read.
     pub sampled: Samples,
     /// Where the calibration is kept.
@@ -123,7 +92,7 @@ impl Board {
         interrupt::TIM2.set_priority(Priority::P2);
         time::start(p.TIM2);
         let console = uart::new(p.USART1, p.PC4, p.PC5)?;
-        let bus = BUS.put(bus::Bus::new(p.I2C1, p.PB6, p.PB7));
+        let bus = sampling::BUS.put(bus::Bus::new(p.I2C1, p.PB6, p.PB7));
         let mut wires = spi::Config::default();
         wires.frequency = Hertz(4_000_000);
         let wires = Spi::new_blocking(p.SPI1, p.PA5, p.PA7, p.PA6, wires);
@@ -132,8 +101,8 @@ impl Board {
         let gyro = L3gd20::new_spi(wires, l3gd20::Config::default());
         let motion = Motion::new(sensor::Accelerometer::new(bus.clone()), gyro, MOUNTING);
         let queue = cortex_m::singleton!(: sampler::Waiting = sampler::Waiting::new())?;
-        let (sensor, sampled) = SEAT.take_in(sensor::Lsm303::new(bus), motion, queue);
-        // SAFETY: its handler is in `time`, and no critical section relies on masks.
+        let (sensor, sampled) = sampling::SEAT.take_in(sensor::Lsm303::new(bus), motion, queue);
+        // SAFETY: its handler is in `sampling`, and no critical section relies on masks.
         unsafe { interrupt::TIM2.enable() };
         Some(Self {
             sensor,

@@ -1,6 +1,5 @@
 //! Time: TIMER1, 32 bits at 1 MHz.
 
-use super::SEAT;
 use crate::board::counter::{self, Alarm, Counter};
 use core::marker::PhantomData;
 use embassy_nrf::Peri;
@@ -73,9 +72,4 @@ pub fn now_us() -> u64 {
 /// Makes the sampler's interrupt come then.
 pub fn set_sampler(at_us: u64) {
     counter::set_sampler::<Timer1>(at_us);
-}
-
-#[interrupt]
-fn TIMER1() {
-    counter::interrupt::<Timer1, _>(&SEAT);
 }

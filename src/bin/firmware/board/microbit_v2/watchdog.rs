@@ -1,6 +1,6 @@
 //! The watchdog: fed while both the loop turns and the sampler's interrupt comes.
 
-use super::SEAT;
+use super::sampling::SEAT;
 use embassy_nrf::Peri;
 use embassy_nrf::pac;
 use embassy_nrf::peripherals::WDT;

@@ -3,7 +3,7 @@
 use super::time::now_us;
 use super::uart::Uart;
 use super::usb::Usb;
-use core::fmt::{self, Write as _};
+use core::fmt;
 use ironout::device::Output;
 
 #[derive(Clone, Copy, PartialEq, Eq)]

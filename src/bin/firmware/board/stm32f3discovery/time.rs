@@ -1,6 +1,5 @@
 //! Time: TIM2, 32 bits at 1 MHz.
 
-use super::SEAT;
 use crate::board::counter::{self, Alarm, Counter};
 use core::marker::PhantomData;
 use embassy_stm32::interrupt;
@@ -75,9 +74,4 @@ pub fn now_us() -> u64 {
 /// Makes the sampler's interrupt come then.
 pub fn set_sampler(at_us: u64) {
     counter::set_sampler::<Tim2>(at_us);
-}
-
-#[interrupt]
-fn TIM2() {
-    counter::interrupt::<Tim2, _>(&SEAT);
 }

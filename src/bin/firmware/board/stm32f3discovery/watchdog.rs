@@ -1,6 +1,6 @@
 //! The watchdog: fed while both the loop turns and the sampler's interrupt comes.
 
-use super::SEAT;
+use super::sampling::SEAT;
 use embassy_stm32::Peri;
 use embassy_stm32::pac;
 use embassy_stm32::peripherals::IWDG;
