@@ -2,6 +2,7 @@
 // stand-in for Web Serial.
 import { Browser } from "./browser.js";
 import { join, STAND_IN } from "./serial.js";
+import { readdirSync, readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
 async function session(browser, said, shots) {
@@ -74,7 +75,22 @@ export async function serial({ file, address, shots }) {
   await session(browser, said, "serial");
   said.rates = cable.rates;
   said.wrong = await browser.close();
+  cable.socket?.destroy();
   return said;
+}
+
+/** Seconds that all processes begun by this one have had a processor (Linux). */
+function processorSeconds(root) {
+  const all = readdirSync("/proc").filter((name) => /^\d+$/.test(name)).flatMap((name) => {
+    try {
+      const cells = readFileSync(`/proc/${name}/stat`, "utf8").replace(/^.*\) /s, "").split(" ");
+      return [{ pid: Number(name), parent: Number(cells[1]), seconds: (Number(cells[11]) + Number(cells[12])) / 100 }];
+    } catch {
+      return [];
+    }
+  });
+  const below = (pid) => all.filter((one) => one.parent === pid).reduce((sum, one) => sum + one.seconds + below(one.pid), 0);
+  return below(root);
 }
 
 /** How much of one core the page takes while a board streams: {updates a second, share of a core}. */
@@ -83,13 +99,7 @@ export async function load({ address, seconds }) {
   await browser.go(address);
   await browser.until(() => document.getElementById("link").dataset.state === "open");
   await browser.until(() => Number(document.body.dataset.samples) > 100);
-  const session = await browser.context.newCDPSession(browser.page);
-  await session.send("Performance.enable");
-  const measure = async () => {
-    const { metrics } = await session.send("Performance.getMetrics");
-    const of = (name) => metrics.find((one) => one.name === name).value;
-    return { at: of("Timestamp"), busy: of("TaskDuration"), samples: Number(await browser.page.evaluate(() => document.body.dataset.samples)), drawn: Number(await browser.page.evaluate(() => document.body.dataset.drawn)) };
-  };
+  const measure = async () => ({ at: performance.now() / 1000, busy: processorSeconds(process.pid), samples: Number(await browser.page.evaluate(() => document.body.dataset.samples)), drawn: Number(await browser.page.evaluate(() => document.body.dataset.drawn)) });
   const first = await measure();
   await browser.page.waitForTimeout(1000 * seconds);
   const last = await measure();

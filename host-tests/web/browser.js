@@ -6,7 +6,7 @@ import { join } from "node:path";
 import axe from "axe-core";
 
 /** Long enough for a busy machine: nothing here is timed. */
-const PATIENCE_MS = 300000;
+const PATIENCE_MS = Number(process.env.IRONOUT_PATIENCE_MS ?? 300000);
 
 function program() {
   if (process.env.CHROMIUM) return process.env.CHROMIUM;

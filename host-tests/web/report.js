@@ -57,8 +57,7 @@ export async function report({ file, effect, shots }) {
   await browser.until((value) => document.getElementById("error-now").textContent.startsWith(value), said.base.toFixed(3));
   // A telephone.
   await page.setViewportSize({ width: 390, height: 844 });
-  await page.waitForTimeout(0);
-  await browser.until(() => document.querySelector("#plot-residual .uplot").clientWidth <= 390);
+  await browser.until(() => [...document.querySelectorAll(".uplot")].every((one) => one.clientWidth <= 390));
   said.wide = await browser.wide();
   await browser.shot("report-phone");
   // Paper.

@@ -6,4 +6,5 @@ import { hostile, report } from "./report.js";
 const scenarios = { alone, hostile, live, load, report, serial, timed };
 const [, , name, given] = process.argv;
 const said = await scenarios[name](JSON.parse(given));
-console.log(JSON.stringify(said));
+// What is still open (a cable, a stream) does not keep the program.
+process.stdout.write(`${JSON.stringify(said)}\n`, () => process.exit(0));

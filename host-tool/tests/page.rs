@@ -4,9 +4,7 @@
 //! skipped; with `IRONOUT_REQUIRE_CHROMIUM=1` what is missing is a failure. `IRONOUT_SCREENSHOTS=DIR` keeps the pictures.
 
 mod common;
-#[allow(dead_code)]
 mod corpus;
-#[allow(dead_code)]
 mod writers;
 
 use common::{folder, ironout, simulate, text, write};
@@ -361,8 +359,9 @@ impl Drop for Served {
 #[cfg(unix)]
 #[test]
 fn a_board_is_calibrated_by_clicks_on_the_served_page() {
-    let Some(_turn) = turn("live") else { return };
+    // The board first: others wait for it too, and the browser is free meanwhile.
     let Some(_board) = ironout_rig::qemu::turn("live --qemu") else { return };
+    let Some(_turn) = turn("live") else { return };
     let here = folder("page-live");
     let mut child = Command::new(env!("CARGO_BIN_EXE_ironout"))
         .args(["live", "--qemu", "--json", "--wait", "300"])
@@ -384,8 +383,8 @@ fn a_board_is_calibrated_by_clicks_on_the_served_page() {
 fn a_board_is_calibrated_over_a_serial_port_of_the_browser() {
     use ironout_rig::qemu::{self, Emulator, Firmware, Options};
     use ironout_simulation::{World, WorldOptions};
-    let Some(_turn) = turn("the page on a serial port") else { return };
     let Some(_board) = qemu::turn("the page on a serial port") else { return };
+    let Some(_turn) = turn("the page on a serial port") else { return };
     let here = folder("page-serial");
     let made = ironout(["web", "-o", text(&here)]);
     assert_eq!(made.status, 0, "{}", made.stderr);

@@ -322,7 +322,7 @@ export class Live {
     } else if (stream.startsWith("L,") || stream.startsWith("H,")) {
       this.recording?.take(stream);
       const counts = vector(stream, 3);
-      if (stream.startsWith("L,") && counts.every(Number.isFinite)) this.point(counts.map((count, axis) => count * this.scale[axis]));
+      if (stream.startsWith("L,") && this.kind === "log" && counts.every(Number.isFinite)) this.point(counts.map((count, axis) => count * this.scale[axis]));
     } else if (stream.startsWith("C,")) {
       const cells = stream.split(",").map(Number);
       if (cells.slice(1).every(Number.isFinite)) {
