@@ -35,6 +35,7 @@ export async function report({ file, effect, shots }) {
   await page.keyboard.press("Space");
   await browser.until((old) => !document.body.dataset.busy && (document.getElementById("plot-column").dataset.drawn !== old || document.getElementById("busy").textContent), before);
   said.now = number(await browser.text("#error-now"));
+  said.floorNow = number(await browser.text("#floor"));
   said.sentenceNow = await browser.text("#sentence");
   said.steps = await page.locator("[data-step]").allInnerTexts();
   said.checked = await page.locator(`[data-effect="${effect}"]`).isChecked();

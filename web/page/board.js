@@ -40,6 +40,15 @@ export class Board {
     resolve({ ok: last[1] === "ok", text, info, closing: line, all: { ...values(info.join(" ")), ...values(text) } });
   }
 
+  /** The wire is gone: what was asked is not answered any more. */
+  gone(why) {
+    if (!this.waiting) return;
+    const { reject, timer } = this.waiting;
+    clearTimeout(timer);
+    this.waiting = null;
+    reject(new Error(why));
+  }
+
   /** Asks one line; the reply, or an error where none comes. Questions wait for each other. */
   ask(line, { quiet = false, wait = WAIT_MS } = {}) {
     const asked = this.queue.then(() => new Promise((resolve, reject) => {
@@ -47,7 +56,7 @@ export class Board {
         this.waiting = null;
         reject(new Error(`nothing has answered \`${line.trim()}\` for ${wait / 1000} s`));
       }, wait);
-      this.waiting = { info: [], resolve, timer };
+      this.waiting = { info: [], resolve, reject, timer };
       this.wire.say(line).catch((error) => {
         clearTimeout(timer);
         this.waiting = null;

@@ -104,13 +104,16 @@ export class Live {
         return;
       }
       if (what.name) wire.name = what.name;
-      if (what.open) this.opened();
+      if (what.open) this.opened().catch((error) => { if (this.connected) this.say(error.message, "silent"); });
       else this.gone(what.why);
     });
   }
 
   gone(why) {
     this.connected = false;
+    // Whoever still asks who is there need not.
+    this.turn = (this.turn ?? 0) + 1;
+    this.board.gone(why);
     this.say(`${this.wire.name} is not there (${why}); it is waited for`, "gone");
     this.enable();
   }
@@ -147,8 +150,9 @@ export class Live {
         const reply = await this.board.ask(attempt ? "version" : "\nversion", { quiet: true, wait: 4000 });
         if (reply.all.ironout) this.who = reply.all;
       } catch (error) {
-        if (this.sketch) break;
+        if (this.sketch || turn !== this.turn) break;
         this.say(`${error.message}: is the board powered, and its firmware ironout's?`, "silent");
+        await new Promise((resolve) => setTimeout(resolve, STATUS_MS));
       }
     }
     if (turn !== this.turn) return;
