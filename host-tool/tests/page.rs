@@ -12,7 +12,9 @@ use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 
 const REQUIRE: &str = "IRONOUT_REQUIRE_CHROMIUM";
 
@@ -379,6 +381,25 @@ fn a_board_is_calibrated_by_clicks_on_the_served_page() {
     assert_recording(&here, &seen);
 }
 
+/// Switches the emulated board of a thread off when it goes.
+struct Off {
+    stop: Arc<AtomicBool>,
+    served_at: String,
+    bridge: Option<JoinHandle<()>>,
+}
+
+impl Drop for Off {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        // It may be waiting for a client.
+        drop(std::net::TcpStream::connect(&self.served_at));
+        if let Some(bridge) = self.bridge.take() {
+            // A board that has failed has said so.
+            let _ = bridge.join();
+        }
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_board_is_calibrated_over_a_serial_port_of_the_browser() {
@@ -401,11 +422,14 @@ fn a_board_is_calibrated_over_a_serial_port_of_the_browser() {
         ..WorldOptions::default()
     });
     board.set_field_ut(world.sensor_ut(0.0)).expect("a field");
-    // It goes with the test program: the page may open the port any number of times.
-    std::thread::spawn(move || {
-        while board.serve(&listener, |sample| Some(world.sensor_ut((sample as f64 * 0.04) % 600.0))).is_ok() {
-        }
+    // The page may open the port any number of times; at the end the board is switched off.
+    let stop = Arc::new(AtomicBool::new(false));
+    let (stopped, served_at) = (Arc::clone(&stop), address.clone());
+    let bridge = std::thread::spawn(move || {
+        let turn = |sample: u64| Some(world.sensor_ut((sample as f64 * 0.04) % 600.0));
+        while !stopped.load(Ordering::Relaxed) && board.serve(&listener, turn).is_ok() {}
     });
+    let _off = Off { stop, served_at, bridge: Some(bridge) };
     let seen = scenario("serial", json!({"file": here.join("index.html"), "address": address}));
     assert!(words(&seen["gone"]).contains("it is waited for"), "{seen}");
     assert_eq!(seen["rates"].as_array().and_then(|rates| rates.first()), Some(&json!(115_200)), "{seen}");
