@@ -124,7 +124,9 @@ pub fn histogram(residuals: &Residuals) -> Option<Histogram> {
     };
     let at = |bar: usize| (bar as f64 + 0.5) * width - reach;
     let floor = residuals.floor_ut;
-    let bell = |v: f64| width * (-0.5 * (v / floor).powi(2)).exp() / (floor * std::f64::consts::TAU.sqrt());
+    // The share between a bar's edges, not the density at its middle: a floor below a bar's width would be lost between two middles.
+    let below = |v: f64| 0.5 * libm::erfc(-v / (floor * std::f64::consts::SQRT_2));
+    let bell = |v: f64| below(v + 0.5 * width) - below(v - 0.5 * width);
     Some(Histogram {
         at_ut: (0..BARS).map(|bar| at(bar) as f32).collect(),
         without: shares(residuals.without_ut),
