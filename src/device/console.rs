@@ -54,6 +54,9 @@ impl Device {
             Err(ParseError::Unknown) => {
                 Some(reply.err(Code::Unknown, format_args!("no such command; try help")))
             }
+            Err(ParseError::NotBuilt(word)) => {
+                Some(reply.err(Code::Unknown, format_args!("{word} is not built into this firmware yet")))
+            }
             Err(ParseError::Usage(usage)) => Some(reply.err(Code::Usage, format_args!("{usage}"))),
         }
     }

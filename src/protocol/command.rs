@@ -79,6 +79,8 @@ pub enum Command {
 pub enum ParseError {
     /// Its first word is not known.
     Unknown,
+    /// A word of the contract that this firmware does not have yet.
+    NotBuilt(&'static str),
     /// The command is known and not written like that; the text says how it is.
     Usage(&'static str),
 }
