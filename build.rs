@@ -20,6 +20,8 @@ struct Map {
     ram_kib: u32,
     /// The part of RAM given to the stack.
     stack_kib: u32,
+    /// Origin and KiB of a memory of their own for the statics, where the chip has one; the stack then has all of RAM.
+    statics: Option<(u32, u32)>,
     /// Whether the board module brings its own interrupt table and weak handlers, or a vendor's crate does.
     own_vectors: bool,
 }
@@ -36,6 +38,7 @@ const MAPS: &[Map] = &[
         ram_origin: 0x2000_0000,
         ram_kib: 128,
         stack_kib: 96,
+        statics: None,
         own_vectors: true,
     },
     // Two sectors of 4 KiB for the slots. Of the RAM the four striped banks: the boot ROM uses the two banks above them, and
@@ -49,6 +52,33 @@ const MAPS: &[Map] = &[
         ram_origin: 0x2000_0000,
         ram_kib: 256,
         stack_kib: 160,
+        statics: None,
+        own_vectors: false,
+    },
+    // Two pages of 4 KiB for the slots; the interface chip programs the flash from its beginning on, without a bootloader.
+    Map {
+        feature: "board-microbit-v2",
+        flash_origin: 0x0000_0000,
+        flash_kib: 512,
+        slots_kib: 8,
+        second_stage: false,
+        ram_origin: 0x2000_0000,
+        ram_kib: 128,
+        stack_kib: 64,
+        statics: None,
+        own_vectors: false,
+    },
+    // Two pages of 2 KiB for the slots. The statics are in the core-coupled memory, which no DMA reaches and none is used.
+    Map {
+        feature: "board-stm32f3discovery",
+        flash_origin: 0x0800_0000,
+        flash_kib: 256,
+        slots_kib: 4,
+        second_stage: false,
+        ram_origin: 0x2000_0000,
+        ram_kib: 40,
+        stack_kib: 40,
+        statics: Some((0x1000_0000, 8)),
         own_vectors: false,
     },
 ];
@@ -97,8 +127,12 @@ fn write(map: &Map) {
     // once, where the usual layout would let it overwrite the statics unnoticed.
     // The trace has a region of its own rather than an `.uninit` section: loaders, QEMU's among them, clear every
     // section of the ELF at reset, and the trace has to outlive one.
-    let stack_bytes = map.stack_kib * 1024;
     let ram_end = map.ram_origin + map.ram_kib * 1024;
+    let beside = map.ram_origin + map.stack_kib * 1024;
+    let (stack_bytes, statics, statics_bytes) = match map.statics {
+        Some((origin, kib)) => (map.ram_kib * 1024 - TRACE_BYTES, origin, kib * 1024),
+        None => (map.stack_kib * 1024, beside, ram_end - TRACE_BYTES - beside),
+    };
     let (second_stage, flash) = if map.second_stage {
         let region =
             format!("  BOOT2 (rx)  : ORIGIN = {:#010x}, LENGTH = {SECOND_STAGE_BYTES}\n", map.flash_origin);
@@ -124,8 +158,8 @@ _slots = {slots:#010x};
         feature = map.feature,
         flash_bytes = slots - flash,
         stack = map.ram_origin,
-        ram = map.ram_origin + stack_bytes,
-        ram_bytes = ram_end - TRACE_BYTES - map.ram_origin - stack_bytes,
+        ram = statics,
+        ram_bytes = statics_bytes,
         trace = ram_end - TRACE_BYTES,
     );
     fs::write(out.join("board.x"), text).expect("OUT_DIR is writable");

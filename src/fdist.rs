@@ -36,7 +36,7 @@ fn incomplete_beta(a: f64, b: f64, x: f64) -> f64 {
     } else {
         1.0 - front * fraction(b, a, 1.0 - x) / b
     };
-    value.clamp(0.0, 1.0)
+    math::within(value, 0.0, 1.0)
 }
 
 fn fraction(a: f64, b: f64, x: f64) -> f64 {

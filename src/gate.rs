@@ -30,7 +30,7 @@ pub const BLOCK_S: f64 = 0.32;
 /// The number of samples of a block at a sampling rate in hertz: 0.32 s worth, 4 … 256. Without a rate: 16.
 pub fn block_samples(rate_hz: f64) -> u16 {
     if rate_hz.is_finite() && rate_hz > 0.0 {
-        math::round(BLOCK_S * rate_hz).clamp(4.0, 256.0) as u16
+        math::within(math::round(BLOCK_S * rate_hz), 4.0, 256.0) as u16
     } else {
         16
     }

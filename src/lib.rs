@@ -80,6 +80,7 @@ pub mod model;
 pub mod moments;
 pub mod monitor;
 pub mod monomial;
+pub mod number;
 pub mod protocol;
 mod quadric;
 pub mod quality;

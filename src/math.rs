@@ -32,13 +32,13 @@ pub fn cos(x: f64) -> f64 {
 /// Arc cosine in radians; the argument is clamped to −1 … 1, so rounding never makes a NaN.
 #[inline]
 pub fn acos(x: f64) -> f64 {
-    libm::acos(x.clamp(-1.0, 1.0))
+    libm::acos(within(x, -1.0, 1.0))
 }
 
 /// Arc sine in radians; the argument is clamped to −1 … 1, so rounding never makes a NaN.
 #[inline]
 pub fn asin(x: f64) -> f64 {
-    libm::asin(x.clamp(-1.0, 1.0))
+    libm::asin(within(x, -1.0, 1.0))
 }
 
 /// Angle of the vector `(x, y)` in radians, −π … π.
@@ -75,6 +75,19 @@ pub fn floor(x: f64) -> f64 {
 #[inline]
 pub fn abs(x: f64) -> f64 {
     libm::fabs(x)
+}
+
+/// The nearest number from `least` to `most`; a NaN stays one. Unlike the standard library's it has no panic for limits in the wrong
+/// order, which would bring the printing of numbers into every firmware.
+#[inline]
+pub const fn within(x: f64, least: f64, most: f64) -> f64 {
+    if x < least {
+        least
+    } else if x > most {
+        most
+    } else {
+        x
+    }
 }
 
 /// The eigenvalues of a symmetric 3×3 matrix, ascending, by the trigonometric formula: a fixed number of operations,

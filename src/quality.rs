@@ -3,6 +3,7 @@
 use crate::calibration::Calibration;
 use crate::coverage::Coverage;
 use crate::fit::{FitError, FitReport, MAX_PREDICTED_ERROR, MIN_SAMPLES};
+use crate::number::Num;
 use core::fmt;
 use heapless::Vec;
 
@@ -69,8 +70,9 @@ impl fmt::Display for Reason {
             Self::ErrorTooLarge { percent, missing_side } => {
                 write!(
                     f,
-                    "the predicted error of the corrected vector is {percent:.1} % of the field, more than {:.0} %: ",
-                    MAX_PREDICTED_ERROR * 100.0
+                    "the predicted error of the corrected vector is {:.1} % of the field, more than {:.0} %: ",
+                    Num(*percent),
+                    Num(MAX_PREDICTED_ERROR * 100.0)
                 )?;
                 match missing_side {
                     Some(side) => {
@@ -81,17 +83,21 @@ impl fmt::Display for Reason {
             }
             Self::ResidualTooLarge { percent } => write!(
                 f,
-                "the residual is {percent:.1} % of the field, more than {:.0} %: keep away from moving iron and currents, or \
+                "the residual is {:.1} % of the field, more than {:.0} %: keep away from moving iron and currents, or \
                  look for a missing effect",
-                MAX_RESIDUAL * 100.0
+                Num(*percent),
+                Num(MAX_RESIDUAL * 100.0)
             ),
             Self::Saturated { percent } => write!(
                 f,
-                "{percent:.1} % of the samples are at the sensor's limits: choose a wider range, or remove the magnet"
+                "{:.1} % of the samples are at the sensor's limits: choose a wider range, or remove the magnet",
+                Num(*percent)
             ),
             Self::FieldMismatch { measured_ut, expected_ut } => write!(
                 f,
-                "note: the sensor measures {measured_ut:.1} uT where {expected_ut:.1} uT are expected; the matrix makes up for it"
+                "note: the sensor measures {:.1} uT where {:.1} uT are expected; the matrix makes up for it",
+                Num(*measured_ut),
+                Num(*expected_ut)
             ),
         }
     }

@@ -1,5 +1,6 @@
 //! Why a fit gave no answer, and what to do about it.
 
+use crate::number::Num;
 use core::fmt;
 
 /// A refusal of a fit. Its `Display` names the reason and the remedy.
@@ -97,7 +98,7 @@ impl fmt::Display for FitError {
             Self::Planar { thickness } => write!(
                 f,
                 "all samples lie near one plane (thickness {:.1} % of the width): tilt the board on its side and upside down",
-                thickness * 100.0
+                Num(thickness * 100.0)
             ),
             Self::NotAnEllipsoid => write!(
                 f,
@@ -107,16 +108,18 @@ impl fmt::Display for FitError {
                 f,
                 "the ellipsoid passes through the sensor's zero (within {:.2} %), where the constant method is singular: \
                  use the trace or adjusted method",
-                distance * 100.0
+                Num(distance * 100.0)
             ),
             Self::OffsetTooLarge { fields } => write!(
                 f,
-                "the offset is {fields:.0} times the field: no board has that; look for a magnet, or turn through more directions"
+                "the offset is {:.0} times the field: no board has that; look for a magnet, or turn through more directions",
+                Num(*fields)
             ),
             Self::AxisRatio { ratio } => write!(
                 f,
-                "the axes differ by a factor of {ratio:.1}: no magnetometer has that; check the scale of each axis, or turn \
-                 through more directions"
+                "the axes differ by a factor of {:.1}: no magnetometer has that; check the scale of each axis, or turn \
+                 through more directions",
+                Num(*ratio)
             ),
             Self::NotFinite => write!(f, "a sample, scale or option is not a finite number in range"),
         }

@@ -6,6 +6,7 @@
 
 use crate::calibration::Calibration;
 use crate::calibration::norm;
+use crate::number::Num;
 use crate::record::Record;
 use core::fmt;
 
@@ -38,7 +39,8 @@ impl fmt::Display for Worse {
             f,
             "its predicted error is {:.2} % of the field, that of the calibration in use {:.2} %, and the two agree: keep the \
              old one, turn through more directions, or insist with: cal accept force",
-            self.new_percent, self.in_use_percent
+            Num(self.new_percent),
+            Num(self.in_use_percent)
         )
     }
 }

@@ -1,9 +1,10 @@
 //! A calibration with effects on the rows of a log.
 
 use crate::effects::Calibrated;
+use crate::samples::clock::even;
 use crate::samples::samples::{delayed, filled};
 use crate::table::Table;
-use ironout::effect::{ColumnName, Effect, MAX_INPUTS, Made, TIME};
+use ironout::effect::{ColumnName, Effect, Follows, MAX_INPUTS, Made, TIME};
 use ironout::extended::{Conditions, FittedEffect, NotCorrected};
 
 /// A column that an effect of the calibration needs and that the log does not have as it is needed.
@@ -50,7 +51,10 @@ impl<'a> Corrector<'a> {
             for (slot, column) in own.iter_mut().zip(fitted.effect.columns()) {
                 let Some(column) = column else { continue };
                 if column.name == TIME {
-                    let time = table.time_s.map(<[f64]>::to_vec);
+                    // A tone is too fast for stamps of arrival.
+                    let tone = fitted.effect.family().follows() == Follows::Tone;
+                    let grid = table.time_s.filter(|_| tone).and_then(even);
+                    let time = grid.or_else(|| table.time_s.map(<[f64]>::to_vec));
                     *slot = Some(time.ok_or_else(|| missing(TIME, "the log has no time column"))?);
                     continue;
                 }

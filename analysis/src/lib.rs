@@ -5,12 +5,13 @@
 //! - [`fit()`] gives offset, matrix and effects with their errors, and a verdict;
 //! - [`diagnose`] compares model and measurement and names what is missing;
 //! - [`plausible`] says whether the columns can be what they are read as;
+//! - [`look()`] does both at once, with series to be drawn; [`look_with`] draws a log under a calibration that there is already;
 //! - [`Corrector`] applies a calibration to the rows of a log, [`export`] writes it as code and as the parameters of other programs.
 //!
 //! Effects of one's own are named in [`Options::registry`]; everything here asks them as it asks those of the library.
 //!
 //! The rooms follow the data; each imports only what stands before it: [`samples`] → [`base`] → [`residual`] → [`search`] →
-//! [`outcome`] → [`mod@fit`]. Beside them stand [`effects`], [`correct`] and [`export`], which know calibrations only.
+//! [`outcome`] → [`mod@fit`] → [`picture`]. Beside them stand [`effects`], [`correct`] and [`export`], which know calibrations only.
 
 pub mod base;
 pub mod calibration;
@@ -18,8 +19,10 @@ pub mod correct;
 pub mod effects;
 pub mod export;
 pub mod fit;
+pub mod noise;
 pub mod outcome;
 pub mod outside;
+pub mod picture;
 mod plain;
 pub mod plausible;
 pub mod residual;
@@ -35,6 +38,7 @@ pub use outcome::outcome::Diagnosis;
 pub use outcome::request::{Options, Refusal};
 pub use outcome::study::diagnose;
 pub use outside::{Extrapolation, Outside};
+pub use picture::look::{Look, look, look_with};
 pub use table::{BadTable, Named, Table};
 
 /// The examples of the readme, compiled and run.

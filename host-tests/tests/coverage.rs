@@ -1,7 +1,7 @@
 //! The coverage that a session tells, drawn from a grid of bits, against the one of all its samples.
 
 use ironout::calibration::{Calibration, inverse_3x3};
-use ironout::coverage::{BINS, Coverage, CoverageMap, Sketch};
+use ironout::coverage::{BINS, Coverage, CoverageMap, Seen, Sketch};
 use ironout_host_tests::accuracy::attitude::Motion;
 use ironout_simulation::paper::Sampler;
 use nalgebra::{Matrix3, Vector3};
@@ -84,6 +84,7 @@ fn exact_of(seen: &[Vector3<f64>]) -> Coverage {
         fraction: bins.len() as f32 / BINS as f32,
         gap_deg: worst.0.clamp(-1.0, 1.0).acos().to_degrees() as f32,
         gap_direction: [worst.1.x as f32, worst.1.y as f32, worst.1.z as f32],
+        seen: Seen::default(),
     }
 }
 

@@ -32,6 +32,8 @@ fn nothing_is_missing_in_clean_traces_and_a_confounded_pair_is_called_so() {
 
 #[test]
 fn noise_with_a_memory_and_a_hand_hide_no_effect_of_the_magnitude() {
+    // The gyro tells a late sensor from the acceleration of a hand.
+    named(Kind::Lag, 0.0, Motion::Hand, 6, 1);
     for kind in [Kind::Temperature, Kind::Current, Kind::Step] {
         named(kind, 0.6, Motion::Sphere, 3, 0);
         named(kind, 0.9, Motion::Sphere, 3, 1);
@@ -71,8 +73,7 @@ fn an_effect_that_is_added_takes_the_streamed_residual_to_the_noise_and_survives
         let floor_ut = said.base("noise_floor_ut");
         let streamed_ut = trace.streamed_rms_ut(20);
         println!("{kind:?}: {before_ut:.3} {streamed_ut:.3} floor {floor_ut:.3}");
-        // The moment of a step is known to the nearest of a few marks: what lies between stays in the offset.
-        let most = if kind == Kind::Step { 1.25 } else { 1.1 };
+        let most = 1.1;
         assert!(streamed_ut <= most * floor_ut, "{kind:?}: {streamed_ut} over a floor of {floor_ut}");
         let shown = trace.board.command("cal show");
         assert!(shown.iter().any(|line| line.starts_with(&format!("+ effect={} ", kind.id()))), "{shown:?}");
@@ -133,6 +134,23 @@ fn a_lag_is_seen_in_the_dip_and_taken_off_live() {
     assert!(trace.last("effect remove lag").starts_with("ok effects=0 "));
     let without_deg = dip_rms_deg(&mut trace, 20);
     assert!(with_deg < 0.85 * without_deg, "{with_deg} with it, {without_deg} without");
+}
+
+#[test]
+fn without_a_gyro_the_field_itself_shows_a_late_sensor_and_nothing_corrects_it() {
+    let mut trace = Trace::new(TraceOptions { gyro: false, ..TraceOptions::new(Kind::Lag, FIRST) });
+    trace.calibrate();
+    let said = trace.why();
+    assert_eq!(said.first(), "lag", "{:?}", said.lines);
+    let answer = trace.last("effect add lag");
+    assert!(answer.starts_with("err state a late sensor is corrected by the gyro alone"), "{answer}");
+    let mut clean = Trace::new(TraceOptions {
+        gyro: false,
+        motion: Motion::Hand,
+        ..TraceOptions::new(Kind::Clean, FIRST)
+    });
+    clean.calibrate();
+    assert_eq!(clean.why().verdict(), "complete");
 }
 
 #[test]

@@ -1,25 +1,39 @@
 //! The host side of `ironout`: reads logs, hands them to the analysis, and says what came out, in words or as JSON.
 //!
-//! Everything numeric is the analysis' and the core's; here are files, tables and words. [`run`] is the whole program.
+//! Everything numeric is the analysis' and the core's; here are files, tables and words. `run` is the whole program; the page in
+//! a browser is built without it, and without boards, terminals and signals.
 
 pub mod atomic;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod board;
 pub mod cal_file;
 pub mod cli;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod cli_demo;
 pub mod cli_export;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod cli_page;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod commands;
 pub mod corrected;
 pub mod derive;
+pub mod diagnosis_words;
+pub mod exported;
 pub mod failure;
+pub mod fit_words;
 pub mod geomag;
 pub mod input;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod interrupt;
 pub mod join;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod link_args;
+pub mod log_args;
 pub mod output;
+pub mod page;
 pub mod plausible;
 pub mod prior;
+#[cfg_attr(target_arch = "wasm32", path = "progress_none.rs")]
 pub mod progress;
 pub mod read_block;
 pub mod reading;
@@ -30,71 +44,8 @@ pub mod source;
 pub mod wrap;
 pub mod written;
 
-use clap::Parser;
-use failure::{EXIT_USAGE, Failure};
-use std::ffi::OsString;
-use std::process::ExitCode;
+#[cfg(not(target_arch = "wasm32"))]
+mod program;
 
-/// Runs one command line (the program's name first) and gives its exit status.
-pub fn run(arguments: Vec<OsString>) -> ExitCode {
-    let json = arguments.iter().any(|argument| argument == "--json");
-    let cli = match cli::Cli::try_parse_from(&arguments) {
-        Ok(cli) => cli,
-        Err(error) => return usage(&error, json),
-    };
-    match commands::run(&cli) {
-        Ok(status) => delivered(status),
-        Err(failure) => {
-            report(&failure, json);
-            delivered(failure.exit)
-        }
-    }
-}
-
-/// The exit status, unless the answer could not be written.
-fn delivered(status: u8) -> ExitCode {
-    match output::finish() {
-        Ok(()) => ExitCode::from(status),
-        Err(failure) => {
-            // Standard output is at fault: said on standard error, with --json too.
-            report(&failure, false);
-            ExitCode::from(failure.exit)
-        }
-    }
-}
-
-fn report(failure: &Failure, json: bool) {
-    if json {
-        output::line(&failure.to_json().to_string());
-    } else {
-        eprintln!("{}", wrap::message(&format!("error: {failure}"), wrap::WIDTH));
-    }
-}
-
-/// Help and version are answers; everything else clap says is an error of usage.
-fn usage(error: &clap::Error, json: bool) -> ExitCode {
-    use clap::error::ErrorKind;
-    let answer = match error.kind() {
-        ErrorKind::DisplayHelp => Some("help"),
-        ErrorKind::DisplayVersion => Some("version"),
-        _ => None,
-    };
-    if let Some(answer) = answer {
-        if json {
-            let text = error.render().to_string();
-            output::line(&serde_json::json!({ answer: text.trim_end() }).to_string());
-        } else {
-            output::note(error.print());
-        }
-        return delivered(failure::EXIT_OK);
-    }
-    if json {
-        let text = error.render().to_string();
-        let message = text.strip_prefix("error: ").unwrap_or(&text).trim();
-        report(&Failure::usage(message), true);
-    } else {
-        // Standard error: there is no other place to say that it is full.
-        let _ = error.print();
-    }
-    delivered(EXIT_USAGE)
-}
+#[cfg(not(target_arch = "wasm32"))]
+pub use program::run;

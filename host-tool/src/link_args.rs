@@ -31,14 +31,21 @@ pub struct LinkArgs {
 impl LinkArgs {
     /// How long an answer may take; errors name the option.
     pub fn wait(&self) -> Outcome<Duration> {
-        if self.wait > 0.0 && self.wait <= LONGEST_WAIT_S {
-            return Ok(Duration::from_secs_f64(self.wait));
-        }
-        Err(Failure::usage(format!(
-            "--wait {}: expected seconds, more than 0 and at most {LONGEST_WAIT_S}",
-            self.wait
-        )))
+        wait(self.wait)
     }
+}
+
+/// How long an answer may take, of seconds as they are typed.
+///
+/// # Errors
+/// No time, or one longer than anybody waits.
+pub fn wait(seconds: f64) -> Outcome<Duration> {
+    if seconds > 0.0 && seconds <= LONGEST_WAIT_S {
+        return Ok(Duration::from_secs_f64(seconds));
+    }
+    Err(Failure::usage(format!(
+        "--wait {seconds}: expected seconds, more than 0 and at most {LONGEST_WAIT_S}"
+    )))
 }
 
 /// `send`.

@@ -3,7 +3,7 @@
 use crate::cal_file::CalFile;
 use crate::cli::LogArgs;
 use crate::derive::{self, Definition};
-use crate::failure::Outcome;
+use crate::failure::{Failure, Outcome};
 use crate::input::{self, Log, Mounting, ReadOptions};
 use crate::join::join;
 use crate::plausible::{self, Known};
@@ -124,7 +124,12 @@ fn one(
     default_ut_per_count: Option<[f64; 3]>,
     kept: &[String],
 ) -> Outcome<Log> {
-    let mut log = input::read_log(path, &ReadOptions { default_ut_per_count, ..arguments.options()? })?;
+    let log = input::read_log(path, &ReadOptions { default_ut_per_count, ..arguments.options()? })?;
+    finished(log, arguments, path, kept)
+}
+
+/// The log with its derived columns, its notices told.
+fn finished(mut log: Log, arguments: &LogArgs, path: &Path, kept: &[String]) -> Outcome<Log> {
     let there = |one: &Definition| {
         // A log that was written with the column has no need to compute it again.
         kept.contains(&one.typed()) && log.covariate(&one.name).is_some()
@@ -135,6 +140,22 @@ fn one(
     derive::add(&mut log, &definitions, &Mounting::parse(&arguments.rotate)?)
         .map_err(|failure| failure.in_file(path))?;
     tell(&log, 0);
+    Ok(log)
+}
+
+/// Reads a log that is in memory already, under the name that `arguments` give it, and holds it against what is known of the
+/// field. Nothing is printed: what is to be said is in the log.
+///
+/// # Errors
+/// As [`read_held`].
+pub fn read_bytes(arguments: &LogArgs, bytes: &[u8], known: &Known) -> Outcome<Log> {
+    let path = &arguments.log;
+    let options = ReadOptions { progress: false, ..arguments.options()? };
+    let in_file = |failure: Failure| if failure.file.is_none() { failure.in_file(path) } else { failure };
+    let mut log = input::read_stream(bytes, bytes.len() as u64, &options).map_err(in_file)?;
+    log.path.clone_from(path);
+    let mut log = finished(log, arguments, path, &[])?;
+    plausible::hold(&mut log, arguments, known)?;
     Ok(log)
 }
 

@@ -12,6 +12,10 @@ use ironout_cli::input::{ReadOptions, read_stream};
 use ironout_simulation::{EffectSpec, FaultSpec, Log, Motion, World, WorldOptions};
 use rand::{RngExt, SeedableRng, rngs::ChaCha12Rng};
 use serde_json::Value;
+use std::io::Write;
+
+/// What takes less off the squared error does not matter.
+const RELEVANCE: f64 = ironout::study::rule::RELEVANCE;
 
 fn pick<'a, T: ?Sized>(rng: &mut ChaCha12Rng, list: &[&'a T]) -> &'a T {
     list[rng.random_range(0..list.len())]
@@ -144,6 +148,36 @@ fn sound(object: &Value) {
     }
 }
 
+/// What is said follows from the figures that stand beside it.
+fn truthful(object: &Value) {
+    let list = |of: &'static str| object[of].as_array().expect("a list").iter();
+    for row in list("candidates") {
+        let (why, id) = (row["why"].as_str().expect("text"), &row["id"]);
+        let takes = row["takes"].as_f64();
+        if why.contains("too small") {
+            assert!(takes.is_some_and(|takes| takes < RELEVANCE), "{id}: {why}, but {takes:?}");
+        }
+        if let Some(takes) = takes.filter(|_| why.contains("it would take")) {
+            assert!(
+                takes >= RELEVANCE && why.contains(&format!("{:.0} %", 100.0 * takes)),
+                "{id}: {why}, {takes}"
+            );
+        }
+        let angle = object["dip"]["misalignment_deg"].as_f64().unwrap_or(0.0);
+        let in_order = id == "axis-order" && why.contains("in the board's order");
+        assert!(!in_order || angle <= 45.0, "{why} beside a misalignment of {angle}");
+    }
+    let errors: Vec<f64> = list("steps").filter_map(|step| step["holdout_rms_ut"].as_f64()).collect();
+    let rises = errors.windows(2).any(|pair| pair[1] > 1.05 * pair[0] + 1e-9);
+    assert!(!rises, "the error rises: {errors:?}");
+    let steps = list("steps").count();
+    match object["verdict"].as_str().expect("text") {
+        "complete" => assert_eq!(steps, 1),
+        "missing" => assert!(steps > 1),
+        _ => {}
+    }
+}
+
 fn cases(default: u64) -> u64 {
     std::env::var("IRONOUT_FUZZ_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(default)
 }
@@ -151,19 +185,26 @@ fn cases(default: u64) -> u64 {
 #[test]
 fn odd_columns_are_diagnosed_or_refused() {
     let (mut answered, count) = (0, cases(100));
+    let mut times: Vec<(f64, u64)> = Vec::new();
     for seed in 0..count {
         let text = case(seed);
+        let clock = std::time::Instant::now();
         let result = std::panic::catch_unwind(|| {
             let Ok(log) = read_stream(&text[..], text.len() as u64, &ReadOptions::default()) else {
                 return false;
             };
             let options = Options { search: true, ..Options::default() };
             match diagnose(&Table::from(&log), &options) {
-                Ok(diagnosis) => sound(&json::object(&diagnosis)),
+                Ok(diagnosis) => {
+                    let object = json::object(&diagnosis);
+                    sound(&object);
+                    truthful(&object);
+                }
                 Err(refusal) => assert!(!format!("{refusal:?}").is_empty()),
             }
             true
         });
+        times.push((clock.elapsed().as_secs_f64(), seed));
         match result {
             Ok(diagnosed) => answered += u64::from(diagnosed),
             Err(_) => {
@@ -172,6 +213,10 @@ fn odd_columns_are_diagnosed_or_refused() {
             }
         }
     }
+    times.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // No test of times, which are the machine's: they are told.
+    let slowest: Vec<String> = times.iter().take(10).map(|(s, seed)| format!("{seed} {s:.2} s")).collect();
+    let _ = writeln!(std::io::stderr(), "the slowest of {count} logs: {}", slowest.join(", "));
     // Most are read: else nothing was tried.
     assert!(2 * answered > count, "only {answered} of {count} logs were diagnosed");
 }

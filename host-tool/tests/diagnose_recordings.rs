@@ -60,22 +60,13 @@ fn the_coils_of_a_resting_cubesat_are_found() {
 #[test]
 fn a_quadrotor_in_flight_gets_an_honest_answer() {
     let Some((object, words)) = diagnosed("px4-quad-flight.csv", &[]) else { return };
-    assert_eq!(object["verdict"], "unexplained", "the throttle is in it, and more");
-    assert_eq!(added(&object), ["offset:throttle_us"]);
-    let (before, after) = falling(&object);
-    assert!(after < 0.55 * before && after < 1.8, "{before} -> {after}");
-    // The motors go with the throttle, and this log does not tell which of them it is.
-    let rows = object["candidates"].as_array().expect("candidates");
-    let throttle = rows.iter().find(|row| row["id"] == "offset:throttle_us").expect("the throttle");
-    assert_eq!(throttle["status"], "missing");
-    let partners = throttle["confounded_with"].as_array().expect("a list");
-    assert!(partners.iter().any(|id| id.as_str().is_some_and(|id| id.starts_with("offset:motor"))));
-    assert!(words.contains("These columns move together"), "{words}");
-    // What is held was not measured.
-    assert_eq!(object["lower_order"], true);
+    // Level within 8°: nothing is named on a base that the log does not carry, and the way out is said.
+    assert_eq!(object["verdict"], "undetermined", "{}", object["reasons"]);
+    assert!(added(&object).is_empty(), "{:?}", added(&object));
+    let reasons = object["reasons"].to_string();
+    assert!(reasons.contains("by the accelerometer the board was tilted"), "{reasons}");
+    assert!(words.contains("--prior"), "{words}");
     assert!(object["calibration"].is_null());
-    // The effect vanishes with the motors off.
-    assert_eq!(object["effects"][0]["reference"]["throttle_us"], 0.0, "{}", object["effects"]);
 }
 
 #[test]

@@ -256,7 +256,9 @@ fn an_earlier_calibration_carries_a_log_of_little_attitude() {
             let (was, is) = (number(&first["offset_ut"][axis]), number(&object["offset_ut"][axis]));
             let error = number(&first["std_errors"]["offset_ut"][axis]);
             assert!((is - was).abs() < 4.0 * error, "{is} after {was} ± {error}");
-            assert!(number(&object["std_errors"]["offset_ut"][axis]) <= 1.05 * error, "{object}");
+            // Known as before, but for what a board changes between two sessions, 0.3 % of the field.
+            let known = error.hypot(0.003 * 50.0);
+            assert!(number(&object["std_errors"]["offset_ut"][axis]) <= 1.05 * known, "{object}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{folder, ironout, write};
+use common::{folder, ironout, text, write};
 use std::path::Path;
 
 const HEADER: &str = "t_s,mx_ut,my_ut,mz_ut,temp_c\n";
@@ -218,10 +218,26 @@ fn usage_errors_are_status_2_and_objects_with_json() {
 }
 
 #[test]
-fn commands_that_are_not_built_say_so() {
-    for command in ["report", "live"] {
-        let run = ironout([command, "--json", "whatever", "--port", "x"]);
-        assert!(run.error()["message"].as_str().is_some_and(|m| m.contains("not built yet")), "{command}");
+fn a_page_that_cannot_be_made_says_why() {
+    let here = folder("bad_page");
+    let log = write(&here, "log.csv", "mx_ut,my_ut,mz_ut\n1,2,3\n");
+    let out = here.join("report.html");
+    for (arguments, part) in [
+        (vec!["report", text(&log)], "--output"),
+        (vec!["report", "no such log", "-o", text(&out)], "no such file"),
+        (vec!["report", text(&log), "-o", text(&log)], ""),
+        (vec!["report", text(&log), "-o", text(&out), "--method", "trace"], "adjusted"),
+        (vec!["live"], "--qemu"),
+        (vec!["live", "--port", "x", "--tcp", "y"], "cannot be used with"),
+        (vec!["live", "--replay", text(&log)], "time column"),
+    ] {
+        let run = ironout(arguments.iter().chain(&["--json"]));
+        assert!(
+            run.error()["message"].as_str().is_some_and(|m| m.contains(part)),
+            "{arguments:?}: {}",
+            run.stdout
+        );
+        assert!(!out.exists(), "{arguments:?}");
     }
 }
 

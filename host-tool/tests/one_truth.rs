@@ -83,7 +83,8 @@ fn assert_one_truth(log: &Path, options: &[&str]) -> Vec<String> {
     }
     let ids = found(&diagnosis);
     let plain = ids.is_empty() && diagnosis["effects"].as_array().is_some_and(Vec::is_empty);
-    if plain && !base.is_null() {
+    // Axes that are not in order are told with the base that they give, and with no calibration.
+    if plain && !base.is_null() && !diagnosis["calibration"].is_null() {
         assert_same_calibration(&what, &fit, &diagnosis["calibration"]);
         for key in ["noise_floor_ut", "residual_floor_ut"] {
             assert_same(&format!("{what}: {key}"), &fit[key], &diagnosis[key], 0.0);

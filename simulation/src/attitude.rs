@@ -1,5 +1,6 @@
 //! Smooth attitude in closed form, so that a world can be asked for any instant.
 
+use crate::paths::{self, Path};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use rand::RngExt;
 use rand::rngs::ChaCha8Rng;
@@ -18,6 +19,18 @@ pub enum Motion {
     Hand,
     /// On the bench.
     Rest,
+    /// Irregular tumbling, fast and slow by turns.
+    Tumbling,
+    /// Figures of eight in the air, their plane turning slowly.
+    Eights,
+    /// Waved by hand: smooth, aimless, with the lever arm's accelerations.
+    Waving,
+    /// On a table: each of six sides down, turned about the vertical, with pauses.
+    Table,
+    /// Full circles about one axis of the board after the other.
+    Rings,
+    /// Acrobatic flight: level, with fast rolls and flips.
+    Acro,
 }
 
 /// A drawn trajectory.
@@ -29,6 +42,7 @@ pub(crate) struct Attitude {
     frequency_hz: [f64; 3],
     wobble_hz: [f64; 3],
     axis: Matrix3<f64>,
+    path: Path,
 }
 
 /// A triangle wave between 0 and 1 with rounded corners: equal areas of a cap get equal times.
@@ -46,7 +60,16 @@ impl Attitude {
         let wobble_hz = core::array::from_fn(|_| rng.random_range(0.05..0.13));
         let angles: [f64; 3] = core::array::from_fn(|_| rng.random_range(0.0..TAU));
         let axis = *Rotation3::from_euler_angles(angles[0], angles[1], angles[2]).matrix();
-        Attitude { motion, field: Unit::new_normalize(field), start, frequency_hz, wobble_hz, axis }
+        let path = match motion {
+            Motion::Tumbling
+            | Motion::Eights
+            | Motion::Waving
+            | Motion::Table
+            | Motion::Rings
+            | Motion::Acro => Path::draw(rng),
+            _ => Path::default(),
+        };
+        Attitude { motion, field: Unit::new_normalize(field), start, frequency_hz, wobble_hz, axis, path }
     }
 
     /// The path of the hand: 2.5 s of movement, then 1.5 s of rest.
@@ -76,6 +99,12 @@ impl Attitude {
                 self.tumble(Self::hand_time(t)) * Rotation3::from_euler_angles(tremor, second, 0.0).matrix()
             }
             Motion::Rest => self.tumble(0.0),
+            Motion::Tumbling => paths::tumbling(&self.path, t),
+            Motion::Eights => paths::eights(&self.path, t),
+            Motion::Waving => paths::waving(&self.path, t),
+            Motion::Table => paths::table(&self.path, t),
+            Motion::Rings => paths::rings(&self.path, t),
+            Motion::Acro => paths::acro(&self.path, t),
             Motion::Planar => {
                 let wobble = 0.009 * (TAU * self.wobble_hz[0] * t).sin();
                 let second = 0.009 * (TAU * self.wobble_hz[1] * t).sin();
@@ -109,7 +138,7 @@ impl Attitude {
 
     /// Acceleration of the sensor in the body frame beyond gravity: a 10 cm lever arm where a hand turns the board.
     pub(crate) fn lever_acceleration(&self, t: f64) -> Vector3<f64> {
-        if self.motion != Motion::Hand {
+        if !matches!(self.motion, Motion::Hand | Motion::Waving | Motion::Eights) {
             return Vector3::zeros();
         }
         let lever = Vector3::new(0.1, 0.0, 0.03);

@@ -39,6 +39,31 @@ fn edge(t: f64) -> f64 {
     0.5 + 0.5 * (t / 0.03).tanh()
 }
 
+/// Levels from -1 to 1, a new one every second or two.
+fn levels(seed: u64, t: f64) -> f64 {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let period: f64 = rng.random_range(0.8..3.0);
+    let place = (t / period).floor();
+    let level = |place: f64| -> f64 {
+        let own = seed ^ (place as i64 as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        ChaCha8Rng::seed_from_u64(own).random_range(-1.0..1.0)
+    };
+    let (now, next) = (level(place), level(place + 1.0));
+    now + (next - now) * edge(t - (place + 0.9) * period)
+}
+
+/// Waves of all periods from 1 s to 80 s, the slower the larger.
+fn rough(seed: u64, t: f64) -> f64 {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    (0..12)
+        .map(|k| {
+            let period = 1.0 * 1.49_f64.powi(k) * rng.random_range(0.85..1.18);
+            let amplitude = (period / 80.0_f64).sqrt() * rng.random_range(0.5..1.5);
+            amplitude * (TAU * t / period + rng.random_range(0.0..TAU)).sin()
+        })
+        .sum()
+}
+
 impl Covariates {
     pub(crate) fn draw(options: &WorldOptions, rng: &mut ChaCha8Rng) -> Covariates {
         let mut bursts = Vec::new();
@@ -60,7 +85,8 @@ impl Covariates {
         }
     }
 
-    /// The named covariate at time `t`. `temp_c` warms up, a current comes in bursts, every other name wanders.
+    /// The named covariate at time `t`. `temp_c` warms up, a current comes in bursts, `servo` stands at levels, `load` is as
+    /// rough as a random walk, every other name wanders.
     pub(crate) fn at(&self, name: &str, t: f64) -> f64 {
         if name == "temp_c" {
             return match self.temperature {
@@ -85,6 +111,12 @@ impl Covariates {
         let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
         });
+        if name == "servo" {
+            return levels(self.seed ^ hash, t);
+        }
+        if name == "load" {
+            return rough(self.seed ^ hash, t);
+        }
         let wander = draw_wander(&mut ChaCha8Rng::seed_from_u64(self.seed ^ hash), 4.0..40.0);
         wander_at(&wander, t)
     }

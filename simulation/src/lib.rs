@@ -6,15 +6,20 @@
 
 mod attitude;
 mod covariate;
+mod decoy;
 mod draw;
 mod effects;
 mod faults;
 mod log;
+mod noise;
 mod options;
 pub mod paper;
+mod paths;
 mod sampling;
 mod scale;
 mod scenery;
+
+pub mod truths;
 mod world;
 
 /// The examples of the readme, compiled and run.
@@ -23,8 +28,10 @@ mod world;
 struct Readme;
 
 pub use attitude::Motion;
+pub use decoy::Decoy;
 pub use effects::{Drawn, EffectKind, EffectSpec, HiddenEffect, Scene, Simulated, SpecError};
 pub use faults::FaultSpec;
 pub use log::{Log, Truth};
+pub use noise::Noise;
 pub use options::{Temperature, WorldOptions};
 pub use world::{GRAVITY_MPS2, World};

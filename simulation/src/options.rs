@@ -1,8 +1,10 @@
 //! What to simulate.
 
 use crate::attitude::Motion;
+use crate::decoy::Decoy;
 use crate::effects::EffectSpec;
 use crate::faults::FaultSpec;
+use crate::noise::Noise;
 
 /// How the temperature of the simulated board goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +28,8 @@ pub struct WorldOptions {
     pub noise_ut: f64,
     /// Correlation of that noise from one sample to the next (0 is white).
     pub noise_correlation: f64,
+    /// The noise's colour.
+    pub noise: Noise,
     /// Step of the magnetometer's quantisation in µT; 0 turns it off.
     pub lsb_ut: f64,
     /// Magnitude of the Earth's field, µT.
@@ -50,6 +54,12 @@ pub struct WorldOptions {
     pub faults: Vec<FaultSpec>,
     /// Columns left out of the log.
     pub drop_columns: Vec<String>,
+    /// Columns that cause nothing, with their names.
+    pub decoys: Vec<(String, Decoy)>,
+    /// Columns with this share of their cells empty.
+    pub empty_cells: Vec<(String, f64)>,
+    /// The times are those of arrival: late by up to this many rows.
+    pub arrival_jitter_rows: f64,
 }
 
 impl Default for WorldOptions {
@@ -60,6 +70,7 @@ impl Default for WorldOptions {
             rate_hz: 50.0,
             noise_ut: 0.25,
             noise_correlation: 0.0,
+            noise: Noise::Memory,
             lsb_ut: 0.1,
             field_ut: 50.0,
             dip_deg: 60.0,
@@ -72,6 +83,9 @@ impl Default for WorldOptions {
             effects: Vec::new(),
             faults: Vec::new(),
             drop_columns: Vec::new(),
+            decoys: Vec::new(),
+            empty_cells: Vec::new(),
+            arrival_jitter_rows: 0.0,
         }
     }
 }

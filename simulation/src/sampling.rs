@@ -1,10 +1,12 @@
 //! Sampling a world into a log.
 
+use crate::decoy::{self, Decoy};
 use crate::log::{Log, Truth};
+use crate::noise::Source;
 use crate::world::World;
 use nalgebra::Vector3;
-use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 
 impl World {
@@ -37,12 +39,10 @@ impl World {
         let mut columns = vec![Vec::with_capacity(rows); names.len()];
         let mut body_field_ut = Vec::with_capacity(rows);
         let rho = options.noise_correlation.clamp(0.0, 0.999);
-        let mut noise = Vector3::from_fn(|_, _| normal()) * options.noise_ut;
+        let mut noise = Source::new(options.noise, rho, options.noise_ut, rows, &mut normal);
         for row in 0..rows {
             let t = row as f64 / options.rate_hz;
-            let fresh = Vector3::from_fn(|_, _| normal()) * options.noise_ut;
-            noise = noise * rho + fresh * (1.0 - rho * rho).sqrt();
-            let mut measured = self.sensor(t) + noise;
+            let mut measured = self.sensor(t) + noise.next(&mut normal);
             if options.lsb_ut > 0.0 {
                 measured = measured.map(|value| (value / options.lsb_ut).round() * options.lsb_ut);
             }
@@ -75,6 +75,7 @@ impl World {
         for fault in &options.faults {
             fault.inflict(&mut log, &mut rng);
         }
+        self.spoil(&mut log);
         for name in &options.drop_columns {
             if let Some(index) = log.position(name) {
                 log.names.remove(index);
@@ -82,5 +83,33 @@ impl World {
             }
         }
         log
+    }
+    /// Adds the columns that cause nothing, empties cells, and stamps rows when they arrive.
+    fn spoil(&self, log: &mut Log) {
+        let options = &self.scenery.options;
+        let mut rng = ChaCha8Rng::seed_from_u64(options.seed ^ 0x6465_636f_7973);
+        let (rows, row_s) = (log.rows(), 1.0 / options.rate_hz);
+        for (name, decoy) in &options.decoys {
+            let other = match decoy {
+                Decoy::Alike { column, .. } => log.column(column),
+                _ => None,
+            };
+            let values = decoy.values(rows, row_s, other, &mut rng);
+            log.names.push(name.clone());
+            log.columns.push(values);
+        }
+        for (name, share) in &options.empty_cells {
+            if let Some(index) = log.position(name) {
+                decoy::empty(&mut log.columns[index], *share, row_s, &mut rng);
+            }
+        }
+        if let (true, Some(time)) = (options.arrival_jitter_rows > 0.0, log.position("t_s")) {
+            let mut last = f64::NEG_INFINITY;
+            for value in &mut log.columns[time] {
+                let late = rng.random_range(0.0..options.arrival_jitter_rows) * row_s;
+                last = (*value + late).max(last);
+                *value = last;
+            }
+        }
     }
 }

@@ -81,6 +81,16 @@ impl World {
         &self.hidden
     }
 
+    /// How much the hidden effects disturb the measured vector: rms about the mean, µT.
+    pub fn disturbance_ut(&self) -> f64 {
+        let n = 400;
+        let at = |i: i32| self.scenery.options.seconds * (f64::from(i) + 0.5) / f64::from(n);
+        let off = |t: f64| self.sensor(t) - self.scenery.clean(t) - self.scenery.hard_iron_ut;
+        let vectors: Vec<Vector3<f64>> = (0..n).map(|i| off(at(i))).collect();
+        let mean = vectors.iter().sum::<Vector3<f64>>() / f64::from(n);
+        (vectors.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / f64::from(n)).sqrt()
+    }
+
     /// True field in the body frame at time `t_s`, µT.
     pub fn body_field_ut(&self, t_s: f64) -> [f64; 3] {
         self.scenery.body_field(t_s).into()

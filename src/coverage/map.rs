@@ -3,9 +3,10 @@
 use super::side::side_name;
 use crate::math;
 
-/// Slices of equal height (so of equal area) and sectors in each: the bins of the coverage.
-const SLICES: usize = 6;
-const SECTORS: usize = 8;
+/// Slices of equal height (so of equal area): the bins of the coverage are their sectors.
+pub const SLICES: usize = 6;
+/// Sectors in each slice.
+pub const SECTORS: usize = 8;
 /// Number of equal-area bins.
 pub const BINS: usize = SLICES * SECTORS;
 /// Directions at which the largest gap is looked for; they lie some 16° apart.
@@ -47,7 +48,7 @@ const UNIT: f32 = 32767.0;
 /// A map of directions, filled from corrected vectors. 3.2 KB: made for a moment, not kept.
 #[derive(Clone, Debug)]
 pub struct CoverageMap {
-    bins: u64,
+    bins: Seen,
     /// The places of each row that were seen.
     seen: [u32; ROWS],
     /// A direction seen there.
@@ -60,6 +61,29 @@ impl Default for CoverageMap {
     }
 }
 
+/// Which of the equal-area bins were seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Seen(u64);
+
+impl Seen {
+    /// Whether the field came through the bin of slice `slice` (0 to 5 from −z, the top of the board, to +z) and sector `sector`
+    /// (0 to 7, an eighth of a turn each, from the front to the right and on).
+    pub const fn has(self, slice: usize, sector: usize) -> bool {
+        slice < SLICES && self.0 >> (slice * SECTORS + sector % SECTORS) & 1 != 0
+    }
+
+    /// Adds a bin; for pictures of one.
+    #[must_use]
+    pub const fn with(self, slice: usize, sector: usize) -> Self {
+        Self(self.0 | 1 << (slice % SLICES * SECTORS + sector % SECTORS))
+    }
+
+    /// How many there are.
+    pub const fn count(self) -> u32 {
+        self.0.count_ones()
+    }
+}
+
 /// What a [`CoverageMap`] says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coverage {
@@ -69,6 +93,8 @@ pub struct Coverage {
     pub gap_deg: f32,
     /// The middle of that gap, a unit vector in the board's axes.
     pub gap_direction: [f32; 3],
+    /// The bins that were seen.
+    pub seen: Seen,
 }
 
 impl Coverage {
@@ -113,7 +139,7 @@ impl CoverageMap {
     /// An empty map.
     #[inline]
     pub const fn new() -> Self {
-        Self { bins: 0, seen: [0; ROWS], directions: [[0; 3]; ROWS * PLACES] }
+        Self { bins: Seen(0), seen: [0; ROWS], directions: [[0; 3]; ROWS * PLACES] }
     }
 
     /// Adds the direction of a corrected vector; its length does not matter. Zero and non-finite vectors are left out.
@@ -128,7 +154,7 @@ impl CoverageMap {
         let u = [x * per_length, y * per_length, z * per_length];
         let (row, place) = cell(u);
         let slice = (((u[2] + 1.0) * (0.5 * SLICES as f32)) as usize).min(SLICES - 1);
-        self.bins |= 1 << (slice * SECTORS + place / (PLACES / SECTORS));
+        self.bins = self.bins.with(slice, place / (PLACES / SECTORS));
         let Some(seen) = self.seen.get_mut(row) else { return };
         if *seen & (1 << place) == 0
             && let Some(direction) = self.directions.get_mut(row * PLACES + place)
@@ -181,8 +207,13 @@ impl CoverageMap {
 
     /// Coverage and largest gap so far.
     pub fn coverage(&self) -> Coverage {
-        if self.bins == 0 {
-            return Coverage { fraction: 0.0, gap_deg: 180.0, gap_direction: [0.0, 0.0, 1.0] };
+        if self.bins.count() == 0 {
+            return Coverage {
+                fraction: 0.0,
+                gap_deg: 180.0,
+                gap_direction: [0.0, 0.0, 1.0],
+                seen: Seen::default(),
+            };
         }
         let mut worst = (1.0f32, [0.0f32, 0.0, 1.0]);
         let mut number = 0;
@@ -195,9 +226,10 @@ impl CoverageMap {
             }
         }
         Coverage {
-            fraction: self.bins.count_ones() as f32 / BINS as f32,
+            fraction: self.bins.count() as f32 / BINS as f32,
             gap_deg: math::acos(f64::from(worst.0)).to_degrees() as f32,
             gap_direction: worst.1,
+            seen: self.bins,
         }
     }
 }

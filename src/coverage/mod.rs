@@ -7,6 +7,6 @@ mod map;
 mod side;
 mod sketch;
 
-pub use map::{BINS, Coverage, CoverageMap};
+pub use map::{BINS, Coverage, CoverageMap, SECTORS, SLICES, Seen};
 pub use side::side_name;
 pub use sketch::Sketch;

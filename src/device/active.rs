@@ -7,6 +7,7 @@ use crate::effect::{Effect, Searched, TIME};
 use crate::extended::{Live, LiveError};
 use crate::fit::MAX_PREDICTED_ERROR;
 use crate::fit::Spread;
+use crate::learn::Motion;
 use crate::monitor::Monitor;
 use crate::record::Record;
 use crate::sensor::AxisMap;
@@ -64,16 +65,31 @@ pub(super) struct Active {
 
 impl Active {
     pub(super) fn new(slot: Slot, record: Record, axes: AxisMap) -> Self {
-        let (calibration, origin_s) = record.extended().on_own_clock();
-        let live = match record.axes {
-            Some(recorded) if recorded != axes => Err(NotApplied::Mounting),
-            _ => Live::new(&calibration.cast()).map_err(NotApplied::Live),
-        };
         let field_ut = record.calibration.field_ut;
         // An error that is not known is taken for what a calibration is refused from.
         let error = record.predicted_error.share().unwrap_or(MAX_PREDICTED_ERROR);
         let monitor = Monitor::new(field_ut as f32, record.noise_ut as f32, (error * field_ut) as f32);
-        Self { record, slot, spread: None, live, origin_s, clock_s: after_the_steps(&record), monitor }
+        let mut active = Self {
+            record,
+            slot,
+            spread: None,
+            live: Err(NotApplied::Mounting),
+            origin_s: 0.0,
+            clock_s: after_the_steps(&record),
+            monitor,
+        };
+        active.put_to_work(axes);
+        active
+    }
+
+    /// Makes the correction of the record. Apart, because it works on whole calibrations, of a kilobyte each.
+    #[inline(never)]
+    fn put_to_work(&mut self, axes: AxisMap) {
+        let (calibration, origin_s) = self.record.extended().on_own_clock();
+        self.origin_s = origin_s;
+        if self.record.axes.is_none_or(|recorded| recorded == axes) {
+            self.live = Live::new(&calibration.cast()).map_err(NotApplied::Live);
+        }
     }
 
     /// The recording's clock, where it is known.
@@ -95,9 +111,9 @@ impl Active {
     }
 
     /// Watches a measured vector, µT.
-    pub(super) fn watch(&mut self, t_ms: u64, measured_ut: [f32; 3]) {
-        if let Some(Ok(corrected_ut)) = self.at(t_ms).map(|live| live.apply(measured_ut, None)) {
-            self.monitor.push(t_ms, corrected_ut);
+    pub(super) fn watch(&mut self, t_ms: u64, measured_ut: [f32; 3], motion: &Motion) {
+        if let Some(Ok(corrected_ut)) = self.at(t_ms).map(|live| live.apply(measured_ut, motion.turn_radps)) {
+            self.monitor.push(t_ms, corrected_ut, motion.accel_mps2);
         }
     }
 

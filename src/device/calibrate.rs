@@ -3,11 +3,13 @@
 use core::fmt;
 
 use super::button::ButtonEvent;
-use super::machine::{Device, Errand};
+use super::errand::Errand;
+use super::machine::Device;
 use super::sensor::SensorFault;
 use crate::effect::Effect;
 use crate::extended::FittedEffect;
 use crate::fit::FitReport;
+use crate::number::Num;
 use crate::protocol::{Answered, Code, Reply, StreamMode};
 use crate::quality::Reason;
 use crate::replacement::{Worse, clearly_worse};
@@ -28,6 +30,7 @@ enum NotStarted {
 
 impl Device {
     /// Does what a press of the button does: starts a calibration, or ends one and accepts it if its verdict allows.
+    #[inline(never)]
     pub(super) fn pressed(&mut self) {
         match self.start() {
             Ok(()) => self.tell(ButtonEvent::Started),
@@ -45,6 +48,7 @@ impl Device {
         }
     }
 
+    #[inline(never)]
     fn start(&mut self) -> Result<(), NotStarted> {
         if self.session.state() == State::Collecting {
             return Err(NotStarted::Collecting);
@@ -60,6 +64,7 @@ impl Device {
     }
 
     /// Begins to store the solution.
+    #[inline(never)]
     fn save(&mut self, errand: Errand, force: bool) -> Result<(), NotSaved> {
         let record = self.waiting().ok_or(NotSaved::NoSolution)?;
         let in_use = self.active.as_ref().map(|active| &active.record).filter(|_| !force);
@@ -71,6 +76,7 @@ impl Device {
     }
 
     /// The solution was stored, or not; only then it is applied.
+    #[inline(never)]
     pub(super) fn stored(&mut self, outcome: Result<Done, StoreError>) -> Result<Slot, StoreError> {
         let Done::Saved(slot, record) = outcome? else { return Err(StoreError::DoesNotFit) };
         let spread = self.spread_of_solution();
@@ -95,6 +101,7 @@ impl Device {
         }
     }
 
+    #[inline(never)]
     pub(super) fn cal_stop<W: fmt::Write>(&mut self, mut reply: Reply<'_, W>) -> Answered {
         let outcome = match self.session.stop() {
             Ok(outcome) => outcome,
@@ -116,6 +123,7 @@ impl Device {
         refused(reply, first)
     }
 
+    #[inline(never)]
     pub(super) fn cal_accept<W: fmt::Write>(&mut self, reply: Reply<'_, W>, force: bool) -> Option<Answered> {
         match self.save(Errand::Accept, force) {
             Ok(()) => return None,
@@ -133,6 +141,7 @@ impl Device {
         })
     }
 
+    #[inline(never)]
     pub(super) fn accepted<W: fmt::Write>(
         &mut self,
         outcome: Result<Done, StoreError>,
@@ -153,6 +162,7 @@ impl Device {
         }
     }
 
+    #[inline(never)]
     pub(super) fn cal_cancel<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Answered {
         if self.state() == State::Idle {
             return reply.err(Code::State, format_args!("nothing to cancel"));
@@ -162,6 +172,7 @@ impl Device {
         reply.ok(format_args!("state={}", self.state().name()))
     }
 
+    #[inline(never)]
     pub(super) fn cleared<W: fmt::Write>(
         &mut self,
         outcome: Result<Done, StoreError>,
@@ -186,6 +197,7 @@ impl Device {
     }
 
     /// The stored calibration, applied or not, or else the solution that waits to be accepted.
+    #[inline(never)]
     pub(super) fn cal_show<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
         let waiting = self.waiting();
         let stored = self.active.as_ref().map(|active| &active.record);
@@ -193,9 +205,10 @@ impl Device {
             return reply.err(Code::State, format_args!("there is no calibration: cal start begins one"));
         };
         // `{:?}` writes the shortest digits that read back to the same bits.
-        let [x, y, z] = record.calibration.offset_ut;
+        let [x, y, z] = record.calibration.offset_ut.map(Num);
         reply.line(format_args!("offset_ut={x:?},{y:?},{z:?}"));
-        for [x, y, z] in record.calibration.matrix {
+        for row in record.calibration.matrix {
+            let [x, y, z] = row.map(Num);
             reply.line(format_args!("matrix={x:?},{y:?},{z:?}"));
         }
         for fitted in record.effects.iter() {
@@ -203,12 +216,12 @@ impl Device {
         }
         reply.ok(format_args!(
             "field_ut={:?} method={} model={} n={} rms_ut={:.4} noise_ut={:.4} stored={}",
-            record.calibration.field_ut,
+            Num(record.calibration.field_ut),
             record.method.name(),
             record.model.name(),
             record.samples,
-            record.rms_ut,
-            record.noise_ut,
+            Num(record.rms_ut),
+            Num(record.noise_ut),
             u8::from(stored.is_some()),
         ))
     }
@@ -240,10 +253,10 @@ impl fmt::Display for Quality<'_> {
             report.method.name(),
             report.model.name(),
             report.samples,
-            report.calibration.field_ut,
-            report.rms_ut,
-            report.noise_ut,
-            100.0 * report.predicted_error_ut / report.calibration.field_ut,
+            Num(report.calibration.field_ut),
+            Num(report.rms_ut),
+            Num(report.noise_ut),
+            Num(100.0 * report.predicted_error_ut / report.calibration.field_ut),
         )
     }
 }
@@ -259,20 +272,20 @@ impl fmt::Display for Row<'_> {
         for (key, values) in [(" coefficients=", coefficients), (" std_errors=", std_errors)] {
             for (index, value) in values.iter().take(k).enumerate() {
                 f.write_str(if index == 0 { key } else { "," })?;
-                if value.is_nan() { f.write_str("-") } else { write!(f, "{value:?}") }?;
+                if value.is_nan() { f.write_str("-") } else { write!(f, "{:?}", Num(*value)) }?;
             }
         }
         let parts = effect.parts();
         if let Some(reference) = parts.reference() {
-            write!(f, " reference={reference:?}")?;
+            write!(f, " reference={:?}", Num(reference))?;
         }
         if let Some((searched, value)) = parts.parameter() {
-            write!(f, " {}={value:?}", searched.name())?;
+            write!(f, " {}={:?}", searched.name(), Num(value))?;
         }
         for (column, range) in effect.columns().into_iter().zip(ranges) {
             match (column, range) {
                 (None, _) => {}
-                (Some(_), Some([least, most])) => write!(f, " range={least:?},{most:?}")?,
+                (Some(_), Some([least, most])) => write!(f, " range={:?},{:?}", Num(*least), Num(*most))?,
                 (Some(_), None) => f.write_str(" range=-")?,
             }
         }

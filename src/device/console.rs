@@ -3,14 +3,16 @@
 use core::fmt;
 
 use super::active::Active;
-use super::machine::{Device, Errand};
+use super::errand::Errand;
+use super::machine::Device;
 use super::sensor::SensorFault;
 use crate::extended::Live;
+use crate::number::Num;
 use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Reply, StreamMode};
 use crate::session::{Hint, State};
 use crate::store::StoreJob;
 
-const HELP: [&str; 10] = [
+const HELP: [&str; 11] = [
     "help | version | status",
     "cal start | cal stop | cal accept [force] | cal cancel | cal show | cal clear",
     "cal method adjusted|trace|constant",
@@ -18,6 +20,7 @@ const HELP: [&str; 10] = [
     "stream off | stream raw | stream cal | stream motioncal | stream log",
     "field UT: the expected magnitude, microtesla",
     "cov NAME=VALUE: a column that effects may follow, as in cov temp_c=31.5; NAME=- forgets it",
+    "heading | heading DECLINATION_DEG: where the front points, clockwise from north; east positive",
     "why: which effect is missing | effect list | effect add ID | effect remove ID",
     "a calibration: cal start, turn the board in all directions, cal stop, cal accept",
     "status says where to turn next",
@@ -43,6 +46,7 @@ impl Device {
                 let most = protocol::MAX_LINE;
                 return Some(reply.err(Code::Long, format_args!("a line has at most {most} characters")));
             }
+            Line::Packet(bytes) => return self.motioncal_packet(bytes, reply),
             Line::NotText => {
                 return Some(
                     reply.err(Code::Usage, format_args!("a line holds printable ASCII characters only")),
@@ -53,9 +57,6 @@ impl Device {
             Ok(command) => self.obey(command, reply),
             Err(ParseError::Unknown) => {
                 Some(reply.err(Code::Unknown, format_args!("no such command; try help")))
-            }
-            Err(ParseError::NotBuilt(word)) => {
-                Some(reply.err(Code::Unknown, format_args!("{word} is not built into this firmware yet")))
             }
             Err(ParseError::Usage(usage)) => Some(reply.err(Code::Usage, format_args!("{usage}"))),
         }
@@ -100,6 +101,7 @@ impl Device {
             }
             Command::Stream(mode) => self.set_stream(reply, mode),
             Command::Cov(list) => self.cov(reply, &list),
+            Command::Heading(declination_deg) => self.heading(reply, declination_deg),
             Command::Why => return self.why(reply),
             Command::EffectList => self.effect_list(reply),
             Command::EffectAdd(id) => return self.effect_add(reply, id),
@@ -107,7 +109,7 @@ impl Device {
             Command::Field(field_ut) => {
                 if self.session.set_field_ut(Some(field_ut)) {
                     self.status = None;
-                    reply.ok(format_args!("field_ut={field_ut:?}"))
+                    reply.ok(format_args!("field_ut={:?}", Num(field_ut)))
                 } else {
                     reply.err(Code::Usage, format_args!("field UT, a positive magnitude in microtesla"))
                 }
@@ -115,16 +117,18 @@ impl Device {
         })
     }
 
+    #[inline(never)]
     pub(super) fn version<W: fmt::Write>(&self, out: &mut W) -> Answered {
         let mut reply = Reply::new(out);
         let [a, b] = self.slots().states;
         reply.line(format_args!("slots={a},{b}"));
-        let [x, y, z] = self.config.sensor.board_ut_per_count();
+        let [x, y, z] = self.config.sensor.board_ut_per_count().map(Num);
         reply.line(format_args!("ut_per_count={x:?},{y:?},{z:?}"));
         reply.line(format_args!(
-            "samples_lost={} longest_turn_us={}",
+            "samples_lost={} longest_turn_us={} stamp_jitter_us={}",
             self.samples_lost(),
-            self.longest_turn_us
+            self.longest_turn_us,
+            Opt(self.stamp_jitter_us)
         ));
         if self.restarts.count > 0 {
             reply.line(format_args!("last_fault={}", self.restarts.last));
@@ -137,6 +141,7 @@ impl Device {
         ))
     }
 
+    #[inline(never)]
     fn status<W: fmt::Write>(&mut self, mut reply: Reply<'_, W>) -> Answered {
         let counts = self.session.counts();
         let status = match self.status {
@@ -184,7 +189,10 @@ impl Device {
         }
         if let Some(Active { live: Ok(_), monitor, .. }) = &self.active {
             let condition = monitor.condition().name();
-            reply.line(format_args!("monitor condition={condition} residual_ratio={:.2}", monitor.ratio()));
+            let (ratio, dip_ratio) = (Num(monitor.ratio()), Opt(monitor.dip_ratio().map(Num)));
+            reply.line(format_args!(
+                "monitor condition={condition} residual_ratio={ratio:.2} dip_ratio={dip_ratio:.2}"
+            ));
         }
         // What went wrong: restarts of the firmware, lost transactions, and samples out of range.
         let faults = [self.restarts.count, self.sensor.faults()]
@@ -195,10 +203,10 @@ impl Device {
             status.state.name(),
             counts.n,
             counts.skipped,
-            status.coverage,
-            status.gap_deg,
-            Opt(status.rms_ut),
-            Opt(status.noise_ut),
+            Num(status.coverage),
+            Num(status.gap_deg),
+            Opt(status.rms_ut.map(Num)),
+            Opt(status.noise_ut.map(Num)),
             u8::from(self.record().is_some()),
         ))
     }
@@ -208,6 +216,7 @@ impl Device {
         self.stream != StreamMode::Off
     }
 
+    #[inline(never)]
     fn set_stream<W: fmt::Write>(&mut self, reply: Reply<'_, W>, mode: StreamMode) -> Answered {
         if let (true, Some(fault)) = (mode != StreamMode::Off, self.sensor.fault()) {
             return self.no_sensor(reply, fault);

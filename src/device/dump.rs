@@ -4,6 +4,7 @@ use core::fmt;
 
 use super::machine::Device;
 use crate::fit::Spread;
+use crate::number::Num;
 use crate::protocol::{Answered, Code, Reply};
 
 /// Bytes of the record on one line.
@@ -11,6 +12,7 @@ const LINE_BYTES: usize = 32;
 
 impl Device {
     /// The calibration that `cal show` shows, with every bit of it.
+    #[inline(never)]
     pub(super) fn cal_dump<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
         let stored = self.active.as_ref().map(|active| (active.record, active.spread));
         let of_session = || self.session.solution().map(|report| report.spread);
@@ -65,7 +67,7 @@ impl fmt::Display for Row<'_> {
             if i > 0 {
                 f.write_str(",")?;
             }
-            write!(f, "{value:?}")
+            write!(f, "{:?}", Num(*value))
         })
     }
 }

@@ -3,13 +3,15 @@
 use core::fmt;
 
 use super::active::Active;
+use super::errand::Errand;
 use super::lessons::{Change, Purpose};
-use super::machine::{Device, Errand};
+use super::machine::Device;
 use super::why::{Figure, Id, NOTHING_YET};
 use crate::effect::{BuiltIn, Effect, TIME};
 use crate::extended::{Effects, ExtendedCalibration};
 use crate::fit::{MAX_PREDICTED_ERROR, Order};
-use crate::learn::{Candidate, Outcome, Status, has_id};
+use crate::learn::{Candidate, Motion, Outcome, Status, has_id};
+use crate::number::Num;
 use crate::protocol::{Answered, Code, EffectId, Reply};
 use crate::record::{PredictedError, Record};
 use crate::store::{Done, StoreError, StoreJob};
@@ -20,6 +22,7 @@ fn reads_time(effect: &BuiltIn<f64>) -> bool {
 
 impl Device {
     /// What the calibration in use carries, and what could be tested beside it.
+    #[inline(never)]
     pub(super) fn effect_list<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
         let learner = &self.lessons.learner;
         let in_use = || self.active.iter().flat_map(|active| active.record.effects.iter());
@@ -36,8 +39,7 @@ impl Device {
                 continue;
             }
             let state = match candidate {
-                Candidate::Lag if self.lessons.motion.turn_radps.is_none() => "needs-gyro",
-                Candidate::Lag if self.lessons.motion.accel_mps2.is_none() => "needs-accelerometer",
+                Candidate::Lag if self.lessons.motion == Motion::UNKNOWN => "needs-gyro-or-accelerometer",
                 _ if !learner.is_learning() => "waits",
                 _ => "tested",
             };
@@ -52,6 +54,7 @@ impl Device {
     }
 
     /// `effect add`: the question first, then what comes of it.
+    #[inline(never)]
     pub(super) fn effect_add<W: fmt::Write>(
         &mut self,
         reply: Reply<'_, W>,
@@ -67,7 +70,12 @@ impl Device {
                 reply.err(Code::State, format_args!("{id} is in use; effect remove {id} takes it out")),
             );
         }
-        if self.named(&id).is_none() {
+        let named = self.named(&id);
+        if named == Some(Candidate::Lag) && self.lessons.motion.turn_radps.is_none() {
+            let text = "a late sensor is corrected by the gyro alone, and there is none: feed gx_radps, gy_radps, gz_radps";
+            return Some(reply.err(Code::State, format_args!("{text}")));
+        }
+        if named.is_none() {
             return Some(reply.err(Code::Unknown, format_args!("{id} is not tested here; see effect list")));
         }
         self.ask(Purpose::Add(id));
@@ -99,7 +107,7 @@ impl Device {
                 Status::NotNeeded => "the samples do not ask for it",
                 _ => "the samples cannot tell yet: turn the board longer",
             };
-            let (status, p) = (finding.status.name(), finding.p_value);
+            let (status, p) = (finding.status.name(), Num(finding.p_value));
             let (before, after) = (Figure(finding.before), Figure(finding.after));
             return Some(reply.err(
                 Code::Refused,
@@ -154,6 +162,7 @@ impl Device {
     }
 
     /// `effect remove`.
+    #[inline(never)]
     pub(super) fn effect_remove<W: fmt::Write>(
         &mut self,
         reply: Reply<'_, W>,
@@ -188,6 +197,7 @@ impl Device {
     }
 
     /// It was stored, or not; only then it is applied.
+    #[inline(never)]
     pub(super) fn effect_stored<W: fmt::Write>(
         &mut self,
         outcome: Result<Done, StoreError>,

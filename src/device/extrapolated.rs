@@ -6,6 +6,7 @@ use crate::calibration::Calibration;
 use crate::effect::{MAX_INPUTS, TIME};
 use crate::extended::{FittedEffect, Outside};
 use crate::math;
+use crate::number::Num;
 
 /// An effect of the calibration in use that is extrapolated now.
 pub(super) struct Extrapolated<'a> {
@@ -45,7 +46,7 @@ impl<'a> Extrapolated<'a> {
 impl fmt::Display for Extrapolated<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let outside = &self.outside;
-        let ([least, most], value) = (outside.range, Digits(outside.value));
+        let ([least, most], value) = (outside.range.map(Num), Digits(outside.value));
         write!(
             f,
             "{}={value} by={} range={least:?},{most:?} effect=",
@@ -54,7 +55,7 @@ impl fmt::Display for Extrapolated<'_> {
         )?;
         crate::effect::Effect::<f64>::id(&self.fitted.effect, f)?;
         if let (Some(there), Some(here)) = (self.error_ut(outside.value), self.error_ut(outside.nearest())) {
-            write!(f, " error_ut={there:.3} error_at_range_ut={here:.3}")?;
+            write!(f, " error_ut={:.3} error_at_range_ut={:.3}", Num(there), Num(here))?;
         }
         Ok(())
     }
@@ -69,6 +70,6 @@ impl fmt::Display for Digits {
         while size < 100.0 && decimals < 9 {
             (size, decimals) = (10.0 * size, decimals + 1);
         }
-        write!(f, "{:.decimals$}", self.0)
+        write!(f, "{:.decimals$}", Num(self.0))
     }
 }

@@ -9,7 +9,8 @@ use super::sensor::SensorTask;
 use crate::effect::{ColumnName, TIME};
 use crate::fit::{MAX_PREDICTED_ERROR, Order};
 use crate::learn::{Fed, MAX_TESTED};
-use crate::protocol::{Answered, Assignments, Code, Opt, Reply};
+use crate::number::Num;
+use crate::protocol::{Answered, Assignments, Code, Reply};
 use crate::record::Record;
 use crate::sensor::Sample;
 use crate::session::State;
@@ -26,8 +27,10 @@ const TEMPERATURE: &str = "temp_c";
 /// How often a calibration under way is looked at, and with how many samples first.
 const BEGIN_MS: u64 = 2000;
 const BEGIN_SAMPLES: u64 = 150;
-/// The study begins at a calibration whose predicted error is so many times what would be accepted.
+/// The study begins at a calibration whose predicted error is so many times what would be accepted, ...
 const GOOD_ENOUGH: f64 = 5.0;
+/// ... and with so many samples at any: a strong effect is what makes it wrong.
+const MOST_SAMPLES: u64 = 1500;
 
 const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
 const TURN: [&str; 3] = ["gx_radps", "gy_radps", "gz_radps"];
@@ -96,6 +99,7 @@ impl Device {
     }
 
     /// `cov`: all columns of the line, or none.
+    #[inline(never)]
     pub(super) fn cov<W: fmt::Write>(&mut self, reply: Reply<'_, W>, list: &Assignments) -> Answered {
         let learner = &self.lessons.learner;
         let is_read = |name: &ColumnName| {
@@ -134,6 +138,7 @@ impl Device {
     }
 
     /// Learns from a sample.
+    #[inline(never)]
     pub(super) fn learn(&mut self, sample: Sample, t_ms: u64) {
         if !STUDIES || !self.lessons.learner.is_learning() {
             return;
@@ -157,12 +162,14 @@ impl Device {
         match &self.active {
             _ if !STUDIES => {}
             Some(active) => self.lessons.learner.begin(&active.record.calibration),
-            None => self.lessons.learner.reset(),
+            // The study knows where it stood; where that is wrong it finds out.
+            None => self.lessons.learner.begin_again(),
         }
         self.lessons.begin_at_ms = 0;
     }
 
     /// Begins the study at a calibration that is under way, once it is good enough. Whether it took a computation.
+    #[inline(never)]
     pub(super) fn begin_to_learn(&mut self) -> bool {
         let lessons = &self.lessons;
         if !STUDIES
@@ -176,16 +183,22 @@ impl Device {
         }
         self.compute_asked_ms = None;
         self.lessons.begin_at_ms = self.now_ms + BEGIN_MS;
-        if let Some(Ok(report)) = self.session.ellipsoid_so_far()
-            && report.model == Order::Ellipsoid
-            && report.predicted_error_ut < GOOD_ENOUGH * MAX_PREDICTED_ERROR * report.calibration.field_ut
-        {
+        let n = self.session.counts().n;
+        if n < MOST_SAMPLES {
+            if let Some(Ok(report)) = self.session.ellipsoid_so_far()
+                && report.model == Order::Ellipsoid
+                && report.predicted_error_ut < GOOD_ENOUGH * MAX_PREDICTED_ERROR * report.calibration.field_ut
+            {
+                self.lessons.learner.begin(&report.calibration);
+            }
+        } else if let Some(Ok(report)) = self.session.fit_so_far() {
             self.lessons.learner.begin(&report.calibration);
         }
         true
     }
 
     /// Applies a record from now on. What was learned goes on where it was learned without effects, in the same field.
+    #[inline(never)]
     pub(super) fn put_to_work(&mut self, slot: Slot, record: Record) {
         let had_effects = self.active.as_ref().is_some_and(|active| !active.record.effects.is_empty());
         let learner = &mut self.lessons.learner;
@@ -211,6 +224,7 @@ impl Device {
     }
 
     /// There is no calibration any more.
+    #[inline(never)]
     pub(super) fn cleared_from_work(&mut self) {
         let Some(active) = self.active.take() else { return };
         if STUDIES && !active.record.effects.is_empty() {
@@ -259,8 +273,8 @@ impl fmt::Display for Shown<'_> {
         for (index, (name, value)) in self.0.iter().enumerate() {
             f.write_str(if index == 0 { "" } else { " " })?;
             match value {
-                Some(value) => write!(f, "{name}={value:?}")?,
-                None => write!(f, "{name}={}", Opt::<f64>(None))?,
+                Some(value) => write!(f, "{name}={:?}", Num(*value))?,
+                None => write!(f, "{name}=-")?,
             }
         }
         Ok(())

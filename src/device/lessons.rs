@@ -75,4 +75,14 @@ impl Lessons {
             temperature_by_hand: false,
         }
     }
+
+    /// Forgets everything, in place.
+    pub(super) fn begin_anew(&mut self) {
+        self.learner.begin_anew();
+        self.motion = Motion::UNKNOWN;
+        (self.accel, self.turn) = ([None; 3], [None; 3]);
+        (self.question, self.changed) = (None, None);
+        (self.temperature_at_ms, self.begin_at_ms) = (0, 0);
+        (self.own_clock, self.temperature_by_hand) = (false, false);
+    }
 }

@@ -4,11 +4,13 @@ use core::fmt;
 
 use super::loading::NotTaken;
 use super::machine::Device;
+use crate::number::Num;
 use crate::protocol::{Answered, Code, Load, Reply};
 use crate::record::Record;
 use crate::session::State;
 
 impl Device {
+    #[inline(never)]
     pub(super) fn cal_load<W: fmt::Write>(&mut self, reply: Reply<'_, W>, load: Load) -> Answered {
         if self.session.state() == State::Collecting {
             return reply
@@ -27,6 +29,7 @@ impl Device {
         }
     }
 
+    #[inline(never)]
     fn load_end<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Answered {
         if let Err(why) = self.loading.is_whole() {
             return not_taken(reply, why);
@@ -40,7 +43,7 @@ impl Device {
                     "state={} effects={} field_ut={:?}",
                     self.state().name(),
                     record.effects.len(),
-                    record.calibration.field_ut
+                    Num(record.calibration.field_ut)
                 ))
             }
             Err(why) => reply.err(Code::Refused, format_args!("{why}")),
@@ -53,6 +56,7 @@ impl Device {
     }
 
     /// The calibration that waits for `cal accept`: loaded or solved.
+    #[inline(never)]
     pub(super) fn waiting(&self) -> Option<Record> {
         let record = self.loading.record().or_else(|| self.session.solution().map(Record::of))?;
         Some(Record { axes: Some(self.config.sensor.axes), ..record })

@@ -163,6 +163,18 @@ impl Loading {
         Ok(record)
     }
 
+    /// Takes a calibration that came otherwise, and checks it as one that came line by line.
+    pub(super) fn take_record(&mut self, record: &Record, axes: AxisMap) -> Result<Record, NotLoaded> {
+        self.forget();
+        let Ok(encoded) = record.encode() else { return Err(NotLoaded::Crc) };
+        let bytes = encoded.as_bytes();
+        let crc = bytes.last_chunk().copied().map_or(0, u32::from_le_bytes);
+        self.phase = Phase::Receiving { of: bytes.len(), crc };
+        // A record fits.
+        let _ = self.bytes.extend_from_slice(bytes);
+        self.end(axes)
+    }
+
     /// Whether a calibration waits to be accepted.
     pub(super) fn waits(&self) -> bool {
         self.phase == Phase::Waiting

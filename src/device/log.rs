@@ -6,6 +6,7 @@ use heapless::Vec;
 
 use super::streamed::Sample;
 use crate::effect::ColumnName;
+use crate::number::Num;
 
 /// The most columns beside the sensor's own.
 pub(super) const LOG_COLUMNS: usize = 12;
@@ -71,7 +72,7 @@ impl Log {
             None => out.write_str(",-,-,-")?,
         }
         self.columns.iter().try_for_each(|(_, value)| {
-            if value.is_finite() { write!(out, ",{value:?}") } else { out.write_str(",-") }
+            if value.is_finite() { write!(out, ",{:?}", Num(*value)) } else { out.write_str(",-") }
         })?;
         out.write_str("\n")
     }

@@ -6,30 +6,21 @@ use heapless::Deque;
 
 use super::active::Active;
 use super::button::{Button, ButtonEvent};
+use super::config::DeviceConfig;
+use super::errand::Errand;
 use super::lessons::Lessons;
 use super::loading::Loading;
 use super::log::Log;
 use super::output::{MAX_REPLY_BYTES, Output};
-use super::sensor::{Pace, SensorAnswer, SensorTask, SensorWatch};
+use super::sensor::{SensorAnswer, SensorTask, SensorWatch};
 use super::stream;
 use super::streamed;
-use crate::gate::block_samples;
+use super::view::View;
 use crate::protocol::{Line, LineSplitter, StreamMode};
 use crate::record::Record;
-use crate::sensor::{Reading, Sample, Sensor};
-use crate::session::{Session, SessionConfig, State, Status};
+use crate::sensor::{Reading, Sample};
+use crate::session::{Session, State, Status};
 use crate::store::{BothSlots, Done, SlotState, StoreAnswer, StoreError, StoreJob, StoreTask};
-
-/// What a device needs to know of its board.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DeviceConfig {
-    /// The board's name, for `version`.
-    pub board: &'static str,
-    /// The sensor, as configured and mounted.
-    pub sensor: Sensor,
-    /// When samples are taken.
-    pub pace: Pace,
-}
 
 /// What the owner has to do now.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,23 +45,6 @@ const PATIENCE_MS: u64 = 300;
 /// When a full output is looked at again.
 const OUTPUT_RETRY_MS: u64 = 10;
 
-/// What a job at the store is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Errand {
-    /// To find the calibration, at the start, or again because a slot did not answer then.
-    Boot,
-    /// For `version`.
-    Version,
-    /// For `cal accept`.
-    Accept,
-    /// For the button.
-    AcceptByButton,
-    /// For `cal clear`.
-    Clear,
-    /// For `effect add` and `effect remove`.
-    Effect,
-}
-
 /// Restarts of the board after a fault of its firmware.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Restarts {
@@ -86,6 +60,7 @@ pub struct Device {
     pub(super) loading: Loading,
     pub(super) active: Option<Active>,
     pub(super) lessons: Lessons,
+    pub(super) view: View,
     pub(super) sensor: SensorWatch,
     pub(super) stream: StreamMode,
     pub(super) log: Log,
@@ -106,24 +81,23 @@ pub struct Device {
     event: Option<ButtonEvent>,
     pub(super) restarts: Restarts,
     pub(super) longest_turn_us: u32,
+    pub(super) stamp_jitter_us: Option<u32>,
     /// The time of the last poll or answer.
     pub(super) now_ms: u64,
 }
 
 impl Device {
     /// A device with an idle session, a sensor to be started and a store to be looked at.
+    #[inline(never)]
     pub fn new(config: DeviceConfig) -> Self {
         let sensor = &config.sensor;
-        let mut session_config = SessionConfig::of(sensor);
-        if let Pace::Every(period_ms) = config.pace {
-            session_config.samples_per_block = block_samples(1000.0 / f64::from(period_ms.max(1)));
-        }
         Self {
             config,
-            session: Session::new(session_config),
+            session: Session::new(config.session()),
             loading: Loading::nothing(),
             active: None,
             lessons: Lessons::new(),
+            view: View::new(),
             sensor: SensorWatch::new(config.pace, sensor),
             stream: StreamMode::Off,
             log: Log::new(),
@@ -142,8 +116,32 @@ impl Device {
             event: None,
             restarts: Restarts::default(),
             longest_turn_us: 0,
+            stamp_jitter_us: None,
             now_ms: 0,
         }
+    }
+
+    /// Begins from nothing with another sensor, in place: a second device would be as large as this one. What was told of restarts
+    /// and of the owner's turns stays.
+    #[inline(never)]
+    pub fn begin_anew(&mut self, config: DeviceConfig) {
+        self.sensor = SensorWatch::new(config.pace, &config.sensor);
+        self.session = Session::new(config.session());
+        self.config = config;
+        self.loading.forget();
+        self.active = None;
+        self.lessons.begin_anew();
+        self.view.begin_anew();
+        self.stream = StreamMode::Off;
+        self.log = Log::new();
+        self.samples_taken = 0;
+        self.waiting.clear();
+        (self.splitter, self.line_waits) = (LineSplitter::new(), false);
+        (self.compute_asked_ms, self.status) = (None, None);
+        self.job = Some((Errand::Boot, StoreJob::inspect()));
+        self.slots = BothSlots { states: [SlotState::Unreadable; 2] };
+        (self.store_unread, self.looked_again) = (true, false);
+        (self.presses, self.event) = (0, None);
     }
 
     /// Tells the device that the board restarted `count` times since power-up after a fault of its firmware, and in words
@@ -165,6 +163,11 @@ impl Device {
         self.longest_turn_us = self.longest_turn_us.max(us);
     }
 
+    /// Tells the device how far the stamps of samples were from the sensor's own rhythm, at most; `version` shows it.
+    pub const fn note_stamp_jitter_us(&mut self, us: Option<u32>) {
+        self.stamp_jitter_us = us;
+    }
+
     /// Takes a byte from the console. `false`, and nothing taken, while a line waits for its answer: the byte is to be offered
     /// again after the next poll.
     #[must_use = "a byte that was not taken is to be offered again"]
@@ -172,7 +175,8 @@ impl Device {
         if self.line_waits {
             return false;
         }
-        self.line_waits = self.splitter.push(byte).is_some();
+        let packets = self.stream == StreamMode::MotionCal;
+        self.line_waits = self.splitter.push_or_packet(byte, packets).is_some();
         true
     }
 
@@ -195,7 +199,7 @@ impl Device {
         self.event.take()
     }
 
-    /// Takes a measurement (chip axes) that the owner made on its own: with [`Pace::Pushed`], all of them. It works without
+    /// Takes a measurement (chip axes) that the owner made on its own: with [`Pace::Pushed`](crate::device::Pace::Pushed), all of them. It works without
     /// anything else, too: a sensor that is heard of works.
     pub fn on_sample(&mut self, reading: &Reading, t_ms: u64) {
         self.now_ms = self.now_ms.max(t_ms);
@@ -207,8 +211,11 @@ impl Device {
         self.session.push(sample);
         self.samples_taken = self.samples_taken.wrapping_add(1);
         let measured_ut = self.config.sensor.measured_ut(sample);
-        if let (Some(active), Some(measured_ut)) = (&mut self.active, measured_ut) {
-            active.watch(t_ms, measured_ut);
+        if let Some(measured_ut) = measured_ut {
+            self.view.measured(t_ms, measured_ut);
+            if let Some(active) = &mut self.active {
+                active.watch(t_ms, measured_ut, &self.lessons.motion);
+            }
         }
         self.learn(sample, t_ms);
         if self.stream != StreamMode::Off {
@@ -248,6 +255,8 @@ impl Device {
 
     /// What has to be done at `now_ms` (since power-up). The same action is returned until it is completed, so that an owner
     /// may give up on one and poll again. The order: streams, the sensor, the store, the button, one line of the console.
+    // Not within its owner: a loop's frame would hold what all of it needs, for as long as the loop turns.
+    #[inline(never)]
     pub fn poll(&mut self, now_ms: u64, out: &mut impl Output) -> Action {
         self.now_ms = self.now_ms.max(now_ms);
         self.sensor.time(now_ms);
@@ -287,7 +296,7 @@ impl Device {
         if self.line_waits && out.takes(MAX_REPLY_BYTES) && self.answer_line(out) {
             return Action::Again;
         }
-        if self.begin_to_learn() { Action::Again } else { Action::Sleep }
+        if self.begin_to_learn() || self.look_at_coverage() { Action::Again } else { Action::Sleep }
     }
 
     /// When there is something to do without anything coming from outside; a time past: at once.
@@ -337,6 +346,7 @@ impl Device {
     }
 
     /// Answers the line that waits, or begins what its answer needs. `false` where it has to wait.
+    #[inline(never)]
     fn answer_line(&mut self, out: &mut impl Output) -> bool {
         let splitter = mem::take(&mut self.splitter);
         let line = splitter.last().unwrap_or(Line::NotText);
@@ -369,6 +379,7 @@ impl Device {
         matches!(errand, Errand::Version | Errand::Accept | Errand::Clear | Errand::Effect)
     }
 
+    #[inline(never)]
     fn finish(&mut self, errand: Errand, outcome: Result<Done, StoreError>, out: &mut impl Output) {
         if let Ok(Done::Inspected(slots, record)) = &outcome {
             self.adopt(*slots, *record);
@@ -394,6 +405,7 @@ impl Device {
 
     /// Takes note of what stands in the slots. The record found is put to work where none was found before, or not all could
     /// be read; one that is at work already goes on with the columns it was fed.
+    #[inline(never)]
     fn adopt(&mut self, slots: BothSlots, record: Option<Record>) {
         self.slots = slots;
         if !self.store_unread {

@@ -7,6 +7,7 @@ use super::streamed::Sample;
 use crate::calibration::norm;
 use crate::extended::Live;
 use crate::math;
+use crate::number::Num;
 use crate::protocol::StreamMode;
 
 /// The room that a line of most streams needs.
@@ -42,6 +43,7 @@ pub(super) fn write_line(
                 return writeln!(out, "C,{},-,-,-,-,-", sample.t_ms);
             };
             let ([x, y, z], length, residual) = (ut, norm(ut), cal.residual_ut(ut));
+            let ([x, y, z], length, residual) = ([x, y, z].map(Num), Num(length), Num(residual));
             writeln!(out, "C,{},{x:.3},{y:.3},{z:.3},{length:.3},{residual:.3}", sample.t_ms)
         }
         // MotionCal has no word for an unknown value: a sample out of range is left out.

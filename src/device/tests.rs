@@ -3,8 +3,9 @@
 extern crate std;
 
 use super::active::Active;
+use super::config::DeviceConfig;
 use super::light::Light;
-use super::machine::{Action, Device, DeviceConfig};
+use super::machine::{Action, Device};
 use super::sensor::{Pace, SensorAnswer, SensorTask};
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, ColumnName, Drift, Offset};
@@ -137,4 +138,141 @@ fn status_says_what_keeps_a_calibration_from_use() {
         let said = answer(&mut device, "status", 3000);
         assert!(said.starts_with(hint), "{said}");
     }
+}
+
+#[test]
+fn a_device_that_begins_anew_is_as_good_as_a_new_one() {
+    let other = Sensor::uniform("another chip", 0.05, 100.0);
+    let config = DeviceConfig { board: "bench", sensor: other, pace: Pace::Pushed };
+    let mut used = device(BuiltIn::Drift(Drift { reference_s: 100.0 }));
+    used.session.start();
+    assert!(answer(&mut used, "cov temp_c=20 current_a=3", 5).starts_with("ok "));
+    assert!(answer(&mut used, "field 48", 6).starts_with("ok "));
+    used.begin_anew(config);
+    let mut new = Device::new(config);
+    for now_ms in 0..3000 {
+        answer(&mut used, "", now_ms);
+        answer(&mut new, "", now_ms);
+    }
+    (used.store_unread, new.store_unread) = (false, false);
+    for (line, now_ms) in [("status", 4000), ("effect list", 4001), ("cal show", 4002), ("help", 4003)] {
+        assert_eq!(answer(&mut used, line, now_ms), answer(&mut new, line, now_ms), "{line}");
+    }
+    assert_eq!(used.session.config(), new.session.config());
+}
+
+/// A device that applies an identity in a field of 50 µT, and has a memory in which everything can be stored.
+fn calibrated() -> Device {
+    let mut device = plain_device();
+    let plain = Record { effects: Effects::none(), ..record(BuiltIn::Drift(Drift { reference_s: 0.0 })) };
+    device.active = Some(Active::new(Slot::A, plain, AxisMap::IDENTITY));
+    device.store_unread = false;
+    device
+}
+
+#[test]
+fn the_heading_needs_a_sample_and_the_way_down_and_takes_a_declination() {
+    let mut device = calibrated();
+    device.rest();
+    assert!(answer(&mut device, "heading", 1).starts_with("err sensor "), "nothing was measured");
+    // Level, the front to the east: 20 µT of north come from the left.
+    device.on_sample(&Reading { counts: [0, -200, 450], overflow: [false; 3] }, 10);
+    assert!(answer(&mut device, "heading", 11).starts_with("err state which way is down is not known"));
+    device.on_motion(Some([0.0, 0.0, -9.81]), None);
+    assert_eq!(answer(&mut device, "heading", 12), "ok heading_deg=90.0 declination_deg=0.0");
+    assert_eq!(answer(&mut device, "heading 3.5", 13), "ok heading_deg=93.5 declination_deg=3.5");
+    // On its right side.
+    device.on_sample(&Reading { counts: [0, 450, 200], overflow: [false; 3] }, 20);
+    device.on_motion(Some([0.0, -9.81, 0.0]), None);
+    assert_eq!(
+        answer(&mut device, "heading", 21),
+        "ok heading_deg=93.5 declination_deg=3.5",
+        "it is remembered"
+    );
+    device.on_motion(Some([-9.81, 0.0, 0.0]), None);
+    assert!(answer(&mut device, "heading", 22).starts_with("err state the front points up or down"));
+    device.active = None;
+    assert!(answer(&mut device, "heading", 23).starts_with("err state there is no calibration in use"));
+}
+
+#[test]
+fn lights_that_can_show_north_do_and_others_show_the_state() {
+    let mut device = calibrated();
+    device.on_sample(&Reading { counts: [0, -200, 450], overflow: [false; 3] }, 10);
+    device.on_motion(Some([0.0, 0.0, -9.81]), None);
+    assert_eq!((device.shown(20).light, device.shown(20).heading_deg), (Light::Calibrated, None));
+    device.show_coverage();
+    assert_eq!(device.shown(30).ring(), 1 << 6, "north is on the left");
+    device.session.start();
+    assert_eq!(device.shown(40).light, Light::Collecting);
+    assert_eq!(device.shown(40).seen.count(), 0);
+}
+
+/// Bytes to the console, with a memory that takes everything.
+fn typed(device: &mut Device, bytes: &[u8], now_ms: u64) -> std::string::String {
+    let mut out = String::<4096>::new();
+    let mut slots = [[0xff_u8; crate::record::MAX_RECORD_BYTES]; 2];
+    let (mut bytes, mut turns) = (bytes.iter(), 0);
+    loop {
+        if device.is_idle()
+            && let Some(byte) = bytes.next()
+        {
+            assert!(device.take_byte(*byte));
+        }
+        match device.poll(now_ms, &mut out) {
+            Action::Store(crate::store::StoreTask::Read { slot, at, length }) => {
+                let bytes = crate::store::Chunk::from_slice(&slots[slot.index()][at..at + length]).unwrap();
+                device.complete_store(&StoreAnswer::Read(bytes), now_ms);
+            }
+            Action::Store(crate::store::StoreTask::Write { slot, at, bytes }) => {
+                slots[slot.index()][at..at + bytes.len()].copy_from_slice(&bytes);
+                device.complete_store(&StoreAnswer::Written, now_ms);
+            }
+            Action::Sensor(SensorTask::Start) => device.complete_sensor(SensorAnswer::Started, now_ms),
+            Action::Sensor(SensorTask::Sample) => {
+                let reading = Reading { counts: [200, -100, 350], overflow: [false; 3] };
+                device.complete_sensor(SensorAnswer::Reading(reading), now_ms);
+            }
+            Action::Sensor(SensorTask::Temperature) => {
+                device.complete_sensor(SensorAnswer::Temperature(None), now_ms);
+            }
+            Action::Again => {}
+            Action::Sleep if device.is_idle() && bytes.len() == 0 => break,
+            Action::Sleep => {
+                turns += 1;
+                assert!(turns < 1000, "it waits for something: {out}");
+            }
+        }
+    }
+    let replies = out.lines().filter(|line| !line.starts_with("Raw:"));
+    replies.collect::<std::vec::Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_packet_of_motioncal_is_confirmed_stored_and_applied() {
+    let mut device = plain_device();
+    assert!(typed(&mut device, b"stream motioncal\n", 5).contains("ok stream=motioncal"));
+    let calibration = Calibration {
+        offset_ut: [12.5, -30.25, 7.0],
+        matrix: [[1.25, 0.125, 0.0], [0.125, 1.0, 0.0], [0.0, 0.0, 0.75]],
+        field_ut: 48.5,
+    };
+    let packet = crate::protocol::Packet(calibration).bytes();
+    let mut spoilt = packet;
+    spoilt[30] ^= 1;
+    assert!(typed(&mut device, &spoilt, 6).starts_with("err usage the packet is not what was sent"));
+    assert_eq!(
+        typed(&mut device, &packet, 7),
+        "Cal1:0.0,0.0,0.0,0.0,0.0,0.0,12.5,-30.25,7.0,48.5\nCal2:1.25,0.125,0.0,0.125,1.0,0.0,0.0,0.0,0.75\n\
+         ok calibrated=1 slot=0 sequence=1"
+    );
+    let applied = device.active.as_ref().expect("it is applied").record.calibration;
+    assert_eq!(applied, calibration.cast());
+    // A line in between, and one that begins as a packet does.
+    assert!(typed(&mut device, b"uT?\n", 8).starts_with("err unknown"));
+    device.session.start();
+    assert!(typed(&mut device, &packet, 9).starts_with("err state samples are being collected"));
+    // Without the stream a packet is bytes that are no text.
+    assert!(typed(&mut device, b"cal cancel\nstream off\n", 10).ends_with("ok stream=off"));
+    assert!(typed(&mut device, &[&packet[..], b"\n"].concat(), 11).starts_with("err "));
 }

@@ -7,10 +7,12 @@ use super::machine::Device;
 use crate::effect::{BuiltIn, Effect, advice};
 use crate::extended::Effects;
 use crate::learn::{Candidate, Finding, Found, Inquiry, Outcome, Status, Verdict};
+use crate::number::Num;
 use crate::protocol::{Answered, Code, Opt, Reply};
 
 impl Device {
     /// Puts the question; the answer comes once the study has it. An answer at once where there is nothing to study.
+    #[inline(never)]
     pub(super) fn why<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Option<Answered> {
         if !self.lessons.learner.is_learning() {
             return Some(reply.err(Code::State, format_args!("{NOTHING_YET}")));
@@ -20,6 +22,7 @@ impl Device {
     }
 
     pub(super) fn ask(&mut self, purpose: Purpose) {
+        self.lessons.learner.settle();
         let learner = &self.lessons.learner;
         let none = Effects::none();
         let effects = self.active.as_ref().map_or(&none, |active| &active.record.effects);
@@ -28,6 +31,7 @@ impl Device {
     }
 
     /// Does one piece of the question's work, right after a sample; with the last one it is answered. `false` where it has to wait.
+    #[inline(never)]
     pub(super) fn ponder<W: fmt::Write>(&mut self, out: &mut W) -> bool {
         if !self.may_compute(true) {
             return false;
@@ -119,7 +123,11 @@ impl Device {
                     let Some(effect) = self.lessons.learner.effect(candidate) else { continue };
                     let (finding, unit) = (
                         outcome.of(candidate),
-                        if candidate == Candidate::Lag { "deg of the dip" } else { "uT" },
+                        match candidate {
+                            Candidate::Lag if outcome.late_by_turning => "deg of the turning",
+                            Candidate::Lag => "deg of the dip",
+                            _ => "uT",
+                        },
                     );
                     reply.line(format_args!(
                         "says With it the error falls from {} to {} {unit}: effect add {}",
@@ -208,7 +216,7 @@ pub(super) struct Figure(pub(super) f32);
 
 impl fmt::Display for Figure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.0.is_finite() { write!(f, "{:.4}", self.0) } else { f.write_str("-") }
+        if self.0.is_finite() { write!(f, "{:.4}", Num(self.0)) } else { f.write_str("-") }
     }
 }
 
@@ -217,7 +225,7 @@ struct Chance(f32);
 
 impl fmt::Display for Chance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.0 < 1e-30 { f.write_str("0") } else { write!(f, "{:.1e}", self.0) }
+        if self.0 < 1e-30 { f.write_str("0") } else { write!(f, "{:.1e}", Num(self.0)) }
     }
 }
 

@@ -103,6 +103,10 @@ macro_rules! built_in_effects {
                 match self { $($(BuiltIn::$variant(effect) => Effect::<T>::reads_centre(effect),)+)+ }
             }
             #[inline]
+            fn delay_s(&self, coefficients: &Coefficients<T>) -> Option<T> {
+                match self { $($(BuiltIn::$variant(effect) => Effect::<T>::delay_s(effect, coefficients),)+)+ }
+            }
+            #[inline]
             fn disturbance(&self, at: &Quantities<T>, coefficients: &Coefficients<T>) -> [T; 3] {
                 match self { $($(BuiltIn::$variant(effect) => effect.disturbance(at, coefficients),)+)+ }
             }

@@ -1,5 +1,6 @@
 //! What effects have in common where they are written as code of another program.
 
+use crate::number::Num;
 use core::fmt;
 
 /// A constant of C to the last bit, in whatever precision the header is compiled for.
@@ -8,7 +9,7 @@ pub struct CNumber(pub f64);
 
 impl fmt::Display for CNumber {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "(ironout_real){:?}", self.0)
+        write!(f, "(ironout_real){:?}", Num(self.0))
     }
 }
 
@@ -38,8 +39,8 @@ impl fmt::Display for RustNumber {
         match (self.value.is_nan(), self.single) {
             (true, true) => f.write_str("f32::NAN"),
             (true, false) => f.write_str("f64::NAN"),
-            (false, true) => write!(f, "{:?}", self.value as f32),
-            (false, false) => write!(f, "{:?}", self.value),
+            (false, true) => write!(f, "{:?}", Num(self.value as f32)),
+            (false, false) => write!(f, "{:?}", Num(self.value)),
         }
     }
 }

@@ -37,6 +37,13 @@ pub trait Effect<T: Real> {
     fn reads_centre(&self) -> bool {
         true
     }
+    /// How late the whole reading is, s, where that is all that the effect does: the correction then turns the vector by what
+    /// the board turned meanwhile, which keeps its length, and takes nothing off it. [`Effect::shape`] is then the
+    /// derivative after the delay, and [`Effect::disturbance`] is zero.
+    #[inline]
+    fn delay_s(&self, _coefficients: &Coefficients<T>) -> Option<T> {
+        None
+    }
     /// `Φ θ`, µT. The same as [`Effect::shape`] times the coefficients, which is what it does unless an effect knows a
     /// cheaper way.
     #[inline]
@@ -84,6 +91,9 @@ impl<T: Real, E: Effect<T> + ?Sized> Effect<T> for &E {
     }
     fn reads_centre(&self) -> bool {
         (**self).reads_centre()
+    }
+    fn delay_s(&self, coefficients: &Coefficients<T>) -> Option<T> {
+        (**self).delay_s(coefficients)
     }
     fn disturbance(&self, at: &Quantities<T>, coefficients: &Coefficients<T>) -> [T; 3] {
         (**self).disturbance(at, coefficients)

@@ -7,6 +7,7 @@ use super::family::{Advice, Amount, Family, Follows, Subject};
 use super::parts::{Form, Parts, Zero};
 use super::quantities::{Coefficients, Column, MAX_INPUTS, Quantities, Shape, TIME, along, isotropic};
 use crate::math::Real;
+use crate::number::Num;
 use core::fmt;
 
 /// `drift`: `Φ = I₃·(t − t₀)`.
@@ -64,7 +65,7 @@ impl Family for Drifts {
         &["BuiltIn", "Drift"]
     }
     fn c(&self, parts: &Parts<&str>, [time, _]: [&str; MAX_INPUTS], out: &mut dyn fmt::Write) -> fmt::Result {
-        c_along(out, format_args!("(ironout_real)({time} - {:?})", parts.reference), "")
+        c_along(out, format_args!("(ironout_real)({time} - {:?})", Num(parts.reference)), "")
     }
 }
 

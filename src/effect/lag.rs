@@ -14,9 +14,11 @@ const KIND: &str = "lag";
 const DELAY: Form = Form { tag: 9, coefficients: 1, dip_only: true, ..Form::PLAIN };
 const COUPLING: Form = Form { tag: 10, coefficients: 9, ..Form::PLAIN };
 
-/// `lag`: `ĥ(t) = A h(t − τ) + b`, to first order `Φ = A (ω × h)`, k = 1, the coefficient is τ.
+/// `lag`: `ĥ(t) = A h(t − τ) + b` with `h(t − τ) = exp([ω]τ) h(t)`, k = 1, the coefficient is τ; its derivative is
+/// `Φ = A (ω × h)`.
 ///
-/// Every late point still lies on the ellipsoid, so the magnitude cannot see it; the dip can.
+/// The correction turns the vector back by what the board turned meanwhile: every late point still lies on the ellipsoid,
+/// so the magnitude cannot see it; the dip can.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Lag;
 
@@ -51,9 +53,19 @@ impl<T: Real> Effect<T> for Lag {
         *first = at.turning_ut_per_s;
     }
 
+    fn reads_centre(&self) -> bool {
+        // It takes nothing off the vector that it turns.
+        false
+    }
+
     #[inline]
-    fn disturbance(&self, at: &Quantities<T>, [delay, ..]: &Coefficients<T>) -> [T; 3] {
-        at.turning_ut_per_s.map(|rate| rate * *delay)
+    fn delay_s(&self, [delay, ..]: &Coefficients<T>) -> Option<T> {
+        Some(*delay)
+    }
+
+    #[inline]
+    fn disturbance(&self, _: &Quantities<T>, _: &Coefficients<T>) -> [T; 3] {
+        [T::zero(); 3]
     }
 }
 
@@ -191,12 +203,13 @@ impl Family for Lags {
         if parts.form.dip_only { &["BuiltIn", "Lag"] } else { &["BuiltIn", "Eddy"] }
     }
     fn c(&self, parts: &Parts<&str>, _: [&str; MAX_INPUTS], out: &mut dyn fmt::Write) -> fmt::Result {
-        out.write_str("            for (i = 0; i < 3; i++) {\n                ")?;
-        out.write_str(if parts.form.dip_only {
-            "sum[i] += theta[0] * turning[i];"
-        } else {
-            "sum[i] += theta[3 * i] * turning[0] + theta[3 * i + 1] * turning[1] + theta[3 * i + 2] * turning[2];"
-        })?;
-        out.write_str("\n            }\n")
+        if parts.form.dip_only {
+            // Nothing is taken off: the corrected vector is turned.
+            return Ok(());
+        }
+        out.write_str(
+            "            for (i = 0; i < 3; i++) {\n                sum[i] += theta[3 * i] * turning[0] + theta[3 * i + 1] * \
+             turning[1] + theta[3 * i + 2] * turning[2];\n            }\n",
+        )
     }
 }

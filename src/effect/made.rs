@@ -77,6 +77,9 @@ impl<C: AsRef<str>> Effect<f64> for Made<C> {
     fn reads_centre(&self) -> bool {
         self.ask(true, |effect| effect.reads_centre())
     }
+    fn delay_s(&self, coefficients: &Coefficients<f64>) -> Option<f64> {
+        self.ask(None, |effect| effect.delay_s(coefficients))
+    }
     fn disturbance(&self, at: &Quantities<f64>, coefficients: &Coefficients<f64>) -> [f64; 3] {
         self.ask([0.0; 3], |effect| effect.disturbance(at, coefficients))
     }

@@ -81,6 +81,11 @@ impl Form {
         offered: true,
     };
 
+    /// Whether a log may hold several of it, each at a place of its own: steps, and tones.
+    pub const fn is_repeated(&self) -> bool {
+        !self.column && matches!(self.searched, Some(Searched::At | Searched::Frequency))
+    }
+
     /// Whether the square of the column acts.
     pub fn is_squared(&self) -> bool {
         self.zero == Zero::Square

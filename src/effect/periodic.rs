@@ -7,6 +7,7 @@ use super::family::{Advice, Family, Follows, Group, Subject};
 use super::parts::{Form, Parts, Searched, Zero};
 use super::quantities::{Column, MAX_INPUTS, Quantities, Shape, TIME, diagonal};
 use crate::math::{self, Real};
+use crate::number::Num;
 use core::f64::consts::TAU;
 use core::fmt;
 
@@ -71,7 +72,7 @@ impl Family for Tones {
         Some(Advice { text, names: [other.column, ""] })
     }
     fn rust(&self, parts: &Parts<&str>, _: &RustCode<'_>, out: &mut dyn fmt::Write) -> fmt::Result {
-        let Parts { reference, parameter, .. } = parts;
+        let (reference, parameter) = (Num(parts.reference), Num(parts.parameter));
         write!(
             out,
             "BuiltIn::Periodic(Periodic {{ frequency_hz: {parameter:?}, reference_s: {reference:?} }})"
@@ -81,7 +82,7 @@ impl Family for Tones {
         &["BuiltIn", "Periodic"]
     }
     fn c(&self, parts: &Parts<&str>, [time, _]: [&str; MAX_INPUTS], out: &mut dyn fmt::Write) -> fmt::Result {
-        let Parts { reference, parameter, .. } = parts;
+        let (reference, parameter) = (Num(parts.reference), Num(parts.parameter));
         write!(
             out,
             "            const double turns = {parameter:?} * ({time} - {reference:?});\n            const double phase = \

@@ -94,6 +94,12 @@ impl Registry {
 
     /// Takes an id apart; `None` if there is no such effect.
     pub fn parse<'a>(&self, id: &'a str) -> Option<Named<'a>> {
+        // A second step or tone has the first one's id and a number.
+        if let Some((first, "2" | "3" | "4")) = id.rsplit_once('#')
+            && !first.contains(['#', ':'])
+        {
+            return self.parse(first).filter(|named| named.form.is_repeated());
+        }
         let (kind, column) = match id.split_once(':') {
             Some((kind, column)) => (Some(kind), column),
             None => (None, id),

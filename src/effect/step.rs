@@ -7,6 +7,7 @@ use super::family::{Amount, Family, Follows};
 use super::parts::{Form, Parts, Searched};
 use super::quantities::{Coefficients, Column, MAX_INPUTS, Quantities, Shape, TIME, along, isotropic};
 use crate::math::Real;
+use crate::number::Num;
 use core::fmt;
 
 /// `step`: `Φ = I₃·[t ≥ t₁]`.
@@ -58,7 +59,7 @@ impl Family for Steps {
         &["BuiltIn", "Step"]
     }
     fn c(&self, parts: &Parts<&str>, [time, _]: [&str; MAX_INPUTS], out: &mut dyn fmt::Write) -> fmt::Result {
-        c_along(out, format_args!("{time} >= {:?} ? 1 : 0", parts.parameter), "")
+        c_along(out, format_args!("{time} >= {:?} ? 1 : 0", Num(parts.parameter)), "")
     }
 }
 

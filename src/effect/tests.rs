@@ -41,6 +41,12 @@ fn the_cheap_way_is_the_shape_times_the_coefficients() {
         let mut shape = no_shape();
         effect.shape(&at, &mut shape);
         let cheap = effect.disturbance(&at, &coefficients);
+        if let Some(delay_s) = Effect::<f64>::delay_s(&effect, &coefficients) {
+            // What turns the vector takes nothing off it; its shape is the way the vector goes.
+            assert_eq!((cheap, delay_s), ([0.0; 3], coefficients[0]), "{effect:?}");
+            assert_eq!(shape[0], at.turning_ut_per_s);
+            continue;
+        }
         let k = effect.coefficients();
         for axis in 0..3 {
             let whole: f64 = (0..k).map(|i| shape[i][axis] * coefficients[i]).sum();

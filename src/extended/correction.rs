@@ -5,7 +5,7 @@ use crate::calibration::Calibration;
 use crate::effect::{Coefficients, Effect, MAX_INPUTS, Quantities};
 use crate::math::Real;
 use crate::model::settle;
-use crate::vector::{cross, inverse_3x3, minus, times};
+use crate::vector::{cross, inverse_3x3, minus, scaled, times, turned};
 use core::fmt;
 
 /// What a sample was measured under, besides its vector.
@@ -106,7 +106,15 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
         Ok::<_, NotCorrected>(left)
     };
     let left = settle(centred, prepared.looks_again, look)?;
-    let corrected = times(&base.matrix, left);
+    let mut corrected = times(&base.matrix, left);
+    if let (true, Some(turn)) = (prepared.turning, turn_radps) {
+        for (effect, coefficients, _) in effects.clone() {
+            // The board turned since what is read now.
+            if let Some(delay_s) = effect.delay_s(coefficients) {
+                corrected = turned(corrected, scaled(turn, -delay_s));
+            }
+        }
+    }
     if is_finite(corrected) {
         return Ok(corrected);
     }

@@ -2,8 +2,9 @@
 
 use super::{Conditions, ExtendedCalibration, FittedEffect, Live, MAX_EFFECTS, NotCorrected};
 use crate::calibration::Calibration;
-use crate::effect::{AmbientField, BuiltIn, ColumnName, Eddy, Effect, Gain, Offset, Quantities, Shape};
-use crate::model::{Model, Observation, Term};
+use crate::effect::{AmbientField, BuiltIn, ColumnName, Eddy, Effect, Gain, Lag, Offset, Quantities, Shape};
+use crate::model::{Model, Observation, Residual, Term};
+use crate::vector::{minus, norm, times, turned};
 use core::fmt;
 
 fn fitted(effect: BuiltIn<f64>, size: f64) -> FittedEffect<f64> {
@@ -214,4 +215,78 @@ fn a_periodic_interference_keeps_its_phase_for_three_days() {
     }
     // Singles of 30 µT are 2e-6 apart; a phase that is cast is off by a quarter of the amplitude after ten hours.
     assert!(worst < 2e-5, "{worst}");
+}
+
+/// What a sensor reads that is `delay_s` late on a board that turns steadily, and the field there is.
+fn late(turn: [f64; 3], delay_s: f64) -> ([f64; 3], [f64; 3], Calibration<f64>) {
+    let base = Calibration {
+        offset_ut: [12.0, -7.0, 3.0],
+        matrix: [[1.1, 0.1, -0.05], [0.02, 0.9, 0.2], [0.0, -0.1, 1.05]],
+        field_ut: 50.0,
+    };
+    let field = [20.0, -30.0, 34.641_016];
+    // As it stood in the board's axes when the board had yet to turn by so much.
+    let before = turned(field, turn.map(|rate| rate * delay_s));
+    let inverse = crate::vector::inverse_3x3(&base.matrix).unwrap();
+    let raw = times(&inverse, before);
+    (core::array::from_fn(|axis| raw[axis] + base.offset_ut[axis]), field, base)
+}
+
+#[test]
+fn a_delay_is_a_rotation_however_fast_the_board_turns() {
+    for (rate, delay_s) in [(0.1, 0.02), (3.0, 0.042), (12.0, 0.1), (20.0, 0.15), (8.0, 0.3)] {
+        let turn = [0.6 * rate, -0.64 * rate, 0.48 * rate];
+        let (measured, field, base) = late(turn, delay_s);
+        let mut calibration = ExtendedCalibration::plain(base);
+        calibration.effects.push(FittedEffect::new(BuiltIn::Lag(Lag), [delay_s; 9], [0.0; 9])).unwrap();
+        let conditions = Conditions { turn_radps: Some(turn), ..Conditions::unknown() };
+        let corrected = calibration.apply(measured, &conditions).unwrap();
+        assert!(norm(minus(corrected, field)) < 1e-8, "{rate} {delay_s}: {corrected:?}");
+        // The length is that without the effect: what a fit of the magnitude says holds of the correction.
+        let plain = norm(base.apply(measured));
+        assert!((norm(corrected) - plain).abs() < 1e-12 * plain, "{rate} {delay_s}");
+        // In single precision, as on the board, too.
+        let live = Live::new(&calibration.cast::<f32>()).unwrap();
+        let board = live.apply(measured.map(|v| v as f32), Some(turn.map(|v| v as f32))).unwrap();
+        assert!((0..3).all(|axis| (f64::from(board[axis]) - field[axis]).abs() < 1e-4), "{board:?}");
+    }
+}
+
+#[test]
+fn the_dip_s_derivatives_are_those_of_the_turned_vector() {
+    let rotation = [[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]];
+    let matrix = [[1.1, 0.1, -0.05], [0.0, 0.9, 0.2], [0.0, 0.0, 1.05]];
+    let turn = [2.0, -3.0, 1.5];
+    let down = [0.36, 0.48, 0.8];
+    let model = Model::new([12.0, -7.0, 3.0], matrix, 50.0, rotation, 0.5).unwrap();
+    // On the ellipsoid, where shapes are taken.
+    let centred = [28.0, -23.0, 15.0];
+    let size = 50.0 / norm(times(&matrix, centred));
+    let measured_ut = core::array::from_fn(|axis| model.offset_ut[axis] + size * centred[axis]);
+    let reading = Observation { measured_ut, turn_radps: Some(turn), down: Some(down) };
+    let row_of = |model: &Model<f64>, delay_s: f64| {
+        let mut coefficients = [0.0; 9];
+        coefficients[0] = delay_s;
+        let term = Term { effect: &Lag as &dyn Effect<f64>, coefficients, inputs: [0.0; 2] };
+        let mut out = ([0.0; 5], 0.0);
+        model.rows::<1, 5>(Residual::Dip, &reading, &[term], |row, r| out = (*row, r)).unwrap();
+        out
+    };
+    for delay_s in [0.0, 0.08] {
+        let (row, residual) = row_of(&model, delay_s);
+        let step = 1e-6;
+        let after = row_of(&model, delay_s + step).1;
+        assert!((row[4] - (after - residual) / step).abs() < 1e-5, "delay: {row:?}");
+        for axis in 0..4 {
+            let mut delta = [0.0; 4];
+            delta[axis] = step;
+            let after = row_of(&model.aligned(&delta).unwrap(), delay_s).1;
+            assert!((row[axis] - (after - residual) / step).abs() < 1e-5, "{axis} at {delay_s}: {row:?}");
+        }
+        // The same angle as of the corrected vector.
+        let term = Term { effect: &Lag as &dyn Effect<f64>, coefficients: [delay_s; 9], inputs: [0.0; 2] };
+        let corrected = model.correct(&reading, &[term]).unwrap();
+        let sine = crate::vector::dot(corrected, down) / norm(corrected);
+        assert!((sine.asin() - 0.5_f64.asin() - residual).abs() < 1e-9);
+    }
 }

@@ -132,7 +132,7 @@ impl Learner {
                 })
             }
             Candidate::Step => {
-                BuiltIn::Step(Step { at_s: self.marks.best().map(|mark| f64::from(mark.t_ms) * 1e-3)? })
+                BuiltIn::Step(Step { at_s: self.marks.best_ms().map(|t_ms| f64::from(t_ms) * 1e-3)? })
             }
             Candidate::Lag => BuiltIn::Lag(Lag),
         })

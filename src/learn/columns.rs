@@ -66,20 +66,25 @@ impl Columns {
         Some(())
     }
 
-    /// Takes a new one; `false` where there is no room.
-    pub(super) fn add(&mut self, name: ColumnName, value: f32) -> bool {
-        let Some(place) = self.places.iter_mut().find(|place| place.is_none()) else { return false };
-        *place = Some(Column { name, now: value, first: value, sum: 0.0, range: [value; 2] });
-        true
+    /// Takes a new one, and says where; `None` where there is no room.
+    pub(super) fn add(&mut self, name: ColumnName, value: f32) -> Option<usize> {
+        let place = self.places.iter().position(Option::is_none)?;
+        *self.places.get_mut(place)? =
+            Some(Column { name, now: value, first: value, sum: 0.0, range: [value; 2] });
+        Some(place)
     }
 
-    /// Forgets one; whether it was known.
-    pub(super) fn remove(&mut self, name: &str) -> bool {
-        let Some(place) = self.place(name) else { return false };
-        if let Some(slot) = self.places.get_mut(place) {
-            *slot = None;
-        }
-        true
+    /// Forgets one, and says where it was; `None` where it was not known.
+    pub(super) fn remove(&mut self, name: &str) -> Option<usize> {
+        let place = self.place(name)?;
+        *self.places.get_mut(place)? = None;
+        Some(place)
+    }
+
+    /// How far a column is from its first value; nothing of one that is not there.
+    #[inline]
+    pub(super) fn since_first(&self, place: usize) -> f32 {
+        self.get(place).map_or(0.0, |column| column.now - column.first)
     }
 
     /// Begins anew with the values of now.
@@ -89,16 +94,13 @@ impl Columns {
         }
     }
 
-    /// Notes that a row was taken, and hands on how far each column is from its first value.
+    /// Notes that a row was taken.
     #[inline]
-    pub(super) fn take(&mut self, mut to: impl FnMut(usize, f32)) {
-        for (place, column) in self.places.iter_mut().enumerate() {
-            let Some(column) = column else { continue };
-            let from_first = column.now - column.first;
-            column.sum += from_first;
+    pub(super) fn take(&mut self) {
+        for column in self.places.iter_mut().flatten() {
+            column.sum += column.now - column.first;
             let [least, most] = column.range;
             column.range = [least.min(column.now), most.max(column.now)];
-            to(place, from_first);
         }
     }
 }

@@ -103,8 +103,10 @@ pub struct Outcome {
     /// Predicted error of the base, relative to the field: the largest standard error of its parameters, from the noise that is left with
     /// every effect in.
     pub base_error: f32,
-    /// Rms of the dip, degrees; NaN without accelerometer and gyro.
+    /// Rms of the dip, degrees; NaN without an accelerometer.
     pub dip_rms_deg: f32,
+    /// Whether the sensor is late was told by how a gyro turns, not by the dip.
+    pub late_by_turning: bool,
     /// By place.
     pub findings: [Finding; CANDIDATES],
 }

@@ -2,7 +2,7 @@
 
 use super::candidate::{Candidate, Found};
 use super::finding::InUse;
-use super::late::{DIP, DIP_BASE};
+use super::lateness::Lateness;
 use super::layout::DRIFT_UNIT_MS;
 use super::learner::Learner;
 use super::point::Point;
@@ -12,6 +12,7 @@ use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, Effect};
 use crate::extended::{Effects, ExtendedCalibration, FittedEffect, MAX_EFFECTS, Ranges};
 use crate::math;
+use crate::vector::{cross, dot, minus, norm, product, scaled};
 use core::fmt;
 
 /// Why no effect was taken in.
@@ -117,6 +118,7 @@ impl Learner {
         if candidate == Candidate::Lag {
             return self.add_lag(calibration);
         }
+        self.settle();
         let effect = self.effect(candidate).ok_or(NotShown::Undetermined)?;
         let studied = self.studied(&calibration.effects).with(candidate);
         let fresh = FittedEffect::new(effect, [0.0; 9], [f64::NAN; 9]).over(self.range(candidate));
@@ -219,10 +221,12 @@ impl Learner {
         let rotation = Point::of(&from.base)?.1;
         let stepped = point.stepped(&delta).calibration(&rotation);
         let scale = from.base.field_ut / f64::from(point.field_ut);
-        // In double precision, from what the record holds: a single would round what did not move.
+        // In double precision, from what the record holds: a single would round what did not move. The point may have.
         let field = f64::from(point.field_ut);
-        let mut offset_ut: [f64; 3] =
-            core::array::from_fn(|axis| from.base.offset_ut[axis] + field * f64::from(delta[axis]));
+        let mut offset_ut: [f64; 3] = core::array::from_fn(|axis| {
+            let away = point.offset_ut[axis] - from.base.offset_ut[axis] as f32;
+            from.base.offset_ut[axis] + f64::from(away) + field * f64::from(delta[axis])
+        });
         let mut effects = Effects::none();
         for fitted in from.effects.iter() {
             let mut fitted = *fitted;
@@ -250,47 +254,32 @@ impl Learner {
         if !base.is_sound() {
             return None;
         }
-        for (slot, more) in delta.iter_mut().zip(already) {
-            *slot += more;
+        for ((slot, more), away) in delta.iter_mut().zip(already).zip(self.away()) {
+            *slot += more + away;
         }
         let (point, _) = Point::of(&base)?;
         self.shift(&delta, point);
+        // The effects in use are taken off before a sample comes here, and of the others none is at this point.
+        self.carried = Default::default();
         Some(ExtendedCalibration { base, effects })
     }
 
     /// The sensor's delay; with it the matrix is turned into the accelerometer's and the gyro's axes, in which alone it means something.
     fn add_lag(&mut self, from: &ExtendedCalibration<f64>) -> Result<ExtendedCalibration<f64>, NotShown> {
-        let point = self.point.ok_or(NotShown::Undetermined)?;
-        let mut total = Work::new();
-        self.late.blocks.iter().for_each(|block| total.merge(block));
-        let chosen = Chosen::base(DIP_BASE).with(DIP_BASE, 1);
-        let factor = Factor::of(&total, chosen, false).ok_or(NotShown::Undetermined)?;
-        let delta = factor.step(&total);
-        let rows = f64::from(self.late.blocks.rows());
-        let variance = f64::from(factor.squares(&total)) / (rows - DIP as f64).max(1.0);
-        let time = self.late.memory.time(variance, rows, DIP as f64);
+        let (_, before) = Point::of(&from.base).ok_or(NotShown::Undetermined)?;
+        let lateness = Lateness::of(&self.late).ok_or(NotShown::Undetermined)?;
         let mut coefficients = [0.0; 9];
         let mut std_errors = [f64::NAN; 9];
-        coefficients[0] = f64::from(delta[DIP_BASE]);
-        let error = math::sqrt(variance * time * f64::from(factor.inverse(DIP_BASE)));
-        std_errors[0] = f64::from(error as f32);
-        let mut dip = [0.0; DIP];
-        dip.copy_from_slice(&delta[..DIP]);
-        self.late.shift(&dip);
+        (coefficients[0], std_errors[0]) = (f64::from(lateness.delay_s), f64::from(lateness.error_s));
+        self.late.shift(&lateness.step);
         let rotation: [[f64; 3]; 3] = self.late.rotation.map(|row| row.map(f64::from));
         // What single precision has left of a rotation is made one again.
         let rotation = orthonormal(&rotation).ok_or(NotShown::Undetermined)?;
-        let scale = from.base.field_ut / f64::from(point.field_ut);
-        let turned = point.calibration(&rotation);
+        let matrix = product(&rotation, &product(&transposed(&before), &from.base.matrix));
         let mut effects = from.effects;
         let lag = self.effect(Candidate::Lag).ok_or(NotShown::Undetermined)?;
         effects.push(FittedEffect::new(lag, coefficients, std_errors)).map_err(|_| NotShown::Full)?;
-        let base = Calibration {
-            offset_ut: from.base.offset_ut,
-            matrix: turned.matrix.map(|row| row.map(|value| value * scale)),
-            field_ut: from.base.field_ut,
-        };
-        Ok(ExtendedCalibration { base, effects })
+        Ok(ExtendedCalibration { base: Calibration { matrix, ..from.base }, effects })
     }
 
     /// Over which values of its columns a candidate was learned.
@@ -308,9 +297,12 @@ impl Learner {
     }
 }
 
+fn transposed(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    core::array::from_fn(|i| core::array::from_fn(|j| m[j][i]))
+}
+
 /// The rows made orthogonal, one after the other.
 fn orthonormal(rotation: &[[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
-    use crate::vector::{cross, dot, minus, norm, scaled};
     let [x, y, _] = *rotation;
     let unit = |v: [f64; 3]| Some(scaled(v, 1.0 / Some(norm(v)).filter(|size| *size > 0.5)?));
     let x = unit(x)?;

@@ -94,6 +94,7 @@ impl Inquiry {
                 floor_ut: f32::NAN,
                 base_error: f32::NAN,
                 dip_rms_deg: f32::NAN,
+                late_by_turning: false,
                 findings: [NOTHING; CANDIDATES],
             },
         }
@@ -397,8 +398,10 @@ impl Inquiry {
     fn conclude(&mut self, learner: &Learner) -> Stage {
         self.worked = true;
         self.unexplained(learner);
+        let dip_rms_deg = Lateness::by_dip(&learner.late).map_or(f32::NAN, |dip| dip.rms_deg);
         let Some(dip) = Lateness::of(&learner.late) else { return Stage::End };
-        self.outcome.dip_rms_deg = dip.rms_deg;
+        self.outcome.dip_rms_deg = dip_rms_deg;
+        self.outcome.late_by_turning = dip.by_turning;
         let is_in_use = self.in_use.get(Candidate::Lag.place()).is_some_and(Option::is_some);
         let is_missing = dip.is_shown && !is_in_use;
         let order = if is_missing { self.added + 1 } else { 0 };

@@ -5,6 +5,8 @@ use super::point::BASE;
 
 /// Where the drift's columns begin; those of a tested column follow, three each.
 pub(super) const DRIFT: usize = BASE;
+/// Effects that stream: drift and the tested columns.
+pub(super) const EFFECTS: usize = 1 + MAX_TESTED;
 /// Columns that stream: base, drift, three for each tested column.
 pub(super) const STREAMED: usize = BASE + 3 + 3 * MAX_TESTED;
 /// Entries of their triangle.

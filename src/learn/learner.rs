@@ -3,11 +3,11 @@
 use super::blocks::Blocks;
 use super::columns::Columns;
 use super::late::{Late, Motion};
-use super::layout::{DRIFT, DRIFT_UNIT_MS, ENTRIES, STREAMED};
+use super::layout::{DRIFT, DRIFT_UNIT_MS, EFFECTS, ENTRIES, STEP, STREAMED};
 use super::marks::{EVERY, Marks};
 use super::memory::Memory;
 use super::point::{BASE, Point};
-use super::solve::{Chosen, Factor};
+use super::solve::Chosen;
 use super::sums::{WIDEST, Work};
 use crate::calibration::Calibration;
 use crate::effect::ColumnName;
@@ -15,19 +15,10 @@ use crate::math;
 
 /// A pause longer than this is a gap, ms.
 const GAP_MS: u64 = 250;
-/// A base further than this from where it was linearised begins anew early on, ...
-const FAR_EARLY: f32 = 0.05;
-/// ... up to so many rows, and one further than that at any time.
-const EARLY_ROWS: u32 = 1000;
-const FAR: f32 = 0.25;
-/// A base nearer than this is near enough, also for directions.
-const NEAR: f32 = 0.004;
-/// No base is that far.
-const ABSURD: f32 = 1.0;
-/// The samples tell the base once its standard errors are this small.
-const TOLD: f32 = 0.01;
-/// Rows between two looks at that.
-const LOOK_EVERY: u32 = 128;
+/// Rows between two looks at where the study stands, early on; later as many as [`EARLY_ROWS`].
+const LOOK_EVERY: u32 = 256;
+/// Up to so many rows it is early.
+pub(super) const EARLY_ROWS: u32 = 1024;
 
 /// What became of a column that was fed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +36,8 @@ pub enum Fed {
 #[derive(Clone, Debug)]
 pub struct Learner {
     pub(super) point: Option<Point>,
+    /// Coefficients of the effects at the point, over the field: taken off each sample before it is looked at.
+    pub(super) carried: [[f32; 3]; EFFECTS],
     pub(super) blocks: Blocks<STREAMED, ENTRIES>,
     pub(super) marks: Marks,
     pub(super) memory: Memory,
@@ -52,6 +45,8 @@ pub struct Learner {
     pub(super) columns: Columns,
     pub(super) first_ms: u64,
     pub(super) last_ms: u64,
+    /// Rows that were forgotten since it began, for a better point.
+    pub(super) lost: u32,
     /// Changes whenever what was learned is forgotten.
     pub(super) epoch: u16,
 }
@@ -63,6 +58,7 @@ impl Learner {
     pub const fn new() -> Self {
         Self {
             point: None,
+            carried: [[0.0; 3]; EFFECTS],
             blocks: Blocks::new(),
             marks: Marks::new(),
             memory: Memory::new(),
@@ -70,6 +66,7 @@ impl Learner {
             columns: Columns::new(),
             first_ms: 0,
             last_ms: 0,
+            lost: 0,
             epoch: 0,
         }
     }
@@ -79,6 +76,7 @@ impl Learner {
         match Point::of(calibration) {
             Some((point, rotation)) => {
                 self.point = Some(point);
+                self.carried = [[0.0; 3]; EFFECTS];
                 self.late.begin(rotation.map(|row| row.map(|value| value as f32)));
                 self.forget();
             }
@@ -86,16 +84,44 @@ impl Learner {
         }
     }
 
-    /// Forgets what was learned and where; columns stay.
-    pub fn reset(&mut self) {
-        self.point = None;
+    /// Begins from nothing where it is, if it is anywhere.
+    pub fn begin_again(&mut self) {
+        let rotation = self.late.rotation;
+        self.late.begin(rotation);
         self.forget();
     }
 
-    fn forget(&mut self) {
+    /// Forgets everything, columns too.
+    pub fn begin_anew(&mut self) {
+        self.late = Late::new();
+        self.columns = Columns::new();
+        self.reset();
+        self.carried = [[0.0; 3]; EFFECTS];
+        (self.first_ms, self.last_ms, self.lost) = (0, 0, 0);
+    }
+
+    /// Forgets what was learned and where; columns stay.
+    pub fn reset(&mut self) {
+        self.point = None;
+        self.carried = [[0.0; 3]; EFFECTS];
+        self.forget();
+    }
+
+    /// Begins with nothing, at the same point: effects that it carries are held against other values from now on.
+    pub(super) fn forget(&mut self) {
         self.blocks.clear();
         self.marks.clear();
         self.memory = Memory::new();
+        let moved = self.values(self.first_ms, self.last_ms);
+        self.first_ms = self.last_ms;
+        self.lost = 0;
+        if let Some(point) = &mut self.point {
+            for (theta, moved) in self.carried.iter().zip(moved) {
+                for (offset, value) in point.offset_ut.iter_mut().zip(theta) {
+                    *offset += point.field_ut * value * moved;
+                }
+            }
+        }
         self.columns.begin();
         self.epoch = self.epoch.wrapping_add(1);
     }
@@ -121,9 +147,9 @@ impl Learner {
         self.point.map(|point| f64::from(point.field_ut))
     }
 
-    /// Rms of the residual at the point, µT; NaN without samples.
+    /// Rms of the residual at the point without any effect, µT; NaN without samples.
     pub fn rms_ut(&self) -> f32 {
-        let squares: f32 = self.blocks.iter().map(|block| block.squares).sum();
+        let squares = self.total().squares;
         let field = self.point.map_or(f32::NAN, |point| point.field_ut);
         math::sqrtf(squares.max(0.0) / self.rows() as f32) * field
     }
@@ -134,24 +160,24 @@ impl Learner {
         if self.columns.set(name.as_str(), value).is_some() {
             return Fed::Tested;
         }
-        if !self.columns.add(*name, value) {
-            return Fed::Full;
-        }
-        let rotation = self.late.rotation;
-        self.late.begin(rotation);
-        self.forget();
+        let Some(place) = self.columns.add(*name, value) else { return Fed::Full };
+        self.renew(place);
         Fed::Tested
+    }
+
+    /// Another column stands in a place, or none: what was learned with the one before is forgotten.
+    fn renew(&mut self, place: usize) {
+        if let Some(theta) = self.carried.get_mut(1 + place) {
+            *theta = [0.0; 3];
+        }
+        self.begin_again();
     }
 
     /// Forgets a column, and what was learned with it. Whether it was known.
     pub fn drop_column(&mut self, name: &str) -> bool {
-        let known = self.columns.remove(name);
-        if known {
-            let rotation = self.late.rotation;
-            self.late.begin(rotation);
-            self.forget();
-        }
-        known
+        let Some(place) = self.columns.remove(name) else { return false };
+        self.renew(place);
+        true
     }
 
     /// The columns that are tested, by name.
@@ -164,10 +190,27 @@ impl Learner {
         self.columns.place(name).and_then(|place| self.columns.get(place)).map(|column| column.now)
     }
 
+    /// What the columns of the effects are multiples of.
+    #[inline]
+    fn values(&self, first_ms: u64, t_ms: u64) -> [f32; EFFECTS] {
+        core::array::from_fn(|effect| match effect.checked_sub(1) {
+            None => t_ms.saturating_sub(first_ms) as f32 / DRIFT_UNIT_MS,
+            Some(place) => self.columns.since_first(place),
+        })
+    }
+
     /// Learns from a sample, µT, from which the effects in use were taken off.
     pub fn push(&mut self, measured_ut: [f32; 3], t_ms: u64, motion: &Motion) {
         let Some(point) = &self.point else { return };
-        let Some(look) = point.look(measured_ut) else { return };
+        let first_ms = if self.blocks.rows() == 0 { t_ms } else { self.first_ms };
+        let values = self.values(first_ms, t_ms);
+        let mut cleaned_ut = measured_ut;
+        for (theta, value) in self.carried.iter().zip(values) {
+            for (slot, along) in cleaned_ut.iter_mut().zip(theta) {
+                *slot -= point.field_ut * along * value;
+            }
+        }
+        let Some(look) = point.look(cleaned_ut) else { return };
         let mut row = [0.0; STREAMED];
         let (base, effects) = row.split_at_mut(BASE);
         base.copy_from_slice(&look.base);
@@ -175,68 +218,68 @@ impl Learner {
             return;
         }
         let rows = self.blocks.rows();
-        if rows == 0 {
-            self.first_ms = t_ms;
-        }
+        self.first_ms = first_ms;
         if rows > 0 && t_ms.saturating_sub(self.last_ms) > GAP_MS {
             self.memory.interrupt();
             self.late.interrupt();
         }
         self.last_ms = t_ms;
-        let [p, q, r] = look.offset();
-        let mut put = |place: usize, value: f32| {
-            let three = effects.iter_mut().skip(3 * place).take(3);
-            three.zip([p, q, r]).for_each(|(slot, along)| *slot = along * value);
-        };
-        put(0, t_ms.saturating_sub(self.first_ms) as f32 / DRIFT_UNIT_MS);
-        self.columns.take(|place, value| put(1 + place, value));
+        self.columns.take();
+        let offset = look.offset();
+        for (three, value) in effects.chunks_exact_mut(3).zip(values) {
+            three.iter_mut().zip(offset).for_each(|(slot, along)| *slot = along * value);
+        }
         if rows > 0 && rows.is_multiple_of(EVERY) {
             self.marks.take(&self.blocks, t_ms as u32);
         }
         let width = DRIFT + 3 + 3 * self.columns.width();
         self.blocks.push(row.get(..width).unwrap_or(&row), look.residual);
         self.memory.push(look.residual);
-        self.late.push(look.direction, motion);
-        if (rows + 1).is_multiple_of(LOOK_EVERY) {
+        self.late.push(look.direction, motion, t_ms);
+        let rows = rows + 1;
+        if rows.is_multiple_of(if rows <= EARLY_ROWS { LOOK_EVERY } else { 2 * LOOK_EVERY }) {
             self.look();
         }
     }
 
-    /// The sums of all rows, with the columns of a step where it explains most.
+    /// The way from the effects at the point to none.
+    pub(super) fn away(&self) -> [f32; WIDEST] {
+        let mut away = [0.0; WIDEST];
+        let effects = away.iter_mut().skip(DRIFT);
+        effects.zip(self.carried.as_flattened()).for_each(|(slot, value)| *slot = -value);
+        away
+    }
+
+    /// The sums of all rows about the point without any effect, with the columns of a step where it explains most.
     pub(super) fn total(&self) -> Work {
+        let mut work = self.total_here();
+        work.shift(&self.away());
+        work
+    }
+
+    /// The same about the point with the effects at it.
+    pub(super) fn total_here(&self) -> Work {
         let mut work = Work::new();
         self.blocks.iter().for_each(|block| work.merge(block));
         self.marks.beside_total(&self.blocks, &mut work);
         work
     }
 
-    /// Begins anew where the sums say that they were taken far from where they should have been.
-    fn look(&mut self) {
+    /// The sums of one block, likewise; `None` of one without rows.
+    pub(super) fn part(&self, index: usize) -> Option<Work> {
+        let block = self.blocks.iter().nth(index).filter(|block| block.rows > 0)?;
         let mut work = Work::new();
-        self.blocks.iter().for_each(|block| work.merge(block));
-        // Beside everything that is fed: what an effect does is no reason to look elsewhere for the base.
+        work.merge(block);
+        self.marks.beside_block(&self.blocks, index, &mut work);
+        work.shift(&self.away());
+        Some(work)
+    }
+
+    /// Finds the moment of a jump more closely than the snapshots stand; before a question is put.
+    pub fn settle(&mut self) {
         let effects = 3 + 3 * self.columns.width();
-        let Some(factor) = Factor::of(&work, Chosen::base(BASE).with(DRIFT, effects), true) else { return };
-        let delta = factor.step(&work);
-        let far = delta.iter().take(BASE).fold(0.0f32, |most, value| most.max(value.abs()));
-        let limit = if self.blocks.rows() <= EARLY_ROWS { FAR_EARLY } else { FAR };
-        // Where the samples do not tell it yet, it is where it was.
-        if !(far > NEAR && far < ABSURD && factor.largest_error(&work) < TOLD) {
-            return;
-        }
-        let Some(point) = self.point else { return };
-        let rotation = self.late.rotation;
-        if far > limit {
-            self.point = Some(point.stepped(&delta));
-            self.late.begin(rotation);
-            self.forget();
-        } else if self.blocks.rows().is_power_of_two() {
-            // What was learned stays; the direction that the dip looks at was another one.
-            let mut base = [0.0; WIDEST];
-            base.iter_mut().zip(delta).take(BASE).for_each(|(slot, value)| *slot = value);
-            self.shift(&base, point.stepped(&delta));
-            self.late.begin(rotation);
-        }
+        let chosen = Chosen::base(BASE).with(DRIFT, effects).with(STEP, 3);
+        self.marks.settle(&self.blocks, chosen);
     }
 
     /// Moves to another point of the linearised model: what was learned is kept. The base, streamed columns and the best step are

@@ -1,16 +1,18 @@
 //! Where the offset may have jumped: snapshots of running sums, from which the fit with a jump there follows exactly.
 //!
 //! A jump at some row has the columns of the offset, from that row on. Their sums are those of all rows less those before it, so
-//! that a copy of the offset's rows of the normal matrix is all that a possible jump costs, and nothing a sample.
+//! that a copy of the offset's rows of the normal matrix is all that a possible jump costs, and nothing a sample. Between two
+//! snapshots the moment follows from what the fit leaves there ([`Marks::settle`]).
 
 use super::blocks::{Blocks, first_to_end};
+use super::cross::Cross;
+use super::jump::{At, Base};
 use super::layout::{ENTRIES, STEP, STREAMED};
-use super::point::BASE;
 use super::solve::{Chosen, Factor};
-use super::sums::{Work, at};
+use super::sums::Work;
 
 /// Snapshots that are kept.
-const MARKS: usize = 4;
+const MARKS: usize = 5;
 /// No place among them.
 const NONE: u8 = u8::MAX;
 /// A mark is looked at with so many rows before and after it, so early that none gives way before, ...
@@ -19,60 +21,115 @@ const LEAST_ROWS: u32 = 48;
 const LEAST_SHARE: u32 = 50;
 /// Rows between two.
 pub(super) const EVERY: u32 = 32;
+/// A jump that takes this share off the squared error is one; its neighbours are kept, too.
+const FIRM: f32 = 0.2;
 
-/// The offset's rows of the sums of all samples before some sample.
-#[derive(Clone, Debug)]
+/// The sums of all samples before some sample.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Mark {
     rows: u32,
     /// Of that sample, ms of the board's clock.
-    pub(super) t_ms: u32,
-    cross: [[f32; STREAMED]; 3],
-    right: [f32; 3],
+    t_ms: u32,
+    cross: Cross,
 }
 
-const NO_MARK: Mark = Mark { rows: 0, t_ms: 0, cross: [[0.0; STREAMED]; 3], right: [0.0; 3] };
+const NO_MARK: Mark = Mark { rows: 0, t_ms: 0, cross: Cross::NONE };
 
 /// A few moments, spread like the logarithm of how long ago they were, and the one at which a jump explains most.
 #[derive(Clone, Debug)]
 pub(super) struct Marks {
     marks: [Mark; MARKS],
     used: u8,
-    /// Its place, or none's.
+    /// The place of the best, or none's.
     best: u8,
+    /// The jump at the best is one, so that the marks beside it stay.
+    firm: bool,
     /// The best is that of a step in use, and stays.
     pub(super) pinned: bool,
+    /// Where the jump is: so much of the way to the next mark, or, negative, to the one before.
+    part: f32,
+    /// The residual's sum between the earlier of these two and the jump.
+    before: [f32; 3],
 }
 
 impl Marks {
     pub(super) const fn new() -> Self {
-        Self { marks: [NO_MARK; MARKS], used: 0, best: NONE, pinned: false }
+        Self {
+            marks: [NO_MARK; MARKS],
+            used: 0,
+            best: NONE,
+            firm: false,
+            pinned: false,
+            part: 0.0,
+            before: [0.0; 3],
+        }
     }
 
     pub(super) fn clear(&mut self) {
-        (self.used, self.best, self.pinned) = (0, NONE, false);
+        (self.used, self.best, self.firm, self.pinned) = (0, NONE, false, false);
+        (self.part, self.before) = (0.0, [0.0; 3]);
     }
 
-    /// The moment at which a jump explains most.
-    pub(super) fn best(&self) -> Option<&Mark> {
-        self.marks.get(usize::from(self.best)).filter(|_| self.best < self.used)
+    fn mark(&self, place: usize) -> Option<&Mark> {
+        self.marks.get(place).filter(|_| place < usize::from(self.used))
+    }
+
+    /// The marks on both sides of the jump, and how much of the way it is from the first.
+    fn sides(&self) -> Option<(&Mark, &Mark, f32)> {
+        let best = usize::from(self.best);
+        let here = self.mark(best)?;
+        if self.part < 0.0 {
+            Some((self.mark(best.checked_sub(1)?)?, here, 1.0 + self.part))
+        } else if self.part > 0.0 {
+            Some((here, self.mark(best + 1)?, self.part))
+        } else {
+            None
+        }
+    }
+
+    /// The jump that explains most.
+    fn best(&self) -> Option<At> {
+        let here = self.mark(usize::from(self.best))?;
+        let Some((first, second, share)) = self.sides() else {
+            return Some(At { rows: here.rows, t_ms: here.t_ms, cross: here.cross });
+        };
+        let between = |a: u32, b: u32| a + (share * b.saturating_sub(a) as f32) as u32;
+        let mut cross = first.cross;
+        cross.add(&second.cross.less(&first.cross), share);
+        let [x, y, z] = first.cross.right();
+        let [p, q, r] = self.before;
+        cross.set_right([x + p, y + q, z + r]);
+        Some(At { rows: between(first.rows, second.rows), t_ms: between(first.t_ms, second.t_ms), cross })
+    }
+
+    /// Its moment, ms.
+    pub(super) fn best_ms(&self) -> Option<u32> {
+        self.best().map(|best| best.t_ms)
+    }
+
+    /// Whether there is a jump beyond doubt.
+    pub(super) fn is_firm(&self) -> bool {
+        self.firm
     }
 
     /// Whether there is a step to be tested, of so many rows in all.
     pub(super) fn has_step(&self, rows: u32) -> bool {
         let margin = LEAST_ROWS.max(rows / LEAST_SHARE);
-        self.best().is_some_and(|mark| mark.rows >= margin && rows.saturating_sub(mark.rows) >= margin)
+        self.best().is_some_and(|best| best.rows >= margin && rows.saturating_sub(best.rows) >= margin)
     }
 
     /// Takes a snapshot before the next row, at the time `t_ms`; the one that is missed least gives way.
     pub(super) fn take(&mut self, blocks: &Blocks<STREAMED, ENTRIES>, t_ms: u32) {
-        let rows = blocks.rows();
-        if !self.pinned {
-            self.look(blocks);
+        if self.pinned {
+            return;
         }
+        let (rows, now) = (blocks.rows(), so_far(blocks));
+        self.look(blocks, &now);
         if usize::from(self.used) == MARKS {
             let mut least: Option<(f32, usize)> = None;
             for index in 0..MARKS {
-                if index == usize::from(self.best) {
+                let from_best = index.abs_diff(usize::from(self.best));
+                if from_best == 0 || (self.firm && from_best == 1) {
                     continue;
                 }
                 let at = |index: usize| self.marks.get(index).map_or(rows, |mark| mark.rows);
@@ -84,6 +141,9 @@ impl Marks {
                 }
             }
             let Some((_, index)) = least else { return };
+            if index.abs_diff(usize::from(self.best)) == 1 {
+                self.part = 0.0;
+            }
             if let Some(rest) = self.marks.get_mut(index..) {
                 first_to_end(rest);
             }
@@ -93,132 +153,141 @@ impl Marks {
             }
         }
         let Some(mark) = self.marks.get_mut(usize::from(self.used)) else { return };
-        (mark.rows, mark.t_ms) = (rows, t_ms);
-        (mark.cross, mark.right) = so_far(blocks);
+        *mark = Mark { rows, t_ms, cross: now };
         self.used += 1;
     }
 
     /// Finds the best one.
-    fn look(&mut self, blocks: &Blocks<STREAMED, ENTRIES>) {
-        let mut work = Work::new();
-        blocks.iter().for_each(|block| work.merge(block));
-        let Some(base) = Factor::of(&work, Chosen::base(BASE), false) else { return };
+    fn look(&mut self, blocks: &Blocks<STREAMED, ENTRIES>, now: &Cross) {
+        let Some(base) = Base::of(blocks) else { return };
         let mut best: Option<(f32, u8)> = None;
         let rows = blocks.rows();
         for (index, mark) in self.marks.iter().enumerate().take(usize::from(self.used)) {
-            if mark.rows < LEAST_ROWS || rows - mark.rows < LEAST_ROWS {
+            if mark.rows < LEAST_ROWS || rows.saturating_sub(mark.rows) < LEAST_ROWS {
                 continue;
             }
-            work_with(&mut work, &since(blocks, mark));
-            let gained = base.test(&work, STEP, 3, false);
-            if best.is_none_or(|(known, _)| gained.decrease > known) {
-                best = Some((gained.decrease, index as u8));
+            let decrease = base.decrease(&now.less(&mark.cross));
+            if best.is_none_or(|(known, _)| decrease > known) {
+                best = Some((decrease, index as u8));
             }
         }
-        self.best = best.map_or(NONE, |(_, index)| index);
+        let (decrease, place) = best.unwrap_or((0.0, NONE));
+        if place != self.best {
+            (self.best, self.part) = (place, 0.0);
+        }
+        self.firm = decrease > FIRM * base.left;
+    }
+
+    /// Finds the moment of the jump between the marks, beside all columns that were `chosen` (those of the jump among them).
+    ///
+    /// With coefficients `δ` of the others and `θ` of the jump, what they leave of the samples between two marks is noise before
+    /// the jump and `−uθ` after it: the sums tell how much of the way that is.
+    pub(super) fn settle(&mut self, blocks: &Blocks<STREAMED, ENTRIES>, chosen: Chosen) {
+        if self.pinned || !self.firm {
+            return;
+        }
+        let best = usize::from(self.best);
+        // The coefficients move with the moment, and it with them.
+        for _ in 0..3 {
+            let mut work = Work::new();
+            blocks.iter().for_each(|block| work.merge(block));
+            self.beside_total(blocks, &mut work);
+            let Some(factor) = Factor::of(&work, chosen, true) else { return };
+            let delta = factor.step(&work);
+            let variance = factor.squares(&work) / (work.rows as f32 - chosen.len() as f32).max(1.0);
+            let theta: [f32; 3] = core::array::from_fn(|axis| delta.get(STEP + axis).copied().unwrap_or(0.0));
+            // How much of the way from one mark to the next is behind the jump.
+            let behind = |first: &Mark, second: &Mark| -> Option<f32> {
+                let between = second.cross.less(&first.cross);
+                let (own, base, right) = (between.own(), between.along(&delta), between.right());
+                let dot = |v: [f32; 3]| v.iter().zip(&theta).map(|(a, b)| a * b).sum::<f32>();
+                let size = dot(own.map(dot));
+                let left = dot(core::array::from_fn(|axis| right[axis] + base[axis]));
+                // Where it would hardly be seen, nothing is said.
+                (size > 4.0 * variance).then(|| (-left / size).clamp(0.0, 1.0))
+            };
+            let Some(here) = self.mark(best) else { return };
+            let earlier = best.checked_sub(1).and_then(|place| self.mark(place));
+            let later = self.mark(best + 1);
+            let length = |a: &Mark, b: &Mark| b.rows.saturating_sub(a.rows) as f32;
+            let mut place = 0.0;
+            if let Some(earlier) = earlier
+                && let Some(behind) = behind(earlier, here)
+            {
+                place -= behind * length(earlier, here);
+            }
+            if let Some(later) = later
+                && let Some(behind) = behind(here, later)
+            {
+                place += (1.0 - behind) * length(here, later);
+            }
+            let side = if place < 0.0 {
+                earlier.map(|mark| length(mark, here))
+            } else {
+                later.map(|mark| length(here, mark))
+            };
+            let part = side.map_or(0.0, |length| (place / length.max(1.0)).clamp(-0.999, 0.999));
+            self.part = part;
+            let before = self.sides().map_or([0.0; 3], |(first, second, share)| {
+                second.cross.less(&first.cross).along(&delta).map(|value| -share * value)
+            });
+            self.before = before;
+        }
     }
 
     /// Puts the columns of the best jump beside the sums of all rows.
     pub(super) fn beside_total(&self, blocks: &Blocks<STREAMED, ENTRIES>, work: &mut Work) {
-        if let Some(mark) = self.best() {
-            work_with(work, &since(blocks, mark));
+        if let Some(best) = self.best() {
+            so_far(blocks).less(&best.cross).write(work);
         }
     }
 
     /// The same of one block.
     pub(super) fn beside_block(&self, blocks: &Blocks<STREAMED, ENTRIES>, index: usize, work: &mut Work) {
-        let Some(mark) = self.best() else { return };
+        let Some(best) = self.best() else { return };
         let begin = blocks.rows_before(index);
         let Some(block) = blocks.iter().nth(index) else { return };
-        if mark.rows <= begin {
-            work_with(work, &of(block));
-        } else if mark.rows < begin + block.rows {
-            // What came after the mark, less the later blocks.
-            let (mut cross, mut right) = since(blocks, mark);
-            for later in blocks.iter().skip(index + 1) {
-                let (c, r) = of(later);
-                subtract(&mut cross, &mut right, &c, &r);
-            }
-            work_with(work, &(cross, right));
+        if best.rows <= begin {
+            let mut own = Cross::NONE;
+            own.add_block(block);
+            own.write(work);
+        } else if best.rows < begin + block.rows {
+            // What came after the jump, less the later blocks.
+            let mut since = so_far(blocks).less(&best.cross);
+            let mut later = Cross::NONE;
+            blocks.iter().skip(index + 1).for_each(|block| later.add_block(block));
+            since.add(&later, -1.0);
+            since.write(work);
         }
     }
 
     /// The snapshots about another point: streamed columns and the best step moved by `delta`.
     pub(super) fn shift(&mut self, delta: &[f32]) {
-        let best = self.best().map(|best| (best.rows, offset_part(&best.cross)));
+        let best = self.best().map(|best| (best.rows, best.cross.own()));
+        let step: [f32; 3] = core::array::from_fn(|axis| delta.get(STEP + axis).copied().unwrap_or(0.0));
+        if let Some((first, second, share)) = self.sides() {
+            let more = second.cross.less(&first.cross).along(delta);
+            self.before = core::array::from_fn(|axis| self.before[axis] + share * more[axis]);
+        }
         for mark in self.marks.iter_mut().take(usize::from(self.used)) {
-            for (right, cross) in mark.right.iter_mut().zip(&mark.cross) {
-                *right += cross.iter().zip(delta).map(|(a, b)| a * b).sum::<f32>();
-            }
-            if let Some((rows, before)) = best
-                && mark.rows > rows
-            {
-                let own = offset_part(&mark.cross);
-                for axis in 0..3 {
-                    for other in 0..3 {
-                        let d = delta.get(STEP + other).copied().unwrap_or(0.0);
-                        mark.right[axis] += (own[axis][other] - before[axis][other]) * d;
-                    }
+            let (mut right, more, own) = (mark.cross.right(), mark.cross.along(delta), mark.cross.own());
+            for axis in 0..3 {
+                right[axis] += more[axis];
+                if let Some((rows, before)) = best
+                    && mark.rows > rows
+                {
+                    right[axis] += (0..3)
+                        .map(|other| (own[axis][other] - before[axis][other]) * step[other])
+                        .sum::<f32>();
                 }
             }
+            mark.cross.set_right(right);
         }
     }
 }
 
-type Rows = ([[f32; STREAMED]; 3], [f32; 3]);
-
-fn offset_part(cross: &[[f32; STREAMED]; 3]) -> [[f32; 3]; 3] {
-    cross.map(|row| [row[0], row[1], row[2]])
-}
-
-/// The offset's rows of one block.
-fn of(block: &super::sums::Sums<STREAMED, ENTRIES>) -> Rows {
-    (
-        core::array::from_fn(|axis| core::array::from_fn(|column| block.entry(axis, column))),
-        core::array::from_fn(|axis| block.right(axis)),
-    )
-}
-
-fn so_far(blocks: &Blocks<STREAMED, ENTRIES>) -> Rows {
-    let (mut cross, mut right) = ([[0.0; STREAMED]; 3], [0.0; 3]);
-    for block in blocks.iter().filter(|block| block.rows > 0) {
-        let (c, r) = of(block);
-        for axis in 0..3 {
-            cross[axis].iter_mut().zip(&c[axis]).for_each(|(sum, value)| *sum += value);
-            right[axis] += r[axis];
-        }
-    }
-    (cross, right)
-}
-
-fn since(blocks: &Blocks<STREAMED, ENTRIES>, mark: &Mark) -> Rows {
-    let (mut cross, mut right) = so_far(blocks);
-    subtract(&mut cross, &mut right, &mark.cross, &mark.right);
-    (cross, right)
-}
-
-fn subtract(cross: &mut [[f32; STREAMED]; 3], right: &mut [f32; 3], c: &[[f32; STREAMED]; 3], r: &[f32; 3]) {
-    for axis in 0..3 {
-        cross[axis].iter_mut().zip(&c[axis]).for_each(|(sum, value)| *sum -= value);
-        right[axis] -= r[axis];
-    }
-}
-
-/// Writes the columns of a step.
-fn work_with(work: &mut Work, (cross, right): &Rows) {
-    for (axis, (row, value)) in cross.iter().zip(right).enumerate() {
-        for (column, entry) in row.iter().enumerate() {
-            if let Some(slot) = work.entries.get_mut(at(STEP + axis, column)) {
-                *slot = *entry;
-            }
-        }
-        for (other, entry) in row.iter().take(axis + 1).enumerate() {
-            if let Some(slot) = work.entries.get_mut(at(STEP + axis, STEP + other)) {
-                *slot = *entry;
-            }
-        }
-        if let Some(slot) = work.right.get_mut(STEP + axis) {
-            *slot = *value;
-        }
-    }
+fn so_far(blocks: &Blocks<STREAMED, ENTRIES>) -> Cross {
+    let mut sum = Cross::NONE;
+    blocks.iter().filter(|block| block.rows > 0).for_each(|block| sum.add_block(block));
+    sum
 }

@@ -7,12 +7,15 @@
 //! Single precision throughout, at a fixed point (the calibration in use, or what a session has found so far): the residual is
 //! relative to the field, a column is held against its first value, and a matrix is scaled to unit columns before it is solved.
 
+mod aim;
 mod blocks;
 mod candidate;
 mod columns;
+mod cross;
 mod finding;
 mod gain;
 mod inquiry;
+mod jump;
 mod late;
 mod lateness;
 mod layout;
@@ -25,6 +28,7 @@ mod sums;
 mod test;
 #[cfg(test)]
 mod tests;
+mod turning;
 
 pub use candidate::{Candidate, Found};
 pub use columns::MAX_TESTED;

@@ -106,12 +106,8 @@ impl Point {
         let pull = transposed_times(self.triangle, direction);
         let residual = length - self.field_ut;
         let foot = minus(centred, scaled(pull, residual / dot(pull, pull)));
-        let at_foot = times(self.triangle, foot);
-        let size = norm(at_foot);
-        if !(size > 0.0 && size.is_finite()) {
-            return None;
-        }
-        let [a, b, c] = scaled(at_foot, 1.0 / size);
+        // Its length is the field's but for the square of the residual.
+        let [a, b, c] = scaled(times(self.triangle, foot), 1.0 / self.field_ut);
         let [p, q, r] = transposed_times(self.triangle, [a, b, c]);
         let [x, y, z] = scaled(foot, 1.0 / self.field_ut);
         Some(Look {
@@ -122,19 +118,14 @@ impl Point {
     }
 }
 
-/// `ω × h` over `h`'s length turned into how the angle to `down` changes by a second of delay; and the angle's derivatives by a
-/// rotation. See [`DipLook`].
-pub(super) fn dip(
-    direction: [f32; 3],
-    down: [f32; 3],
-    turn_radps: Option<[f32; 3]>,
-    sine_mean: f32,
-) -> DipLook {
+/// A sample's dip: the angle of a unit direction to `down` about a mean one whose sine is `sine_mean`. `rate` is how the direction
+/// turns, 1/s.
+pub(super) fn dip(direction: [f32; 3], down: [f32; 3], rate: [f32; 3], sine_mean: f32) -> DipLook {
     let sine = dot(direction, down);
     let cosine = |sine: f32| math::sqrtf((1.0 - sine * sine).max(0.01));
     let (own, mean) = (cosine(sine), cosine(sine_mean));
     let [x, y, z] = scaled(cross(direction, down), 1.0 / own);
-    let lag = turn_radps.map_or(0.0, |turn| -dot(down, cross(turn, direction)) / own);
+    let lag = dot(down, rate) / own;
     // The arc sine of the difference's sine: two degrees or twenty, the series is as good as single precision.
     let difference = sine * mean - sine_mean * own;
     let square = difference * difference;
@@ -142,8 +133,8 @@ pub(super) fn dip(
     DipLook { residual, row: [x, y, z, -1.0 / mean, lag] }
 }
 
-/// A sample's dip: the angle to gravity less the mean one, rad; its derivatives by a rotation of the field, by the sine of the dip,
-/// and by a delay of the sensor, s.
+/// The angle to gravity less the mean one, rad; its derivatives by a rotation of the field, by the sine of the dip, and by a delay of
+/// the sensor, s.
 pub(super) struct DipLook {
     pub(super) residual: f32,
     pub(super) row: [f32; 5],

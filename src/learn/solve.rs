@@ -8,7 +8,7 @@ use crate::study::MIN_EIGENVALUE;
 /// stay at zero.
 const RIDGE: f32 = 1e-5;
 /// A pivot of the base below this is rounding, ...
-const LEAST_PIVOT: f32 = 4e-6;
+pub(super) const LEAST_PIVOT: f32 = 4e-6;
 /// ... and one of an effect's columns below this no direction of its own.
 const LEAST_OWN_PIVOT: f32 = 1e-4;
 /// The most columns of one candidate.
@@ -168,7 +168,7 @@ impl Factor {
     /// The diagonal entry of `N⁻¹` of a column.
     pub(super) fn inverse(&self, column: usize) -> f32 {
         let unit = |other: usize| if other == column { 1.0 } else { 0.0 };
-        self.solve(unit).get(column).copied().unwrap_or(f32::NAN)
+        self.forward(unit).iter().map(|value| value * value).sum()
     }
 
     /// The largest standard error among the base's columns, for noise as large as what all leave.
@@ -211,7 +211,7 @@ impl Factor {
             // Less than rounding is nothing.
             if size > 1e-6 * sums.entry(first + i, first + i) { 1.0 / math::sqrtf(size) } else { 0.0 }
         });
-        let mut schur: [[f32; MOST_OF_ONE]; MOST_OF_ONE] = core::array::from_fn(|i| {
+        let schur: [[f32; MOST_OF_ONE]; MOST_OF_ONE] = core::array::from_fn(|i| {
             core::array::from_fn(|j| match i < k && j < k {
                 true => {
                     (sums.entry(first + i, first + j) - dot(&through[i], &through[j])) * scale[i] * scale[j]
@@ -219,38 +219,49 @@ impl Factor {
                 false => 0.0,
             })
         });
-        let mut right: [f32; MOST_OF_ONE] = core::array::from_fn(|i| match i < k {
+        let right: [f32; MOST_OF_ONE] = core::array::from_fn(|i| match i < k {
             true => (sums.right(first + i) - dot(&through[i], &known)) * scale[i],
             false => 0.0,
         });
-        // Elimination with the largest pivot first: what is left in the directions that it drops is below the limit.
-        let mut gained = Gained { decrease: 0.0, directions: 0 };
-        let mut open = [true; MOST_OF_ONE];
-        for _ in 0..k {
-            let mut best = None;
-            for i in 0..k {
-                if open[i] && best.is_none_or(|b: usize| schur[i][i] > schur[b][b]) {
-                    best = Some(i);
-                }
-            }
-            let Some(p) = best.filter(|p| schur[*p][*p] > MIN_EIGENVALUE as f32) else { break };
-            let (pivot, value) = (schur[p][p], right[p]);
-            gained.decrease += value * value / pivot;
-            gained.directions += 1;
-            open[p] = false;
-            for i in 0..k {
-                if open[i] {
-                    let share = schur[i][p] / pivot;
-                    right[i] -= share * value;
-                    for j in 0..k {
-                        schur[i][j] -= share * schur[p][j];
-                    }
-                }
-            }
-        }
-        if !gained.decrease.is_finite() {
-            gained = Gained { decrease: 0.0, directions: 0 };
-        }
-        gained
+        decrease(schur, right, k)
     }
+}
+
+/// What the first `k` of some columns, in unit size and with all before them projected out, take off the squared error.
+pub(super) fn decrease(
+    mut schur: [[f32; MOST_OF_ONE]; MOST_OF_ONE],
+    mut right: [f32; MOST_OF_ONE],
+    k: usize,
+) -> Gained {
+    let k = k.min(MOST_OF_ONE);
+    // Elimination with the largest pivot first: what is left in the directions that it drops is below the limit.
+    let mut gained = Gained { decrease: 0.0, directions: 0 };
+    let mut open = [true; MOST_OF_ONE];
+    for _ in 0..k {
+        let mut best = (MIN_EIGENVALUE as f32, None);
+        for i in 0..k {
+            if open[i] && schur[i][i] > best.0 {
+                best = (schur[i][i], Some(i));
+            }
+        }
+        let (pivot, Some(p)) = best else { break };
+        let p = p.min(MOST_OF_ONE - 1);
+        let value = right[p];
+        gained.decrease += value * value / pivot;
+        gained.directions += 1;
+        open[p] = false;
+        for i in 0..k {
+            if open[i] {
+                let share = schur[i][p] / pivot;
+                right[i] -= share * value;
+                for j in 0..k {
+                    schur[i][j] -= share * schur[p][j];
+                }
+            }
+        }
+    }
+    if !gained.decrease.is_finite() {
+        gained = Gained { decrease: 0.0, directions: 0 };
+    }
+    gained
 }

@@ -3,7 +3,6 @@
 use super::blocks::BLOCKS;
 use super::learner::Learner;
 use super::solve::{Chosen, Factor, Gained};
-use super::sums::Work;
 use crate::study::f_tail;
 
 /// Squared error on blocks of time that were not fitted.
@@ -11,10 +10,7 @@ pub(super) fn held_out(learner: &Learner, chosen: Chosen) -> Option<f32> {
     let mut rest = learner.total();
     let mut squares = 0.0;
     for index in 0..BLOCKS {
-        let Some(block) = learner.blocks.iter().nth(index).filter(|block| block.rows > 0) else { continue };
-        let mut own = Work::new();
-        own.merge(block);
-        learner.marks.beside_block(&learner.blocks, index, &mut own);
+        let Some(own) = learner.part(index) else { continue };
         rest.take_out(&own);
         let delta = Factor::of(&rest, chosen, true)?.step(&rest);
         rest.merge(&own);

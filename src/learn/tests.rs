@@ -37,10 +37,15 @@ fn column(name: &str) -> ColumnName {
 
 /// Eighty seconds at 50 Hz with noise of 0.25 µT, the effect as large as `size`.
 fn learned(seed: u64, size: f64) -> Learner {
+    learned_from(OFFSET_UT, seed, |i| THETA.map(|theta| size * theta * current(i)))
+}
+
+/// The same with another disturbance, µT, from another point.
+fn learned_from(offset_ut: [f64; 3], seed: u64, disturbance: impl Fn(u64) -> [f64; 3]) -> Learner {
     let mut noise = Noise(seed);
     let mut learner = Learner::new();
     assert!(!learner.is_learning());
-    learner.begin(&Calibration { offset_ut: OFFSET_UT, ..Calibration::identity(50.0) });
+    learner.begin(&Calibration { offset_ut, ..Calibration::identity(50.0) });
     for i in 0..4000u64 {
         assert_eq!(learner.feed(&column("current_a"), current(i) as f32), Fed::Tested);
         let (turn, tilt) = (0.017 * i as f64, 1.5 * math::sin(0.0061 * i as f64));
@@ -50,7 +55,7 @@ fn learned(seed: u64, size: f64) -> Learner {
             50.0 * math::sin(tilt),
         ];
         let measured = core::array::from_fn(|axis| {
-            (field[axis] + OFFSET_UT[axis] + size * THETA[axis] * current(i) + 0.25 * noise.next()) as f32
+            (field[axis] + OFFSET_UT[axis] + disturbance(i)[axis] + 0.25 * noise.next()) as f32
         });
         learner.push(measured, 20 * i, &Motion::UNKNOWN);
     }
@@ -105,6 +110,78 @@ fn without_an_effect_nothing_is_missing() {
     let wrong = (0..40)
         .filter(|seed| asked(&learned(100 + seed, 0.0), InUse::default()).verdict != Verdict::Complete);
     assert!(wrong.count() <= 1);
+}
+
+#[test]
+fn a_study_that_begins_far_away_comes_to_where_the_truth_is() {
+    // Five µT away: made linear there, coefficients would be wrong by many standard errors.
+    let far = OFFSET_UT.map(|offset| offset + 3.0);
+    let mut learner = learned_from(far, 5, |i| THETA.map(|theta| theta * current(i)));
+    assert!(learner.rows() > 2500, "{}", learner.rows());
+    let outcome = asked(&learner, InUse::default());
+    assert_eq!(outcome.verdict, Verdict::Missing, "{outcome:?}");
+    let plain = ExtendedCalibration::plain(learner.calibration().expect("it learns"));
+    let with = learner.add(Candidate::Column(0), &plain).expect("it is shown");
+    let fitted = with.effects.iter().next().expect("an effect");
+    for axis in 0..3 {
+        let error = fitted.coefficients[axis] - THETA[axis];
+        assert!(math::abs(error) < 4.0 * fitted.std_errors[axis], "{fitted:?}");
+    }
+    assert!(learner.rms_ut() < 0.26, "{}", learner.rms_ut());
+}
+
+#[test]
+fn the_moment_of_a_jump_is_found_between_the_snapshots() {
+    for (seed, row) in [(31, 1307), (32, 2011), (33, 2902)] {
+        let jump = [1.5, -2.0, 1.0];
+        let mut learner = learned_from(OFFSET_UT, seed, |i| if i < row { [0.0; 3] } else { jump });
+        learner.settle();
+        let outcome = asked(&learner, InUse::default());
+        let (first, _) = outcome.ranked().next().expect("candidates");
+        assert_eq!((first, outcome.verdict), (Candidate::Step, Verdict::Missing), "{outcome:?}");
+        let Some(crate::effect::BuiltIn::Step(step)) = learner.effect(Candidate::Step) else {
+            panic!("a step")
+        };
+        let error_s = step.at_s - 0.02 * row as f64;
+        // Snapshots stand 0.64 s apart, and some have given way: without what is between them it would be one of theirs.
+        assert!(math::abs(error_s) < 1.28, "{seed}: {error_s} s");
+    }
+}
+
+#[test]
+fn a_gyro_tells_the_delay_of_a_field_that_turns() {
+    use super::solve::{Chosen, Factor};
+    use super::sums::Sums;
+    use super::turning::{ByGyro, TURNING_BASE};
+    // To and fro about one axis, and slowly about another.
+    let direction = |t: f64| {
+        let (angle, tilt) = (1.4 * math::sin(2.1 * t), 0.5 * math::sin(0.7 * t));
+        let (x, y) = (math::cos(angle), -math::sin(angle));
+        [math::cos(tilt) * x, math::cos(tilt) * y, math::sin(tilt)].map(|value| value as f32)
+    };
+    let rate = |t: f64| {
+        let step = 1e-4;
+        let (n, before, after) = (direction(t), direction(t - step), direction(t + step));
+        let way: [f32; 3] = core::array::from_fn(|axis| (after[axis] - before[axis]) / (2.0 * step) as f32);
+        // What turns the field there the shortest way, and some more about the field itself, which does not show.
+        let [x, y, z] = crate::vector::cross(way, n);
+        core::array::from_fn(|axis| [x, y, z][axis] + 0.3 * n[axis])
+    };
+    let mut noise = Noise(77);
+    for delay_s in [0.0, 0.03] {
+        let (mut gyro, mut sums) = (ByGyro::new(), Sums::new());
+        for i in 0..6000u64 {
+            let t = 0.01 * i as f64;
+            let late = direction(t - delay_s).map(|value| value + 0.005 * noise.next() as f32);
+            gyro.push(late, rate(t), 10 * i, &mut sums);
+        }
+        let mut work = Work::new();
+        work.merge(&sums);
+        let factor =
+            Factor::of(&work, Chosen::base(TURNING_BASE).with(TURNING_BASE, 1), false).expect("regular");
+        let found_s = f64::from(factor.step(&work)[TURNING_BASE]);
+        assert!(math::abs(found_s - delay_s) < 0.0015, "{found_s} for {delay_s}");
+    }
 }
 
 #[test]

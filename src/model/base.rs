@@ -107,13 +107,16 @@ impl<T: Real> Model<T> {
         for (index, (term, shape)) in terms.zip(shapes.iter_mut()).enumerate() {
             let at = Quantities { inputs: term.inputs, ..*at };
             term.effect.shape(&at, shape);
+            let turns = term.effect.delay_s(&term.coefficients).is_some();
             for (vector, coefficient) in shape.iter().zip(term.coefficients).take(term.effect.coefficients())
             {
                 for (total, value) in sum.iter_mut().zip(vector) {
                     if !value.is_finite() {
                         return Err(NotFinite::Effect(index));
                     }
-                    *total += *value * coefficient;
+                    if !turns {
+                        *total += *value * coefficient;
+                    }
                 }
             }
         }

@@ -2,10 +2,10 @@
 
 use super::base::Model;
 use super::looks::settle;
-use super::sample::{NotFinite, Observation, Term};
+use super::sample::{NotFinite, Observation, Term, delay_s};
 use crate::effect::no_shape;
 use crate::math::Real;
-use crate::vector::{minus, times};
+use crate::vector::{minus, scaled, times, turned};
 
 impl<T: Real> Model<T> {
     /// The corrected field of one sample in the accelerometer's frame, µT: what
@@ -27,6 +27,11 @@ impl<T: Real> Model<T> {
             }
             Ok(left)
         })?;
-        Ok(times(&self.full, left))
+        let corrected = times(&self.full, left);
+        // The board turned since what is read now.
+        Ok(match (delay_s(terms), reading.turn_radps) {
+            (Some(delay_s), Some(turn)) => turned(corrected, scaled(turn, -delay_s)),
+            _ => corrected,
+        })
     }
 }

@@ -1,10 +1,10 @@
 //! The rows of a sample: residual and derivatives at the foot point.
 
 use super::base::Model;
-use super::sample::{NoRow, NotFinite, Observation, Residual, Term};
+use super::sample::{NoRow, NotFinite, Observation, Residual, Term, delay_s};
 use crate::effect::{Shape, no_shape};
 use crate::math::{self, Real};
-use crate::vector::{cross, dot, minus, norm, scaled, times, transposed_times};
+use crate::vector::{cross, dot, minus, norm, scaled, times, transposed_times, turned};
 
 impl<T: Real> Model<T> {
     /// The rows of one sample: calls `push(row, residual)` once, or for the vector three times. `N` is the most terms, `P` the
@@ -61,6 +61,11 @@ impl<T: Real> Model<T> {
         if residual == Residual::Dip {
             let Some(down) = reading.down else { return Ok(()) };
             let h = times(&self.full, at.centred);
+            // What is read now was so before the board turned on; turning `h` on is turning `down` back.
+            let down = match (delay_s(terms), reading.turn_radps) {
+                (Some(delay_s), Some(turn)) => turned(down, scaled(turn, delay_s)),
+                _ => down,
+            };
             let length = norm(h);
             let u = scaled(h, T::one() / length);
             let sine = dot(u, down);

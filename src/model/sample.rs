@@ -1,6 +1,7 @@
 //! What a model is asked about: a sample, the effects in it, and which residual.
 
 use crate::effect::{Effect, MAX_COEFFICIENTS, MAX_INPUTS};
+use crate::math::Real;
 use core::fmt;
 
 /// Which residual a row belongs to.
@@ -56,6 +57,13 @@ pub struct Term<'a, T> {
     pub coefficients: [T; MAX_COEFFICIENTS],
     /// The values of its columns in this sample.
     pub inputs: [T; MAX_INPUTS],
+}
+
+/// How late these terms together say that the reading is, s; `None` where none of them is a delay.
+pub(super) fn delay_s<T: Real>(terms: &[Term<'_, T>]) -> Option<T> {
+    let mut delays = terms.iter().filter_map(|term| term.effect.delay_s(&term.coefficients));
+    let first = delays.next()?;
+    Some(delays.fold(first, |sum, delay| sum + delay))
 }
 
 /// Something in a row was not finite.

@@ -3,6 +3,7 @@
 use super::cov::{Assignments, assignments};
 use super::load::{self, Load};
 use crate::fit::Method;
+use crate::number::read;
 
 /// What is sent unasked, one line a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -64,6 +65,8 @@ pub enum Command {
     Field(f64),
     /// `cov NAME=VALUE …`: what columns that effects may follow are now.
     Cov(Assignments),
+    /// `heading`, with the declination in degrees, east positive, where it is given.
+    Heading(Option<f64>),
     /// `why`
     Why,
     /// `effect list`
@@ -79,8 +82,6 @@ pub enum Command {
 pub enum ParseError {
     /// Its first word is not known.
     Unknown,
-    /// A word of the contract that this firmware does not have yet.
-    NotBuilt(&'static str),
     /// The command is known and not written like that; the text says how it is.
     Usage(&'static str),
 }
@@ -115,6 +116,10 @@ pub fn parse(line: &str) -> Result<Command, ParseError> {
         "field" => (
             third.is_none().then(|| field(second)).flatten(),
             "field UT, the expected magnitude, 1 to 1000 microtesla",
+        ),
+        "heading" => (
+            third.is_none().then(|| heading(second)).flatten(),
+            "heading, or heading DECLINATION_DEG, east positive, -180 to 180",
         ),
         "why" => (plain(second, Command::Why), "why takes no argument"),
         "effect" => (
@@ -159,8 +164,14 @@ fn stream(mode: Option<&str>) -> Option<Command> {
 }
 
 fn field(value: Option<&str>) -> Option<Command> {
-    let ut: f64 = value?.parse().ok()?;
+    let ut = read(value?)?;
     FIELD_UT.contains(&ut).then_some(Command::Field(ut))
+}
+
+fn heading(declination: Option<&str>) -> Option<Command> {
+    let Some(text) = declination else { return Some(Command::Heading(None)) };
+    let degrees = read(text)?;
+    (-180.0..=180.0).contains(&degrees).then_some(Command::Heading(Some(degrees)))
 }
 
 fn effect(verb: Option<&str>, id: Option<&str>) -> Option<Command> {
@@ -209,6 +220,8 @@ mod tests {
             ("field 48.5", Command::Field(48.5)),
             ("cov current_a=-3.2", cov(&[("current_a", Some(-3.2))])),
             ("cov a=1 b=-", cov(&[("a", Some(1.0)), ("b", None)])),
+            ("heading", Command::Heading(None)),
+            ("heading -3.5", Command::Heading(Some(-3.5))),
             ("why", Command::Why),
             ("effect list", Command::EffectList),
             ("effect add offset:temp_c", Command::EffectAdd("offset:temp_c".try_into().unwrap())),
@@ -252,6 +265,10 @@ mod tests {
             "cov a=1 b=warm",
             "cov a=1 a=2",
             "cov a=1 b=2 c=3 d=4 e=5 f=6 g=7",
+            "heading north",
+            "heading 181",
+            "heading nan",
+            "heading 1 2",
             "why not",
             "effect",
             "effect add",

@@ -1,6 +1,7 @@
 //! The columns of a `cov` line.
 
 use crate::effect::ColumnName;
+use crate::number::read;
 use heapless::Vec;
 
 /// The most columns of one line: accelerometer and gyro.
@@ -20,7 +21,7 @@ pub(super) fn assignments<'a>(words: impl Iterator<Item = &'a str>) -> Result<As
         let value = match value {
             "-" => None,
             number => {
-                let value: f64 = number.parse().map_err(|_| USAGE)?;
+                let value = read(number).ok_or(USAGE)?;
                 // It is kept in single precision.
                 Some(value).filter(|value| (*value as f32).is_finite()).ok_or(USAGE).map(Some)?
             }

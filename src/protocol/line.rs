@@ -1,5 +1,6 @@
 //! Bytes of a serial line into command lines.
 
+use super::motioncal::{PACKET_BEGINS, PACKET_BYTES};
 use heapless::Vec;
 
 /// The most characters a line may have, its end not counted.
@@ -14,6 +15,8 @@ pub enum Line<'a> {
     TooLong,
     /// It held a byte outside 0x20–0x7e.
     NotText,
+    /// No line: a packet of MotionCal's, whole and not looked into.
+    Packet(&'a [u8; PACKET_BYTES]),
 }
 
 /// Collects bytes up to the end of a line. However long or broken the input, it needs 80 bytes, and the next
@@ -27,18 +30,41 @@ pub struct LineSplitter {
     carriage_return: bool,
     too_long: bool,
     not_text: bool,
+    /// The bytes belong to a packet.
+    packet: bool,
 }
 
 impl LineSplitter {
     /// At the beginning of a line.
     pub const fn new() -> Self {
-        Self { buffer: Vec::new(), ended: false, carriage_return: false, too_long: false, not_text: false }
+        Self {
+            buffer: Vec::new(),
+            ended: false,
+            carriage_return: false,
+            too_long: false,
+            not_text: false,
+            packet: false,
+        }
     }
 
     /// Takes one byte; returns the line that it ends.
     pub fn push(&mut self, byte: u8) -> Option<Line<'_>> {
+        self.push_or_packet(byte, false)
+    }
+
+    /// The same where, with `packets`, packets of MotionCal's may come between lines. One is told by its third byte: it is no text,
+    /// because MotionCal's first number is zero.
+    pub fn push_or_packet(&mut self, byte: u8, packets: bool) -> Option<Line<'_>> {
         if self.ended {
             *self = Self::new();
+        }
+        let is_text = matches!(byte, 0x20..=0x7e | b'\n' | b'\r');
+        self.packet |= packets && !is_text && self.buffer == PACKET_BEGINS;
+        if self.packet {
+            // There is room: a line may be longer.
+            self.too_long |= self.buffer.push(byte).is_err();
+            self.ended = self.buffer.len() == PACKET_BYTES;
+            return self.last();
         }
         match byte {
             b'\n' => {
@@ -65,7 +91,9 @@ impl LineSplitter {
     }
 
     fn line(&self) -> Option<Line<'_>> {
-        if self.too_long {
+        if self.packet {
+            Some(self.buffer.as_slice().try_into().map_or(Line::NotText, Line::Packet))
+        } else if self.too_long {
             Some(Line::TooLong)
         } else if self.not_text {
             Some(Line::NotText)
@@ -94,10 +122,38 @@ mod tests {
                 Some(Line::Text(text)) => found.push(text.to_string()),
                 Some(Line::TooLong) => found.push("TOO LONG".to_string()),
                 Some(Line::NotText) => found.push("NOT TEXT".to_string()),
+                Some(Line::Packet(_)) => panic!("none was asked for"),
                 None => {}
             }
         }
         found
+    }
+
+    #[test]
+    fn a_packet_is_told_from_a_line_and_only_where_one_may_come() {
+        let mut packet = [0; 68];
+        packet[..2].copy_from_slice(&[117, 84]);
+        packet[60] = b'\n';
+        let bytes = [b"uTx\n", &packet[..], b"help\n"].concat();
+        let mut splitter = LineSplitter::new();
+        let mut found = Vec::new();
+        for &byte in &bytes {
+            match splitter.push_or_packet(byte, true) {
+                Some(Line::Packet(bytes)) => {
+                    assert_eq!(bytes, &packet);
+                    found.push("PACKET".to_string());
+                }
+                Some(Line::Text(text)) => found.push(text.to_string()),
+                Some(other) => panic!("{other:?}"),
+                None => {}
+            }
+        }
+        assert_eq!(found, ["uTx", "PACKET", "help"]);
+        assert_eq!(
+            lines(&bytes),
+            ["uTx", "NOT TEXT", "NOT TEXT"],
+            "eight zeros are the beginning of the last"
+        );
     }
 
     #[test]

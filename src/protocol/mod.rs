@@ -8,6 +8,7 @@ mod command;
 mod cov;
 mod line;
 mod load;
+mod motioncal;
 mod reply;
 #[cfg(test)]
 mod tests;
@@ -16,4 +17,5 @@ pub use command::{Command, EffectId, MAX_ID, ParseError, StreamMode, parse};
 pub use cov::{Assignments, MAX_ASSIGNMENTS};
 pub use line::{Line, LineSplitter, MAX_LINE};
 pub use load::{LOAD_LINE_BYTES, Load, LoadBytes};
+pub use motioncal::{PACKET_BYTES, Packet};
 pub use reply::{Answered, Code, Opt, Reply};

@@ -175,6 +175,7 @@ impl Collector {
             counts: self.counts(),
             coverage: coverage.fraction,
             gap_deg: coverage.gap_deg,
+            seen: coverage.seen,
             hint,
             ..figures
         }

@@ -157,6 +157,7 @@ impl Session {
                     counts: stopped.counts,
                     coverage: coverage.fraction,
                     gap_deg: coverage.gap_deg,
+                    seen: coverage.seen,
                     hint,
                     ..Status::of(state, report.as_ref())
                 }

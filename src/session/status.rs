@@ -1,6 +1,6 @@
 //! What a session tells: where it stands, what to do next, and what came of it.
 
-use crate::coverage::Coverage;
+use crate::coverage::{Coverage, Seen};
 use crate::fit::FitReport;
 use crate::quality::Verdict;
 use core::fmt;
@@ -110,6 +110,8 @@ pub struct Status {
     pub coverage: f32,
     /// Largest gap in the directions, degrees.
     pub gap_deg: f32,
+    /// The directions seen.
+    pub seen: Seen,
     /// Residual rms of the fit so far, µT.
     pub rms_ut: Option<f64>,
     /// Noise of the sensor, σ per axis, µT.
@@ -139,6 +141,7 @@ impl Status {
             counts: Counts::default(),
             coverage: 0.0,
             gap_deg: 180.0,
+            seen: Seen::default(),
             rms_ut: report.map(|r| r.rms_ut),
             noise_ut: report.map(|r| r.noise_ut),
             predicted_error: report.map(|r| r.predicted_error_ut / r.calibration.field_ut),

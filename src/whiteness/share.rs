@@ -59,16 +59,16 @@ impl Observed {
         let aligned = self.aligned(&self.near)?;
         // Where rounding is in doubt, noise is so low that more of it with a memory does no harm.
         let half = 0.5 * (self.near.mean_square - self.near.rounding).max(0.0);
-        let covariance = ((variance - half) / aligned).clamp(0.0, variance);
+        let covariance = math::within((variance - half) / aligned, 0.0, variance);
         // Steps are white where noise moves the sample over them: then the differences show them in full.
-        let white = self.quantisation * ((half / self.quantisation - 0.9) / 0.2).clamp(0.0, 1.0);
+        let white = self.quantisation * math::within((half / self.quantisation - 0.9) / 0.2, 0.0, 1.0);
         let white = if white.is_finite() { white.min(variance - covariance) } else { 0.0 };
         let rho = (covariance / (variance - white)).min(MOST_CORRELATED);
         let of_neighbours = sum_over_lags(variance, covariance, rho);
         let Some((far, aligned)) = self.far.and_then(|far| Some((far, self.aligned(&far)?))) else {
             return Some(of_neighbours);
         };
-        let far_covariance = ((variance - 0.5 * far.mean_square) / aligned).clamp(0.0, variance);
+        let far_covariance = math::within((variance - 0.5 * far.mean_square) / aligned, 0.0, variance);
         let share = covariance / variance;
         // The variance of a sample correlation, were the noise as the neighbours say (Bartlett).
         let squares = (1.0 + 2.0 * share * share / (1.0 - rho * rho)) / f64::from(far.pairs);
@@ -143,7 +143,7 @@ pub(super) fn effective_share(seen: &Observed) -> Option<f64> {
     }
     let long_run = noise_long_run(seen, left, per_sample)?;
     let share = seen.variance / long_run;
-    share.is_finite().then_some(share.clamp(1.0 / seen.samples, 1.0))
+    share.is_finite().then_some(math::within(share, 1.0 / seen.samples, 1.0))
 }
 
 /// `L(V)` where `V − pL(V)/n` is what is left of it in the residual, or, where no noise leaves as much as that, where it
@@ -179,7 +179,7 @@ pub fn independent_share(white: f64, total: f64) -> f64 {
         return 1.0;
     }
     // 6 white/total = 6 − 8ρ + 2ρ².
-    let rho = (2.0 - math::sqrt(1.0 + 3.0 * white / total)).clamp(0.0, 1.0);
+    let rho = math::within(2.0 - math::sqrt(1.0 + 3.0 * white / total), 0.0, 1.0);
     (1.0 - rho) / (1.0 + rho)
 }
 

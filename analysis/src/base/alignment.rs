@@ -9,12 +9,15 @@ use ironout::study::{Model, Residual};
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// A rotation beyond this is no mounting error: the sensor is turned by right angles, or a driver mirrors it.
-const SWAPPED_DEG: f64 = 45.0;
+pub const SWAPPED_DEG: f64 = 45.0;
 
-/// ... if undoing it leaves at most this share of the dip's spread.
-const SWAPPED_LEAVES: f64 = 0.3;
-/// ... and no more than this, degrees: a dip that still spreads has another cause, which turns the estimate as well.
-const SWAPPED_MOST_DEG: f64 = 3.0;
+/// ... if undoing it leaves at most this share of the spread that the best small rotation leaves. A hand that shakes the
+/// accelerometer makes the dip spread by several degrees either way: what counts is how much less the one spreads.
+const SWAPPED_LEAVES: f64 = 0.5;
+/// ... and no more than this, degrees: a dip that spreads further tells nothing.
+const SWAPPED_MOST_DEG: f64 = 15.0;
+/// ... of at least this, degrees: where the dip spreads by little whatever the rotation, the attitude does not show it.
+const SWAPPED_FROM_DEG: f64 = 8.0;
 
 /// What the dip says about a model.
 #[derive(Debug, Clone)]
@@ -149,10 +152,14 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
         starts.extend(global(samples, model));
     }
     let mut best: Option<(Model<f64>, f64)> = None;
+    // What is left where the axes stand in order.
+    let mut in_order_deg = before_deg;
     for start in starts {
-        if let Some((model, spread)) = refine(samples, model, start)?
-            && best.as_ref().is_none_or(|(_, least)| spread < least * 0.98)
-        {
+        let Some((model, spread)) = refine(samples, model, start)? else { continue };
+        if angle_deg(&matrix(&model.rotation)) <= SWAPPED_DEG {
+            in_order_deg = in_order_deg.min(spread);
+        }
+        if best.as_ref().is_none_or(|(_, least)| spread < least * 0.98) {
             best = Some((model, spread));
         }
     }
@@ -160,7 +167,8 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
     let rotation = matrix(&model.rotation);
     // Named only where it leaves little of the dip's spread: other errors turn an estimate too.
     let swapped = angle_deg(&rotation) > SWAPPED_DEG
-        && after_deg < SWAPPED_LEAVES * before_deg
+        && in_order_deg > SWAPPED_FROM_DEG
+        && after_deg < SWAPPED_LEAVES * in_order_deg
         && after_deg < SWAPPED_MOST_DEG;
     let (order, angle_deg) =
         if swapped { AxisOrder::nearest(&rotation) } else { (AxisOrder::IN_ORDER, beside_symmetric(&model)) };

@@ -60,6 +60,9 @@ pub struct Counted<'a> {
     pub repeated: usize,
     /// Samples of a resting board.
     pub at_rest: usize,
+    /// The samples of a study with those that stand out of the base model, where there are any: what stands out may be an
+    /// effect that the base model does not know.
+    pub with_bursts: Option<Samples>,
 }
 
 impl<'a> Counted<'a> {
@@ -74,6 +77,7 @@ impl<'a> Counted<'a> {
         let moving = data.moving(&sound(&set_aside, &all), unit);
         let mut samples = Samples::take(table, &set_aside, axes);
         let rests = rest::at_rest(&samples);
+        let mut with_bursts = None;
         if !rests {
             let left_out = |set_aside: &[bool]| {
                 let mut left_out = vec![true; table.rows()];
@@ -83,10 +87,12 @@ impl<'a> Counted<'a> {
                 left_out
             };
             samples = Samples::take(table, &left_out(&set_aside), axes);
+            let whole = samples.clone();
             for (from, to) in bursts(&samples, table, &left_out(&set_aside), axes) {
                 let rows = (samples.row[from], samples.row[to]);
                 set_aside[rows.0..=rows.1].fill(true);
                 list.push(faults::burst_fault(table, rows, (to - from + 1) * samples.stride));
+                with_bursts = Some(whole.clone());
             }
             for _ in 0..ROUNDS {
                 samples = Samples::take(table, &left_out(&set_aside), axes);
@@ -110,6 +116,7 @@ impl<'a> Counted<'a> {
         Counted {
             repeated: table.rows() - all.len() - stuck,
             at_rest: all.len() - faulty - used.len(),
+            with_bursts,
             table,
             data,
             used,
@@ -124,6 +131,11 @@ impl<'a> Counted<'a> {
     /// Samples set aside in all.
     pub fn set_aside(&self) -> usize {
         self.aside.iter().map(|one| one.samples).sum()
+    }
+
+    /// Samples set aside because the magnitude was far from all others.
+    pub fn set_aside_as_bursts(&self) -> usize {
+        self.aside.iter().filter(|one| one.why == Why::Burst).map(|one| one.samples).sum()
     }
 
     /// Samples at the end of the sensor's range.

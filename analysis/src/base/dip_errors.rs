@@ -7,8 +7,8 @@
 
 use crate::base::engine::Pass;
 use crate::base::piece::{BadShape, COLUMNS, Piece};
-use crate::base::quality::residue;
 use crate::samples::samples::Samples;
+use crate::samples::series::Autocorrelation;
 use ironout::study::{Model, Residual};
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 
@@ -89,7 +89,7 @@ impl DipErrors {
             DMatrix::from_fn(own_columns, own_columns, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
         let freedom = residuals.len().saturating_sub(own_columns).max(1) as f64;
         let squares: f64 = residuals.iter().map(|r| r * r).sum();
-        let variance = squares / freedom * residue(&residuals, own_columns, 0.0, samples.step_s()).time;
+        let variance = squares / freedom * Autocorrelation::of(&residuals).time;
         let errors = DipErrors { follows: -(&inverse * cross), own: inverse * variance };
         let finite = errors.own.iter().chain(errors.follows.iter()).all(|value| value.is_finite());
         Ok(finite.then_some(errors))

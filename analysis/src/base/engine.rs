@@ -2,6 +2,7 @@
 
 use crate::base::known::Known;
 use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::noise::turning::Turning;
 use crate::samples::samples::Samples;
 use crate::threads::halves;
 use ironout::study::{Model, NoRow, NotFinite, Residual};
@@ -11,18 +12,31 @@ use ironout::study::{Model, NoRow, NotFinite, Residual};
 pub struct End {
     /// A step that would take less than this share of the squared residuals is the last.
     step_left: f64,
+    /// So is a step that would take less than this many variances of one sample.
+    variances_left: f64,
     /// After more steps than this that are small against their errors, the last of them is.
     steps_near: u32,
     /// By this share a step may raise the squared residuals.
     rise: f64,
+    /// What has not ended after so many steps does not end.
+    steps: u32,
 }
 
-/// Good enough to go on from.
-const USUAL: End = End { step_left: 1e-9, steps_near: 4, rise: 0.0 };
+/// Good enough to go on from: what is left of the way is a thirtieth of a standard error.
+const USUAL: End = End { step_left: 1e-9, variances_left: 1e-3, steps_near: 1, rise: 0.0, steps: 24 };
 
 /// Where the steps themselves end, wherever they began: the shape of a coupling depends on the model, which its derivatives
 /// leave out, so that the least sum is not quite where no step is left.
-pub const SETTLED: End = End { step_left: 1e-15, steps_near: 20, rise: 1e-5 };
+pub const SETTLED: End = End { step_left: 1e-15, variances_left: 0.0, steps_near: 20, rise: 1e-5, steps: 40 };
+
+/// A fit has ended where no step lowers the error and the step is at most so many of its own variances.
+const STALLED: f64 = 1.0;
+
+/// Steps so damped that do not lower the error either end a fit.
+const TOO_DAMPED: f64 = 1e2;
+
+/// With fewer samples a second thread costs more than it does.
+const ALONE: usize = 2000;
 
 /// What a pass runs over and how.
 #[derive(Clone, Copy)]
@@ -85,6 +99,7 @@ impl Pass<'_> {
         pieces: &[&Piece],
     ) -> Result<Vec<Matrix>, BadShape> {
         let columns = self.residual.base_columns() + pieces.iter().map(|piece| piece.k()).sum::<usize>();
+        self.samples.work.add(self.samples.len() * (2 + pieces.len() + columns / 8));
         let ranges: Vec<_> = bounds.windows(2).map(|pair| pair[0]..pair[1]).collect();
         let work = |ranges: &[std::ops::Range<usize>]| -> Result<Vec<Matrix>, BadShape> {
             ranges
@@ -96,7 +111,7 @@ impl Pass<'_> {
                 })
                 .collect()
         };
-        if self.samples.len() < 8000 || ranges.len() < 2 {
+        if self.samples.len() < ALONE || ranges.len() < 2 {
             return work(&ranges);
         }
         let (first, second) = halves(ranges.split_at(ranges.len() / 2), |half| work(half));
@@ -135,6 +150,20 @@ impl Pass<'_> {
             }
         }
         Ok(out)
+    }
+}
+
+impl Pass<'_> {
+    /// How the board turned, as the noise of the residual shows it.
+    pub fn turning(&self, model: &Model<f64>) -> Turning {
+        if self.residual != Residual::Magnitude {
+            return Turning::none(self.samples.len() * 3);
+        }
+        Turning::of(self.samples.readings.iter().map(|reading| {
+            let off: [f64; 3] =
+                core::array::from_fn(|axis| reading.measured_ut[axis] - model.offset_ut[axis]);
+            model.matrix.map(|row| row.iter().zip(off).map(|(c, v)| c * v).sum())
+        }))
     }
 }
 
@@ -252,11 +281,18 @@ impl Pass<'_> {
             Ok((blocks, prior, data.squares(), rows, sigma))
         };
         let (mut model, mut pieces) = (model, pieces);
-        let (mut blocks, mut prior, mut squares, mut rows, mut sigma) = evaluate(&model, &pieces, None)?;
+        let started = match evaluate(&model, &pieces, None) {
+            // Coefficients from another model ran away here: no fit, and no fault of the shape.
+            Err(BadShape::NotFinite(_)) if pieces.iter().any(Piece::stands) => return Ok(None),
+            started => started?,
+        };
+        let (mut blocks, mut prior, mut squares, mut rows, mut sigma) = started;
         let mut damping = 0.0;
         let mut converged = false;
         let mut steps_near = 0;
-        for _ in 0..40 {
+        // What the last step that was not damped much promised, in variances of one sample.
+        let mut promised = f64::INFINITY;
+        for _ in 0..end.steps {
             let total = Matrix::total(&blocks, Some(&prior));
             let Some(factor) = total.damped_factor(damping) else {
                 if damping > 1e3 {
@@ -267,7 +303,9 @@ impl Pass<'_> {
             };
             let delta = total.step(&factor);
             let predicted: f64 = (0..total.columns()).map(|i| -delta[i] * total.right(i)).sum();
-            if predicted <= end.step_left * total.squares().max(1e-300) {
+            let left = end.step_left * total.squares().max(1e-300);
+            let settled = damping < 1.0 && predicted <= end.variances_left * sigma * sigma;
+            if settled || predicted <= left {
                 converged = true;
                 break;
             }
@@ -275,17 +313,24 @@ impl Pass<'_> {
             // that is near enough.
             let near = damping < 1.0 && predicted <= 0.01 * sigma * sigma;
             steps_near = if near { steps_near + 1 } else { 0 };
+            if damping < 1.0 {
+                promised = predicted / (sigma * sigma).max(f64::MIN_POSITIVE);
+            }
             if steps_near > end.steps_near {
                 converged = true;
                 break;
             }
             let moved = stepped(self.residual, &model, &pieces, &delta);
             let better = match moved {
-                Some((model, pieces)) => {
-                    let next = evaluate(&model, &pieces, Some(sigma))?;
-                    let cost = next.2 + next.1.squares();
-                    (cost < total.squares() * (1.0 + end.rise)).then_some((model, pieces, next))
-                }
+                Some((model, pieces)) => match evaluate(&model, &pieces, Some(sigma)) {
+                    Ok(next) => {
+                        let cost = next.2 + next.1.squares();
+                        (cost < total.squares() * (1.0 + end.rise)).then_some((model, pieces, next))
+                    }
+                    // A step so far that a shape ran away: a shorter one is tried.
+                    Err(BadShape::NotFinite(_)) => None,
+                    Err(bad) => return Err(bad),
+                },
                 None => None,
             };
             match better {
@@ -298,11 +343,12 @@ impl Pass<'_> {
                     prior = known.matrix(self.residual, &model, sigma, &list, &data);
                     damping = if damping < 1e-7 { 0.0 } else { damping * 0.1 };
                 }
-                None if near || damping > 1e4 => {
-                    converged = near;
+                None if near || damping > TOO_DAMPED => {
+                    // No step lowers the error, and the columns' own error is all that asks for one.
+                    converged = near || promised <= STALLED;
                     break;
                 }
-                None => damping = if damping == 0.0 { 1e-4 } else { damping * 10.0 },
+                None => damping = if damping == 0.0 { 1e-4 } else { damping * 30.0 },
             }
         }
         Ok(Some(Fitted { model, pieces, blocks, prior, squares, rows, converged }))

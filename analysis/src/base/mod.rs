@@ -11,6 +11,7 @@ pub mod heading;
 pub mod hemisphere;
 pub mod holdout;
 pub mod known;
+pub mod level;
 pub mod model;
 pub mod mounting;
 pub mod order;

@@ -9,6 +9,7 @@ use crate::base::holdout;
 use crate::base::quality::{Residue, residue};
 use crate::base::solution::Solution;
 use crate::base::start::NO_ROTATION;
+use crate::noise::turning::Turning;
 use crate::plain;
 use crate::samples::data::Data;
 use ironout::fit::{FitError, FitOptions, FitReport, Method, fit};
@@ -53,8 +54,10 @@ impl Base {
         let first = fit_samples(data, used, &white)?;
         let residual = data.residual(used, &first.calibration);
         let step_s = counted.samples.step_s() / counted.samples.stride as f64;
+        let directions = used.iter().map(|&sample| first.calibration.apply(data.field(sample)));
+        let turning = Turning::of(directions);
         let of = |residual: &[f64], report: &FitReport| {
-            residue(residual, report.model.parameters(), counted.samples.quantum_ut, step_s)
+            residue(residual, report.model.parameters(), counted.samples.quantum_ut, step_s, &turning)
         };
         // Where noise has a memory, or structure remains, averaging removes less of it.
         let independent = used.len() as f64 / of(&residual, &first).memory;

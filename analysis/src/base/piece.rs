@@ -88,6 +88,11 @@ impl<'a> Piece<'a> {
         }
     }
 
+    /// Whether it has a coefficient that is not zero.
+    pub fn stands(&self) -> bool {
+        self.coefficients.iter().any(|value| *value != 0.0)
+    }
+
     /// k.
     pub fn k(&self) -> usize {
         self.effect.coefficients().min(MAX_COEFFICIENTS)

@@ -1,7 +1,11 @@
 //! An earlier calibration as information about offset and triangle.
 
 use crate::base::known::Earlier;
+use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
+
+/// An earlier calibration is another by so much of the field, and of a gain, besides its noise.
+const OTHER_DAY: f64 = 0.003;
 
 /// What an earlier calibration says, with the offset as it is where this log's columns have their means.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -25,11 +29,24 @@ impl Prior {
         let triangle = [c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]].map(|value| value * scale);
         let [a, b, d, e, f, g] = triangle;
         let unit = |i: usize| if i < 3 { 1.0 } else { 1.0 / scale };
+        let information = self.loosened();
         Earlier {
             parameters: [x, y, z, a, b, d, e, f, g],
             information: std::array::from_fn(|i| {
-                std::array::from_fn(|j| self.information[i][j] * unit(i) * unit(j))
+                std::array::from_fn(|j| information[i][j] * unit(i) * unit(j))
             }),
         }
+    }
+
+    /// The information with what no noise tells: a board is not quite the same at another place and day.
+    fn loosened(&self) -> [[f64; 9]; 9] {
+        let spread = |i: usize| OTHER_DAY * if i < 3 { self.field_ut } else { 1.0 };
+        // (Λ⁻¹ + D²)⁻¹ without inverting Λ, which may be singular: D⁻¹ (1 − (1 + DΛD)⁻¹) D⁻¹.
+        let scaled = SMatrix::<f64, 9, 9>::from_fn(|i, j| self.information[i][j] * spread(i) * spread(j));
+        let Some(factor) = (SMatrix::identity() + scaled).cholesky() else { return self.information };
+        let rest = SMatrix::identity() - factor.inverse();
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| 0.5 * (rest[(i, j)] + rest[(j, i)]) / (spread(i) * spread(j)))
+        })
     }
 }

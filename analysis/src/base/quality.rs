@@ -3,6 +3,8 @@
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::piece::{COLUMNS, Matrix, Piece};
+use crate::noise::colour::{Colour, Seen};
+use crate::noise::turning::Turning;
 use crate::samples::series::{Autocorrelation, rms, second_difference_sigma};
 use ironout::effect::{Quantities, no_shape};
 use ironout::study::{PhysicalPrior, Residual};
@@ -21,6 +23,8 @@ const SLOW_MEMORY: usize = 13;
 /// ... or longer than this, s: a sensor's own slow noise (its 1/f noise, a filter before the part that is white) is
 /// forgotten sooner than anything that turns with the board.
 const SLOW_MEMORY_S: f64 = 0.42;
+/// Or the spectrum is another one than any noise's by this many standard deviations.
+const STRUCTURE_MISFIT: f64 = 10.0;
 /// Structure makes at least this share of the residual's variance.
 const STRUCTURE_SHARE: f64 = 0.04;
 
@@ -38,6 +42,12 @@ pub struct Residue {
     /// How many samples say as much about the calibration as one independent sample: what every predicted error rests on,
     /// whichever way the fit went. Noise with a memory and structure count alike: averaging removes neither.
     pub memory: f64,
+    /// What noise it is most like.
+    pub colour: Colour,
+    /// By how many standard deviations its spectrum is another one than that.
+    pub misfit: f64,
+    /// Whether it is that noise and nothing more.
+    pub is_noise: bool,
 }
 
 /// [`Residue::memory`] of a residual, from its second differences: those hold what is new from sample to sample.
@@ -49,7 +59,14 @@ fn memory(residuals: &[f64]) -> f64 {
 
 /// Splits a residual into noise and structure. Noise with a short memory is noise.
 /// `quantum_ut` is the step of the readings, `step_s` that of their times (0 where unknown).
-pub fn residue(residuals: &[f64], parameters: usize, quantum_ut: f64, step_s: f64) -> Residue {
+/// `turning` is how the board turned meanwhile.
+pub fn residue(
+    residuals: &[f64],
+    parameters: usize,
+    quantum_ut: f64,
+    step_s: f64,
+    turning: &Turning,
+) -> Residue {
     let n = residuals.len();
     let correlation = Autocorrelation::of(residuals);
     let freedom = n.saturating_sub(parameters).max(1) as f64;
@@ -64,13 +81,26 @@ pub fn residue(residuals: &[f64], parameters: usize, quantum_ut: f64, step_s: f6
     let beside = correlation.two_parts(n).is_some_and(|(independent, slow, sigmas)| {
         sigmas > STRUCTURE_SIGMAS && independent > 3.0 * rounding && slow > SLOW_SHARE && slow_to_fade
     });
-    let structured = (correlation.structure(n) > STRUCTURE_RATIO || beside) && share > STRUCTURE_SHARE;
+    let noise = Seen::of(residuals, turning, &turning.absorbed, rounding).describe();
+    let odd = correlation.structure(n) > STRUCTURE_RATIO || beside;
+    let lines = noise.misfit() > STRUCTURE_MISFIT && noise.excess > STRUCTURE_SHARE;
+    // A resting board's own drifts, and what a logger rounds, look like slow noise: there only a short memory is noise.
+    let is_noise = turning.of_magnitude && noise.is_noise(step_s);
+    let structured = (odd && share > STRUCTURE_SHARE || lines) && !is_noise;
+    // Fast structure is in the second differences too.
+    let (share, smooth) = match lines && noise.excess > share {
+        true => (noise.excess, whole * (1.0 - noise.excess).sqrt()),
+        false => (share, smooth),
+    };
     Residue {
         rms: rms(residuals),
         floor: if structured { smooth } else { whole },
         structure: if structured { share } else { 0.0 },
         time: correlation.time,
         memory: memory(residuals),
+        colour: noise.colour,
+        misfit: noise.misfit(),
+        is_noise,
     }
 }
 

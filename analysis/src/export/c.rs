@@ -119,6 +119,10 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
     let base = &calibration.base;
     let list = parameters(calibration)?;
     let turning = calibration.effects.iter().any(|fitted| fitted.effect.needs_gyro());
+    let delays = calibration.effects.iter().filter_map(|fitted| fitted.effect.delay_s(&fitted.coefficients));
+    let delay_s = delays.reduce(|sum, delay| sum + delay);
+    let coupled = |fitted: &&Fitted| fitted.effect.delay_s(&fitted.coefficients).is_none();
+    let couples = calibration.effects.iter().filter(coupled).any(|fitted| fitted.effect.needs_gyro());
     let looks = if calibration.effects.iter().any(|fitted| fitted.effect.reads_centre()) { LOOKS } else { 1 };
     let math = calibration.effects.iter().any(|fitted| fitted.effect.family().c_needs_math());
     let mut text = format!(
@@ -142,7 +146,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
         triple(&base.offset_ut),
         rows(&base.matrix)
     );
-    if turning {
+    if couples {
         let inverse = inverse_3x3(&base.matrix).ok_or(CannotExport::Singular)?;
         let _ = write!(
             text,
@@ -184,11 +188,11 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
          left[i] = centred[i];\n    }\n",
     );
     let _ = writeln!(text, "    for (look = 0; look < {looks}; look++) {{");
-    if turning {
+    if couples {
         text.push_str(TURNING);
     }
     text.push_str("        for (i = 0; i < 3; i++) {\n            sum[i] = 0;\n        }\n");
-    for fitted in calibration.effects.iter() {
+    for fitted in calibration.effects.iter().filter(coupled) {
         // Writing to a string cannot fail.
         let _ = body(fitted, &mut text);
     }
@@ -199,8 +203,16 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
     });
     text.push_str(
         "    for (i = 0; i < 3; i++) {\n        corrected_ut[i] = ironout_matrix[i][0] * left[0] + ironout_matrix[i][1] * left[1] + \
-         ironout_matrix[i][2] * left[2];\n    }\n}\n\n",
+         ironout_matrix[i][2] * left[2];\n    }\n",
     );
+    if let Some(delay_s) = delay_s {
+        let _ = write!(
+            text,
+            "    {{ /* lag: the board turned since what is read now */\n        const ironout_real late_s = {};\n{TURNED}    }}\n",
+            number(delay_s)
+        );
+    }
+    text.push_str("}\n\n");
     text.push_str(&outside(&list, &ranges(calibration)));
     text.push_str("#endif /* IRONOUT_CALIBRATION_H */\n");
     Ok(text)
@@ -268,6 +280,32 @@ const TURNING: &str = "        ironout_real field[3], turned[3], turning[3];
         }
         for (i = 0; i < 3; i++) {
             turning[i] = ironout_inverse[i][0] * turned[0] + ironout_inverse[i][1] * turned[1] + ironout_inverse[i][2] * turned[2];
+        }
+";
+
+/// `corrected` turned back by what the board turned in `late_s`, by a quaternion, as in the library.
+const TURNED: &str = "        ironout_real axis[3], once[3], twice[3], square = 0, whole = 1, part = 1, share;
+
+        for (i = 0; i < 3; i++) {
+            axis[i] = -late_s * turn_radps[i];
+            square += axis[i] * axis[i] / 4;
+        }
+        for (i = 8; i > 0; i--) {
+            whole = 1 - whole * square / (ironout_real)(2 * i * (2 * i - 1));
+            part = 1 - part * square / (ironout_real)((2 * i + 1) * 2 * i);
+        }
+        for (i = 0, share = whole * whole; i < 3; i++) {
+            axis[i] *= part / 2;
+            share += axis[i] * axis[i];
+        }
+        for (i = 0; i < 3; i++) {
+            once[i] = axis[(i + 1) % 3] * corrected_ut[(i + 2) % 3] - axis[(i + 2) % 3] * corrected_ut[(i + 1) % 3];
+        }
+        for (i = 0; i < 3; i++) {
+            twice[i] = axis[(i + 1) % 3] * once[(i + 2) % 3] - axis[(i + 2) % 3] * once[(i + 1) % 3];
+        }
+        for (i = 0; i < 3; i++) {
+            corrected_ut[i] += 2 / share * (whole * once[i] + twice[i]);
         }
 ";
 

@@ -14,12 +14,14 @@ use crate::threads::with_room;
 /// Only where `options` ask for an effect that is not known or that this log does not allow.
 pub fn fit(table: &Table, options: &Options) -> Result<Fitted, Refusal> {
     ids::check(table, &options.add, options.registry)?;
-    with_room(|| {
-        let ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
-        let fitted = Fitted::new(&ground.counted, options);
-        if options.add.is_empty() && options.prior.is_none() {
-            return Ok(fitted.of_base(&ground));
-        }
-        extended::run(&ground, options, fitted)
-    })
+    with_room(|| of_ground(&Ground::of(table, options.method, options.scale_ut(), options.dip_deg), options))
+}
+
+/// The same of a log whose samples are sorted out, with `with_room` to work in; the ids are checked.
+pub(crate) fn of_ground(ground: &Ground, options: &Options) -> Result<Fitted, Refusal> {
+    let fitted = Fitted::new(&ground.counted, options);
+    if options.add.is_empty() && options.prior.is_none() {
+        return Ok(fitted.of_base(ground));
+    }
+    extended::run(ground, options, fitted)
 }

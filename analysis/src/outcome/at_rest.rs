@@ -4,9 +4,10 @@ use crate::base::engine::Pass;
 use crate::base::known::Known;
 use crate::base::quality::{covariance, residue};
 use crate::base::start;
+use crate::noise::turning::Turning;
 use crate::outcome::blank::undetermined;
 use crate::outcome::explain::{MOST_ADDED, added, cannot_add};
-use crate::outcome::outcome::{Diagnosis, Status, Verdict};
+use crate::outcome::outcome::{Diagnosis, NoiseRow, Status, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::rows::describe;
 use crate::outcome::view::View;
@@ -33,7 +34,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     let Some(base) = model.map(|model| pass.fit(model, Vec::new(), &known)).transpose()?.flatten() else {
         return Ok(nothing());
     };
-    let greedy = Greedy { pass, catalogue: &catalogue, known: &known };
+    let greedy = Greedy::new(pass, &catalogue, &known);
     let mut start = base.clone();
     for id in &options.add {
         if start.pieces.len() >= MOST_ADDED {
@@ -49,14 +50,20 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         }
     }
     let explanation = if options.search {
-        greedy.certain(greedy.run(start)?, &options.add)?
+        greedy.certain(greedy.search(start)?, &options.add)?
     } else {
         greedy.only(base, start)?
     };
     let (used, confounded) = (explanation.fitted.pieces.len(), explanation.confounded.clone());
     let fitted = &explanation.fitted;
     let residuals = pass.residuals(&fitted.model, &fitted.pieces.iter().collect::<Vec<_>>())?;
-    let left = residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s());
+    let left = residue(
+        &residuals,
+        fitted.columns(),
+        samples.quantum_ut,
+        samples.step_s(),
+        &Turning::none(residuals.len()),
+    );
     let covariance = covariance(fitted, left.time);
     let mut column = 3;
     let effects = fitted
@@ -105,6 +112,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         lower_order: None,
         base: None,
         dip_deg: None,
+        searches: options.search,
     };
     let in_group = |id: &String| confounded.iter().any(|group| group.ids.contains(id));
     let mut steps = view.steps(&None)?;
@@ -127,6 +135,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         steps,
         noise_floor_ut: Some(left.floor),
         residual_floor_ut: Some(left.floor),
+        noise: Some(NoiseRow::of(&left)),
         candidates,
         effects,
         shows,

@@ -18,6 +18,7 @@ pub(crate) fn undetermined(table: &Table, samples: &Samples, registry: Registry,
         steps: Vec::new(),
         noise_floor_ut: None,
         residual_floor_ut: None,
+        noise: None,
         candidates: untestable(&catalogue),
         data_faults: Vec::new(),
         dip: None,
@@ -32,6 +33,7 @@ pub(crate) fn undetermined(table: &Table, samples: &Samples, registry: Registry,
         converged: true,
         base: None,
         predicted_error_ut: None,
+        bursts_explained: false,
         samples_used: 0,
         samples_set_aside: 0,
         prior: String::new(),
@@ -56,6 +58,7 @@ pub(crate) fn untestable(catalogue: &Catalogue) -> Vec<CandidateRow> {
             confounded_with: Vec::new(),
             why: one.why,
             angle_deg: None,
+            takes: None,
         })
         .collect()
 }

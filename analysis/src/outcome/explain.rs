@@ -5,6 +5,7 @@ use crate::base::known::Known;
 use crate::base::model::Base;
 use crate::base::mounting;
 use crate::base::quality::{Residue, attitude_error};
+use crate::noise::colour::Colour;
 use crate::outcome::request::{Options, Refusal};
 use crate::samples::series::{rms, second_difference_sigma};
 use crate::search::candidates::Catalogue;
@@ -35,7 +36,11 @@ pub(crate) fn added<'a>(
     let Some(named) = catalogue.registry.parse(id).filter(|named| named.form.offered) else {
         return Ok(None);
     };
-    Ok(search::best(pass, fitted, catalogue, &named)?)
+    let mut found = search::best(pass, fitted, catalogue, &named)?;
+    if let Some(found) = found.as_mut().filter(|_| named.form.is_repeated()) {
+        found.piece.id = id.to_string();
+    }
+    Ok(found)
 }
 
 /// What a study of the magnitude stands on.
@@ -68,11 +73,20 @@ pub(crate) fn explain<'a>(
     let sigma = second_difference_sigma(&residuals);
     // What second differences leave may itself be an effect, a tone for example, many times the noise: only the hopeless
     // is not searched.
-    let best = Residue { rms: rms(&residuals), floor: sigma, structure: 1.0, time: 1.0, memory: 1.0 };
+    let best = Residue {
+        rms: rms(&residuals),
+        floor: sigma,
+        structure: 1.0,
+        time: 1.0,
+        memory: 1.0,
+        colour: Colour::White,
+        misfit: 0.0,
+        is_noise: false,
+    };
     let accepted = stand.base.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR);
     let hopeless = !(stand.held || accepted)
         && attitude_error(&base, &best).is_none_or(|error| error > HOPELESS * MAX_PREDICTED_ERROR);
-    let greedy = Greedy { pass, catalogue, known };
+    let greedy = Greedy::new(pass, catalogue, known);
     let mut pure_lag = false;
     let mut start = base.clone();
     let mut searched: Vec<(String, f64)> = Vec::new();
@@ -109,7 +123,7 @@ pub(crate) fn explain<'a>(
         }
     }
     let mut explanation = if options.search && !hopeless {
-        greedy.certain(greedy.run(start)?, &options.add)?
+        greedy.certain(greedy.search(start)?, &options.add)?
     } else {
         greedy.only(base.clone(), start)?
     };

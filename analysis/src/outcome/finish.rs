@@ -4,7 +4,7 @@ use crate::base::mounting::AXIS_ORDER;
 use crate::base::piece::Piece;
 use crate::base::quality::{covariance, information, noise_gain, predicted_error, residue};
 use crate::calibration::Information;
-use crate::outcome::outcome::{Diagnosis, Dip, StepRow, Verdict};
+use crate::outcome::outcome::{Diagnosis, Dip, NoiseRow, StepRow, Verdict};
 use crate::outcome::request::Refusal;
 use crate::outcome::standing;
 use crate::outcome::view::View;
@@ -25,7 +25,13 @@ impl View<'_, '_> {
         let plain = self.base.filter(|_| fitted.pieces.is_empty() && self.lower_order.is_none());
         let left = match plain {
             Some(base) => base.residue.clone(),
-            None => residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s()),
+            None => residue(
+                &residuals,
+                fitted.columns(),
+                self.samples.quantum_ut,
+                self.samples.step_s(),
+                &self.pass.turning(&fitted.model),
+            ),
         };
         let gain = noise_gain(fitted, Residual::Magnitude);
         let predicted = match plain {
@@ -77,6 +83,7 @@ impl View<'_, '_> {
             steps,
             noise_floor_ut: Some(left.floor / gain),
             residual_floor_ut: Some(left.floor),
+            noise: Some(NoiseRow::of(&left)),
             candidates,
             data_faults: Vec::new(),
             dip: dip.as_ref().map(|dip| Dip {
@@ -100,6 +107,7 @@ impl View<'_, '_> {
             converged: fitted.converged,
             base: None,
             predicted_error_ut: predicted.map(|error| error * field),
+            bursts_explained: false,
             samples_used: 0,
             samples_set_aside: 0,
             prior: self.prior_words(),

@@ -2,7 +2,8 @@
 
 use crate::base::mounting::{AXIS_ORDER, DecidedBy};
 use crate::calibration::StdErrors;
-use crate::outcome::outcome::Diagnosis;
+use crate::noise::colour::Colour;
+use crate::outcome::outcome::{Diagnosis, NoiseRow};
 use ironout::calibration::Calibration;
 use serde_json::{Map, Value, json};
 
@@ -39,6 +40,24 @@ pub fn effects(diagnosis: &Diagnosis) -> Value {
         .collect()
 }
 
+/// The colour of the noise that is left.
+fn noise(row: NoiseRow) -> Value {
+    let mut object = json!({
+        "colour": row.colour.name(), "only_noise": row.is_noise, "misfit": number(Some(row.misfit)),
+        "memory_samples": number(Some(row.memory_samples)),
+    });
+    let own = match row.colour {
+        Colour::White => json!({}),
+        Colour::Fading(correlation) => json!({"correlation": correlation}),
+        Colour::RollingMean(of) => json!({"samples": of}),
+        Colour::Flicker { exponent, white } => json!({"exponent": exponent, "white": white}),
+    };
+    if let (Some(map), Some(own)) = (object.as_object_mut(), own.as_object()) {
+        map.extend(own.clone());
+    }
+    object
+}
+
 /// The object of the contract.
 pub fn object(diagnosis: &Diagnosis) -> Value {
     let steps: Vec<Value> = diagnosis
@@ -60,6 +79,9 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
                 "holdout_rms_ut": number(row.holdout_rms_ut), "p_value": number(row.p_value),
                 "confounded_with": row.confounded_with, "why": row.why,
             });
+            if let (Some(takes), Some(map)) = (row.takes, object.as_object_mut()) {
+                map.insert("takes".into(), number(Some(takes)));
+            }
             if let (Some(angle), Some(map)) = (row.angle_deg, object.as_object_mut()) {
                 map.insert("angle_deg".into(), number(Some(angle)));
             }
@@ -104,6 +126,7 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
         "steps": steps,
         "noise_floor_ut": number(diagnosis.noise_floor_ut),
         "residual_floor_ut": number(diagnosis.residual_floor_ut),
+        "noise": diagnosis.noise.map(noise),
         "candidates": candidates,
         "data_faults": data_faults,
         "dip": diagnosis.dip.map(|dip| json!({

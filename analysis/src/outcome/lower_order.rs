@@ -138,6 +138,7 @@ pub(crate) fn as_logged(
         lower_order: Some(prior),
         base: None,
         dip_deg: options.dip_deg,
+        searches: options.search,
     };
     let mut diagnosis = view.finish(pure_lag)?;
     let error = |step: Option<&StepRow>| step.and_then(|step| step.holdout_rms_ut);

@@ -4,7 +4,9 @@ use crate::base::axes::Alignment;
 use crate::base::model::Base;
 use crate::base::mounting::Standing;
 use crate::base::order::AxisOrder;
+use crate::base::quality::Residue;
 use crate::calibration::{FittedEffect, Information, StdErrors};
+use crate::noise::colour::Colour;
 use crate::plain;
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
@@ -102,6 +104,8 @@ pub struct CandidateRow {
     pub why: String,
     /// Angle of a misalignment, degrees.
     pub angle_deg: Option<f64>,
+    /// Share of the squared error that it would take off the model in which it was tested: of one in the model, off the base.
+    pub takes: Option<f64>,
 }
 
 /// How much of the base model's residual something explains.
@@ -137,6 +141,27 @@ pub struct Heading {
     pub rms_deg_after: f64,
 }
 
+/// The noise that is left.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct NoiseRow {
+    /// What it is most like.
+    pub colour: Colour,
+    /// By how many standard deviations its spectrum is another one than that.
+    pub misfit: f64,
+    /// Whether it is that noise and nothing more.
+    pub is_noise: bool,
+    /// How many samples say as much about a calibration as one of white noise.
+    pub memory_samples: f64,
+}
+
+impl NoiseRow {
+    /// Of a residual.
+    pub fn of(left: &Residue) -> NoiseRow {
+        let Residue { colour, misfit, is_noise, memory, .. } = *left;
+        NoiseRow { colour, misfit, is_noise, memory_samples: memory }
+    }
+}
+
 /// A diagnosis.
 #[derive(Debug, Clone, Serialize)]
 pub struct Diagnosis {
@@ -152,6 +177,8 @@ pub struct Diagnosis {
     pub noise_floor_ut: Option<f64>,
     /// What it makes of the residual, µT.
     pub residual_floor_ut: Option<f64>,
+    /// What noise is left, where a model was fitted.
+    pub noise: Option<NoiseRow>,
     /// Every candidate.
     pub candidates: Vec<CandidateRow>,
     /// Faults of the data.
@@ -181,6 +208,9 @@ pub struct Diagnosis {
     pub base: Option<Base>,
     /// Predicted error of a corrected vector in the worst direction, µT.
     pub predicted_error_ut: Option<f64>,
+    /// Whether effects explain what stood out of the base model, so that nothing was set aside for it.
+    #[serde(skip)]
+    pub bursts_explained: bool,
     /// Samples used.
     pub samples_used: usize,
     /// Samples set aside.

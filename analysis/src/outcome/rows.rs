@@ -1,5 +1,7 @@
 //! The candidates and effects of a diagnosis as rows, in words and numbers.
 
+use crate::base::alignment::SWAPPED_DEG;
+use crate::base::engine::Fitted;
 use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT, Standing};
 use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::{Residue, covariance, covariance_of};
@@ -7,10 +9,12 @@ use crate::calibration::FittedEffect;
 use crate::outcome::blank::untestable;
 use crate::outcome::outcome::{CandidateRow, Status, Verdict};
 use crate::outcome::view::{DipStudy, View};
-use crate::search::screen::SIGNIFICANCE;
-use crate::search::state::{Confounded, Judged};
+use crate::search::parameter::in_words;
+use crate::search::screen::{RELEVANCE, SIGNIFICANCE, WORTH_NAMING};
+use crate::search::state::{Confounded, Judged, held_out_rms};
 use ironout::effect::{Follows, Named};
 use ironout::study::Residual;
+use ironout::study::rule::falls;
 
 /// A rotation between the sensors beyond this is worth a word, degrees: soft iron itself may turn the field by less.
 const MISALIGNED_DEG: f64 = 4.0;
@@ -25,6 +29,8 @@ impl View<'_, '_> {
     ) -> Vec<CandidateRow> {
         let rows = self.explanation.fitted.rows;
         let mut list: Vec<CandidateRow> = Vec::new();
+        let squares = |fitted: &Fitted| fitted.squares.max(f64::MIN_POSITIVE);
+        let (base, whole) = (squares(&self.explanation.base), squares(&self.explanation.fitted));
         let row_of = |one: &Judged, status: Status, partners: Vec<String>, why: String| CandidateRow {
             id: one.candidate.piece.id.clone(),
             name: one.candidate.piece.effect.name().to_string(),
@@ -35,6 +41,10 @@ impl View<'_, '_> {
             confounded_with: partners,
             why,
             angle_deg: None,
+            takes: Some(
+                (one.tested.decrease / if status == Status::NotNeeded { whole } else { base })
+                    .clamp(0.0, 1.0),
+            ),
         };
         let others_in = |groups: &[Confounded], id: &str| {
             groups
@@ -60,6 +70,9 @@ impl View<'_, '_> {
                     kin.join(", "),
                     self.separating(&piece.id, kin)
                 ),
+                (None, None) if piece.searched().is_some() && piece.is_in_time() => {
+                    format!("a {}: {}", in_words(piece), piece.effect.explanation())
+                }
                 (None, None) => piece.effect.explanation().to_string(),
             };
             let partners = partners.or(kin);
@@ -75,6 +88,7 @@ impl View<'_, '_> {
                     confounded_with: partners.unwrap_or_default(),
                     why,
                     angle_deg: None,
+                    takes: None,
                 }),
             }
         }
@@ -85,9 +99,27 @@ impl View<'_, '_> {
                 list.push(row_of(one, Status::NotNeeded, Vec::new(), withdrawn.why.clone()));
             }
         }
+        for id in &self.explanation.dropped {
+            let name = self.catalogue.registry.parse(id).and_then(|named| self.catalogue.build(&named, 0.0));
+            list.push(CandidateRow {
+                id: id.clone(),
+                name: name.map_or_else(|| id.clone(), |piece| piece.effect.name().to_string()),
+                status: Status::Untestable,
+                residual: Residual::Magnitude.name(),
+                holdout_rms_ut: None,
+                p_value: None,
+                confounded_with: Vec::new(),
+                why: "its shape is not finite on this log, so it was left out; the others were tried".into(),
+                angle_deg: None,
+                takes: None,
+            });
+        }
         for one in &self.explanation.last {
             let id = &one.candidate.piece.id;
-            if list.iter().any(|row| row.id == *id) {
+            // A further step or tone that nothing asks for is not worth a row.
+            let further = id.contains('#')
+                && one.candidate.piece.made.is_some_and(|made| made.parts().form.is_repeated());
+            if further || list.iter().any(|row| row.id == *id) {
                 continue;
             }
             if !one.candidate.piece.hidden_delay().is_empty() && dip.is_some() {
@@ -109,7 +141,7 @@ impl View<'_, '_> {
                     let why = if verdict == Verdict::Undetermined {
                         "the data do not support a calibration, so this cannot be told".to_string()
                     } else if one.tested.p_value * (self.explanation.count as f64) < SIGNIFICANCE {
-                        "there, but too small to matter".to_string()
+                        self.not_taken(one, one.tested.decrease / whole)
                     } else {
                         "the data do not ask for it".to_string()
                     };
@@ -142,13 +174,19 @@ impl View<'_, '_> {
                     confounded_with: Vec::new(),
                     why,
                     angle_deg: None,
+                    takes: None,
                 });
             }
             let angle = dip.alignment.angle_deg;
             list.push(CandidateRow {
                 id: MISALIGNMENT.id.into(),
                 name: MISALIGNMENT.name.into(),
-                status: if angle > MISALIGNED_DEG { Status::Missing } else { Status::NotNeeded },
+                // A rotation so large is a matter of the axes' order, told below.
+                status: if angle > MISALIGNED_DEG && angle <= SWAPPED_DEG {
+                    Status::Missing
+                } else {
+                    Status::NotNeeded
+                },
                 residual: Residual::Dip.name(),
                 holdout_rms_ut: None,
                 p_value: None,
@@ -158,12 +196,14 @@ impl View<'_, '_> {
                      full matrix contains it"
                 ),
                 angle_deg: Some(angle),
+                takes: None,
             });
             list.push(CandidateRow {
                 id: AXIS_ORDER.id.into(),
                 name: AXIS_ORDER.name.into(),
                 status: match standing.and_then(|standing| standing.swapped()) {
                     Some(_) => Status::Missing,
+                    None if angle > SWAPPED_DEG => Status::Untestable,
                     None => Status::NotNeeded,
                 },
                 residual: Residual::Dip.name(),
@@ -171,10 +211,16 @@ impl View<'_, '_> {
                 p_value: None,
                 confounded_with: Vec::new(),
                 why: match standing.map(|standing| standing.words()) {
+                    Some(_) if angle > SWAPPED_DEG => format!(
+                        "the dip is most constant with the axes turned by {angle:.0}°, but it spreads by {:.1}° there too: too \
+                         much to tell their order; turn the board slowly and without shaking it",
+                        dip.after_deg
+                    ),
                     Some(words) if !words.is_empty() => words.join("; "),
                     _ => "the axes stand in the board's order".into(),
                 },
                 angle_deg: None,
+                takes: None,
             });
         }
         if self.lower_order.is_some() && self.catalogue.has_down() {
@@ -189,6 +235,7 @@ impl View<'_, '_> {
                     confounded_with: Vec::new(),
                     why: "too little attitude: turn the board through more of it".into(),
                     angle_deg: None,
+                    takes: None,
                 });
             }
         }
@@ -196,6 +243,35 @@ impl View<'_, '_> {
         let known: Vec<String> = list.iter().map(|row| row.id.clone()).collect();
         list.extend(more.into_iter().filter(|row| !known.contains(&row.id)));
         list
+    }
+
+    /// Why what chance hardly does was not added, from what it would take off the squared error.
+    fn not_taken(&self, one: &Judged, takes: f64) -> String {
+        let percent = 100.0 * takes.clamp(0.0, 1.0);
+        if takes < RELEVANCE {
+            return format!(
+                "there, but too small to matter: it takes {percent:.1} % off the squared error that is left"
+            );
+        }
+        if takes < WORTH_NAMING && self.pass.residual == Residual::Magnitude {
+            return format!(
+                "it would take {percent:.0} % off the squared error that is left; below {:.0} % chance and structure of other kinds \
+                 do as much, so nobody is named for it",
+                100.0 * WORTH_NAMING
+            );
+        }
+        let before =
+            held_out_rms(&self.explanation.fitted).map(|rms| rms * rms * self.explanation.fitted.rows);
+        if !falls(before, one.tested.held_out) {
+            return format!(
+                "it would take {percent:.0} % off the squared error that is left, but not off that of unseen time: it does not \
+                 hold there"
+            );
+        }
+        format!(
+            "it would take {percent:.0} % off the squared error that is left, but by itself it is not certain: something that \
+             the log lacks may move as it does"
+        )
     }
 
     /// Which recording would tell the candidates apart.

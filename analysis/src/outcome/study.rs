@@ -4,6 +4,7 @@ use crate::base::counted::Counted;
 use crate::base::engine::Pass;
 use crate::base::ground::Ground;
 use crate::base::known::Known;
+use crate::base::level::{LEVEL_DEG, tilt_deg};
 use crate::base::start;
 use crate::outcome::at_rest::at_rest;
 use crate::outcome::blank::undetermined;
@@ -12,6 +13,7 @@ use crate::outcome::lower_order::as_logged;
 use crate::outcome::outcome::{Diagnosis, Status, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::view::View;
+use crate::samples::faults::FaultKind;
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
 use crate::table::Table;
@@ -22,6 +24,9 @@ use ironout::study::{Model, Residual};
 /// Fewer samples are no study.
 const FEWEST: usize = 30;
 
+/// What stood out is explained where the error on unseen time is hardly larger with it.
+const AS_WELL: f64 = 1.1;
+
 /// The diagnosis of a log.
 pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
     with_room(|| study(&Ground::of(table, options.method, options.scale_ut(), options.dip_deg), options))
@@ -31,15 +36,40 @@ pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> 
 pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     let counted = &ground.counted;
     let mut diagnosis = of_kind(ground, options)?;
+    // Samples that some column lacks are told after the faults of the sensor.
+    let lacking = std::mem::take(&mut diagnosis.data_faults);
     diagnosis.data_faults.clone_from(&counted.faults);
+    diagnosis.data_faults.extend(lacking);
     diagnosis.samples_used = counted.studied();
     diagnosis.samples_set_aside = counted.set_aside();
+    if diagnosis.bursts_explained {
+        let bursts = counted.set_aside_as_bursts();
+        diagnosis.data_faults.retain(|fault| fault.kind != FaultKind::Burst);
+        diagnosis.samples_used += bursts;
+        diagnosis.samples_set_aside -= bursts.min(diagnosis.samples_set_aside);
+    }
     diagnosis.base = ground.base.as_ref().ok().filter(|_| !counted.rests && options.prior.is_none()).cloned();
     Ok(diagnosis)
 }
 
 fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     let Counted { table, samples, .. } = &ground.counted;
+    let asked = |name: &str| {
+        let parsed = options.add.iter().filter_map(|id| options.registry.parse(id));
+        parsed.into_iter().any(|named| named.form.column && named.column == name)
+    };
+    match samples.with_all_known(table, |name| options.search || asked(name)) {
+        Some((common, lacking)) => {
+            let mut diagnosis = of_samples(ground, &common, options)?;
+            diagnosis.data_faults = lacking;
+            Ok(diagnosis)
+        }
+        None => of_samples(ground, samples, options),
+    }
+}
+
+fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
+    let table = ground.counted.table;
     if samples.len() < FEWEST {
         let why = match ground.counted.at_rest {
             0 => format!("fewer than {FEWEST} different samples"),
@@ -68,9 +98,19 @@ fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
             "no sphere or ellipsoid fits the samples".into(),
         ));
     };
+    if options.prior.is_none()
+        && let Some(tilt_deg) = tilt_deg(samples).filter(|tilt| *tilt < LEVEL_DEG)
+    {
+        return level(table, samples, model, options, tilt_deg);
+    }
     // On top of an earlier calibration the base is fitted with it, which sums alone cannot.
     let base = ground.base.as_ref().ok().filter(|_| options.prior.is_none());
     let mut diagnosis = magnitude(table, samples, model, &known, options, Stand { base, held: false })?;
+    if let Some(whole) = &ground.counted.with_bursts
+        && let Some(explained) = with_bursts(table, whole, &known, options, &diagnosis)?
+    {
+        return Ok(explained);
+    }
     if diagnosis.verdict == Verdict::Undetermined && options.prior.is_none() {
         // Only where the attitude is at fault: full attitude with a large residual is something else.
         let field = diagnosis.calibration.map_or(f64::NAN, |calibration| calibration.field_ut);
@@ -82,6 +122,53 @@ fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
         }
     }
     Ok(diagnosis)
+}
+
+/// The diagnosis of a log in which the board hardly tilted: what the readings spread by is then no attitude, whatever fits.
+fn level(
+    table: &Table,
+    samples: &Samples,
+    model: Model<f64>,
+    options: &Options,
+    tilt_deg: f64,
+) -> Result<Diagnosis, Refusal> {
+    let reason = format!(
+        "by the accelerometer the board was tilted by {tilt_deg:.0}° (rms) only, which carries no offset and no matrix: study \
+         this log on top of an earlier calibration of the board, --prior CAL.json, or turn the board through more attitudes"
+    );
+    if let Some(mut lower) = as_logged(table, samples, options)? {
+        lower.reasons.insert(0, reason);
+        return Ok(lower);
+    }
+    let stand = Stand { base: None, held: false };
+    let base_only = Options { search: false, add: Vec::new(), ..options.clone() };
+    let mut diagnosis = magnitude(table, samples, model, &Known::default(), &base_only, stand)?;
+    diagnosis.verdict = Verdict::Undetermined;
+    diagnosis.reasons.insert(0, reason);
+    accuse_nobody(&mut diagnosis);
+    Ok(diagnosis)
+}
+
+/// The diagnosis with what stood out of the base model, where effects explain that as well as all else: a strong effect
+/// that comes and goes smoothly looks like bursts to a model that does not know it.
+fn with_bursts(
+    table: &Table,
+    whole: &Samples,
+    known: &Known,
+    options: &Options,
+    without: &Diagnosis,
+) -> Result<Option<Diagnosis>, Refusal> {
+    let Some((model, _)) = start::start(whole, options.scale_ut()) else { return Ok(None) };
+    let mut found = magnitude(table, whole, model, known, options, Stand { base: None, held: false })?;
+    let left = |one: &Diagnosis| one.steps.last().and_then(|step| step.holdout_rms_ut);
+    let explains =
+        !found.effects.is_empty() && matches!(found.verdict, Verdict::Missing | Verdict::Confounded);
+    let as_well = match (left(&found), left(without)) {
+        (Some(found), Some(without)) => found < AS_WELL * without,
+        (found, _) => found.is_some(),
+    };
+    found.bursts_explained = true;
+    Ok((explains && as_well).then_some(found))
 }
 
 /// Where the base is not determined nothing that stands on it may be claimed.
@@ -113,7 +200,18 @@ fn magnitude(
         Err(why) => return Ok(undetermined(table, samples, options.registry, why)),
     };
     let base = stand.base;
-    let dip_deg = options.dip_deg;
-    View { table, samples, catalogue: &catalogue, pass, known, explanation, lower_order: None, base, dip_deg }
-        .finish(pure_lag)
+    let (dip_deg, searches) = (options.dip_deg, options.search);
+    View {
+        table,
+        samples,
+        catalogue: &catalogue,
+        pass,
+        known,
+        explanation,
+        lower_order: None,
+        base,
+        dip_deg,
+        searches,
+    }
+    .finish(pure_lag)
 }

@@ -9,16 +9,18 @@ use crate::base::known::Known;
 use crate::base::model::Base;
 use crate::base::mounting::Standing;
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::{Residue, attitude_error, covariance, residue};
+use crate::base::quality::{Residue, attitude_error, covariance};
 use crate::base::start;
 use crate::outcome::outcome::{Heading, StepRow, Verdict, Where};
 use crate::residual::late::{Late, scan};
 use crate::samples::samples::Samples;
+use crate::samples::series::Autocorrelation;
 use crate::search::candidates::Catalogue;
 use crate::search::screen::{Candidate, SIGNIFICANCE, screen};
 use crate::search::shown::Shown;
 use crate::search::state::{Explanation, held_out_rms};
 use crate::table::Table;
+use ironout::effect::Follows;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::quality::MAX_RESIDUAL;
 use ironout::study::{Model, Residual, f_tail};
@@ -30,6 +32,9 @@ const LOOSE_DEG: f64 = 3.0;
 const UNSEEN_SLACK: f64 = 2.0;
 /// ... and by this share of the noise's square.
 const UNSEEN_LEAST: f64 = 0.1;
+
+/// Directions with a larger cosine than this are the same: by chance three of a hundred pairs.
+const SAME_WAY: f64 = 0.97;
 
 /// Everything that the report of a magnitude study is made from.
 pub(crate) struct View<'v, 'a> {
@@ -45,6 +50,8 @@ pub(crate) struct View<'v, 'a> {
     pub(crate) base: Option<&'v Base>,
     /// The dip of the place, degrees, where it is known.
     pub(crate) dip_deg: Option<f64>,
+    /// Whether effects are looked for; a fit takes those that were asked for and no other.
+    pub(crate) searches: bool,
 }
 
 /// What the dip says in the end.
@@ -77,6 +84,10 @@ impl<'a> View<'_, 'a> {
             tested: None,
             shown: None,
         };
+        let is_coupled = fitted.pieces.iter().any(|piece| !piece.hidden_delay().is_empty());
+        if !(self.searches || force_lag || is_coupled) {
+            return Ok(Some(study));
+        }
         let Some(lag) = self.catalogue.late_sensor() else { return Ok(Some(study)) };
         let lag_id = lag.id.clone();
         let pass = Pass { samples: &clean, residual: Residual::Dip };
@@ -88,7 +99,7 @@ impl<'a> View<'_, 'a> {
         let Some(tested) = screening.tested.into_iter().next() else { return Ok(Some(study)) };
         let held_deg = tested.held_out.map(|squares| (squares / base.rows).sqrt().to_degrees());
         study.tested = Some((tested.p_value, held_deg));
-        let has_eddy = fitted.pieces.iter().any(|piece| !piece.hidden_delay().is_empty());
+        let has_eddy = is_coupled;
         let far = if tested.accepted || force_lag || has_eddy || after_deg < LOOSE_DEG {
             None
         } else {
@@ -149,13 +160,13 @@ impl<'a> View<'_, 'a> {
         let fitted = &self.explanation.fitted;
         let list: Vec<&Piece> = fitted.pieces.iter().collect();
         let residuals = self.pass.residuals(&fitted.model, &list)?;
-        let left = residue(&residuals, fitted.columns(), self.samples.quantum_ut, self.samples.step_s());
-        let (Some(errors), Some(rows)) = (errors, covariance(fitted, left.time)) else { return Ok(1.0) };
+        let time = Autocorrelation::of(&residuals).time;
+        let (Some(errors), Some(rows)) = (errors, covariance(fitted, time)) else { return Ok(1.0) };
         let variance = errors.delay_variance(&rows);
         if delay_s <= 0.0 || variance.is_nan() || variance <= 0.0 {
             return Ok(1.0);
         }
-        Ok(f_tail(delay_s * delay_s / variance, 1.0, fitted.rows / left.time.max(1.0)))
+        Ok(f_tail(delay_s * delay_s / variance, 1.0, fitted.rows / time.max(1.0)))
     }
 
     /// Takes the alignment's model, or its opposite where heading or place say so: how the axes stand.
@@ -259,24 +270,32 @@ impl<'a> View<'_, 'a> {
         if !reasons.is_empty() {
             return (Verdict::Undetermined, reasons);
         }
-        if let Some(error) =
-            predicted.filter(|error| self.lower_order.is_none() && *error > MAX_PREDICTED_ERROR)
-        {
+        let refused = self.refused_by_fit(predicted, field);
+        if let Some(error) = refused {
             reasons.push(format!(
                 "a calibration from this log would be off by {:.1} % of the field in the worst direction (1σ), for its \
                  noise and its effects: record longer",
                 100.0 * error
             ));
         }
-        if let Some(again) = &self.explanation.repeated {
-            reasons.push(format!("there is {again}, and a model holds each effect once"));
-            return (Verdict::Unexplained, reasons);
+        if self.explanation.ended_early {
+            reasons.push(
+                "the search ended at the limit of its work, with candidates left that were not tried beside what was found"
+                    .into(),
+            );
+            if left.structure <= 0.0 {
+                return (Verdict::Unexplained, reasons);
+            }
         }
         if left.structure > 0.0 {
             reasons.push(format!(
                 "{:.0} % of the residual's variance is structure that no candidate explains",
                 100.0 * left.structure
             ));
+            return (Verdict::Unexplained, reasons);
+        }
+        if let Some(words) = self.stand_ins() {
+            reasons.push(words);
             return (Verdict::Unexplained, reasons);
         }
         if let Some(times) = self.fails_on_unseen_time(left) {
@@ -296,11 +315,45 @@ impl<'a> View<'_, 'a> {
             }
             return (Verdict::Confounded, reasons);
         }
+        // Where `fit` would send the log back nothing reassures: noise so slow may as well be an error that moves.
+        match (refused, self.explanation.fitted.pieces.is_empty()) {
+            (None, _) => {}
+            (Some(_), true) => return (Verdict::Undetermined, reasons),
+            (Some(_), false) => return (Verdict::Unexplained, reasons),
+        }
         if self.explanation.fitted.pieces.is_empty() {
             (Verdict::Complete, reasons)
         } else {
             (Verdict::Missing, reasons)
         }
+    }
+
+    /// Shapes in time that point the same way stand in for one slow cause that the log does not hold: two events, or an event
+    /// and a drift, have no reason to.
+    fn stand_ins(&self) -> Option<String> {
+        let in_time = self.explanation.fitted.pieces.iter().filter(|piece| piece.follows(Follows::Time));
+        let list: Vec<&Piece> = in_time.filter(|piece| piece.k() == 3).collect();
+        let dot = |a: &Piece, b: &Piece| (0..3).map(|i| a.coefficients[i] * b.coefficients[i]).sum::<f64>();
+        let alike = |a: &Piece, b: &Piece| dot(a, b).abs() > SAME_WAY * (dot(a, a) * dot(b, b)).sqrt();
+        let pairs = list.iter().enumerate().flat_map(|(at, a)| list[at + 1..].iter().map(move |b| (*a, *b)));
+        let (a, b) = pairs.into_iter().find(|(a, b)| alike(a, b))?;
+        Some(format!(
+            "{} and {} move the offset the same way: they stand in for one cause that changes in time and that the log does \
+             not hold; log what changes meanwhile (a temperature, a current)",
+            a.id, b.id
+        ))
+    }
+
+    /// The predicted error of a calibration from this log, as a share of the field, where `fit` refuses it: by its noise and
+    /// effects, or by what unseen time shows.
+    fn refused_by_fit(&self, predicted: Option<f64>, field: f64) -> Option<f64> {
+        if self.lower_order.is_some() {
+            return None;
+        }
+        let fitted = &self.explanation.fitted;
+        let beyond = held_out_rms(fitted).map_or(0.0, |held| held * held - fitted.rms().powi(2));
+        let unseen = (0.5 * beyond.max(0.0)).sqrt() / field;
+        predicted.map(|error| error.max(unseen)).filter(|error| *error > MAX_PREDICTED_ERROR)
     }
 
     pub(crate) fn heading(&self, dip: &Option<DipStudy>) -> Result<Option<Heading>, BadShape> {

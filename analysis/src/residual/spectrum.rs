@@ -7,6 +7,9 @@
 
 use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
+use crate::noise::colour::Seen;
+use crate::noise::power::{add_power, padded, transforms, weight};
+use crate::noise::turning::Turning;
 use crate::samples::fft;
 use ironout::study::{MIN_EIGENVALUE, Residual, f_tail};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -14,8 +17,6 @@ use std::ops::Range;
 
 /// The longest autoregression of the noise.
 const LONGEST_ORDER: usize = 24;
-/// Room behind a series, so that its end does not meet its beginning within the autoregression.
-const PADDING: usize = 64;
 /// Rounds of filling in what the fit has taken out of the noise.
 const ROUNDS: usize = 6;
 
@@ -26,6 +27,12 @@ pub struct Rows {
     values: Vec<f64>,
     /// The residuals.
     residuals: Vec<f64>,
+    /// How alike the directions are that the noise shows along, by lag; empty where nothing turns.
+    alike: Vec<f64>,
+    /// Rounding of the readings: its variance in the residual.
+    rounding: f64,
+    /// Time from sample to sample, s.
+    step_s: f64,
 }
 
 impl Rows {
@@ -33,7 +40,15 @@ impl Rows {
     pub fn of(pass: &Pass, fitted: &Fitted, all: &[&Piece]) -> Result<Rows, BadShape> {
         let columns = pass.residual.base_columns() + all.iter().map(|piece| piece.k()).sum::<usize>();
         let columns = columns.min(COLUMNS);
-        let mut rows = Rows { columns, values: Vec::new(), residuals: Vec::new() };
+        let step_s = pass.samples.step_s();
+        let mut rows = Rows {
+            columns,
+            values: Vec::new(),
+            residuals: Vec::new(),
+            alike: Vec::new(),
+            rounding: 0.0,
+            step_s,
+        };
         pass.rows(0..pass.samples.len(), &fitted.model, all, |_, row, r| {
             rows.values.extend_from_slice(&row[..columns]);
             rows.residuals.push(r);
@@ -42,12 +57,16 @@ impl Rows {
             let axes = pass.samples.axes.iter().filter(|used| **used).count().max(1);
             let n = rows.residuals.len();
             let order = (0..axes).flat_map(|axis| (axis..n).step_by(axes));
-            let mut sorted = Rows { columns, values: Vec::new(), residuals: Vec::new() };
+            let mut sorted = Rows { values: Vec::new(), residuals: Vec::new(), ..rows };
             for index in order {
                 sorted.values.extend_from_slice(&rows.values[index * columns..(index + 1) * columns]);
                 sorted.residuals.push(rows.residuals[index]);
             }
             rows = sorted;
+        }
+        if pass.residual == Residual::Magnitude {
+            rows.alike = pass.turning(&fitted.model).alike;
+            rows.rounding = pass.samples.quantum_ut.powi(2) / 12.0;
         }
         Ok(rows)
     }
@@ -66,48 +85,6 @@ impl Rows {
     }
 }
 
-/// Transforms of real series, two at a time.
-fn transforms(series: &[Vec<f64>], size: usize) -> Vec<Vec<(f64, f64)>> {
-    let mut out = Vec::with_capacity(series.len());
-    for pair in series.chunks(2) {
-        let mut data = vec![(0.0, 0.0); size];
-        for (slot, value) in data.iter_mut().zip(&pair[0]) {
-            slot.0 = *value;
-        }
-        if let Some(second) = pair.get(1) {
-            for (slot, value) in data.iter_mut().zip(second) {
-                slot.1 = *value;
-            }
-        }
-        fft::forward(&mut data);
-        let half = size / 2;
-        let at = |bin: usize| (data[bin], data[(size - bin) % size]);
-        let first = (0..=half).map(|bin| {
-            let (a, b) = at(bin);
-            (0.5 * (a.0 + b.0), 0.5 * (a.1 - b.1))
-        });
-        out.push(first.collect());
-        if pair.len() > 1 {
-            let second = (0..=half).map(|bin| {
-                let (a, b) = at(bin);
-                (0.5 * (a.1 + b.1), 0.5 * (b.0 - a.0))
-            });
-            out.push(second.collect());
-        }
-    }
-    out
-}
-
-/// How often a bin of the half spectrum stands in the whole.
-fn weight(bin: usize, size: usize) -> f64 {
-    if bin == 0 || 2 * bin == size { 1.0 } else { 2.0 }
-}
-
-/// The length of transforms of `n` values.
-fn padded(n: usize) -> usize {
-    (n + PADDING).next_power_of_two()
-}
-
 /// The power of noise by frequency.
 pub struct Spectrum {
     /// Half spectrum; its mean over the whole circle is the variance.
@@ -118,6 +95,8 @@ pub struct Spectrum {
     uncertain: DMatrix<f64>,
     /// Independent values behind the variance.
     freedom: f64,
+    /// Of a colour: how the logarithm of its power changes with the one number that it was chosen by, and its variance.
+    chosen: Option<(Vec<f64>, f64)>,
 }
 
 impl Spectrum {
@@ -157,7 +136,32 @@ impl Spectrum {
         let memory = DMatrix::from_fn(p, p, |i, j| covariance[i.abs_diff(j)]);
         let inverse = memory.cholesky().map_or_else(|| DMatrix::zeros(p, p), |factor| factor.inverse());
         let uncertain = inverse * (model.error / freedom);
-        Spectrum { power, size, coefficients: model.coefficients, uncertain, freedom }
+        Spectrum { power, size, coefficients: model.coefficients, uncertain, freedom, chosen: None }
+    }
+
+    /// Those of the colours that the residual may be noise of; none where it is more than noise.
+    fn coloured(rows: &Rows, residuals: &[f64], absorbed: &[f64]) -> Vec<Spectrum> {
+        let n = residuals.len();
+        let turning = match rows.alike.is_empty() {
+            true => Turning::none(n),
+            false => Turning { alike: rows.alike.clone(), absorbed: Vec::new(), of_magnitude: true },
+        };
+        let variance = residuals.iter().map(|r| r * r).sum::<f64>() / n.max(1) as f64;
+        let seen = Seen::of(residuals, &turning, absorbed, rows.rounding / variance.max(f64::MIN_POSITIVE));
+        let size = padded(n);
+        let taken = absorbed.iter().enumerate().map(|(bin, share)| weight(bin, size) * share.clamp(0.0, 1.0));
+        let freedom = n as f64 * (1.0 - taken.sum::<f64>() / size as f64);
+        let noises = seen.plausible().into_iter().filter(|one| one.is_noise(rows.step_s));
+        noises
+            .map(|described| Spectrum {
+                size,
+                coefficients: Vec::new(),
+                uncertain: DMatrix::zeros(0, 0),
+                freedom,
+                chosen: seen.slope(&described),
+                power: described.power,
+            })
+            .collect()
     }
 
     /// Degrees of freedom of the power where `shares` (they add up to 1) of a candidate's variance lie: two over the
@@ -179,7 +183,11 @@ impl Spectrum {
                 slope[j] += share * 2.0 * (cos * re - sin * im) / square;
             }
         }
-        let variance = 2.0 / self.freedom + slope.dot(&(&self.uncertain * &slope));
+        let mut variance = 2.0 / self.freedom + slope.dot(&(&self.uncertain * &slope));
+        if let Some((slope, of)) = &self.chosen {
+            let along: f64 = slope.iter().zip(shares).map(|(slope, share)| slope * share).sum();
+            variance += along * along * of;
+        }
         2.0 / variance
     }
 
@@ -375,6 +383,19 @@ impl<'r> Frame<'r> {
         Some(Spectrum::of(residuals, &absorbed))
     }
 
+    /// The same as the colours of a sensor's noise have it that may be this one: beyond what an autoregression remembers.
+    /// None where the residual is more than such noise.
+    pub fn coloured(&self, total: &Matrix, with: Range<usize>, residuals: &[f64]) -> Vec<Spectrum> {
+        let mut absorbed = self.absorbed.clone();
+        if !with.is_empty() {
+            match self.beyond(total, with) {
+                Some(beyond) => add_power(&mut absorbed, &beyond.transforms, self.rows.len()),
+                None => return Vec::new(),
+            }
+        }
+        Spectrum::coloured(self.rows, residuals, &absorbed)
+    }
+
     /// Tests the columns `candidate` against the base.
     pub fn test(&self, total: &Matrix, candidate: Range<usize>, noise: &Spectrum) -> Option<Verdict> {
         let Orthogonal { transforms, along } = self.beyond(total, candidate)?;
@@ -405,14 +426,6 @@ impl<'r> Frame<'r> {
         shares.iter_mut().for_each(|share| *share /= sum);
         let freedom = noise.freedom(&shares);
         Some(Verdict { p_value: f_tail(statistic / k as f64, k as f64, freedom), time })
-    }
-}
-
-fn add_power(sum: &mut [f64], transforms: &[Vec<(f64, f64)>], n: usize) {
-    for transform in transforms {
-        for (slot, (re, im)) in sum.iter_mut().zip(transform) {
-            *slot += (re * re + im * im) / n.max(1) as f64;
-        }
     }
 }
 

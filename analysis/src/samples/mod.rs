@@ -1,5 +1,7 @@
 //! The samples of a log, and what is wrong with them.
 
+pub mod clock;
+pub mod common;
 pub mod data;
 pub mod families;
 pub mod faults;
@@ -7,3 +9,4 @@ pub mod fft;
 pub mod rest;
 pub mod samples;
 pub mod series;
+pub mod work;

@@ -1,5 +1,6 @@
 //! The samples of a study: repeated triples dropped, faulty rows set aside, long logs thinned.
 
+use crate::samples::work::Work;
 use crate::table::Table;
 use ironout::study::Observation;
 use std::borrow::Cow;
@@ -46,11 +47,21 @@ pub struct Samples {
     pub axes: [bool; 3],
     /// The coarsest step of the readings, µT.
     pub quantum_ut: f64,
+    /// How much was looked at.
+    pub work: Work,
 }
 
 /// Rows that begin a run of equal field triples: a log faster than its sensor repeats them.
 pub fn unique_rows(table: &Table) -> Vec<usize> {
     (0..table.rows()).filter(|&row| row == 0 || table.field(row) != table.field(row - 1)).collect()
+}
+
+/// At most `most` of these rows, evenly, and every how many one was kept. The place within each stride wanders, so that
+/// thinning does not fold a high frequency onto a low one.
+fn wandering(rows: &[usize], most: usize) -> (Vec<usize>, usize) {
+    let stride = rows.len().div_ceil(most).max(1);
+    let place = |index: usize, chunk: &[usize]| chunk[(index.wrapping_mul(2_654_435_761) >> 7) % chunk.len()];
+    (rows.chunks(stride).enumerate().map(|(index, chunk)| place(index, chunk)).collect(), stride)
 }
 
 /// Fills missing cells from their neighbours, linearly.
@@ -124,13 +135,24 @@ impl Samples {
     /// Takes the rows that are not left out.
     pub fn take(table: &Table, left_out: &[bool], axes: [bool; 3]) -> Samples {
         let unique: Vec<usize> = unique_rows(table).into_iter().filter(|&row| !left_out[row]).collect();
-        let stride = unique.len().div_ceil(MOST_SAMPLES).max(1);
-        // The place within each stride wanders, so that thinning does not fold a high frequency onto a low one.
-        let row: Vec<usize> = unique
-            .chunks(stride)
-            .enumerate()
-            .map(|(index, chunk)| chunk[(index.wrapping_mul(2_654_435_761) >> 7) % chunk.len()])
-            .collect();
+        let (row, stride) = wandering(&unique, MOST_SAMPLES);
+        Samples::of_rows(table, row, stride, axes)
+    }
+
+    /// At most so many of these samples, evenly.
+    pub fn thinned(&self, table: &Table, most: usize) -> Samples {
+        let (row, stride) = wandering(&self.row, most);
+        let mut few = Samples::of_rows(table, row, self.stride * stride, self.axes);
+        // The same effects, and so the same zeros of them.
+        for (column, own) in few.columns.iter_mut().zip(&self.columns) {
+            (column.reference, column.reference_square) = (own.reference, own.reference_square);
+            column.problem.clone_from(&own.problem);
+        }
+        few.middle_s = self.middle_s;
+        few
+    }
+
+    pub(super) fn of_rows(table: &Table, row: Vec<usize>, stride: usize, axes: [bool; 3]) -> Samples {
         let pick = |axis: &[f64]| -> Vec<f64> { row.iter().map(|&row| axis[row]).collect() };
         let triple = |axes: &[&[f64]; 3], row: usize| {
             let vector = axes.map(|axis| axis[row]);
@@ -152,7 +174,17 @@ impl Samples {
             .iter()
             .map(|named| column(named.name, pick(named.values), named.not_finite))
             .collect();
-        let mut samples = Samples { time, middle_s, readings, columns, row, stride, axes, quantum_ut: 0.0 };
+        let mut samples = Samples {
+            time,
+            middle_s,
+            readings,
+            columns,
+            row,
+            stride,
+            axes,
+            quantum_ut: 0.0,
+            work: Work::default(),
+        };
         samples.quantum_ut =
             table.field_ut.iter().map(|axis| crate::samples::series::quantum(axis)).fold(0.0, f64::max);
         samples.find_down(table, 0.0);

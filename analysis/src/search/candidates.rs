@@ -2,6 +2,7 @@
 
 use crate::base::mounting;
 use crate::base::piece::Piece;
+use crate::samples::clock::even;
 use crate::samples::families::Families;
 use crate::samples::samples::Samples;
 use crate::table::Table;
@@ -22,6 +23,8 @@ pub struct Catalogue<'a> {
     samples: &'a Samples,
     table: &'a Table<'a>,
     time: Option<Inputs>,
+    /// The even grid behind stamps of arrival, for tones.
+    grid: Option<Inputs>,
     columns: Vec<Inputs>,
     none: Inputs,
     /// Every covariate's name.
@@ -62,12 +65,36 @@ impl<'a> Catalogue<'a> {
             samples,
             table,
             time: samples.time.as_deref().map(inputs),
+            grid: table
+                .time_s
+                .and_then(even)
+                .map(|grid| Arc::new(samples.row.iter().map(|&row| [grid[row], 0.0]).collect::<Vec<_>>())),
             columns: samples.columns.iter().map(|column| inputs(&column.values)).collect(),
             none: Arc::new(Vec::new()),
             names: samples.columns.iter().map(|column| column.name.as_str()).collect(),
             families: Families::of(samples),
             registry,
         }
+    }
+
+    /// The log.
+    pub fn table(&self) -> &'a Table<'a> {
+        self.table
+    }
+
+    /// The same of other samples of the log.
+    pub fn over<'b>(&self, samples: &'b Samples) -> Catalogue<'b>
+    where
+        'a: 'b,
+    {
+        Catalogue::new(samples, self.table, self.registry)
+    }
+
+    /// An effect of other samples of the log, with its coefficients, over these.
+    pub fn again(&self, piece: &Piece) -> Option<Piece<'a>> {
+        let parameter = piece.searched().map_or(0.0, |(_, value)| value);
+        let own = self.build(&piece.named()?, parameter)?;
+        Some(Piece { coefficients: piece.coefficients, id: piece.id.clone(), ..own })
     }
 
     /// Index of a covariate that can be tested.
@@ -101,8 +128,17 @@ impl<'a> Catalogue<'a> {
         let parameter = if form.searched.is_some() { parameter } else { 0.0 };
         let column = index.map_or("", |index| self.names[index]);
         let made = Made::new(family, Parts { form, column, reference, parameter })?;
-        let inputs = self.inputs(family.columns(made.parts()))?;
+        let grid = self.grid.as_ref().filter(|_| family.follows() == Follows::Tone);
+        let inputs = match grid {
+            Some(grid) => grid.clone(),
+            None => self.inputs(family.columns(made.parts()))?,
+        };
         Some(Piece::new(made, inputs))
+    }
+
+    /// The times that tones go by, where they are not those of the samples.
+    pub fn grid(&self) -> Option<Vec<f64>> {
+        Some(self.grid.as_ref()?.iter().map(|[time, _]| *time).collect())
     }
 
     /// Where phases count from: the log's own zero if that is near its beginning.

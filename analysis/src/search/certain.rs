@@ -12,6 +12,8 @@ use std::sync::Arc;
 
 /// An effect stays if it takes at least this many times as much off the mean square as structure remains.
 const OUTWEIGHS: f64 = 1.0;
+/// What raises the error on unseen time by more than this is not recommended.
+const RAISES: f64 = 1.05;
 /// A step is looked at this far before and after it, s ...
 const AROUND_STEP_S: f64 = 1.5;
 /// ... with at least this many samples on each side; with fewer it is believed.
@@ -64,6 +66,22 @@ impl Effect<f64> for Steadily {
     }
 }
 
+/// The effect that, added in its turn, raises the error on unseen time the most.
+fn raises(explanation: &Explanation, asked: &[String]) -> Option<Withdrawn> {
+    let steps = explanation.steps.windows(2).filter_map(|pair| {
+        let id = pair[1].added.as_ref().filter(|id| !asked.contains(id))?;
+        let (before, after) = (pair[0].held_out?, pair[1].held_out?);
+        (after > RAISES * before).then_some((after / before, before, after, id))
+    });
+    let (_, before, after, id) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(Withdrawn {
+        id: id.clone(),
+        why: format!(
+            "with it the error on unseen time rises from {before:.3} to {after:.3} µT: it does not hold there"
+        ),
+    })
+}
+
 impl<'a> Greedy<'_, 'a> {
     /// The explanation without the effects that are not certain. Those that were `asked` for stay.
     pub fn certain(
@@ -86,6 +104,7 @@ impl<'a> Greedy<'_, 'a> {
             explanation.steps = self.falling(&explanation.base, &explanation.fitted, &order)?;
             explanation.withdrawn.push(doubtful);
         }
+        explanation.renumber();
         Ok(explanation)
     }
 
@@ -95,13 +114,23 @@ impl<'a> Greedy<'_, 'a> {
         asked: &[String],
     ) -> Result<Option<Withdrawn>, BadShape> {
         let fitted = &explanation.fitted;
+        if let Some(worse) = raises(explanation, asked) {
+            return Ok(Some(worse));
+        }
         let list: Vec<&Piece> = fitted.pieces.iter().collect();
         let residuals = self.pass.residuals(&fitted.model, &list)?;
         let samples = self.pass.samples;
-        let left = residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s());
+        let left = residue(
+            &residuals,
+            fitted.columns(),
+            samples.quantum_ut,
+            samples.step_s(),
+            &self.pass.turning(&fitted.model),
+        );
         let remains = left.structure * left.rms * left.rms;
-        // Where all is explained there is nothing to doubt.
-        if remains <= 0.0 {
+        let is_step = |piece: &&Piece| matches!(piece.searched(), Some((Searched::At, _)));
+        // Where all is explained there is nothing to doubt, but several steps make a stair of any slow change.
+        if remains <= 0.0 && fitted.pieces.iter().filter(is_step).count() < 2 {
             return Ok(None);
         }
         for piece in fitted.pieces.iter().filter(|piece| !asked.contains(&piece.id)) {
@@ -113,6 +142,9 @@ impl<'a> Greedy<'_, 'a> {
                            like a step";
                 return Ok(Some(Withdrawn { id: piece.id.clone(), why: why.into() }));
             }
+        }
+        if remains <= 0.0 {
+            return Ok(None);
         }
         let mut least: Option<(f64, &String)> = None;
         for pair in explanation.steps.windows(2) {

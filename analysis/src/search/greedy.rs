@@ -4,9 +4,9 @@ use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::{BadShape, Piece};
 use crate::search::candidates::Catalogue;
 use crate::search::kin::may_follow;
-use crate::search::parameter;
 use crate::search::screen::{Candidate, SIGNIFICANCE, Screening, rivalry, screen};
 use crate::search::search;
+use crate::search::several::numbered;
 use crate::search::state::{Confounded, Explanation, Greedy, Judged};
 use crate::search::undisturbed::prefer;
 use ironout::effect::{Acts, Follows, Named, Searched};
@@ -17,6 +17,9 @@ use ironout::study::rule::{ALIKE, RIVAL_SHARE};
 pub const MOST_EFFECTS: usize = 6;
 /// The same at rest, where a coil has a prompt, a late and a squared part.
 pub const MOST_AT_REST: usize = 9;
+
+/// Candidates explain the same if the squared error on unseen time with the one is at most this many times the other's.
+const NO_WORSE: f64 = 2.0;
 
 /// The candidates of one round, the searched ones at their best places.
 fn candidates<'a>(
@@ -30,18 +33,31 @@ fn candidates<'a>(
         catalogue.plain(at_rest).into_iter().map(|piece| Candidate { piece, searched: 1.0 }).collect();
     for named in catalogue.searched() {
         if periodic || named.form.searched != Some(Searched::Frequency) {
-            list.extend(search::best(pass, fitted, catalogue, &named)?);
+            let found = finite(search::best(pass, fitted, catalogue, &named))?.flatten();
+            list.extend(found.and_then(|found| numbered(fitted, found)));
         }
     }
     for named in catalogue.usable_columns().flat_map(|column| catalogue.late(column)) {
         // A late column stands beside the prompt one, or shows through it.
         let is_prompt = |own: Named| own.is_plain() && own.is_variant_of(&named);
         if fitted.pieces.iter().filter_map(Piece::named).any(is_prompt) {
-            list.extend(search::best(pass, fitted, catalogue, &named)?);
+            list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
+        } else if !at_rest && finite(search::acts_late(pass, fitted, catalogue, &named))?.unwrap_or(false) {
+            // A long delay leaves little of the prompt one to show through.
+            list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
         }
     }
     list.retain(|candidate| !fitted.pieces.iter().any(|piece| piece.id == candidate.piece.id));
     Ok(list)
+}
+
+/// What was found, unless some shape was not finite on the way.
+fn finite<T>(found: Result<T, BadShape>) -> Result<Option<T>, BadShape> {
+    match found {
+        Ok(found) => Ok(Some(found)),
+        Err(BadShape::NotFinite(_)) => Ok(None),
+        Err(bad) => Err(bad),
+    }
 }
 
 // One at a time, on the stack: the size does not matter.
@@ -51,6 +67,14 @@ enum Reconsidered<'a> {
     Swap { from: String, to: String, fitted: Box<Fitted<'a>> },
     /// All stand; some of them with rivals that explain as much.
     Stands { confounded: Vec<Confounded>, families: Vec<Confounded> },
+}
+
+/// Whether one leaves hardly more error on unseen time than another: what leaves much more does not explain the same.
+fn as_good(one: &Judged, other: &Judged) -> bool {
+    match (one.tested.held_out, other.tested.held_out) {
+        (Some(one), Some(other)) => one <= NO_WORSE * other,
+        (one, other) => one.is_some() || other.is_none(),
+    }
 }
 
 impl<'a> Greedy<'_, 'a> {
@@ -66,8 +90,18 @@ impl<'a> Greedy<'_, 'a> {
             let turns = |piece: &Piece| piece.acts(Acts::Measured) || piece.acts(Acts::Field);
             list.retain(|candidate| !turns(&candidate.piece));
         }
+        list.retain(|candidate| !self.dropped.borrow().contains(&candidate.piece.id));
         let count = self.independent(&list);
-        let Screening { held_out, tested } = screen(&self.pass, fitted, &list, count)?;
+        let Screening { held_out, tested } = loop {
+            match screen(&self.pass, fitted, &list, count) {
+                // One candidate that runs away is no reason to give up the others.
+                Err(BadShape::NotFinite(id)) if list.iter().any(|one| one.piece.id == id) => {
+                    list.retain(|one| one.piece.id != id);
+                    self.dropped.borrow_mut().push(id);
+                }
+                screening => break screening?,
+            }
+        };
         let mut judged: Vec<Judged> = tested
             .into_iter()
             .filter_map(|tested| Some(Judged { candidate: list.get(tested.index)?.clone(), tested }))
@@ -88,28 +122,20 @@ impl<'a> Greedy<'_, 'a> {
         let (mut last, mut count) = (Vec::new(), 0);
         let (mut confounded, mut families) = (Vec::new(), Vec::new());
         let mut swapped: Vec<(String, String)> = Vec::new();
-        let mut repeated = None;
+        let mut ended_early = false;
         for round in 0..3 * MOST_AT_REST {
+            if self.is_spent() {
+                ended_early = true;
+                break;
+            }
             let (judged, tried, _) = self.judge(&fitted, true)?;
             count = tried;
             first.get_or_insert_with(|| judged.clone());
             last = judged;
-            // A second step or tone beside the one in the model: whatever else follows its trace is no cause.
-            if let Some((second, decrease)) = self.again(&fitted)?
-                && last.iter().all(|one| !one.tested.accepted || one.tested.decrease < decrease)
-            {
-                fitted = self.without_proxies(fitted, &second, count)?;
-                order.retain(|id| fitted.pieces.iter().any(|piece| piece.id == *id));
-                let first = fitted.pieces.iter().find(|piece| piece.id == second.id);
-                repeated = Some(format!(
-                    "a second {} beside the {}",
-                    parameter::in_words(&second),
-                    first.map_or_else(|| "first".into(), parameter::in_words)
-                ));
-                break;
-            }
             let most = if self.pass.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };
-            let next = if fitted.pieces.len() < most { self.choose(&fitted, &last, count)? } else { None };
+            let next =
+                if fitted.pieces.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
+            let next = next.flatten();
             if let Some((winner, next)) = next {
                 fitted = self.aligned(prefer(&self.pass, next, self.known)?)?;
                 order.push(winner);
@@ -160,74 +186,21 @@ impl<'a> Greedy<'_, 'a> {
             families,
             first: first.unwrap_or_default(),
             last,
-            repeated,
             withdrawn: Vec::new(),
+            dropped: self.dropped.take(),
+            ended_early,
             count,
             shown: Vec::new(),
         })
-    }
-
-    /// A searched effect that the model holds once and that would be accepted a second time, fitted beside it, and what it
-    /// takes off the squared error.
-    fn again(&self, fitted: &Fitted<'a>) -> Result<Option<(Piece<'a>, f64)>, BadShape> {
-        let mut list = Vec::new();
-        for piece in &fitted.pieces {
-            if let Some(named) = piece.named().filter(|named| !named.form.column) {
-                list.extend(search::best(&self.pass, fitted, self.catalogue, &named)?);
-            }
-        }
-        let screening = screen(&self.pass, fitted, &list, 2)?;
-        let found = screening.tested.iter().filter(|tested| tested.accepted);
-        let best = found.max_by(|a, b| a.decrease.total_cmp(&b.decrease));
-        let Some((second, decrease)) =
-            best.and_then(|tested| Some((&list.get(tested.index)?.piece, tested.decrease)))
-        else {
-            return Ok(None);
-        };
-        let mut pieces = fitted.pieces.clone();
-        pieces.push(second.clone());
-        let both = self.pass.fit(fitted.model, pieces, self.known)?;
-        Ok(Some((both.and_then(|mut both| both.pieces.pop()).unwrap_or_else(|| second.clone()), decrease)))
-    }
-
-    /// The model without the effects that only stood in for a second step or tone.
-    fn without_proxies(
-        &self,
-        mut fitted: Fitted<'a>,
-        second: &Piece<'a>,
-        count: usize,
-    ) -> Result<Fitted<'a>, BadShape> {
-        let mut index = 0;
-        while let Some(removed) = fitted.pieces.get(index).cloned() {
-            index += 1;
-            if removed.id == second.id {
-                continue;
-            }
-            let mut pieces = fitted.pieces.clone();
-            pieces.remove(index - 1);
-            let both = pieces.iter().chain([second]).cloned().collect();
-            let Some(mut both) = self.pass.fit(fitted.model, both, self.known)? else { continue };
-            // The proxy has pulled at both places in time.
-            both = self.at_its_time(both)?;
-            both.pieces.reverse();
-            both = self.at_its_time(self.pass.hold(both.model, both.pieces, self.known)?)?;
-            let candidate =
-                Candidate { piece: Piece { coefficients: Default::default(), ..removed }, searched: 1.0 };
-            let screening = screen(&self.pass, &both, &[candidate], count)?;
-            if screening.tested.first().is_none_or(|tested| !tested.accepted)
-                && let Some(next) = self.pass.fit(fitted.model, pieces, self.known)?
-            {
-                fitted = self.aligned(self.at_its_time(next)?)?;
-                index = 0;
-            }
-        }
-        Ok(fitted)
     }
 
     /// Compares every effect of the model with the candidates that could stand in its place.
     fn reconsider(&self, fitted: &Fitted<'a>, count: usize) -> Result<Reconsidered<'a>, BadShape> {
         let (mut groups, mut families) = (Vec::new(), Vec::new());
         for index in 0..fitted.pieces.len() {
+            if self.is_spent() {
+                break;
+            }
             let mut pieces = fitted.pieces.clone();
             let own = pieces.remove(index);
             let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
@@ -266,6 +239,7 @@ impl<'a> Greedy<'_, 'a> {
                 if fewer || pair.second * (count as f64) * other.candidate.searched < SIGNIFICANCE {
                     if let Some(next) = self.with(&without, &other.candidate.piece)?
                         && may_follow(&own, &other.candidate.piece, fitted, &next)
+                        && self.beats_its_copies(&without, &other.candidate.piece)?
                     {
                         return Ok(Reconsidered::Swap {
                             from: own.id,
@@ -273,7 +247,10 @@ impl<'a> Greedy<'_, 'a> {
                             fitted: Box::new(next),
                         });
                     }
-                } else if other.tested.directions == mine.tested.directions && pair.correlation > ALIKE {
+                } else if other.tested.directions == mine.tested.directions
+                    && pair.correlation > ALIKE
+                    && as_good(other, mine)
+                {
                     group.push(id.clone());
                 }
             }

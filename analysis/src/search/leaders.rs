@@ -4,7 +4,7 @@ use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
 use crate::search::kin::NEARLY;
 use crate::search::parameter;
-use crate::search::screen::{ACCUSED, RELEVANCE, SIGNIFICANCE, rivalry, screen, stands};
+use crate::search::screen::{ACCUSED, SIGNIFICANCE, WORTH_NAMING, rivalry, screen, stands};
 use crate::search::search;
 use crate::search::state::{Greedy, Judged, held_out_rms};
 use ironout::effect::{Named, Searched};
@@ -16,6 +16,8 @@ const STRONG: f64 = 0.01;
 const STRONG_SHARE: f64 = 0.2;
 /// ... but at most so many.
 const STRONG_LEADERS: usize = 6;
+/// So many effects that copies of their columns beat are passed over for the next best.
+const MOST_REFUSED: usize = 4;
 /// At rest the linear term comes before its square or its past if it takes this share of what they take.
 const PROMPT_SHARE: f64 = 0.3;
 
@@ -41,23 +43,32 @@ impl<'a> Greedy<'_, 'a> {
         self.at_its_time(next)
     }
 
-    /// A strong step bends the base that its time was searched at: searched again at the model with the step.
+    /// A strong step bends the base that its time was searched at: searched again at the model with the step, each of
+    /// several beside the others.
     pub(crate) fn at_its_time(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
         for _ in 0..3 {
-            let mut pieces = fitted.pieces.clone();
-            let at_a_time = |piece: &Piece| matches!(piece.searched(), Some((Searched::At, _)));
-            let Some(place) = pieces.iter().position(at_a_time) else { break };
-            let step = pieces.remove(place);
-            let bare = self.pass.hold(fitted.model, pieces.clone(), self.known)?;
-            let Some(named) = step.named() else { break };
-            let Some(found) = search::best(&self.pass, &bare, self.catalogue, &named)? else { break };
-            if found.piece.parts() == step.parts() {
-                break;
+            let mut moved = false;
+            for place in 0..fitted.pieces.len() {
+                let mut pieces = fitted.pieces.clone();
+                if !matches!(pieces[place].searched(), Some((Searched::At, _))) {
+                    continue;
+                }
+                let step = pieces.remove(place);
+                let bare = self.pass.hold(fitted.model, pieces.clone(), self.known)?;
+                let Some(named) = step.named() else { continue };
+                let Some(found) = search::best(&self.pass, &bare, self.catalogue, &named)? else { continue };
+                if found.piece.parts() == step.parts() {
+                    continue;
+                }
+                let Piece { id, coefficients, .. } = step;
+                pieces.insert(place, Piece { id, coefficients, ..found.piece });
+                match self.pass.fit(fitted.model, pieces, self.known)? {
+                    Some(next) if next.squares < fitted.squares => (fitted, moved) = (next, true),
+                    _ => {}
+                }
             }
-            pieces.insert(place, Piece { coefficients: step.coefficients, ..found.piece });
-            match self.pass.fit(fitted.model, pieces, self.known)? {
-                Some(next) if next.squares < fitted.squares => fitted = next,
-                _ => break,
+            if !moved {
+                break;
             }
         }
         Ok(fitted)
@@ -89,7 +100,7 @@ impl<'a> Greedy<'_, 'a> {
             tested.p_value = (test.p_value * one.candidate.searched).min(1.0);
             tested.held_out = held_out.map(|rms| rms * rms * next.rows);
             tested.accepted = tested.p_value * (count as f64) < ACCUSED
-                && held_out.is_some_and(|after| after * after < before * before * (1.0 - RELEVANCE));
+                && held_out.is_some_and(|after| after * after < before * before * (1.0 - WORTH_NAMING));
         }
         Ok(())
     }
@@ -148,9 +159,30 @@ impl<'a> Greedy<'_, 'a> {
         Ok(best)
     }
 
-    /// The next effect: the three leaders fully refitted, the best by its held-out error, and the one with fewer
-    /// coefficients where it explains as much.
+    /// The next effect: the best of those that chance, as the log itself shows it, does not do as well as.
     pub(crate) fn choose(
+        &self,
+        fitted: &Fitted<'a>,
+        judged: &[Judged<'a>],
+        count: usize,
+    ) -> Result<Option<(String, Fitted<'a>)>, BadShape> {
+        let mut judged = judged.to_vec();
+        for _ in 0..MOST_REFUSED {
+            let Some((id, next)) = self.best_of(fitted, &judged, count)? else { return Ok(None) };
+            let Some(piece) = next.pieces.iter().find(|piece| piece.id == id) else { return Ok(None) };
+            if self.beats_its_copies(fitted, piece)? {
+                return Ok(Some((id, next)));
+            }
+            let alike =
+                |one: &Judged| one.candidate.piece.id == id || one.candidate.piece.is_variant_of(piece);
+            judged.iter_mut().filter(|one| alike(one)).for_each(|one| one.tested.accepted = false);
+        }
+        Ok(None)
+    }
+
+    /// The next effect by the tests alone: the three leaders fully refitted, the best by its held-out error, and the one with fewer
+    /// coefficients where it explains as much.
+    fn best_of(
         &self,
         fitted: &Fitted<'a>,
         judged: &[Judged<'a>],

@@ -25,7 +25,13 @@ impl<'a> Greedy<'_, 'a> {
         let inner: Vec<&Piece> = fitted.pieces.iter().collect();
         let residuals = self.pass.residuals(&fitted.model, &inner)?;
         let samples = self.pass.samples;
-        let left = residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s());
+        let left = residue(
+            &residuals,
+            fitted.columns(),
+            samples.quantum_ut,
+            samples.step_s(),
+            &self.pass.turning(&fitted.model),
+        );
         if left.structure <= 0.0 {
             return Ok(None);
         }
@@ -72,11 +78,27 @@ impl<'a> Greedy<'_, 'a> {
             pieces.extend([a.piece.clone(), b.piece.clone()]);
             let Some(next) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
             let next = self.settled(next)?;
+            if !self.each_beats_its_copies(&next, fitted.pieces.len())? {
+                continue;
+            }
             let Some(held) = crate::search::state::held_out_rms(&next) else { continue };
             if best.as_ref().is_none_or(|(least, ..)| held < *least) {
                 best = Some((held, [a.piece.id.clone(), b.piece.id.clone()], next));
             }
         }
         Ok(best.map(|(_, ids, next)| (ids, next)))
+    }
+
+    /// Whether each effect from the place `from` on does what no copy of its column does, beside the others.
+    fn each_beats_its_copies(&self, both: &Fitted<'a>, from: usize) -> Result<bool, BadShape> {
+        for place in from..both.pieces.len() {
+            let mut others = both.pieces.clone();
+            let own = others.remove(place);
+            let Some(without) = self.pass.fit(both.model, others, self.known)? else { return Ok(false) };
+            if !self.beats_its_copies(&without, &own)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 }

@@ -123,7 +123,7 @@ fn moved<'a>(piece: &Piece<'a>, change: f64, catalogue: &Catalogue<'a>) -> Optio
         (Searched::Delay, now) => catalogue.build(&piece.named()?, (now + change).max(0.2 * now))?,
         (Searched::At, _) => return None,
     };
-    Some(Piece { coefficients: piece.coefficients, ..next })
+    Some(Piece { coefficients: piece.coefficients, id: piece.id.clone(), ..next })
 }
 
 /// Moves searched parameters to where the error is least, and refits.

@@ -6,7 +6,10 @@ use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::residual::spectrum::{Frame, Rows, Verdict};
 pub use ironout::study::rule::{ACCUSED, RELEVANCE, SIGNIFICANCE};
 use ironout::study::rule::{falls, is_accepted};
-use ironout::study::{Improvement, f_tail, held_out};
+use ironout::study::{Improvement, Residual, f_tail, held_out};
+
+/// An effect of the magnitude is named if it takes at least this share off the squared error on unseen time.
+pub const WORTH_NAMING: f64 = 0.15;
 
 /// A candidate with the number of places that were searched for its fixed parameter.
 #[derive(Clone)]
@@ -140,8 +143,17 @@ pub fn screen(
                 step[*column] = value;
             }
             let span = spans[offset].clone();
-            let noise = frame.spectrum(&total, span.clone(), &rows.moved(&step))?;
-            frame.test(&total, span, &noise)
+            let left = rows.moved(&step);
+            let noise = frame.spectrum(&total, span.clone(), &left)?;
+            let test = frame.test(&total, span.clone(), &noise)?;
+            Some(with_colour(
+                frame,
+                &total,
+                span,
+                &left,
+                test,
+                candidates[start + offset].searched * count as f64,
+            ))
         };
         for (offset, keep) in keeps.iter().enumerate() {
             let index = start + offset;
@@ -163,7 +175,15 @@ pub fn screen(
                     (None, true) => 1.0,
                     (None, false) => chance(gain, index),
                 };
-                let falls = falls(screening.held_out, tested.held_out);
+                // The board's rule takes less for relevant; of so little the log's own structure makes as much by chance.
+                let relevant = match pass.residual {
+                    Residual::Magnitude => WORTH_NAMING,
+                    Residual::Dip | Residual::Vector => RELEVANCE,
+                };
+                let falls = match (screening.held_out, tested.held_out) {
+                    (Some(before), Some(after)) => after < before * (1.0 - relevant),
+                    (before, after) => falls(before, after),
+                };
                 tested.accepted = is_accepted(tested.p_value, count, falls);
             }
             screening.tested.push(tested);
@@ -171,6 +191,25 @@ pub fn screen(
         start = end;
     }
     Ok(screening)
+}
+
+/// The test once more where it would be passed, with the colour of the noise: 1/f noise, or a rolling mean, holds more at
+/// low frequencies than its own short past tells.
+fn with_colour(
+    frame: &Frame,
+    total: &Matrix,
+    span: std::ops::Range<usize>,
+    left: &[f64],
+    test: Verdict,
+    tries: f64,
+) -> Verdict {
+    if test.p_value * tries >= SIGNIFICANCE {
+        return test;
+    }
+    let noises = frame.coloured(total, span.clone(), left);
+    let tests = noises.iter().filter_map(|noise| frame.test(total, span.clone(), noise));
+    // The noise may be any of them: what chance does by one of them may be chance.
+    tests.fold(test, |most, next| if next.p_value > most.p_value { next } else { most })
 }
 
 /// How two candidates stand to each other: the p-value of each given the other, and their largest and smallest
@@ -263,6 +302,7 @@ pub fn stands(pass: &Pass, fitted: &Fitted) -> Result<Option<Verdict>, BadShape>
     let total = fitted.total().moved(&away);
     Ok(Frame::new(&rows, &total, (0..base).collect()).and_then(|frame| {
         let noise = frame.spectrum(&total, base..columns, &residuals)?;
-        frame.test(&total, base..columns, &noise)
+        let test = frame.test(&total, base..columns, &noise)?;
+        Some(with_colour(&frame, &total, base..columns, &residuals, test, 1.0))
     }))
 }

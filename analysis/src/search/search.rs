@@ -3,15 +3,19 @@
 use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
 use crate::samples::fft;
+use crate::samples::samples::Samples;
 use crate::samples::series::median;
 use crate::search::candidates::Catalogue;
-use crate::search::screen::Candidate;
+use crate::search::screen::{Candidate, WORTH_NAMING};
 use ironout::effect::{Named, Searched};
 /// Places where a step is looked for at first.
 use ironout::study::rule::STEP_PLACES as STEP_SEGMENTS;
 
 /// The lowest frequency of periodic interference, Hz: two slower sinusoids imitate almost any covariate.
 const LOWEST_HZ: f64 = 1.0;
+
+/// A column that takes so many times more off the error late than at once is worth a closer look.
+const LATE_OVER_PROMPT: f64 = 1.2;
 
 /// The best place of an effect of which something is searched for. `None` where nothing is, or the log does not allow it.
 pub fn best<'a>(
@@ -103,7 +107,7 @@ fn with_step(whole: &Matrix, suffix: &Matrix, base: usize) -> Matrix {
 }
 
 /// How much each candidate alone takes off the squared error.
-fn decreases(pass: &Pass, fitted: &Fitted, candidates: &[Piece]) -> Result<Vec<f64>, BadShape> {
+pub(crate) fn decreases(pass: &Pass, fitted: &Fitted, candidates: &[Piece]) -> Result<Vec<f64>, BadShape> {
     let base = fitted.columns();
     let mut out = Vec::new();
     let width = candidates.iter().map(Piece::k).max().unwrap_or(1);
@@ -126,19 +130,14 @@ fn largest(values: &[f64]) -> usize {
     values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index)
 }
 
-/// How late a column acts, if it acts late.
-fn delay<'a>(
-    pass: &Pass,
-    fitted: &Fitted,
-    catalogue: &Catalogue<'a>,
-    named: &Named,
-) -> Result<Option<Candidate<'a>>, BadShape> {
-    let Some(time) = &pass.samples.time else { return Ok(None) };
+/// Delays that are tried at first: whole samples, ever fewer the longer.
+fn delays(samples: &Samples) -> Option<Vec<f64>> {
+    let time = samples.time.as_ref()?;
     let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > 0.0).collect();
-    let step = median(&mut gaps) / pass.samples.stride as f64;
+    let step = median(&mut gaps) / samples.stride as f64;
     let seconds = time.last().unwrap_or(&0.0) - time.first().unwrap_or(&0.0);
     if step.is_nan() || step <= 0.0 {
-        return Ok(None);
+        return None;
     }
     let longest = (2.0_f64).max(10.0 * step).min(seconds / 10.0);
     let mut delays = Vec::new();
@@ -147,10 +146,34 @@ fn delay<'a>(
         delays.push(one * step);
         (one, two) = (two, one + two);
     }
+    (!delays.is_empty()).then_some(delays)
+}
+
+/// Whether a column takes clearly more off the error late than at once.
+pub fn acts_late<'a>(
+    pass: &Pass,
+    fitted: &Fitted,
+    catalogue: &Catalogue<'a>,
+    named: &Named,
+) -> Result<bool, BadShape> {
+    let Some(mut delays) = delays(pass.samples) else { return Ok(false) };
+    delays.insert(0, 0.0);
+    let pieces: Vec<Piece> = delays.iter().filter_map(|d| catalogue.build(named, *d)).collect();
+    let taken = decreases(pass, fitted, &pieces)?;
+    let Some((prompt, late)) = taken.split_first() else { return Ok(false) };
+    let most = late.iter().copied().fold(0.0, f64::max);
+    Ok(most > LATE_OVER_PROMPT * prompt && most > WORTH_NAMING * fitted.squares)
+}
+
+/// How late a column acts, if it acts late.
+fn delay<'a>(
+    pass: &Pass,
+    fitted: &Fitted,
+    catalogue: &Catalogue<'a>,
+    named: &Named,
+) -> Result<Option<Candidate<'a>>, BadShape> {
+    let Some(mut delays) = delays(pass.samples) else { return Ok(None) };
     let searched = delays.len() as f64;
-    if delays.is_empty() {
-        return Ok(None);
-    }
     for round in 0..3 {
         let pieces: Vec<Piece> = delays.iter().filter_map(|d| catalogue.build(named, *d)).collect();
         let gains = decreases(pass, fitted, &pieces)?;
@@ -173,7 +196,9 @@ fn periodic<'a>(
     named: &Named,
 ) -> Result<Option<Candidate<'a>>, BadShape> {
     let samples = pass.samples;
-    let Some(time) = &samples.time else { return Ok(None) };
+    let Some(stamps) = &samples.time else { return Ok(None) };
+    let grid = catalogue.grid();
+    let time = grid.as_ref().unwrap_or(stamps);
     let n = samples.len();
     let (Some(&first), Some(&last)) = (time.first(), time.last()) else { return Ok(None) };
     let seconds = last - first;
@@ -182,14 +207,15 @@ fn periodic<'a>(
     }
     let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     // Rows that arrive in bursts have a short median step: the mean one tells the sensor's rate.
-    let step = median(&mut gaps).max(seconds / n as f64 * 0.9);
+    // Thinned rows stand on the grid of all.
+    let step = median(&mut gaps).max(seconds / n as f64 * 0.9) / samples.stride as f64;
     let nyquist = 0.5 / step;
     if nyquist <= LOWEST_HZ {
         return Ok(None);
     }
     let cells = (seconds / step).ceil() as usize + 1;
     let size = (2 * cells).next_power_of_two();
-    let uniform = gaps.iter().all(|gap| (gap / step - 1.0).abs() < 0.2);
+    let uniform = samples.stride == 1 && gaps.iter().all(|gap| (gap / step - 1.0).abs() < 0.2);
     let mut series = vec![vec![(0.0, 0.0); size]; 3];
     let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
     let vector = pass.residual == ironout::study::Residual::Vector;

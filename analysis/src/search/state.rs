@@ -4,11 +4,12 @@
 use crate::base::alignment::{align, without_effects};
 use crate::base::engine::{Fitted, Pass, SETTLED};
 use crate::base::known::Known;
-use crate::base::piece::BadShape;
+use crate::base::piece::{BadShape, Piece};
 use crate::search::candidates::Catalogue;
 use crate::search::screen::{Candidate, Tested};
 use crate::search::shown::Shown;
 use ironout::study::{Residual, held_out};
+use std::cell::RefCell;
 
 /// A prior on the gains that is tighter than this holds them.
 const HELD_GAIN: f64 = 1e-3;
@@ -18,6 +19,9 @@ const SETTLED_S: f64 = 2e-5;
 const SETTLING: usize = 12;
 /// … until nothing moves by more than this share of the offset's and of the coefficients' size.
 const SETTLED_SHARE: f64 = 1e-7;
+
+/// What a search may look at, samples times effects and columns: some ten seconds of it.
+const MOST_WORK: u64 = 60_000_000;
 
 /// The state of the model after one addition.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +50,16 @@ pub struct Judged<'a> {
     pub tested: Tested,
 }
 
+impl Judged<'_> {
+    /// The same of the effect over other samples.
+    pub fn on<'b>(&self, piece: Piece<'b>) -> Judged<'b> {
+        Judged {
+            candidate: Candidate { piece, searched: self.candidate.searched },
+            tested: self.tested.clone(),
+        }
+    }
+}
+
 /// What the search found.
 #[derive(Clone)]
 pub struct Explanation<'a> {
@@ -63,10 +77,12 @@ pub struct Explanation<'a> {
     pub first: Vec<Judged<'a>>,
     /// The candidates tested last, against the final model.
     pub last: Vec<Judged<'a>>,
-    /// A step or a tone that the model holds once and the log shows again, in words.
-    pub repeated: Option<String>,
     /// Effects that were found and are not certain.
     pub withdrawn: Vec<Withdrawn>,
+    /// Candidates whose shape was not finite somewhere, and which were left out.
+    pub dropped: Vec<String>,
+    /// Whether the search ended at the limit of its work.
+    pub ended_early: bool,
     /// How many candidates a round has.
     pub count: usize,
     /// The tests of the effects that were asked for; empty after a search, which adds only what is shown.
@@ -110,6 +126,23 @@ pub struct Greedy<'p, 'a> {
     pub catalogue: &'p Catalogue<'a>,
     /// What is known besides.
     pub known: &'p Known,
+    /// Candidates that were left out because their shape is not finite.
+    pub(crate) dropped: RefCell<Vec<String>>,
+    /// The work that was done before it began.
+    begun: u64,
+}
+
+impl<'p, 'a> Greedy<'p, 'a> {
+    /// A search that has found nothing yet.
+    pub fn new(pass: Pass<'p>, catalogue: &'p Catalogue<'a>, known: &'p Known) -> Self {
+        let begun = pass.samples.work.spent();
+        Greedy { pass, catalogue, known, dropped: RefCell::default(), begun }
+    }
+
+    /// Whether the search has looked at as much as it may.
+    pub(crate) fn is_spent(&self) -> bool {
+        self.pass.samples.work.spent() - self.begun > MOST_WORK
+    }
 }
 
 impl<'a> Greedy<'_, 'a> {
@@ -166,7 +199,8 @@ impl<'a> Greedy<'_, 'a> {
                 Some(next) => next,
                 None => return Ok(before),
             };
-            if unmoved(&before, &fitted) {
+            // What does not settle in one fit does not in twelve.
+            if unmoved(&before, &fitted) || !fitted.converged {
                 break;
             }
         }
@@ -185,8 +219,9 @@ impl<'a> Greedy<'_, 'a> {
             families: Vec::new(),
             first: Vec::new(),
             last: Vec::new(),
-            repeated: None,
             withdrawn: Vec::new(),
+            dropped: Vec::new(),
+            ended_early: false,
             count: 1,
             shown: Vec::new(),
         })

@@ -8,7 +8,7 @@
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::residue;
+use crate::samples::series::Autocorrelation;
 use ironout::effect::{Acts, Coefficients, Column, Effect, MAX_INPUTS, Quantities, Shape};
 use ironout::study::Residual;
 use std::fmt;
@@ -18,13 +18,13 @@ use std::sync::Arc;
 /// a thousand at most.
 const PREFERRED: f64 = 10.0;
 /// Rounds in which coefficients and undisturbed vectors settle.
-const MOST_ROUNDS: usize = 30;
+const MOST_ROUNDS: usize = 16;
 /// After so many the error must be below that of the measured vector.
 const PATIENCE: usize = 6;
 /// Rounds from a measured vector to the undisturbed one.
 const MOST_STEPS: usize = 60;
 /// The undisturbed vector has settled when it moves by less than this, µT.
-const SETTLED_UT: f64 = 1e-6;
+const SETTLED_UT: f64 = 1e-4;
 
 /// An effect whose shape is taken at the undisturbed vector, as coefficients near its own give it.
 struct Undisturbed<'a> {
@@ -56,6 +56,9 @@ impl Effect<f64> for Undisturbed<'_> {
     }
     fn reads_centre(&self) -> bool {
         self.inner.reads_centre()
+    }
+    fn delay_s(&self, coefficients: &Coefficients<f64>) -> Option<f64> {
+        self.inner.delay_s(coefficients)
     }
     fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
         let mut near = *at;
@@ -91,7 +94,11 @@ fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Opt
         }
         // A shape that ran away is no reason to give up the model that stands.
         let Ok(Some(next)) = pass.fit(now.model, pieces, known) else { return Ok(None) };
-        let settled = (next.squares / now.squares - 1.0).abs() < 1e-6;
+        if !next.converged {
+            return Ok(None);
+        }
+        // By a tenth of a sample's variance.
+        let settled = (next.squares - now.squares).abs() < 0.1 * now.squares / now.rows.max(1.0);
         now = next;
         if settled || (round >= PATIENCE && now.squares > plain.squares) {
             break;
@@ -115,8 +122,8 @@ pub fn prefer<'a>(pass: &Pass, fitted: Fitted<'a>, known: &Known) -> Result<Fitt
     let Some(other) = undisturbed(pass, &plain, known)? else { return Ok(plain) };
     let list: Vec<&Piece> = other.pieces.iter().collect();
     let residuals = pass.residuals(&other.model, &list)?;
-    let left = residue(&residuals, other.columns(), pass.samples.quantum_ut, pass.samples.step_s());
-    let variance = other.squares / other.rows.max(1.0) * left.time;
+    let time = Autocorrelation::of(&residuals).time;
+    let variance = other.squares / other.rows.max(1.0) * time;
     let better = other.squares.is_finite() && plain.squares - other.squares > PREFERRED * variance;
     Ok(if better { other } else { plain })
 }

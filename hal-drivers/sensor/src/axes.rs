@@ -74,6 +74,12 @@ impl AxisMap {
         })
     }
 
+    /// A vector in the board's axes.
+    #[inline]
+    pub fn vector(self, chip: [f32; 3]) -> [f32; 3] {
+        self.0.map(|axis| if axis.is_reversed() { -axis.of(chip) } else { axis.of(chip) })
+    }
+
     /// What has no sign (a scale, a flag) in the board's axes.
     #[inline]
     pub fn unsigned<T: Copy>(self, chip: [T; 3]) -> [T; 3] {

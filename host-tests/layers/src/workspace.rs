@@ -73,7 +73,8 @@ pub fn code_files(root: &Path) -> impl Iterator<Item = PathBuf> {
 fn entries(root: &Path) -> impl Iterator<Item = DirEntry> {
     let hidden = |entry: &DirEntry| {
         let name = entry.file_name().to_string_lossy();
-        entry.depth() > 0 && (name.starts_with('.') || name == "target" || name == "node_modules")
+        entry.depth() > 0
+            && (name.starts_with('.') || ["target", "node_modules", "vendor"].contains(&name.as_ref()))
     };
     let walk = WalkDir::new(root).sort_by_file_name().into_iter();
     walk.filter_entry(move |entry| !hidden(entry))

@@ -17,3 +17,5 @@ pub mod simulated;
 pub mod snapshot;
 pub mod solvers;
 pub mod table;
+pub mod truths;
+pub mod truths_table;

@@ -79,6 +79,8 @@ pub struct TraceOptions {
     pub correlation: f64,
     /// Seconds that are collected before `why`.
     pub seconds: u64,
+    /// Whether there is a gyro where there is an accelerometer.
+    pub gyro: bool,
 }
 
 impl TraceOptions {
@@ -92,6 +94,7 @@ impl TraceOptions {
             noise_ut: 0.25,
             correlation: 0.0,
             seconds: 80,
+            gyro: true,
         }
     }
 }
@@ -196,7 +199,7 @@ impl Trace {
             let accel = self.world.accel_mps2(t_s).map(|force| (force + 0.05 * self.normal()) as f32);
             let rates = self.world.rates_radps(t_s);
             let turn = rates.map(|rate| (rate + 0.005 * self.normal()) as f32);
-            self.board.device.on_motion(Some(accel), Some(turn));
+            self.board.device.on_motion(Some(accel), self.options.gyro.then_some(turn));
         }
         if self.current && self.ms.is_multiple_of(20) {
             let current_a = self.world.covariate("current_a", t_s);

@@ -188,7 +188,7 @@ pub fn measure() -> Result<Measured, M4Error> {
         ours("apply_base", mean("apply_base")?, None),
         ours("apply", mean("apply")?, Some(400)),
         ours("study_push", mean("study_push")?, Some(6_000)),
-        ours("learn_push", mean("learn_push")?, Some(7_000)),
+        ours("learn_push", mean("learn_push")?, Some(5_100)),
         ours("learn_push_worst", worst("learn_push_worst")?, None),
         ours("why", once("why")?, None),
         ours("why_step_worst", once("why_step_worst")?, Some(640_000)),

@@ -6,7 +6,7 @@ use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::plausible::Known;
 use crate::reading::Reading;
 use crate::registry::REGISTRY;
-use crate::{atomic, output, prior, read_block, refusal, source};
+use crate::{atomic, fit_words, output, prior, read_block, refusal, source};
 use ironout_analysis::{Options, Table, fit};
 
 /// The object of `--json`: the fit, and how the log was read.
@@ -64,7 +64,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
             Said { fit: FitObject::of(&fitted, method.name()), read_as: read_block::json(&log.read_as) };
         output::line(&serde_json::to_string(&object).map_err(to_text)?);
     } else {
-        super::fit_words::print(arguments, &log, &fitted, &expected);
+        output::text(&fit_words::text(arguments, &log, &fitted, &expected));
     }
     if let Some(text) = written.filter(|text| !text.is_empty()) {
         eprintln!("{text}");

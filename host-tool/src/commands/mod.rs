@@ -7,12 +7,16 @@ mod diagnose;
 mod export;
 mod fetch;
 mod fit;
-mod fit_words;
 mod import;
-mod later;
+#[cfg(feature = "page")]
+mod live;
 mod record;
+#[cfg(feature = "page")]
+mod report;
 mod send;
 mod simulate;
+#[cfg(feature = "page")]
+mod web;
 
 use crate::cli::{Cli, Command};
 use crate::failure::Outcome;
@@ -26,12 +30,20 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Export(arguments) => export::run::run(arguments, cli.json),
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
         Command::Demo(arguments) => demo::run(arguments, cli.json),
-        Command::Diagnose(arguments) => diagnose::run::run(arguments, cli.json),
+        Command::Diagnose(arguments) => diagnose::run(arguments, cli.json),
         Command::Send(arguments) => send::run(arguments, cli.json),
         Command::Fetch(arguments) => fetch::run(arguments, cli.json),
         Command::Record(arguments) => record::run(arguments, cli.json),
-        Command::Report(_) => later::not_built("report"),
+        #[cfg(feature = "page")]
+        Command::Report(arguments) => report::run(arguments, cli.json),
+        #[cfg(feature = "page")]
+        Command::Web(arguments) => web::run(arguments, cli.json),
+        #[cfg(feature = "page")]
+        Command::Live(arguments) => live::run(arguments, cli.json),
+        #[cfg(not(feature = "page"))]
+        Command::Report(_) | Command::Web(_) | Command::Live(_) => Err(crate::failure::Failure::usage(
+            "this program was built without the page: build it with --features page",
+        )),
         Command::Import(arguments) => import::run(arguments, cli.json),
-        Command::Live(_) => later::not_built("live"),
     }
 }

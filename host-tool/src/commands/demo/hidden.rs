@@ -238,9 +238,8 @@ impl Story {
         self.talk.say(&format!(
             "  it is off by {before:.2} µT rms, and its noise alone would make {NOISE_UT:.2} µT. Why?\n"
         ));
-        let (first, rounds) = self.why()?;
         let id = self.effect.id();
-        self.talk.ok(&format!("effect add {id}"))?;
+        let (first, rounds) = self.named_and_added(id)?;
         let learnt = self.error(1)?;
         self.talk.say(&format!("  now it is off by {learnt:.2} µT\n"));
 
@@ -258,9 +257,34 @@ impl Story {
         Ok(Figures { floor: NOISE_UT, before, learnt, restarted, removed, rounds, first })
     }
 
+    /// Asks what is missing and adds it; where the samples do not carry that yet, turns the board further and asks again.
+    fn named_and_added(&mut self, id: &str) -> Outcome<(String, usize)> {
+        let mut asked = 0;
+        loop {
+            let (first, round) = self.why(asked)?;
+            let command = format!("effect add {id}");
+            let answer = self.talk.board.command(&command)?;
+            self.talk.show(&command, &answer);
+            if answer.is_ok() {
+                return Ok((first, round));
+            }
+            if round == ROUNDS || !answer.closing.contains("refused not-needed") {
+                return Err(Failure::refused(format!(
+                    "the board answered `{command}` with: {}",
+                    answer.closing
+                )));
+            }
+            self.talk.say("  it is seen, and unseen samples do not bear it out yet; turning it further …");
+            self.talk.quiet("stream raw")?;
+            self.turn(MORE)?;
+            self.talk.quiet("stream off")?;
+            asked = round;
+        }
+    }
+
     /// Asks until the samples carry an answer that names something; the id that comes first, and how often it was asked.
-    fn why(&mut self) -> Outcome<(String, usize)> {
-        for round in 1..=ROUNDS {
+    fn why(&mut self, asked: usize) -> Outcome<(String, usize)> {
+        for round in asked + 1..=ROUNDS {
             // Asked quietly first: an answer that there is not enough yet is no part of the story.
             let answer = self.talk.board.command("why")?;
             let first = answer.values("first").next().unwrap_or("-").to_string();

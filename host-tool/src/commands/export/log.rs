@@ -7,7 +7,7 @@ use crate::input::Log;
 use crate::source;
 
 /// The log of `--log`, if it is given.
-pub(super) fn read(arguments: &ExportArgs, cal: &CalFile, json: bool) -> Outcome<Option<Log>> {
+pub fn read(arguments: &ExportArgs, cal: &CalFile, json: bool) -> Outcome<Option<Log>> {
     let Some(path) = &arguments.log else { return Ok(None) };
     let log = LogArgs {
         log: path.clone(),

@@ -2,4 +2,3 @@
 
 mod log;
 pub mod run;
-mod target;

@@ -1,18 +1,15 @@
 //! Writes the calibration in the form asked for.
 
 use crate::cal_file::CalFile;
-use crate::cli::{ExportArgs, ExportForm};
-use crate::commands::export::target::{self, Exported};
-use crate::failure::{EXIT_OK, Failure, Outcome};
-use crate::input::Mounting;
+use crate::cli::ExportArgs;
+use crate::commands::export::log;
+use crate::exported::{self, Exported};
+use crate::failure::{EXIT_OK, Outcome};
 use crate::output::json_number;
 use crate::wrap::hang;
 use crate::{atomic, output};
-use ironout_analysis::export::error::CannotExport;
-use ironout_analysis::export::reading::Reading;
 use ironout_analysis::export::refit::Cost;
 use ironout_analysis::export::words::{costs, not_held};
-use ironout_analysis::export::{c, rust};
 
 /// Lines are at most this wide.
 const WIDTH: usize = 110;
@@ -27,7 +24,11 @@ pub fn run(arguments: &ExportArgs, json: bool) -> Outcome<u8> {
             arguments.cal.display()
         );
     }
-    let exported = text(&cal, arguments).map_err(|failure| match failure.file {
+    let exported = exported::asked(arguments).and_then(|()| {
+        let log = log::read(arguments, &cal, true)?;
+        exported::text(&cal, arguments, log.as_ref())
+    });
+    let exported = exported.map_err(|failure| match failure.file {
         Some(_) => failure,
         None => failure.in_file(&arguments.cal),
     })?;
@@ -82,43 +83,4 @@ fn object(arguments: &ExportArgs, exported: &Exported) -> serde_json::Value {
         map.insert("cost".into(), exported.cost.as_ref().map_or(serde_json::Value::Null, cost));
     }
     object
-}
-
-/// The exported text.
-fn text(cal: &CalFile, arguments: &ExportArgs) -> Outcome<Exported> {
-    let refuse = |error: CannotExport| {
-        let failure = Failure::usage(error.to_string());
-        if error == CannotExport::Singular { failure.at_column("matrix") } else { failure }
-    };
-    let plain = |text: String| Exported { text, held: None, cost: None };
-    if let Some(option) = arguments.unused() {
-        return Err(Failure::usage(format!(
-            "{option} says nothing to --as {}: leave it out",
-            arguments.form.name()
-        )));
-    }
-    let reading = reading(cal)?;
-    match arguments.form {
-        ExportForm::Json => serde_json::to_string_pretty(cal)
-            .map(|text| plain(text + "\n"))
-            .map_err(|error| Failure::usage(error.to_string())),
-        ExportForm::Rust => Ok(plain(rust::text(&cal.extended()?, &reading, &summary(cal)))),
-        ExportForm::C => c::text(&cal.extended()?, &reading, &summary(cal)).map(plain).map_err(refuse),
-        _ => target::export(cal, arguments, &reading, &summary(cal)),
-    }
-}
-
-/// How the log of the calibration was read, as numbers.
-fn reading(cal: &CalFile) -> Outcome<Reading> {
-    let Some(reading) = &cal.reading else { return Ok(Reading::default()) };
-    let plain = Reading::default();
-    Ok(Reading {
-        ut_per_count: reading.ut_per_count,
-        rotation: Mounting::parse(&reading.rotate)?.magnetometer.unwrap_or(plain.rotation),
-    })
-}
-
-fn summary(cal: &CalFile) -> String {
-    let rms = cal.fit.rms_ut.map_or(String::new(), |rms| format!(", residual rms {rms:.3} µT"));
-    format!("{} samples, method {}{rms}", cal.fit.samples_used, cal.fit.method)
 }

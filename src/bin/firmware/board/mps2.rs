@@ -13,7 +13,7 @@ use core::cell::RefCell;
 use defmt_semihosting as _;
 use eeprom24x::{Eeprom24x, SlaveAddr, addr_size::TwoBytes, page_size::B32, unique_serial};
 use embedded_hal_bus::i2c::RefCellDevice;
-use ironout::device::Pace;
+use ironout::device::{Pace, Shown};
 use ironout::sensor::AxisMap;
 use ironout::store::StorageSlots;
 use ironout_drivers::lsm303dlhc::{Config, DataRate, Lsm303dlhc, Range, TemperatureFormat};
@@ -55,6 +55,9 @@ const SENSOR: Config = Config {
     temperature: true,
     temperature_format: TemperatureFormat::RightJustified,
 };
+
+/// Whether its lights show more than a state: directions seen, north.
+pub const SHOWS_COVERAGE: bool = false;
 
 /// Everything the firmware uses of the board.
 pub struct Board {
@@ -118,9 +121,9 @@ impl Panel {
         Self(())
     }
 
-    /// Switches the light.
-    pub fn set_light(&mut self, on: bool) {
-        LEDS.write(u32::from(on));
+    /// Shows the state.
+    pub fn show(&mut self, shown: &Shown) {
+        LEDS.write(u32::from(shown.is_on));
     }
 
     /// Whether the button is down, bounces and all. (The emulator's buttons never are.)

@@ -12,25 +12,28 @@
 
 mod bus;
 mod console;
-mod sampler;
+mod probed;
+mod sampling;
 mod time;
 mod uart;
 mod usb;
 mod watchdog;
 
+use super::sampler;
 use defmt_rtt as _;
 use embassy_rp::flash::{Blocking, Flash};
 use embassy_rp::gpio::{Input, Level, Output, Pull};
+use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::peripherals::FLASH;
-use ironout::device::Pace;
+use ironout::device::{Pace, Shown};
 use ironout::sensor::AxisMap;
 use ironout::store::FlashSlots;
 // Only its critical section is asked for, by crates that need to compare and swap.
 use portable_atomic as _;
 
+pub use super::sampler::Samples;
 pub use console::Console;
-pub use sampler::{Proxy, Samples};
 pub use time::Clock;
 pub use uart::last_words;
 pub use watchdog::{Watchdog, restart, was_hung};
@@ -48,10 +51,13 @@ const FLASH_BYTES: usize = 2 * 1024 * 1024;
 /// Where the memory map (build.rs) keeps the two sectors.
 const SLOTS: u32 = FLASH_BYTES as u32 - 2 * 4096;
 
+/// Whether its lights show more than a state: directions seen, north.
+pub const SHOWS_COVERAGE: bool = false;
+
 /// Everything the firmware uses of the board.
 pub struct Board {
     /// The magnetometer, by the sampler that reads it.
-    pub sensor: Proxy,
+    pub sensor: sampler::Proxy<sampling::Sampling>,
     /// What the sampler has read.
     pub sampled: Samples,
     /// Where the calibration is kept.
@@ -73,15 +79,19 @@ impl Board {
         let _once: &'static mut () = flash;
         let p = embassy_rp::init(embassy_rp::config::Config::default());
         // Bytes first, they wait shortest; then time; the sensor, whose reading takes a third of a millisecond; USB's task last.
-        embassy_rp::interrupt::UART0_IRQ.set_priority(Priority::P0);
-        embassy_rp::interrupt::TIMER_IRQ_0.set_priority(Priority::P1);
-        embassy_rp::interrupt::TIMER_IRQ_3.set_priority(Priority::P1);
-        embassy_rp::interrupt::USBCTRL_IRQ.set_priority(Priority::P1);
-        embassy_rp::interrupt::TIMER_IRQ_1.set_priority(Priority::P2);
-        embassy_rp::interrupt::SWI_IRQ_0.set_priority(Priority::P3);
-        let uart = uart::Uart::new(p.UART0, p.PIN_0, p.PIN_1)?;
+        interrupt::UART0_IRQ.set_priority(Priority::P0);
+        interrupt::TIMER_IRQ_0.set_priority(Priority::P1);
+        interrupt::TIMER_IRQ_3.set_priority(Priority::P1);
+        interrupt::USBCTRL_IRQ.set_priority(Priority::P1);
+        interrupt::TIMER_IRQ_1.set_priority(Priority::P2);
+        interrupt::SWI_IRQ_0.set_priority(Priority::P3);
+        let uart = uart::new(p.UART0, p.PIN_0, p.PIN_1)?;
         let usb = usb::Usb::new(p.USB)?;
-        let (sensor, sampled) = sampler::start(bus::Bus::new(p.I2C0, p.PIN_5, p.PIN_4))?;
+        let queue = cortex_m::singleton!(: sampler::Waiting = sampler::Waiting::new())?;
+        let sensor = probed::Probed::new(bus::Bus::new(p.I2C0, p.PIN_5, p.PIN_4));
+        let (sensor, sampled) = sampling::SEAT.take_in(sensor, (), queue);
+        // SAFETY: its handler is in `sampling`, and no critical section relies on masks.
+        unsafe { interrupt::TIMER_IRQ_1.enable() };
         Some(Self {
             sensor,
             sampled,
@@ -101,9 +111,9 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Switches the light.
-    pub fn set_light(&mut self, on: bool) {
-        self.light.set_level(if on { Level::High } else { Level::Low });
+    /// Shows the state.
+    pub fn show(&mut self, shown: &Shown) {
+        self.light.set_level(if shown.is_on { Level::High } else { Level::Low });
     }
 
     /// Whether the button is down, bounces and all.

@@ -3,12 +3,23 @@
 use ironout::device::SensorFault;
 use ironout::sensor::Reading;
 
+/// What the board's own accelerometer and gyro said, in its axes: m/s² of specific force, rad/s.
+#[derive(Clone, Copy, Default)]
+pub struct Moved {
+    /// Specific force; `None` where there is no accelerometer, or it was out of its range.
+    pub accel_mps2: Option<[f32; 3]>,
+    /// Rate of turn.
+    pub turn_radps: Option<[f32; 3]>,
+}
+
 /// What came of a reading that the board made by itself.
 pub struct Sampled {
-    /// When.
-    pub at_ms: u64,
+    /// When: the time of the interrupt.
+    pub at_us: u64,
     /// The reading, or why there is none.
     pub reading: Result<Reading, SensorFault>,
+    /// How the board moved then.
+    pub moved: Moved,
 }
 
 /// For a board whose sensor is read in the loop.
@@ -25,6 +36,11 @@ impl Polled {
     /// Never.
     pub const fn is_waiting(&self) -> bool {
         false
+    }
+
+    /// The device itself takes the time.
+    pub const fn jitter_us(&self) -> Option<u32> {
+        None
     }
 }
 

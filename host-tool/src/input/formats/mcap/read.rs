@@ -5,9 +5,8 @@ use crate::input::formats::feed::Feed;
 use crate::input::formats::inventory::Inventory;
 use crate::input::formats::mcap::cdr::Encoding;
 use crate::input::formats::mcap::messages::Kind;
-use crate::input::formats::mcap::records::{self, Channel};
+use crate::input::formats::mcap::records::{self, Channel, op};
 use crate::input::formats::stream::{Recording, Stream, choose};
-use mcap::records::op;
 use std::collections::BTreeMap;
 use std::io::Read;
 

@@ -1,12 +1,21 @@
 //! The records of an MCAP file (mcap.dev/spec): framed here, so that a file that is cut off or broken gives what is whole in it;
-//! packed chunks are unpacked by the crate `mcap`.
+//! packed chunks are unpacked in `packed`.
 
 use crate::failure::Outcome;
 use crate::input::formats::feed::{Feed, bytes_at, u16_at, u64_at};
-use mcap::records::op;
-use mcap::sans_io::LinearReaderOptions;
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader};
+use crate::input::formats::mcap::packed::{self, Packing};
 use std::io::Read;
+
+/// The kinds of records that are read.
+pub mod op {
+    #![allow(missing_docs)] // as the specification names them
+    pub const FOOTER: u8 = 0x02;
+    pub const SCHEMA: u8 = 0x03;
+    pub const CHANNEL: u8 = 0x04;
+    pub const MESSAGE: u8 = 0x05;
+    pub const CHUNK: u8 = 0x06;
+    pub const DATA_END: u8 = 0x0f;
+}
 
 const MAGIC_BYTES: usize = 8;
 /// Kind and length.
@@ -103,36 +112,37 @@ fn chunk(
         0 => LARGEST_RECORD,
         size => size.saturating_mul(PACKED).clamp(SMALL_RECORD, LARGEST_RECORD),
     };
-    let options = LinearReaderOptions::default()
-        .with_skip_start_magic(true)
-        .with_skip_end_magic(true)
-        .with_record_length_limit(usize::try_from(most).unwrap_or(usize::MAX));
-    let mut reader = LinearReader::new_with_options(options);
-    let mut left = length.saturating_add(HEAD_BYTES as u64);
-    let outcome = loop {
-        match reader.next_event() {
-            Some(Ok(LinearReadEvent::ReadRequest(_))) if left == 0 => break Chunk::Whole,
-            Some(Ok(LinearReadEvent::ReadRequest(need))) => {
-                let want = usize::try_from(left).unwrap_or(usize::MAX).min(need);
-                let seen = feed.ahead(want)?;
-                if seen.is_empty() {
-                    break Chunk::CutOff;
-                }
-                let count = seen.len();
-                reader.insert(count).copy_from_slice(seen);
-                reader.notify_read(count);
-                feed.pass(count);
-                left -= count as u64;
-            }
-            Some(Ok(LinearReadEvent::Record { data, opcode })) => take(opcode, data),
-            Some(Err(error)) => break Chunk::Broken(error.to_string()),
-            None => break Chunk::Whole,
-        }
+    let Some((name, behind)) = text(head, HEAD_BYTES + CHUNK_BYTES - 4) else {
+        return Ok(match feed.skip(length.saturating_add(HEAD_BYTES as u64))? {
+            true => Chunk::Broken("its compression has no name".into()),
+            false => Chunk::CutOff,
+        });
     };
-    if matches!(outcome, Chunk::Broken(_)) && !feed.skip(left)? {
+    // Behind the name stands the length of what is packed.
+    let own = behind + 8;
+    let Some(packed) = length.checked_sub((own - HEAD_BYTES) as u64) else {
+        return Ok(match feed.skip(length.saturating_add(HEAD_BYTES as u64))? {
+            true => Chunk::Broken("it is shorter than its head".into()),
+            false => Chunk::CutOff,
+        });
+    };
+    if !feed.skip(own as u64)? {
         return Ok(Chunk::CutOff);
     }
-    Ok(outcome)
+    let Some(packing) = Packing::named(&name) else {
+        return Ok(match feed.skip(packed)? {
+            true => Chunk::Broken(format!("its compression {name} is neither zstd nor lz4")),
+            false => Chunk::CutOff,
+        });
+    };
+    let (outcome, left) = packed::records(feed, packed, packing, most, take);
+    if !feed.skip(left)? {
+        return Ok(Chunk::CutOff);
+    }
+    Ok(match outcome {
+        Ok(()) => Chunk::Whole,
+        Err(why) => Chunk::Broken(why),
+    })
 }
 
 /// A text with its length before it, and the byte behind it.

@@ -1,6 +1,7 @@
 //! I²C 0 with a limit on every transfer, and a way out where a chip holds a line down.
 
 use super::time::now_us;
+use crate::board::lines;
 use core::pin::pin;
 use core::task::{Context, Poll, Waker};
 use embassy_rp::gpio::{Level, OutputOpenDrain};
@@ -43,28 +44,12 @@ impl Bus {
     /// Clocks a chip out of an unfinished byte, ends the transfer, and begins anew.
     fn free(&mut self) -> Result<(), ErrorKind> {
         self.i2c = None;
-        let half = || cortex_m::asm::delay(HALF_BIT_CYCLES);
         let (_, clock, data) = &mut self.pins;
         let mut clock = OutputOpenDrain::new(clock.reborrow(), Level::High);
         let mut data = OutputOpenDrain::new(data.reborrow(), Level::High);
         clock.set_pullup(true);
         data.set_pullup(true);
-        half();
-        for _ in 0..9 {
-            if data.is_high() {
-                break;
-            }
-            clock.set_low();
-            half();
-            clock.set_high();
-            half();
-        }
-        // The stop condition.
-        data.set_low();
-        half();
-        data.set_high();
-        half();
-        if clock.is_low() || data.is_low() { Err(ErrorKind::Bus) } else { Ok(()) }
+        lines::free(&mut clock, &mut data, || cortex_m::asm::delay(HALF_BIT_CYCLES))
     }
 
     fn set_up(&mut self) -> Result<&mut I2c<'static, I2C0, Async>, ErrorKind> {

@@ -85,10 +85,12 @@ impl fmt::Write for Console {
     /// Queues the text. It never fails and never waits: text that the other end does not take is lost, whole lines of it.
     fn write_str(&mut self, text: &str) -> fmt::Result {
         match self.port {
-            Port::Uart => self.uart.put(text),
-            Port::Usb => self.usb.put(text),
+            Port::Uart => self.uart.write_str(text),
+            Port::Usb => {
+                self.usb.put(text);
+                Ok(())
+            }
         }
-        Ok(())
     }
 }
 

@@ -3,8 +3,8 @@
 //! embassy-usb's task runs on an executor in an interrupt of the lowest priority; the loop sees two buffers.
 
 use super::time::now_us;
-use super::uart::STALL_LIMIT_US;
 use crate::board::outgoing::Outgoing;
+use crate::board::port::STALL_LIMIT_US;
 use embassy_executor::{InterruptExecutor, SendSpawner};
 use embassy_futures::join::join3;
 use embassy_rp::peripherals::USB;
@@ -16,12 +16,13 @@ use embassy_time::Timer;
 use embassy_usb::class::cdc_acm::{CdcAcmClass, State};
 use embassy_usb::{Builder, Config};
 use heapless::spsc::{Consumer, Producer, Queue};
+use ironout::device::MAX_REPLY_BYTES;
 use static_cell::StaticCell;
 
 /// A full-speed bulk packet.
 const PACKET_BYTES: usize = 64;
-const RX_BYTES: usize = 512;
-const TX_BYTES: usize = 4096;
+const RX_BYTES: usize = 256;
+const TX_BYTES: usize = MAX_REPLY_BYTES + 256;
 
 /// Raspberry Pi's identifiers for a serial port made by the firmware of an RP2040, which every system has a driver for.
 const VENDOR: u16 = 0x2E8A;

@@ -1,6 +1,6 @@
 //! The watchdog: fed while both the loop turns and the sampler's interrupt comes.
 
-use super::sampler;
+use super::sampling::SEAT;
 use embassy_rp::pac;
 use embassy_rp::peripherals::WATCHDOG;
 use embassy_rp::{Peri, watchdog};
@@ -42,12 +42,12 @@ impl Watchdog {
         let mut inner = watchdog::Watchdog::new(peripheral);
         inner.pause_on_debug(true);
         inner.start(LIMIT);
-        Self { inner, beats: sampler::beats() }
+        Self { inner, beats: SEAT.beats() }
     }
 
     /// The loop has turned; it counts where the sampler has had its turn too.
     pub fn turned(&mut self) {
-        let beats = sampler::beats();
+        let beats = SEAT.beats();
         if beats != self.beats {
             self.beats = beats;
             self.inner.feed(LIMIT);

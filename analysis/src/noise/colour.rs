@@ -1,0 +1,356 @@
+//! Which noise a residual is: white, of first order, a rolling mean, or 1/f, by the likelihood of its spectrum (Whittle),
+//! and whether it is any of them.
+//!
+//! Structure that an effect leaves has a spectrum of its own: slow beside white noise, or in lines. None of these few
+//! shapes has that, so what fits none of them is more than noise.
+
+use crate::noise::power::{Band, bands, padded, symmetric, transforms};
+use crate::noise::turning::Turning;
+use crate::samples::series::median;
+use serde::Serialize;
+
+/// Exponents of 1/f noise that are tried.
+const EXPONENTS: [f64; 4] = [0.6, 0.8, 1.0, 1.2];
+/// Shares of white noise beside it. With more of that anything slow would look like 1/f noise.
+const WHITE: [f64; 5] = [0.0, 0.08, 0.16, 0.25, 0.35];
+/// The longest rolling mean that is looked for.
+const LONGEST_MEAN: usize = 64;
+/// Noise of first order falls to 60 % within so many samples ...
+const FADING: f64 = 5.3;
+/// ... and a rolling mean is at most as long as this ...
+const MEAN: f64 = 12.0;
+/// ... or either is over after this, s: whatever turns with the board takes longer.
+const MEMORY_S: f64 = 0.42;
+/// The steepest noise that is called 1/f.
+const STEEPEST: f64 = 1.3;
+/// A spectrum that is another one than a colour's by more standard deviations is not that colour's.
+const LIKE: f64 = 6.0;
+/// White noise that fits this well is not looked at further, standard deviations.
+const PLAIN: f64 = 1.0;
+/// A colour whose spectrum is this much less likely (twice the logarithm) may still be the one.
+const UNCERTAIN: f64 = 6.0;
+/// Fewer samples tell no colour.
+const FEWEST: usize = 60;
+
+/// A colour of noise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Colour {
+    /// Every sample its own.
+    White,
+    /// First order, with this correlation from one sample to the next.
+    Fading(f64),
+    /// A rolling mean over so many samples.
+    RollingMean(usize),
+    /// 1/f: power in proportion to the frequency to the power of minus `exponent`, and a share of white noise.
+    Flicker {
+        /// The exponent.
+        exponent: f64,
+        /// Share of the variance that is white.
+        white: f64,
+    },
+}
+
+impl Colour {
+    /// In words.
+    pub fn words(self) -> String {
+        match self {
+            Colour::White => "white".into(),
+            Colour::Fading(correlation) => {
+                format!("noise with a memory (a correlation of {correlation:.2} from sample to sample)")
+            }
+            Colour::RollingMean(of) => format!("a rolling mean over {of} samples"),
+            Colour::Flicker { exponent, white } if white > 0.0 => {
+                format!("1/f noise (exponent {exponent:.1}) with {:.0} % of white noise", 100.0 * white)
+            }
+            Colour::Flicker { exponent, .. } => format!("1/f noise (exponent {exponent:.1})"),
+        }
+    }
+
+    /// Whether a sensor's noise may be so: steeper than 1/f, or with a longer memory than a filter gives it, it is an error
+    /// that moves. `step_s` is the time from sample to sample, 0 where unknown.
+    pub fn is_of_a_sensor(self, step_s: f64) -> bool {
+        let short =
+            |samples: f64, most: f64| samples <= most || (step_s > 0.0 && samples * step_s <= MEMORY_S);
+        match self {
+            Colour::White => true,
+            // Samples until it has fallen to 60 %.
+            Colour::Fading(rho) => short(0.6_f64.ln() / rho.clamp(1e-9, 1.0 - 1e-9).ln(), FADING),
+            Colour::RollingMean(of) => short(of as f64, MEAN),
+            Colour::Flicker { exponent, .. } => exponent <= STEEPEST,
+        }
+    }
+
+    /// The same with the number that it was chosen by a little larger, and by how much.
+    fn nudged(self) -> Option<(Colour, f64)> {
+        match self {
+            Colour::White | Colour::RollingMean(_) => None,
+            Colour::Fading(rho) => {
+                let by = 0.05 * (1.0 - rho);
+                Some((Colour::Fading(rho + by), by))
+            }
+            Colour::Flicker { exponent, white } => {
+                Some((Colour::Flicker { exponent: exponent + 0.05, white }, 0.05))
+            }
+        }
+    }
+
+    /// A word for it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Colour::White => "white",
+            Colour::Fading(_) => "fading",
+            Colour::RollingMean(_) => "rolling-mean",
+            Colour::Flicker { .. } => "flicker",
+        }
+    }
+
+    /// How many numbers it was chosen by.
+    fn parameters(self) -> f64 {
+        match self {
+            Colour::White => 0.0,
+            Colour::Fading(_) | Colour::RollingMean(_) => 1.0,
+            Colour::Flicker { .. } => 2.0,
+        }
+    }
+
+    /// Its autocorrelation at the lags from 0 to half of `size`.
+    fn correlation(self, size: usize) -> Vec<f64> {
+        let lags = size / 2 + 1;
+        match self {
+            Colour::White => (0..lags).map(|lag| f64::from(u8::from(lag == 0))).collect(),
+            Colour::Fading(rho) => (0..lags).map(|lag| rho.powi(lag as i32)).collect(),
+            Colour::RollingMean(of) => {
+                (0..lags).map(|lag| (1.0 - lag as f64 / of.max(1) as f64).max(0.0)).collect()
+            }
+            Colour::Flicker { exponent, white } => {
+                let power: Vec<f64> = (0..lags)
+                    // The sine, not the angle: what lies beyond the Nyquist frequency is folded back.
+                    .map(|bin| {
+                        let angle = std::f64::consts::PI * bin.max(1) as f64 / size as f64;
+                        angle.sin().powf(-exponent)
+                    })
+                    .collect();
+                let mut values = symmetric(&power, size);
+                let whole = values[0].max(f64::MIN_POSITIVE);
+                values.iter_mut().for_each(|value| *value *= (1.0 - white) / whole);
+                values[0] = 1.0;
+                values
+            }
+        }
+    }
+}
+
+/// The noise that a residual is most like.
+#[derive(Debug, Clone)]
+pub struct Described {
+    /// The colour.
+    pub colour: Colour,
+    /// Power by bin of the half spectrum.
+    pub power: Vec<f64>,
+    /// Twice the logarithm by which its spectrum is less likely than one that fits every band, and how many bands are free.
+    pub deviance: f64,
+    /// Bands beyond what was chosen.
+    pub free: f64,
+    /// Share of the variance by which some bands stand out above the others.
+    pub excess: f64,
+}
+
+impl Described {
+    /// Whether it is noise as a sensor has it, and nothing more.
+    pub fn is_noise(&self, step_s: f64) -> bool {
+        self.misfit() < LIKE && self.colour.is_of_a_sensor(step_s)
+    }
+
+    /// By how many standard deviations the spectrum is another one than this.
+    pub fn misfit(&self) -> f64 {
+        (self.deviance - self.free) / (2.0 * self.free.max(1.0)).sqrt()
+    }
+}
+
+/// What a residual is compared with.
+pub struct Seen<'t> {
+    size: usize,
+    n: usize,
+    /// Power by bin.
+    pub power: Vec<f64>,
+    bands: Vec<Band>,
+    turning: &'t Turning,
+    absorbed: &'t [f64],
+    /// Share of the variance that is the readings' rounding, white beside any colour.
+    rounding: f64,
+}
+
+impl<'t> Seen<'t> {
+    /// Of a residual from which a fit has `absorbed` its share of white noise by bin.
+    pub fn of(residuals: &[f64], turning: &'t Turning, absorbed: &'t [f64], rounding: f64) -> Self {
+        let n = residuals.len();
+        let size = padded(n);
+        let transform = transforms(std::slice::from_ref(&residuals.to_vec()), size).swap_remove(0);
+        let power: Vec<f64> =
+            transform.iter().map(|(re, im)| (re * re + im * im) / n.max(1) as f64).collect();
+        let bands = bands(&power, n, size);
+        Seen { size, n, power, bands, turning, absorbed, rounding: rounding.clamp(0.0, 1.0) }
+    }
+
+    /// The power that this colour would show before anything is taken out, at unit variance.
+    fn expected(&self, colour: Colour) -> Vec<f64> {
+        if colour == Colour::White {
+            return vec![1.0; self.size / 2 + 1];
+        }
+        let own = colour.correlation(self.size);
+        let mut folded = vec![0.0; self.size / 2 + 1];
+        for (lag, alike) in self.turning.alike.iter().enumerate().take(self.n) {
+            let place = lag.min(self.size - lag);
+            // Half a turn away the two ends meet in one place.
+            let twice = if 2 * place == self.size { 2.0 } else { 1.0 };
+            let value = own[place] * alike * (1.0 - self.rounding);
+            folded[place] += if lag == 0 { value + self.rounding } else { twice * value };
+        }
+        symmetric(&folded, self.size)
+    }
+
+    fn left(&self, bin: usize) -> f64 {
+        1.0 - self.absorbed.get(bin).copied().unwrap_or(0.0).clamp(0.0, 0.98)
+    }
+
+    /// How well a colour fits, its size the most likely one.
+    pub fn fit(&self, colour: Colour) -> Described {
+        self.fit_to(colour, self.expected(colour))
+    }
+
+    fn fit_to(&self, colour: Colour, mut power: Vec<f64>) -> Described {
+        let sums: Vec<(f64, f64, f64)> = self
+            .bands
+            .iter()
+            .map(|band| {
+                let expected: f64 = band.bins.clone().map(|bin| power[bin].max(1e-9) * self.left(bin)).sum();
+                let left: f64 = band.bins.clone().map(|bin| self.left(bin)).sum();
+                (expected, band.seen, band.count * left / band.bins.len().max(1) as f64)
+            })
+            .collect();
+        let count: f64 = sums.iter().map(|one| one.2).sum();
+        let scale = sums.iter().map(|(expected, seen, count)| count * seen / expected).sum::<f64>() / count;
+        let mut deviance = 0.0;
+        for (expected, seen, count) in &sums {
+            let ratio = (seen / (scale * expected)).max(1e-12);
+            deviance += 2.0 * count * (ratio - 1.0 - ratio.ln());
+        }
+        power.iter_mut().for_each(|value| *value = value.max(1e-9) * scale);
+        // Against the median: a line or a slow part raises the mean.
+        let mut ratios: Vec<f64> = sums.iter().map(|(expected, seen, _)| seen / (scale * expected)).collect();
+        let usual = median(&mut ratios) * scale;
+        let whole: f64 = sums.iter().map(|one| one.1).sum();
+        let above: f64 = sums.iter().map(|(expected, seen, _)| (seen - usual * expected).max(0.0)).sum();
+        let excess = (above / whole.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let free = (self.bands.len() as f64 - 1.0 - colour.parameters()).max(1.0);
+        Described { colour, power, deviance, free, excess }
+    }
+
+    /// How the logarithm of the power changes with the number that the colour was chosen by, by bin, and that number's
+    /// variance. `None` for a colour without one.
+    pub fn slope(&self, described: &Described) -> Option<(Vec<f64>, f64)> {
+        let (next, by) = described.colour.nudged()?;
+        let next = self.fit(next);
+        // The size is fitted again beside it, which takes the mean slope out.
+        let slope: Vec<f64> =
+            next.power.iter().zip(&described.power).map(|(b, a)| (b / a).ln() / by).collect();
+        let information: f64 = self
+            .bands
+            .iter()
+            .map(|band| {
+                let mean = slope[band.bins.clone()].iter().sum::<f64>() / band.bins.len().max(1) as f64;
+                0.5 * 2.0 * band.count * mean * mean
+            })
+            .sum();
+        Some((slope, information.max(1e-12).recip()))
+    }
+
+    /// The most likely of the colours.
+    pub fn describe(&self) -> Described {
+        self.plausible().swap_remove(0)
+    }
+
+    /// The colours that the residual may have, the most likely first: the best of each family that is not much less likely.
+    /// There is at least one.
+    pub fn plausible(&self) -> Vec<Described> {
+        let cost = |one: &Described| one.deviance + (self.n as f64).ln() * one.colour.parameters();
+        let white = self.fit(Colour::White);
+        if white.misfit() < PLAIN || self.n < FEWEST {
+            return vec![white];
+        }
+        let own = self.correlation();
+        let mut list = vec![white, self.best_fading(&own), self.best_mean(&own), self.best_flicker()];
+        list.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+        let most = cost(&list[0]) + UNCERTAIN;
+        list.retain(|one| cost(one) <= most);
+        list
+    }
+
+    fn best_fading(&self, own: &[f64]) -> Described {
+        let mut near = own.get(1).copied().unwrap_or(0.0).clamp(0.05, 0.98);
+        let mut best = self.fit(Colour::Fading(near));
+        for step in [0.5, 0.25, 0.1, 0.04] {
+            for rho in [near - step * (1.0 - near), near + step * (1.0 - near)] {
+                let rho = rho.clamp(0.01, 0.995);
+                let next = self.fit(Colour::Fading(rho));
+                if next.deviance < best.deviance {
+                    (best, near) = (next, rho);
+                }
+            }
+        }
+        best
+    }
+
+    /// A rolling mean forgets all at once.
+    fn best_mean(&self, own: &[f64]) -> Described {
+        let end = own.iter().position(|value| *value < 0.125).unwrap_or(own.len()).max(2);
+        let end = ((end as f64 / 0.875).round() as usize).max(3);
+        let mut best = self.fit(Colour::RollingMean(end));
+        for of in [end - 1, end + 1] {
+            let next = self.fit(Colour::RollingMean(of));
+            if next.deviance < best.deviance {
+                best = next;
+            }
+        }
+        best
+    }
+
+    fn best_flicker(&self) -> Described {
+        let at = |exponent: f64| {
+            let plain = self.expected(Colour::Flicker { exponent, white: 0.0 });
+            let fits = WHITE
+                .iter()
+                .map(|white| self.fit_to(Colour::Flicker { exponent, white: *white }, mixed(&plain, *white)));
+            fits.reduce(|best, next| if next.deviance < best.deviance { next } else { best })
+        };
+        let better = |best: Described, next: Option<Described>| match next {
+            Some(next) if next.deviance < best.deviance => (next, true),
+            _ => (best, false),
+        };
+        let mut best = self.fit(Colour::Flicker { exponent: EXPONENTS[0], white: 0.0 });
+        let mut near = EXPONENTS[0];
+        for exponent in EXPONENTS {
+            let (next, is_better) = better(best, at(exponent));
+            best = next;
+            near = if is_better { exponent } else { near };
+        }
+        for exponent in [near - 0.1, near + 0.1] {
+            best = better(best, at(exponent)).0;
+        }
+        best
+    }
+
+    /// The autocorrelation of what was seen, at short lags.
+    fn correlation(&self) -> Vec<f64> {
+        let mut values = symmetric(&self.power, self.size);
+        values.truncate(LONGEST_MEAN);
+        let whole = values.first().copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
+        values.iter().map(|value| value / whole).collect()
+    }
+}
+
+/// A spectrum of unit variance with a share of white noise.
+fn mixed(plain: &[f64], white: f64) -> Vec<f64> {
+    plain.iter().map(|value| white + (1.0 - white) * value).collect()
+}

@@ -1,0 +1,8 @@
+//! The colours that a sensor's noise has, and which of them a residual has.
+
+pub mod colour;
+pub mod power;
+pub mod turning;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,116 @@
+//! Tests of the colours.
+
+use crate::noise::colour::{Colour, Described, Seen};
+use crate::noise::turning::Turning;
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+
+const N: usize = 4000;
+
+fn fresh(rng: &mut ChaCha8Rng) -> f64 {
+    (0..12).map(|_| rng.random_range(-0.5..0.5)).sum()
+}
+
+/// Noise of one axis, of unit variance.
+fn noise(colour: Colour, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    match colour {
+        Colour::White => (0..N).map(|_| fresh(rng)).collect(),
+        Colour::Fading(rho) => {
+            let mut now = fresh(rng);
+            (0..N)
+                .map(|_| {
+                    now = rho * now + (1.0 - rho * rho).sqrt() * fresh(rng);
+                    now
+                })
+                .collect()
+        }
+        Colour::RollingMean(of) => {
+            let all: Vec<f64> = (0..N + of).map(|_| fresh(rng)).collect();
+            (0..N).map(|at| all[at..at + of].iter().sum::<f64>() / (of as f64).sqrt()).collect()
+        }
+        Colour::Flicker { .. } => {
+            // Octave by octave, each as strong as the others.
+            let fades: Vec<f64> = (0..12).map(|k| (-2.0 * 0.5_f64.powi(k)).exp()).collect();
+            let mut now: Vec<f64> = fades.iter().map(|_| fresh(rng)).collect();
+            (0..N)
+                .map(|_| {
+                    for (value, fade) in now.iter_mut().zip(&fades) {
+                        *value = fade * *value + (1.0 - fade * fade).sqrt() * fresh(rng);
+                    }
+                    now.iter().sum::<f64>() / (fades.len() as f64).sqrt()
+                })
+                .collect()
+        }
+    }
+}
+
+fn directions() -> Vec<[f64; 3]> {
+    (0..N)
+        .map(|at| {
+            let (a, b) = (at as f64 * 0.011, at as f64 * 0.0173);
+            [a.cos() * b.sin(), a.sin() * b.sin(), b.cos()]
+        })
+        .collect()
+}
+
+/// The residual that a turning board makes of the noise of its axes, with `more` beside it.
+fn described(colour: Colour, seed: u64, more: impl Fn(usize) -> f64) -> Described {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let axes = [noise(colour, &mut rng), noise(colour, &mut rng), noise(colour, &mut rng)];
+    let directions = directions();
+    let residual: Vec<f64> =
+        (0..N).map(|at| (0..3).map(|i| axes[i][at] * directions[at][i]).sum::<f64>() + more(at)).collect();
+    let turning = Turning::of(directions.into_iter());
+    // Nothing was fitted here.
+    Seen::of(&residual, &turning, &[], 0.0).describe()
+}
+
+#[test]
+fn each_colour_is_told() {
+    let flicker = Colour::Flicker { exponent: 1.0, white: 0.0 };
+    for seed in 0..6 {
+        for colour in
+            [Colour::White, Colour::Fading(0.4), Colour::Fading(0.9), Colour::RollingMean(5), flicker]
+        {
+            let found = described(colour, seed, |_| 0.0);
+            let near = match (colour, found.colour) {
+                (Colour::White, Colour::White) => true,
+                (Colour::Fading(a), Colour::Fading(b)) => (a - b).abs() < 0.05,
+                (Colour::RollingMean(a), Colour::RollingMean(b)) => a == b,
+                (Colour::Flicker { .. }, Colour::Flicker { exponent, white }) => {
+                    (exponent - 1.0).abs() < 0.21 && white < 0.3
+                }
+                _ => false,
+            };
+            assert!(near && found.is_noise(0.02), "seed {seed}: {colour:?} is taken for {:?}", found.colour);
+        }
+    }
+}
+
+#[test]
+fn what_moves_beside_noise_is_no_noise() {
+    for seed in 0..6 {
+        for period in [8.0, 60.0, 400.0] {
+            let wave = |at: usize| 1.5 * (std::f64::consts::TAU * at as f64 / period).sin();
+            let found = described(Colour::White, seed, wave);
+            assert!(
+                !found.is_noise(0.02),
+                "seed {seed}, period {period}: {:?} {}",
+                found.colour,
+                found.misfit()
+            );
+            assert!(found.excess > 0.2, "seed {seed}, period {period}: {}", found.excess);
+        }
+        let switched = |at: usize| if (at / 300).is_multiple_of(2) { 1.5 } else { -1.5 };
+        let found = described(Colour::Fading(0.5), seed, switched);
+        assert!(!found.is_noise(0.02), "seed {seed}: {:?} {}", found.colour, found.misfit());
+    }
+}
+
+#[test]
+fn a_memory_of_seconds_is_none_of_a_sensor() {
+    assert!(Colour::Fading(0.9).is_of_a_sensor(0.02) && Colour::Fading(0.95).is_of_a_sensor(0.02));
+    assert!(!Colour::Fading(0.95).is_of_a_sensor(0.1) && !Colour::Fading(0.99).is_of_a_sensor(0.0));
+    assert!(Colour::RollingMean(8).is_of_a_sensor(0.1) && !Colour::RollingMean(30).is_of_a_sensor(0.1));
+    assert!(!Colour::Flicker { exponent: 1.5, white: 0.0 }.is_of_a_sensor(0.02));
+}

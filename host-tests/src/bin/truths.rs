@@ -1,0 +1,73 @@
+//! `cargo truths`: harder truths, as a table with intervals.
+//!
+//! Without words it runs what the snapshot holds, and holds it to that; `--accept` writes the snapshot and the table of
+//! `docs/measured.md`. `-n N` logs of each kind, `--tuned-on` takes the logs that thresholds were tuned on instead of those that are measured,
+//! `--failing` prints what did not come out as it should, `--all` every log, `--from N` begins elsewhere, words choose kinds.
+
+use ironout_host_tests::accuracy::truths::{MEASURED_ON, Outcome, TUNED_ON, run, text, times};
+use ironout_host_tests::accuracy::truths_table::{LOGS, Truths};
+use ironout_simulation::truths::Kind;
+use std::process::ExitCode;
+
+/// Runs what the snapshot holds.
+fn whole(accept: bool) -> ExitCode {
+    let truths = Truths::measure(LOGS);
+    print!("{}", truths.text());
+    println!("\n{}", truths.times());
+    match if accept { truths.store() } else { truths.hold() } {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}\nif the change is meant: cargo truths --accept, and look at the difference");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    match std::env::args().nth(1).as_deref() {
+        None => return whole(false),
+        Some("--accept") => return whole(true),
+        Some(_) => {}
+    }
+    let (mut logs, mut from, mut family) = (LOGS, 0, MEASURED_ON);
+    let (mut failing, mut all) = (false, false);
+    let mut kinds: Vec<Kind> = Vec::new();
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let mut number = || words.next().and_then(|word| word.parse().ok());
+        match word.as_str() {
+            "-n" => logs = number().unwrap_or(LOGS),
+            "--from" => from = number().unwrap_or(0),
+            "--tuned-on" => family = TUNED_ON,
+            "--failing" => failing = true,
+            "--all" => all = true,
+            word => match Kind::ALL.iter().find(|kind| kind.name() == word) {
+                Some(kind) => kinds.push(*kind),
+                None => {
+                    let names = Kind::ALL.map(Kind::name).join(", ");
+                    eprintln!("`{word}` is no option and no kind of log; kinds: {names}");
+                    return ExitCode::from(2);
+                }
+            },
+        }
+    }
+    if kinds.is_empty() {
+        kinds.extend(Kind::ALL);
+    }
+    let mut list: Vec<Outcome> = Vec::new();
+    for kind in kinds {
+        let found = run(kind, family, from..from + logs, |one| {
+            if all || (failing && !one.good(kind)) {
+                eprintln!("{}", one.line(kind));
+            }
+        });
+        print!("{}", text(kind, &found));
+        list.extend(found);
+    }
+    let [median, most, worst] = times(&list);
+    println!(
+        "\ntime of a diagnosis: median {median:.2} s, 90 % {most:.1} s, worst {worst:.1} s of {} logs",
+        list.len()
+    );
+    ExitCode::SUCCESS
+}

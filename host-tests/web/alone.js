@@ -1,0 +1,74 @@
+// The page by itself: every format's sample is dropped on it, and a calibration file beside.
+import { Browser, number } from "./browser.js";
+import { readFileSync } from "node:fs";
+import { basename } from "node:path";
+import { pathToFileURL } from "node:url";
+
+/** Drops a file on the page, as a person does. */
+async function drop(page, path) {
+  const data = await page.evaluateHandle(([name, content]) => {
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([Uint8Array.from(atob(content), (c) => c.charCodeAt(0))], name));
+    return transfer;
+  }, [basename(path), readFileSync(path).toString("base64")]);
+  await page.dispatchEvent("#zone", "drop", { dataTransfer: data });
+}
+
+export async function alone({ file, samples, cal, unreadable, shots }) {
+  const browser = await Browser.open({ shots });
+  const { page } = browser;
+  await browser.go(pathToFileURL(file).href);
+  const said = { samples: [], empty: await browser.objections() };
+  // The samples are many, and the search is tested elsewhere.
+  await page.locator("#reading-options").evaluate((one) => { one.open = true; });
+  await page.locator("#search").uncheck();
+  for (const { path: sample, options } of samples) {
+    for (const name of ["map", "ut_per_count", "instance"]) {
+      await page.locator(`#option-${name}`).fill(options.filter(([own]) => own.replaceAll("-", "_") === name).map(([, value]) => value).join(";"));
+    }
+    await drop(page, sample);
+    await browser.until((name) => document.body.dataset.log === name || !document.getElementById("trouble").hidden, basename(sample));
+    await browser.settled();
+    const trouble = await page.locator("#trouble").textContent();
+    const words = page.locator("#words-body details").filter({ hasText: "The fit, as" });
+    said.samples.push({
+      name: basename(sample), trouble,
+      words: trouble ? null : await words.locator("pre").textContent(),
+      now: await browser.maybe("#error-now"),
+      numbers: await browser.maybe("#numbers-body"),
+    });
+  }
+  if (cal) {
+    await drop(page, cal);
+    await browser.until(() => !document.getElementById("beside").hidden || !document.getElementById("trouble").hidden);
+    said.beside = await browser.text("#beside-body");
+  }
+  await page.locator("#reading-options").evaluate((one) => { one.open = false; });
+  await page.evaluate(() => window.scrollTo(0, 0));
+  await browser.shot("alone");
+  if (unreadable) {
+    await drop(page, unreadable);
+    await browser.until(() => !document.getElementById("trouble").hidden);
+    said.refused = await page.locator("#trouble").textContent();
+  }
+  said.objections = await browser.objections();
+  said.wrong = await browser.close();
+  return said;
+}
+
+/** How long the module takes for a log: reading, and a fit with a search, in ms. */
+export async function timed({ file, sample, runs }) {
+  const browser = await Browser.open({});
+  await browser.go(pathToFileURL(file).href);
+  const times = [];
+  for (let run = 0; run < runs; run += 1) {
+    await browser.page.evaluate(() => { delete document.body.dataset.log; });
+    await drop(browser.page, sample);
+    await browser.until((name) => document.body.dataset.log === name, basename(sample));
+    await browser.settled();
+    times.push(Number(await browser.page.evaluate(() => document.body.dataset.took)));
+  }
+  return { times, wrong: await browser.close() };
+}
+
+export { number };

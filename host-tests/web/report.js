@@ -1,0 +1,86 @@
+// A report: the sphere turned, the missing effect switched on, paper, phone, light and dark.
+import { Browser, number } from "./browser.js";
+import { pathToFileURL } from "node:url";
+
+export async function report({ file, effect, shots }) {
+  const said = {};
+  const browser = await Browser.open({ shots });
+  const { page } = browser;
+  await browser.go(pathToFileURL(file).href);
+  said.title = await page.title();
+  said.sentence = await browser.text("#sentence");
+  said.before = number(await browser.text("#error-before"));
+  said.base = number(await browser.text("#error-now"));
+  said.floor = number(await browser.text("#floor"));
+  // The picture is drawn, and turns by mouse and by key.
+  const view = () => page.locator("#sphere").getAttribute("data-view");
+  await browser.until(() => document.getElementById("sphere").dataset.view);
+  const first = await view();
+  const box = await page.locator("#sphere").boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2 + 120, box.y + box.height / 2 + 30, { steps: 4 });
+  await page.mouse.up();
+  await browser.until((before) => document.getElementById("sphere").dataset.view !== before, first);
+  const second = await view();
+  await page.locator("#sphere").focus();
+  await page.keyboard.press("ArrowRight");
+  await browser.until((before) => document.getElementById("sphere").dataset.view !== before, second);
+  said.turned = true;
+  await browser.shot("report-top");
+  // The missing effect, by the keyboard alone.
+  const drawn = () => page.locator("#plot-column").getAttribute("data-drawn");
+  const before = await drawn();
+  await page.locator(`[data-effect="${effect}"]`).focus();
+  await page.keyboard.press("Space");
+  await browser.until((old) => !document.body.dataset.busy && (document.getElementById("plot-column").dataset.drawn !== old || document.getElementById("busy").textContent), before);
+  said.now = number(await browser.text("#error-now"));
+  said.floorNow = number(await browser.text("#floor"));
+  said.sentenceNow = await browser.text("#sentence");
+  said.steps = await page.locator("[data-step]").allInnerTexts();
+  said.checked = await page.locator(`[data-effect="${effect}"]`).isChecked();
+  said.busy = await page.locator("#busy").textContent();
+  await page.locator("#falling").scrollIntoViewIfNeeded();
+  await browser.shot("report-switched", { fullPage: true });
+  // A calibration for a target, as a download.
+  const [download] = await Promise.all([page.waitForEvent("download"), page.locator("[data-form=c]").click()]);
+  said.download = download.suggestedFilename();
+  said.exported = await browser.text("#exported");
+  said.objections = await browser.objections();
+  // Dark.
+  await page.locator("#theme").click();
+  said.dark = await page.evaluate(() => document.documentElement.dataset.theme);
+  said.objectionsDark = await browser.objections();
+  await page.evaluate(() => window.scrollTo(0, 0));
+  await browser.shot("report-dark");
+  // Off again.
+  await page.locator(`[data-effect="${effect}"]`).click();
+  await browser.until((value) => document.getElementById("error-now").textContent.startsWith(value), said.base.toFixed(3));
+  // A telephone.
+  await page.setViewportSize({ width: 390, height: 844 });
+  await browser.until(() => [...document.querySelectorAll(".uplot")].every((one) => one.clientWidth <= 390));
+  said.wide = await browser.wide();
+  await browser.shot("report-phone");
+  // Paper.
+  const pdf = await page.pdf({ format: "A4" });
+  said.pages = pdf.toString("latin1").match(/\/Type\s*\/Page[^s]/g)?.length ?? 0;
+  said.wrong = await browser.close();
+  return said;
+}
+
+/** A report of a log with hostile names: nothing of it becomes markup, and all of it is text. */
+export async function hostile({ file, names }) {
+  const browser = await Browser.open({});
+  const { page } = browser;
+  await browser.go(pathToFileURL(file).href);
+  const said = { columns: await page.locator("#column option").allInnerTexts() };
+  for (const name of said.columns) {
+    await page.locator("#column").selectOption({ label: name });
+  }
+  await page.locator("details").evaluateAll((all) => all.forEach((one) => { one.open = true; }));
+  said.injected = await page.evaluate(() => [...document.querySelectorAll("img, iframe, b:not([id]), object, embed")].map((one) => one.outerHTML));
+  said.marked = await page.evaluate(() => Boolean(window.injected));
+  said.seen = await page.evaluate((all) => all.filter((name) => document.body.textContent.includes(name)), names);
+  said.wrong = await browser.close();
+  return said;
+}

@@ -1,0 +1,50 @@
+//! `ironout diagnose`: find the missing effect.
+
+use crate::cli::DiagnoseArgs;
+use crate::diagnosis_words::{self, Told};
+use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
+use crate::output;
+use crate::plausible::Known;
+use crate::progress::Working;
+use crate::registry::REGISTRY;
+use crate::{prior, read_block, refusal, source};
+use ironout_analysis::outcome::json;
+use ironout_analysis::outcome::outcome::Verdict;
+use ironout_analysis::{Diagnosis, Options, Table, diagnose};
+
+/// Diagnoses a log; exit status 1 where the data do not support a calibration.
+pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
+    let expected = arguments.field.expected()?;
+    let method = arguments.field.method_with(&arguments.add, arguments.prior.as_ref())?;
+    let known = Known::given(expected.field_ut);
+    let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, as_json)?;
+    let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &used)).transpose()?;
+    let options = Options {
+        method,
+        field_ut: expected.field_ut,
+        dip_deg: expected.earth.map(|earth| earth.dip_deg),
+        add: arguments.add.clone(),
+        force_effect: true,
+        search: true,
+        prior,
+        registry: REGISTRY,
+    };
+    let working = Working::new("studying");
+    let diagnosis =
+        diagnose(&Table::from(&log), &options).map_err(|refusal| refusal::failure(refusal, &log.path))?;
+    drop(working);
+    if as_json {
+        let mut object = json::object(&diagnosis);
+        if let Some(fields) = object.as_object_mut() {
+            fields.insert("read_as".into(), read_block::json(&log.read_as));
+        }
+        output::line(&object.to_string());
+    } else {
+        output::text(&diagnosis_words::text(&Told { log: &log, arguments, diagnosis: &diagnosis }));
+    }
+    Ok(status(&diagnosis))
+}
+
+fn status(diagnosis: &Diagnosis) -> u8 {
+    if diagnosis.verdict == Verdict::Undetermined { EXIT_REFUSED } else { EXIT_OK }
+}

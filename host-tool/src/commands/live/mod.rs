@@ -1,0 +1,9 @@
+//! `ironout live`: the page served beside a board.
+
+#[cfg(feature = "demo")]
+mod bench;
+mod link;
+mod run;
+mod server;
+
+pub use run::run;

@@ -1,0 +1,7 @@
+//! `ironout report`: one page about a log, and its plots as files.
+
+mod chart;
+mod plots;
+mod run;
+
+pub use run::run;

@@ -1,0 +1,16 @@
+//! What a diagnosis says to people: `ironout diagnose` prints it, a page shows it.
+
+mod advice;
+mod conclusion;
+mod curve;
+mod found;
+mod next;
+mod numbers;
+mod place;
+mod told;
+mod words;
+
+pub use conclusion::sentence;
+pub use found::amount;
+pub use told::Told;
+pub use words::text;

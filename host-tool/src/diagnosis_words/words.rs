@@ -1,0 +1,316 @@
+//! What `diagnose` says to people: an explanation from the noise floor to the command that repairs it.
+
+use crate::diagnosis_words::numbers::{hang, microtesla, probability, wrap};
+use crate::diagnosis_words::told::{Told, WIDTH, at_rest, counted, groups, name_of, title};
+use crate::diagnosis_words::{advice, conclusion, found, place};
+use ironout::effect::{Named, Registry};
+use ironout_analysis::base::mounting;
+use ironout_analysis::noise::colour::Colour;
+use ironout_analysis::outcome::outcome::{CandidateRow, Status, Verdict};
+use ironout_analysis::samples::faults::{DataFault, FaultKind};
+
+/// The whole explanation.
+pub fn text(told: &Told) -> String {
+    let mut out = Vec::new();
+    heading(told, &mut out);
+    faults(told, &mut out);
+    base(told, &mut out);
+    place::failures(told, &mut out);
+    found::effects(told, &mut out);
+    found::falling(told, &mut out);
+    found::alignment(told, &mut out);
+    tested(told, &mut out);
+    untestable(told, &mut out);
+    confounded(told, &mut out);
+    conclusion::verdict(told, &mut out);
+    conclusion::what_next(told, &mut out);
+    let mut text = out.join("\n");
+    text.push('\n');
+    text
+}
+
+fn heading(told: &Told, out: &mut Vec<String>) {
+    let Told { log, diagnosis, .. } = told;
+    let seconds = log.time_s.as_ref().and_then(|t| Some(t.last()? - t.first()?));
+    let over = seconds.map_or(" without a time column".to_string(), |s| format!(" over {s:.1} s"));
+    out.push(format!("{}: {}{over}", log.path.display(), counted(log.rows, "row")));
+    let mut parts = vec![format!("{} studied", counted(diagnosis.samples_used, "sample"))];
+    if diagnosis.samples_set_aside > 0 {
+        parts.push(format!("{} set aside as faulty", diagnosis.samples_set_aside));
+    }
+    out.push(parts.join(", "));
+}
+
+fn explain_fault(kind: FaultKind) -> &'static str {
+    match kind {
+        FaultKind::Clipping => {
+            "the sensor reached the end of its range: choose a larger one, or move it from the magnet"
+        }
+        FaultKind::Burst => "a magnet or iron passed close by, or single readings went wrong",
+        FaultKind::Stuck => "one reading was repeated while the board turned: the sensor or its bus hung",
+        FaultKind::Gap => {
+            "rows are missing here, or cells of the column named: such samples are left out, the rest is good"
+        }
+        FaultKind::CopiedAxis => "an axis is a copy of another: the driver reads one register twice",
+    }
+}
+
+fn fault_line(fault: &DataFault) -> String {
+    let when = match (fault.from_s, fault.to_s) {
+        (Some(from), Some(to)) => format!("{from:.1} to {to:.1} s"),
+        _ => String::new(),
+    };
+    let count = match fault.kind {
+        FaultKind::Gap => format!("about {} missing", counted(fault.samples, "sample")),
+        _ => counted(fault.samples, "sample"),
+    };
+    let columns = fault.columns.join(",");
+    format!("  {:<12} {when:<18} {count:<26} {columns}", fault.kind.name()).trim_end().to_string()
+}
+
+fn faults(told: &Told, out: &mut Vec<String>) {
+    let list = &told.diagnosis.data_faults;
+    if list.is_empty() {
+        return;
+    }
+    title(out, "Faults of the data, set aside before anything was tested");
+    const MOST: usize = 12;
+    let mut kinds: Vec<FaultKind> = Vec::new();
+    for fault in list.iter().take(MOST) {
+        out.push(fault_line(fault));
+    }
+    if list.len() > MOST {
+        out.push(format!("  and {} more", list.len() - MOST));
+    }
+    for fault in list {
+        if !kinds.contains(&fault.kind) {
+            kinds.push(fault.kind);
+            out.extend(wrap(&format!("{}: {}.", fault.kind.name(), explain_fault(fault.kind)), "  ", WIDTH));
+        }
+    }
+}
+
+fn base(told: &Told, out: &mut Vec<String>) {
+    let diagnosis = told.diagnosis;
+    if diagnosis.steps.is_empty() {
+        return;
+    }
+    title(out, "The sensor and the base model");
+    let field = diagnosis.calibration.map(|calibration| calibration.field_ut);
+    let share = |ut: f64| match field {
+        Some(field) if field > 0.0 => format!("{:5.2} % of the field: ", 100.0 * ut / field),
+        _ => String::new(),
+    };
+    let mut row = |label: &str, value: Option<f64>, note: String| {
+        let number = value.map_or("-".into(), microtesla);
+        out.push(format!("  {label:<16} {number:>8} µT   {note}").trim_end().to_string());
+    };
+    row("noise floor", diagnosis.noise_floor_ut, "per axis, as the residual shows it (1σ)".into());
+    if !at_rest(diagnosis) {
+        let note = diagnosis.residual_floor_ut.map_or(String::new(), |floor| {
+            format!("{}what that noise leaves in the magnitude", share(floor))
+        });
+        row("floor by noise", diagnosis.residual_floor_ut, note);
+    }
+    let what = if at_rest(diagnosis) {
+        "the measured vector about its mean (the board rests)".to_string()
+    } else {
+        format!(
+            "{}the base model's error",
+            diagnosis.steps.first().map_or(String::new(), |s| share(s.rms_ut))
+        )
+    };
+    if let Some(step) = diagnosis.steps.first() {
+        row("base model", Some(step.rms_ut), what);
+        if let Some(floor) = diagnosis.residual_floor_ut
+            && floor > 0.0
+        {
+            let ratio = step.rms_ut / floor;
+            let text = if diagnosis.verdict == Verdict::Undetermined {
+                "The log does not determine this model, so its error says little.".to_string()
+            } else if ratio > 1.1 {
+                format!(
+                    "The base model's error is {ratio:.1} times what the noise leaves: something is missing in it."
+                )
+            } else if ratio > 1.03 {
+                format!(
+                    "The base model's error is {:.0} % above what the noise leaves.",
+                    100.0 * (ratio - 1.0)
+                )
+            } else {
+                "The base model leaves what the noise leaves.".to_string()
+            };
+            out.push(format!("  {text}"));
+        }
+    }
+    if !at_rest(diagnosis) && !diagnosis.steps.is_empty() {
+        let base = if diagnosis.lower_order {
+            "The attitudes do not carry an offset and a matrix."
+        } else {
+            "The base model is hard iron (an offset), soft iron and gains (a matrix)."
+        };
+        let prior =
+            if diagnosis.prior.is_empty() { String::new() } else { format!(" Prior: {}.", diagnosis.prior) };
+        out.extend(wrap(&format!("{base}{prior}"), "  ", WIDTH));
+    }
+    if let Some(noise) = diagnosis.noise.filter(|noise| noise.is_noise && noise.colour != Colour::White) {
+        let text = format!(
+            "The noise is {}: {:.0} samples say as much as one of white noise, so errors are {:.1} times as large.",
+            noise.colour.words(),
+            noise.memory_samples,
+            noise.memory_samples.sqrt()
+        );
+        out.extend(wrap(&text, "  ", WIDTH));
+    }
+}
+
+fn tested(told: &Told, out: &mut Vec<String>) {
+    let diagnosis = told.diagnosis;
+    let (small, rest): (Vec<&CandidateRow>, Vec<&CandidateRow>) = diagnosis
+        .candidates
+        .iter()
+        .filter(|row| row.status == Status::NotNeeded && !mounting::is_one(&row.id))
+        .partition(|row| row.why.contains("too small"));
+    if (small.is_empty() && rest.is_empty()) || diagnosis.verdict == Verdict::Undetermined {
+        return;
+    }
+    // While structure remains, one of these may still have a share in it.
+    title(
+        out,
+        match diagnosis.verdict {
+            Verdict::Unexplained => "Tested, and not shown by this log",
+            _ => "Tested and not needed",
+        },
+    );
+    let (uncertain, rest): (Vec<&CandidateRow>, Vec<&CandidateRow>) =
+        rest.into_iter().partition(|row| row.why.contains("it would take"));
+    if !rest.is_empty() {
+        let ids: Vec<&str> = rest.iter().map(|row| row.id.as_str()).collect();
+        for (family, members) in families(diagnosis.registry, &ids) {
+            out.extend(hang(&members.join(", "), &format!("  {family:<10}"), "            ", WIDTH));
+        }
+    }
+    if !small.is_empty() {
+        let ids: Vec<String> = small
+            .iter()
+            .map(|row| format!("{} (chance {})", row.id, row.p_value.map_or("-".into(), probability)))
+            .collect();
+        out.extend(wrap(
+            &format!("not by chance, but too small or not certain: {}", ids.join(", ")),
+            "  ",
+            WIDTH,
+        ));
+    }
+    for row in uncertain {
+        out.extend(wrap(&format!("{}: {}", row.id, row.why), "  ", WIDTH));
+    }
+}
+
+/// Ids by what they have in common: `offset:a`, `offset:b` as `offset` over `a, b`; those without a column last.
+fn families<'a>(registry: Registry, ids: &[&'a str]) -> Vec<(&'static str, Vec<&'a str>)> {
+    let named: Vec<Named> = ids.iter().filter_map(|id| registry.parse(id)).collect();
+    let mut list: Vec<(&'static str, Vec<&str>)> = Vec::new();
+    for family in registry.families() {
+        for form in family.forms().iter().filter(|form| form.column) {
+            let label = match (form.is_squared(), form.is_late()) {
+                (false, false) => family.kind(),
+                (true, false) => "  squared",
+                (false, true) => "  late",
+                (true, true) => "  both",
+            };
+            let members = named.iter().filter(|one| one.family.kind() == family.kind() && one.form == *form);
+            list.push((label, members.map(|one| one.column).collect()));
+        }
+    }
+    let apart = |id: &&&str| registry.parse(id).is_none_or(|named| !named.form.column);
+    list.push(("others", ids.iter().filter(apart).copied().collect()));
+    list.retain(|(_, members)| !members.is_empty());
+    list
+}
+
+fn untestable(told: &Told, out: &mut Vec<String>) {
+    let diagnosis = told.diagnosis;
+    let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
+    for row in diagnosis.candidates.iter().filter(|row| row.status == Status::Untestable) {
+        if row.why.contains("cannot be told") {
+            continue;
+        }
+        let name = format!("{} ({})", row.name, row.id);
+        match groups.iter_mut().find(|(why, _)| *why == row.why) {
+            Some((_, names)) => names.push(name),
+            None => groups.push((&row.why, vec![name])),
+        }
+    }
+    if groups.is_empty() {
+        return;
+    }
+    title(out, "Could not be tested with this log");
+    for (why, names) in groups {
+        let how = advice::how_to_log(why).map_or(String::new(), |how| format!(" ({how})"));
+        out.extend(hang(&format!("{}: {why}{how}", names.join(", ")), "  - ", "    ", WIDTH));
+    }
+}
+
+fn confounded(told: &Told, out: &mut Vec<String>) {
+    for group in groups(told.diagnosis) {
+        title(out, "Cannot be told apart with this log");
+        for id in &group {
+            let row = told.diagnosis.candidates.iter().find(|row| row.id == *id);
+            let held = row.and_then(|row| row.holdout_rms_ut).map_or(String::new(), |ut| {
+                format!(": with it alone the error on unseen time is {} µT", microtesla(ut))
+            });
+            let text = format!("{} ({id}){held}", name_of(told.diagnosis, id));
+            out.extend(hang(&text, "  - ", "    ", WIDTH));
+        }
+        let first = &group[0];
+        // One of several columns that move together stands in the model for all of them.
+        if told.diagnosis.steps.iter().any(|step| step.added.as_ref() == Some(first)) {
+            let text = format!(
+                "These columns move together, and {first} is nearest to what they have in common. With it in the model \
+                 none of the others explains significantly more; which of them carries the field, this log does not \
+                 tell. To find out, change one of them while the others stay (run the motors one at a time)."
+            );
+            out.extend(wrap(&text, "  ", WIDTH));
+            continue;
+        }
+        out.extend(wrap(
+            "Each explains the error by itself, and with one of them in the model the other explains nothing more.",
+            "  ",
+            WIDTH,
+        ));
+        out.push("  To separate them:".into());
+        for other in &group[1..] {
+            let text =
+                format!("{first} or {other}: {}", advice::separating(told.diagnosis.registry, first, other));
+            out.extend(hang(&text, "  - ", "    ", WIDTH));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_listed_by_family_and_none_is_lost() {
+        let ids = [
+            "offset:temp_c",
+            "gain:temp_c",
+            "drift",
+            "offset:i_a^2",
+            "offset:i_a@delay",
+            "offset:i_a",
+            "lag",
+        ];
+        let list = families(Registry::BUILT_IN, &ids);
+        let expected = [
+            ("offset", vec!["temp_c", "i_a"]),
+            ("  squared", vec!["i_a"]),
+            ("  late", vec!["i_a"]),
+            ("gain", vec!["temp_c"]),
+            ("others", vec!["drift", "lag"]),
+        ];
+        assert_eq!(list, expected);
+        assert_eq!(list.iter().map(|(_, members)| members.len()).sum::<usize>(), ids.len());
+    }
+}

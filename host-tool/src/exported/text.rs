@@ -1,0 +1,60 @@
+//! The text of each form.
+
+use crate::cal_file::CalFile;
+use crate::cli::{ExportArgs, ExportForm};
+use crate::exported::target::{self, Exported};
+use crate::failure::{Failure, Outcome};
+use crate::input::{Log, Mounting};
+use ironout_analysis::export::error::CannotExport;
+use ironout_analysis::export::reading::Reading;
+use ironout_analysis::export::{c, rust};
+
+/// Whether the options say something to the form.
+///
+/// # Errors
+/// The one that does not.
+pub fn asked(arguments: &ExportArgs) -> Outcome<()> {
+    match arguments.unused() {
+        Some(option) => Err(Failure::usage(format!(
+            "{option} says nothing to --as {}: leave it out",
+            arguments.form.name()
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// The exported text; with a log (that of the calibration) what the target holds is fitted anew on it.
+///
+/// # Errors
+/// The target cannot hold the calibration, or a number that it needs is not given.
+pub fn text(cal: &CalFile, arguments: &ExportArgs, log: Option<&Log>) -> Outcome<Exported> {
+    let refuse = |error: CannotExport| {
+        let failure = Failure::usage(error.to_string());
+        if error == CannotExport::Singular { failure.at_column("matrix") } else { failure }
+    };
+    let plain = |text: String| Exported { text, held: None, cost: None };
+    let reading = reading(cal)?;
+    match arguments.form {
+        ExportForm::Json => serde_json::to_string_pretty(cal)
+            .map(|text| plain(text + "\n"))
+            .map_err(|error| Failure::usage(error.to_string())),
+        ExportForm::Rust => Ok(plain(rust::text(&cal.extended()?, &reading, &summary(cal)))),
+        ExportForm::C => c::text(&cal.extended()?, &reading, &summary(cal)).map(plain).map_err(refuse),
+        _ => target::export(cal, arguments, log, &reading, &summary(cal)),
+    }
+}
+
+/// How the log of the calibration was read, as numbers.
+fn reading(cal: &CalFile) -> Outcome<Reading> {
+    let Some(reading) = &cal.reading else { return Ok(Reading::default()) };
+    let plain = Reading::default();
+    Ok(Reading {
+        ut_per_count: reading.ut_per_count,
+        rotation: Mounting::parse(&reading.rotate)?.magnetometer.unwrap_or(plain.rotation),
+    })
+}
+
+fn summary(cal: &CalFile) -> String {
+    let rms = cal.fit.rms_ut.map_or(String::new(), |rms| format!(", residual rms {rms:.3} µT"));
+    format!("{} samples, method {}{rms}", cal.fit.samples_used, cal.fit.method)
+}

@@ -1,0 +1,251 @@
+//! What `fit` says to people.
+
+use crate::cli::{Expected, FitArgs};
+use crate::input::Log;
+use crate::output::number;
+use crate::wrap::{hang, wrap};
+use ironout::fit::Order;
+use ironout_analysis::Fitted;
+use ironout_analysis::base::axes::Alignment;
+use ironout_analysis::base::counted::Why;
+use ironout_analysis::base::solution::Solution;
+use ironout_analysis::calibration::FittedEffect;
+
+/// Lines are at most this wide.
+const WIDTH: usize = 110;
+
+/// The whole solution.
+pub fn text(arguments: &FitArgs, log: &Log, fitted: &Fitted, expected: &Expected) -> String {
+    let mut lines = Lines(String::new());
+    samples(log, fitted, &mut lines);
+    lines.line("");
+    if let Some(solution) = &fitted.solution {
+        table(solution, expected, &mut lines);
+        lines.line("");
+        errors(fitted, solution, expected, &mut lines);
+        lines.line("");
+    }
+    verdict(arguments, fitted, &mut lines);
+    lines.0
+}
+
+/// Lines, each with its end.
+struct Lines(String);
+
+impl Lines {
+    fn line(&mut self, text: &str) {
+        self.0.push_str(text);
+        self.0.push('\n');
+    }
+}
+
+fn samples(log: &Log, fitted: &Fitted, out: &mut Lines) {
+    let seconds = log.time_s.as_ref().and_then(|t| Some(t.last()? - t.first()?));
+    let over = seconds.map_or(" (no time column)".to_string(), |s| format!(" over {s:.1} s"));
+    out.line(&format!("{}: {} rows{over}", log.path.display(), fitted.rows));
+    let mut parts = vec![format!("{} samples used", fitted.used)];
+    let mut part = |count: usize, what: &str| {
+        if count > 0 {
+            parts.push(format!("{count} {what}"));
+        }
+    };
+    part(fitted.repeated, "repeated rows");
+    part(fitted.at_rest, "at rest");
+    for aside in &fitted.aside {
+        let what = match aside.why {
+            Why::Clipping { axis } => format!("clipped on {}", ["x", "y", "z"][axis]),
+            Why::Burst => "set aside as bursts".to_string(),
+            Why::Stuck => "stuck".to_string(),
+        };
+        part(aside.samples, &what);
+    }
+    out.line(&parts.join(", "));
+}
+
+fn table(solution: &Solution, expected: &Expected, out: &mut Lines) {
+    let calibration = &solution.calibration;
+    let errors = &solution.std_errors;
+    out.line("                     x          y          z");
+    let triple = |v: [f64; 3], decimals: usize| v.map(|v| format!("{v:>11.decimals$}")).concat();
+    out.line(&format!("offset       {} µT", triple(calibration.offset_ut, 3)));
+    out.line(&format!("         ±   {}", triple(errors.offset_ut, 3)));
+    for (row, (values, sigma)) in calibration.matrix.iter().zip(&errors.matrix).enumerate() {
+        let label = if row == 0 { "matrix" } else { "" };
+        out.line(&format!("{label:<13}{}     ±{}", triple(*values, 5), triple(*sigma, 5)));
+    }
+    let source = match expected {
+        Expected { earth: Some(earth), .. } => format!(
+            "world magnetic model; dip {:.1}°, declination {:+.1}°",
+            earth.dip_deg, earth.declination_deg
+        ),
+        Expected { field_ut: Some(_), .. } => "as given by --field".to_string(),
+        _ => "the log's own mean: give --field or --at to scale to the true one".to_string(),
+    };
+    out.line(&format!("field        {:11.3} µT  ({source})", calibration.field_ut));
+    if solution.model != Order::Ellipsoid {
+        out.line(match solution.model {
+            Order::Sphere => "model        one gain for all axes: the attitudes do not carry nine parameters",
+            _ => {
+                "model        a gain an axis, axes at right angles: the attitudes do not carry nine parameters"
+            }
+        });
+    }
+    if let Some(prior) = &solution.prior {
+        out.line(&format!("prior        {prior}"));
+    }
+    alignment(&solution.alignment, out);
+    effects(&solution.effects, out);
+    out.line(if solution.effects.is_empty() {
+        "corrected = matrix · (measured − offset)"
+    } else {
+        "corrected = matrix · (measured − offset − effects)"
+    });
+}
+
+fn alignment(alignment: &Alignment, out: &mut Lines) {
+    match alignment {
+        Alignment::None => {}
+        Alignment::Done { angle_deg, before_deg, after_deg, standing } => {
+            out.line(&format!(
+                "alignment    the matrix is a full 3×3 in the accelerometer's axes: turned by {angle_deg:.2}°; spread of the dip \
+                 {before_deg:.2}° → {after_deg:.2}°"
+            ));
+            for (row, words) in
+                standing.words().iter().flat_map(|words| wrap(words, "", WIDTH - 13)).enumerate()
+            {
+                out.line(&format!("{:<13}{words}", if row == 0 { "axes" } else { "" }));
+            }
+        }
+        Alignment::Mirrored(_) => out.line("alignment    none: the log's magnetometer axes are mirrored"),
+        Alignment::Open(_) => {
+            out.line("alignment    none: the log does not tell whether its magnetometer is turned or mirrored")
+        }
+        Alignment::NoDip { after_deg } => out.line(&format!(
+            "alignment    none: the dip against the accelerometer spreads by {after_deg:.0}° at best, so it shows no gravity \
+             or stands in other axes"
+        )),
+    }
+}
+
+fn effects(effects: &[FittedEffect], out: &mut Lines) {
+    for effect in effects {
+        out.line("");
+        out.line(&format!("effect       {} ({})", effect.name, effect.id));
+        out.line(&format!("             {}", effect.explanation));
+        let rows = effect.coefficients.chunks(3).zip(effect.std_errors.chunks(3));
+        for (row, (values, errors)) in rows.enumerate() {
+            let joined =
+                |values: &[f64]| values.iter().map(|v| format!(" {:>10}", short(*v))).collect::<String>();
+            let label = if row == 0 { "coefficients" } else { "" };
+            out.line(&format!("{label:<13}{}  ±{}  {}", joined(values), joined(errors), effect.unit));
+        }
+        let mut fixed: Vec<String> = effect
+            .reference
+            .iter()
+            .map(|(column, value)| format!("none at {column} = {}", short(*value)))
+            .collect();
+        fixed.extend(effect.parameters.iter().map(|(name, value)| format!("{name} = {value:.4}")));
+        if !fixed.is_empty() {
+            out.line(&format!("             {}", fixed.join(", ")));
+        }
+    }
+    if !effects.is_empty() {
+        out.line("");
+    }
+}
+
+/// Four significant digits.
+fn short(value: f64) -> String {
+    if value.is_nan() {
+        return "-".into();
+    }
+    let digits = if value == 0.0 { 0 } else { value.abs().log10().floor() as i32 };
+    if (-4..6).contains(&digits) {
+        format!("{value:.*}", (3 - digits).max(0) as usize)
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
+fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut Lines) {
+    let field = solution.calibration.field_ut;
+    let both = |value: Option<f64>| match value {
+        Some(value) => format!("{value:9.3} µT  {:6.2} %", value / field * 100.0),
+        None => "        -".to_string(),
+    };
+    if let Some((mean, rms)) = fitted.before {
+        out.line(&format!(
+            "error before        {rms:9.3} µT  {:6.2} %   of the measured magnitude about its mean",
+            rms / mean * 100.0
+        ));
+    }
+    if let Some(base) = &solution.without_effects {
+        out.line(&format!(
+            "without effects     {}   of the corrected magnitude; on unseen time {} µT",
+            both(Some(base.rms_ut)),
+            number(base.holdout_rms_ut, 3)
+        ));
+    }
+    out.line(&format!("error after         {}   of the corrected magnitude", both(Some(solution.rms_ut))));
+    out.line(&format!(
+        "  on unseen time    {}   each tenth of the log under the fit of the others",
+        both(fitted.holdout_rms_ut)
+    ));
+    out.line(&format!(
+        "  floor by noise    {}   what the sensor's noise alone would leave",
+        both(fitted.residual_floor_ut)
+    ));
+    out.line(&format!("sensor noise        {:>9} µT            per axis", number(fitted.noise_floor_ut, 3)));
+    out.line(&format!(
+        "predicted error     {}   1σ of a corrected vector, worst direction",
+        both(Some(solution.predicted_error_ut))
+    ));
+    match fitted.heading_error_deg {
+        Some(degrees) => out.line(&format!(
+            "heading error       {degrees:9.2} °             1σ of a level reading at a dip of {}°, {}",
+            number(fitted.dip_deg, 0),
+            if expected.earth.is_some() {
+                "of the world magnetic model"
+            } else {
+                "against the accelerometer"
+            }
+        )),
+        None if matches!(solution.alignment, Alignment::Mirrored(_) | Alignment::Open(_)) => {
+            out.line("heading error               -               not before the axes are in order")
+        }
+        None => {
+            out.line("heading error               -               needs the dip: an accelerometer, or --at")
+        }
+    }
+    if let Some(coverage) = fitted.coverage {
+        out.line(&format!(
+            "coverage            {:9.0} %             of all directions; largest gap {}°",
+            coverage * 100.0,
+            number(fitted.gap_deg, 0)
+        ));
+    }
+}
+
+/// An error this many times the floor by noise is worth an explanation.
+const UNEXPLAINED: f64 = 1.2;
+
+fn verdict(arguments: &FitArgs, fitted: &Fitted, out: &mut Lines) {
+    out.line(if fitted.accepted { "ACCEPTED" } else { "REFUSED" });
+    for reason in &fitted.reasons {
+        hang(reason, "  ", "    ", WIDTH).iter().for_each(|words| out.line(words));
+    }
+    if fitted.accepted && arguments.output.is_none() {
+        out.line("  keep it with -o cal.json");
+    }
+    let beyond = match (&fitted.solution, fitted.residual_floor_ut) {
+        (Some(solution), Some(floor)) if floor > 0.0 => solution.rms_ut / floor,
+        _ => 1.0,
+    };
+    if beyond > UNEXPLAINED {
+        out.line(&format!(
+            "  the error is {beyond:.1} times what noise leaves: something is missing in the model; \
+             ironout diagnose {} looks for it",
+            arguments.log.typed()
+        ));
+    }
+}

@@ -1,0 +1,184 @@
+//! The arguments of the commands that read a log: how it is read, and what is known of the field.
+
+use crate::failure::{Failure, Outcome};
+use crate::geomag::EarthField;
+use crate::input::{self, Mounting, ReadOptions};
+use crate::shell::{quoted, typed_option};
+use clap::{Args, ValueEnum};
+use ironout::fit::Method;
+use std::path::{Path, PathBuf};
+
+/// Options about reading a log.
+#[derive(Debug, Args, Clone)]
+pub struct LogArgs {
+    /// The log: any format that is read (docs/formats.md), told by its content; - is standard input
+    pub log: PathBuf,
+    /// Further logs of the same sensor in the same mounting
+    #[arg(value_name = "LOG")]
+    pub more: Vec<PathBuf>,
+    /// Scale of mx_counts,… in microtesla a count: one number, or three for x,y,z
+    #[arg(long, value_name = "UT[,UT,UT]", help_heading = "Reading the log", allow_hyphen_values = true)]
+    pub ut_per_count: Option<String>,
+    /// Which column is what, with its unit (repeatable)
+    #[arg(
+        help = "Which column is what: mx_ut=MagX,my_ut=MagY,mz_ut=MagZ, with its unit as in t_s=time[ms] or mx_ut=MagX[mG] (repeatable)"
+    )]
+    #[arg(long, value_name = "NAME=HEADER[UNIT],…", help_heading = "Reading the log")]
+    pub map: Vec<String>,
+    /// From the sensor's mounting to body axes: roll180 | roll180,yaw90 | y,-x,z (body x,y,z from sensor axes) | nine
+    /// numbers; mag:, accel: or gyro: before it turns one sensor only (repeatable)
+    #[arg(long, value_name = "ROTATION", help_heading = "Reading the log", allow_hyphen_values = true)]
+    pub rotate: Vec<String>,
+    /// Which magnetometer of the log, where it has several
+    #[arg(long, value_name = "N", help_heading = "Reading the log")]
+    pub instance: Option<usize>,
+    /// A further column, computed from others row by row: 'drive=throttle^1.5*vbat' (repeatable); operators + - * / ^,
+    /// functions sin, sqrt, exp, min(a,b), diff(x), lowpass(x,seconds) …
+    #[arg(
+        long,
+        value_name = "NAME=EXPRESSION",
+        help_heading = "Reading the log",
+        allow_hyphen_values = true
+    )]
+    pub derive: Vec<String>,
+}
+
+impl LogArgs {
+    /// Every log that is named.
+    pub fn logs(&self) -> impl Iterator<Item = &PathBuf> {
+        std::iter::once(&self.log).chain(&self.more)
+    }
+
+    /// The same options for one log alone.
+    pub fn alone(&self, log: &Path) -> LogArgs {
+        LogArgs { log: log.to_path_buf(), more: Vec::new(), ..self.clone() }
+    }
+
+    /// The reader's options; errors name the option.
+    pub fn options(&self) -> Outcome<ReadOptions> {
+        Ok(ReadOptions {
+            map: input::parse_map(&self.map)?,
+            mounting: Mounting::parse(&self.rotate)?,
+            ut_per_count: self.ut_per_count.as_deref().map(scale).transpose()?,
+            default_ut_per_count: None,
+            instance: self.instance,
+            progress: true,
+        })
+    }
+
+    /// The log and the options it was read with, as they are typed: for the next command that is suggested.
+    pub fn typed(&self) -> String {
+        let logs: Vec<String> = self.logs().map(|log| typed_path(&log.display().to_string())).collect();
+        logs.join(" ") + &self.typed_options()
+    }
+
+    /// The same options with another log; the log's own name where it is one of these.
+    pub fn typed_for(&self, log: &str) -> String {
+        typed_path(log) + &self.typed_options()
+    }
+
+    fn typed_options(&self) -> String {
+        let instance = self.instance.map(|number| number.to_string());
+        let options = self.ut_per_count.iter().map(|value| ("--ut-per-count", value));
+        let options = options.chain(self.map.iter().map(|value| ("--map", value)));
+        let options = options.chain(self.rotate.iter().map(|value| ("--rotate", value)));
+        let options = options.chain(instance.iter().map(|value| ("--instance", value)));
+        let options = options.chain(self.derive.iter().map(|value| ("--derive", value)));
+        options.map(|(option, value)| typed_option(option, value)).collect()
+    }
+}
+
+/// A file as it is typed: one that begins with a minus would be taken for an option.
+fn typed_path(path: &str) -> String {
+    if path.starts_with('-') && path != "-" { quoted(&format!("./{path}")) } else { quoted(path) }
+}
+
+/// Microtesla a count for x, y, z, of one number or of three.
+///
+/// # Errors
+/// What is no positive number, with the form.
+pub fn scale(text: &str) -> Outcome<[f64; 3]> {
+    let values: Option<Vec<f64>> = text
+        .split(',')
+        .map(|part| part.trim().parse::<f64>().ok().filter(|value| value.is_finite() && *value > 0.0))
+        .collect();
+    match values.as_deref() {
+        Some([one]) => Ok([*one; 3]),
+        Some([x, y, z]) => Ok([*x, *y, *z]),
+        _ => Err(Failure::usage(format!(
+            "--ut-per-count {text}: expected one positive number, or three for x,y,z, in microtesla a count, as in \
+             --ut-per-count 0.0333 (an axis of the wrong sign is for --rotate)"
+        ))),
+    }
+}
+
+/// The fit's way through the normal equations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MethodArg {
+    /// Adjusted least squares: no noise bias, estimates the noise too
+    Adjusted,
+    /// Trace normalisation: plain least squares, never singular
+    Trace,
+    /// Constant normalisation: the nine columns of the paper
+    Constant,
+}
+
+/// Options about the field and the method.
+#[derive(Debug, Args, Clone)]
+pub struct FieldArgs {
+    /// The magnitude to scale corrected vectors to, microtesla (without it, the log's own mean is kept)
+    #[arg(long, value_name = "UT", conflicts_with = "at", allow_hyphen_values = true)]
+    pub field: Option<f64>,
+    /// The same from the world magnetic model: degrees north, degrees east, YYYY-MM-DD
+    #[arg(long, value_name = "LAT,LON,DATE", allow_hyphen_values = true)]
+    pub at: Option<String>,
+    /// How to fit offset and matrix (with effects, or on top of --prior, everything is fitted at once)
+    #[arg(long, value_enum, default_value_t = MethodArg::Adjusted)]
+    pub method: MethodArg,
+}
+
+/// What is known of the field before the fit.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Expected {
+    /// `--field`, or F of `--at`.
+    pub field_ut: Option<f64>,
+    /// The model's answer to `--at`.
+    pub earth: Option<EarthField>,
+}
+
+impl FieldArgs {
+    /// The method of the base model.
+    ///
+    /// # Errors
+    /// Where effects or an earlier calibration are to be fitted together with it, which these methods do not.
+    pub fn method_with(&self, add: &[String], prior: Option<&PathBuf>) -> Outcome<Method> {
+        let method = match self.method {
+            MethodArg::Adjusted => Method::Adjusted,
+            MethodArg::Trace => Method::Trace,
+            MethodArg::Constant => Method::Constant,
+        };
+        if method != Method::Adjusted && !(add.is_empty() && prior.is_none()) {
+            return Err(Failure::usage(format!(
+                "--method {}: with --add and --prior everything is fitted at once, which these methods do not: leave it out",
+                method.name()
+            )));
+        }
+        Ok(method)
+    }
+
+    /// The expected field; errors name the option.
+    pub fn expected(&self) -> Outcome<Expected> {
+        if let Some(text) = &self.at {
+            let earth = EarthField::parse(text)?;
+            return Ok(Expected { field_ut: Some(earth.field_ut), earth: Some(earth) });
+        }
+        if let Some(field) = self.field
+            && !(field.is_finite() && (1.0..=10_000.0).contains(&field))
+        {
+            return Err(Failure::usage(format!(
+                "--field {field}: expected a magnitude in microtesla (the Earth's is 22 to 67), from 1 to 10000"
+            )));
+        }
+        Ok(Expected { field_ut: self.field, earth: None })
+    }
+}

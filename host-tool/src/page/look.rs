@@ -1,0 +1,194 @@
+//! A log under a model, as JSON.
+
+use crate::cal_file::{CalFile, FitObject};
+use crate::cli::{DiagnoseArgs, FitArgs};
+use crate::diagnosis_words::{self, Told, amount};
+use crate::failure::{Failure, Outcome};
+use crate::fit_words;
+use crate::output::json_number;
+use crate::page::asked::LookAsked;
+use crate::page::held::Held;
+use crate::reading::Reading;
+use crate::refusal;
+use crate::registry::REGISTRY;
+use ironout::fit::Method;
+use ironout_analysis::base::axes::Alignment;
+use ironout_analysis::calibration::FittedEffect;
+use ironout_analysis::outcome::json;
+use ironout_analysis::{Diagnosis, Fitted, Options, Table};
+use serde_json::{Value, json};
+
+/// An error within so many times what noise leaves needs no explanation.
+const EXPLAINED: f64 = 1.2;
+
+/// Fits a log with what is asked, searches if asked, and gives all that a page shows of it.
+///
+/// # Errors
+/// An effect that this log does not allow.
+pub fn look(held: &Held, asked: &LookAsked) -> Outcome<Value> {
+    let log = &held.log;
+    let expected = asked.expected()?;
+    let options = Options {
+        method: Method::Adjusted,
+        field_ut: expected.field_ut,
+        dip_deg: expected.earth.map(|earth| earth.dip_deg),
+        add: asked.add.clone(),
+        force_effect: true,
+        search: asked.search,
+        prior: None,
+        registry: REGISTRY,
+    };
+    let look = ironout_analysis::look(&Table::from(log), &options)
+        .map_err(|refusal| refusal::failure(refusal, &log.path))?;
+    let arguments = FitArgs {
+        log: held.asked.arguments(),
+        field: asked.field(),
+        output: Some("cal.json".into()),
+        add: asked.add.clone(),
+        force_effect: !asked.add.is_empty(),
+        prior: None,
+    };
+    let words = fit_words::text(&arguments, log, &look.fitted, &expected);
+    let cal = match look.fitted.accepted {
+        true => Some(cal_text(held, &look.fitted)?),
+        false => None,
+    };
+    let diagnosis = look.diagnosis.as_ref().map(|diagnosis| diagnosed(held, asked, diagnosis));
+    let effects = look.fitted.solution.iter().flat_map(|solution| &solution.effects);
+    Ok(json!({
+        "asked": asked,
+        "fit": FitObject::of(&look.fitted, options.method.name()),
+        "figures": figures(&look.fitted),
+        "sentence": sentence(&look.fitted),
+        "words": words,
+        "cal": cal,
+        "effects": effects.map(|effect| explained(held, effect)).collect::<Vec<_>>(),
+        "alignment": alignment(&look.fitted),
+        "diagnosis": diagnosis,
+        "faults": look.faults.iter().map(|fault| json!({
+            "kind": fault.kind.name(), "from_s": json_number(fault.from_s), "to_s": json_number(fault.to_s),
+            "samples": fault.samples, "columns": fault.columns,
+        })).collect::<Vec<_>>(),
+        "picture": look.picture,
+    }))
+}
+
+/// A log under a calibration that there is already: what is drawn, and its error.
+///
+/// # Errors
+/// A file that is no calibration, or a column that it needs and the log has not.
+pub fn under(held: &Held, cal_text: &str, name: &str) -> Outcome<Value> {
+    let cal = CalFile::parse(cal_text).map_err(|failure| failure.in_file(name.as_ref()))?;
+    if let Some(reading) = &cal.reading {
+        reading.must_fit(name.as_ref(), &held.log, &held.asked.arguments())?;
+    }
+    let extended = cal.extended().map_err(|failure| failure.in_file(name.as_ref()))?;
+    let field_ut = extended.base.field_ut;
+    let table = Table::from(&held.log);
+    let (picture, rms_ut) = ironout_analysis::look_with(&table, extended)
+        .map_err(|error| Failure::usage(error.why).in_file(&held.log.path).at_column(error.column))?;
+    Ok(json!({
+        "name": name, "fit": cal.fit, "picture": picture, "rms_ut": json_number(Some(rms_ut)),
+        "percent": json_number(Some(100.0 * rms_ut / field_ut)),
+    }))
+}
+
+/// CAL.json of an accepted fit, as `fit -o` writes it.
+fn cal_text(held: &Held, fitted: &Fitted) -> Outcome<String> {
+    let mut cal = CalFile::of(fitted, Method::Adjusted.name());
+    let columns: Vec<String> = cal.fit.effects.iter().flat_map(|effect| effect.columns.clone()).collect();
+    cal.reading = Some(Reading::of(&held.log, &held.asked.arguments(), &columns)?);
+    let text = serde_json::to_string_pretty(&cal).map_err(|error| Failure::usage(error.to_string()))?;
+    Ok(text + "\n")
+}
+
+fn figures(fitted: &Fitted) -> Value {
+    let solution = fitted.solution.as_ref();
+    let field_ut = solution.map(|solution| solution.calibration.field_ut);
+    let percent = |value: Option<f64>| json_number(value.zip(field_ut).map(|(v, field)| 100.0 * v / field));
+    // As the fit predicts its own: an error across the level part of the field.
+    let heading = |error_ut: f64| {
+        let level_ut = field_ut? * fitted.dip_deg?.to_radians().cos();
+        Some(error_ut.atan2(level_ut.abs()).to_degrees())
+    };
+    let before = fitted.before;
+    json!({
+        "before_ut": json_number(before.map(|(_, rms)| rms)),
+        "before_percent": json_number(before.map(|(mean, rms)| 100.0 * rms / mean)),
+        "before_heading_deg": json_number(before.and_then(|(_, rms)| heading(rms))),
+        "after_ut": json_number(solution.map(|solution| solution.rms_ut)),
+        "after_percent": percent(solution.map(|solution| solution.rms_ut)),
+        "after_heading_deg": json_number(fitted.heading_error_deg),
+        "without_effects_ut": json_number(solution.and_then(|s| s.without_effects.as_ref()).map(|base| base.rms_ut)),
+        "predicted_ut": json_number(solution.map(|solution| solution.predicted_error_ut)),
+        "floor_percent": percent(fitted.residual_floor_ut),
+        "dip_deg": json_number(fitted.dip_deg),
+        "rows": fitted.rows, "repeated": fitted.repeated, "at_rest": fitted.at_rest,
+    })
+}
+
+/// The verdict of a fit in one sentence.
+fn sentence(fitted: &Fitted) -> String {
+    let Some(solution) = &fitted.solution else {
+        let why = fitted.reasons.first().map_or("the log carries no calibration", String::as_str);
+        return format!("REFUSED: {why}");
+    };
+    let field = solution.calibration.field_ut;
+    let both = |ut: f64| format!("{ut:.3} µT ({:.2} %)", 100.0 * ut / field);
+    let after = both(solution.rms_ut);
+    let falls = match fitted.before {
+        Some((mean, rms)) => {
+            format!("the error falls from {rms:.3} µT ({:.2} %) to {after}", 100.0 * rms / mean)
+        }
+        None => format!("the error is {after}"),
+    };
+    let rest = match fitted.residual_floor_ut.filter(|floor| *floor > 0.0) {
+        Some(floor) if solution.rms_ut <= EXPLAINED * floor => ", which is what the noise leaves".to_string(),
+        Some(floor) => format!(", {:.1} times what the noise leaves", solution.rms_ut / floor),
+        None => String::new(),
+    };
+    match fitted.reasons.iter().find(|reason| !reason.starts_with("note:")).filter(|_| !fitted.accepted) {
+        Some(why) => format!("REFUSED: {why}"),
+        None => format!("ACCEPTED: {falls}{rest}."),
+    }
+}
+
+fn alignment(fitted: &Fitted) -> Value {
+    match fitted.solution.as_ref().map(|solution| &solution.alignment) {
+        Some(Alignment::Done { angle_deg, before_deg, after_deg, .. }) => {
+            json!({"angle_deg": angle_deg, "dip_before_deg": before_deg, "dip_after_deg": after_deg})
+        }
+        _ => Value::Null,
+    }
+}
+
+/// An effect with its cause and its size.
+fn explained(held: &Held, effect: &FittedEffect) -> Value {
+    json!({
+        "id": effect.id, "name": effect.name, "explanation": effect.explanation, "columns": effect.columns,
+        "coefficients": effect.coefficients.iter().map(|v| json_number(Some(*v))).collect::<Vec<_>>(),
+        "std_errors": effect.std_errors.iter().map(|v| json_number(Some(*v))).collect::<Vec<_>>(),
+        "unit": effect.unit,
+        "reference": effect.reference.iter().map(|(n, v)| json!([n, json_number(Some(*v))])).collect::<Vec<_>>(),
+        "parameters": effect.parameters.iter().map(|(n, v)| json!([n, json_number(Some(*v))])).collect::<Vec<_>>(),
+        "amount": amount(&held.log, REGISTRY, effect),
+    })
+}
+
+fn diagnosed(held: &Held, asked: &LookAsked, diagnosis: &Diagnosis) -> Value {
+    let arguments = DiagnoseArgs {
+        log: held.asked.arguments(),
+        field: asked.field(),
+        add: asked.add.clone(),
+        prior: None,
+    };
+    let told = Told { log: &held.log, arguments: &arguments, diagnosis };
+    let mut object = json::object(diagnosis);
+    if let Some(map) = object.as_object_mut() {
+        map.insert("sentence".into(), diagnosis_words::sentence(diagnosis).into());
+        map.insert("words".into(), diagnosis_words::text(&told).into());
+        let effects = diagnosis.effects.iter().map(|effect| explained(held, effect));
+        map.insert("explained".into(), effects.collect());
+    }
+    object
+}

@@ -1,0 +1,18 @@
+//! Why something is asked of the store.
+
+/// What a job at the store is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Errand {
+    /// To find the calibration, at the start, or again because a slot did not answer then.
+    Boot,
+    /// For `version`.
+    Version,
+    /// For `cal accept`.
+    Accept,
+    /// For the button.
+    AcceptByButton,
+    /// For `cal clear`.
+    Clear,
+    /// For `effect add` and `effect remove`.
+    Effect,
+}

@@ -1,0 +1,398 @@
+// A board while it is turned: where to turn next, how good it is, what is missing. All of it is the board's own answers.
+import { Board, values } from "./board.js";
+import { by, fill, h, save, table } from "./dom.js";
+import { fixed } from "./numbers.js";
+import { Plot } from "./plots.js";
+import { Recording } from "./recording.js";
+import { Sphere } from "./sphere.js";
+
+const STATUS_MS = 700;
+const DRAW_MS = 33;
+const SPHERE_MS = 500;
+const SILENT_MS = 3000;
+const STRIP = 600;
+const POINTS = 2000;
+const TRANSCRIPT = 400;
+const SLICES = 6;
+const SECTORS = 8;
+const SIDES = [["back", "", "front"], ["left", "", "right"], ["top", "", "bottom"]];
+
+const vector = (line, from) => line.split(",").slice(from, from + 3).map(Number);
+
+/** The name of the side a direction points through. */
+function side(direction) {
+  const words = direction.map((value, axis) => SIDES[axis][value > 0.4 ? 2 : value < -0.4 ? 0 : 1]).filter(Boolean);
+  return words.join("-") || "any";
+}
+
+function tiles(vectors, middle) {
+  const samples = new Array(SLICES * SECTORS).fill(0);
+  for (const own of vectors) {
+    const v = own.map((value, axis) => value - middle[axis]);
+    const length = Math.hypot(...v);
+    if (!(length > 0)) continue;
+    const slice = Math.min(SLICES - 1, Math.floor(((v[2] / length + 1) / 2) * SLICES));
+    const turn = (Math.atan2(v[1], v[0]) / (2 * Math.PI) + 1) % 1;
+    samples[slice * SECTORS + Math.min(SECTORS - 1, Math.floor(turn * SECTORS))] += 1;
+  }
+  const sides = samples.map((_, tile) => {
+    const z = ((Math.floor(tile / SECTORS) + 0.5) * 2) / SLICES - 1;
+    const angle = (((tile % SECTORS) + 0.5) / SECTORS) * 2 * Math.PI;
+    const level = Math.sqrt(1 - z * z);
+    return side([level * Math.cos(angle), level * Math.sin(angle), z]);
+  });
+  return { slices: SLICES, sectors: SECTORS, samples, sides };
+}
+
+const meter = (id, label, low, high, max, best) => {
+  const bar = h("meter", { id: `meter-${id}`, min: 0, max, low, high, optimum: best, value: 0, "aria-label": label });
+  const text = h("span", { id: `value-${id}` }, "–");
+  return { bar, text, parts: [h("span", {}, label), bar, text] };
+};
+
+export class Live {
+  /** `analyse` is asked to look at a log {name, text}. */
+  constructor(analyse) {
+    this.analyse = analyse;
+    this.points = [];
+    this.strip = { at: [], value: [] };
+    this.counts = { lines: 0, drawn: 0 };
+    by("live").hidden = false;
+    const button = (id, text, act) => h("button", { type: "button", id, disabled: true, onclick: () => this.act(act) }, text);
+    this.state = h("p", { class: "state", id: "link", role: "status", "aria-live": "polite" }, "not connected");
+    this.hint = h("p", { class: "hint", id: "hint", role: "status", "aria-live": "polite" });
+    this.answer = h("p", { class: "note", id: "answer", role: "status", "aria-live": "polite" });
+    this.meters = {
+      coverage: meter("coverage", "directions seen", 0.3, 0.6, 1, 1),
+      gap: meter("gap", "largest gap", 40, 90, 180, 0),
+      error: meter("error", "error, % (limit 1)", 1, 2, 4, 0),
+    };
+    this.reading = h("p", { class: "state", id: "reading" }, "–");
+    this.judged = h("div", { id: "judged" });
+    this.why = h("div", { id: "why" });
+    this.buttons = {
+      start: button("cal-start", "start", () => this.start()),
+      stop: button("cal-stop", "stop and judge", () => this.stop()),
+      accept: button("cal-accept", "accept", () => this.accept("")),
+      force: button("cal-force", "accept all the same", () => this.accept(" force")),
+      why: button("ask-why", "why is it off?", () => this.ask()),
+      save: button("save-log", "save the recording", () => this.save()),
+      look: button("look-log", "look at the recording", () => this.lookAt()),
+    };
+    this.buttons.force.hidden = true;
+    this.transcript = h("pre", { class: "console", id: "console", tabindex: "0" });
+    this.plot = new Plot("plot-live", "Error of the corrected magnitude, the last seconds (µT)");
+    const ball = h("div", { id: "live-ball" });
+    fill(by("live-body"), this.state, this.hint,
+      h("div", { class: "buttons" }, Object.values(this.buttons)), this.answer,
+      h("div", { class: "meter" }, Object.values(this.meters).flatMap((one) => one.parts)), this.reading, this.judged, this.why, ball, this.plot.whole,
+      h("details", {}, h("summary", {}, "The board's console"), this.transcript));
+    this.sphere = new Sphere(ball, "live-sphere");
+    this.plot.whole.hidden = true;
+  }
+
+  /** Follows a board until the page is closed. */
+  async follow(wire) {
+    this.wire = wire;
+    this.board = new Board(wire, (what) => this.told(what));
+    this.heard = performance.now();
+    setInterval(() => this.watch(), 500);
+    await wire.run((what) => {
+      if (what.line !== undefined) {
+        this.heard = performance.now();
+        this.board.hear(what.line);
+        return;
+      }
+      if (what.name) wire.name = what.name;
+      if (what.open) this.opened().catch((error) => { if (this.connected) this.say(error.message, "silent"); });
+      else this.gone(what.why);
+    });
+  }
+
+  gone(why) {
+    this.connected = false;
+    // Whoever still asks who is there need not.
+    this.turn = (this.turn ?? 0) + 1;
+    this.board.gone(why);
+    this.say(`${this.wire.name} is not there (${why}); it is waited for`, "gone");
+    this.enable();
+  }
+
+  say(text, state) {
+    if (this.state.textContent !== text) fill(this.state, text);
+    this.state.dataset.state = state;
+  }
+
+  /** Says when nothing comes. */
+  watch() {
+    if (this.connected && performance.now() - this.heard > SILENT_MS) {
+      this.say(`nothing has come from ${this.wire.name} for ${fixed((performance.now() - this.heard) / 1000, 0)} s: is the board powered?`, "silent");
+      this.silent = true;
+    } else if (this.silent && this.connected) {
+      this.silent = false;
+      this.introduce();
+    }
+  }
+
+  introduce() {
+    const { board, sensor, ironout } = this.who ?? {};
+    this.say(this.who ? `${board} with ${sensor}, firmware ${ironout}, at ${this.wire.name}` : `${this.wire.name}: a sketch that prints Raw: lines`, "open");
+  }
+
+  async opened() {
+    const turn = (this.turn ?? 0) + 1;
+    this.turn = turn;
+    this.heard = performance.now();
+    this.say(`${this.wire.name} is open; who is there?`, "asking");
+    this.who = null;
+    for (let attempt = 0; !this.who && turn === this.turn; attempt += 1) {
+      try {
+        const reply = await this.board.ask(attempt ? "version" : "\nversion", { quiet: true, wait: 4000 });
+        if (reply.all.ironout) this.who = reply.all;
+      } catch (error) {
+        if (this.sketch || turn !== this.turn) break;
+        this.say(`${error.message}: is the board powered, and its firmware ironout's?`, "silent");
+        await new Promise((resolve) => setTimeout(resolve, STATUS_MS));
+      }
+    }
+    if (turn !== this.turn) return;
+    this.connected = true;
+    this.introduce();
+    if (!this.who) {
+      fill(this.hint, "Turn the board through as many directions as you can, then look at the recording.");
+      this.enable();
+      return;
+    }
+    this.scale = (this.who.ut_per_count ?? "1,1,1").split(",").map(Number);
+    this.recording ??= new Recording(this.scale);
+    this.enable();
+    await this.stream("log");
+    if (!this.polling) this.poll();
+  }
+
+  async stream(kind) {
+    this.kind = kind;
+    const reply = await this.board.ask(`stream ${kind}`);
+    if (!reply.ok) fill(this.answer, reply.closing);
+  }
+
+  async poll() {
+    this.polling = true;
+    for (;;) {
+      if (this.connected && this.who && !this.acting) {
+        try {
+          this.status(await this.board.ask("status", { quiet: true }));
+        } catch {
+          // The watch says it.
+        }
+      }
+      await new Promise((resolve) => setTimeout(resolve, STATUS_MS));
+    }
+  }
+
+  status(reply) {
+    const hints = reply.info.filter((text) => /^(hint|sensor|outside)/.test(text) || /^monitor condition=(disturbed|outdated)/.test(text)).map((text) => text.replace(/^hint /, ""));
+    if (this.hint.textContent !== hints.join(" · ")) fill(this.hint, hints.join(" · "));
+    const { state, coverage, gap_deg: gap, rms_ut: rms, noise_ut: noise, n, calibrated } = reply.all;
+    this.known = { state, calibrated: calibrated === "1" };
+    document.body.dataset.board = state;
+    document.body.dataset.calibrated = calibrated;
+    // Idle, it counts for a calibration that there is not.
+    const [part, hole] = state === "idle" ? [NaN, NaN] : [Number(coverage), Number(gap)];
+    this.set("coverage", part, `${fixed(100 * Number(coverage), 0)} %`);
+    this.set("gap", hole, `${fixed(Number(gap), 0)}°`);
+    this.figures = state === "collecting" ? `n ${n} · rms ${rms} µT · noise ${noise} µT` : null;
+    this.enable();
+    this.later();
+  }
+
+  set(name, value, text) {
+    const { bar, text: at } = this.meters[name];
+    bar.value = Number.isFinite(value) ? value : 0;
+    fill(at, Number.isFinite(value) ? text : "–");
+  }
+
+  enable() {
+    const { start, stop, accept, why, save: keep, look } = this.buttons;
+    const board = this.connected && this.who && !this.acting;
+    const state = this.known?.state;
+    start.disabled = !board;
+    stop.disabled = !board || state !== "collecting";
+    accept.disabled = !board || state !== "solved";
+    why.disabled = !board || !(this.known?.calibrated || state === "collecting");
+    keep.disabled = look.disabled = !(this.recording?.samples > 20);
+  }
+
+  /** Does what a button says; what goes wrong is said. */
+  async act(what) {
+    this.acting = true;
+    this.enable();
+    fill(this.answer, "…");
+    try {
+      await what();
+    } catch (error) {
+      fill(this.answer, error.message);
+    }
+    this.acting = false;
+    this.enable();
+  }
+
+  /** A command whose answer is shown. */
+  async command(line) {
+    const reply = await this.board.ask(line, { wait: 30000 });
+    fill(this.answer, reply.ok ? `done: ${line}` : reply.closing);
+    return reply;
+  }
+
+  async start() {
+    this.points = [];
+    this.recording = new Recording(this.scale);
+    fill(this.judged);
+    fill(this.why);
+    await this.stream("log");
+    await this.command("cal start");
+    this.known = { ...this.known, state: "collecting" };
+  }
+
+  async stop() {
+    const reply = await this.command("cal stop");
+    const found = reply.all;
+    this.set("error", Number(found.error_percent), `${found.error_percent} %`);
+    const shown = (what) => (what === undefined || what === "-" ? "–" : what);
+    fill(this.judged, table(reply.ok ? "Accepted: it waits to be stored" : `Refused: ${reply.text}`, ["", "value", "limit"], [
+      ["predicted error, % of the field", shown(found.error_percent), "1"],
+      ["residual, % of the field", found.rms_ut && found.field_ut ? fixed(100 * Number(found.rms_ut) / Number(found.field_ut), 3) : "–", "5"],
+      ["samples", shown(found.n), ""], ["field, µT", shown(found.field_ut), ""], ["noise, µT", shown(found.noise_ut), ""],
+    ]));
+    this.known = { ...this.known, state: reply.ok ? "solved" : "refused" };
+    document.body.dataset.board = this.known.state;
+  }
+
+  async accept(how) {
+    const reply = await this.command(`cal accept${how}`);
+    this.buttons.force.hidden = !(reply.text ?? "").includes("worse-than-in-use");
+    this.buttons.force.disabled = this.buttons.force.hidden;
+    if (!reply.ok) return;
+    this.points = [];
+    this.strip = { at: [], value: [] };
+    await this.stream("cal");
+  }
+
+  async ask() {
+    const reply = await this.command("why");
+    const rows = reply.info.filter((text) => text.startsWith("effect ")).map(values);
+    const says = reply.info.filter((text) => text.startsWith("says ")).map((text) => text.slice(5));
+    const base = values(reply.info.find((text) => text.startsWith("base ")) ?? "");
+    fill(this.why, h("h3", {}, "Why is it off?"), says.map((text) => h("p", {}, text)), reply.ok ? null : h("p", { class: "error" }, reply.closing),
+      rows.length ? table(`Error now ${base.rms_ut ?? "–"} µT, on unseen time ${base.holdout_rms_ut ?? "–"} µT, noise alone ${base.noise_floor_ut ?? "–"} µT`, ["effect", "status", "before", "after", "chance", "not told from", ""],
+        rows.map((row) => [row.id, row.status, row.before_ut ?? row.before_deg ?? "–", row.after_ut ?? row.after_deg ?? "–", row.p, row.confounded_with,
+          h("button", { type: "button", "data-add": row.id, onclick: () => this.act(() => this.add(row.id)) }, row.status === "in-use" ? "remove" : "add")])) : null);
+    this.why.dataset.verdict = values(reply.text).verdict ?? "none";
+  }
+
+  async add(id) {
+    const remove = this.why.querySelector(`[data-add="${CSS.escape(id)}"]`).textContent === "remove";
+    const reply = await this.command(`effect ${remove ? "remove" : "add"} ${id}`);
+    if (reply.ok) await this.ask();
+  }
+
+  save() {
+    save(this.who ? "log.csv" : "raw.txt", this.recording.text());
+    fill(this.answer, `${this.recording.samples} samples were saved`);
+  }
+
+  async lookAt() {
+    await this.analyse({ name: this.who ? "recording.csv" : "recording.txt", text: this.recording.text() });
+    fill(this.answer, "below is what the recording shows");
+  }
+
+  /** What the board says unasked. */
+  told({ stream, said, foreign }) {
+    if (said) {
+      this.lines = [...(this.lines ?? []), ...said].slice(-TRANSCRIPT);
+      this.transcript.textContent = this.lines.join("\n");
+      return;
+    }
+    if (foreign) return;
+    this.counts.lines += 1;
+    if (stream.startsWith("Raw:")) {
+      this.sketch = !this.who;
+      if (this.sketch) {
+        this.recording ??= new Recording([0.1, 0.1, 0.1]);
+        this.recording.take(stream);
+        const v = stream.slice(4).split(",").slice(6, 9).map((value) => Number(value) / 10);
+        if (v.every(Number.isFinite)) this.point(v);
+      }
+    } else if (stream.startsWith("L,") || stream.startsWith("H,")) {
+      this.recording?.take(stream);
+      const counts = vector(stream, 3);
+      if (stream.startsWith("L,") && this.kind === "log" && counts.every(Number.isFinite)) this.point(counts.map((count, axis) => count * this.scale[axis]));
+    } else if (stream.startsWith("C,")) {
+      const cells = stream.split(",").map(Number);
+      if (cells.slice(1).every(Number.isFinite)) {
+        const [, ms, x, y, z, norm, residual] = cells;
+        this.point([x, y, z]);
+        this.now = { norm, residual, heading: ((Math.atan2(-y, x) * 180) / Math.PI + 360) % 360 };
+        this.strip.at.push(ms / 1000);
+        this.strip.value.push(residual);
+        if (this.strip.at.length > 1 && this.strip.at.at(-1) < this.strip.at.at(-2)) this.strip = { at: [], value: [] };
+        if (this.strip.at.length > STRIP) {
+          this.strip.at.shift();
+          this.strip.value.shift();
+        }
+      }
+    }
+    this.later();
+  }
+
+  point(v) {
+    this.points.push(v);
+    if (this.points.length > POINTS) this.points.shift();
+  }
+
+  /** Draws soon, at most thirty times a second. */
+  later() {
+    if (this.timer) return;
+    const since = performance.now() - (this.drawn ?? 0);
+    this.timer = setTimeout(() => {
+      this.timer = null;
+      this.drawn = performance.now();
+      this.draw();
+    }, Math.max(0, DRAW_MS - since));
+  }
+
+  draw() {
+    this.counts.drawn += 1;
+    document.body.dataset.samples = String(this.counts.lines);
+    document.body.dataset.drawn = String(this.counts.drawn);
+    const last = this.points.at(-1);
+    const corrected = this.kind === "cal";
+    this.reading.textContent = [
+      last ? `${corrected ? "corrected" : "measured"} ${last.map((value) => value.toFixed(2)).join(", ")} µT` : null,
+      corrected && this.now ? `magnitude ${this.now.norm.toFixed(2)} µT · error ${this.now.residual.toFixed(3)} µT · heading if level ${this.now.heading.toFixed(0)}°` : null,
+      this.figures, this.recording ? `${this.recording.samples} samples recorded${this.recording.lost ? `, ${this.recording.lost} lost` : ""}` : null,
+    ].filter(Boolean).join(" · ");
+    this.plot.whole.hidden = this.strip.at.length < 2;
+    if (this.strip.at.length >= 2) this.plot.stream(this.strip.at, this.strip.value, { x: "time, s", y: "µT", label: "error" });
+    const now = performance.now();
+    if (last && now - (this.balled ?? 0) > SPHERE_MS) {
+      this.balled = now;
+      this.ball(corrected);
+    }
+  }
+
+  ball(corrected) {
+    const axes = [0, 1, 2].map((axis) => this.points.map((v) => v[axis]));
+    const ends = axes.map((axis) => [Math.min(...axis), Math.max(...axis)]);
+    // Before there is a calibration directions are taken about the middle of what was measured.
+    const middle = corrected ? [0, 0, 0] : ends.map(([least, most]) => (least + most) / 2);
+    const lit = tiles(this.points, middle);
+    const seen = lit.samples.filter(Boolean).length;
+    const about = axes.map((axis, index) => axis.map((value) => value - middle[index]));
+    const radius = about[0].reduce((most, _, i) => Math.max(most, Math.hypot(about[0][i], about[1][i], about[2][i])), 0) || 1;
+    this.sphere.show({
+      field_ut: radius, cloud: { measured_ut: corrected ? [[], [], []] : about, corrected_ut: corrected ? about : [[], [], []] },
+      tiles: { ...lit, coverage: seen / lit.samples.length, gap_deg: 0, gap_side: "any", rough: true },
+    });
+  }
+}

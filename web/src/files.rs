@@ -1,0 +1,37 @@
+//! The files that the page is made of, packed into the program.
+
+use flate2::read::GzDecoder;
+use std::io::Read;
+
+include!(concat!(env!("OUT_DIR"), "/files.rs"));
+
+/// The analysis as WebAssembly, packed by gzip; empty where the toolchain could not build it.
+pub(crate) const MODULE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/module.wasm.gz"));
+
+/// Whether the page can read and fit by itself.
+pub fn has_module() -> bool {
+    env!("IRONOUT_WASM_BYTES") != "0"
+}
+
+/// A file of the page, packed; nothing of a name that there is not.
+pub(crate) fn packed(name: &str) -> &'static [u8] {
+    FILES.iter().find(|(own, _)| *own == name).map_or(&[], |(_, bytes)| bytes)
+}
+
+/// The text of a file of the page.
+pub(crate) fn text(name: &str) -> String {
+    let mut text = String::new();
+    // The bytes are the build's own; what cannot be read shows as a page without it, which the tests would see.
+    let _ = GzDecoder::new(packed(name)).read_to_string(&mut text);
+    text
+}
+
+/// The licences of the libraries in the page, and of the program.
+pub fn licences() -> String {
+    format!(
+        "ironout\n\n{}\n\nthree.js\n\n{}\n\nuPlot\n\n{}\n",
+        include_str!("../../LICENSE").trim(),
+        text("three.LICENSE").trim(),
+        text("uplot.LICENSE").trim()
+    )
+}
