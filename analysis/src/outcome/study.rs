@@ -5,6 +5,7 @@ use crate::base::engine::Pass;
 use crate::base::ground::Ground;
 use crate::base::known::Known;
 use crate::base::level::{LEVEL_DEG, tilt_deg};
+use crate::base::model::Base;
 use crate::base::start;
 use crate::outcome::at_rest::at_rest;
 use crate::outcome::blank::undetermined;
@@ -12,6 +13,7 @@ use crate::outcome::explain::{Stand, explain};
 use crate::outcome::lower_order::as_logged;
 use crate::outcome::outcome::{Diagnosis, Status, Verdict};
 use crate::outcome::request::{Options, Refusal};
+use crate::outcome::standing;
 use crate::outcome::view::View;
 use crate::samples::faults::FaultKind;
 use crate::samples::samples::Samples;
@@ -101,7 +103,7 @@ fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<D
     if options.prior.is_none()
         && let Some(tilt_deg) = tilt_deg(samples).filter(|tilt| *tilt < LEVEL_DEG)
     {
-        return level(table, samples, model, options, tilt_deg);
+        return level(table, samples, model, options, ground.base.as_ref().ok(), tilt_deg);
     }
     // On top of an earlier calibration the base is fitted with it, which sums alone cannot.
     let base = ground.base.as_ref().ok().filter(|_| options.prior.is_none());
@@ -118,7 +120,7 @@ fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<D
         if open && let Some(lower) = as_logged(table, samples, options)? {
             diagnosis = lower;
         } else {
-            accuse_nobody(&mut diagnosis);
+            accuse_nobody(&mut diagnosis, base);
         }
     }
     Ok(diagnosis)
@@ -130,6 +132,7 @@ fn level(
     samples: &Samples,
     model: Model<f64>,
     options: &Options,
+    base: Option<&Base>,
     tilt_deg: f64,
 ) -> Result<Diagnosis, Refusal> {
     let reason = format!(
@@ -140,12 +143,12 @@ fn level(
         lower.reasons.insert(0, reason);
         return Ok(lower);
     }
-    let stand = Stand { base: None, held: false };
+    let stand = Stand { base, held: false };
     let base_only = Options { search: false, add: Vec::new(), ..options.clone() };
     let mut diagnosis = magnitude(table, samples, model, &Known::default(), &base_only, stand)?;
     diagnosis.verdict = Verdict::Undetermined;
     diagnosis.reasons.insert(0, reason);
-    accuse_nobody(&mut diagnosis);
+    accuse_nobody(&mut diagnosis, base);
     Ok(diagnosis)
 }
 
@@ -171,11 +174,14 @@ fn with_bursts(
     Ok((explains && as_well).then_some(found))
 }
 
-/// Where the base is not determined nothing that stands on it may be claimed.
-fn accuse_nobody(diagnosis: &mut Diagnosis) {
+/// Where the base is not determined nothing that stands on it may be claimed: what is left is the base as `fit` gives it.
+fn accuse_nobody(diagnosis: &mut Diagnosis, base: Option<&Base>) {
     diagnosis.steps.truncate(1);
     diagnosis.effects.clear();
     diagnosis.standing = None;
+    if let Some(base) = base {
+        standing::first_row(diagnosis, base, true);
+    }
     for row in diagnosis.candidates.iter_mut().filter(|row| row.status != Status::Untestable) {
         row.status = Status::Untestable;
         row.why = "the data do not support a calibration, so this cannot be told".into();
