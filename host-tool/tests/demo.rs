@@ -31,9 +31,8 @@ fn hidden(effect: &str, id: &str, options: &[&str], emulated: bool) {
     let object = run.json();
     assert_eq!((&object["emulated"], &object["named_first"]), (&emulated.into(), &id.into()), "{object}");
     let floor = number(&object["floor_ut"]);
-    let most = if effect == "step" { 1.8 } else { 1.5 };
     for key in ["learnt_ut", "after_restart_ut"] {
-        assert!(number(&object[key]) <= most * floor, "{key}: {object}");
+        assert!(number(&object[key]) <= 1.35 * floor, "{key}: {object}");
     }
     for key in ["before_ut", "removed_ut"] {
         assert!(number(&object[key]) >= 2.0 * number(&object["learnt_ut"]), "{key}: {object}");

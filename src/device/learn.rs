@@ -18,8 +18,8 @@ use crate::store::Slot;
 
 /// Whether a board studies its samples: one without a floating-point unit does not.
 pub(super) const STUDIES: bool = !cfg!(armv6m);
-/// How often the chip's temperature is asked for.
-const TEMPERATURE_MS: u64 = 1000;
+/// How often the chip's temperature is asked for: a chip that warms by some tenths of a degree a second is followed within its own steps.
+const TEMPERATURE_MS: u64 = 250;
 /// How often, where it has none.
 const NO_TEMPERATURE_MS: u64 = 30_000;
 /// The column of the chip's temperature.
@@ -232,7 +232,7 @@ impl Device {
         }
     }
 
-    /// Whether the chip's temperature is due: right after a sample, once a second.
+    /// Whether the chip's temperature is due: right after a sample, four times a second.
     pub(super) fn temperature_task(&self) -> Option<SensorTask> {
         let is_due = self.now_ms >= self.lessons.temperature_at_ms && self.sensor.asks();
         is_due.then_some(SensorTask::Temperature)

@@ -16,7 +16,7 @@ use crate::study::rule::{NEARLY, RELEVANCE};
 
 /// A point further than this from what the sums say, relative to the field, is left, and everything begins anew, while no more rows
 /// than that would be lost with those that were lost so before: what is wrong for long is rather an effect.
-const FAR: [(f32, u32); 3] = [(0.008, 1024), (0.05, 2048), (0.25, u32::MAX)];
+const FAR: [(f32, u32); 3] = [(0.008, 400), (0.05, 1600), (0.25, u32::MAX)];
 /// An effect may be as many times as far: it goes there only when its column does.
 const EFFECT_SHARE: f32 = 0.5;
 /// A point nearer than this is near enough.

@@ -11,6 +11,7 @@ use super::sums::{WIDEST, Work};
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, Effect};
 use crate::extended::{Effects, ExtendedCalibration, FittedEffect, MAX_EFFECTS, Ranges};
+use crate::fit::MAX_PREDICTED_ERROR;
 use crate::math;
 use crate::vector::{cross, dot, minus, norm, product, scaled};
 use core::fmt;
@@ -175,7 +176,11 @@ impl Learner {
             base.base.offset_ut =
                 core::array::from_fn(|axis| plain.base.offset_ut[axis] + theta[axis] * shift);
         }
-        match self.moved(&base, others, &total, others.chosen(), away) {
+        // After a restart a few samples say little: the base that the calibration has is better then.
+        let is_told = Factor::of(&total, others.chosen(), true)
+            .is_some_and(|factor| factor.largest_error(&total) <= MAX_PREDICTED_ERROR as f32);
+        let next = is_told.then(|| self.moved(&base, others, &total, others.chosen(), away));
+        match next.flatten() {
             Some(next) => {
                 if candidate == Candidate::Step {
                     self.marks.pinned = false;
