@@ -195,7 +195,7 @@ impl Device {
             covariance: None,
             ..before
         };
-        self.lessons.changed = Some(Change { before, rms_ut: [before_ut, after_ut] });
+        self.lessons.changed = Some(Change { before: before.calibration, rms_ut: [before_ut, after_ut] });
         self.begin(Errand::Effect, StoreJob::save(self.slot_in_use(), record));
     }
 
@@ -236,7 +236,7 @@ impl Device {
         };
         if let Some(change) = change {
             // The study stands at the calibration that is in use.
-            self.lessons.learner.begin(&change.before.calibration);
+            self.lessons.learner.begin(&change.before);
         }
         reply.err(Code::Store, format_args!("{error}: the calibration in use is unchanged"))
     }

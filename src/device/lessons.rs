@@ -1,8 +1,8 @@
 //! What the device keeps for its study.
 
+use crate::calibration::Calibration;
 use crate::learn::{Inquiry, Learner, Motion, Outcome};
 use crate::protocol::EffectId;
-use crate::record::Record;
 
 /// Why a question is asked.
 #[derive(Debug, Clone)]
@@ -49,7 +49,7 @@ pub(super) struct Lessons {
 /// A change that waits for the store.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Change {
-    pub(super) before: Record,
+    pub(super) before: Calibration<f64>,
     pub(super) rms_ut: [f32; 2],
 }
 
