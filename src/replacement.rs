@@ -101,6 +101,7 @@ mod tests {
             rms_ut: 0.2,
             axes: None,
             predicted_error: PredictedError::of_share(share),
+            covariance: None,
         }
     }
 

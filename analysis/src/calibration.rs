@@ -1,6 +1,6 @@
 //! What is known of a calibration besides its numbers: errors, information, and the effects in it, as plain data.
 
-use nalgebra::SMatrix;
+use nalgebra::{DMatrix, SMatrix};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -86,6 +86,28 @@ impl Information {
             .flatten()
             .all(|value| value.is_finite())
             .then(|| Information { parameters: PARAMETERS.map(String::from).to_vec(), matrix })
+    }
+
+    /// The covariance of the nine parameters, whatever other parameters it has; `None` if it has none that is finite.
+    pub fn covariance(&self) -> Option<[[f64; 9]; 9]> {
+        self.check().ok()?;
+        let n = self.parameters.len();
+        let places: Vec<usize> = PARAMETERS
+            .iter()
+            .map(|name| self.parameters.iter().position(|own| own == name))
+            .collect::<Option<_>>()?;
+        let scale: Vec<f64> = (0..n).map(|i| 1.0 / self.matrix[i][i].sqrt()).collect();
+        let unit = DMatrix::from_fn(n, n, |i, j| {
+            (self.matrix[i][j] + self.matrix[j][i]) / 2.0 * scale[i] * scale[j]
+        });
+        let inverse = unit.cholesky()?.inverse();
+        let covariance = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let (row, column) = (places[i], places[j]);
+                inverse[(row, column)] * scale[row] * scale[column]
+            })
+        });
+        covariance.iter().flatten().all(|value: &f64| value.is_finite()).then_some(covariance)
     }
 
     /// Whether it has the shape of an information matrix, and is one.

@@ -290,6 +290,7 @@ fn record(effects: &[FittedEffect<f64>]) -> Record {
         rms_ut: 0.25,
         axes: None,
         predicted_error: ironout::record::PredictedError::UNKNOWN,
+        covariance: None,
     }
 }
 

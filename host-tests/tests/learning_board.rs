@@ -175,3 +175,14 @@ fn what_the_samples_do_not_show_is_refused() {
         );
     }
 }
+
+#[test]
+fn the_console_document_shows_what_a_board_says() {
+    let document = include_str!("../../docs/console.md");
+    let mut trace = Trace::new(TraceOptions::new(Kind::Temperature, 1));
+    trace.calibrate();
+    let why = trace.why().lines.join("\n");
+    let added = trace.last("effect add offset:temp_c");
+    let block = format!("> why\n{why}\n> effect add offset:temp_c\n{added}\n");
+    assert!(document.contains(&block), "docs/console.md should have:\n{block}");
+}

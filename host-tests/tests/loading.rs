@@ -70,7 +70,7 @@ fn a_whole_calibration_waits_is_accepted_and_survives_a_restart_with_every_bit()
     assert_eq!(board.device.record(), Some(&stored));
     // And the record goes out as it came in, but for its number and the mounting.
     let dump = board.command("cal dump");
-    assert_eq!(value(dump.last().unwrap(), "covariance"), "0", "a restart forgets it");
+    assert_eq!(value(dump.last().unwrap(), "covariance"), "0", "the one that was sent had none");
     let dumped = dumped(&dump);
     assert_eq!(Record::decode(&dumped), Ok(stored));
 }
@@ -251,7 +251,7 @@ fn one_solution_waits_at_a_time_and_the_last_that_came_counts() {
 }
 
 #[test]
-fn the_dump_of_a_new_calibration_has_its_covariance_until_the_power_goes() {
+fn the_dump_of_a_calibration_has_its_covariance_after_a_restart_too() {
     let mut board = accepted_board(48);
     let dump = board.command("cal dump");
     assert!(dump.iter().map(String::len).sum::<usize>() < ironout::device::MAX_REPLY_BYTES);
@@ -268,7 +268,16 @@ fn the_dump_of_a_new_calibration_has_its_covariance_until_the_power_goes() {
     assert_eq!(Record::decode(&dumped(&dump)), Ok(*board.device.record().unwrap()));
     board.restart();
     board.run_ms(100);
-    assert!(!board.command("cal dump").iter().any(|line| line.starts_with("+ covariance=")));
+    assert_eq!(board.command("cal dump"), dump, "to the last digit");
+    // It goes with the record: sent to another board, it is there too.
+    let mut other = world_board(Motion::Sphere, 52);
+    other.run_ms(100);
+    assert!(send(&mut other, &lines(&dumped(&dump))).starts_with("ok state=solved effects=0"));
+    assert!(last(&mut other, "cal accept").starts_with("ok calibrated=1"));
+    let rows = |lines: &[String]| -> Vec<String> {
+        lines.iter().filter(|line| line.starts_with("+ covariance=")).cloned().collect()
+    };
+    assert_eq!(rows(&other.command("cal dump")), rows(&dump));
 }
 
 #[test]
@@ -285,7 +294,7 @@ fn the_longest_dump_fits_into_a_reply() {
         board.run_ms(100);
         longest = longest.max(board.command("cal dump").iter().map(|line| line.len() + 1).sum());
     }
-    // Nine rows of nine to one numbers of at most 24 characters, which only a fresh calibration has.
+    // Nine rows of nine to one numbers of at most 24 characters, which fewer effects leave room for.
     assert!(longest > 1000 && longest + 45 * 24 + 9 * 13 < ironout::device::MAX_REPLY_BYTES, "{longest}");
 }
 

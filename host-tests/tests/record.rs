@@ -10,8 +10,9 @@ use ironout::effect::{
 use ironout::extended::Effects;
 use ironout::fit::{Method, Order};
 use ironout::record::{
-    MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, VERSION, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS,
-    VERSION_WITH_RANGES, VERSION_WITH_RANGES_SHORT_ERRORS, is_newer,
+    COVARIANCE_BYTES, Covariance, MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, VERSION,
+    VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, VERSION_WITH_RANGES, VERSION_WITH_RANGES_SHORT_ERRORS,
+    WITH_COVARIANCE, is_newer,
 };
 use ironout::sensor::AxisMap;
 use proptest::collection::vec;
@@ -47,6 +48,61 @@ fn effects_read_back_to_the_same_bits() {
 fn a_record_without_effects_is_one_that_older_firmware_reads() {
     let plain = bytes(&record(93.25));
     assert_eq!((plain.len(), plain[4], plain[7]), (RECORD_BYTES, VERSION, 0));
+}
+
+/// A covariance whose numbers all differ.
+fn covariance() -> Covariance {
+    let entry = |i: usize, k: usize| {
+        let (low, high) = (i.min(k), i.max(k));
+        1e-6 * (low * 9 + high) as f64 + if i == k { 1.0 / (1.0 + i as f64) } else { 0.0 }
+    };
+    Covariance::of(&std::array::from_fn(|i| std::array::from_fn(|k| entry(i, k)))).expect("it is one")
+}
+
+#[test]
+fn a_covariance_reads_back_where_there_is_room_for_it() {
+    let plain = Record { covariance: Some(covariance()), ..record(93.25) };
+    let written = bytes(&plain);
+    assert_eq!((written.len(), written[4]), (RECORD_BYTES + COVARIANCE_BYTES, VERSION + WITH_COVARIANCE));
+    assert_eq!(Record::decode(&written), Ok(plain));
+    for bit in 0..written.len() * 8 {
+        let mut bad = written.clone();
+        bad[bit / 8] ^= 1 << (bit % 8);
+        assert_eq!(Record::decode(&bad), Err(RecordError::Torn), "bit {bit}");
+    }
+    // Beside an effect and its range too.
+    let one = Record { covariance: Some(covariance()), ..with_ranges(&with(&all_effects()[..1])) };
+    assert_eq!(bytes(&one)[4], VERSION_WITH_RANGES + WITH_COVARIANCE);
+    assert_eq!(Record::decode(&bytes(&one)), Ok(one));
+    // Beside four there is none: nothing else is given up for it.
+    let four = with_ranges(&with(&all_effects()[..4]));
+    let kept = Record { covariance: Some(covariance()), ..four };
+    assert_eq!(bytes(&kept), bytes(&four));
+    // What is none is unsound, and a record cut where it begins is torn.
+    let variance_at = RECORD_BYTES - 4;
+    for value in [f32::NAN, f32::INFINITY, 0.0, -1.0] {
+        let mut bad = written.clone();
+        bad[variance_at..variance_at + 4].copy_from_slice(&value.to_le_bytes());
+        assert_eq!(Record::decode(&with_crc(bad)), Err(RecordError::Unsound { sequence: 0 }), "{value}");
+    }
+    let mut short = written.clone();
+    short.truncate(RECORD_BYTES);
+    assert_eq!(Record::decode(&short), Err(RecordError::Torn));
+}
+
+#[test]
+fn a_covariance_that_no_single_precision_holds_is_none() {
+    let unit = |value: f64| -> [[f64; 9]; 9] {
+        std::array::from_fn(|i| std::array::from_fn(|k| if i == k { value } else { 0.0 }))
+    };
+    assert!(Covariance::of(&unit(1e-12)).is_some());
+    for value in [0.0, -1.0, 1e-60, 1e60, f64::NAN] {
+        assert_eq!(Covariance::of(&unit(value)), None, "{value}");
+    }
+    assert_eq!(covariance().rows().map(<[f32]>::len).collect::<Vec<_>>(), [9, 8, 7, 6, 5, 4, 3, 2, 1]);
+    let matrix = covariance().matrix();
+    assert!((0..9).all(|i| (0..9).all(|k| matrix[i][k].to_bits() == matrix[k][i].to_bits())));
+    assert_eq!(Covariance::of(&matrix), Some(covariance()));
 }
 
 #[test]
@@ -209,9 +265,9 @@ fn a_newer_layout_is_told_from_damage_and_unsound_numbers_are_refused() {
 
     let mut longer = good.clone();
     longer.splice(144..144, [7; 88]);
-    (longer[4], longer[7]) = (6, 1);
+    (longer[4], longer[7]) = (11, 1);
     longer[12..14].copy_from_slice(&236_u16.to_le_bytes());
-    let newer = RecordError::Unsupported { version: 6, sequence: 9 };
+    let newer = RecordError::Unsupported { version: 11, sequence: 9 };
     assert_eq!(Record::decode(&with_crc(longer)), Err(newer));
 
     for (at, value) in [(16, f64::NAN), (16, -48.0), (24, f64::INFINITY), (48, 0.0), (128, f64::NAN)] {

@@ -205,6 +205,7 @@ fn save(store: &mut impl Store, clock: &Clock, in_use: Option<Slot>) -> Result<(
         rms_ut: 0.1,
         axes: None,
         predicted_error: ironout::record::PredictedError::UNKNOWN,
+        covariance: None,
     };
     match run(StoreJob::save(in_use, record), store, |ms| clock.advance_ns(ms * 1_000_000))? {
         Done::Saved(slot, record) => Ok((slot, record)),

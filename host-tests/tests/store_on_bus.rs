@@ -3,17 +3,20 @@
 mod common;
 
 use common::{accepted_board, calibrate, last, value, world_board};
-use ironout::record::{MAX_RECORD_BYTES, RECORD_BYTES};
+use ironout::record::{COVARIANCE_BYTES, MAX_RECORD_BYTES, RECORD_BYTES};
 use ironout_rig::board::SimBoard;
 use ironout_rig::bus::Hit;
 use ironout_rig::chips::TornPage;
 use ironout_simulation::Motion;
 
+/// Bytes of what a board stores of its own solution.
+const STORED_BYTES: usize = RECORD_BYTES + COVARIANCE_BYTES;
+
 /// A board with one calibration in use and another one solved, and what `cal show` says of the first.
 fn board_with_a_second_solution(seed: u64) -> (SimBoard, Vec<String>) {
     let mut board = accepted_board(seed);
     let good = board.command("cal show");
-    let verdict = calibrate(&mut board, 45);
+    let verdict = calibrate(&mut board, 55);
     assert!(verdict.starts_with("ok verdict=accepted"), "{verdict}");
     (board, good)
 }
@@ -23,7 +26,7 @@ fn power_lost_at_any_byte_of_the_write_leaves_the_calibration_before_it() {
     let (mut board, good) = board_with_a_second_solution(21);
     let (memory, device) = (board.eeprom.borrow().memory.clone(), board.device.clone());
     for torn_page in [TornPage::Old, TornPage::Erased, TornPage::Garbage] {
-        for cut in 0..RECORD_BYTES {
+        for cut in 0..STORED_BYTES {
             {
                 let mut eeprom = board.eeprom.borrow_mut();
                 eeprom.memory.clone_from(&memory);
@@ -57,7 +60,7 @@ fn power_lost_at_any_byte_of_the_write_leaves_the_calibration_before_it() {
 fn every_flipped_bit_of_the_current_record_is_noticed_and_the_one_before_it_used() {
     let (mut board, first) = board_with_a_second_solution(22);
     last(&mut board, "cal accept");
-    for bit in 0..8 * RECORD_BYTES {
+    for bit in 0..8 * STORED_BYTES {
         let (at, mask) = (MAX_RECORD_BYTES + bit / 8, 1 << (bit % 8));
         board.eeprom.borrow_mut().memory[at] ^= mask;
         board.restart();
@@ -161,6 +164,6 @@ fn an_erased_eeprom_and_one_full_of_something_else_are_no_calibration() {
         assert_eq!(value(&last(&mut board, "status"), "calibrated"), "0");
     }
     board.run_ms(100);
-    calibrate(&mut board, 45);
+    calibrate(&mut board, 55);
     assert!(last(&mut board, "cal accept").starts_with("ok "), "a memory full of something else can be used");
 }

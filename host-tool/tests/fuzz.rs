@@ -154,6 +154,7 @@ fn good_record() -> Record {
         rms_ut: 0.26,
         axes: None,
         predicted_error: ironout::record::PredictedError::UNKNOWN,
+        covariance: None,
     }
 }
 

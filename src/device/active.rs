@@ -6,7 +6,6 @@ use super::extrapolated::Extrapolated;
 use crate::effect::{Effect, Searched, TIME};
 use crate::extended::{ExtendedCalibration, Live, LiveError};
 use crate::fit::MAX_PREDICTED_ERROR;
-use crate::fit::Spread;
 use crate::learn::Motion;
 use crate::monitor::Monitor;
 use crate::record::Record;
@@ -52,8 +51,6 @@ fn after_the_steps(record: &Record) -> Option<f64> {
 pub(super) struct Active {
     pub(super) record: Record,
     pub(super) slot: Slot,
-    /// How the errors of offset and matrix hang together; not stored, so unknown after a restart.
-    pub(super) spread: Option<Spread>,
     pub(super) live: Result<Live<f32>, NotApplied>,
     /// What the recording's clock shows when that of `live` is zero.
     origin_s: f64,
@@ -74,7 +71,6 @@ impl Active {
             clock_s: after_the_steps(&record),
             record,
             slot,
-            spread: None,
             live: Err(NotApplied::Mounting),
             origin_s: 0.0,
             monitor,

@@ -79,14 +79,10 @@ impl Device {
     #[inline(never)]
     pub(super) fn stored(&mut self, outcome: Result<Done, StoreError>) -> Result<Slot, StoreError> {
         let Done::Saved(slot, record) = outcome? else { return Err(StoreError::DoesNotFit) };
-        let spread = self.spread_of_solution();
         // It was solved or loaded when the job began, and nothing is answered meanwhile.
         let _ = self.session.accept();
         self.loading.forget();
         self.put_to_work(slot, &record);
-        if let Some(active) = &mut self.active {
-            active.spread = spread;
-        }
         self.store_unread = false;
         Ok(slot)
     }

@@ -158,6 +158,7 @@ impl Device {
             rms_ut: f64::from(outcome.rms_ut),
             axes: Some(self.config.sensor.axes),
             predicted_error: PredictedError::of_share(f64::from(outcome.base_error)),
+            covariance: None,
         })
     }
 
@@ -190,6 +191,8 @@ impl Device {
             effects: extended.effects,
             rms_ut: if after_ut.is_finite() { f64::from(after_ut) } else { before.rms_ut },
             samples: if rows > 0 { rows } else { before.samples },
+            // It was that of another base.
+            covariance: None,
             ..before
         };
         self.lessons.changed = Some(Change { before, rms_ut: [before_ut, after_ut] });

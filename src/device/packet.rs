@@ -43,6 +43,7 @@ impl Device {
             rms_ut: 0.0,
             axes: Some(self.config.sensor.axes),
             predicted_error: PredictedError::UNKNOWN,
+            covariance: None,
         };
         if let Err(why) = self.loading.take_record(&record, self.config.sensor.axes) {
             return Some(reply.err(Code::Refused, format_args!("{why}")));

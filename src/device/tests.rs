@@ -37,6 +37,7 @@ fn record(effect: BuiltIn<f64>) -> Record {
         rms_ut: 0.25,
         axes: None,
         predicted_error: crate::record::PredictedError::UNKNOWN,
+        covariance: None,
     }
 }
 

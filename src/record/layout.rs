@@ -13,6 +13,10 @@ pub const VERSION_SHORT_ERRORS: u8 = 3;
 pub const VERSION_WITH_RANGES: u8 = 4;
 /// … and so as [`VERSION_SHORT_ERRORS`].
 pub const VERSION_WITH_RANGES_SHORT_ERRORS: u8 = 5;
+/// Added to one of the versions above: the same, and a covariance behind it.
+pub const WITH_COVARIANCE: u8 = 5;
+/// Bytes of a covariance.
+pub const COVARIANCE_BYTES: usize = 45 * 4;
 /// Bytes of a record without effects.
 pub const RECORD_BYTES: usize = 148;
 /// The longest record: any four different effects of the catalogue fit, whatever their columns are called.
@@ -91,6 +95,17 @@ pub(crate) fn stated_length(bytes: &[u8]) -> Option<usize> {
     reader.at = LENGTH_AT;
     let length = usize::from(u16::from_le_bytes(reader.take().ok()?));
     (HEADER_BYTES + CRC_BYTES..=MAX_RECORD_BYTES).contains(&length).then_some(length)
+}
+
+/// The version without a covariance that a version is made of, and whether one is behind it.
+pub(super) const fn without_covariance(version: u8) -> (u8, bool) {
+    if VERSION_WITH_RANGES_SHORT_ERRORS < version
+        && version <= VERSION_WITH_RANGES_SHORT_ERRORS + WITH_COVARIANCE
+    {
+        (version - WITH_COVARIANCE, true)
+    } else {
+        (version, false)
+    }
 }
 
 pub(super) fn check_crc(bytes: &[u8], length: usize) -> Result<(), RecordError> {

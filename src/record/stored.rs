@@ -2,11 +2,12 @@
 
 use core::fmt;
 
+use super::covariance::Covariance;
 use super::effect;
 use super::layout::{
-    CRC, CRC_BYTES, EffectLayout, LENGTH_AT, MAGIC, MAX_RECORD_BYTES, RECORD_BYTES, Reader, RecordError,
-    VERSION, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, VERSION_WITH_RANGES,
-    VERSION_WITH_RANGES_SHORT_ERRORS, Writer, check_crc,
+    COVARIANCE_BYTES, CRC, CRC_BYTES, EffectLayout, LENGTH_AT, MAGIC, MAX_RECORD_BYTES, RECORD_BYTES, Reader,
+    RecordError, VERSION, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, VERSION_WITH_RANGES,
+    VERSION_WITH_RANGES_SHORT_ERRORS, WITH_COVARIANCE, Writer, check_crc, without_covariance,
 };
 use super::predicted::PredictedError;
 use crate::calibration::Calibration;
@@ -38,6 +39,9 @@ pub struct Record {
     pub axes: Option<AxisMap>,
     /// The predicted error of the corrected vector in the worst direction, from noise alone.
     pub predicted_error: PredictedError,
+    /// How the errors of offset and matrix hang together, where that is known. A record whose effects leave no room for it is stored
+    /// without.
+    pub covariance: Option<Covariance>,
 }
 
 /// Whether sequence number `a` is newer than `b`, on the circle of 32-bit numbers.
@@ -87,6 +91,7 @@ impl Record {
             predicted_error: PredictedError::of_share(
                 report.predicted_error_ut / report.calibration.field_ut,
             ),
+            covariance: Covariance::of_spread(&report.spread),
         }
     }
 
@@ -102,18 +107,25 @@ impl Record {
     pub fn encode(&self) -> Result<Encoded, DoesNotFit> {
         let has_ranges = self.effects.iter().any(|fitted| fitted.ranges.iter().any(Option::is_some));
         let (version, shorter) = match (self.effects.is_empty(), has_ranges) {
-            (true, _) => return self.encode_as(VERSION),
+            (true, _) => (VERSION, VERSION),
             (false, false) => (VERSION_WITH_EFFECTS, VERSION_SHORT_ERRORS),
             (false, true) => (VERSION_WITH_RANGES, VERSION_WITH_RANGES_SHORT_ERRORS),
         };
-        self.encode_as(version).or_else(|DoesNotFit| self.encode_as(shorter))
+        let with_covariance = match self.covariance {
+            Some(covariance) => self.encode_as(version, Some(covariance)),
+            None => Err(DoesNotFit),
+        };
+        with_covariance
+            .or_else(|DoesNotFit| self.encode_as(version, None))
+            .or_else(|DoesNotFit| self.encode_as(shorter, None))
     }
 
-    fn encode_as(&self, version: u8) -> Result<Encoded, DoesNotFit> {
+    fn encode_as(&self, version: u8, covariance: Option<Covariance>) -> Result<Encoded, DoesNotFit> {
         let mut writer = Writer { bytes: [0; MAX_RECORD_BYTES], at: 0 };
         let effects = self.effects.len() as u8;
         writer.put(&MAGIC);
-        writer.put(&[version, method_code(self.method), model_code(self.model), effects]);
+        let stated = if covariance.is_some() { version + WITH_COVARIANCE } else { version };
+        writer.put(&[stated, method_code(self.method), model_code(self.model), effects]);
         writer.put(&self.sequence.to_le_bytes());
         writer.put(&[0, 0, self.axes.map_or(0, AxisMap::code), self.predicted_error.code()]);
         let calibration = &self.calibration;
@@ -126,6 +138,9 @@ impl Record {
         writer.float(self.rms_ut);
         if let Some(layout) = EffectLayout::of(version) {
             self.effects.iter().for_each(|fitted| effect::write(&mut writer, fitted, layout));
+        }
+        if let Some(covariance) = covariance {
+            covariance.write(&mut writer);
         }
         let end = writer.at;
         let length = end + CRC_BYTES;
@@ -158,10 +173,12 @@ impl Record {
         let length = usize::from(u16::from_le_bytes(reader.take()?));
         let [axes, predicted_error] = reader.take()?;
         check_crc(bytes, length)?;
-        let layout = EffectLayout::of(version);
+        let (version_without, has_covariance) = without_covariance(version);
+        let layout = EffectLayout::of(version_without);
+        let plain = RECORD_BYTES + if has_covariance { COVARIANCE_BYTES } else { 0 };
         let known = match layout {
-            Some(_) => length > RECORD_BYTES && count > 0,
-            None => version == VERSION && length == RECORD_BYTES && count == 0,
+            Some(_) => length > plain && count > 0,
+            None => version_without == VERSION && length == plain && count == 0,
         };
         if !known {
             return Err(RecordError::Unsupported { version, sequence });
@@ -184,6 +201,10 @@ impl Record {
                 effects.push(fitted).map_err(|_| unsound)?;
             }
         }
+        let covariance = match has_covariance {
+            true => Some(Covariance::read(&mut reader).ok_or(unsound)?),
+            false => None,
+        };
         let calibration = Calibration { offset_ut, matrix, field_ut };
         let (Some(method), Some(model)) = (method_of(method), model_of(model)) else {
             return Err(unsound);
@@ -204,6 +225,7 @@ impl Record {
             rms_ut,
             axes,
             predicted_error,
+            covariance,
         };
         let numbers = noise_ut.is_finite() && rms_ut.is_finite() && record.extended().is_sound();
         if numbers && reader.at == reader.bytes.len() { Ok(record) } else { Err(unsound) }

@@ -45,6 +45,7 @@ fn record() -> Record {
         rms_ut: 0.3,
         axes: Some(AxisMap::IDENTITY),
         predicted_error: crate::record::PredictedError::of_share(0.004),
+        covariance: None,
     }
 }
 

@@ -51,7 +51,7 @@ impl Kind {
         }
     }
 
-    fn spec(self, strength: f64) -> Option<EffectSpec> {
+    pub(super) fn spec(self, strength: f64) -> Option<EffectSpec> {
         let text = match self {
             Kind::Clean => return None,
             // In time: three noises are 18 ms.

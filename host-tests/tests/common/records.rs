@@ -26,6 +26,7 @@ pub fn record(offset_x_ut: f64) -> Record {
         rms_ut: 0.26,
         axes: None,
         predicted_error: ironout::record::PredictedError::UNKNOWN,
+        covariance: None,
     }
 }
 

@@ -113,6 +113,7 @@ pub fn record(sequence: u32, offset_ut: f64) -> Vec<u8> {
         rms_ut: 0.05,
         axes: None,
         predicted_error: ironout::record::PredictedError::UNKNOWN,
+        covariance: None,
     };
     record.encode().expect("it fits").as_bytes().to_vec()
 }

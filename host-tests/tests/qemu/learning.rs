@@ -1,7 +1,8 @@
 //! The board's own study in the real firmware: a current that is fed and the chip's temperature are tested, the current is named,
 //! taken in, and kept over a power cut. Paced by the board's own samples.
 
-use crate::support::{FIELD_UT, ask, attitudes, board, ok, start};
+use crate::support::{FIELD_UT, ask, attitudes, board, firmware, ok, start};
+use ironout_host_tests::learning::{EmulatedLengths, Kind, emulated};
 use ironout_rig::qemu::{self, Emulator};
 use rand::SeedableRng;
 use rand::rngs::ChaCha8Rng;
@@ -83,4 +84,19 @@ fn why_names_the_current_that_is_fed_and_it_stays_over_a_power_cut() {
     assert_eq!(ok(&mut board, "cal show").to_string(), shown.to_string());
     ok(&mut board, "cov current_a=4");
     assert_eq!(ok(&mut board, "effect remove offset:current_a").value("effects"), Some("0"));
+}
+
+/// Two of the traces that the program `learning-qemu` runs, shorter; of those whose accelerometer a busy host cannot delay.
+#[test]
+fn a_hidden_temperature_is_named_learnt_kept_and_missed_again_and_a_clean_trace_is_not_accused() {
+    let Some(_turn) = qemu::turn("learning") else { return };
+    let lengths = EmulatedLengths { collect_s: 60.0, stream_s: 6.0 };
+    let shown = emulated::run(firmware(), Kind::Temperature, 7001, lengths).unwrap();
+    let learnt = shown.learnt.unwrap_or_else(|| panic!("{:?}", shown.said.lines));
+    assert!(learnt.is_kept, "{}", learnt.answers);
+    // 300 samples know a rms to 4 %.
+    assert!(learnt.added.max(learnt.restarted) < 1.3 && learnt.removed > 1.5 * learnt.added, "{learnt:?}");
+    let lengths = EmulatedLengths { collect_s: 40.0, ..lengths };
+    let shown = emulated::run(firmware(), Kind::Clean, 7001, lengths).unwrap();
+    assert!(shown.is_right, "{:?}", shown.said.lines);
 }

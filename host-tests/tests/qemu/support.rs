@@ -79,6 +79,7 @@ pub fn record(sequence: u32, offset_ut: f64) -> Record {
         rms_ut: 0.05,
         axes: None,
         predicted_error: ironout::record::PredictedError::UNKNOWN,
+        covariance: None,
     }
 }
 

@@ -8,7 +8,7 @@ use crate::reading::Reading;
 use ironout::effect::Id;
 use ironout::extended::{Effects, Live, LiveError, MAX_DELAYED};
 use ironout::fit::{Method, Order};
-use ironout::record::{MAX_RECORD_BYTES, PredictedError, Record};
+use ironout::record::{Covariance, MAX_RECORD_BYTES, PredictedError, Record};
 use ironout_analysis::calibration::{EffectEntry, Information, StdErrors};
 use ironout_analysis::effects::{entry, of_library};
 
@@ -62,16 +62,25 @@ pub fn carried(cal: &CalFile, board: &Identity) -> Outcome<Carried> {
         axes: None,
         // A file does not say it; whoever sends a calibration wants it in the place of the old one.
         predicted_error: PredictedError::UNKNOWN,
+        covariance: cal
+            .information
+            .as_ref()
+            .and_then(Information::covariance)
+            .as_ref()
+            .and_then(Covariance::of),
     };
-    if record.encode().is_err() {
-        return Err(cannot(&format!(
+    let encoded = record.encode().map_err(|_| {
+        cannot(&format!(
             "its effects do not fit into a board's record of {MAX_RECORD_BYTES} bytes: fit again with one fewer"
-        )));
-    }
+        ))
+    })?;
     let mut notices = Vec::new();
-    if cal.information.is_some() {
+    // As it is stored: without a covariance that finds no room.
+    let covariance = Record::decode(encoded.as_bytes()).ok().and_then(|stored| stored.covariance);
+    let record = Record { covariance, ..record };
+    if cal.information.is_some() && covariance.is_none() {
         notices.push(
-            "the board does not keep what the fit knows (information): keep the file for fit --prior".into(),
+            "the board has no room for what the fit knows (information) beside these effects: keep the file for fit --prior".into(),
         );
     }
     if !extended.effects.is_empty() {

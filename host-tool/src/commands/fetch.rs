@@ -22,8 +22,8 @@ pub fn run(arguments: &FetchArgs, json: bool) -> Outcome<u8> {
     }
     if cal.information.is_none() {
         notes.push(
-            "the board no longer knows what is behind it (information is null): fit --prior needs a log, or a fetch right \
-             after the calibration",
+            "the board does not know what is behind it (information is null): effects were taken in or out since it was \
+             calibrated, or leave no room for it; fit --prior needs a log",
         );
     }
     if json {

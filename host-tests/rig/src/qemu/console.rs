@@ -73,6 +73,11 @@ impl Console {
         std::mem::take(&mut self.streamed)
     }
 
+    /// Whether an unasked line has come while a reply was waited for.
+    pub fn has_streamed(&self) -> bool {
+        !self.streamed.is_empty()
+    }
+
     /// Everything that has come and was not asked for, without waiting: a silent board gives nothing.
     pub fn drain(&mut self, wait: Duration) -> Result<Vec<String>, Error> {
         let deadline = Instant::now() + wait;

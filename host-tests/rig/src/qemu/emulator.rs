@@ -229,10 +229,18 @@ impl Emulator {
     /// # Errors
     /// [`Error::Field`] for an axis outside 0 to [`MAX_FIELD_UT`], which the emulated sensor refuses.
     pub fn set_field_ut(&mut self, field_ut: [f64; 3]) -> Result<(), Error> {
-        check(field_ut)?;
         self.pause()?;
-        self.write_field(field_ut)?;
+        self.put_field_ut(field_ut)?;
         self.resume()
+    }
+
+    /// Sets the field of a machine that stands still ([`Emulator::pause`]), for whoever changes more than the field before it goes on.
+    ///
+    /// # Errors
+    /// As [`Emulator::set_field_ut`].
+    pub fn put_field_ut(&mut self, field_ut: [f64; 3]) -> Result<(), Error> {
+        check(field_ut)?;
+        self.write_field(field_ut)
     }
 
     fn write_field(&mut self, field_ut: [f64; 3]) -> Result<(), Error> {
