@@ -1,5 +1,6 @@
 // The page by itself: every format's sample is dropped on it, and a calibration file beside.
 import { Browser, number } from "./browser.js";
+import { probed } from "./report.js";
 import { readFileSync } from "node:fs";
 import { basename } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -14,7 +15,7 @@ async function drop(page, path) {
   await page.dispatchEvent("#zone", "drop", { dataTransfer: data });
 }
 
-export async function alone({ file, samples, cal, unreadable, shots }) {
+export async function alone({ file, samples, cal, unreadable, hostile, names, shots }) {
   const browser = await Browser.open({ shots });
   const { page } = browser;
   await browser.go(pathToFileURL(file).href);
@@ -22,10 +23,13 @@ export async function alone({ file, samples, cal, unreadable, shots }) {
   // The samples are many, and the search is tested elsewhere.
   await page.locator("#reading-options").evaluate((one) => { one.open = true; });
   await page.locator("#search").uncheck();
-  for (const { path: sample, options } of samples) {
+  const read = async (options) => {
     for (const name of ["map", "ut_per_count", "instance"]) {
       await page.locator(`#option-${name}`).fill(options.filter(([own]) => own.replaceAll("-", "_") === name).map(([, value]) => value).join(";"));
     }
+  };
+  for (const { path: sample, options } of samples) {
+    await read(options);
     await drop(page, sample);
     await browser.until((name) => document.body.dataset.log === name || !document.getElementById("trouble").hidden, basename(sample));
     await browser.settled();
@@ -42,6 +46,16 @@ export async function alone({ file, samples, cal, unreadable, shots }) {
     await drop(page, cal);
     await browser.until(() => !document.getElementById("beside").hidden || !document.getElementById("trouble").hidden);
     said.beside = await browser.text("#beside-body");
+    // A log beside it: by the keyboard, and not in its place.
+    await page.locator("#compare").focus();
+    await page.keyboard.press("Space");
+    const before = await page.evaluate(() => document.body.dataset.log);
+    await read(samples[0].options);
+    await drop(page, samples[0].path);
+    await browser.until((name) => document.getElementById("beside-body").textContent.includes(name) || !document.getElementById("trouble").hidden, basename(samples[0].path));
+    said.besideLog = await browser.text("#beside-body");
+    said.stays = (await page.evaluate(() => document.body.dataset.log)) === before;
+    await page.locator("#compare").uncheck();
   }
   await page.locator("#reading-options").evaluate((one) => { one.open = false; });
   await page.evaluate(() => window.scrollTo(0, 0));
@@ -51,7 +65,14 @@ export async function alone({ file, samples, cal, unreadable, shots }) {
     await browser.until(() => !document.getElementById("trouble").hidden);
     said.refused = await page.locator("#trouble").textContent();
   }
-  said.objections = await browser.objections();
+  said.objections = await browser.usable();
+  if (hostile) {
+    await read([]);
+    await drop(page, hostile);
+    await browser.until((name) => document.body.dataset.log === name || !document.getElementById("trouble").hidden, basename(hostile));
+    await browser.settled();
+    said.hostile = await probed(page, names);
+  }
   said.wrong = await browser.close();
   return said;
 }

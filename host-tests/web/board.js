@@ -1,6 +1,7 @@
 // A session with a board by clicks alone: from start to an accepted calibration and `why`; over the served page, or over the
 // stand-in for Web Serial.
 import { Browser } from "./browser.js";
+import { connect } from "node:net";
 import { join, STAND_IN } from "./serial.js";
 import { readdirSync, readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
@@ -36,7 +37,9 @@ async function session(browser, said, shots) {
     await browser.until((before) => Number(document.body.dataset.samples) > before + 400, Number(await page.evaluate(() => document.body.dataset.samples)));
   }
   said.why = await browser.text("#why");
-  await browser.until(() => Number(document.getElementById("plot-live").dataset.drawn) > 30);
+  // What is not seen is not drawn.
+  await page.locator("#plot-live").scrollIntoViewIfNeeded();
+  await browser.until(() => Number(document.getElementById("plot-live").dataset.drawn) > 5);
   await browser.shot(`${shots}-calibrated`, { fullPage: true });
   // What was recorded meanwhile, as a log of its own.
   const [download] = await Promise.all([page.waitForEvent("download"), page.locator("#save-log").click()]);
@@ -47,7 +50,7 @@ async function session(browser, said, shots) {
   await browser.settled();
   said.sentence = await browser.text("#sentence");
   said.now = await browser.text("#error-now");
-  said.objections = await browser.objections();
+  said.objections = await browser.usable();
 }
 
 /** The page that `ironout live` serves. */
@@ -79,30 +82,161 @@ export async function serial({ file, address, shots }) {
   return said;
 }
 
-/** Seconds that all processes begun by this one have had a processor (Linux). */
+/** Clicks, and waits for the answer to that click. */
+async function clicked(browser, selector) {
+  await browser.page.locator(`${selector}:not([disabled])`).click();
+  await browser.until(() => document.getElementById("answer").textContent !== "…");
+}
+
+/** A download that a click begins: its name and its text. */
+async function downloaded(page, selector) {
+  const [download] = await Promise.all([page.waitForEvent("download"), page.locator(selector).click()]);
+  return [download.suggestedFilename(), readFileSync(await download.path(), "utf8")];
+}
+
+/** Until the way to the board is in this state: what the page says of it. */
+async function link(browser, state) {
+  await browser.until((wanted) => document.getElementById("link").dataset.state === wanted, state);
+  return browser.text("#link");
+}
+
+/** A board that lacks an effect, behind a cable that is bad; `hands` is where its hands are. */
+export async function missing({ address, hands, effect, shots }) {
+  const browser = await Browser.open({ shots });
+  const { page } = browser;
+  const said = {};
+  const [host, port] = hands.split(":");
+  const hand = connect(Number(port), host);
+  await browser.go(address);
+  await link(browser, "open");
+  // It hangs: nothing comes, and the page says so.
+  hand.write("deaf\n");
+  said.silent = await link(browser, "silent");
+  hand.write("hear\n");
+  await link(browser, "open");
+  // The cable is pulled, and plugged in again.
+  hand.write("pull\n");
+  said.gone = await link(browser, "gone");
+  hand.write("plug\n");
+  said.back = await link(browser, "open");
+  await clicked(browser, "#cal-start");
+  const samples = () => page.evaluate(() => Number(document.body.dataset.samples));
+  const wait = async (more) => browser.until((most) => Number(document.body.dataset.samples) > most, (await samples()) + more);
+  await wait(4500);
+  await clicked(browser, "#cal-stop");
+  await clicked(browser, "#cal-accept");
+  const now = async () => Number(/Error now ([\d.]+)/.exec(await browser.text("#why caption"))?.[1]);
+  const button = `[data-add="${effect}"]`;
+  for (let asked = 0; asked < 12; asked += 1) {
+    await clicked(browser, "#ask-why");
+    said.verdict = await page.locator("#why").getAttribute("data-verdict");
+    if (said.verdict === "missing") break;
+    await wait(1000);
+  }
+  said.whyText = await browser.text("#why");
+  said.before = await now();
+  said.status = await page.locator("#why tr", { has: page.locator(button) }).locator("td").first().innerText();
+  await browser.shot("missing-why", { fullPage: true });
+  await clicked(browser, button);
+  await browser.until((at) => document.querySelector(at)?.textContent === "remove", button);
+  said.inUse = await browser.text(button);
+  said.after = await now();
+  await browser.shot("missing-added", { fullPage: true });
+  await clicked(browser, button);
+  await browser.until((at) => document.querySelector(at)?.textContent === "add", button);
+  said.removed = await browser.text(button);
+  [said.recording, said.log] = await downloaded(page, "#save-log");
+  said.objections = await browser.usable();
+  said.wrong = await browser.close();
+  hand.destroy();
+  return said;
+}
+
+/** The page by itself on a serial port, with a sketch at its end that prints `Raw:` lines; then with a hostile board. */
+export async function sketch({ file, address, rows, hostile, name, shots }) {
+  const said = {};
+  const browser = await Browser.open({ shots, init: STAND_IN });
+  const { page } = browser;
+  await join(page, address);
+  await browser.go(pathToFileURL(file).href);
+  await page.locator("#connect").click();
+  said.link = await link(browser, "open");
+  await browser.until((most) => Number(document.body.dataset.samples) > most, rows);
+  await browser.shot("sketch", { fullPage: true });
+  [said.recording, said.log] = await downloaded(page, "#save-log");
+  // What is looked at is what was saved: the rest of the stream is not in it.
+  await page.locator("#file").setInputFiles({ name: "recording.txt", mimeType: "text/plain", buffer: Buffer.from(said.log) });
+  await browser.until(() => document.body.dataset.log === "recording.txt");
+  await browser.settled();
+  said.words = await page.locator("#words-body details").filter({ hasText: "The fit, as" }).locator("pre").textContent();
+  await page.evaluate(() => { delete document.body.dataset.log; });
+  await page.locator("#look-log").click();
+  await browser.until(() => document.body.dataset.log === "recording.txt");
+  await browser.settled();
+  said.sentence = await browser.text("#sentence");
+  said.wrong = await browser.close();
+
+  const other = await Browser.open({ init: STAND_IN });
+  await join(other.page, hostile);
+  await other.go(pathToFileURL(file).href);
+  await other.page.locator("#connect").click();
+  said.hostileLink = await link(other, "open");
+  await other.until((text) => document.getElementById("hint").textContent.includes(text), name);
+  said.hostileHint = await other.text("#hint");
+  await clicked(other, "#ask-why");
+  said.hostileWhy = await other.text("#why");
+  await clicked(other, "#cal-start");
+  await other.until(() => Number(document.body.dataset.samples) > 60 && !document.getElementById("save-log").disabled);
+  said.hostileSaved = (await downloaded(other.page, "#save-log"))[1];
+  await other.page.locator("details").evaluateAll((all) => all.forEach((one) => { one.open = true; }));
+  said.injected = await other.page.evaluate(() => [...document.querySelectorAll("img, iframe, b:not([id]), object, embed")].map((one) => one.outerHTML));
+  said.marked = await other.page.evaluate(() => Boolean(window.injected));
+  said.wrong.push(...await other.close());
+  return said;
+}
+
+/** Seconds of a processor that each kind of Chromium's processes has had (Linux): `renderer` runs the page, `gpu-process` draws. */
 function processorSeconds(root) {
   const all = readdirSync("/proc").filter((name) => /^\d+$/.test(name)).flatMap((name) => {
     try {
       const cells = readFileSync(`/proc/${name}/stat`, "utf8").replace(/^.*\) /s, "").split(" ");
-      return [{ pid: Number(name), parent: Number(cells[1]), seconds: (Number(cells[11]) + Number(cells[12])) / 100 }];
+      const kind = /--type=([a-z-]+)/.exec(readFileSync(`/proc/${name}/cmdline`, "utf8"))?.[1] ?? "browser";
+      return [{ pid: Number(name), parent: Number(cells[1]), kind, seconds: (Number(cells[11]) + Number(cells[12])) / 100 }];
     } catch {
       return [];
     }
   });
-  const below = (pid) => all.filter((one) => one.parent === pid).reduce((sum, one) => sum + one.seconds + below(one.pid), 0);
-  return below(root);
+  const sums = {};
+  const add = (parent) => all.filter((one) => one.parent === parent).forEach((one) => {
+    sums[one.kind] = (sums[one.kind] ?? 0) + one.seconds;
+    add(one.pid);
+  });
+  add(root);
+  return sums;
 }
 
-/** How much of one core the page takes while a board streams: {updates a second, share of a core}. */
-export async function load({ address, seconds }) {
+/** What of a core the page takes while a board streams: updates a second, shares of a core by process, of them the page's script. */
+export async function load({ address, seconds, server }) {
   const browser = await Browser.open({});
   await browser.go(address);
-  await browser.until(() => document.getElementById("link").dataset.state === "open");
+  await link(browser, "open");
   await browser.until(() => Number(document.body.dataset.samples) > 100);
-  const measure = async () => ({ at: performance.now() / 1000, busy: processorSeconds(process.pid), samples: Number(await browser.page.evaluate(() => document.body.dataset.samples)), drawn: Number(await browser.page.evaluate(() => document.body.dataset.drawn)) });
+  const tools = await browser.context.newCDPSession(browser.page);
+  await tools.send("Performance.enable");
+  const own = () => {
+    const cells = readFileSync(`/proc/${server}/stat`, "utf8").replace(/^.*\) /s, "").split(" ");
+    return (Number(cells[11]) + Number(cells[12])) / 100;
+  };
+  const measure = async () => {
+    const { metrics } = await tools.send("Performance.getMetrics");
+    const page = Object.fromEntries(metrics.filter(({ name }) => /Duration$/.test(name)).map(({ name, value }) => [name, value]));
+    const counts = await browser.page.evaluate(() => ({ samples: Number(document.body.dataset.samples), updates: Number(document.body.dataset.drawn) }));
+    return { at: performance.now() / 1000, ...counts, ...page, ...processorSeconds(process.pid), ...(server ? { server: own() } : {}) };
+  };
   const first = await measure();
   await browser.page.waitForTimeout(1000 * seconds);
   const last = await measure();
   const time = last.at - first.at;
-  return { samples: (last.samples - first.samples) / time, updates: (last.drawn - first.drawn) / time, share: (last.busy - first.busy) / time, wrong: await browser.close() };
+  const rates = Object.fromEntries(Object.keys(last).filter((key) => key !== "at").map((key) => [key, Number(((last[key] - (first[key] ?? 0)) / time).toFixed(4))]));
+  return { ...rates, wrong: await browser.close() };
 }

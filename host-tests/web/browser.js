@@ -98,6 +98,65 @@ export class Browser {
     });
   }
 
+  /** What the keyboard does not reach by Tab, of all that can be seen and used. */
+  async unreached() {
+    await this.page.evaluate(() => {
+      document.activeElement?.blur();
+      window.scrollTo(0, 0);
+      const all = [...document.querySelectorAll("a[href], button, input, select, summary, textarea, [tabindex='0']")];
+      window.wanted = new Set(all.filter((one) => !one.disabled && one.checkVisibility()));
+    });
+    const count = await this.page.evaluate(() => window.wanted.size);
+    for (let pressed = 0; pressed < count + 10; pressed += 1) {
+      await this.page.keyboard.press("Tab");
+      if ((await this.page.evaluate(() => (window.wanted.delete(document.activeElement), window.wanted.size))) === 0) break;
+    }
+    return this.page.evaluate(() => [...window.wanted].map((one) => `${one.tagName}#${one.id} ${one.textContent.slice(0, 40)}`));
+  }
+
+  /** Plots that say nothing to those who do not see them: no name, or no table of their numbers. */
+  mute() {
+    return this.page.evaluate(async () => {
+      const wrong = [];
+      for (const one of document.querySelectorAll(".uplot")) {
+        const plot = one.closest("[role=img]");
+        if (!plot?.checkVisibility()) continue;
+        if (!plot.getAttribute("aria-label")) wrong.push(`${plot.id}: no name`);
+        const numbers = plot.closest("figure").querySelector("details");
+        // One that grows is told by the lines of text beside it.
+        if (!numbers && plot.id === "plot-live") continue;
+        if (!numbers) {
+          wrong.push(`${plot.id}: no numbers`);
+          continue;
+        }
+        numbers.open = true;
+        await new Promise((resolve) => { setTimeout(resolve); });
+        const table = numbers.querySelector("table");
+        if (!table?.caption?.textContent || table.querySelectorAll("tbody td").length < 2) wrong.push(`${plot.id}: an empty table`);
+        numbers.open = false;
+      }
+      return wrong;
+    });
+  }
+
+  /** All that is asked of a page whatever it shows: rules, keys, words for plots, dark, a telephone's width. Objections. */
+  async usable() {
+    const { page } = this;
+    const wrong = [...await this.objections(), ...(await this.unreached()).map((one) => `no key leads to ${one}`), ...await this.mute()];
+    const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
+    const before = await theme();
+    await page.locator("#theme").click();
+    if ((await theme()) === before) wrong.push("the theme does not change");
+    wrong.push(...(await this.objections()).map((one) => `not in ${before}: ${one}`));
+    await page.locator("#theme").click();
+    const size = page.viewportSize();
+    await page.setViewportSize({ width: 360, height: 740 });
+    await this.until(() => [...document.querySelectorAll(".uplot")].filter((one) => one.checkVisibility()).every((one) => one.clientWidth <= 360));
+    wrong.push(...(await this.wide()).map((one) => `wider than a telephone: ${one}`));
+    await page.setViewportSize(size);
+    return wrong;
+  }
+
   async close() {
     await this.browser.close();
     return this.wrong;

@@ -46,24 +46,62 @@ export async function report({ file, effect, shots }) {
   const [download] = await Promise.all([page.waitForEvent("download"), page.locator("[data-form=c]").click()]);
   said.download = download.suggestedFilename();
   said.exported = await browser.text("#exported");
-  said.objections = await browser.objections();
+  // Every target has its button, and each gives a file.
+  await page.locator("#scale").fill("0.15");
+  said.targets = {};
+  for (const form of await page.locator("[data-form]:is(button)").evaluateAll((all) => all.map((one) => one.dataset.form))) {
+    const [file] = await Promise.all([page.waitForEvent("download"), page.locator(`button[data-form=${form}]`).click()]);
+    said.targets[form] = [file.suggestedFilename(), await browser.text("#exported")];
+  }
+  // What else it says of the effect and of the log.
+  said.found = await browser.text("#numbers-body");
+  said.open = await browser.text("#open-body");
+  said.choices = await page.locator("#column option").allInnerTexts();
+  said.plots = await page.evaluate(() => [...document.querySelectorAll(".plot[id]")].filter((one) => one.checkVisibility() && one.dataset.drawn).map((one) => one.id));
+  said.gaps = await browser.text("#ball-body");
+  await page.locator("footer summary").click();
+  said.licences = await browser.text("footer pre");
+  said.objections = await browser.usable();
   // Dark.
   await page.locator("#theme").click();
   said.dark = await page.evaluate(() => document.documentElement.dataset.theme);
-  said.objectionsDark = await browser.objections();
   await page.evaluate(() => window.scrollTo(0, 0));
   await browser.shot("report-dark");
   // Off again.
   await page.locator(`[data-effect="${effect}"]`).click();
   await browser.until((value) => document.getElementById("error-now").textContent.startsWith(value), said.base.toFixed(3));
+  await browser.settled();
+  said.sentenceOff = await browser.text("#sentence");
   // A telephone.
   await page.setViewportSize({ width: 390, height: 844 });
   await browser.until(() => [...document.querySelectorAll(".uplot")].every((one) => one.clientWidth <= 390));
   said.wide = await browser.wide();
   await browser.shot("report-phone");
-  // Paper.
+  // Paper: white, without what can only be clicked.
+  await page.emulateMedia({ media: "print" });
+  said.onPaper = await page.evaluate(() => [...document.querySelectorAll("header, .buttons, #export, #sentence, #figures, #stairs, #plot-residual, #sphere")].filter((one) => one.checkVisibility()).map((one) => one.id || one.className || one.tagName));
+  await page.emulateMedia({ media: null });
   const pdf = await page.pdf({ format: "A4" });
   said.pages = pdf.toString("latin1").match(/\/Type\s*\/Page[^s]/g)?.length ?? 0;
+  said.wrong = await browser.close();
+  return said;
+}
+
+/** A report with others beside it: the heads of its table and the rows, and what is said of faults. */
+export async function beside({ file, shots }) {
+  const browser = await Browser.open({ shots });
+  const { page } = browser;
+  await browser.go(pathToFileURL(file).href);
+  const rows = page.locator("#beside-body table").first().locator("tr");
+  const said = { rows: await rows.evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.textContent))) };
+  said.legends = await page.locator("#plot-beside-histogram .u-legend .u-label").allInnerTexts();
+  said.links = await page.locator("#parts a").allInnerTexts();
+  said.faults = await browser.text("#faults");
+  // A span in another colour stands in the plot where the fault is.
+  said.shaded = await page.evaluate(() => document.getElementById("plot-residual").plot.given.marks);
+  await page.locator("#beside").scrollIntoViewIfNeeded();
+  await browser.shot("beside");
+  said.objections = await browser.usable();
   said.wrong = await browser.close();
   return said;
 }
@@ -73,6 +111,13 @@ export async function hostile({ file, names }) {
   const browser = await Browser.open({});
   const { page } = browser;
   await browser.go(pathToFileURL(file).href);
+  const said = await probed(page, names);
+  said.wrong = await browser.close();
+  return said;
+}
+
+/** Opens all there is of a log with hostile names: what has become markup, and what of them is text. */
+export async function probed(page, names) {
   const said = { columns: await page.locator("#column option").allInnerTexts() };
   for (const name of said.columns) {
     await page.locator("#column").selectOption({ label: name });
@@ -81,6 +126,5 @@ export async function hostile({ file, names }) {
   said.injected = await page.evaluate(() => [...document.querySelectorAll("img, iframe, b:not([id]), object, embed")].map((one) => one.outerHTML));
   said.marked = await page.evaluate(() => Boolean(window.injected));
   said.seen = await page.evaluate((all) => all.filter((name) => document.body.textContent.includes(name)), names);
-  said.wrong = await browser.close();
   return said;
 }

@@ -4,7 +4,7 @@ use core::fmt;
 
 use super::extrapolated::Extrapolated;
 use crate::effect::{Effect, Searched, TIME};
-use crate::extended::{Live, LiveError};
+use crate::extended::{ExtendedCalibration, Live, LiveError};
 use crate::fit::MAX_PREDICTED_ERROR;
 use crate::learn::Motion;
 use crate::monitor::Monitor;
@@ -61,31 +61,51 @@ pub(super) struct Active {
 }
 
 impl Active {
-    pub(super) fn new(slot: Slot, record: Record, axes: AxisMap) -> Self {
+    /// Not at work yet: that comes once it stands where it stays, so that the stack never carries both.
+    fn new(slot: Slot, record: Record) -> Self {
         let field_ut = record.calibration.field_ut;
         // An error that is not known is taken for what a calibration is refused from.
         let error = record.predicted_error.share().unwrap_or(MAX_PREDICTED_ERROR);
         let monitor = Monitor::new(field_ut as f32, record.noise_ut as f32, (error * field_ut) as f32);
-        let mut active = Self {
+        Self {
+            clock_s: after_the_steps(&record),
             record,
             slot,
             live: Err(NotApplied::Mounting),
             origin_s: 0.0,
-            clock_s: after_the_steps(&record),
             monitor,
-        };
-        active.put_to_work(axes);
-        active
+        }
+    }
+
+    /// Puts a record in the place of the calibration in use, and to work there.
+    pub(super) fn install(place: &mut Option<Self>, slot: Slot, record: &Record, axes: AxisMap) {
+        Self::put_down(place, slot, record);
+        if let Some(active) = place {
+            active.put_to_work(axes);
+        }
+    }
+
+    #[inline(never)]
+    fn put_down(place: &mut Option<Self>, slot: Slot, record: &Record) {
+        *place = Some(Self::new(slot, *record));
     }
 
     /// Makes the correction of the record. Apart, because it works on whole calibrations, of a kilobyte each.
     #[inline(never)]
     fn put_to_work(&mut self, axes: AxisMap) {
+        if !self.record.axes.is_none_or(|recorded| recorded == axes) {
+            return;
+        }
+        let calibration = self.own_clock();
+        self.live = Live::new(&calibration).map_err(NotApplied::Live);
+    }
+
+    /// The calibration on the board's own clock, in single precision; the doubles leave the stack with this.
+    #[inline(never)]
+    fn own_clock(&mut self) -> ExtendedCalibration<f32> {
         let (calibration, origin_s) = self.record.extended().on_own_clock();
         self.origin_s = origin_s;
-        if self.record.axes.is_none_or(|recorded| recorded == axes) {
-            self.live = Live::new(&calibration.cast()).map_err(NotApplied::Live);
-        }
+        calibration.cast()
     }
 
     /// The recording's clock, where it is known.

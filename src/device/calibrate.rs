@@ -82,7 +82,7 @@ impl Device {
         // It was solved or loaded when the job began, and nothing is answered meanwhile.
         let _ = self.session.accept();
         self.loading.forget();
-        self.put_to_work(slot, record);
+        self.put_to_work(slot, &record);
         self.store_unread = false;
         Ok(slot)
     }

@@ -210,17 +210,18 @@ impl Device {
         let change = self.lessons.changed.take();
         let error = match outcome {
             Ok(Done::Saved(slot, record)) => {
-                let mut active = Active::new(slot, record, self.config.sensor.axes);
                 let now_ms = self.now_ms;
+                let known = self.active.as_ref().and_then(|old| old.recording_s(now_ms));
+                Active::install(&mut self.active, slot, &record, self.config.sensor.axes);
                 if record.effects.iter().any(|fitted| reads_time(&fitted.effect)) {
                     // What the study found goes by the board's own clock; a calibration that was there before keeps its own.
-                    let known = self.active.as_ref().and_then(|old| old.recording_s(now_ms));
                     let is_own = self.lessons.own_clock || known.is_none();
                     let now_s = known.filter(|_| !is_own).unwrap_or(now_ms as f64 * 1e-3);
-                    active.feed(TIME, now_s, now_ms);
+                    if let Some(active) = &mut self.active {
+                        active.feed(TIME, now_s, now_ms);
+                    }
                     self.lessons.own_clock = is_own;
                 }
-                self.active = Some(active);
                 self.feed_again();
                 let [before, after] = change.map_or([f32::NAN; 2], |change| change.rms_ut);
                 return reply.ok(format_args!(

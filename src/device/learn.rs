@@ -199,7 +199,7 @@ impl Device {
 
     /// Applies a record from now on. What was learned goes on where it was learned without effects, in the same field.
     #[inline(never)]
-    pub(super) fn put_to_work(&mut self, slot: Slot, record: Record) {
+    pub(super) fn put_to_work(&mut self, slot: Slot, record: &Record) {
         let had_effects = self.active.as_ref().is_some_and(|active| !active.record.effects.is_empty());
         let learner = &mut self.lessons.learner;
         let near = |field: f64| (field / record.calibration.field_ut - 1.0).abs() < 1e-6;
@@ -207,7 +207,7 @@ impl Device {
             learner.begin(&record.calibration);
         }
         self.lessons.own_clock = false;
-        self.active = Some(Active::new(slot, record, self.config.sensor.axes));
+        Active::install(&mut self.active, slot, record, self.config.sensor.axes);
         self.feed_again();
     }
 

@@ -416,7 +416,7 @@ impl Device {
             let at_work = self.active.as_ref().is_some_and(|active| active.record == record);
             if !at_work {
                 self.lessons.learner.begin(&record.calibration);
-                self.active = Some(Active::new(slot, record, self.config.sensor.axes));
+                Active::install(&mut self.active, slot, &record, self.config.sensor.axes);
             }
         }
     }

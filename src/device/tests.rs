@@ -45,7 +45,7 @@ fn record(effect: BuiltIn<f64>) -> Record {
 fn device(effect: BuiltIn<f64>) -> Device {
     let mut device = plain_device();
     device.rest();
-    device.active = Some(Active::new(Slot::A, record(effect), AxisMap::IDENTITY));
+    Active::install(&mut device.active, Slot::A, &record(effect), AxisMap::IDENTITY);
     device
 }
 
@@ -108,7 +108,7 @@ fn the_light_shows_the_calibration_then_the_session_and_a_fault_before_all() {
     device.on_sample(&Reading { counts: [200, -100, 350], overflow: [false; 3] }, 5);
     assert_eq!(device.light(), Light::Uncalibrated);
     let drift = record(BuiltIn::Drift(Drift { reference_s: 100.0 }));
-    device.active = Some(Active::new(Slot::A, drift, AxisMap::IDENTITY));
+    Active::install(&mut device.active, Slot::A, &drift, AxisMap::IDENTITY);
     assert_eq!(device.light(), Light::Calibrated);
     device.session.start();
     assert_eq!(device.light(), Light::Collecting);
@@ -135,7 +135,7 @@ fn status_says_what_keeps_a_calibration_from_use() {
         ),
         (drift, "+ hint the calibration waits for: cov t_s=VALUE"),
     ] {
-        device.active = Some(Active::new(Slot::A, record, AxisMap::IDENTITY));
+        Active::install(&mut device.active, Slot::A, &record, AxisMap::IDENTITY);
         let said = answer(&mut device, "status", 3000);
         assert!(said.starts_with(hint), "{said}");
     }
@@ -166,7 +166,7 @@ fn a_device_that_begins_anew_is_as_good_as_a_new_one() {
 fn calibrated() -> Device {
     let mut device = plain_device();
     let plain = Record { effects: Effects::none(), ..record(BuiltIn::Drift(Drift { reference_s: 0.0 })) };
-    device.active = Some(Active::new(Slot::A, plain, AxisMap::IDENTITY));
+    Active::install(&mut device.active, Slot::A, &plain, AxisMap::IDENTITY);
     device.store_unread = false;
     device
 }

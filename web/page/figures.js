@@ -52,7 +52,7 @@ export class Figures {
             last.dip_rms_deg === null ? "" : `dip ± ${degrees(last.dip_rms_deg)}`));
       }
       parts.push(h("span", { class: "arrow", "aria-hidden": "true" }, "⊣"),
-        figure("floor", "what noise alone leaves", ut(fit.residual_floor_ut), percent(figures.floor_percent)));
+        figure("floor", "what noise alone leaves", ut(figures.floor_ut), percent(figures.floor_percent)));
     }
     fill(by("figures"), h("div", { class: "figures" }, parts));
   }
@@ -125,7 +125,7 @@ export class Figures {
     const effects = this.look.fit.effects.length > 0;
     const found = this.found?.where?.find((one) => one.against === bins.name);
     fill(this.explains, found ? `Of the squared error of offset and matrix it explains ${fixed(100 * found.explained, 0)} %; chance does as well with probability ${chance(found.p_value)}.` : "");
-    const floor = this.look.fit.residual_floor_ut;
+    const floor = this.look.figures.floor_ut;
     this.columnPlot.show(bins.at, [
       { label: "offset and matrix alone", values: bins.without_ut, colour: "--orange", points: 7 },
       ...(effects ? [
@@ -195,7 +195,7 @@ export class Figures {
       ["error as measured", fixed(figures.before_ut, 3), fixed(figures.before_percent, 2)],
       ["error after", fixed(fit.rms_ut, 3), fixed(figures.after_percent, 2)],
       ["on unseen time", fixed(fit.holdout_rms_ut, 3), fixed(fit.field_ut ? 100 * fit.holdout_rms_ut / fit.field_ut : null, 2)],
-      ["floor by noise", fixed(fit.residual_floor_ut, 3), fixed(figures.floor_percent, 2)],
+      ["floor by noise", fixed(figures.floor_ut, 3), fixed(figures.floor_percent, 2)],
       ["sensor noise per axis", fixed(fit.noise_floor_ut, 3), NONE],
       ["predicted error of a vector", fixed(figures.predicted_ut, 3), fixed(fit.field_ut ? 100 * figures.predicted_ut / fit.field_ut : null, 2)],
       ["field", fixed(fit.field_ut, 3), NONE],

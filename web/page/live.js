@@ -8,7 +8,13 @@ import { Sphere } from "./sphere.js";
 
 const STATUS_MS = 700;
 const DRAW_MS = 33;
+// Numbers follow every sample; the strip and the sphere, which cost more, as the eye needs them.
+const STRIP_MS = 100;
 const SPHERE_MS = 500;
+// A dot that is as near to the last one shows nothing new, µT.
+const APART_UT = 0.4;
+// So far, in radii, the dots may have moved before the sphere is built anew.
+const MOVED = 0.01;
 const SILENT_MS = 3000;
 const STRIP = 600;
 const POINTS = 2000;
@@ -67,7 +73,7 @@ export class Live {
       gap: meter("gap", "largest gap", 40, 90, 180, 0),
       error: meter("error", "error, % (limit 1)", 1, 2, 4, 0),
     };
-    this.reading = h("p", { class: "state", id: "reading" }, "–");
+    this.reading = h("p", { class: "state steady", id: "reading" }, "–");
     this.judged = h("div", { id: "judged" });
     this.why = h("div", { id: "why" });
     this.buttons = {
@@ -87,8 +93,9 @@ export class Live {
       h("div", { class: "buttons" }, Object.values(this.buttons)), this.answer,
       h("div", { class: "meter" }, Object.values(this.meters).flatMap((one) => one.parts)), this.reading, this.judged, this.why, ball, this.plot.whole,
       h("details", {}, h("summary", {}, "The board's console"), this.transcript));
-    this.sphere = new Sphere(ball, "live-sphere");
+    this.sphere = new Sphere(ball, "live-sphere", POINTS);
     this.plot.whole.hidden = true;
+    this.plot.watch();
   }
 
   /** Follows a board until the page is closed. */
@@ -245,7 +252,7 @@ export class Live {
   }
 
   async start() {
-    this.points = [];
+    this.clear();
     this.recording = new Recording(this.scale);
     fill(this.judged);
     fill(this.why);
@@ -273,8 +280,7 @@ export class Live {
     this.buttons.force.hidden = !(reply.text ?? "").includes("worse-than-in-use");
     this.buttons.force.disabled = this.buttons.force.hidden;
     if (!reply.ok) return;
-    this.points = [];
-    this.strip = { at: [], value: [] };
+    this.clear();
     await this.stream("cal");
   }
 
@@ -346,8 +352,20 @@ export class Live {
   }
 
   point(v) {
+    this.at = v;
+    const last = this.points.at(-1);
+    if (last && Math.hypot(v[0] - last[0], v[1] - last[1], v[2] - last[2]) < APART_UT) return;
     this.points.push(v);
+    this.more = true;
     if (this.points.length > POINTS) this.points.shift();
+  }
+
+  /** Nothing of what is drawn counts any more. */
+  clear() {
+    this.points = [];
+    this.at = null;
+    this.built = null;
+    this.strip = { at: [], value: [] };
   }
 
   /** Draws soon, at most thirty times a second. */
@@ -365,34 +383,50 @@ export class Live {
     this.counts.drawn += 1;
     document.body.dataset.samples = String(this.counts.lines);
     document.body.dataset.drawn = String(this.counts.drawn);
-    const last = this.points.at(-1);
+    const last = this.at;
     const corrected = this.kind === "cal";
-    this.reading.textContent = [
+    const reading = [
       last ? `${corrected ? "corrected" : "measured"} ${last.map((value) => value.toFixed(2)).join(", ")} µT` : null,
       corrected && this.now ? `magnitude ${this.now.norm.toFixed(2)} µT · error ${this.now.residual.toFixed(3)} µT · heading if level ${this.now.heading.toFixed(0)}°` : null,
       this.figures, this.recording ? `${this.recording.samples} samples recorded${this.recording.lost ? `, ${this.recording.lost} lost` : ""}` : null,
     ].filter(Boolean).join(" · ");
-    this.plot.whole.hidden = this.strip.at.length < 2;
-    if (this.strip.at.length >= 2) this.plot.stream(this.strip.at, this.strip.value, { x: "time, s", y: "µT", label: "error" });
+    if (this.reading.firstChild.data !== reading) this.reading.firstChild.data = reading;
     const now = performance.now();
-    if (last && now - (this.balled ?? 0) > SPHERE_MS) {
+    const strip = this.strip.at.length >= 2;
+    if (this.plot.whole.hidden === strip) this.plot.whole.hidden = !strip;
+    if (strip && now - (this.striped ?? 0) > STRIP_MS) {
+      this.striped = now;
+      this.plot.stream(this.strip.at, this.strip.value, { x: "time, s", y: "µT", label: "error" });
+    }
+    if (this.more && now - (this.balled ?? 0) > SPHERE_MS) {
       this.balled = now;
+      this.more = false;
       this.ball(corrected);
     }
   }
 
+  /** The sphere: built anew where tiles were lit or it has grown, else only its dots are moved. */
   ball(corrected) {
     const axes = [0, 1, 2].map((axis) => this.points.map((v) => v[axis]));
     const ends = axes.map((axis) => [Math.min(...axis), Math.max(...axis)]);
     // Before there is a calibration directions are taken about the middle of what was measured.
     const middle = corrected ? [0, 0, 0] : ends.map(([least, most]) => (least + most) / 2);
+    const radius = this.points.reduce((most, v) => Math.max(most, Math.hypot(...v.map((value, axis) => value - middle[axis]))), 0) || 1;
     const lit = tiles(this.points, middle);
-    const seen = lit.samples.filter(Boolean).length;
-    const about = axes.map((axis, index) => axis.map((value) => value - middle[index]));
-    const radius = about[0].reduce((most, _, i) => Math.max(most, Math.hypot(about[0][i], about[1][i], about[2][i])), 0) || 1;
+    const seen = lit.samples.map((count) => (count ? "1" : "0")).join("");
+    const { built } = this;
+    const still = built && built.seen === seen && built.corrected === corrected && Math.abs(radius / built.radius - 1) < MOVED
+      && Math.hypot(...middle.map((value, axis) => value - built.middle[axis])) < MOVED * radius;
+    const about = (centre) => axes.map((axis, index) => axis.map((value) => value - centre[index]));
+    if (still) {
+      this.sphere.move(about(built.middle));
+      return;
+    }
+    this.built = { seen, corrected, radius, middle };
+    const cloud = about(middle);
     this.sphere.show({
-      field_ut: radius, cloud: { measured_ut: corrected ? [[], [], []] : about, corrected_ut: corrected ? about : [[], [], []] },
-      tiles: { ...lit, coverage: seen / lit.samples.length, gap_deg: 0, gap_side: "any", rough: true },
+      field_ut: radius, cloud: { measured_ut: corrected ? [[], [], []] : cloud, corrected_ut: corrected ? cloud : [[], [], []] },
+      tiles: { ...lit, coverage: seen.replaceAll("0", "").length / seen.length, gap_deg: 0, gap_side: "any", rough: true },
     });
   }
 }

@@ -13,6 +13,9 @@ const text = async (part, name) => {
   return bytes ? new TextDecoder().decode(bytes) : null;
 };
 
+/** Where the module holds a log that is only compared. */
+const OTHER = 1;
+
 class Page {
   constructor({ mode, worker, part }) {
     Object.assign(this, { mode, part });
@@ -60,9 +63,11 @@ class Page {
     this.options = Object.fromEntries(options);
     this.search = h("input", { type: "checkbox", id: "search", checked: true });
     this.field = h("input", { type: "text", id: "option-field", size: 8 });
+    this.compare = h("input", { type: "checkbox", id: "compare" });
     const connect = h("button", { type: "button", id: "connect", onclick: () => this.connect() }, "connect a board");
     const zone = h("div", { class: "zone", id: "zone" },
       h("p", {}, h("label", {}, "A log of any format that ironout reads, or a CAL.json to compare: drop it here, or ", input)),
+      h("p", { id: "comparing", hidden: true }, h("label", {}, this.compare, " the next log stands beside the one that is shown")),
       h("p", {}, SerialWire.possible ? [connect, " with ironout's console, or one that prints Raw: lines as for MotionCal"]
         : h("span", { class: "note" }, "This browser has no Web Serial: a board can be connected in Chromium, Chrome or Edge.")));
     for (const kind of ["dragenter", "dragover", "dragleave", "drop"]) {
@@ -89,6 +94,7 @@ class Page {
     for (const file of files) {
       const bytes = new Uint8Array(await file.arrayBuffer());
       if (file.name.endsWith(".json") && this.look) await this.besides(file.name, new TextDecoder().decode(bytes));
+      else if (this.look && this.compare.checked) await this.logBeside({ name: file.name, bytes });
       else await this.read({ name: file.name, bytes });
     }
   }
@@ -108,6 +114,7 @@ class Page {
   async read(log) {
     this.last = log;
     this.trouble("");
+    by("verdict").hidden = false;
     fill(by("busy"), `Reading ${log.name} …`);
     document.body.dataset.busy = "true";
     try {
@@ -125,6 +132,7 @@ class Page {
       this.show(look);
       this.stairs.show(look, this.found);
       this.parts();
+      if (this.options) by("comparing").hidden = false;
       document.body.dataset.log = log.name;
       document.body.dataset.took = took;
       fill(by("busy"), "");
@@ -137,12 +145,32 @@ class Page {
   }
 
   /** The log under a calibration file, beside its own fit. */
-  async besides(name, cal) {
+  besides(name, cal) {
+    return this.stand(() => this.engine.ask({ do: "under", place: this.place, cal, name }));
+  }
+
+  /** Another log under its own fit, beside this one. */
+  logBeside({ name, bytes }) {
+    const field_ut = this.look.asked.field_ut ?? null;
+    return this.stand(async () => {
+      await this.engine.ask({ do: "read", place: OTHER, options: this.asked(name), field_ut }, bytes);
+      const { fit, figures, picture } = await this.engine.ask({ do: "look", place: OTHER, asked: { search: false, field_ut } });
+      return { name, fit, picture, rms_ut: fit.rms_ut, percent: figures.after_percent };
+    });
+  }
+
+  /** Puts what `make` gives beside what is shown. */
+  async stand(make) {
+    this.trouble("");
+    document.body.dataset.busy = "true";
     try {
-      this.beside.push(await this.engine.ask({ do: "under", place: this.place, cal, name }));
+      this.beside.push(await make());
       this.show(this.look);
+      this.parts();
     } catch (error) {
       this.trouble(error.message);
+    } finally {
+      delete document.body.dataset.busy;
     }
   }
 
@@ -155,7 +183,12 @@ class Page {
   }
 
   live(wire) {
-    if (this.mode === "live") fill(by("sentence"), "Turn the board");
+    if (this.mode === "live") {
+      // There is a verdict once a recording is looked at.
+      by("verdict").hidden = true;
+      document.querySelector(".skip").href = "#live";
+      fill(document.querySelector(".skip"), "to the board");
+    }
     this.board ??= new Live(({ name, text: log }) => this.read({ name, bytes: new TextEncoder().encode(log) }));
     this.board.follow(wire).catch((error) => this.trouble(error.message));
   }
@@ -183,7 +216,7 @@ class Page {
     try {
       await this.unpack();
       const { field_ut, at } = this.look.asked;
-      const look = await this.engine.ask({ do: "look", place: this.place, asked: { add, search: false, field_ut, at } });
+      const look = await this.engine.ask({ do: "look", place: this.place, asked: { add, search: false, field_ut, at, floor_ut: this.found?.residual_floor_ut ?? null } });
       this.show(look);
       this.stairs.took(look);
       fill(by("busy"), "");

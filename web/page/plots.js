@@ -82,8 +82,14 @@ export class Plot {
     this.root.dataset.drawn = String(Number(this.root.dataset.drawn ?? 0) + 1);
   }
 
+  /** From now on [`stream`] draws only while it is seen. */
+  watch() {
+    new IntersectionObserver((all) => { this.unseen = !all.at(-1).isIntersecting; }).observe(this.root);
+  }
+
   /** Shows a series that grows; cheaper than [`show`]. */
   stream(x, values, { label, ...axes }) {
+    if (this.plot && this.unseen) return;
     if (this.plot && this.given?.growing) {
       this.given.x = x;
       this.given.series[0].values = values;

@@ -12,16 +12,21 @@ const TURN = Math.PI / 24;
 const shown = ([x, y, z]) => [y, -z, -x];
 const colour = (name) => new Color(getComputedStyle(document.documentElement).getPropertyValue(name).trim());
 
-/** The corners of a tile, from the sphere's poles by slices of equal height. */
-function patch(slices, sectors, tile, radius) {
+/** Places in a tile, by steps along its two sides. */
+function within(slices, sectors, tile, radius) {
   const slice = Math.floor(tile / sectors);
   const sector = tile % sectors;
-  const at = (i, j) => {
+  return (i, j) => {
     const z = -1 + (2 * (slice + i / STEPS)) / slices;
     const angle = (2 * Math.PI * (sector + j / STEPS)) / sectors;
     const level = Math.sqrt(Math.max(0, 1 - z * z));
     return shown([radius * level * Math.cos(angle), radius * level * Math.sin(angle), radius * z]);
   };
+}
+
+/** The corners of a tile, from the sphere's poles by slices of equal height. */
+function patch(slices, sectors, tile, radius) {
+  const at = within(slices, sectors, tile, radius);
   const corners = [];
   for (let i = 0; i < STEPS; i += 1) {
     for (let j = 0; j < STEPS; j += 1) {
@@ -31,50 +36,80 @@ function patch(slices, sectors, tile, radius) {
   return corners.flat();
 }
 
-function dots(vectors, scale, size, name) {
-  const [x, y, z] = vectors;
-  const places = new Float32Array(x.length * 3);
-  for (let i = 0; i < x.length; i += 1) places.set(shown([x[i] * scale, y[i] * scale, z[i] * scale]), 3 * i);
+/** The outline of a tile, as pairs of corners. */
+function outline(slices, sectors, tile, radius) {
+  const at = within(slices, sectors, tile, radius);
+  const pairs = [];
+  for (let i = 0; i < STEPS; i += 1) pairs.push(at(0, i), at(0, i + 1), at(i, 0), at(i + 1, 0));
+  return pairs.flat();
+}
+
+/** Room for `most` dots, so that more of them cost no new buffer. */
+function dots(vectors, scale, size, name, most = vectors[0].length) {
   const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(places, 3));
-  return new Points(geometry, new PointsMaterial({ color: colour(name), size, sizeAttenuation: false }));
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array(3 * most), 3));
+  const points = new Points(geometry, new PointsMaterial({ color: colour(name), size, sizeAttenuation: false }));
+  // What is behind the camera is none of its business: the dots move on.
+  points.frustumCulled = false;
+  place(points, vectors, scale);
+  return points;
+}
+
+/** Puts dots where the vectors are. */
+function place(points, [x, y, z], scale) {
+  const attribute = points.geometry.getAttribute("position");
+  const count = Math.min(x.length, attribute.count);
+  for (let i = 0; i < count; i += 1) attribute.array.set(shown([x[i] * scale, y[i] * scale, z[i] * scale]), 3 * i);
+  attribute.needsUpdate = true;
+  points.geometry.setDrawRange(0, count);
 }
 
 function label(text) {
-  const canvas = h("canvas", { width: 128, height: 64 });
+  const canvas = h("canvas", { width: 256, height: 64 });
   const pen = canvas.getContext("2d");
   pen.font = "40px system-ui, sans-serif";
   pen.textAlign = "center";
   pen.fillStyle = `#${colour("--text").getHexString()}`;
-  pen.fillText(text, 64, 46);
+  pen.fillText(text, 128, 46);
   const sprite = new Sprite(new SpriteMaterial({ map: new CanvasTexture(canvas), depthTest: false }));
-  sprite.scale.set(0.5, 0.25, 1);
+  sprite.scale.set(0.8, 0.2, 1);
   return sprite;
 }
 
+/** Whether the processor itself draws what is in 3-D: then it is spared. */
+function software() {
+  const context = document.createElement("canvas").getContext("webgl");
+  const names = context?.getExtension("WEBGL_debug_renderer_info");
+  const who = names ? String(context.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(who);
+}
+
 export class Sphere {
-  constructor(root, id = "sphere") {
+  /** `most` dots are made room for where they grow, and then it is not kept for paper. */
+  constructor(root, id = "sphere", most = null) {
+    this.most = most;
     this.canvas = h("canvas", {
       id, tabindex: "0", role: "img",
       "aria-label": "Samples on the sphere; drag or use the arrow keys to turn, plus and minus to come nearer",
     });
     this.showing = { tiles: true, corrected: true, measured: true };
-    const toggle = (key, text) => h("button", {
+    const toggle = (key, mark, text) => h("button", {
       type: "button", "aria-pressed": "true", "data-show": key,
-      onclick: ({ target }) => {
+      onclick: ({ currentTarget }) => {
         this.showing[key] = !this.showing[key];
-        target.setAttribute("aria-pressed", this.showing[key]);
+        currentTarget.setAttribute("aria-pressed", this.showing[key]);
         this.build();
       },
-    }, text);
+    }, h("span", { class: `mark ${key}`, "aria-hidden": "true" }, mark), ` ${text}`);
     this.told = h("div");
     fill(root, h("div", { class: "ball" },
       h("div", {}, this.canvas, h("div", { class: "buttons" },
-        toggle("measured", "● measured"), toggle("corrected", "● corrected"), toggle("tiles", "▦ seen and gaps"),
-        h("button", { type: "button", onclick: () => this.home() }, "turn back"))),
+        toggle("measured", "●", "measured"), toggle("corrected", "●", "corrected"), toggle("tiles", "▦", "tiles: seen, and gaps"),
+        h("button", { type: "button", onclick: () => this.home() }, "first view"))),
       this.told));
     try {
-      this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+      this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !(most && software()), alpha: true, preserveDrawingBuffer: !most });
     } catch {
       this.canvas.replaceWith(h("p", { class: "note" }, "This browser has no WebGL, so there is no picture of the sphere; the table says the same."));
       return;
@@ -89,6 +124,13 @@ export class Sphere {
     this.controls.addEventListener("change", () => this.draw());
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.size()).observe(this.canvas);
+    // What nobody sees is not drawn.
+    this.seen = true;
+    new IntersectionObserver((all) => {
+      const before = this.seen;
+      this.seen = all.at(-1).isIntersecting;
+      if (this.seen && !before) this.draw();
+    }).observe(this.canvas);
     this.home();
   }
 
@@ -123,7 +165,7 @@ export class Sphere {
   }
 
   draw() {
-    if (this.asked || !this.renderer) return;
+    if (this.asked || !this.renderer || (this.most && !this.seen)) return;
     this.asked = true;
     requestAnimationFrame(() => {
       this.asked = false;
@@ -156,19 +198,32 @@ export class Sphere {
     const group = new Group();
     if (tiles && this.showing.tiles) {
       const [places, colours] = [[], []];
+      const edges = [];
+      const [lit, gap] = [colour("--lit"), colour("--gap")];
       tiles.samples.forEach((count, tile) => {
         const corners = patch(tiles.slices, tiles.sectors, tile, 0.97);
-        const { r, g, b } = colour(count ? "--lit" : "--gap");
+        const { r, g, b } = count ? lit : gap;
         places.push(...corners);
+        edges.push(...outline(tiles.slices, tiles.sectors, tile, 0.972));
         for (let i = 0; i < corners.length; i += 3) colours.push(r, g, b);
       });
       const geometry = new BufferGeometry();
       geometry.setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
       geometry.setAttribute("color", new BufferAttribute(new Float32Array(colours), 3));
       group.add(new Mesh(geometry, new MeshBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.28, side: DoubleSide, depthWrite: false })));
+      const grid = new BufferGeometry();
+      grid.setAttribute("position", new BufferAttribute(new Float32Array(edges), 3));
+      group.add(new LineSegments(grid, new LineBasicMaterial({ color: colour("--soft"), transparent: true, opacity: 0.3 })));
     }
-    if (this.showing.measured && of[0].length) group.add(dots(of, scale, 2.5, "--orange"));
-    if (this.showing.corrected && cloud.corrected_ut[0]?.length) group.add(dots(cloud.corrected_ut, scale, 3, "--blue"));
+    this.scale = scale;
+    this.moving = null;
+    for (const [key, size, name] of [["measured", 2.5, "--orange"], ["corrected", 3, "--blue"]]) {
+      const vectors = cloud[`${key}_ut`];
+      if (!this.showing[key] || !vectors[0]?.length) continue;
+      const points = dots(vectors, scale, size, name, this.most ?? vectors[0].length);
+      group.add(points);
+      this.moving = points;
+    }
     const ends = [["front", [1.25, 0, 0]], ["right", [0, 1.25, 0]], ["bottom", [0, 0, 1.25]]];
     const lines = new BufferGeometry();
     lines.setAttribute("position", new BufferAttribute(new Float32Array(ends.flatMap(([, end]) => [0, 0, 0, ...shown(end)])), 3));
@@ -185,6 +240,13 @@ export class Sphere {
       this.camera.position.setLength(distance);
       if (this.camera.position.length() === 0) this.home();
     }
+    this.draw();
+  }
+
+  /** The same picture with other dots. */
+  move(vectors) {
+    if (!this.moving) return;
+    place(this.moving, vectors, this.scale);
     this.draw();
   }
 

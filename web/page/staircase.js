@@ -24,7 +24,7 @@ export class Staircase {
   /** Remembers the error of a look, and draws the stairs. */
   took(look) {
     if (look.fit.rms_ut !== null) this.errors.set(look.asked.add.join(" "), { rms: look.fit.rms_ut, share: look.figures.after_percent });
-    this.floor = look.fit.residual_floor_ut ?? this.floor;
+    this.floor = look.figures.floor_ut ?? this.floor;
     this.stairs();
   }
 

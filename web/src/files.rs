@@ -13,6 +13,11 @@ pub fn has_module() -> bool {
     env!("IRONOUT_WASM_BYTES") != "0"
 }
 
+/// Bytes of the module as it is sent: packed by gzip.
+pub fn module_bytes() -> usize {
+    if has_module() { MODULE.len() } else { 0 }
+}
+
 /// A file of the page, packed; nothing of a name that there is not.
 pub(crate) fn packed(name: &str) -> &'static [u8] {
     FILES.iter().find(|(own, _)| *own == name).map_or(&[], |(_, bytes)| bytes)

@@ -23,15 +23,19 @@ pub struct Look {
     pub diagnosis: Option<Diagnosis>,
     /// Faults of the data.
     pub faults: Vec<DataFault>,
+    /// What noise alone leaves of the corrected magnitude, µT: by the search where there was one, for a fit by itself takes what
+    /// is missing for noise where it looks like noise.
+    pub floor_ut: Option<f64>,
     /// What is drawn.
     pub picture: Picture,
 }
 
-/// Fits a log with the effects of `options.add`, searches for others where `options.search` says so, and draws it.
+/// Fits a log with the effects of `options.add`, searches for others where `options.search` says so, and draws it. `told_ut` is the
+/// floor that an earlier search of the same log gave ([`Look::floor_ut`]), if there was one.
 ///
 /// # Errors
 /// Those of [`fit`](crate::fit()).
-pub fn look(table: &Table, options: &Options) -> Result<Look, Refusal> {
+pub fn look(table: &Table, options: &Options, told_ut: Option<f64>) -> Result<Look, Refusal> {
     ids::check(table, &options.add, options.registry)?;
     with_room(|| {
         let ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
@@ -40,18 +44,23 @@ pub fn look(table: &Table, options: &Options) -> Result<Look, Refusal> {
             true => Some(study(&ground, &Options { force_effect: true, ..options.clone() })?),
             false => None,
         };
-        let picture = picture(&ground, &fitted, options);
-        Ok(Look { fitted, diagnosis, faults: ground.counted.faults.clone(), picture })
+        let searched_ut = diagnosis.as_ref().and_then(|found| found.residual_floor_ut).or(told_ut);
+        let floor_ut = match (fitted.residual_floor_ut, searched_ut) {
+            (Some(own), Some(searched)) => Some(own.min(searched)),
+            (own, searched) => own.or(searched),
+        };
+        let picture = picture(&ground, &fitted, options, floor_ut);
+        Ok(Look { fitted, diagnosis, faults: ground.counted.faults.clone(), floor_ut, picture })
     })
 }
 
-fn picture(ground: &Ground, fitted: &Fitted, options: &Options) -> Picture {
+fn picture(ground: &Ground, fitted: &Fitted, options: &Options, floor_ut: Option<f64>) -> Picture {
     let counted = &ground.counted;
     let drawn = Drawn {
         table: counted.table,
         rows: counted.used.iter().map(|&sample| counted.data.row(sample)).collect(),
         samples: Some(&counted.samples),
-        floor_ut: fitted.residual_floor_ut,
+        floor_ut,
     };
     let Some(solution) = &fitted.solution else { return drawn.bare() };
     let entries: Vec<EffectEntry> = solution.effects.iter().map(EffectEntry::from).collect();

@@ -9,7 +9,7 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// The board's time between two samples, ms: how long it runs for each command, and at a time while it streams.
 pub const SAMPLE_MS: u64 = 20;
@@ -28,6 +28,9 @@ pub struct Bench {
     client: Option<TcpStream>,
     plugged: bool,
     waiting: Vec<u8>,
+    /// How often the clock's seconds go into one of the world's while it streams, since when, and from what time on.
+    pace: Option<(f64, Instant, u64)>,
+    deaf: bool,
     /// What is to be done once the board's clock shows so many ms, in that order.
     planned: VecDeque<(u64, Hand)>,
 }
@@ -45,6 +48,24 @@ impl Bench {
                 hand(self);
             }
         }
+    }
+
+    /// From now on the board streams at so many of its seconds in one of the world's: for whoever looks at it meanwhile.
+    pub fn pace(&mut self, times: f64) {
+        self.pace = Some((times, Instant::now(), self.board.clock.ms()));
+    }
+
+    /// As if its program had stopped: it neither hears nor speaks, and the cable is in.
+    pub fn deafen(&mut self, deaf: bool) {
+        self.deaf = deaf;
+    }
+
+    /// Whether the next sample is due.
+    fn is_due(&self) -> bool {
+        self.pace.is_none_or(|(times, since, from_ms)| {
+            let run_ms = self.board.clock.ms().saturating_sub(from_ms);
+            (run_ms as f64) < since.elapsed().as_secs_f64() * 1e3 * times
+        })
     }
 
     /// Pulls the cable: the connection ends, and no other one is taken until it is plugged in.
@@ -83,6 +104,8 @@ impl Served {
                 client: None,
                 plugged: true,
                 waiting: Vec::new(),
+                pace: None,
+                deaf: false,
                 planned: VecDeque::new(),
             };
             serve(bench, &listener, &asked);
@@ -146,6 +169,10 @@ fn serve(mut bench: Bench, listener: &TcpListener, asked: &Receiver<Hand>) {
 
 /// Whether there was something to do.
 fn turn(bench: &mut Bench) -> io::Result<bool> {
+    if bench.deaf {
+        return Ok(false);
+    }
+    let due = bench.is_due();
     let Bench { board, client: Some(client), waiting, .. } = bench else { return Ok(false) };
     let mut chunk = [0; 512];
     let heard = match client.read(&mut chunk) {
@@ -160,7 +187,7 @@ fn turn(bench: &mut Bench) -> io::Result<bool> {
             board.run_ms(SAMPLE_MS);
         }
     }
-    if heard.is_empty() && board.device.streams() && waiting.len() < MOST_WAITING {
+    if heard.is_empty() && due && board.device.streams() && waiting.len() < MOST_WAITING {
         board.run_ms(SAMPLE_MS);
     }
     for line in board.received() {

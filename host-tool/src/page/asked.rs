@@ -61,6 +61,8 @@ pub struct LookAsked {
     pub field_ut: Option<f64>,
     /// `--at`.
     pub at: Option<String>,
+    /// What noise alone leaves, µT, where a search of this log has told it from what is missing.
+    pub floor_ut: Option<f64>,
 }
 
 impl LookAsked {

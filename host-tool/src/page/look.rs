@@ -38,7 +38,7 @@ pub fn look(held: &Held, asked: &LookAsked) -> Outcome<Value> {
         prior: None,
         registry: REGISTRY,
     };
-    let look = ironout_analysis::look(&Table::from(log), &options)
+    let look = ironout_analysis::look(&Table::from(log), &options, asked.floor_ut)
         .map_err(|refusal| refusal::failure(refusal, &log.path))?;
     let arguments = FitArgs {
         log: held.asked.arguments(),
@@ -58,8 +58,8 @@ pub fn look(held: &Held, asked: &LookAsked) -> Outcome<Value> {
     Ok(json!({
         "asked": asked,
         "fit": FitObject::of(&look.fitted, options.method.name()),
-        "figures": figures(&look.fitted),
-        "sentence": sentence(&look.fitted),
+        "figures": figures(&look.fitted, look.floor_ut),
+        "sentence": sentence(&look.fitted, look.floor_ut),
         "words": words,
         "cal": cal,
         "effects": effects.map(|effect| explained(held, effect)).collect::<Vec<_>>(),
@@ -102,7 +102,7 @@ fn cal_text(held: &Held, fitted: &Fitted) -> Outcome<String> {
     Ok(text + "\n")
 }
 
-fn figures(fitted: &Fitted) -> Value {
+fn figures(fitted: &Fitted, floor_ut: Option<f64>) -> Value {
     let solution = fitted.solution.as_ref();
     let field_ut = solution.map(|solution| solution.calibration.field_ut);
     let percent = |value: Option<f64>| json_number(value.zip(field_ut).map(|(v, field)| 100.0 * v / field));
@@ -121,14 +121,15 @@ fn figures(fitted: &Fitted) -> Value {
         "after_heading_deg": json_number(fitted.heading_error_deg),
         "without_effects_ut": json_number(solution.and_then(|s| s.without_effects.as_ref()).map(|base| base.rms_ut)),
         "predicted_ut": json_number(solution.map(|solution| solution.predicted_error_ut)),
-        "floor_percent": percent(fitted.residual_floor_ut),
+        "floor_ut": json_number(floor_ut),
+        "floor_percent": percent(floor_ut),
         "dip_deg": json_number(fitted.dip_deg),
         "rows": fitted.rows, "repeated": fitted.repeated, "at_rest": fitted.at_rest,
     })
 }
 
 /// The verdict of a fit in one sentence.
-fn sentence(fitted: &Fitted) -> String {
+fn sentence(fitted: &Fitted, floor_ut: Option<f64>) -> String {
     let Some(solution) = &fitted.solution else {
         let why = fitted.reasons.first().map_or("the log carries no calibration", String::as_str);
         return format!("REFUSED: {why}");
@@ -142,7 +143,7 @@ fn sentence(fitted: &Fitted) -> String {
         }
         None => format!("the error is {after}"),
     };
-    let rest = match fitted.residual_floor_ut.filter(|floor| *floor > 0.0) {
+    let rest = match floor_ut.filter(|floor| *floor > 0.0) {
         Some(floor) if solution.rms_ut <= EXPLAINED * floor => ", which is what the noise leaves".to_string(),
         Some(floor) => format!(", {:.1} times what the noise leaves", solution.rms_ut / floor),
         None => String::new(),

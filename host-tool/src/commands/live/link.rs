@@ -68,6 +68,7 @@ impl Link {
     }
 
     /// Hangs up for good.
+    #[cfg(feature = "demo")]
     pub fn end(&self) {
         self.ended.store(true, Ordering::Relaxed);
     }

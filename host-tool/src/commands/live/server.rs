@@ -9,13 +9,15 @@ use crate::failure::{Failure, Outcome};
 use crate::interrupt::Interrupt;
 use std::io::{Read, Write};
 use std::sync::mpsc::RecvTimeoutError;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tiny_http::{Header, Method, Request, Response, Server};
 
 /// How long a request is waited for before Ctrl-C is looked at again.
 const GLANCE: Duration = Duration::from_millis(200);
 /// A listener that is gone is noticed within this.
 const PULSE: Duration = Duration::from_secs(2);
+/// Events go out thirty times a second at most: a page has work with each, and no eye sees more.
+const BEAT: Duration = Duration::from_millis(33);
 /// A console's line, and its end.
 const MAX_SAID: u64 = 256;
 
@@ -115,9 +117,12 @@ fn tell(request: Request, link: &Link) {
     let mut out = request.into_writer();
     let begin = "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\nConnection: close\r\n\r\n";
     let mut written = out.write_all(begin.as_bytes()).and_then(|()| out.flush());
+    let mut told = Instant::now();
     while written.is_ok() {
         let text = match events.recv_timeout(PULSE) {
             Ok(Event::Lines(mut lines)) => {
+                std::thread::sleep(BEAT.saturating_sub(told.elapsed()));
+                told = Instant::now();
                 let mut state = None;
                 // What has come meanwhile goes with it.
                 while let Ok(more) = events.try_recv() {

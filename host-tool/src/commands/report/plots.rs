@@ -39,7 +39,7 @@ pub fn plots(look: &Value) -> Vec<(String, String)> {
     let picture = &look["picture"];
     let field = picture["field_ut"].as_f64().unwrap_or(0.0);
     let effects = look.pointer("/fit/effects").and_then(Value::as_array).is_some_and(|all| !all.is_empty());
-    let floor = look.pointer("/fit/residual_floor_ut").and_then(Value::as_f64);
+    let floor = look.pointer("/figures/floor_ut").and_then(Value::as_f64);
     let base = "offset and matrix alone";
     let whole = if effects { "with the effects" } else { "offset and matrix" };
     let mut charts: Vec<(String, Chart)> = Vec::new();

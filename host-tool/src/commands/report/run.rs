@@ -32,6 +32,7 @@ pub fn run(arguments: &ReportArgs, as_json: bool) -> Outcome<u8> {
         search: !arguments.no_search,
         field_ut: arguments.field.field,
         at: arguments.field.at.clone(),
+        floor_ut: None,
     };
     let looked = look(&held_log, &asked)?;
     let mut beside = Vec::new();
