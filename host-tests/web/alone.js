@@ -69,7 +69,7 @@ export async function alone({ file, samples, cal, unreadable, hostile, names, sh
   if (hostile) {
     await read([]);
     await drop(page, hostile);
-    await browser.until((name) => document.body.dataset.log === name || !document.getElementById("trouble").hidden, basename(hostile));
+    await browser.until((name) => document.body.dataset.log === name, basename(hostile));
     await browser.settled();
     said.hostile = await probed(page, names);
   }

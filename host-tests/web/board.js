@@ -50,7 +50,7 @@ async function session(browser, said, shots) {
   await browser.settled();
   said.sentence = await browser.text("#sentence");
   said.now = await browser.text("#error-now");
-  said.objections = await browser.usable();
+  said.objections = await browser.objections();
 }
 
 /** The page that `ironout live` serves. */
@@ -100,10 +100,9 @@ async function link(browser, state) {
   return browser.text("#link");
 }
 
-/** A board that lacks an effect, behind a cable that is bad; `hands` is where its hands are. */
-export async function missing({ address, hands, effect, shots }) {
+/** A board that hangs, behind a cable that is pulled; `hands` is where its hands are. */
+export async function cable({ address, hands, shots }) {
   const browser = await Browser.open({ shots });
-  const { page } = browser;
   const said = {};
   const [host, port] = hands.split(":");
   const hand = connect(Number(port), host);
@@ -119,34 +118,9 @@ export async function missing({ address, hands, effect, shots }) {
   said.gone = await link(browser, "gone");
   hand.write("plug\n");
   said.back = await link(browser, "open");
+  // It goes on: what is asked is answered.
   await clicked(browser, "#cal-start");
-  const samples = () => page.evaluate(() => Number(document.body.dataset.samples));
-  const wait = async (more) => browser.until((most) => Number(document.body.dataset.samples) > most, (await samples()) + more);
-  await wait(4500);
-  await clicked(browser, "#cal-stop");
-  await clicked(browser, "#cal-accept");
-  const now = async () => Number(/Error now ([\d.]+)/.exec(await browser.text("#why caption"))?.[1]);
-  const button = `[data-add="${effect}"]`;
-  for (let asked = 0; asked < 12; asked += 1) {
-    await clicked(browser, "#ask-why");
-    said.verdict = await page.locator("#why").getAttribute("data-verdict");
-    if (said.verdict === "missing") break;
-    await wait(1000);
-  }
-  said.whyText = await browser.text("#why");
-  said.before = await now();
-  said.status = await page.locator("#why tr", { has: page.locator(button) }).locator("td").first().innerText();
-  await browser.shot("missing-why", { fullPage: true });
-  await clicked(browser, button);
-  await browser.until((at) => document.querySelector(at)?.textContent === "remove", button);
-  said.inUse = await browser.text(button);
-  said.after = await now();
-  await browser.shot("missing-added", { fullPage: true });
-  await clicked(browser, button);
-  await browser.until((at) => document.querySelector(at)?.textContent === "add", button);
-  said.removed = await browser.text(button);
-  [said.recording, said.log] = await downloaded(page, "#save-log");
-  said.objections = await browser.usable();
+  said.started = await browser.text("#answer");
   said.wrong = await browser.close();
   hand.destroy();
   return said;
