@@ -192,7 +192,9 @@ export class Board {
     const { core } = mcu;
     while (clock.nanos < endNs && !enough()) {
       if (core.waiting) {
-        clock.sleep(endNs);
+        // What became pending while PRIMASK was set ends a WFI at once (ARMv6-M, B1.5.19); rp2040js looks for what comes later only.
+        if (core.pendingInterrupts & core.enabledInterrupts) core.waiting = false;
+        else clock.sleep(endNs);
         continue;
       }
       // Some milliseconds at once, no further than the next alarm, and one instruction at least: rounding may put the end of the
