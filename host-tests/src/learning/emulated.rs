@@ -123,7 +123,7 @@ impl Bench {
             world,
             kind,
             board: Emulator::start(firmware, &Options::default())?,
-            rng: ChaCha8Rng::seed_from_u64(seed ^ 0x71_656d_75),
+            rng: ChaCha8Rng::seed_from_u64(seed ^ 0x7165_6d75),
             origin_s: 0.0,
             now_s: 0.0,
             warmed_s: f64::NEG_INFINITY,
