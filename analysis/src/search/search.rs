@@ -188,6 +188,20 @@ fn delay<'a>(
     Ok(None)
 }
 
+/// A gap of more steps than this tells nothing about the step ...
+const MOST_STEPS: f64 = 20.0;
+/// ... and stamps tell it if it is within this share of the usual one.
+const FEW_DIGITS: f64 = 0.02;
+
+/// The step of which the gaps are whole multiples, near `usual`. Stamps of few digits have a median gap that is off by part
+/// of their last one, and over a log that is a wave and more.
+fn whole_steps(gaps: &[f64], usual: f64) -> f64 {
+    let counted = gaps.iter().map(|gap| (gap, (gap / usual).round())).filter(|(_, k)| *k <= MOST_STEPS);
+    let (time, steps) = counted.fold((0.0, 0.0), |(time, steps), (gap, k)| (time + gap, steps + k));
+    let step = time / steps;
+    if (step / usual - 1.0).abs() < FEW_DIGITS { step } else { usual }
+}
+
 /// The frequency of the strongest periodic disturbance.
 fn periodic<'a>(
     pass: &Pass,
@@ -208,7 +222,8 @@ fn periodic<'a>(
     let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     // Rows that arrive in bursts have a short median step: the mean one tells the sensor's rate.
     // Thinned rows stand on the grid of all.
-    let step = median(&mut gaps).max(seconds / n as f64 * 0.9) / samples.stride as f64;
+    let usual = median(&mut gaps).max(seconds / n as f64 * 0.9) / samples.stride as f64;
+    let step = whole_steps(&gaps, usual);
     let nyquist = 0.5 / step;
     if nyquist <= LOWEST_HZ {
         return Ok(None);
@@ -267,4 +282,25 @@ fn periodic<'a>(
             .collect();
     }
     Ok(best.and_then(|hz| catalogue.build(named, hz)).map(|piece| Candidate { piece, searched }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::whole_steps;
+
+    #[test]
+    fn stamps_of_few_digits_do_not_move_the_step() {
+        // 46.7 samples a second, stamped to 0.1 ms: the median gap is 0.0214 s, which over 270 s is off by 3.6 waves of 21 Hz.
+        let stamp = |row: usize| (row as f64 / 46.7 * 1e4).round() / 1e4;
+        for stride in [1, 3] {
+            let time: Vec<f64> = (0..12_600).step_by(stride).map(stamp).collect();
+            let gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            let step = whole_steps(&gaps, 0.0214);
+            let waves = 21.3 * 270.0 * (step * 46.7 - 1.0);
+            assert!(waves.abs() < 0.05, "stride {stride}: {waves} waves");
+        }
+        // Where the gaps are no multiples the usual one stands.
+        let odd: Vec<f64> = (0..100).map(|i| if i % 2 == 0 { 0.014 } else { 0.027 }).collect();
+        assert_eq!(whole_steps(&odd, 0.02), 0.02);
+    }
 }
