@@ -225,7 +225,7 @@ fn a_page_that_cannot_be_made_says_why() {
     for (arguments, part) in [
         (vec!["report", text(&log)], "--output"),
         (vec!["report", "no such log", "-o", text(&out)], "no such file"),
-        (vec!["report", text(&log), "-o", text(&log)], ""),
+        (vec!["report", text(&log), "-o", text(&log)], "would replace the file that is read"),
         (vec!["report", text(&log), "-o", text(&out), "--method", "trace"], "adjusted"),
         (vec!["live"], "--qemu"),
         (vec!["live", "--port", "x", "--tcp", "y"], "cannot be used with"),

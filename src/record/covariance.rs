@@ -1,10 +1,10 @@
 //! How the errors of offset and matrix hang together, as a record keeps it: in single precision.
 
-use super::layout::{Reader, Writer};
+use super::layout::{COVARIANCE_BYTES, Reader, Writer};
 use crate::fit::Spread;
 
 /// Numbers in the upper triangle of nine by nine.
-const ENTRIES: usize = 45;
+const ENTRIES: usize = COVARIANCE_BYTES / size_of::<f32>();
 /// Parameters: three of the offset, and the matrix's six from the diagonal on, row by row.
 const PARAMETERS: usize = 9;
 
