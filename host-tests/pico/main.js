@@ -72,6 +72,10 @@ const requests = {
   },
   send: ({ port, text }) => board.send(port, Buffer.from(text, 'latin1')),
   pin: ({ pin, level }) => board.drive(pin, level),
+  /** What the converter finds at a channel: 0 to 3 are pins, 4 is the processor's temperature. */
+  analog({ channel, counts }) {
+    board.mcu.adc.channelValues[channel] = counts;
+  },
   cut: ({ after, seed }) => board.flash.cut(after, seed),
   power() {
     isDead = false;

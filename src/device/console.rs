@@ -19,7 +19,7 @@ const HELP: [&str; 11] = [
     "cal dump: the calibration byte by byte; cal load: one from elsewhere (ironout fetch, ironout send)",
     "stream off | stream raw | stream cal | stream motioncal | stream log",
     "field UT: the expected magnitude, microtesla",
-    "cov NAME=VALUE: a column that effects may follow, as in cov temp_c=31.5; NAME=- forgets it",
+    "cov NAME=VALUE: a column that effects may follow, as in cov temp_c=31.5; NAME=- forgets it, NAME=on tests one that the board measures",
     "heading | heading DECLINATION_DEG: where the front points, clockwise from north; east positive",
     "why: which effect is missing | effect list | effect add ID | effect remove ID",
     "a calibration: cal start, turn the board in all directions, cal stop, cal accept",

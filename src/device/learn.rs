@@ -1,29 +1,22 @@
 //! Feeding the study: samples, columns, motion, the chip's temperature.
 
-use core::fmt;
-
 use super::active::Active;
 use super::lessons::Axes;
 use super::machine::Device;
+use super::own::{Origin, TEMPERATURE};
 use super::sensor::SensorTask;
 use crate::effect::{ColumnName, TIME};
 use crate::fit::{MAX_PREDICTED_ERROR, Order};
-use crate::learn::{Fed, MAX_TESTED};
-use crate::number::Num;
-use crate::protocol::{Answered, Assignments, Code, Reply};
+use crate::learn::Fed;
 use crate::record::Record;
 use crate::sensor::Sample;
 use crate::session::State;
 use crate::store::Slot;
 
-/// Whether a board studies its samples: one without a floating-point unit does not.
-pub(super) const STUDIES: bool = !cfg!(armv6m);
 /// How often the chip's temperature is asked for: a chip that warms by some tenths of a degree a second is followed within its own steps.
 const TEMPERATURE_MS: u64 = 250;
 /// How often, where it has none.
 const NO_TEMPERATURE_MS: u64 = 30_000;
-/// The column of the chip's temperature.
-const TEMPERATURE: &str = "temp_c";
 /// How often a calibration under way is looked at, and with how many samples first.
 const BEGIN_MS: u64 = 2000;
 const BEGIN_SAMPLES: u64 = 150;
@@ -32,8 +25,8 @@ const GOOD_ENOUGH: f64 = 5.0;
 /// ... and with so many samples at any: a strong effect is what makes it wrong.
 const MOST_SAMPLES: u64 = 1500;
 
-const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
-const TURN: [&str; 3] = ["gx_radps", "gy_radps", "gz_radps"];
+pub(super) const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
+pub(super) const TURN: [&str; 3] = ["gx_radps", "gy_radps", "gz_radps"];
 
 impl Device {
     /// Takes the value of a column (a temperature, an ADC channel, anything that an effect may follow) from the owner; NaN where it is
@@ -61,7 +54,7 @@ impl Device {
     }
 
     /// A column's new value, or that it is not known; whether the calibration in use reads it, and whether it is tested.
-    fn feed(&mut self, name: &ColumnName, value: Option<f64>) -> (bool, bool) {
+    pub(super) fn feed(&mut self, name: &ColumnName, value: Option<f64>) -> (bool, bool) {
         let now_ms = self.now_ms;
         let number = value.unwrap_or(f64::NAN);
         let used = self.active.as_mut().is_some_and(|active| active.feed(name.as_str(), number, now_ms));
@@ -98,49 +91,10 @@ impl Device {
         self.active.as_ref().is_some_and(|active| active.live.as_ref().is_ok_and(|live| live.needs_gyro()))
     }
 
-    /// `cov`: all columns of the line, or none.
-    #[inline(never)]
-    pub(super) fn cov<W: fmt::Write>(&mut self, reply: Reply<'_, W>, list: &Assignments) -> Answered {
-        let learner = &self.lessons.learner;
-        let is_read = |name: &ColumnName| {
-            let live = self.active.as_ref().and_then(|active| active.live.as_ref().ok());
-            live.is_some_and(|live| !live.slots(name.as_str()).is_empty())
-        };
-        let fixed = |name: &str| name == TIME || ACCEL.contains(&name) || TURN.contains(&name);
-        let is_new = |name: &ColumnName| !fixed(name.as_str()) && learner.value(name.as_str()).is_none();
-        let forgotten = list.iter().filter(|(name, value)| value.is_none() && !is_new(name)).count();
-        let known = learner.tested().count() - forgotten.min(learner.tested().count());
-        let new =
-            list.iter().filter(|(name, value)| value.is_some() && is_new(name) && !is_read(name)).count();
-        if known + new > MAX_TESTED {
-            let tested = Tested(learner.tested().map(Some).collect());
-            return reply.err(
-                Code::State,
-                format_args!(
-                    "no room: {MAX_TESTED} columns are tested at once ({tested}); forget one first with cov NAME=-"
-                ),
-            );
-        }
-        // What is forgotten makes room.
-        let order = list.iter().filter(|(_, value)| value.is_none());
-        let order = order.chain(list.iter().filter(|(_, value)| value.is_some()));
-        let (mut used, mut tested) = (0, 0);
-        for (name, value) in order {
-            let (is_used, is_tested) = self.feed(name, *value);
-            if name.as_str() == TEMPERATURE {
-                // What is fed stands before what the chip says, until it is forgotten.
-                self.lessons.temperature_by_hand = value.is_some();
-            }
-            used += u8::from(is_used);
-            tested += u8::from(is_tested);
-        }
-        reply.ok(format_args!("{} used={used} tested={tested}", Shown(list)))
-    }
-
     /// Learns from a sample.
     #[inline(never)]
     pub(super) fn learn(&mut self, sample: Sample, t_ms: u64) {
-        if !STUDIES || !self.lessons.learner.is_learning() {
+        if !self.lessons.learner.is_learning() {
             return;
         }
         let Some(measured_ut) = self.config.sensor.measured_ut(sample) else { return };
@@ -160,7 +114,6 @@ impl Device {
     /// A calibration begins from nothing, and so does the study: at the calibration in use, or once there is one.
     pub(super) fn learn_anew(&mut self) {
         match &self.active {
-            _ if !STUDIES => {}
             Some(active) => self.lessons.learner.begin(&active.record.calibration),
             // The study knows where it stood; where that is wrong it finds out.
             None => self.lessons.learner.begin_again(),
@@ -172,8 +125,7 @@ impl Device {
     #[inline(never)]
     pub(super) fn begin_to_learn(&mut self) -> bool {
         let lessons = &self.lessons;
-        if !STUDIES
-            || lessons.learner.is_learning()
+        if lessons.learner.is_learning()
             || self.session.state() != State::Collecting
             || self.now_ms < lessons.begin_at_ms
             || self.session.counts().n < BEGIN_SAMPLES
@@ -203,7 +155,7 @@ impl Device {
         let had_effects = self.active.as_ref().is_some_and(|active| !active.record.effects.is_empty());
         let learner = &mut self.lessons.learner;
         let near = |field: f64| (field / record.calibration.field_ut - 1.0).abs() < 1e-6;
-        if STUDIES && (had_effects || !learner.field_ut().is_some_and(near)) {
+        if had_effects || !learner.field_ut().is_some_and(near) {
             learner.begin(&record.calibration);
         }
         self.lessons.own_clock = false;
@@ -227,7 +179,7 @@ impl Device {
     #[inline(never)]
     pub(super) fn cleared_from_work(&mut self) {
         let Some(active) = self.active.take() else { return };
-        if STUDIES && !active.record.effects.is_empty() {
+        if !active.record.effects.is_empty() {
             self.lessons.learner.begin(&active.record.calibration);
         }
     }
@@ -241,42 +193,10 @@ impl Device {
     pub(super) fn take_temperature(&mut self, temp_c: Option<f32>) {
         let Some(temp_c) = temp_c.filter(|value| value.is_finite()) else {
             self.lessons.temperature_at_ms = self.now_ms + NO_TEMPERATURE_MS;
+            self.lessons.no_temperature = true;
             return;
         };
         self.lessons.temperature_at_ms = self.now_ms + TEMPERATURE_MS;
-        if let Ok(name) = ColumnName::new(TEMPERATURE)
-            && !self.lessons.temperature_by_hand
-        {
-            self.feed(&name, Some(f64::from(temp_c)));
-        }
-    }
-}
-
-/// Names, separated by commas.
-struct Tested<'a>(heapless::Vec<Option<&'a str>, MAX_TESTED>);
-
-impl fmt::Display for Tested<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, name) in self.0.iter().flatten().enumerate() {
-            f.write_str(if index == 0 { "" } else { ", " })?;
-            f.write_str(name)?;
-        }
-        Ok(())
-    }
-}
-
-/// The columns of a line, as they were understood.
-struct Shown<'a>(&'a Assignments);
-
-impl fmt::Display for Shown<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, (name, value)) in self.0.iter().enumerate() {
-            f.write_str(if index == 0 { "" } else { " " })?;
-            match value {
-                Some(value) => write!(f, "{name}={:?}", Num(*value))?,
-                None => write!(f, "{name}=-")?,
-            }
-        }
-        Ok(())
+        self.on_own_column(TEMPERATURE, temp_c, Origin::Inside);
     }
 }

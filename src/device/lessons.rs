@@ -1,5 +1,6 @@
 //! What the device keeps for its study.
 
+use super::own::OwnColumns;
 use crate::calibration::Calibration;
 use crate::learn::{Inquiry, Learner, Motion, Outcome};
 use crate::protocol::EffectId;
@@ -42,8 +43,10 @@ pub(super) struct Lessons {
     pub(super) changed: Option<Change>,
     /// The effects of time in use go by the board's clock since power-up.
     pub(super) own_clock: bool,
-    /// The chip's temperature is fed by hand.
-    pub(super) temperature_by_hand: bool,
+    /// The chip has been asked for its temperature and has none.
+    pub(super) no_temperature: bool,
+    /// What the board measures beside field and motion.
+    pub(super) own: OwnColumns,
 }
 
 /// A change that waits for the store.
@@ -72,7 +75,8 @@ impl Lessons {
             begin_at_ms: 0,
             changed: None,
             own_clock: false,
-            temperature_by_hand: false,
+            no_temperature: false,
+            own: OwnColumns::new(),
         }
     }
 
@@ -83,6 +87,7 @@ impl Lessons {
         (self.accel, self.turn) = ([None; 3], [None; 3]);
         (self.question, self.changed) = (None, None);
         (self.temperature_at_ms, self.begin_at_ms) = (0, 0);
-        (self.own_clock, self.temperature_by_hand) = (false, false);
+        (self.own_clock, self.no_temperature) = (false, false);
+        self.own = OwnColumns::new();
     }
 }

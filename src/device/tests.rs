@@ -6,6 +6,7 @@ use super::active::Active;
 use super::config::DeviceConfig;
 use super::light::Light;
 use super::machine::{Action, Device};
+use super::own::Origin;
 use super::sensor::{Pace, SensorAnswer, SensorTask};
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, ColumnName, Drift, Offset};
@@ -276,4 +277,51 @@ fn a_packet_of_motioncal_is_confirmed_stored_and_applied() {
     // Without the stream a packet is bytes that are no text.
     assert!(typed(&mut device, b"cal cancel\nstream off\n", 10).ends_with("ok stream=off"));
     assert!(typed(&mut device, &[&packet[..], b"\n"].concat(), 11).starts_with("err "));
+}
+
+/// What the study of a device tests now.
+fn tested(device: &Device) -> heapless::Vec<&str, 3> {
+    device.lessons.learner.tested().collect()
+}
+
+#[test]
+fn what_the_board_measures_is_tested_where_it_is_asked_for() {
+    let mut device = plain_device();
+    device.rest();
+    let say = |device: &mut Device, line: &str| answer(device, line, 0);
+    let warm = |device: &mut Device, temp_c| device.complete_sensor(SensorAnswer::Temperature(temp_c), 0);
+    // A pin is tested once that is wanted, ...
+    device.on_own_column("adc0_v", 1.5, Origin::Pin);
+    device.on_own_column("cpu_temp_c", 40.0, Origin::Inside);
+    warm(&mut device, Some(30.0));
+    assert_eq!(tested(&device), ["temp_c"]);
+    assert!(say(&mut device, "cov adc0_v=on").contains("ok adc0_v=1.5 used=0 tested=1"));
+    assert_eq!(tested(&device), ["temp_c", "adc0_v"]);
+    device.on_own_column("adc0_v", 2.5, Origin::Pin);
+    assert_eq!(device.lessons.learner.value("adc0_v"), Some(2.5));
+    // ... what is fed stands before it, and it comes back once that is forgotten; forgotten itself it is not tested any more.
+    say(&mut device, "cov adc0_v=9");
+    device.on_own_column("adc0_v", 2.5, Origin::Pin);
+    assert_eq!(device.lessons.learner.value("adc0_v"), Some(9.0));
+    say(&mut device, "cov adc0_v=- temp_c=-");
+    device.on_own_column("adc0_v", 2.5, Origin::Pin);
+    warm(&mut device, Some(30.0));
+    assert!(tested(&device).is_empty());
+    // What it does not measure, nor three others beside one, changes nothing.
+    let refused = say(&mut device, "cov adc0_v=on wind=on");
+    assert!(
+        refused
+            .contains("err state the board does not measure wind; it measures: adc0_v, cpu_temp_c, temp_c"),
+        "{refused}"
+    );
+    say(&mut device, "cov a=1 b=2 c=3");
+    let refused = say(&mut device, "cov adc0_v=on");
+    assert!(refused.starts_with("err state no room"), "{refused}");
+    // A sensor without a temperature has the processor's.
+    device.begin_anew(device.config);
+    device.on_own_column("cpu_temp_c", 40.0, Origin::Inside);
+    assert!(tested(&device).is_empty());
+    warm(&mut device, None);
+    device.on_own_column("cpu_temp_c", 40.0, Origin::Inside);
+    assert_eq!(tested(&device), ["cpu_temp_c"]);
 }

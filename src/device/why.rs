@@ -186,11 +186,7 @@ impl Device {
     }
 }
 
-pub(super) const NOTHING_YET: &str = if super::learn::STUDIES {
-    "nothing to study yet: cal start and turn the board; the study begins as soon as that gives a calibration"
-} else {
-    "this board has no floating-point unit and does not study: record a log, diagnose it, send the calibration"
-};
+pub(super) const NOTHING_YET: &str = "nothing to study yet: cal start and turn the board; the study begins as soon as that gives a calibration";
 
 fn with_in_use(outcome: &Outcome) -> bool {
     outcome.findings.iter().any(|finding| finding.status == Status::InUse)

@@ -175,6 +175,10 @@ impl Inquiry {
         let parameters = BASE + 3 * all.len();
         let squares = f64::from(full.squares(&total));
         self.variance = squares / (f64::from(rows) - parameters as f64).max(1.0);
+        if !(self.variance > 0.0) {
+            // All digits are used up: of such sums nothing can be said.
+            return Stage::End;
+        }
         self.time = learner.memory.time(self.variance, f64::from(rows), parameters as f64);
         let field = learner.point.map_or(f64::NAN, |point| f64::from(point.field_ut));
         self.outcome.floor_ut = (learner.memory.floor(self.variance) * field) as f32;

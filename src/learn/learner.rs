@@ -51,6 +51,9 @@ pub struct Learner {
     pub(super) epoch: u16,
 }
 
+/// Of what is new from sample to sample, a settled jump leaves at least this share: less is made of the wrong assumption.
+const SETTLED_SHARE: f32 = 0.3;
+
 const _: () = assert!(core::mem::size_of::<Learner>() <= 6144, "the learner's memory is a promise");
 
 impl Learner {
@@ -279,7 +282,7 @@ impl Learner {
     pub fn settle(&mut self) {
         let effects = 3 + 3 * self.columns.width();
         let chosen = Chosen::base(BASE).with(DRIFT, effects).with(STEP, 3);
-        self.marks.settle(&self.blocks, chosen);
+        self.marks.settle(&self.blocks, chosen, SETTLED_SHARE * self.memory.quick());
     }
 
     /// Moves to another point of the linearised model: what was learned is kept. The base, streamed columns and the best step are

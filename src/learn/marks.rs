@@ -181,11 +181,24 @@ impl Marks {
     /// Finds the moment of the jump between the marks, beside all columns that were `chosen` (those of the jump among them).
     ///
     /// With coefficients `δ` of the others and `θ` of the jump, what they leave of the samples between two marks is noise before
-    /// the jump and `−uθ` after it: the sums tell how much of the way that is.
-    pub(super) fn settle(&mut self, blocks: &Blocks<STREAMED, ENTRIES>, chosen: Chosen) {
+    /// the jump and `−uθ` after it: the sums tell how much of the way that is. Where it is no jump that is not so, and less than
+    /// the sensor's own noise may seem to be left: then the jump stays where the mark is. `least_variance` is what noise leaves of a
+    /// sample at least.
+    pub(super) fn settle(&mut self, blocks: &Blocks<STREAMED, ENTRIES>, chosen: Chosen, least_variance: f32) {
         if self.pinned || !self.firm {
             return;
         }
+        self.move_to_the_jump(blocks, chosen);
+        let mut work = Work::new();
+        blocks.iter().for_each(|block| work.merge(block));
+        self.beside_total(blocks, &mut work);
+        let left = Factor::of(&work, chosen, true).map_or(0.0, |factor| factor.squares(&work));
+        if !(left >= least_variance * work.rows as f32) {
+            (self.part, self.before) = (0.0, [0.0; 3]);
+        }
+    }
+
+    fn move_to_the_jump(&mut self, blocks: &Blocks<STREAMED, ENTRIES>, chosen: Chosen) {
         let best = usize::from(self.best);
         // The coefficients move with the moment, and it with them.
         for _ in 0..3 {

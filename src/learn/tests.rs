@@ -218,3 +218,35 @@ fn packed_sums_are_the_studys_normal_matrix() {
     packed.shift(&step);
     assert!(math::abs(f64::from(packed.squares) / after - 1.0) < 1e-6);
 }
+
+/// The chip warms and cools by eight degrees and nobody says so, in quick and in slow motion, from near and from far.
+#[test]
+fn a_slow_cause_that_nobody_feeds_is_no_noise() {
+    for (hz, turn_radps, far_ut) in
+        [(100u64, 16.8, 0.0), (100, 16.8, 2.0), (100, 16.8, 6.0), (50, 1.6, 0.0), (50, 1.6, 2.0)]
+    {
+        let mut noise = Noise(3);
+        let mut learner = Learner::new();
+        let offset_ut = OFFSET_UT.map(|axis| axis + far_ut);
+        learner.begin(&Calibration { offset_ut, ..Calibration::identity(50.0) });
+        for i in 0..40 * hz {
+            let t_s = i as f64 / hz as f64;
+            let current_a = if ((t_s / 0.37) as u64).is_multiple_of(2) { 0.0 } else { 4.0 };
+            let _ = learner.feed(&column("current_a"), current_a);
+            let phase = t_s / 8.0 - math::floor(t_s / 8.0);
+            let z = if phase < 0.5 { 1.0 - 4.0 * phase } else { 4.0 * phase - 3.0 };
+            let (turn, across) = (turn_radps * t_s, math::sqrt(1.0 - z * z));
+            let direction = [across * math::cos(turn), across * math::sin(turn), z];
+            let warm_c = 8.0 * math::sin(0.21 * t_s);
+            let measured = core::array::from_fn(|axis| {
+                let hidden_ut = [-0.15, 0.2, 0.25][axis] * warm_c;
+                (50.0 * direction[axis] + OFFSET_UT[axis] + hidden_ut + 0.15 * noise.next()) as f32
+            });
+            learner.push(measured, 1000 * i / hz, &Motion::UNKNOWN);
+        }
+        learner.settle();
+        let outcome = asked(&learner, InUse::default());
+        assert_ne!(outcome.verdict, Verdict::Complete, "{hz} Hz, {turn_radps} rad/s, {far_ut}: {outcome:?}");
+        assert!(outcome.floor_ut > 0.1, "{hz} Hz, {turn_radps} rad/s, {far_ut}: {outcome:?}");
+    }
+}

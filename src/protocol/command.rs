@@ -188,9 +188,9 @@ mod tests {
     use super::{Command, ParseError, StreamMode, parse};
     use crate::effect::ColumnName;
     use crate::fit::Method;
-    use crate::protocol::cov::Assignments;
+    use crate::protocol::cov::{Assigned, Assignments};
 
-    fn cov(list: &[(&str, Option<f64>)]) -> Command {
+    fn cov(list: &[(&str, Assigned)]) -> Command {
         let pairs = list.iter().map(|(name, value)| (ColumnName::new(name).unwrap(), *value));
         Command::Cov(pairs.collect::<Assignments>())
     }
@@ -218,8 +218,9 @@ mod tests {
             ("stream motioncal", Command::Stream(StreamMode::MotionCal)),
             ("stream log", Command::Stream(StreamMode::Log)),
             ("field 48.5", Command::Field(48.5)),
-            ("cov current_a=-3.2", cov(&[("current_a", Some(-3.2))])),
-            ("cov a=1 b=-", cov(&[("a", Some(1.0)), ("b", None)])),
+            ("cov current_a=-3.2", cov(&[("current_a", Assigned::Value(-3.2))])),
+            ("cov a=1 b=-", cov(&[("a", Assigned::Value(1.0)), ("b", Assigned::Forgotten)])),
+            ("cov adc0_v=on", cov(&[("adc0_v", Assigned::Own)])),
             ("heading", Command::Heading(None)),
             ("heading -3.5", Command::Heading(Some(-3.5))),
             ("why", Command::Why),

@@ -7,10 +7,21 @@ use heapless::Vec;
 /// The most columns of one line: accelerometer and gyro.
 pub const MAX_ASSIGNMENTS: usize = 6;
 
-/// Columns and their values, `None` for one to be forgotten.
-pub type Assignments = Vec<(ColumnName, Option<f64>), MAX_ASSIGNMENTS>;
+/// What a column becomes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Assigned {
+    /// This, until it is fed again.
+    Value(f64),
+    /// Not known, and not tested any more.
+    Forgotten,
+    /// What the board itself measures, and tested.
+    Own,
+}
 
-const USAGE: &str = "cov NAME=VALUE, a number or - to forget the column, as in cov temp_c=31.5";
+/// Columns and what they become.
+pub type Assignments = Vec<(ColumnName, Assigned), MAX_ASSIGNMENTS>;
+
+const USAGE: &str = "cov NAME=VALUE: a number, - to forget the column, or on to test one that the board measures, as in cov temp_c=31.5";
 
 /// Reads all of them, or none.
 pub(super) fn assignments<'a>(words: impl Iterator<Item = &'a str>) -> Result<Assignments, &'static str> {
@@ -19,11 +30,12 @@ pub(super) fn assignments<'a>(words: impl Iterator<Item = &'a str>) -> Result<As
         let (name, value) = word.split_once('=').ok_or(USAGE)?;
         let name = ColumnName::new(name).map_err(|_| USAGE)?;
         let value = match value {
-            "-" => None,
+            "-" => Assigned::Forgotten,
+            "on" => Assigned::Own,
             number => {
                 let value = read(number).ok_or(USAGE)?;
                 // It is kept in single precision.
-                Some(value).filter(|value| (*value as f32).is_finite()).ok_or(USAGE).map(Some)?
+                Some(value).filter(|value| (*value as f32).is_finite()).ok_or(USAGE).map(Assigned::Value)?
             }
         };
         if list.iter().any(|(known, _)| *known == name) {

@@ -14,7 +14,7 @@ mod reply;
 mod tests;
 
 pub use command::{Command, EffectId, MAX_ID, ParseError, StreamMode, parse};
-pub use cov::{Assignments, MAX_ASSIGNMENTS};
+pub use cov::{Assigned, Assignments, MAX_ASSIGNMENTS};
 pub use line::{Line, LineSplitter, MAX_LINE};
 pub use load::{LOAD_LINE_BYTES, Load, LoadBytes};
 pub use motioncal::{PACKET_BYTES, Packet};

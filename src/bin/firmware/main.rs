@@ -21,7 +21,16 @@ use ironout::sensor::{Magnetometer, Sensor};
 fn main() -> ! {
     let restarts = fault::Restarts::read();
     let Some(board) = Board::take() else { panic!("the board was taken before") };
-    let Board { mut sensor, mut sampled, mut store, mut console, mut clock, mut panel, mut watchdog } = board;
+    let Board {
+        mut sensor,
+        mut sampled,
+        mut columns,
+        mut store,
+        mut console,
+        mut clock,
+        mut panel,
+        mut watchdog,
+    } = board;
     if !restarts.is_stuck() {
         // A board that finds its sensor by probing knows only now what it is. An error is told by the device, which asks again.
         let _ = sensor.init();
@@ -65,7 +74,11 @@ fn main() -> ! {
         }
         device.on_button_level(panel.button_down(), now_ms);
         // One sample a turn: each has its line of a stream.
-        if let Some(Sampled { at_us, reading, moved }) = sampled.next() {
+        if let Some(Sampled { at_us, reading, moved, temp_c }) = sampled.next() {
+            columns.measure(at_us, |name, value, origin| device.on_own_column(name, value, origin));
+            if let Some(temp_c) = temp_c {
+                device.complete_sensor(SensorAnswer::Temperature(temp_c), at_us / 1000);
+            }
             if moved.accel_mps2.is_some() || moved.turn_radps.is_some() {
                 device.on_motion(moved.accel_mps2, moved.turn_radps);
             }

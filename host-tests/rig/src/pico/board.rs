@@ -256,6 +256,11 @@ impl Pico {
         }
     }
 
+    /// Sets what the converter finds at a channel, 0 to 4095 counts of 3.3 V: channel 0 is GP26, channel 4 the processor's temperature.
+    pub fn set_analog(&mut self, channel: u8, counts: u16) -> Result<(), Error> {
+        self.request(&json!({ "do": "analog", "channel": channel, "counts": counts })).map(drop)
+    }
+
     /// Sets a pin from outside; `None` lets it go, and its pull-up raises it.
     pub fn drive(&mut self, pin: u8, level: Option<bool>) -> Result<(), Error> {
         self.request(&json!({ "do": "pin", "pin": pin, "level": level })).map(drop)

@@ -11,6 +11,7 @@
 //! The sensor is read in an interrupt of its own, so that no sample is lost while the loop solves. defmt logs leave over RTT.
 
 mod bus;
+mod columns;
 mod matrix;
 mod sampling;
 mod time;
@@ -32,6 +33,7 @@ use ironout_drivers::lis2mdl::{self, Lis2mdl, Model};
 use ironout_drivers::lsm303_accelerometer::{self, Lsm303Accelerometer};
 
 pub use super::sampler::Samples;
+pub use columns::Columns;
 pub use matrix::Panel;
 pub use time::Clock;
 pub use uart::{Uart as Console, last_words};
@@ -58,6 +60,8 @@ pub struct Board {
     pub sensor: sampler::Proxy<sampling::Sampling>,
     /// What the sampler has read.
     pub sampled: Samples,
+    /// The processor's temperature.
+    pub columns: Columns,
     /// Where the calibration is kept.
     pub store: FlashSlots<Nvmc<'static>>,
     /// The serial console.
@@ -99,6 +103,7 @@ impl Board {
         Some(Self {
             sensor,
             sampled,
+            columns: Columns::new(),
             store: FlashSlots::new(Nvmc::new(p.NVMC), SLOTS).ok()?,
             console,
             clock: Clock::new(),

@@ -4,6 +4,8 @@
 //!   `sensor` ([`Magnetometer`](ironout_drivers::Magnetometer)),
 //!   `sampled` (`next() -> Option<Sampled>`, `is_waiting() -> bool` and `jitter_us() -> Option<u32>`: what was read beside the loop, with
 //!   [`Pace::Pushed`](ironout::device::Pace); [`Polled`](sampled) where the device asks for each sample),
+//!   `columns` (`measure(now_us, take)`, which gives `take` the columns that the board measures beside field and motion, with
+//!   [`Origin`](ironout::device::Origin); [`NoColumns`](sampled) where there are none),
 //!   `store` ([`Store`](ironout::store::Store)),
 //!   `console` (`read() -> Option<u8>`, `has_input() -> bool` and [`Output`](ironout::device::Output), none of which waits),
 //!   `clock` (`now_us() -> u64`, and `sleep_until_ms(deadline, awake)`, which waits for the deadline or an interrupt unless

@@ -8,7 +8,7 @@ mod sbcon;
 mod time;
 mod uart;
 
-use super::sampled::{Polled, Unwatched};
+use super::sampled::{NoColumns, Polled, Unwatched};
 use core::cell::RefCell;
 use defmt_semihosting as _;
 use eeprom24x::{Eeprom24x, SlaveAddr, addr_size::TwoBytes, page_size::B32, unique_serial};
@@ -65,6 +65,8 @@ pub struct Board {
     pub sensor: Lsm303dlhc<Bus>,
     /// Nothing: the sensor is read in the loop.
     pub sampled: Polled,
+    /// Nothing else is measured.
+    pub columns: NoColumns,
     /// Where the calibration is kept: the first KiB of the EEPROM.
     pub store: StorageSlots<Eeprom>,
     /// The serial console.
@@ -88,6 +90,7 @@ impl Board {
         let board = Self {
             sensor: Lsm303dlhc::new(RefCellDevice::new(bus), SENSOR),
             sampled: Polled,
+            columns: NoColumns,
             store,
             console,
             clock: Clock::new(),

@@ -6,11 +6,13 @@
 //! | console | UART 0, 115200 8N1: TX GP0 (pin 1), RX GP1 (pin 2); and a serial port on USB. The one that sent the last line is answered |
 //! | button | GP15 (pin 20) to ground |
 //! | light | the board's LED (GP25) |
+//! | columns | `cpu_temp_c`; `adc0_v`, `adc1_v`, `adc2_v`: volts at GP26, GP27, GP28 (pins 31, 32, 34) |
 //! | calibration | the last two sectors of the flash |
 //!
 //! The sensor is read in an interrupt of its own, so that no sample is lost while the loop solves. defmt logs leave over RTT.
 
 mod bus;
+mod columns;
 mod console;
 mod probed;
 mod sampling;
@@ -33,6 +35,7 @@ use ironout::store::FlashSlots;
 use portable_atomic as _;
 
 pub use super::sampler::Samples;
+pub use columns::Columns;
 pub use console::Console;
 pub use time::Clock;
 pub use uart::last_words;
@@ -60,6 +63,8 @@ pub struct Board {
     pub sensor: sampler::Proxy<sampling::Sampling>,
     /// What the sampler has read.
     pub sampled: Samples,
+    /// The processor's temperature, and the voltage at three pins.
+    pub columns: Columns,
     /// Where the calibration is kept.
     pub store: FlashSlots<Flash<'static, FLASH, Blocking, FLASH_BYTES>>,
     /// The serial console, on two ports.
@@ -95,6 +100,7 @@ impl Board {
         Some(Self {
             sensor,
             sampled,
+            columns: Columns::new(p.ADC, p.ADC_TEMP_SENSOR, p.PIN_26, p.PIN_27, p.PIN_28),
             store: FlashSlots::new(Flash::new_blocking(p.FLASH), SLOTS).ok()?,
             console: Console::new(uart, usb),
             clock: Clock::new(),

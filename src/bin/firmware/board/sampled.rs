@@ -1,5 +1,7 @@
 //! What a board hands over that reads its sensor by itself, and what stands there for a board that does not.
 
+#[cfg(not(any(feature = "board-pico", feature = "board-microbit-v2")))]
+use ironout::device::Origin;
 use ironout::device::SensorFault;
 use ironout::sensor::Reading;
 
@@ -20,6 +22,8 @@ pub struct Sampled {
     pub reading: Result<Reading, SensorFault>,
     /// How the board moved then.
     pub moved: Moved,
+    /// The chip's temperature, where it was asked for: `None` in it of a chip that has none.
+    pub temp_c: Option<Option<f32>>,
 }
 
 /// For a board whose sensor is read in the loop.
@@ -42,6 +46,16 @@ impl Polled {
     pub const fn jitter_us(&self) -> Option<u32> {
         None
     }
+}
+
+/// For a board that measures nothing but field and motion.
+#[cfg(not(any(feature = "board-pico", feature = "board-microbit-v2")))]
+pub struct NoColumns;
+
+#[cfg(not(any(feature = "board-pico", feature = "board-microbit-v2")))]
+impl NoColumns {
+    /// Nothing.
+    pub fn measure(&mut self, _now_us: u64, _take: impl FnMut(&str, f32, Origin)) {}
 }
 
 /// For a board without a watchdog.

@@ -21,6 +21,11 @@ const FAILURES: u8 = 3;
 /// How often a sampler without a sensor shows that it lives.
 const IDLE_US: u64 = 100_000;
 
+/// How often the chip's temperature is asked for, as a device that reads by itself does, ...
+const TEMPERATURE_US: u64 = 250_000;
+/// ... and of a chip that has none.
+const NO_TEMPERATURE_US: u64 = 30_000_000;
+
 /// Readings and their queue.
 pub type Waiting = Queue<Sampled, WAITING>;
 
@@ -62,6 +67,7 @@ struct Sampler<G: Ground> {
     rhythm: Conversions,
     is_running: bool,
     failures: u8,
+    temperature_at_us: u64,
 }
 
 /// The loop's wish for a start, and what came of it.
@@ -106,7 +112,8 @@ impl<G: Ground> Seat<G> {
         let (out, samples) = queue.split();
         let described = sensor.describe();
         let rhythm = Conversions::new(described.rate_hz);
-        let sampler = Sampler { sensor, motion, out, rhythm, is_running: false, failures: 0 };
+        let sampler =
+            Sampler { sensor, motion, out, rhythm, is_running: false, failures: 0, temperature_at_us: 0 };
         critical_section::with(|section| {
             self.description.borrow(section).set(Some(described));
             self.sampler.borrow(section).replace(Some(sampler));
@@ -146,6 +153,7 @@ impl<G: Ground> Sampler<G> {
     fn start(&mut self) -> Result<(), Error<ErrorKind>> {
         let done = self.sensor.init();
         (self.is_running, self.failures) = (done.is_ok(), 0);
+        self.temperature_at_us = 0;
         self.rhythm = Conversions::new(self.sensor.describe().rate_hz);
         if self.is_running {
             self.motion.start();
@@ -168,9 +176,19 @@ impl<G: Ground> Sampler<G> {
         self.failures = if is_read { 0 } else { self.failures + 1 };
         self.is_running = self.failures < FAILURES;
         let moved = if is_read { self.motion.read() } else { Moved::default() };
+        let is_due = is_read && tick_us >= self.temperature_at_us;
+        let temp_c = if is_due { self.temperature(tick_us) } else { None };
         // Where the loop is that far behind, the sample is lost, and the device counts it by the times of the others.
-        let _ = self.out.enqueue(Sampled { at_us: tick_us, reading, moved });
+        let _ = self.out.enqueue(Sampled { at_us: tick_us, reading, moved, temp_c });
         if is_read { self.rhythm.found(tick_us) } else { tick_us + u64::from(self.rhythm.period_us()) }
+    }
+
+    /// The chip's temperature; a bus that fails shows with the next sample.
+    fn temperature(&mut self, tick_us: u64) -> Option<Option<f32>> {
+        let temp_c = self.sensor.temperature_c().ok();
+        let is_without = matches!(temp_c, Some(None));
+        self.temperature_at_us = tick_us + if is_without { NO_TEMPERATURE_US } else { TEMPERATURE_US };
+        temp_c
     }
 }
 

@@ -20,6 +20,7 @@ mod uart;
 mod watchdog;
 
 use super::motion::Motion;
+use super::sampled::NoColumns;
 use super::sampler;
 use defmt_rtt as _;
 use embassy_stm32::Config;
@@ -63,6 +64,8 @@ pub struct Board {
     pub sensor: sampler::Proxy<sampling::Sampling>,
     /// What the sampler has read.
     pub sampled: Samples,
+    /// Nothing else is measured.
+    pub columns: NoColumns,
     /// Where the calibration is kept.
     pub store: FlashSlots<Flash<'static, Blocking>>,
     /// The serial console.
@@ -107,6 +110,7 @@ impl Board {
         Some(Self {
             sensor,
             sampled,
+            columns: NoColumns,
             store: FlashSlots::new(Flash::new_blocking(p.FLASH), SLOTS).ok()?,
             console,
             clock: Clock::new(),
