@@ -4,7 +4,7 @@ use core::fmt;
 
 use super::extrapolated::Extrapolated;
 use crate::effect::{Effect, Searched, TIME};
-use crate::extended::{ExtendedCalibration, Live, LiveError};
+use crate::extended::{ExtendedCalibration, Live, LiveError, TurningField};
 use crate::fit::MAX_PREDICTED_ERROR;
 use crate::learn::Motion;
 use crate::monitor::Monitor;
@@ -58,6 +58,9 @@ pub(super) struct Active {
     clock_s: Option<f64>,
     /// Whether it is still right.
     pub(super) monitor: Monitor,
+    /// How the board turns, where it has no gyro, and how it did at the last sample.
+    turning: TurningField,
+    pub(super) turn_radps: Option<[f32; 3]>,
 }
 
 impl Active {
@@ -74,6 +77,8 @@ impl Active {
             live: Err(NotApplied::Mounting),
             origin_s: 0.0,
             monitor,
+            turning: TurningField::new(),
+            turn_radps: None,
         }
     }
 
@@ -126,9 +131,15 @@ impl Active {
         Some(live)
     }
 
-    /// Watches a measured vector, µT.
-    pub(super) fn watch(&mut self, t_ms: u64, measured_ut: [f32; 3], motion: &Motion) {
-        if let Some(Ok(corrected_ut)) = self.at(t_ms).map(|live| live.apply(measured_ut, motion.turn_radps)) {
+    /// Takes a sample: how the board turns at it, by the gyro or, where an effect needs it and there is none, by the field; and
+    /// whether the calibration is still right.
+    pub(super) fn take(&mut self, t_ms: u64, measured_ut: [f32; 3], motion: &Motion) {
+        self.turn_radps = match (&self.live, motion.turn_radps) {
+            (Ok(live), None) if live.needs_gyro() => self.turning.push(live.base().apply(measured_ut), t_ms),
+            (_, by_gyro) => by_gyro,
+        };
+        let turn_radps = self.turn_radps;
+        if let Some(Ok(corrected_ut)) = self.at(t_ms).map(|live| live.apply(measured_ut, turn_radps)) {
             self.monitor.push(t_ms, corrected_ut, motion.accel_mps2);
         }
     }

@@ -6,7 +6,6 @@ use super::active::Active;
 use super::errand::Errand;
 use super::machine::Device;
 use super::sensor::SensorFault;
-use crate::extended::Live;
 use crate::number::Num;
 use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Reply, StreamMode};
 use crate::session::{Hint, State};
@@ -169,11 +168,6 @@ impl Device {
                 Some(Ok(live)) if status.state == State::Idle => match live.waits_for() {
                     Some(column) => {
                         reply.line(format_args!("hint the calibration waits for: cov {column}=VALUE"));
-                    }
-                    None if Live::needs_gyro(live) && self.lessons.motion.turn_radps.is_none() => {
-                        reply.line(format_args!(
-                            "hint the calibration waits for: cov gx_radps=X gy_radps=Y gz_radps=Z"
-                        ));
                     }
                     None => reply.line(format_args!(
                         "hint a calibration is in use; begin another one with: cal start"

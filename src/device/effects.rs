@@ -71,10 +71,6 @@ impl Device {
             );
         }
         let named = self.named(&id);
-        if named == Some(Candidate::Lag) && self.lessons.motion.turn_radps.is_none() {
-            let text = "a late sensor is corrected by the gyro alone, and there is none: feed gx_radps, gy_radps, gz_radps";
-            return Some(reply.err(Code::State, format_args!("{text}")));
-        }
         if named.is_none() {
             return Some(reply.err(Code::Unknown, format_args!("{id} is not tested here; see effect list")));
         }

@@ -89,12 +89,12 @@ impl Device {
     }
 
     fn heading_now(&mut self, now_ms: u64) -> Result<f64, Missing> {
-        let motion = self.lessons.motion;
+        let (motion, turn_radps) = (self.lessons.motion, self.turn_radps());
         let Some(Active { live: Ok(live), .. }) = &self.active else { return Err(Missing::Calibration) };
         let latest = self.view.latest.filter(|(t_ms, _)| now_ms.saturating_sub(*t_ms) <= FRESH_MS);
         let (_, measured_ut) = latest.ok_or(Missing::Sample)?;
         let force_mps2 = motion.accel_mps2.ok_or(Missing::Accelerometer)?;
-        let corrected_ut = live.apply(measured_ut, motion.turn_radps).map_err(|_| Missing::Column)?;
+        let corrected_ut = live.apply(measured_ut, turn_radps).map_err(|_| Missing::Column)?;
         heading_deg(corrected_ut.map(f64::from), force_mps2.map(f64::from), self.view.declination_deg)
             .map_err(Missing::Geometry)
     }

@@ -98,9 +98,9 @@ impl Device {
             return;
         }
         let Some(measured_ut) = self.config.sensor.measured_ut(sample) else { return };
-        let motion = self.lessons.motion;
+        let (motion, turn_radps) = (self.lessons.motion, self.turn_radps());
         let cleaned = match self.active.as_mut() {
-            Some(active) => match active.at(t_ms).map(|live| live.cleaned(measured_ut, motion.turn_radps)) {
+            Some(active) => match active.at(t_ms).map(|live| live.cleaned(measured_ut, turn_radps)) {
                 // An effect waits for its column: what it does now is not known.
                 Some(Err(_)) => return,
                 Some(Ok(cleaned)) => cleaned,

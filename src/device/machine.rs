@@ -214,7 +214,7 @@ impl Device {
         if let Some(measured_ut) = measured_ut {
             self.view.measured(t_ms, measured_ut);
             if let Some(active) = &mut self.active {
-                active.watch(t_ms, measured_ut, &self.lessons.motion);
+                active.take(t_ms, measured_ut, &self.lessons.motion);
             }
         }
         self.learn(sample, t_ms);
@@ -228,9 +228,15 @@ impl Device {
                 seq: self.samples_taken.wrapping_add(self.sensor.lost()),
                 counts: sample.counts,
                 measured_ut,
-                turn_radps: self.lessons.motion.turn_radps,
+                turn_radps: self.turn_radps(),
             });
         }
+    }
+
+    /// How the board turned at the last sample, as far as it is known.
+    pub(super) fn turn_radps(&self) -> Option<[f32; 3]> {
+        let of_field = || self.active.as_ref().and_then(|active| active.turn_radps);
+        self.lessons.motion.turn_radps.or_else(of_field)
     }
 
     /// Takes what came of an [`Action::Sensor`], with the time it is now.

@@ -96,6 +96,7 @@ mod live;
 mod outside;
 #[cfg(test)]
 mod tests;
+mod turning;
 
 pub use calibration::ExtendedCalibration;
 pub use correction::{Conditions, NotCorrected};
@@ -103,3 +104,4 @@ pub use delay::{DELAY_PLACES, DelayLine};
 pub use fitted::{Effects, FittedEffect, MAX_EFFECTS, Ranges};
 pub use live::{Live, LiveError, MAX_DELAYED, Slots};
 pub use outside::Outside;
+pub use turning::TurningField;
