@@ -6,7 +6,7 @@ use ironout_rig::pico::{self, CYCLES_PER_US};
 const PERIOD_S: f64 = 8.0;
 /// Bytes of flash and RAM that the board may take, the second with what the stack has reached. Of its 2 MiB and 264 KiB; the
 /// limits are there to make growth seen.
-const MOST_FLASH: u64 = 272 * 1024;
+const MOST_FLASH: u64 = 284 * 1024;
 const MOST_RAM: u64 = 56 * 1024;
 
 #[test]

@@ -11,8 +11,9 @@ const PERIOD_S: f64 = 8.0;
 /// The field of the wires, µT/A, and of the chip's warmth, µT/°C.
 const PER_AMPERE_UT: [f64; 3] = [0.5, -0.3, 0.2];
 const PER_DEGREE_UT: [f64; 3] = [-0.15, 0.2, 0.25];
-/// Samples that a current lasts, ms.
+/// How long a current lasts, ms, and in how many pieces the chip warms meanwhile.
 const LASTS_MS: u64 = 370;
+const PIECES: u64 = 10;
 
 type Chip = Rc<RefCell<RegisterChip<Lis2mdlModel>>>;
 
@@ -70,8 +71,10 @@ impl Bench {
             } else {
                 ok(&mut self.board, &format!("cov current_a={current_a}"));
             }
-            self.chip.borrow_mut().temperature_c = warmth_c(self.board.clock().ns() as f64 * 1e-9);
-            self.board.run_ms(LASTS_MS).unwrap();
+            for _ in 0..PIECES {
+                self.chip.borrow_mut().temperature_c = warmth_c(self.board.clock().ns() as f64 * 1e-9);
+                self.board.run_ms(LASTS_MS / PIECES).unwrap();
+            }
         }
     }
 
@@ -89,7 +92,7 @@ impl Bench {
 }
 
 fn warmth_c(t_s: f64) -> f64 {
-    25.0 + 8.0 * (0.21 * t_s).sin()
+    25.0 + 8.0 * (0.15 * t_s).sin()
 }
 
 fn tells(hidden: Hidden, id: &str) {

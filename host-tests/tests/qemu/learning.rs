@@ -80,10 +80,15 @@ fn why_names_the_current_that_is_fed_and_it_stays_over_a_power_cut() {
     for (found, truth) in theta.iter().zip(PER_AMPERE_UT) {
         assert!((found - truth).abs() < 0.05, "{theta:?}");
     }
+    let with = board.stack_used().unwrap();
     let mut board = start(board.power_cut().unwrap());
     assert_eq!(ok(&mut board, "cal show").to_string(), shown.to_string());
     ok(&mut board, "cov current_a=4");
     assert_eq!(ok(&mut board, "effect remove offset:current_a").value("effects"), Some("0"));
+    // Of boards with this core the STM32F3DISCOVERY has the smallest region.
+    let most = with.max(board.stack_used().unwrap());
+    println!("stack used: {with} bytes to the effect's being stored, {most} with its removal");
+    assert!(most < 40_704 - 1024, "{most} bytes of stack");
 }
 
 /// Two of the traces that the program `learning-qemu` runs; of those whose accelerometer a busy host cannot delay.
