@@ -86,6 +86,7 @@ impl Device {
     }
 
     /// The question is answered: the effect is taken in, if these samples show it.
+    #[inline(never)]
     pub(super) fn add<W: fmt::Write>(
         &mut self,
         reply: Reply<'_, W>,
@@ -130,7 +131,7 @@ impl Device {
         match self.lessons.learner.add(candidate, &record.extended()) {
             Err(why) => Some(reply.err(Code::Refused, format_args!("{why}"))),
             Ok(extended) => {
-                self.change(record, &extended, outcome.rms_ut);
+                self.change(&record, &extended, outcome.rms_ut);
                 None
             }
         }
@@ -174,12 +175,13 @@ impl Device {
         };
         let rms_ut = self.lessons.learner.rms_ut();
         let extended = self.lessons.learner.remove(&effect, &record.extended());
-        self.change(record, &extended, rms_ut);
+        self.change(&record, &extended, rms_ut);
         None
     }
 
     /// Stores another calibration in the place of the one in use.
-    fn change(&mut self, before: Record, extended: &ExtendedCalibration<f64>, before_ut: f32) {
+    #[inline(never)]
+    fn change(&mut self, before: &Record, extended: &ExtendedCalibration<f64>, before_ut: f32) {
         let after_ut = self.lessons.learner.rms_ut();
         let rows = u64::from(self.lessons.learner.rows());
         let record = Record {
@@ -189,7 +191,7 @@ impl Device {
             samples: if rows > 0 { rows } else { before.samples },
             // It was that of another base.
             covariance: None,
-            ..before
+            ..*before
         };
         self.lessons.changed = Some(Change { before: before.calibration, rms_ut: [before_ut, after_ut] });
         self.begin(Errand::Effect, StoreJob::save(self.slot_in_use(), record));

@@ -53,6 +53,8 @@ impl Device {
         true
     }
 
+    // Apart from the question itself, as is what takes an effect in: the stack carries one of them at a time.
+    #[inline(never)]
     fn explain<W: fmt::Write>(&self, mut reply: Reply<'_, W>, answer: &Answer) -> Answered {
         let Answer { outcome, steps } = answer;
         let learner = &self.lessons.learner;

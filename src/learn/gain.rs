@@ -177,9 +177,7 @@ impl Learner {
                 core::array::from_fn(|axis| plain.base.offset_ut[axis] + theta[axis] * shift);
         }
         // After a restart a few samples say little: the base that the calibration has is better then.
-        let is_told = Factor::of(&total, others.chosen(), true)
-            .is_some_and(|factor| factor.largest_error(&total) <= MAX_PREDICTED_ERROR as f32);
-        let next = is_told.then(|| self.moved(&base, others, &total, others.chosen(), away));
+        let next = tells(&total, others).then(|| self.moved(&base, others, &total, others.chosen(), away));
         match next.flatten() {
             Some(next) => {
                 if candidate == Candidate::Step {
@@ -300,6 +298,13 @@ impl Learner {
             Candidate::Step | Candidate::Lag => [None, None],
         }
     }
+}
+
+/// Whether sums tell the base beside some effects as well as a calibration that is accepted.
+#[inline(never)]
+fn tells(total: &Work, others: Found) -> bool {
+    Factor::of(total, others.chosen(), true)
+        .is_some_and(|factor| factor.largest_error(total) <= MAX_PREDICTED_ERROR as f32)
 }
 
 fn transposed(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {

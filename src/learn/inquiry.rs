@@ -101,6 +101,7 @@ impl Inquiry {
     }
 
     /// Does one piece of work; the answer once all is done.
+    #[inline(never)]
     pub fn step(&mut self, learner: &Learner) -> Option<Outcome> {
         if self.epoch != learner.epoch {
             *self = Self::new(learner, self.in_use);

@@ -198,6 +198,7 @@ impl Marks {
         }
     }
 
+    #[inline(never)]
     fn move_to_the_jump(&mut self, blocks: &Blocks<STREAMED, ENTRIES>, chosen: Chosen) {
         let best = usize::from(self.best);
         // The coefficients move with the moment, and it with them.
