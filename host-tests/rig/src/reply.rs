@@ -81,7 +81,7 @@ pub enum Line<'a> {
 impl<'a> Line<'a> {
     /// What `line`, without its end, is.
     pub fn of(line: &'a str) -> Self {
-        if ["R,", "C,", "Raw:", "Cal1:", "Cal2:"].iter().any(|mark| line.starts_with(mark)) {
+        if ["R,", "C,", "H,", "L,", "Raw:", "Cal1:", "Cal2:"].iter().any(|mark| line.starts_with(mark)) {
             Line::Streamed
         } else if let Some(text) = line.strip_prefix("+ ") {
             Line::Info(text)

@@ -8,6 +8,7 @@ mod console;
 mod cost;
 mod effects;
 mod faults;
+mod hours;
 mod learning;
 mod store;
 mod support;
