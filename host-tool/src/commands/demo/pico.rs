@@ -12,8 +12,10 @@ use std::rc::Rc;
 const ADDRESS: u8 = 0x1e;
 /// Its scale, which is fixed.
 const UT_PER_COUNT: f64 = 0.15;
-/// Two of its conversions and a little, board time.
-const EXPOSURE_MS: u64 = 25;
+/// One of its conversions and a little, board time: what is streamed of later was measured in the new field.
+const EXPOSURE_MS: u64 = 12;
+/// A board that is computing streams its samples later.
+const PATIENCE_MS: u64 = 400;
 /// Until the sensor works after the start.
 const START_MS: u64 = 200;
 
@@ -34,13 +36,15 @@ pub fn start(tell: &dyn Fn(&str)) -> Outcome<Box<dyn Bench>> {
     let chip = Rc::new(RefCell::new(RegisterChip::new(ADDRESS, model, move |_| seen.get())));
     board.attach(chip.clone());
     board.run_ms(START_MS).map_err(failed)?;
-    Ok(Box::new(OnBench { board, chip, field_ut }))
+    Ok(Box::new(OnBench { board, chip, field_ut, on_ms: 0 }))
 }
 
 struct OnBench {
     board: Pico,
     chip: Rc<RefCell<RegisterChip<Lis2mdlModel>>>,
     field_ut: Rc<Cell<[f64; 3]>>,
+    /// When its power came on, on the emulator's clock.
+    on_ms: u64,
 }
 
 fn failed(error: Error) -> Failure {
@@ -58,8 +62,16 @@ impl Bench for OnBench {
     fn expose(&mut self, field_ut: [f64; 3]) -> Outcome<String> {
         self.field_ut.set(field_ut);
         self.board.take_streamed();
-        self.board.run_ms(EXPOSURE_MS).map_err(failed)?;
-        self.board.take_streamed().pop().ok_or_else(|| Failure::refused("the emulated Pico sends no samples"))
+        let from_ms = self.board.clock().ms() - self.on_ms + EXPOSURE_MS;
+        for _ in 0..PATIENCE_MS / EXPOSURE_MS {
+            self.board.run_ms(EXPOSURE_MS).map_err(failed)?;
+            let t_ms = |line: &String| line.split(',').nth(1)?.parse::<u64>().ok();
+            let new = |line: &String| t_ms(line).is_some_and(|t_ms| t_ms >= from_ms);
+            if let Some(line) = self.board.take_streamed().into_iter().find(new) {
+                return Ok(line);
+            }
+        }
+        Err(Failure::refused("the emulated Pico sends no samples"))
     }
 
     fn warm(&mut self, temp_c: f64) -> Outcome<()> {
@@ -69,6 +81,7 @@ impl Bench for OnBench {
 
     fn power_cut(mut self: Box<Self>) -> Outcome<Box<dyn Bench>> {
         self.board.power_cycle().map_err(failed)?;
+        self.on_ms = self.board.clock().ms();
         self.board.run_ms(START_MS).map_err(failed)?;
         Ok(self)
     }
