@@ -18,7 +18,7 @@ async function session(browser, said, shots, hidden = null) {
   said.link = await browser.text("#link");
   said.started = await click("cal-start");
   await browser.until(() => document.body.dataset.board === "collecting");
-  await browser.until(() => document.getElementById("hint").textContent);
+  await browser.until(() => document.getElementById("hint").textContent.includes("side"));
   said.hint = await browser.text("#hint");
   await browser.until(() => document.getElementById("hint").textContent.includes("enough directions"));
   said.coverage = await browser.text("#value-coverage");
@@ -77,7 +77,7 @@ const off = (browser, least) => browser.until((ut) => parseFloat(document.queryS
 async function learned(browser, said, { id, noise_ut: noise, use = clicked }) {
   const choice = `[data-effect-id="${id}"]`;
   if (said.calibrated !== false) {
-    await off(browser, 2 * noise);
+    await off(browser, 2.6 * noise);
     said.errorBefore = await rms(browser);
   }
   for (let round = 0; round < 12; round += 1) {
@@ -88,7 +88,7 @@ async function learned(browser, said, { id, noise_ut: noise, use = clicked }) {
     await more(browser, 400);
   }
   await browser.until(() => /\d/.test(document.querySelector("#now-rms b").textContent));
-  await more(browser, 300);
+  await more(browser, 600);
   said.errorLearned = await rms(browser);
   said.whyLearned = await browser.text("#why");
   await browser.shot("learned", { fullPage: true });
@@ -163,6 +163,7 @@ export async function replay({ address, hidden, shots }) {
     await more(browser, 400);
   }
   said.why = await browser.text("#why");
+  await browser.shot("refused", { fullPage: true });
   await learned(browser, said, { ...hidden, use: pressed });
   await browser.until(() => document.body.dataset.calibrated === "1");
   await browser.page.locator("#plot-live").scrollIntoViewIfNeeded();

@@ -79,6 +79,8 @@ export class Browser {
   async shot(name, options = {}) {
     if (!this.shots) return;
     mkdirSync(this.shots, { recursive: true });
+    // What sticks to the top of a window stands at the top of the whole page.
+    if (options.fullPage) await this.page.evaluate(() => window.scrollTo(0, 0));
     await this.page.screenshot({ path: join(this.shots, `${name}.png`), ...options });
   }
 

@@ -88,10 +88,11 @@ export class Cloud {
       return;
     }
     this.built = { seen, corrected, radius, middle };
+    // Of what is corrected nobody asks for more directions.
     const cloud = about(middle);
     this.sphere.show({
       field_ut: radius, cloud: { measured_ut: corrected ? [[], [], []] : cloud, corrected_ut: corrected ? cloud : [[], [], []] },
-      tiles: { ...lit, coverage: seen.replaceAll("0", "").length / seen.length, gap_deg: 0, gap_side: "any", rough: true },
+      tiles: { ...lit, coverage: seen.replaceAll("0", "").length / seen.length, gap_deg: 0, gap_side: "any", rough: true, plain: corrected },
     });
   }
 }

@@ -242,11 +242,11 @@ export class Live {
     const found = reply.all;
     this.set("error", Number(found.error_percent), `${found.error_percent} %`);
     const shown = (what) => (what === undefined || what === "-" ? "–" : what);
-    fill(this.judged, table(reply.ok ? "Accepted: it waits to be stored" : `Refused: ${reply.text}`, ["", "value", "limit"], [
+    fill(this.judged, reply.ok ? table("Accepted: it waits to be stored", ["", "value", "limit"], [
       ["predicted error, % of the field", shown(found.error_percent), "1"],
       ["residual, % of the field", found.rms_ut && found.field_ut ? fixed(100 * Number(found.rms_ut) / Number(found.field_ut), 3) : "–", "5"],
       ["samples", shown(found.n), ""], ["field, µT", shown(found.field_ut), ""], ["noise, µT", shown(found.noise_ut), ""],
-    ]));
+    ]) : [reply.text.replace(/^refused \S+ /, "Refused: "), ...reply.info.map((text) => text.replace(/^also \S+ /, "Also: "))].map((text) => h("p", { class: "error" }, text)));
     this.known = { ...this.known, state: reply.ok ? "solved" : "refused" };
     document.body.dataset.board = this.known.state;
   }
@@ -280,6 +280,8 @@ export class Live {
     const reply = await this.command(`effect ${how} ${id}`);
     if (!reply.ok) return;
     this.clear();
+    // What was judged before is in use no more.
+    fill(this.judged);
     if (this.kind !== "cal") await this.stream("cal");
     await this.ask();
     this.why.querySelector(`[data-effect-id="${CSS.escape(id)}"]`)?.focus();

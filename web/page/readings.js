@@ -6,6 +6,9 @@ const CELLS = [
   ["x", "x"], ["y", "y"], ["z", "z"], ["recorded", "recorded"],
 ];
 
+// What changes slowly by its nature is written as often as this.
+const SLOW_MS = 250;
+
 export class Readings {
   constructor(id) {
     this.texts = {};
@@ -28,8 +31,11 @@ export class Readings {
     ["x", "y", "z"].forEach((axis, index) => this.set(axis, at ? `${at[index].toFixed(2)} µT` : "–", `${axis} ${corrected ? "corrected" : "measured"}`));
     this.set("magnitude", now ? `${now.norm.toFixed(2)} µT` : at ? `${Math.hypot(...at).toFixed(2)} µT` : "–");
     this.set("error", now ? `${now.residual.toFixed(3)} µT` : "–");
-    this.set("rms", rms ? `${rms.ut.toFixed(3)} µT` : "–", rms ? `error, rms of ${rms.s.toFixed(0)} s` : "error, rms");
     this.set("heading", now ? `${now.heading.toFixed(0)}°` : "–");
+    const time = performance.now();
+    if (time - (this.slow ?? -SLOW_MS) < SLOW_MS && Boolean(rms) === this.known) return;
+    [this.slow, this.known] = [time, Boolean(rms)];
+    this.set("rms", rms ? `${rms.ut.toFixed(3)} µT` : "–", rms ? `error, rms of ${rms.s.toFixed(0)} s` : "error, rms");
     this.set("recorded", recorded ? `${recorded.samples}` : "–", recorded?.lost ? `recorded, ${recorded.lost} lost` : "samples recorded");
   }
 }

@@ -261,7 +261,7 @@ export class Sphere {
     mesh.visible = grid.visible = Boolean(tiles) && this.showing.tiles;
     if (!mesh.visible) return;
     const [places, colours, edges] = [[], [], []];
-    const [lit, gap] = [colour("--lit"), colour("--gap")];
+    const [lit, gap] = [colour("--lit"), colour(tiles.plain ? "--line" : "--gap")];
     tiles.samples.forEach((count, tile) => {
       const own = patch(tiles.slices, tiles.sectors, tile, 0.97);
       const { r, g, b } = count ? lit : gap;
@@ -296,7 +296,7 @@ export class Sphere {
     fill(coverage, tiles.rough ? `${fixed(100 * tiles.coverage, 0)} % of the tiles have samples, among the last ones that are drawn.`
       : `${fixed(100 * tiles.coverage, 0)} % of all directions were seen; the largest gap is ${fixed(tiles.gap_deg, 0)}°` +
         (tiles.gap_deg > 30 ? `, on the ${tiles.gap_side} side.` : "."));
-    const empty = [...this.sides()].filter(([, side]) => side.seen < side.tiles).map(([name]) => name);
+    const empty = tiles.plain ? [] : [...this.sides()].filter(([, side]) => side.seen < side.tiles).map(([name]) => name);
     fill(gaps, empty.length ? `Gaps: ${empty.join(", ")}.` : null);
   }
 

@@ -149,14 +149,14 @@ fn row_at(time_s: &[f64], t_s: f64) -> usize {
     time_s.partition_point(|time| time - first <= t_s).saturating_sub(1)
 }
 
-/// Runs the board until its log ends or nobody listens.
+/// Runs the board until nobody listens. At its end the log begins again: the board goes on, and keeps what it has learned.
 fn play(log: Log, speed: f64, heard: &Receiver<Vec<u8>>, says: &Sender<Vec<u8>>) {
     let time_s = log.time_s.clone().unwrap_or_default();
-    let length_ms = time_s.first().zip(time_s.last()).map_or(0, |(a, b)| (1000.0 * (b - a)) as u64);
+    let length_s = time_s.first().zip(time_s.last()).map_or(0.0, |(first, last)| last - first);
     let (own_time, field) = (time_s.clone(), log.field_ut.clone());
     let mut board = SimBoard::new(
         move |t_s: f64| {
-            let row = row_at(&own_time, t_s);
+            let row = row_at(&own_time, t_s % length_s);
             field.each_ref().map(|axis| axis.get(row).copied().unwrap_or(0.0))
         },
         0.0,
@@ -165,9 +165,9 @@ fn play(log: Log, speed: f64, heard: &Receiver<Vec<u8>>, says: &Sender<Vec<u8>>)
     let columns: Vec<_> = log.covariates.iter().take(MOST_COLUMNS).collect();
     let begun = Instant::now();
     let mut now_ms = 0;
-    while now_ms < length_ms {
+    loop {
         if now_ms % FEED_MS == 0 && !columns.is_empty() {
-            let row = row_at(&time_s, now_ms as f64 / 1000.0);
+            let row = row_at(&time_s, (now_ms as f64 / 1000.0) % length_s);
             for column in &columns {
                 let value = column.values.get(row).copied().filter(|value| value.is_finite());
                 let value = value.map_or("-".to_string(), |value| format!("{value:.4}"));
@@ -213,7 +213,7 @@ impl Wire for Played {
                 Ok(bytes) => self.rest = bytes,
                 Err(RecvTimeoutError::Timeout) => return Ok(0),
                 Err(RecvTimeoutError::Disconnected) => {
-                    return Err(io::Error::other("the log has ended; it begins again"));
+                    return Err(io::Error::other("the replay has stopped; it begins again"));
                 }
             }
         }
@@ -223,6 +223,6 @@ impl Wire for Played {
     }
 
     fn write(&mut self, bytes: &[u8], _: Duration) -> io::Result<()> {
-        self.to_board.send(bytes.to_vec()).map_err(|_| io::Error::other("the log has ended"))
+        self.to_board.send(bytes.to_vec()).map_err(|_| io::Error::other("the replay has stopped"))
     }
 }
