@@ -13,6 +13,9 @@ const DRAW_MS = 30;
 const SILENT_MS = 3000;
 const TRANSCRIPT = 400;
 
+/** What the monitor of a calibration in use has seen, where it is not well. */
+const CONDITIONS = { disturbed: "something disturbs the field, or an effect is missing", outdated: "the calibration is outdated" };
+
 const vector = (line, from) => line.split(",").slice(from, from + 3).map(Number);
 
 const meter = (id, label, low, high, max, best) => {
@@ -165,7 +168,9 @@ export class Live {
   }
 
   status(reply) {
-    const hints = reply.info.filter((text) => /^(hint|sensor|outside)/.test(text) || /^monitor condition=(disturbed|outdated)/.test(text)).map((text) => text.replace(/^hint /, ""));
+    const { condition, residual_ratio: ratio } = values(reply.info.find((text) => text.startsWith("monitor ")) ?? "");
+    const hints = [...reply.info.filter((text) => /^(hint|sensor|outside)/.test(text)).map((text) => text.replace(/^hint /, "")),
+      ...(CONDITIONS[condition] ? [`${CONDITIONS[condition]}: its error is ${ratio} times what is expected`] : [])];
     if (this.hint.textContent !== hints.join(" · ")) fill(this.hint, hints.join(" · "));
     const { state, coverage, gap_deg: gap, rms_ut: rms, noise_ut: noise, n, calibrated } = reply.all;
     this.known = { state, calibrated: calibrated === "1" };
