@@ -68,10 +68,10 @@ async function asked(browser, said, wanted) {
 }
 
 /** The error of the last seconds, µT. */
-const rms = async (browser) => Number(/[\d.]+(?= µT)/.exec(await browser.text("#now-rms b"))?.[0]);
+const rms = async (browser) => Number(/[\d.]+(?= µT)/.exec(await browser.text("#now-rms strong"))?.[0]);
 
 /** Until the error of the last seconds is so large: what is hidden comes and goes. */
-const off = (browser, least) => browser.until((ut) => parseFloat(document.querySelector("#now-rms b").textContent) > ut, least);
+const off = (browser, least) => browser.until((ut) => parseFloat(document.querySelector("#now-rms strong").textContent) > ut, least);
 
 /** What `why` names is added by a click, and the error falls; it is removed by another, and the error is back. */
 async function learned(browser, said, { id, noise_ut: noise, use = clicked }) {
@@ -87,7 +87,7 @@ async function learned(browser, said, { id, noise_ut: noise, use = clicked }) {
     // It is seen, and unseen samples do not bear it out yet.
     await more(browser, 400);
   }
-  await browser.until(() => /\d/.test(document.querySelector("#now-rms b").textContent));
+  await browser.until(() => /\d/.test(document.querySelector("#now-rms strong").textContent));
   await more(browser, 600);
   said.errorLearned = await rms(browser);
   said.whyLearned = await browser.text("#why");

@@ -15,7 +15,7 @@ export class Readings {
     const cell = ([name, label]) => {
       const [title, value] = [document.createTextNode(label), document.createTextNode("–")];
       this.texts[name] = { title, value };
-      return h("div", { class: "now", id: `now-${name}` }, h("span", {}, title), h("b", {}, value));
+      return h("div", { class: "now", id: `now-${name}` }, h("span", {}, title), h("strong", {}, value));
     };
     this.root = h("div", { class: "readings", id }, CELLS.map(cell));
   }
