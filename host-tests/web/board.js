@@ -6,7 +6,7 @@ import { join, STAND_IN } from "./serial.js";
 import { readdirSync, readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
-async function session(browser, said, shots) {
+async function session(browser, said, shots, hidden = null) {
   const { page } = browser;
   const click = async (id) => {
     await page.locator(`#${id}:not([disabled])`).click();
@@ -18,7 +18,7 @@ async function session(browser, said, shots) {
   said.link = await browser.text("#link");
   said.started = await click("cal-start");
   await browser.until(() => document.body.dataset.board === "collecting");
-  await browser.until(() => document.getElementById("hint").textContent);
+  await browser.until(() => document.getElementById("hint").textContent.includes("side"));
   said.hint = await browser.text("#hint");
   await browser.until(() => document.getElementById("hint").textContent.includes("enough directions"));
   said.coverage = await browser.text("#value-coverage");
@@ -27,16 +27,10 @@ async function session(browser, said, shots) {
   said.judged = await browser.text("#judged");
   said.accepted = await click("cal-accept");
   await browser.until(() => document.body.dataset.calibrated === "1");
-  await browser.until(() => document.getElementById("reading").textContent.includes("magnitude"));
-  said.reading = await browser.text("#reading");
-  // It learns from the samples of its calibration: asked again until there were enough of them.
-  for (let asked = 0; asked < 12; asked += 1) {
-    said.whyAnswer = await click("ask-why");
-    said.verdict = await browser.page.locator("#why").getAttribute("data-verdict");
-    if (said.verdict !== "undetermined") break;
-    await browser.until((before) => Number(document.body.dataset.samples) > before + 400, Number(await page.evaluate(() => document.body.dataset.samples)));
-  }
-  said.why = await browser.text("#why");
+  await browser.until(() => /\d/.test(document.getElementById("now-error").textContent));
+  said.reading = (await browser.text("#now-magnitude")).replace(/\s+/g, " ");
+  await asked(browser, said, hidden ? "missing" : "complete");
+  if (hidden) await learned(browser, said, hidden);
   // What is not seen is not drawn.
   await page.locator("#plot-live").scrollIntoViewIfNeeded();
   await browser.until(() => Number(document.getElementById("plot-live").dataset.drawn) > 5);
@@ -53,12 +47,63 @@ async function session(browser, said, shots) {
   said.objections = await browser.objections();
 }
 
+/** How many of the board's lines have come. */
+const lines = (browser) => browser.page.evaluate(() => Number(document.body.dataset.samples));
+
+/** Until so many more have come. */
+async function more(browser, count) {
+  await browser.until((most) => Number(document.body.dataset.samples) > most, (await lines(browser)) + count);
+}
+
+/** Asks why, as often as it takes: it learns from the samples of its calibration, and there have to be enough of them. */
+async function asked(browser, said, wanted) {
+  for (let round = 0; round < 12; round += 1) {
+    await clicked(browser, "#ask-why");
+    said.whyAnswer = await browser.text("#answer");
+    said.verdict = await browser.page.locator("#why").getAttribute("data-verdict");
+    if (said.verdict === wanted) break;
+    await more(browser, 400);
+  }
+  said.why = await browser.text("#why");
+}
+
+/** The error of the last seconds, µT. */
+const rms = async (browser) => Number(/[\d.]+(?= µT)/.exec(await browser.text("#now-rms strong"))?.[0]);
+
+/** Until the error of the last seconds is so large: what is hidden comes and goes. */
+const off = (browser, least) => browser.until((ut) => parseFloat(document.querySelector("#now-rms strong").textContent) > ut, least);
+
+/** What `why` names is added by a click, and the error falls; it is removed by another, and the error is back. */
+async function learned(browser, said, { id, noise_ut: noise, use = clicked }) {
+  const choice = `[data-effect-id="${id}"]`;
+  if (said.calibrated !== false) {
+    await off(browser, 2.6 * noise);
+    said.errorBefore = await rms(browser);
+  }
+  for (let round = 0; round < 12; round += 1) {
+    await use(browser, `${choice}:text("add")`);
+    said.added = await browser.text("#answer");
+    if (said.added.startsWith("done")) break;
+    // It is seen, and unseen samples do not bear it out yet.
+    await more(browser, 400);
+  }
+  await browser.until(() => /\d/.test(document.querySelector("#now-rms strong").textContent));
+  await more(browser, 600);
+  said.errorLearned = await rms(browser);
+  said.whyLearned = await browser.text("#why");
+  await browser.shot("learned", { fullPage: true });
+  await use(browser, `${choice}:text("remove")`);
+  said.removed = await browser.text("#answer");
+  await off(browser, 2 * said.errorLearned);
+  said.errorRemoved = await rms(browser);
+}
+
 /** The page that `ironout live` serves. */
-export async function live({ address, shots }) {
+export async function live({ address, hidden, shots }) {
   const browser = await Browser.open({ shots });
   const said = {};
   await browser.go(address);
-  await session(browser, said, "live");
+  await session(browser, said, "live", hidden);
   said.wrong = await browser.close();
   return said;
 }
@@ -86,6 +131,47 @@ export async function serial({ file, address, shots }) {
 async function clicked(browser, selector) {
   await browser.page.locator(`${selector}:not([disabled])`).click();
   await browser.until(() => document.getElementById("answer").textContent !== "…");
+}
+
+/** The same by the keyboard. */
+async function pressed(browser, selector) {
+  await browser.page.locator(`${selector}:not([disabled])`).focus();
+  await browser.page.keyboard.press("Enter");
+  await browser.until(() => document.getElementById("answer").textContent !== "…");
+}
+
+/** A log that is replayed, by the keyboard alone: its calibration is refused, `why` says what is missing, and with that it is one. */
+export async function replay({ address, hidden, shots }) {
+  const browser = await Browser.open({ shots });
+  const said = { calibrated: false };
+  await browser.go(address);
+  await link(browser, "open");
+  said.idle = await browser.page.locator("#ask-why").isDisabled();
+  await pressed(browser, "#cal-start");
+  said.held = await browser.page.evaluate(() => document.activeElement.id);
+  await browser.until(() => parseInt(document.getElementById("value-coverage").textContent, 10) > 90);
+  said.objections = await browser.usable();
+  await pressed(browser, "#cal-stop");
+  said.judged = await browser.text("#judged");
+  await browser.until(() => document.body.dataset.board === "refused");
+  // It goes on learning.
+  await more(browser, 3000);
+  for (let round = 0; round < 12; round += 1) {
+    await pressed(browser, "#ask-why");
+    said.verdict = await browser.page.locator("#why").getAttribute("data-verdict");
+    if (said.verdict === "missing") break;
+    await more(browser, 400);
+  }
+  said.why = await browser.text("#why");
+  await browser.shot("refused", { fullPage: true });
+  await learned(browser, said, { ...hidden, use: pressed });
+  await browser.until(() => document.body.dataset.calibrated === "1");
+  await browser.page.locator("#plot-live").scrollIntoViewIfNeeded();
+  await browser.until(() => Number(document.getElementById("plot-live").dataset.drawn) > 5);
+  said.objections.push(...await browser.usable());
+  await browser.shot("replay", { fullPage: true });
+  said.wrong = await browser.close();
+  return said;
 }
 
 /** A download that a click begins: its name and its text. */
@@ -189,28 +275,42 @@ function processorSeconds(root) {
   return sums;
 }
 
-/** What of a core the page takes while a board streams: updates a second, shares of a core by process, of them the page's script. */
+/**
+ * What of a core the page takes while a board streams, collecting and calibrated: updates a second, and shares of a core by
+ * process and, of the page's main thread, by what it does. All of it is time of a processor, none of it the clock's.
+ */
 export async function load({ address, seconds, server }) {
-  const browser = await Browser.open({});
+  const browser = await Browser.open({ processorDraws: true });
+  const { page } = browser;
   await browser.go(address);
   await link(browser, "open");
-  await browser.until(() => Number(document.body.dataset.samples) > 100);
-  const tools = await browser.context.newCDPSession(browser.page);
-  await tools.send("Performance.enable");
+  const tools = await browser.context.newCDPSession(page);
+  await tools.send("Performance.enable", { timeDomain: "threadTicks" });
   const own = () => {
     const cells = readFileSync(`/proc/${server}/stat`, "utf8").replace(/^.*\) /s, "").split(" ");
     return (Number(cells[11]) + Number(cells[12])) / 100;
   };
   const measure = async () => {
     const { metrics } = await tools.send("Performance.getMetrics");
-    const page = Object.fromEntries(metrics.filter(({ name }) => /Duration$/.test(name)).map(({ name, value }) => [name, value]));
-    const counts = await browser.page.evaluate(() => ({ samples: Number(document.body.dataset.samples), updates: Number(document.body.dataset.drawn) }));
-    return { at: performance.now() / 1000, ...counts, ...page, ...processorSeconds(process.pid), ...(server ? { server: own() } : {}) };
+    const main = Object.fromEntries(metrics.filter(({ name }) => /^(Task|Script|Layout|RecalcStyle)Duration$/.test(name)).map(({ name, value }) => [name, value]));
+    const counts = await page.evaluate(() => ({ samples: Number(document.body.dataset.samples), updates: Number(document.body.dataset.drawn) }));
+    return { at: performance.now() / 1000, ...counts, ...main, ...processorSeconds(process.pid), server: own() };
   };
-  const first = await measure();
-  await browser.page.waitForTimeout(1000 * seconds);
-  const last = await measure();
-  const time = last.at - first.at;
-  const rates = Object.fromEntries(Object.keys(last).filter((key) => key !== "at").map((key) => [key, Number(((last[key] - (first[key] ?? 0)) / time).toFixed(4))]));
-  return { ...rates, wrong: await browser.close() };
+  const rates = async () => {
+    const first = await measure();
+    await page.waitForTimeout(1000 * seconds);
+    const last = await measure();
+    return Object.fromEntries(Object.keys(last).filter((key) => key !== "at").map((key) => [key, Number(((last[key] - (first[key] ?? 0)) / (last.at - first.at)).toFixed(4))]));
+  };
+  const said = {};
+  await clicked(browser, "#cal-start");
+  await browser.until(() => document.getElementById("hint").textContent.includes("enough directions"));
+  said.collecting = await rates();
+  await clicked(browser, "#cal-stop");
+  await clicked(browser, "#cal-accept");
+  await browser.until(() => /\d/.test(document.getElementById("now-rms").textContent));
+  await page.locator("#plot-live").scrollIntoViewIfNeeded();
+  said.calibrated = await rates();
+  said.wrong = await browser.close();
+  return said;
 }

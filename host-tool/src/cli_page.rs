@@ -1,6 +1,7 @@
 //! What can be asked of the commands that make a page.
 
-use crate::failure::Outcome;
+use crate::cli_demo::HiddenArg;
+use crate::failure::{Failure, Outcome};
 use crate::link_args;
 use crate::log_args::{FieldArgs, LogArgs};
 use clap::{ArgGroup, Args};
@@ -55,12 +56,17 @@ pub struct WebArgs {
     pub output: PathBuf,
 }
 
+/// Slower, a log stands still; faster, a machine does not follow.
+const MIN_SPEED: f64 = 0.1;
+const MAX_SPEED: f64 = 50.0;
+
 /// `live`.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("where").required(true).args(["port", "tcp", "qemu", "replay"]))]
 #[command(after_help = "Examples:
   ironout live --port /dev/ttyACM0      then open the address that it prints
   ironout live --qemu                   an emulated board that turns by itself
+  ironout live --qemu --hidden temperature   one that has to name what it is missing
   ironout live --replay log.csv         a simulated board in the field of a log
 
 The page is served on this machine alone. Ctrl-C ends.")]
@@ -77,6 +83,18 @@ pub struct LiveArgs {
     /// A simulated board in the field of this log, with its columns, at the log's own pace
     #[arg(long, value_name = "LOG", help_heading = "The board")]
     pub replay: Option<PathBuf>,
+    /// Hide an effect from the board in QEMU: it acts once a calibration was accepted
+    #[arg(long, value_enum, value_name = "EFFECT", conflicts_with_all = ["port", "tcp", "replay"], help_heading = "The board")]
+    pub hidden: Option<HiddenArg>,
+    /// Replay so many seconds of the log in one
+    #[arg(
+        long,
+        value_name = "TIMES",
+        default_value_t = 1.0,
+        requires = "replay",
+        help_heading = "The board"
+    )]
+    pub speed: f64,
     /// The port on this machine to serve the page at (0: a free one)
     #[arg(long, value_name = "PORT", default_value_t = 0)]
     pub listen: u16,
@@ -89,5 +107,13 @@ impl LiveArgs {
     /// How long an answer may take; errors name the option.
     pub fn wait(&self) -> Outcome<Duration> {
         link_args::wait(self.wait)
+    }
+
+    /// How fast a log is replayed; errors name the option.
+    pub fn speed(&self) -> Outcome<f64> {
+        if self.speed >= MIN_SPEED && self.speed <= MAX_SPEED {
+            return Ok(self.speed);
+        }
+        Err(Failure::usage(format!("--speed {}: from {MIN_SPEED} to {MAX_SPEED}", self.speed)))
     }
 }

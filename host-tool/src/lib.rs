@@ -41,6 +41,8 @@ pub mod refusal;
 pub mod registry;
 pub mod shell;
 pub mod source;
+#[cfg(all(feature = "demo", not(target_arch = "wasm32")))]
+pub mod turned;
 pub mod wrap;
 pub mod written;
 

@@ -95,7 +95,9 @@ fn the_emulated_board_is_calibrated_by_the_program_and_speaks_to_the_tool() {
         for _ in 0..clients {
             // Twice as fast as by hand.
             board
-                .serve(&listener, |sample| Some(world.sensor_ut(sample as f64 * 0.04)))
+                .serve(&listener, |board, _, sample| {
+                    board.set_field_ut(world.sensor_ut(sample as f64 * 0.04))
+                })
                 .expect("it is served");
         }
     });

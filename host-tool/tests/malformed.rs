@@ -230,6 +230,9 @@ fn a_page_that_cannot_be_made_says_why() {
         (vec!["live"], "--qemu"),
         (vec!["live", "--port", "x", "--tcp", "y"], "cannot be used with"),
         (vec!["live", "--replay", text(&log)], "time column"),
+        (vec!["live", "--replay", text(&log), "--speed", "0"], "--speed 0"),
+        (vec!["live", "--tcp", "x", "--hidden", "step"], "cannot be used with"),
+        (vec!["live", "--qemu", "--hidden", "current"], "--hidden current"),
     ] {
         let run = ironout(arguments.iter().chain(&["--json"]));
         assert!(

@@ -31,13 +31,13 @@ export function table(caption, head, rows) {
         index === 0 ? h("th", { scope: "row" }, cell) : h("td", {}, cell)))))));
 }
 
-/** Something long, closed until it is asked for; `make` gives its content then. */
-export function later(summary, make) {
+/** Something long, closed until it is asked for; `make` gives its content then, and each time anew where it is `fresh`. */
+export function later(summary, make, fresh = false) {
   const body = h("div");
   let made = false;
   return h("details", {
     ontoggle: (event) => {
-      if (event.target.open && !made) {
+      if (event.target.open && (fresh || !made)) {
         made = true;
         fill(body, make());
       }

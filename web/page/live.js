@@ -1,54 +1,22 @@
 // A board while it is turned: where to turn next, how good it is, what is missing. All of it is the board's own answers.
 import { Board, values } from "./board.js";
+import { Cloud } from "./cloud.js";
 import { by, fill, h, save, table } from "./dom.js";
 import { fixed } from "./numbers.js";
-import { Plot } from "./plots.js";
+import { Readings } from "./readings.js";
 import { Recording } from "./recording.js";
-import { Sphere } from "./sphere.js";
+import { Strip } from "./strip.js";
 
 const STATUS_MS = 700;
-const DRAW_MS = 33;
-// Numbers follow every sample; the strip and the sphere, which cost more, as the eye needs them.
-const STRIP_MS = 100;
-const SPHERE_MS = 500;
-// A dot that is as near to the last one shows nothing new, µT.
-const APART_UT = 0.4;
-// So far, in radii, the dots may have moved before the sphere is built anew.
-const MOVED = 0.01;
+// Thirty times a second; a little less than a thirtieth, so that what comes in that beat waits for no second one.
+const DRAW_MS = 30;
 const SILENT_MS = 3000;
-const STRIP = 600;
-const POINTS = 2000;
 const TRANSCRIPT = 400;
-const SLICES = 6;
-const SECTORS = 8;
-const SIDES = [["back", "", "front"], ["left", "", "right"], ["top", "", "bottom"]];
+
+/** What the monitor of a calibration in use has seen, where it is not well. */
+const CONDITIONS = { disturbed: "something disturbs the field, or an effect is missing", outdated: "the calibration is outdated" };
 
 const vector = (line, from) => line.split(",").slice(from, from + 3).map(Number);
-
-/** The name of the side a direction points through. */
-function side(direction) {
-  const words = direction.map((value, axis) => SIDES[axis][value > 0.4 ? 2 : value < -0.4 ? 0 : 1]).filter(Boolean);
-  return words.join("-") || "any";
-}
-
-function tiles(vectors, middle) {
-  const samples = new Array(SLICES * SECTORS).fill(0);
-  for (const own of vectors) {
-    const v = own.map((value, axis) => value - middle[axis]);
-    const length = Math.hypot(...v);
-    if (!(length > 0)) continue;
-    const slice = Math.min(SLICES - 1, Math.floor(((v[2] / length + 1) / 2) * SLICES));
-    const turn = (Math.atan2(v[1], v[0]) / (2 * Math.PI) + 1) % 1;
-    samples[slice * SECTORS + Math.min(SECTORS - 1, Math.floor(turn * SECTORS))] += 1;
-  }
-  const sides = samples.map((_, tile) => {
-    const z = ((Math.floor(tile / SECTORS) + 0.5) * 2) / SLICES - 1;
-    const angle = (((tile % SECTORS) + 0.5) / SECTORS) * 2 * Math.PI;
-    const level = Math.sqrt(1 - z * z);
-    return side([level * Math.cos(angle), level * Math.sin(angle), z]);
-  });
-  return { slices: SLICES, sectors: SECTORS, samples, sides };
-}
 
 const meter = (id, label, low, high, max, best) => {
   const bar = h("meter", { id: `meter-${id}`, min: 0, max, low, high, optimum: best, value: 0, "aria-label": label });
@@ -60,8 +28,6 @@ export class Live {
   /** `analyse` is asked to look at a log {name, text}. */
   constructor(analyse) {
     this.analyse = analyse;
-    this.points = [];
-    this.strip = { at: [], value: [] };
     this.counts = { lines: 0, drawn: 0 };
     by("live").hidden = false;
     const button = (id, text, act) => h("button", { type: "button", id, disabled: true, onclick: () => this.act(act) }, text);
@@ -73,7 +39,8 @@ export class Live {
       gap: meter("gap", "largest gap", 40, 90, 180, 0),
       error: meter("error", "error, % (limit 1)", 1, 2, 4, 0),
     };
-    this.reading = h("p", { class: "state steady", id: "reading" }, "–");
+    this.readings = new Readings("reading");
+    this.collected = h("p", { class: "state note", id: "collected" });
     this.judged = h("div", { id: "judged" });
     this.why = h("div", { id: "why" });
     this.buttons = {
@@ -82,20 +49,20 @@ export class Live {
       accept: button("cal-accept", "accept", () => this.accept("")),
       force: button("cal-force", "accept all the same", () => this.accept(" force")),
       why: button("ask-why", "why is it off?", () => this.ask()),
+      record: button("record-log", "record", () => this.record()),
       save: button("save-log", "save the recording", () => this.save()),
       look: button("look-log", "look at the recording", () => this.lookAt()),
     };
     this.buttons.force.hidden = true;
     this.transcript = h("pre", { class: "console", id: "console", tabindex: "0" });
-    this.plot = new Plot("plot-live", "Error of the corrected magnitude, the last seconds (µT)");
+    this.strip = new Strip("plot-live");
     const ball = h("div", { id: "live-ball" });
     fill(by("live-body"), this.state, this.hint,
       h("div", { class: "buttons" }, Object.values(this.buttons)), this.answer,
-      h("div", { class: "meter" }, Object.values(this.meters).flatMap((one) => one.parts)), this.reading, this.judged, this.why, ball, this.plot.whole,
+      h("div", { class: "meter" }, Object.values(this.meters).flatMap((one) => one.parts)), this.collected, this.readings.root, this.judged, this.why,
+      this.strip.plot.whole, ball,
       h("details", {}, h("summary", {}, "The board's console"), this.transcript));
-    this.sphere = new Sphere(ball, "live-sphere", POINTS);
-    this.plot.whole.hidden = true;
-    this.plot.watch();
+    this.cloud = new Cloud(ball, "live-sphere");
   }
 
   /** Follows a board until the page is closed. */
@@ -172,9 +139,12 @@ export class Live {
     }
     this.scale = (this.who.ut_per_count ?? "1,1,1").split(",").map(Number);
     this.recording ??= new Recording(this.scale);
-    this.enable();
-    await this.stream("log");
     if (!this.polling) this.poll();
+    const status = await this.board.ask("status", { quiet: true });
+    this.status(status);
+    // A board that has a calibration shows what it is worth; one that has none, or collects, is recorded.
+    await this.stream(status.all.calibrated === "1" && status.all.state === "idle" ? "cal" : "log");
+    this.enable();
   }
 
   async stream(kind) {
@@ -198,7 +168,9 @@ export class Live {
   }
 
   status(reply) {
-    const hints = reply.info.filter((text) => /^(hint|sensor|outside)/.test(text) || /^monitor condition=(disturbed|outdated)/.test(text)).map((text) => text.replace(/^hint /, ""));
+    const { condition, residual_ratio: ratio } = values(reply.info.find((text) => text.startsWith("monitor ")) ?? "");
+    const hints = [...reply.info.filter((text) => /^(hint|sensor|outside)/.test(text)).map((text) => text.replace(/^hint /, "")),
+      ...(CONDITIONS[condition] ? [`${CONDITIONS[condition]}: its error is ${ratio} times what is expected`] : [])];
     if (this.hint.textContent !== hints.join(" · ")) fill(this.hint, hints.join(" · "));
     const { state, coverage, gap_deg: gap, rms_ut: rms, noise_ut: noise, n, calibrated } = reply.all;
     this.known = { state, calibrated: calibrated === "1" };
@@ -208,7 +180,8 @@ export class Live {
     const [part, hole] = state === "idle" ? [NaN, NaN] : [Number(coverage), Number(gap)];
     this.set("coverage", part, `${fixed(100 * Number(coverage), 0)} %`);
     this.set("gap", hole, `${fixed(Number(gap), 0)}°`);
-    this.figures = state === "collecting" ? `n ${n} · rms ${rms} µT · noise ${noise} µT` : null;
+    const collected = state === "collecting" ? `${n} samples in the fit · residual ${rms} µT · noise ${noise} µT` : "";
+    if (this.collected.textContent !== collected) fill(this.collected, collected);
     this.enable();
     this.later();
   }
@@ -220,18 +193,24 @@ export class Live {
   }
 
   enable() {
-    const { start, stop, accept, why, save: keep, look } = this.buttons;
+    const { start, stop, accept, why, record, save: keep, look } = this.buttons;
     const board = this.connected && this.who && !this.acting;
     const state = this.known?.state;
     start.disabled = !board;
     stop.disabled = !board || state !== "collecting";
     accept.disabled = !board || state !== "solved";
-    why.disabled = !board || !(this.known?.calibrated || state === "collecting");
+    // The board studies from `cal start` on, whatever came of it, and beside a calibration.
+    why.disabled = !board || !(this.known?.calibrated || ["collecting", "solved", "refused"].includes(state));
+    // Without a calibration everything is recorded.
+    record.disabled = !board || !this.known?.calibrated || state === "collecting";
+    const text = this.kind === "log" && this.known?.calibrated ? "stop recording" : "record";
+    if (record.textContent !== text) fill(record, text);
     keep.disabled = look.disabled = !(this.recording?.samples > 20);
   }
 
   /** Does what a button says; what goes wrong is said. */
   async act(what) {
+    const held = document.activeElement;
     this.acting = true;
     this.enable();
     fill(this.answer, "…");
@@ -242,6 +221,8 @@ export class Live {
     }
     this.acting = false;
     this.enable();
+    // A button that waits lets the keyboard go: it is given back.
+    if (document.activeElement === document.body && held.isConnected) held.focus();
   }
 
   /** A command whose answer is shown. */
@@ -266,11 +247,11 @@ export class Live {
     const found = reply.all;
     this.set("error", Number(found.error_percent), `${found.error_percent} %`);
     const shown = (what) => (what === undefined || what === "-" ? "–" : what);
-    fill(this.judged, table(reply.ok ? "Accepted: it waits to be stored" : `Refused: ${reply.text}`, ["", "value", "limit"], [
+    fill(this.judged, reply.ok ? table("Accepted: it waits to be stored", ["", "value", "limit"], [
       ["predicted error, % of the field", shown(found.error_percent), "1"],
       ["residual, % of the field", found.rms_ut && found.field_ut ? fixed(100 * Number(found.rms_ut) / Number(found.field_ut), 3) : "–", "5"],
       ["samples", shown(found.n), ""], ["field, µT", shown(found.field_ut), ""], ["noise, µT", shown(found.noise_ut), ""],
-    ]));
+    ]) : [reply.text.replace(/^refused \S+ /, "Refused: "), ...reply.info.map((text) => text.replace(/^also \S+ /, "Also: "))].map((text) => h("p", { class: "error" }, text)));
     this.known = { ...this.known, state: reply.ok ? "solved" : "refused" };
     document.body.dataset.board = this.known.state;
   }
@@ -289,17 +270,41 @@ export class Live {
     const rows = reply.info.filter((text) => text.startsWith("effect ")).map(values);
     const says = reply.info.filter((text) => text.startsWith("says ")).map((text) => text.slice(5));
     const base = values(reply.info.find((text) => text.startsWith("base ")) ?? "");
+    // What the data do not ask for the board refuses.
+    const offer = { missing: "add", confounded: "add", "in-use": "remove" };
+    const choice = ({ id, status }) => (offer[status]
+      ? h("button", { type: "button", "data-effect-id": id, "aria-label": `${offer[status]} ${id}`, onclick: () => this.act(() => this.change(offer[status], id)) }, offer[status]) : null);
     fill(this.why, h("h3", {}, "Why is it off?"), says.map((text) => h("p", {}, text)), reply.ok ? null : h("p", { class: "error" }, reply.closing),
       rows.length ? table(`Error now ${base.rms_ut ?? "–"} µT, on unseen time ${base.holdout_rms_ut ?? "–"} µT, noise alone ${base.noise_floor_ut ?? "–"} µT`, ["effect", "status", "before", "after", "chance", "not told from", ""],
-        rows.map((row) => [row.id, row.status, row.before_ut ?? row.before_deg ?? "–", row.after_ut ?? row.after_deg ?? "–", row.p, row.confounded_with,
-          h("button", { type: "button", "data-add": row.id, onclick: () => this.act(() => this.add(row.id)) }, row.status === "in-use" ? "remove" : "add")])) : null);
+        rows.map((row) => [row.id, row.status, row.before_ut ?? row.before_deg ?? "–", row.after_ut ?? row.after_deg ?? "–", row.p, row.confounded_with, choice(row) ?? ""])) : null);
     this.why.dataset.verdict = values(reply.text).verdict ?? "none";
   }
 
-  async add(id) {
-    const remove = this.why.querySelector(`[data-add="${CSS.escape(id)}"]`).textContent === "remove";
-    const reply = await this.command(`effect ${remove ? "remove" : "add"} ${id}`);
-    if (reply.ok) await this.ask();
+  /** Adds an effect to the calibration in use, or removes it; then asks again. */
+  async change(how, id) {
+    const reply = await this.command(`effect ${how} ${id}`);
+    if (!reply.ok) return;
+    this.clear();
+    // What was judged before is in use no more.
+    fill(this.judged);
+    if (this.kind !== "cal") await this.stream("cal");
+    await this.ask();
+    this.why.querySelector(`[data-effect-id="${CSS.escape(id)}"]`)?.focus();
+    const { rms_before_ut: before, rms_ut: after } = reply.all;
+    fill(this.answer, `done: effect ${how} ${id}; what was learned has an error of ${before} µT before and ${after} µT after`);
+  }
+
+  /** Samples as measured instead of corrected ones, for a log; or corrected ones again. */
+  async record() {
+    this.clear();
+    if (this.kind === "log") {
+      await this.stream("cal");
+      fill(this.answer, `${this.recording.samples} samples were recorded`);
+      return;
+    }
+    this.recording = new Recording(this.scale);
+    await this.stream("log");
+    fill(this.answer, "recording what the sensor measures");
   }
 
   save() {
@@ -335,17 +340,13 @@ export class Live {
       if (stream.startsWith("L,") && this.kind === "log" && counts.every(Number.isFinite)) this.point(counts.map((count, axis) => count * this.scale[axis]));
     } else if (stream.startsWith("C,")) {
       const cells = stream.split(",").map(Number);
+      // A column that an effect needs may not be known: then there is no corrected value.
+      [this.at, this.now] = [null, null];
       if (cells.slice(1).every(Number.isFinite)) {
         const [, ms, x, y, z, norm, residual] = cells;
         this.point([x, y, z]);
         this.now = { norm, residual, heading: ((Math.atan2(-y, x) * 180) / Math.PI + 360) % 360 };
-        this.strip.at.push(ms / 1000);
-        this.strip.value.push(residual);
-        if (this.strip.at.length > 1 && this.strip.at.at(-1) < this.strip.at.at(-2)) this.strip = { at: [], value: [] };
-        if (this.strip.at.length > STRIP) {
-          this.strip.at.shift();
-          this.strip.value.shift();
-        }
+        this.strip.take(ms / 1000, residual);
       }
     }
     this.later();
@@ -353,19 +354,15 @@ export class Live {
 
   point(v) {
     this.at = v;
-    const last = this.points.at(-1);
-    if (last && Math.hypot(v[0] - last[0], v[1] - last[1], v[2] - last[2]) < APART_UT) return;
-    this.points.push(v);
-    this.more = true;
-    if (this.points.length > POINTS) this.points.shift();
+    this.cloud.take(v);
   }
 
   /** Nothing of what is drawn counts any more. */
   clear() {
-    this.points = [];
     this.at = null;
-    this.built = null;
-    this.strip = { at: [], value: [] };
+    this.now = null;
+    this.cloud.clear();
+    this.strip.clear();
   }
 
   /** Draws soon, at most thirty times a second. */
@@ -381,52 +378,13 @@ export class Live {
 
   draw() {
     this.counts.drawn += 1;
-    document.body.dataset.samples = String(this.counts.lines);
-    document.body.dataset.drawn = String(this.counts.drawn);
-    const last = this.at;
+    const { dataset } = document.body;
+    dataset.samples = String(this.counts.lines);
+    dataset.drawn = String(this.counts.drawn);
     const corrected = this.kind === "cal";
-    const reading = [
-      last ? `${corrected ? "corrected" : "measured"} ${last.map((value) => value.toFixed(2)).join(", ")} µT` : null,
-      corrected && this.now ? `magnitude ${this.now.norm.toFixed(2)} µT · error ${this.now.residual.toFixed(3)} µT · heading if level ${this.now.heading.toFixed(0)}°` : null,
-      this.figures, this.recording ? `${this.recording.samples} samples recorded${this.recording.lost ? `, ${this.recording.lost} lost` : ""}` : null,
-    ].filter(Boolean).join(" · ");
-    if (this.reading.firstChild.data !== reading) this.reading.firstChild.data = reading;
+    this.readings.show({ at: this.at, corrected, now: this.now, rms: this.strip.rms(), recorded: this.recording });
     const now = performance.now();
-    const strip = this.strip.at.length >= 2;
-    if (this.plot.whole.hidden === strip) this.plot.whole.hidden = !strip;
-    if (strip && now - (this.striped ?? 0) > STRIP_MS) {
-      this.striped = now;
-      this.plot.stream(this.strip.at, this.strip.value, { x: "time, s", y: "µT", label: "error" });
-    }
-    if (this.more && now - (this.balled ?? 0) > SPHERE_MS) {
-      this.balled = now;
-      this.more = false;
-      this.ball(corrected);
-    }
-  }
-
-  /** The sphere: built anew where tiles were lit or it has grown, else only its dots are moved. */
-  ball(corrected) {
-    const axes = [0, 1, 2].map((axis) => this.points.map((v) => v[axis]));
-    const ends = axes.map((axis) => [Math.min(...axis), Math.max(...axis)]);
-    // Before there is a calibration directions are taken about the middle of what was measured.
-    const middle = corrected ? [0, 0, 0] : ends.map(([least, most]) => (least + most) / 2);
-    const radius = this.points.reduce((most, v) => Math.max(most, Math.hypot(...v.map((value, axis) => value - middle[axis]))), 0) || 1;
-    const lit = tiles(this.points, middle);
-    const seen = lit.samples.map((count) => (count ? "1" : "0")).join("");
-    const { built } = this;
-    const still = built && built.seen === seen && built.corrected === corrected && Math.abs(radius / built.radius - 1) < MOVED
-      && Math.hypot(...middle.map((value, axis) => value - built.middle[axis])) < MOVED * radius;
-    const about = (centre) => axes.map((axis, index) => axis.map((value) => value - centre[index]));
-    if (still) {
-      this.sphere.move(about(built.middle));
-      return;
-    }
-    this.built = { seen, corrected, radius, middle };
-    const cloud = about(middle);
-    this.sphere.show({
-      field_ut: radius, cloud: { measured_ut: corrected ? [[], [], []] : cloud, corrected_ut: corrected ? cloud : [[], [], []] },
-      tiles: { ...lit, coverage: seen.replaceAll("0", "").length / seen.length, gap_deg: 0, gap_side: "any", rough: true },
-    });
+    this.strip.draw(now);
+    this.cloud.draw(now, corrected);
   }
 }

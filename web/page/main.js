@@ -243,7 +243,7 @@ function theme() {
     by("theme").setAttribute("aria-pressed", on);
     redraw();
     page?.figures.ball?.build();
-    page?.board?.sphere.build();
+    page?.board?.cloud.sphere.build();
   };
   set(dark.matches);
   dark.addEventListener("change", () => set(dark.matches));

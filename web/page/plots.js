@@ -36,13 +36,17 @@ export class Plot {
   show(x, series, axes, marks = []) {
     this.given = { x, series, axes, marks };
     this.draw();
-    fill(this.numbers, later("Numbers as a table", () => {
-      const step = Math.max(1, Math.ceil(x.length / ROWS));
-      const rows = [];
-      for (let i = 0; i < x.length; i += step) rows.push([significant(x[i]), ...series.map((one) => significant(one.values[i], 3))]);
-      return table(step > 1 ? `${this.what}; every ${step}th of ${x.length} points` : this.what,
-        [axes.x, ...series.map((one) => one.label)], rows);
-    }));
+    fill(this.numbers, later("Numbers as a table", () => this.table()));
+  }
+
+  /** What is drawn now, as a table. */
+  table() {
+    const { x, series, axes } = this.given;
+    const step = Math.max(1, Math.ceil(x.length / ROWS));
+    const rows = [];
+    for (let i = 0; i < x.length; i += step) rows.push([significant(x[i]), ...series.map((one) => significant(one.values[i], 3))]);
+    return table(step > 1 ? `${this.what}; every ${step}th of ${x.length} points` : this.what,
+      [axes.x, ...series.map((one) => one.label)], rows);
   }
 
   draw() {
@@ -99,6 +103,7 @@ export class Plot {
     }
     this.given = { x, series: [{ label, values, colour: "--blue" }], axes, marks: [], growing: true };
     this.draw();
+    fill(this.numbers, later("Numbers as a table, as they are when it is opened", () => this.table(), true));
   }
 
   fit() {

@@ -9,6 +9,7 @@ import { fixed } from "./numbers.js";
 
 const STEPS = 5;
 const TURN = Math.PI / 24;
+const ENDS = [["front", [1.25, 0, 0]], ["right", [0, 1.25, 0]], ["bottom", [0, 0, 1.25]]];
 const shown = ([x, y, z]) => [y, -z, -x];
 const colour = (name) => new Color(getComputedStyle(document.documentElement).getPropertyValue(name).trim());
 
@@ -44,24 +45,27 @@ function outline(slices, sectors, tile, radius) {
   return pairs.flat();
 }
 
-/** Room for `most` dots, so that more of them cost no new buffer. */
-function dots(vectors, scale, size, name, most = vectors[0].length) {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(3 * most), 3));
-  const points = new Points(geometry, new PointsMaterial({ color: colour(name), size, sizeAttenuation: false }));
-  // What is behind the camera is none of its business: the dots move on.
-  points.frustumCulled = false;
-  place(points, vectors, scale);
-  return points;
-}
-
-/** Puts dots where the vectors are. */
-function place(points, [x, y, z], scale) {
-  const attribute = points.geometry.getAttribute("position");
+/** Puts dots where the vectors are, with room for `most` of them, so that more cost no new buffer. */
+function place(points, [x, y, z], scale, most = x.length) {
+  let attribute = points.geometry.getAttribute("position");
+  if (!attribute || attribute.count < most) {
+    points.geometry.dispose();
+    points.geometry = new BufferGeometry();
+    attribute = new BufferAttribute(new Float32Array(3 * most), 3);
+    points.geometry.setAttribute("position", attribute);
+  }
   const count = Math.min(x.length, attribute.count);
   for (let i = 0; i < count; i += 1) attribute.array.set(shown([x[i] * scale, y[i] * scale, z[i] * scale]), 3 * i);
   attribute.needsUpdate = true;
   points.geometry.setDrawRange(0, count);
+}
+
+/** A geometry of these corners, each in its colour where there are colours. */
+function corners(places, colours = null) {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
+  if (colours) geometry.setAttribute("color", new BufferAttribute(new Float32Array(colours), 3));
+  return geometry;
 }
 
 function label(text) {
@@ -103,18 +107,22 @@ export class Sphere {
       },
     }, h("span", { class: `mark ${key}`, "aria-hidden": "true" }, mark), ` ${text}`);
     this.told = h("div");
+    this.seen = true;
+    // A picture of many comes after what is small and changes all the time.
+    this.spared = Boolean(most) && software();
     fill(root, h("div", { class: "ball" },
       h("div", {}, this.canvas, h("div", { class: "buttons" },
         toggle("measured", "●", "measured"), toggle("corrected", "●", "corrected"), toggle("tiles", "▦", "tiles: seen, and gaps"),
         h("button", { type: "button", onclick: () => this.home() }, "first view"))),
       this.told));
     try {
-      this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !(most && software()), alpha: true, preserveDrawingBuffer: !most });
+      this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !this.spared, alpha: true, preserveDrawingBuffer: !most });
     } catch {
       this.canvas.replaceWith(h("p", { class: "note" }, "This browser has no WebGL, so there is no picture of the sphere; the table says the same."));
       return;
     }
     this.scene = new Scene();
+    this.furnish();
     this.camera = new PerspectiveCamera(35, 1, 0.05, 200);
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enablePan = false;
@@ -125,7 +133,6 @@ export class Sphere {
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.size()).observe(this.canvas);
     // What nobody sees is not drawn.
-    this.seen = true;
     new IntersectionObserver((all) => {
       const before = this.seen;
       this.seen = all.at(-1).isIntersecting;
@@ -183,64 +190,89 @@ export class Sphere {
     this.build();
   }
 
+  /** What the scene is made of. It stays, whatever is shown: a material that is made anew is compiled anew. */
+  furnish() {
+    const line = (more) => new LineSegments(new BufferGeometry(), new LineBasicMaterial(more));
+    const cloud = (size) => {
+      const points = new Points(new BufferGeometry(), new PointsMaterial({ size, sizeAttenuation: false }));
+      // What is behind the camera is none of its business: the dots move on.
+      points.frustumCulled = false;
+      return points;
+    };
+    this.things = {
+      tiles: new Mesh(new BufferGeometry(), new MeshBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.28, side: DoubleSide, depthWrite: false })),
+      grid: line({ transparent: true, opacity: 0.3 }), axes: line(), measured: cloud(2.5), corrected: cloud(3), labels: new Group(),
+    };
+    // There is nothing to lay or to place yet.
+    for (const name of ["tiles", "grid", "measured", "corrected"]) this.things[name].visible = false;
+    this.things.axes.geometry = corners(ENDS.flatMap(([, end]) => [0, 0, 0, ...shown(end)]));
+    this.scene.add(...Object.values(this.things));
+  }
+
+  /** Gives everything the colours of the theme. */
+  paint() {
+    const { grid, axes, measured, corrected, labels } = this.things;
+    for (const [thing, name] of [[grid, "--soft"], [axes, "--soft"], [measured, "--orange"], [corrected, "--blue"]]) thing.material.color.copy(colour(name));
+    const text = colour("--text").getHexString();
+    if (this.written === text) return;
+    this.written = text;
+    for (const one of labels.children) {
+      one.material.map.dispose();
+      one.material.dispose();
+    }
+    labels.clear();
+    for (const [name, end] of ENDS) {
+      const sprite = label(name);
+      sprite.position.set(...shown(end.map((value) => value * 1.1)));
+      labels.add(sprite);
+    }
+  }
+
+  /** Draws what is to be shown with what is switched on, in the colours of the theme. */
   build() {
     if (!this.renderer || !this.picture) return;
     const { cloud, tiles, field_ut: field } = this.picture;
     const of = cloud.measured_ut;
     const farthest = of[0].reduce((most, _, i) => Math.max(most, Math.hypot(of[0][i], of[1][i], of[2][i])), 0);
-    const scale = 1 / (field ?? (farthest || 1));
-    this.scene.traverse((one) => {
-      one.geometry?.dispose();
-      one.material?.map?.dispose();
-      one.material?.dispose();
-    });
-    this.scene.clear();
-    const group = new Group();
-    if (tiles && this.showing.tiles) {
-      const [places, colours] = [[], []];
-      const edges = [];
-      const [lit, gap] = [colour("--lit"), colour("--gap")];
-      tiles.samples.forEach((count, tile) => {
-        const corners = patch(tiles.slices, tiles.sectors, tile, 0.97);
-        const { r, g, b } = count ? lit : gap;
-        places.push(...corners);
-        edges.push(...outline(tiles.slices, tiles.sectors, tile, 0.972));
-        for (let i = 0; i < corners.length; i += 3) colours.push(r, g, b);
-      });
-      const geometry = new BufferGeometry();
-      geometry.setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
-      geometry.setAttribute("color", new BufferAttribute(new Float32Array(colours), 3));
-      group.add(new Mesh(geometry, new MeshBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.28, side: DoubleSide, depthWrite: false })));
-      const grid = new BufferGeometry();
-      grid.setAttribute("position", new BufferAttribute(new Float32Array(edges), 3));
-      group.add(new LineSegments(grid, new LineBasicMaterial({ color: colour("--soft"), transparent: true, opacity: 0.3 })));
-    }
-    this.scale = scale;
+    this.scale = 1 / (field ?? (farthest || 1));
+    this.paint();
+    this.tile(tiles);
     this.moving = null;
-    for (const [key, size, name] of [["measured", 2.5, "--orange"], ["corrected", 3, "--blue"]]) {
+    for (const key of ["measured", "corrected"]) {
       const vectors = cloud[`${key}_ut`];
-      if (!this.showing[key] || !vectors[0]?.length) continue;
-      const points = dots(vectors, scale, size, name, this.most ?? vectors[0].length);
-      group.add(points);
+      const points = this.things[key];
+      points.visible = this.showing[key] && vectors[0]?.length > 0;
+      if (!points.visible) continue;
+      place(points, vectors, this.scale, this.most ?? vectors[0].length);
       this.moving = points;
     }
-    const ends = [["front", [1.25, 0, 0]], ["right", [0, 1.25, 0]], ["bottom", [0, 0, 1.25]]];
-    const lines = new BufferGeometry();
-    lines.setAttribute("position", new BufferAttribute(new Float32Array(ends.flatMap(([, end]) => [0, 0, 0, ...shown(end)])), 3));
-    group.add(new LineSegments(lines, new LineBasicMaterial({ color: colour("--soft") })));
-    for (const [text, end] of ends) {
-      const sprite = label(text);
-      sprite.position.set(...shown(end.map((value) => value * 1.1)));
-      group.add(sprite);
-    }
-    this.scene.add(group);
-    const distance = 3.8 * (this.showing.measured ? Math.max(1, Math.min(4, 0.75 * farthest * scale)) : 1);
+    const distance = 3.8 * (this.showing.measured ? Math.max(1, Math.min(4, 0.75 * farthest * this.scale)) : 1);
     if (distance !== this.distance) {
       this.distance = distance;
       this.camera.position.setLength(distance);
       if (this.camera.position.length() === 0) this.home();
     }
     this.draw();
+  }
+
+  /** Lays the tiles: those that were seen, and the gaps. */
+  tile(tiles) {
+    const { tiles: mesh, grid } = this.things;
+    mesh.visible = grid.visible = Boolean(tiles) && this.showing.tiles;
+    if (!mesh.visible) return;
+    const [places, colours, edges] = [[], [], []];
+    const [lit, gap] = [colour("--lit"), colour(tiles.plain ? "--line" : "--gap")];
+    tiles.samples.forEach((count, tile) => {
+      const own = patch(tiles.slices, tiles.sectors, tile, 0.97);
+      const { r, g, b } = count ? lit : gap;
+      places.push(...own);
+      edges.push(...outline(tiles.slices, tiles.sectors, tile, 0.972));
+      for (let i = 0; i < own.length; i += 3) colours.push(r, g, b);
+    });
+    mesh.geometry.dispose();
+    mesh.geometry = corners(places, colours);
+    grid.geometry.dispose();
+    grid.geometry = corners(edges);
   }
 
   /** The same picture with other dots. */
@@ -252,10 +284,25 @@ export class Sphere {
 
   tell() {
     const { tiles } = this.picture;
+    this.words ??= { coverage: h("p"), gaps: h("p"), table: later("Tiles as a table", () => this.table(), true) };
+    const { coverage, gaps, table: rows } = this.words;
     if (!tiles) {
       fill(this.told, h("p", { class: "note" }, "Without a calibration there is no sphere: the dots are what was measured."));
       return;
     }
+    // A table that was opened stays open while a board is turned.
+    if (!rows.isConnected) fill(this.told, coverage, gaps, rows);
+    else if (rows.open) fill(rows.lastChild, this.table());
+    fill(coverage, tiles.rough ? `${fixed(100 * tiles.coverage, 0)} % of the tiles have samples, among the last ones that are drawn.`
+      : `${fixed(100 * tiles.coverage, 0)} % of all directions were seen; the largest gap is ${fixed(tiles.gap_deg, 0)}°` +
+        (tiles.gap_deg > 30 ? `, on the ${tiles.gap_side} side.` : "."));
+    const empty = tiles.plain ? [] : [...this.sides()].filter(([, side]) => side.seen < side.tiles).map(([name]) => name);
+    fill(gaps, empty.length ? `Gaps: ${empty.join(", ")}.` : null);
+  }
+
+  /** Tiles and samples by the side of the board. */
+  sides() {
+    const { tiles } = this.picture;
     const sides = new Map();
     tiles.samples.forEach((count, tile) => {
       const side = sides.get(tiles.sides[tile]) ?? { tiles: 0, seen: 0, samples: 0 };
@@ -264,13 +311,11 @@ export class Sphere {
       side.samples += count;
       sides.set(tiles.sides[tile], side);
     });
-    const empty = [...sides].filter(([, side]) => side.seen < side.tiles).map(([name]) => name);
-    fill(this.told,
-      h("p", {}, tiles.rough ? `${fixed(100 * tiles.coverage, 0)} % of the tiles have samples, among the last ones that are drawn.`
-        : `${fixed(100 * tiles.coverage, 0)} % of all directions were seen; the largest gap is ${fixed(tiles.gap_deg, 0)}°` +
-          (tiles.gap_deg > 30 ? `, on the ${tiles.gap_side} side.` : ".")),
-      empty.length ? h("p", {}, `Gaps: ${empty.join(", ")}.`) : null,
-      later("Tiles as a table", () => table("Tiles of equal area by the side of the board that the field came through", ["side", "seen", "tiles", "samples"],
-        [...sides].map(([name, side]) => [name, side.seen, side.tiles, side.samples]))));
+    return sides;
+  }
+
+  table() {
+    return table("Tiles of equal area by the side of the board that the field came through", ["side", "seen", "tiles", "samples"],
+      [...this.sides()].map(([name, side]) => [name, side.seen, side.tiles, side.samples]));
   }
 }

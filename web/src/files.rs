@@ -31,12 +31,13 @@ pub(crate) fn text(name: &str) -> String {
     text
 }
 
-/// The licences of the libraries in the page, and of the program.
+/// The licences of the libraries in the page and in the program, and of the program itself.
 pub fn licences() -> String {
     format!(
-        "ironout\n\n{}\n\nthree.js\n\n{}\n\nuPlot\n\n{}\n",
+        "ironout\n\n{}\n\nthree.js\n\n{}\n\nuPlot\n\n{}\n\n{}",
         include_str!("../../LICENSE").trim(),
         text("three.LICENSE").trim(),
-        text("uplot.LICENSE").trim()
+        text("uplot.LICENSE").trim(),
+        text("crates.LICENSES.txt")
     )
 }

@@ -31,7 +31,7 @@ impl Mode {
 }
 
 /// Scripts, each after those that it imports.
-const SCRIPTS: [&str; 15] = [
+const SCRIPTS: [&str; 18] = [
     "three.min.js",
     "uplot.min.js",
     "dom.js",
@@ -45,6 +45,9 @@ const SCRIPTS: [&str; 15] = [
     "wires.js",
     "board.js",
     "recording.js",
+    "cloud.js",
+    "readings.js",
+    "strip.js",
     "live.js",
     "main.js",
 ];

@@ -16,6 +16,13 @@ const PACE: f64 = 8.0;
 /// A program that is ended with the test.
 pub struct Program(Child);
 
+impl Program {
+    /// Its number.
+    pub fn id(&self) -> u32 {
+        self.0.id()
+    }
+}
+
 impl Drop for Program {
     fn drop(&mut self) {
         // As by Ctrl-C: it switches its board off. It may have ended by itself.

@@ -25,8 +25,20 @@ fn assert_session(seen: &Value) {
     ] {
         assert!(words(&seen[key]).contains(part), "{key} without {part}: {seen}");
     }
-    // Nothing is hidden from it.
-    assert_eq!((&seen["verdict"], &seen["recording"]), (&json!("complete"), &json!("log.csv")), "{seen}");
+    assert_eq!(seen["recording"], "log.csv", "{seen}");
+}
+
+/// What is named is added by a click, and the error falls to the noise; removed, it is back.
+pub fn assert_learned(seen: &Value, id: &str, noise_ut: f64) {
+    assert_eq!(seen["verdict"], "missing", "{seen}");
+    assert!(words(&seen["why"]).contains(id), "{seen}");
+    for (key, part) in
+        [("added", "done: effect add"), ("whyLearned", "in-use"), ("removed", "done: effect remove")]
+    {
+        assert!(words(&seen[key]).contains(part), "{key} without {part}: {seen}");
+    }
+    let (learned, removed) = (number(&seen["errorLearned"]), number(&seen["errorRemoved"]));
+    assert!(learned < 2.0 * noise_ut && removed > 2.0 * learned, "{learned} {removed}: {seen}");
 }
 
 /// The recording that the page saved, read by the command line.
@@ -47,9 +59,14 @@ fn a_board_is_calibrated_by_clicks_on_the_served_page() {
     let Some(_board) = ironout_rig::qemu::turn("live --qemu") else { return };
     let Some(_turn) = turn("live") else { return };
     let here = folder("page-live");
-    let (_program, address) = live(&["--qemu"]);
-    let seen = scenario("live", json!({"address": address}));
+    let (_program, address) = live(&["--qemu", "--hidden", "temperature"]);
+    // What the emulated sensor's noise alone makes.
+    let noise_ut = 0.25;
+    let hidden = json!({"id": "offset:temp_c", "noise_ut": noise_ut});
+    let seen = scenario("live", json!({"address": address, "hidden": hidden}));
     assert_session(&seen);
+    assert_learned(&seen, "offset:temp_c", noise_ut);
+    assert!(number(&seen["errorLearned"]) < 0.75 * number(&seen["errorBefore"]), "{seen}");
     assert_recording(&here, &seen);
 }
 
@@ -98,7 +115,9 @@ fn a_board_is_calibrated_over_a_serial_port_of_the_browser() {
     let stop = Arc::new(AtomicBool::new(false));
     let (stopped, served_at) = (Arc::clone(&stop), address.clone());
     let bridge = std::thread::spawn(move || {
-        let turn = |sample: u64| Some(world.sensor_ut((sample as f64 * 0.04) % 600.0));
+        let turn = |board: &mut Emulator, _: &str, sample: u64| {
+            board.set_field_ut(world.sensor_ut((sample as f64 * 0.04) % 600.0))
+        };
         while !stopped.load(Ordering::Relaxed) && board.serve(&listener, turn).is_ok() {}
     });
     let _off = Off { stop, served_at, bridge: Some(bridge) };
@@ -106,5 +125,7 @@ fn a_board_is_calibrated_over_a_serial_port_of_the_browser() {
     assert!(words(&seen["gone"]).contains("it is waited for"), "{seen}");
     assert_eq!(seen["rates"].as_array().and_then(|rates| rates.first()), Some(&json!(115_200)), "{seen}");
     assert_session(&seen);
+    // Nothing is hidden from it.
+    assert_eq!(seen["verdict"], "complete", "{seen}");
     assert_recording(&here, &seen);
 }

@@ -11,6 +11,7 @@ mod common;
 mod corpus;
 mod emulated;
 mod formats;
+mod replayed;
 mod report;
 #[path = "../writers/mod.rs"]
 mod writers;

@@ -59,7 +59,16 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
             &["current offset (offset:current_a)", "It amounts to", "± 1σ", "offset, µT", "floor by noise"][..],
         ),
         ("gaps", &["of all directions were seen", "largest gap"]),
-        ("licences", &["three.js", "uPlot", "MIT", "Permission is hereby granted"]),
+        (
+            "licences",
+            &[
+                "three.js",
+                "uPlot",
+                "MIT",
+                "Permission is hereby granted",
+                "nalgebra (Apache-2.0): page, program",
+            ],
+        ),
     ] {
         for part in parts {
             assert!(words(&seen[key]).contains(part), "{key} without {part}: {}", seen[key]);

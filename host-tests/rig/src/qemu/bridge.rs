@@ -10,16 +10,16 @@ use std::time::Duration;
 const GLANCE: Duration = Duration::from_millis(2);
 
 impl Emulator {
-    /// Passes the console on to the next client of `listener`, until it hangs up. After each line of a stream `turn` is told
-    /// how many there were, and gives the field that the sensor is in from then on: the board's own samples are the clock, so
-    /// that a busy host only takes longer.
+    /// Passes the console on to the next client of `listener`, until it hangs up. After each line of a stream `turn` is given
+    /// the board, the line and how many there were, to change what the board's sensors are in: its own samples are the clock,
+    /// so that a busy host only takes longer.
     ///
     /// # Errors
-    /// The emulator is gone, or a field that it does not take.
+    /// The emulator is gone, or `turn` has failed.
     pub fn serve(
         &mut self,
         listener: &TcpListener,
-        mut turn: impl FnMut(u64) -> Option<[f64; 3]>,
+        mut turn: impl FnMut(&mut Self, &str, u64) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let (mut client, _) = listener.accept().map_err(Error::io("wait for a client"))?;
         client.set_read_timeout(Some(GLANCE)).map_err(Error::io("set the client's time limit"))?;
@@ -41,9 +41,7 @@ impl Emulator {
                 }
                 if [&b"R,"[..], b"C,", b"L,"].iter().any(|mark| line.starts_with(mark)) {
                     samples += 1;
-                    if let Some(field_ut) = turn(samples) {
-                        self.set_field_ut(field_ut)?;
-                    }
+                    turn(self, &String::from_utf8_lossy(&line), samples)?;
                 }
                 line.clear();
             }

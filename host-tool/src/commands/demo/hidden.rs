@@ -8,21 +8,10 @@ use crate::commands::demo::talk::{Talk, numbers};
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::output::line;
 use crate::progress::Progress;
-use ironout_simulation::{EffectSpec, World, WorldOptions};
+use crate::turned::{ATTITUDES, FIELD_UT, NOISE_UT, Turned};
 
-/// The Earth's field, µT.
-const FIELD_UT: f64 = 48.0;
-/// Hard iron on every axis: the emulated sensor knows no negative fields.
-const HARD_IRON_UT: [f64; 3] = [93.0; 3];
-/// Noise of the sensor on each axis, µT.
-const NOISE_UT: f64 = 0.25;
-/// How strong the hidden effect is, in noises.
-const STRENGTH: f64 = 5.0;
-/// Attitudes a second of the simulated world, which is what the board takes two samples for.
-const RATE_HZ: f64 = 25.0;
-/// Attitudes of the calibration, and of all that the simulated world has.
+/// Attitudes of the calibration.
 const CALIBRATION: usize = 400;
-const ATTITUDES: usize = 1400;
 /// Attitudes in which an error is measured.
 const PROBES: usize = 50;
 /// Without the effect nothing has to be known of its column: the error is looked at over all that happens there and back.
@@ -35,33 +24,18 @@ const PATIENCE: usize = 200;
 /// With the effect the error may be this many times that of the noise: over so few probes noise alone varies by a tenth.
 const GOOD: f64 = 1.35;
 
-impl HiddenArg {
-    fn id(self) -> &'static str {
-        match self {
-            HiddenArg::Temperature => "offset:temp_c",
-            HiddenArg::Current => "offset:current_a",
-            HiddenArg::Step => "step",
+/// Attitudes of the work after the calibration, in which it acts: a column has to go through its range, a jump to happen.
+fn work(effect: HiddenArg) -> usize {
+    if effect == HiddenArg::Step { 1000 } else { 700 }
+}
+
+fn words(effect: HiddenArg) -> &'static str {
+    match effect {
+        HiddenArg::Temperature => "the chip warms up, and its offset moves with its temperature",
+        HiddenArg::Current => {
+            "the motors run, and their current moves the offset (the board is told it: cov current_a=…)"
         }
-    }
-
-    /// Attitudes of the work after the calibration, in which it acts: a column has to go through its range, a jump to happen.
-    fn work(self) -> usize {
-        if self == HiddenArg::Step { 1000 } else { 700 }
-    }
-
-    /// The column that it follows; any where it follows none.
-    fn column(self) -> &'static str {
-        if self == HiddenArg::Current { "current_a" } else { "temp_c" }
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            HiddenArg::Temperature => "the chip warms up, and its offset moves with its temperature",
-            HiddenArg::Current => {
-                "the motors run, and their current moves the offset (the board is told it: cov current_a=…)"
-            }
-            HiddenArg::Step => "something magnetic is attached, and the offset jumps",
-        }
+        HiddenArg::Step => "something magnetic is attached, and the offset jumps",
     }
 }
 
@@ -83,7 +57,7 @@ pub fn run(effect: HiddenArg, arguments: &DemoArgs, json: bool) -> Outcome<u8> {
     }
     let talk = Talk::start(arguments, json)?;
     let emulated = talk.emulated;
-    let figures = Story { talk, world: Turning::new(effect)?, effect, fed: None }.run()?;
+    let figures = Story { talk, world: Turned::new(effect)?, effect, fed: None }.run()?;
     let good = figures.first == effect.id()
         && figures.learnt.max(figures.restarted) <= GOOD * figures.floor
         && figures.before.min(figures.removed) >= 2.0 * figures.learnt;
@@ -111,98 +85,9 @@ pub fn run(effect: HiddenArg, arguments: &DemoArgs, json: bool) -> Outcome<u8> {
     Ok(if good { EXIT_OK } else { EXIT_REFUSED })
 }
 
-/// A board in the hand: one attitude after the other, with what the chips feel there. While it is calibrated nothing but the
-/// attitude changes; the hidden effect acts afterwards.
-struct Turning {
-    calm: World,
-    world: World,
-    /// Noise of each axis, µT, over and over.
-    noise_ut: Vec<[f64; 3]>,
-    /// The value of the column at which the effect is nothing, and from which it goes on after the calibration.
-    reference: f64,
-    from: usize,
-    effect: HiddenArg,
-    attitude: usize,
-}
-
-impl Turning {
-    fn new(effect: HiddenArg) -> Outcome<Self> {
-        let spec = EffectSpec::parse(&format!("{}={STRENGTH}", effect.id()))
-            .map_err(|error| Failure::usage(error.to_string()))?;
-        let options = WorldOptions {
-            seed: 2015,
-            field_ut: FIELD_UT,
-            hard_iron_ut: Some(HARD_IRON_UT),
-            noise_ut: NOISE_UT,
-            lsb_ut: 0.0,
-            seconds: ATTITUDES as f64 / RATE_HZ,
-            rate_hz: RATE_HZ,
-            ..WorldOptions::default()
-        };
-        let calm = World::new(options.clone());
-        let world = World::new(WorldOptions { effects: vec![spec], ..options });
-        let log = calm.run();
-        let axes =
-            ["mx_ut", "my_ut", "mz_ut"].map(|name| log.position(name).and_then(|at| log.columns.get(at)));
-        let [Some(x), Some(y), Some(z)] = axes else {
-            return Err(Failure::usage("the simulation has no magnetometer"));
-        };
-        let noise_ut = (x.iter().zip(y).zip(z).enumerate())
-            .map(|(row, ((x, y), z))| {
-                let clean = calm.sensor_ut(row as f64 / RATE_HZ);
-                [x - clean[0], y - clean[1], z - clean[2]]
-            })
-            .collect();
-        let reference = world.hidden().first().map_or(0.0, |hidden| hidden.drawn.reference);
-        let column = |row: usize| world.covariate(effect.column(), row as f64 / RATE_HZ);
-        let from = (0..ATTITUDES).find(|row| column(*row) >= reference).unwrap_or(0);
-        Ok(Turning { calm, world, noise_ut, reference, from, effect, attitude: 0 })
-    }
-
-    /// Whether it is being calibrated, and nothing but the attitude changes.
-    fn is_calm(&self) -> bool {
-        self.attitude < CALIBRATION && self.effect != HiddenArg::Step
-    }
-
-    /// The time in the world: what happens there goes back and forth, but for what happens once.
-    fn t_s(&self) -> f64 {
-        let (way, there) = (2 * ATTITUDES - 2, ATTITUDES - 1);
-        let at = if self.is_calm() || self.effect == HiddenArg::Step {
-            self.attitude
-        } else {
-            self.from + self.attitude.saturating_sub(CALIBRATION)
-        } % way;
-        let row = if at > there { way - at } else { at };
-        row as f64 / RATE_HZ
-    }
-
-    /// The field along the sensor's axes, noise and all, µT.
-    fn field_ut(&self) -> [f64; 3] {
-        let world = if self.is_calm() { &self.calm } else { &self.world };
-        let mut clean = world.sensor_ut(self.t_s());
-        if self.effect == HiddenArg::Step && self.attitude >= ATTITUDES {
-            // On the way back it stays attached.
-            let end_s = (ATTITUDES - 1) as f64 / RATE_HZ;
-            let (with, without) = (self.world.sensor_ut(end_s), self.calm.sensor_ut(end_s));
-            let calm = self.calm.sensor_ut(self.t_s());
-            clean = [0, 1, 2].map(|axis| calm[axis] + with[axis] - without[axis]);
-        }
-        let noise =
-            self.noise_ut.get(self.attitude % self.noise_ut.len().max(1)).copied().unwrap_or_default();
-        [0, 1, 2].map(|axis| clean[axis] + noise[axis])
-    }
-
-    fn column(&self, name: &str) -> f64 {
-        if self.is_calm() && name == self.effect.column() {
-            return self.reference;
-        }
-        self.world.covariate(name, self.t_s())
-    }
-}
-
 struct Story {
     talk: Talk,
-    world: Turning,
+    world: Turned,
     effect: HiddenArg,
     /// The current that the board was told last.
     fed: Option<f64>,
@@ -219,17 +104,22 @@ impl Story {
         self.attitude()?;
         self.talk.ok("cal start")?;
         self.talk.say(&format!("Turning it through {CALIBRATION} attitudes …"));
+        if self.effect == HiddenArg::Step {
+            // It jumps in its own time, once.
+            self.world.work();
+        }
         self.turn(CALIBRATION)?;
+        self.world.work();
         self.talk.quiet("stream off")?;
         self.talk.ok("cal stop")?;
         self.talk.ok("cal accept")?;
         self.talk.say(&format!(
             "\nNow it works for {} attitudes, and what nobody has told it: {}.",
-            self.effect.work(),
-            self.effect.words()
+            work(self.effect),
+            words(self.effect)
         ));
         self.talk.quiet("stream raw")?;
-        self.turn(self.effect.work())?;
+        self.turn(work(self.effect))?;
         self.talk.quiet("stream off")?;
         let before = self.error(1)?;
         self.talk.say(&format!(
@@ -322,7 +212,7 @@ impl Story {
                 self.fed = Some(current_a);
             }
         }
-        self.world.attitude += 1;
+        self.world.turn(1);
         self.talk.board.expose(field_ut)
     }
 
@@ -332,7 +222,7 @@ impl Story {
         let (mut squares, mut probes, mut unknown) = (0.0, 0, 0);
         while probes < PROBES {
             let text = self.attitude()?;
-            self.world.attitude += stride - 1;
+            self.world.turn(stride - 1);
             let Some(norm) = numbers(text.strip_prefix("C,").unwrap_or_default(), 4).first().copied() else {
                 // A column that the effect needs is not known yet.
                 unknown += 1;

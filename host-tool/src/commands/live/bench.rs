@@ -3,7 +3,7 @@
 #[cfg(unix)]
 use crate::board::Address;
 use crate::board::Wire;
-use crate::cli::LogArgs;
+use crate::cli::{HiddenArg, LogArgs};
 use crate::commands::live::link::Link;
 use crate::failure::{Failure, Outcome};
 use crate::input::Log;
@@ -54,12 +54,19 @@ impl Drop for Running {
 
 /// The firmware in QEMU; its sensor turns with every sample that it streams.
 #[cfg(unix)]
-pub fn emulated(wait: Duration) -> Outcome<(Link, Box<dyn Any>)> {
+pub fn emulated(wait: Duration, hidden: Option<HiddenArg>) -> Outcome<(Link, Box<dyn Any>)> {
+    use crate::turned::Turned;
     use ironout_rig::qemu::{self, Emulator, Error, Firmware, Options};
     use ironout_simulation::{World, WorldOptions};
     /// The world's time between two samples, s: twice as fast as by hand.
     const STEP_S: f64 = 0.04;
     let failed = |error: Error| Failure::usage(error.to_string());
+    if hidden == Some(HiddenArg::Current) {
+        return Err(Failure::usage(
+            "--hidden current: nobody tells the emulated board its current; take temperature or step, or --replay a log that has the column",
+        ));
+    }
+    let mut turned = hidden.map(Turned::new).transpose()?;
     if !qemu::installed() {
         return Err(failed(Error::NotInstalled));
     }
@@ -75,15 +82,29 @@ pub fn emulated(wait: Duration) -> Outcome<(Link, Box<dyn Any>)> {
         seconds: 600.0,
         ..WorldOptions::default()
     });
-    board.set_field_ut(world.sensor_ut(0.0)).map_err(failed)?;
+    let first = turned.as_ref().map_or_else(|| world.sensor_ut(0.0), Turned::field_ut);
+    board.set_field_ut(first).map_err(failed)?;
     let io = |error: io::Error| Failure::usage(format!("no port for the emulated board: {error}"));
     let listener = std::net::TcpListener::bind("127.0.0.1:0").map_err(io)?;
     let address = listener.local_addr().map_err(io)?.to_string();
     let stop = Arc::new(AtomicBool::new(false));
     let stopped = Arc::clone(&stop);
     let thread = std::thread::spawn(move || {
-        let turn = |sample: u64| Some(world.sensor_ut((sample as f64 * STEP_S) % 600.0));
-        while !stopped.load(Ordering::Relaxed) && board.serve(&listener, turn).is_ok() {}
+        let mut turn = |board: &mut Emulator, line: &str, sample: u64| {
+            let Some(turned) = &mut turned else {
+                return board.set_field_ut(world.sensor_ut((sample as f64 * STEP_S) % 600.0));
+            };
+            if line.starts_with("C,") {
+                // What is corrected was calibrated in peace.
+                turned.work();
+            }
+            turned.turn(1);
+            board.pause()?;
+            board.put_field_ut(turned.field_ut())?;
+            board.set_temperature_c(turned.column("temp_c"))?;
+            board.resume()
+        };
+        while !stopped.load(Ordering::Relaxed) && board.serve(&listener, &mut turn).is_ok() {}
     });
     let tcp = Address::Tcp(address.clone());
     let link = Link::keep("the board in QEMU".into(), wait, move || tcp.open(wait));
@@ -93,12 +114,12 @@ pub fn emulated(wait: Duration) -> Outcome<(Link, Box<dyn Any>)> {
 
 /// There is no such board.
 #[cfg(not(unix))]
-pub fn emulated(_wait: Duration) -> Outcome<(Link, Box<dyn Any>)> {
+pub fn emulated(_wait: Duration, _hidden: Option<HiddenArg>) -> Outcome<(Link, Box<dyn Any>)> {
     Err(Failure::usage("the emulated board runs on Unix only"))
 }
 
-/// A simulated board in the field of a log, fed its columns, at the log's own pace.
-pub fn replay(path: &Path) -> Outcome<Link> {
+/// A simulated board in the field of a log, fed its columns, at so many times the log's own pace.
+pub fn replay(path: &Path, speed: f64) -> Outcome<Link> {
     let arguments = LogArgs {
         log: path.to_path_buf(),
         more: Vec::new(),
@@ -117,7 +138,7 @@ pub fn replay(path: &Path) -> Outcome<Link> {
         let (to_board, heard) = mpsc::channel();
         let (says, from_board) = mpsc::channel();
         let log = log.clone();
-        std::thread::spawn(move || play(log, &heard, &says));
+        std::thread::spawn(move || play(log, speed, &heard, &says));
         Ok(Box::new(Played { to_board, from_board, rest: Vec::new() }))
     }))
 }
@@ -128,14 +149,14 @@ fn row_at(time_s: &[f64], t_s: f64) -> usize {
     time_s.partition_point(|time| time - first <= t_s).saturating_sub(1)
 }
 
-/// Runs the board until its log ends or nobody listens.
-fn play(log: Log, heard: &Receiver<Vec<u8>>, says: &Sender<Vec<u8>>) {
+/// Runs the board until nobody listens. At its end the log begins again: the board goes on, and keeps what it has learned.
+fn play(log: Log, speed: f64, heard: &Receiver<Vec<u8>>, says: &Sender<Vec<u8>>) {
     let time_s = log.time_s.clone().unwrap_or_default();
-    let length_ms = time_s.first().zip(time_s.last()).map_or(0, |(a, b)| (1000.0 * (b - a)) as u64);
+    let length_s = time_s.first().zip(time_s.last()).map_or(0.0, |(first, last)| last - first);
     let (own_time, field) = (time_s.clone(), log.field_ut.clone());
     let mut board = SimBoard::new(
         move |t_s: f64| {
-            let row = row_at(&own_time, t_s);
+            let row = row_at(&own_time, t_s % length_s);
             field.each_ref().map(|axis| axis.get(row).copied().unwrap_or(0.0))
         },
         0.0,
@@ -144,9 +165,9 @@ fn play(log: Log, heard: &Receiver<Vec<u8>>, says: &Sender<Vec<u8>>) {
     let columns: Vec<_> = log.covariates.iter().take(MOST_COLUMNS).collect();
     let begun = Instant::now();
     let mut now_ms = 0;
-    while now_ms < length_ms {
+    loop {
         if now_ms % FEED_MS == 0 && !columns.is_empty() {
-            let row = row_at(&time_s, now_ms as f64 / 1000.0);
+            let row = row_at(&time_s, (now_ms as f64 / 1000.0) % length_s);
             for column in &columns {
                 let value = column.values.get(row).copied().filter(|value| value.is_finite());
                 let value = value.map_or("-".to_string(), |value| format!("{value:.4}"));
@@ -167,7 +188,8 @@ fn play(log: Log, heard: &Receiver<Vec<u8>>, says: &Sender<Vec<u8>>) {
             if !text.is_empty() && says.send(text.into_bytes()).is_err() {
                 return;
             }
-            let left = (begun + Duration::from_millis(now_ms)).saturating_duration_since(Instant::now());
+            let left = (begun + Duration::from_millis(now_ms).div_f64(speed))
+                .saturating_duration_since(Instant::now());
             match heard.recv_timeout(left) {
                 Ok(bytes) => board.send(&bytes),
                 Err(RecvTimeoutError::Timeout) => break,
@@ -191,7 +213,7 @@ impl Wire for Played {
                 Ok(bytes) => self.rest = bytes,
                 Err(RecvTimeoutError::Timeout) => return Ok(0),
                 Err(RecvTimeoutError::Disconnected) => {
-                    return Err(io::Error::other("the log has ended; it begins again"));
+                    return Err(io::Error::other("the replay has stopped; it begins again"));
                 }
             }
         }
@@ -201,6 +223,6 @@ impl Wire for Played {
     }
 
     fn write(&mut self, bytes: &[u8], _: Duration) -> io::Result<()> {
-        self.to_board.send(bytes.to_vec()).map_err(|_| io::Error::other("the log has ended"))
+        self.to_board.send(bytes.to_vec()).map_err(|_| io::Error::other("the replay has stopped"))
     }
 }

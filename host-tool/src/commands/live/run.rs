@@ -38,8 +38,8 @@ type Bench = Box<dyn std::any::Any>;
 fn bench(arguments: &LiveArgs) -> Outcome<(Link, Option<Bench>)> {
     use crate::commands::live::bench;
     match &arguments.replay {
-        Some(log) => Ok((bench::replay(log)?, None)),
-        None => bench::emulated(arguments.wait()?).map(|(link, bench)| (link, Some(bench))),
+        Some(log) => Ok((bench::replay(log, arguments.speed()?)?, None)),
+        None => bench::emulated(arguments.wait()?, arguments.hidden).map(|(link, bench)| (link, Some(bench))),
     }
 }
 
