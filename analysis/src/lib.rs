@@ -32,11 +32,11 @@ pub mod table;
 mod threads;
 
 pub use correct::{CannotCorrect, Corrector};
+pub use fit::diagnosed::diagnose;
 pub use fit::fitted::Fitted;
 pub use fit::run::fit;
 pub use outcome::outcome::Diagnosis;
 pub use outcome::request::{Options, Refusal};
-pub use outcome::study::diagnose;
 pub use outside::{Extrapolation, Outside};
 pub use picture::look::{Look, look, look_with};
 pub use table::{BadTable, Named, Table};

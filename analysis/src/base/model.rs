@@ -35,6 +35,8 @@ pub struct Base {
     pub noise_floor_ut: f64,
     /// What that noise makes of the corrected magnitude, rms, µT.
     pub residual_floor_ut: f64,
+    /// The same if all that is slow is an error that moves, µT.
+    pub residual_floor_least_ut: f64,
 }
 
 impl Base {
@@ -71,6 +73,7 @@ impl Base {
             holdout_rms_ut: holdout::rms_ut(data, used, &options, report.calibration.field_ut),
             noise_floor_ut: residue.floor / gain,
             residual_floor_ut: residue.floor,
+            residual_floor_least_ut: residue.floor_least,
             solution: Solution::of_report(&report),
             residue,
             report,

@@ -30,6 +30,7 @@ pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fit
     fitted.holdout_rms_ut = diagnosis.steps.last().and_then(|step| step.holdout_rms_ut);
     fitted.noise_floor_ut = diagnosis.noise_floor_ut;
     fitted.residual_floor_ut = diagnosis.residual_floor_ut;
+    fitted.residual_floor_least_ut = diagnosis.residual_floor_least_ut;
     fitted.judge(&ground.counted, solution);
     fitted.reasons.extend(ground.note());
     if !diagnosis.converged {

@@ -42,6 +42,9 @@ pub struct Fitted {
     pub noise_floor_ut: Option<f64>,
     /// What that noise makes of the corrected magnitude, rms, µT.
     pub residual_floor_ut: Option<f64>,
+    /// The least that noise may make of it, µT: where this is lower, part of the error may be noise with a memory or an error
+    /// that moves, which a residual alone does not tell.
+    pub residual_floor_least_ut: Option<f64>,
     /// Dip of the field: of the world magnetic model, or as the accelerometer shows it.
     pub dip_deg: Option<f64>,
     /// Predicted 1σ error of the heading of a level reading, degrees; unknown without the dip.
@@ -70,6 +73,7 @@ impl Fitted {
             holdout_rms_ut: None,
             noise_floor_ut: None,
             residual_floor_ut: None,
+            residual_floor_least_ut: None,
             dip_deg: options.dip_deg,
             heading_error_deg: None,
             coverage: None,
@@ -86,6 +90,7 @@ impl Fitted {
                 self.holdout_rms_ut = base.holdout_rms_ut;
                 self.noise_floor_ut = Some(base.noise_floor_ut);
                 self.residual_floor_ut = Some(base.residual_floor_ut);
+                self.residual_floor_least_ut = Some(base.residual_floor_least_ut);
                 self.judge(&ground.counted, base.solution.clone());
             }
         }

@@ -1,6 +1,9 @@
 //! What a fit says.
 
+pub mod diagnosed;
 pub mod extended;
 pub mod fitted;
 pub mod ids;
 pub mod run;
+#[cfg(test)]
+mod tests;

@@ -19,7 +19,6 @@ use crate::samples::faults::FaultKind;
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
 use crate::table::Table;
-use crate::threads::with_room;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::{Model, Residual};
 
@@ -28,11 +27,6 @@ const FEWEST: usize = 30;
 
 /// What stood out is explained where the error on unseen time is hardly larger with it.
 const AS_WELL: f64 = 1.1;
-
-/// The diagnosis of a log.
-pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
-    with_room(|| study(&Ground::of(table, options.method, options.scale_ut(), options.dip_deg), options))
-}
 
 /// The diagnosis of a log whose samples are sorted out, with `with_room` to work in.
 pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {

@@ -235,7 +235,13 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
         }
         Verdict::Unexplained => {
             if !add.is_empty() {
-                say(out, "What was found helps all the same:");
+                say(
+                    out,
+                    match diagnosis.fit_refuses {
+                        true => "The fit with what was found is refused all the same, and says why:",
+                        false => "What was found helps all the same:",
+                    },
+                );
                 command(out, next::fit(arguments, &add));
             }
             goes_with(diagnosis, &add, out);
