@@ -1,7 +1,7 @@
 //! The diagnosis that a finished search of the magnitude comes to.
 
+use crate::base::applied::Applied;
 use crate::base::mounting::AXIS_ORDER;
-use crate::base::piece::Piece;
 use crate::base::quality::{covariance, information, noise_gain, predicted_error, residue};
 use crate::calibration::Information;
 use crate::outcome::outcome::{Diagnosis, Dip, NoiseRow, StepRow, Verdict};
@@ -19,14 +19,15 @@ impl View<'_, '_> {
         let mut dip = if self.lower_order.is_some() { None } else { self.dip(force_lag)? };
         let standing = dip.as_ref().map(|dip| self.settle(dip));
         let fitted = &self.explanation.fitted;
-        let list: Vec<&Piece> = fitted.pieces.iter().collect();
-        let residuals = self.pass.residuals(&fitted.model, &list)?;
+        let applied = Applied::of(&self.pass, fitted)?;
+        let (rms_ut, holdout_rms_ut) =
+            (applied.share * fitted.rms(), held_out_rms(fitted).map(|held| applied.share * held));
         // Without effects the final model is the base model, and what `fit` says of that holds.
         let plain = self.base.filter(|_| fitted.pieces.is_empty() && self.lower_order.is_none());
         let left = match plain {
             Some(base) => base.residue.clone(),
             None => residue(
-                &residuals,
+                &applied.residuals,
                 fitted.columns(),
                 self.samples.quantum_ut,
                 self.samples.step_s(),
@@ -51,15 +52,15 @@ impl View<'_, '_> {
         if let Some((dip, lag)) = late {
             steps.push(StepRow {
                 added: Some(lag.id.clone()),
-                rms_ut: fitted.rms(),
-                holdout_rms_ut: held_out_rms(fitted),
+                rms_ut,
+                holdout_rms_ut,
                 dip_rms_deg: Some(dip.after_deg),
             });
         }
         let swapped = standing.and_then(|standing| standing.swapped());
         let groups = &self.explanation.confounded;
         let in_group = |id: &str| groups.iter().any(|group| group.ids.iter().any(|other| other == id));
-        let (mut verdict, reasons) = self.verdict(&left, predicted, field);
+        let (mut verdict, reasons) = self.verdict(&left, &applied, predicted, field);
         if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
             verdict = Verdict::Missing;
         }
@@ -68,8 +69,8 @@ impl View<'_, '_> {
         if let (Some(_), Some(dip)) = (swapped, &dip) {
             steps.push(StepRow {
                 added: Some(AXIS_ORDER.id.into()),
-                rms_ut: fitted.rms(),
-                holdout_rms_ut: held_out_rms(fitted),
+                rms_ut,
+                holdout_rms_ut,
                 dip_rms_deg: Some(dip.after_deg),
             });
         }
@@ -81,7 +82,7 @@ impl View<'_, '_> {
             reasons,
             residual: Residual::Magnitude.name(),
             steps,
-            noise_floor_ut: Some(left.floor / gain),
+            noise_floor_ut: Some(left.floor / applied.share / gain),
             residual_floor_ut: Some(left.floor),
             residual_floor_least_ut: Some(left.floor_least),
             noise: Some(NoiseRow::of(&left)),
