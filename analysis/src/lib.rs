@@ -29,6 +29,7 @@ pub mod residual;
 pub mod samples;
 pub mod search;
 pub mod table;
+pub mod track;
 mod threads;
 
 pub use correct::{CannotCorrect, Corrector};

@@ -35,7 +35,10 @@ impl Applied {
             terms.clear();
             terms.extend(list.iter().map(|piece| piece.term(sample)));
             match fitted.model.correct(reading, &terms) {
-                Ok(corrected) => residuals.push(norm(corrected) - fitted.model.field_ut),
+                Ok(corrected) => {
+                    let field_ut = fitted.model.field_ut * pass.samples.place(sample).share;
+                    residuals.push(norm(corrected) - field_ut);
+                }
                 Err(NotFinite::Effect(index)) => {
                     return Err(BadShape::NotFinite(
                         list.get(index).map_or_else(String::new, |one| one.id.clone()),

@@ -25,21 +25,30 @@ pub(crate) fn of_ground_searched(ground: &Ground, options: &Options) -> Result<D
     let mut diagnosis = study(ground, options)?;
     if let Some(why) = refused(ground, options, &diagnosis) {
         let instead = match diagnosis.verdict {
+            // What is at the end of the range is told among the faults, and the model is what it is.
+            _ if why.of_data => None,
             Verdict::Complete => Some(Verdict::Undetermined),
             Verdict::Missing => Some(Verdict::Unexplained),
             Verdict::Confounded | Verdict::Unexplained | Verdict::Undetermined => None,
         };
         if let Some(instead) = instead {
             diagnosis.verdict = instead;
-            diagnosis.reasons.push(why);
+            diagnosis.reasons.push(why.words.clone());
         }
-        diagnosis.fit_refuses = true;
+        diagnosis.fit_refuses = Some(why.words);
     }
     Ok(diagnosis)
 }
 
+/// Why a fit is refused.
+struct Why {
+    words: String,
+    /// For a fault of the data, and not for the model.
+    of_data: bool,
+}
+
 /// Why `fit` refuses the calibration that the diagnosis leads to; `None` where it accepts, or where none is led to.
-fn refused(ground: &Ground, options: &Options, diagnosis: &Diagnosis) -> Option<String> {
+fn refused(ground: &Ground, options: &Options, diagnosis: &Diagnosis) -> Option<Why> {
     // Of a resting board, of a sensor that is taken as calibrated, and before the axes are in order there is none.
     let leads = diagnosis.calibration.is_some() && !ground.counted.rests && diagnosis.axis_order().is_none();
     let found = diagnosis.steps.iter().filter_map(|step| step.added.clone());
@@ -56,11 +65,10 @@ fn refused(ground: &Ground, options: &Options, diagnosis: &Diagnosis) -> Option<
     let asked = Options { add, search: false, ..options.clone() };
     match of_ground(ground, &asked) {
         Ok(Fitted { accepted: true, .. }) => None,
-        Ok(fitted) => fitted
-            .reasons
-            .into_iter()
-            .find(|reason| !reason.starts_with("note:"))
-            .or_else(|| Some("the fit refuses this log".into())),
-        Err(refusal) => Some(refusal.to_string()),
+        Ok(Fitted { reasons, only_saturated: of_data, .. }) => {
+            let words = reasons.into_iter().find(|reason| !reason.starts_with("note:"));
+            Some(Why { words: words.unwrap_or_else(|| "the fit refuses this log".into()), of_data })
+        }
+        Err(refusal) => Some(Why { words: refusal.to_string(), of_data: false }),
     }
 }

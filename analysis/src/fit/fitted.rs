@@ -57,6 +57,10 @@ pub struct Fitted {
     pub accepted: bool,
     /// Why not, or what to know.
     pub reasons: Vec<String>,
+    /// Whether it is refused for samples at the end of the sensor's range and for nothing else: a fault of the data, which says
+    /// nothing of the model.
+    #[serde(skip)]
+    pub only_saturated: bool,
 }
 
 impl Fitted {
@@ -80,6 +84,7 @@ impl Fitted {
             gap_deg: None,
             accepted: false,
             reasons: Vec::new(),
+            only_saturated: false,
         }
     }
 
@@ -131,6 +136,9 @@ impl Fitted {
         let verdict =
             judge_figures(&figures, Some(&coverage), counted.clipped() as u64, self.expected_field_ut);
         self.accepted = verdict.accepted;
+        let mut refusals = verdict.reasons.iter().filter(|reason| reason.refuses()).peekable();
+        self.only_saturated =
+            refusals.peek().is_some() && refusals.all(|reason| matches!(reason, Reason::Saturated { .. }));
         let all_round = coverage.fraction > ALL_ROUND && coverage.gap_deg < ALL_ROUND_GAP_DEG;
         self.reasons = (verdict.reasons.iter())
             .map(|reason| match reason {
@@ -139,7 +147,7 @@ impl Fitted {
             })
             .collect();
         if let Alignment::Mirrored(standing) | Alignment::Open(standing) = &solution.alignment {
-            self.accepted = false;
+            (self.accepted, self.only_saturated) = (false, false);
             self.reasons.splice(0..0, standing.words());
         }
         self.solution = Some(solution);

@@ -8,6 +8,7 @@ use crate::outcome::outcome::{Diagnosis, Dip, NoiseRow, StepRow, Verdict};
 use crate::outcome::request::Refusal;
 use crate::outcome::standing;
 use crate::outcome::view::View;
+use crate::residual::place::field_share;
 use crate::residual::traces::Traces;
 use crate::search::state::held_out_rms;
 use ironout::calibration::Calibration;
@@ -60,9 +61,19 @@ impl View<'_, '_> {
         let swapped = standing.and_then(|standing| standing.swapped());
         let groups = &self.explanation.confounded;
         let in_group = |id: &str| groups.iter().any(|group| group.ids.iter().any(|other| other == id));
-        let (mut verdict, reasons) = self.verdict(&left, &applied, predicted, field);
+        let (mut verdict, mut reasons) = self.verdict(&left, &applied, predicted, field);
         if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
             verdict = Verdict::Missing;
+        }
+        let traces = Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?;
+        let wanted = verdict == Verdict::Unexplained && self.searches && self.lower_order.is_none();
+        let field_varies = wanted.then(|| field_share(&applied.residuals, &traces.directions)).flatten();
+        if let Some(share) = field_varies {
+            reasons.push(format!(
+                "{:.0} % of what is left does not depend on the attitude and changes along the way: the field itself is another one from \
+                 place to place, as beside iron, magnets or cables",
+                100.0 * share
+            ));
         }
         steps.retain(|step| step.added.as_ref().is_none_or(|id| !in_group(id)));
         let candidates = self.candidates(&dip, pure_lag, standing, verdict);
@@ -110,13 +121,14 @@ impl View<'_, '_> {
             base: None,
             predicted_error_ut: predicted.map(|error| error * field),
             bursts_explained: false,
-            fit_refuses: false,
+            field_varies,
+            fit_refuses: None,
             samples_used: 0,
             samples_set_aside: 0,
             prior: self.prior_words(),
             lower_order: self.lower_order.is_some(),
             shown: self.shown(&dip, force_lag),
-            traces: Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?,
+            traces,
             registry: self.catalogue.registry,
         };
         standing::take_axes(&mut diagnosis, covariance.as_deref(), &dip);

@@ -213,9 +213,13 @@ pub struct Diagnosis {
     /// Whether effects explain what stood out of the base model, so that nothing was set aside for it.
     #[serde(skip)]
     pub bursts_explained: bool,
-    /// Whether `fit` refuses the calibration with what was found.
+    /// The share of what is left that is the field itself, another one from place to place; `None` where something else may be
+    /// the cause.
     #[serde(skip)]
-    pub fit_refuses: bool,
+    pub field_varies: Option<f64>,
+    /// Why `fit` refuses the calibration with what was found; `None` where it accepts.
+    #[serde(skip)]
+    pub fit_refuses: Option<String>,
     /// Samples used.
     pub samples_used: usize,
     /// Samples set aside.

@@ -84,13 +84,13 @@ pub fn look_with(table: &Table, calibration: Calibrated) -> Result<(Picture, f64
         let ground = Ground::of(table, Default::default(), None, None);
         let rows: Vec<usize> =
             ground.counted.used.iter().map(|&sample| ground.counted.data.row(sample)).collect();
-        let squares: (f64, usize) = rows.iter().filter_map(|&row| corrector.correct(row).ok()).fold(
-            (0.0, 0),
-            |(sum, n), corrected| {
-                let residual = ironout::calibration::norm(corrected) - base.field_ut;
+        let squares: (f64, usize) = rows
+            .iter()
+            .filter_map(|&row| Some((corrector.correct(row).ok()?, table.place(row).share)))
+            .fold((0.0, 0), |(sum, n), (corrected, share)| {
+                let residual = ironout::calibration::norm(corrected) - base.field_ut * share;
                 (sum + residual * residual, n + 1)
-            },
-        );
+            });
         let drawn = Drawn {
             table,
             rows,
