@@ -12,8 +12,8 @@ const HEIGHTS: [&str; 4] = ["height_m", "gps_height_m", "alt_m", "altitude_m"];
 const STEP_DEG: f64 = 1e-3;
 /// … or this many metres of height: either is half a nanotesla.
 const STEP_M: f64 = 20.0;
-/// A log that tells where it was in a smaller share of its rows does not tell it.
-const KNOWN: f64 = 0.5;
+/// A log that does not tell where it was in a larger share of its rows on end does not tell it.
+const UNKNOWN: f64 = 0.2;
 /// The day that is asked for where a log tells none.
 const ASSUMED: &str = "2026-01-01";
 
@@ -26,12 +26,12 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
     let asked = date.map(given).transpose()?;
     let column = |name: &str| {
         let column = log.covariate(name).filter(|column| column.not_finite == 0)?;
-        Some((column.name.clone(), column.values.as_slice()))
+        Some(column.values.as_slice())
     };
-    let (Some((_, latitude)), Some((_, longitude))) = (column("lat_deg"), column("lon_deg")) else {
+    let (Some(latitude), Some(longitude)) = (column("lat_deg"), column("lon_deg")) else {
         return Ok(());
     };
-    let height = HEIGHTS.into_iter().find_map(column);
+    let height = HEIGHTS.into_iter().find_map(|name| Some((name, filled(column(name)?)?)));
     let by_clock = || log.time_s.as_ref().and_then(|time| day_of_epoch(*time.first()?));
     let (on, words) = match (asked, by_clock()) {
         (Some(on), _) => (on, "as given".to_string()),
@@ -43,41 +43,36 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
     let mut field = vec![f64::NAN; log.rows];
     let mut dip = vec![f64::NAN; log.rows];
     let mut last: Option<([f64; 3], EarthField)> = None;
-    let mut known = 0;
-    for row in 0..log.rows {
-        let (north, east) = (latitude[row], longitude[row]);
+    // The last row with a place, and the longest stretch without one.
+    let (mut known, mut unknown) = (None, 0);
+    for (row, (&north, &east)) in latitude.iter().zip(longitude).enumerate() {
         // Receivers write zeros as long as they do not know.
         let nowhere = north == 0.0 && east == 0.0;
         if nowhere || !(north.abs() <= 90.0 && east.abs() <= 360.0) {
             continue;
         }
-        let up = height.as_ref().map_or(0.0, |(_, height)| height[row]);
-        let at = [north, east, if up.is_finite() { up.clamp(-900.0, 800_000.0) } else { 0.0 }];
+        let up = height.as_ref().and_then(|(_, height)| height.get(row)).map_or(0.0, |up| *up);
+        let at = [north, east, up.clamp(-900.0, 800_000.0)];
         let near = |before: &[f64; 3]| {
             (before[0] - at[0]).abs() < STEP_DEG
                 && (before[1] - at[1]).abs() < STEP_DEG
                 && (before[2] - at[2]).abs() < STEP_M
         };
-        let earth = match &last {
-            Some((before, earth)) if near(before) => *earth,
-            _ => match EarthField::over(at[0], at[1], at[2], on) {
-                Ok(earth) => earth,
-                Err(_) => continue,
-            },
-        };
         if !last.as_ref().is_some_and(|(before, _)| near(before)) {
+            let Ok(earth) = EarthField::over(at[0], at[1], at[2], on) else { continue };
             last = Some((at, earth));
         }
+        let Some((_, earth)) = &last else { continue };
         (field[row], dip[row]) = (earth.field_ut, earth.dip_deg);
-        known += 1;
+        unknown = unknown.max(row - known.map_or(0, |known: usize| known + 1));
+        known = Some(row);
     }
-    if (known as f64) < KNOWN * log.rows as f64 {
-        if known > 0 {
-            log.notices.push(format!(
-                "lat_deg and lon_deg tell a place in {known} of {} rows only: the field is taken as one along the way",
-                log.rows
-            ));
-        }
+    let Some(known) = known else { return Ok(()) };
+    unknown = unknown.max(log.rows - 1 - known);
+    if unknown as f64 > UNKNOWN * log.rows as f64 {
+        log.notices.push(format!(
+            "lat_deg and lon_deg tell no place in {unknown} rows on end: the field is taken as one along the way"
+        ));
         return Ok(());
     }
     let (Some(field), Some(dip)) = (filled(&field), filled(&dip)) else { return Ok(()) };
@@ -87,8 +82,11 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
     };
     log.earth = Some([field, dip]);
     if let Some(words) = travels(log, &format!("by {of} and the world magnetic model of {on}, {words}")) {
-        log.read_as.reasons.push(words.clone());
-        log.notices.push(words);
+        // Of the program's own format no reasons are printed.
+        if log.read_as.own_csv {
+            log.notices.push(words.clone());
+        }
+        log.read_as.reasons.push(words);
     }
     Ok(())
 }
