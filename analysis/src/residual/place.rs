@@ -21,8 +21,8 @@ const FEWEST_KNOTS: usize = 6;
 const SHARE: f64 = 0.7;
 /// ... leaves at most this share of what an offset leaves ...
 const AGAINST_OFFSET: f64 = 0.75;
-/// ... and the attitude takes no more than this.
-const ATTITUDE: f64 = 0.2;
+/// ... and the attitude takes no more than this: in a short log chance takes some, and an error of the attitude nearly all.
+const ATTITUDE: f64 = 0.4;
 /// Highest power of a direction in the error that comes again with the attitude.
 const POWER: usize = 4;
 /// So many of those powers differ on the sphere: (4 + 1)².
