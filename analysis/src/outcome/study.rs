@@ -133,7 +133,9 @@ fn level(
         "by the accelerometer the board was tilted by {tilt_deg:.0}° (rms) only, which carries no offset and no matrix: study \
          this log on top of an earlier calibration of the board, --prior CAL.json, or turn the board through more attitudes"
     );
-    if let Some(mut lower) = as_logged(table, samples, options)? {
+    // What leaves most of the error unexplained accuses somebody on no ground: the attitude is in it, and is not known.
+    let told = |one: &Diagnosis| matches!(one.verdict, Verdict::Missing | Verdict::Confounded);
+    if let Some(mut lower) = as_logged(table, samples, options)?.filter(told) {
         lower.reasons.insert(0, reason);
         return Ok(lower);
     }
