@@ -134,7 +134,9 @@ fn level(
          this log on top of an earlier calibration of the board, --prior CAL.json, or turn the board through more attitudes"
     );
     // What leaves most of the error unexplained accuses somebody on no ground: the attitude is in it, and is not known.
-    let told = |one: &Diagnosis| matches!(one.verdict, Verdict::Missing | Verdict::Confounded);
+    // A fit accuses nobody.
+    let told =
+        |one: &Diagnosis| !options.search || matches!(one.verdict, Verdict::Missing | Verdict::Confounded);
     if let Some(mut lower) = as_logged(table, samples, options)?.filter(told) {
         lower.reasons.insert(0, reason);
         return Ok(lower);
