@@ -5,5 +5,3 @@ pub mod extended;
 pub mod fitted;
 pub mod ids;
 pub mod run;
-#[cfg(test)]
-mod tests;

@@ -1,9 +1,9 @@
 //! What a diagnosis claims, `fit` accepts and a correction with it bears out.
 
-use crate::calibration::EffectEntry;
-use crate::effects::calibrated;
-use crate::outcome::outcome::Verdict;
-use crate::{Options, Table, diagnose, fit, look_with};
+use ironout_analysis::calibration::EffectEntry;
+use ironout_analysis::effects::calibrated;
+use ironout_analysis::outcome::outcome::Verdict;
+use ironout_analysis::{Options, Table, diagnose, fit, look_with};
 use ironout_simulation::truths::{Kind, draw};
 
 /// Logs apart from those that are tuned on and those that are measured.
