@@ -4,6 +4,7 @@ use crate::effects::Calibrated;
 use crate::samples::clock::even;
 use crate::samples::samples::{delayed, filled};
 use crate::table::Table;
+use ironout::calibration::norm;
 use ironout::effect::{ColumnName, Effect, Follows, MAX_INPUTS, Made, TIME};
 use ironout::extended::{Conditions, FittedEffect, NotCorrected};
 
@@ -120,6 +121,11 @@ impl<'a> Corrector<'a> {
     /// The values of one column of one effect, a row each, at the time at which they act.
     pub(crate) fn column(&self, effect: usize, slot: usize) -> Option<&[f64]> {
         self.inputs.get(effect)?.get(slot)?.as_deref()
+    }
+
+    /// `‖corrected‖ − F` of the corrected field of one row, µT: on a journey with the field of that place.
+    pub fn residual_ut(&self, row: usize, corrected_ut: [f64; 3]) -> f64 {
+        norm(corrected_ut) - self.calibration.base.field_ut * self.table.place(row).share
     }
 
     /// The measured vector of one row, µT.

@@ -29,14 +29,15 @@ pub mod residual;
 pub mod samples;
 pub mod search;
 pub mod table;
+pub mod track;
 mod threads;
 
 pub use correct::{CannotCorrect, Corrector};
+pub use fit::diagnosed::diagnose;
 pub use fit::fitted::Fitted;
 pub use fit::run::fit;
 pub use outcome::outcome::Diagnosis;
 pub use outcome::request::{Options, Refusal};
-pub use outcome::study::diagnose;
 pub use outside::{Extrapolation, Outside};
 pub use picture::look::{Look, look, look_with};
 pub use table::{BadTable, Named, Table};

@@ -1,5 +1,7 @@
 //! The log as the diagnosis sees it: borrowed columns.
 
+use crate::track::{Place, Track};
+
 /// Borrowed columns of equal length. A missing cell is NaN.
 #[derive(Debug, Clone, Default)]
 pub struct Table<'a> {
@@ -15,6 +17,8 @@ pub struct Table<'a> {
     pub gyro_radps: Option<[&'a [f64]; 3]>,
     /// Reference heading, degrees.
     pub heading_deg: Option<&'a [f64]>,
+    /// The field along the way, where the log tells where it was and that changes it.
+    pub track: Option<Track>,
     /// Every other numeric column.
     pub covariates: Vec<Named<'a>>,
 }
@@ -97,6 +101,7 @@ impl<'a> Table<'a> {
             accel_mps2: triple(ACCEL)?,
             gyro_radps: triple(GYRO)?,
             heading_deg: find("heading_deg"),
+            track: None,
             covariates: columns
                 .iter()
                 .filter(|(name, _)| !known(name))
@@ -113,6 +118,11 @@ impl<'a> Table<'a> {
     /// The measured vector of a row.
     pub fn field(&self, row: usize) -> [f64; 3] {
         self.field_ut.map(|axis| axis[row])
+    }
+
+    /// The place of a row on the track.
+    pub fn place(&self, row: usize) -> Place {
+        self.track.as_ref().map_or(Place::MEAN, |track| track.place(row))
     }
 
     /// The covariate of that name.

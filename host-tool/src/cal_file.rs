@@ -36,6 +36,8 @@ pub struct FitObject {
     pub holdout_rms_ut: Option<f64>,
     pub noise_floor_ut: Option<f64>,
     pub residual_floor_ut: Option<f64>,
+    #[serde(default)]
+    pub residual_floor_least_ut: Option<f64>,
     pub heading_error_deg: Option<f64>,
     pub coverage: Option<f64>,
     pub gap_deg: Option<f64>,
@@ -60,6 +62,7 @@ impl FitObject {
             holdout_rms_ut: fitted.holdout_rms_ut,
             noise_floor_ut: fitted.noise_floor_ut,
             residual_floor_ut: fitted.residual_floor_ut,
+            residual_floor_least_ut: fitted.residual_floor_least_ut,
             heading_error_deg: fitted.heading_error_deg,
             coverage: fitted.coverage,
             gap_deg: fitted.gap_deg,
@@ -204,6 +207,7 @@ impl CalFile {
             ("holdout_rms_ut", fit.holdout_rms_ut),
             ("noise_floor_ut", fit.noise_floor_ut),
             ("residual_floor_ut", fit.residual_floor_ut),
+            ("residual_floor_least_ut", fit.residual_floor_least_ut),
         ] {
             if value.is_some_and(|value| !(value >= 0.0 && value.is_finite())) {
                 return Err(Failure::not_a_calibration(&format!("{key} is negative")).at_column(key));
@@ -249,6 +253,7 @@ mod tests {
                 holdout_rms_ut: None,
                 noise_floor_ut: None,
                 residual_floor_ut: None,
+                residual_floor_least_ut: None,
                 heading_error_deg: None,
                 coverage: None,
                 gap_deg: None,

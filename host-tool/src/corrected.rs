@@ -36,6 +36,11 @@ impl<'a> Corrected<'a> {
         self.corrector.calibration()
     }
 
+    /// `‖corrected‖ − F` of one row, µT: on a journey with the field of that place.
+    pub fn residual_ut(&self, row: usize, corrected_ut: [f64; 3]) -> f64 {
+        self.corrector.residual_ut(row, corrected_ut)
+    }
+
     /// The corrected field of one row, µT; a failure that names the row.
     pub fn field(&self, row: usize) -> Outcome<[f64; 3]> {
         self.corrector.correct(row).map_err(|error| {

@@ -192,8 +192,13 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut L
         both(fitted.holdout_rms_ut)
     ));
     out.line(&format!(
-        "  floor by noise    {}   what the sensor's noise alone would leave",
-        both(fitted.residual_floor_ut)
+        "  floor by noise    {}   what the sensor's noise alone would leave{}",
+        both(fitted.residual_floor_ut),
+        match (fitted.residual_floor_least_ut, fitted.residual_floor_ut) {
+            (Some(least), Some(floor)) if least > 0.0 && floor > UNEXPLAINED * least =>
+                format!(", at most; {least:.3} µT at least"),
+            _ => String::new(),
+        }
     ));
     out.line(&format!("sensor noise        {:>9} µT            per axis", number(fitted.noise_floor_ut, 3)));
     out.line(&format!(
@@ -241,11 +246,23 @@ fn verdict(arguments: &FitArgs, fitted: &Fitted, out: &mut Lines) {
         (Some(solution), Some(floor)) if floor > 0.0 => solution.rms_ut / floor,
         _ => 1.0,
     };
+    let least = (fitted.residual_floor_least_ut).filter(|least| *least > 0.0).or(fitted.residual_floor_ut);
+    let most = match (&fitted.solution, least) {
+        (Some(solution), Some(least)) if least > 0.0 => solution.rms_ut / least,
+        _ => beyond,
+    };
     if beyond > UNEXPLAINED {
         out.line(&format!(
             "  the error is {beyond:.1} times what noise leaves: something is missing in the model; \
              ironout diagnose {} looks for it",
             arguments.log.typed()
         ));
+    } else if most > UNEXPLAINED {
+        let words = format!(
+            "the error is {most:.1} times what is new from sample to sample: the sensor's noise has a memory, or something is \
+             missing in the model; the residual alone does not tell, and ironout diagnose {} holds it against the columns",
+            arguments.log.typed()
+        );
+        hang(&words, "  ", "  ", WIDTH).iter().for_each(|words| out.line(words));
     }
 }

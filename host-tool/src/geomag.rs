@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Outcome};
 use world_magnetic_model::GeomagneticField;
-use world_magnetic_model::time::{Date, Month};
+use world_magnetic_model::time::{Date, Month, OffsetDateTime};
 use world_magnetic_model::uom::si::angle::degree;
 use world_magnetic_model::uom::si::f32::{Angle, Length};
 use world_magnetic_model::uom::si::length::meter;
@@ -20,7 +20,7 @@ pub struct EarthField {
 }
 
 /// The years the bundled models cover.
-const YEARS: &str = "2020-01-01 to 2029-12-31";
+pub const YEARS: &str = "2020-01-01 to 2029-12-31";
 
 impl EarthField {
     /// Reads `LAT,LON,YYYY-MM-DD`.
@@ -47,18 +47,30 @@ impl EarthField {
                 "--at {text}: the longitude {longitude} is not between -180 and 360 degrees"
             )));
         }
-        let longitude = if longitude > 180.0 { longitude - 360.0 } else { longitude };
-        let field = GeomagneticField::new(
-            Length::new::<meter>(0.0),
-            Angle::new::<degree>(latitude as f32),
-            Angle::new::<degree>(longitude as f32),
-            date,
-        )
-        .map_err(|error| {
+        Self::over(latitude, longitude, 0.0, date).map_err(|error| {
             Failure::usage(format!(
-                "--at {text}: the world magnetic model does not answer ({error:?}); it covers {YEARS}"
+                "--at {text}: the world magnetic model does not answer ({error}); it covers {YEARS}"
             ))
-        })?;
+        })
+    }
+
+    /// At a place, degrees north and east, so many metres above the ellipsoid.
+    ///
+    /// # Errors
+    /// Why the model does not answer: a place or a day that it does not cover.
+    pub fn over(latitude_deg: f64, longitude_deg: f64, height_m: f64, on: Day) -> Result<Self, String> {
+        let longitude_deg = match longitude_deg {
+            east if east > 180.0 => east - 360.0,
+            west if west < -180.0 => west + 360.0,
+            own => own,
+        };
+        let field = GeomagneticField::new(
+            Length::new::<meter>(height_m as f32),
+            Angle::new::<degree>(latitude_deg as f32),
+            Angle::new::<degree>(longitude_deg as f32),
+            on,
+        )
+        .map_err(|error| format!("{error:?}"))?;
         Ok(EarthField {
             field_ut: f64::from(field.f().get::<nanotesla>()) / 1000.0,
             dip_deg: f64::from(field.inclination().get::<degree>()),
@@ -67,7 +79,17 @@ impl EarthField {
     }
 }
 
-fn day(text: &str) -> Option<Date> {
+/// A day of the model.
+pub type Day = Date;
+
+/// The day of a time in seconds since 1970, where it is one that the model covers and no time since a start.
+pub fn day_of_epoch(time_s: f64) -> Option<Day> {
+    let covered = (1_577_836_800.0..1_893_456_000.0).contains(&time_s);
+    covered.then(|| OffsetDateTime::from_unix_timestamp(time_s as i64).ok())?.map(OffsetDateTime::date)
+}
+
+/// `YYYY-MM-DD`.
+pub fn day(text: &str) -> Option<Day> {
     let mut parts = text.split('-');
     let year: i32 = parts.next()?.parse().ok()?;
     let month: u8 = parts.next()?.parse().ok()?;
@@ -91,6 +113,18 @@ mod tests {
         assert!((north.declination_deg - 1.28).abs() < 0.02, "{north:?}");
         let berlin = EarthField::parse("52.52, 13.40, 2026-03-01").expect("valid");
         assert!((49.0..51.5).contains(&berlin.field_ut), "{berlin:?}");
+    }
+
+    #[test]
+    fn a_place_has_its_field_and_a_clock_its_day() {
+        let day = super::day("2026-01-01").expect("a day");
+        // By another implementation of WMM2025 (pygeomag 1.1): 2026.0, 100 km, 0 N 120 E: F 39022.1 nT, I -14.969 degrees.
+        let high = EarthField::over(0.0, 120.0, 100_000.0, day).expect("covered");
+        assert!((high.field_ut - 39.0221).abs() < 0.01 && (high.dip_deg + 14.969).abs() < 0.02, "{high:?}");
+        assert_eq!(EarthField::over(0.0, -240.0, 100_000.0, day), Ok(high));
+        assert!(EarthField::over(95.0, 0.0, 0.0, day).is_err());
+        assert_eq!(super::day_of_epoch(1_767_225_600.5), Some(day));
+        assert_eq!(super::day_of_epoch(86.4), None);
     }
 
     #[test]

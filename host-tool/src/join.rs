@@ -102,6 +102,12 @@ fn append(whole: &mut Log, next: Log, timed: bool, gap_s: f64) {
         heading.extend(next.heading_deg.unwrap_or_else(|| vec![f64::NAN; rows]));
         whole.heading_deg = Some(heading);
     }
+    // What is known of the field of one of the logs says nothing about the others.
+    whole.earth = whole.earth.take().zip(next.earth).map(|([mut field, mut dip], [own, own_dip])| {
+        field.extend(own);
+        dip.extend(own_dip);
+        [field, dip]
+    });
     covariates(whole, next.covariates, before, rows, &name);
     whole.rows = before + rows;
     whole.read_as.left_out.extend(next.read_as.left_out);

@@ -3,6 +3,7 @@
 //! Everything numeric is the analysis' and the core's; here are files, tables and words. `run` is the whole program; the page in
 //! a browser is built without it, and without boards, terminals and signals.
 
+pub mod along;
 pub mod atomic;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod board;

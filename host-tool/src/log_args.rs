@@ -41,6 +41,9 @@ pub struct LogArgs {
         allow_hyphen_values = true
     )]
     pub derive: Vec<String>,
+    /// The day of the log: for the field along lat_deg, lon_deg and the height
+    #[arg(long, value_name = "YYYY-MM-DD", help_heading = "Reading the log")]
+    pub date: Option<String>,
 }
 
 impl LogArgs {
@@ -84,6 +87,7 @@ impl LogArgs {
         let options = options.chain(self.rotate.iter().map(|value| ("--rotate", value)));
         let options = options.chain(instance.iter().map(|value| ("--instance", value)));
         let options = options.chain(self.derive.iter().map(|value| ("--derive", value)));
+        let options = options.chain(self.date.iter().map(|value| ("--date", value)));
         options.map(|(option, value)| typed_option(option, value)).collect()
     }
 }

@@ -1,5 +1,6 @@
 //! Logs as the command line names them: read, their notices passed on to standard error.
 
+use crate::along;
 use crate::cal_file::CalFile;
 use crate::cli::LogArgs;
 use crate::derive::{self, Definition};
@@ -139,6 +140,7 @@ fn finished(mut log: Log, arguments: &LogArgs, path: &Path, kept: &[String]) -> 
     definitions.retain(|one| !there(one));
     derive::add(&mut log, &definitions, &Mounting::parse(&arguments.rotate)?)
         .map_err(|failure| failure.in_file(path))?;
+    along::know(&mut log, arguments.date.as_deref())?;
     tell(&log, 0);
     Ok(log)
 }
@@ -163,8 +165,12 @@ fn whole(logs: Vec<Log>) -> Outcome<Log> {
     // Told already, each under its own name.
     let logs: Vec<Log> = logs.into_iter().map(|log| Log { notices: Vec::new(), ..log }).collect();
     let several = logs.len() > 1;
-    let log = join(logs)?;
+    // Each may have been in one place, and the places far apart.
+    let logs_apart = !logs.iter().any(|log| along::travels(log, "").is_some());
+    let mut log = join(logs)?;
     if several {
+        let apart = logs_apart.then(|| along::travels(&log, "each log by its own places")).flatten();
+        log.notices.extend(apart);
         tell(&log, 0);
     }
     Ok(log)

@@ -6,7 +6,7 @@ use common::{Run, folder, ironout, write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const FIT_KEYS: [&str; 17] = [
+const FIT_KEYS: [&str; 18] = [
     "method",
     "samples_used",
     "samples_set_aside",
@@ -19,6 +19,7 @@ const FIT_KEYS: [&str; 17] = [
     "holdout_rms_ut",
     "noise_floor_ut",
     "residual_floor_ut",
+    "residual_floor_least_ut",
     "heading_error_deg",
     "coverage",
     "gap_deg",

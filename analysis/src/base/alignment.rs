@@ -5,6 +5,7 @@ use crate::base::order::AxisOrder;
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
 use crate::base::start::NO_ROTATION;
 use crate::samples::samples::Samples;
+use crate::track::Place;
 use ironout::study::{Model, Residual};
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
@@ -67,15 +68,20 @@ pub fn without_effects(samples: &Samples, model: &Model<f64>, pieces: &[Piece]) 
 /// Spread of the dip about its own mean, with a given rotation, degrees; and the sine of the mean dip.
 fn spread(samples: &Samples, full: &Matrix3<f64>, offset: &Vector3<f64>) -> Option<(f64, f64)> {
     let mut angles = Vec::with_capacity(samples.len());
-    for reading in &samples.readings {
+    let mut places: Vec<Place> = Vec::with_capacity(samples.places.len());
+    for (sample, reading) in samples.readings.iter().enumerate() {
         let Some(down) = reading.down else { continue };
         let h = full * (Vector3::from(reading.measured_ut) - offset);
         angles.push((h.dot(&Vector3::from(down)) / h.norm()).clamp(-1.0, 1.0).asin());
+        places.extend(samples.places.get(sample));
     }
     if angles.len() < 20 {
         return None;
     }
     let n = angles.len() as f64;
+    let mean = angles.iter().sum::<f64>() / n;
+    // As if all were in one place, whose dip is the mean.
+    angles.iter_mut().zip(&places).for_each(|(angle, place)| *angle -= place.bend_rad(mean));
     let mean = angles.iter().sum::<f64>() / n;
     let variance = angles.iter().map(|angle| (angle - mean).powi(2)).sum::<f64>() / n;
     Some((variance.sqrt().to_degrees(), mean.sin()))

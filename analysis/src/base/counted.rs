@@ -213,7 +213,11 @@ fn bursts(samples: &Samples, table: &Table, left_out: &[bool], axes: [bool; 3]) 
 fn spikes(data: &Data, used: &[u32], samples: &Samples) -> Vec<Spike> {
     let Some(model) = base_model(samples) else { return Vec::new() };
     let Model { offset_ut, matrix, field_ut, .. } = model;
-    let residuals = data.residual(used, &Calibration { offset_ut, matrix, field_ut });
+    let calibration = Calibration { offset_ut, matrix, field_ut };
+    let residuals = match data.in_one_field(offset_ut) {
+        Some(data) => data.residual(used, &calibration),
+        None => data.residual(used, &calibration),
+    };
     faults::spikes(&residuals)
         .into_iter()
         .map(|(from, to)| Spike { rows: (data.row(used[from]), data.row(used[to])), samples: to - from + 1 })

@@ -63,6 +63,14 @@ impl Pass<'_> {
             let mut axis = 0;
             let axes = self.samples.axes;
             let vector = self.residual == Residual::Vector;
+            let there;
+            let model = match self.samples.places.get(sample) {
+                Some(place) => {
+                    there = place.of(model, self.residual);
+                    &there
+                }
+                None => model,
+            };
             let done = model.rows::<TERMS, COLUMNS>(
                 self.residual,
                 &self.samples.readings[sample],

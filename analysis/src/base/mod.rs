@@ -2,6 +2,7 @@
 //! that everything behind it is fitted with.
 
 pub mod alignment;
+pub mod applied;
 pub mod axes;
 pub mod counted;
 pub mod dip_errors;

@@ -8,13 +8,19 @@ use crate::base::hemisphere::{Evidence, settle};
 use crate::base::holdout;
 use crate::base::quality::{Residue, residue};
 use crate::base::solution::Solution;
-use crate::base::start::NO_ROTATION;
+use crate::base::start::{self, NO_ROTATION};
 use crate::noise::turning::Turning;
 use crate::plain;
 use crate::samples::data::Data;
+use ironout::calibration::{Calibration, norm};
 use ironout::fit::{FitError, FitOptions, FitReport, Method, fit};
 use ironout::study::Model;
 use serde::Serialize;
+
+/// The offset of a journey stands when it moves by less than this share of the field ...
+const DRAWN: f64 = 1e-9;
+/// ... which takes a few rounds.
+const MOST_DRAWN: usize = 12;
 
 /// A base model and what is known about it.
 #[derive(Debug, Clone, Serialize)]
@@ -35,6 +41,8 @@ pub struct Base {
     pub noise_floor_ut: f64,
     /// What that noise makes of the corrected magnitude, rms, µT.
     pub residual_floor_ut: f64,
+    /// The same if all that is slow is an error that moves, µT.
+    pub residual_floor_least_ut: f64,
 }
 
 impl Base {
@@ -49,8 +57,10 @@ impl Base {
         field_ut: Option<f64>,
         dip_deg: Option<f64>,
     ) -> Result<Self, FitError> {
-        let (data, used) = (&counted.data, &counted.used);
+        let used = &counted.used;
         let white = FitOptions { method, field_ut, ..FitOptions::default() };
+        let drawn = in_one_field(counted, &white)?;
+        let data = drawn.as_ref().unwrap_or(&counted.data);
         let first = fit_samples(data, used, &white)?;
         let residual = data.residual(used, &first.calibration);
         let step_s = counted.samples.step_s() / counted.samples.stride as f64;
@@ -71,6 +81,7 @@ impl Base {
             holdout_rms_ut: holdout::rms_ut(data, used, &options, report.calibration.field_ut),
             noise_floor_ut: residue.floor / gain,
             residual_floor_ut: residue.floor,
+            residual_floor_least_ut: residue.floor_least,
             solution: Solution::of_report(&report),
             residue,
             report,
@@ -113,6 +124,25 @@ impl Base {
         let covariance = self.report.spread.covariance();
         Aligned::of(&model.full_matrix(), &covariance, self.predicted_share(), Some(dip))
     }
+}
+
+/// The samples of a journey as if the field were one, which the core's fit needs; `None` where it is. The offset about which they are
+/// drawn and that of the fit are the same in the end: each round leaves of their difference what the field changes by.
+fn in_one_field<'a>(counted: &Counted<'a>, options: &FitOptions) -> Result<Option<Data<'a>>, FitError> {
+    let (data, used) = (&counted.data, &counted.used);
+    let rough = start::sphere(&counted.samples).map_or([0.0; 3], |(centre, _)| centre);
+    let Some(mut drawn) = data.in_one_field(rough) else { return Ok(None) };
+    let mut about = rough;
+    for _ in 0..MOST_DRAWN {
+        let Calibration { offset_ut, field_ut, .. } = fit_samples(&drawn, used, options)?.calibration;
+        let moved = norm([0, 1, 2].map(|axis| offset_ut[axis] - about[axis]));
+        let Some(next) = data.in_one_field(offset_ut) else { break };
+        (drawn, about) = (next, offset_ut);
+        if moved < DRAWN * field_ut {
+            break;
+        }
+    }
+    Ok(Some(drawn))
 }
 
 /// The core's fit of these samples.

@@ -35,6 +35,9 @@ pub struct Residue {
     pub rms: f64,
     /// The part of it that is noise, µT.
     pub floor: f64,
+    /// The least that the noise may be, µT: what is new from sample to sample. What is slower than that may be noise with a
+    /// memory or an error that moves, and a residual alone does not tell.
+    pub floor_least: f64,
     /// Share of the variance that is structure; zero where none is certain.
     pub structure: f64,
     /// Integrated autocorrelation time, samples.
@@ -71,7 +74,8 @@ pub fn residue(
     let correlation = Autocorrelation::of(residuals);
     let freedom = n.saturating_sub(parameters).max(1) as f64;
     let whole = rms(residuals) * (n as f64 / freedom).sqrt();
-    let smooth = second_difference_sigma(residuals).min(whole);
+    let quick = second_difference_sigma(residuals);
+    let smooth = quick.min(whole);
     let share = 1.0 - (smooth / whole.max(1e-300)).powi(2);
     // Independent noise that is more than the column's rounding, with something slow beside it: two causes, of which the
     // slow one is structure. Noise with a memory alone has no independent part, and noise of both kinds a short memory.
@@ -92,9 +96,11 @@ pub fn residue(
         true => (noise.excess, whole * (1.0 - noise.excess).sqrt()),
         false => (share, smooth),
     };
+    let floor = if structured { smooth } else { whole };
     Residue {
         rms: rms(residuals),
-        floor: if structured { smooth } else { whole },
+        floor_least: if noise.colour == Colour::White { floor } else { floor.min(quick) },
+        floor,
         structure: if structured { share } else { 0.0 },
         time: correlation.time,
         memory: memory(residuals),

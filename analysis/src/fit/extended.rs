@@ -30,10 +30,11 @@ pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fit
     fitted.holdout_rms_ut = diagnosis.steps.last().and_then(|step| step.holdout_rms_ut);
     fitted.noise_floor_ut = diagnosis.noise_floor_ut;
     fitted.residual_floor_ut = diagnosis.residual_floor_ut;
+    fitted.residual_floor_least_ut = diagnosis.residual_floor_least_ut;
     fitted.judge(&ground.counted, solution);
     fitted.reasons.extend(ground.note());
     if !diagnosis.converged {
-        fitted.accepted = false;
+        (fitted.accepted, fitted.only_saturated) = (false, false);
         fitted.reasons.insert(
             0,
             "the fit did not converge: these effects and the calibration are hardly told apart by this log; leave one out, or \
@@ -46,7 +47,7 @@ pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fit
         let kept = |doubt: &String| format!("note: {doubt}; kept as asked");
         fitted.reasons.extend(doubts.iter().map(kept));
     } else if !doubts.is_empty() {
-        fitted.accepted = false;
+        (fitted.accepted, fitted.only_saturated) = (false, false);
         fitted.reasons.splice(0..0, doubts.iter().map(|doubt| format!("{doubt}; {REMEDY}")));
     }
     Ok(fitted)

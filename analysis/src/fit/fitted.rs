@@ -42,6 +42,9 @@ pub struct Fitted {
     pub noise_floor_ut: Option<f64>,
     /// What that noise makes of the corrected magnitude, rms, µT.
     pub residual_floor_ut: Option<f64>,
+    /// The least that noise may make of it, µT: where this is lower, part of the error may be noise with a memory or an error
+    /// that moves, which a residual alone does not tell.
+    pub residual_floor_least_ut: Option<f64>,
     /// Dip of the field: of the world magnetic model, or as the accelerometer shows it.
     pub dip_deg: Option<f64>,
     /// Predicted 1σ error of the heading of a level reading, degrees; unknown without the dip.
@@ -54,6 +57,10 @@ pub struct Fitted {
     pub accepted: bool,
     /// Why not, or what to know.
     pub reasons: Vec<String>,
+    /// Whether it is refused for samples at the end of the sensor's range and for nothing else: a fault of the data, which says
+    /// nothing of the model.
+    #[serde(skip)]
+    pub only_saturated: bool,
 }
 
 impl Fitted {
@@ -70,12 +77,14 @@ impl Fitted {
             holdout_rms_ut: None,
             noise_floor_ut: None,
             residual_floor_ut: None,
+            residual_floor_least_ut: None,
             dip_deg: options.dip_deg,
             heading_error_deg: None,
             coverage: None,
             gap_deg: None,
             accepted: false,
             reasons: Vec::new(),
+            only_saturated: false,
         }
     }
 
@@ -86,6 +95,7 @@ impl Fitted {
                 self.holdout_rms_ut = base.holdout_rms_ut;
                 self.noise_floor_ut = Some(base.noise_floor_ut);
                 self.residual_floor_ut = Some(base.residual_floor_ut);
+                self.residual_floor_least_ut = Some(base.residual_floor_least_ut);
                 self.judge(&ground.counted, base.solution.clone());
             }
         }
@@ -126,6 +136,9 @@ impl Fitted {
         let verdict =
             judge_figures(&figures, Some(&coverage), counted.clipped() as u64, self.expected_field_ut);
         self.accepted = verdict.accepted;
+        let mut refusals = verdict.reasons.iter().filter(|reason| reason.refuses()).peekable();
+        self.only_saturated =
+            refusals.peek().is_some() && refusals.all(|reason| matches!(reason, Reason::Saturated { .. }));
         let all_round = coverage.fraction > ALL_ROUND && coverage.gap_deg < ALL_ROUND_GAP_DEG;
         self.reasons = (verdict.reasons.iter())
             .map(|reason| match reason {
@@ -134,7 +147,7 @@ impl Fitted {
             })
             .collect();
         if let Alignment::Mirrored(standing) | Alignment::Open(standing) = &solution.alignment {
-            self.accepted = false;
+            (self.accepted, self.only_saturated) = (false, false);
             self.reasons.splice(0..0, standing.words());
         }
         self.solution = Some(solution);

@@ -135,6 +135,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         steps,
         noise_floor_ut: Some(left.floor),
         residual_floor_ut: Some(left.floor),
+        residual_floor_least_ut: Some(left.floor_least),
         noise: Some(NoiseRow::of(&left)),
         candidates,
         effects,

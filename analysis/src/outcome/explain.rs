@@ -11,10 +11,11 @@ use crate::samples::series::{rms, second_difference_sigma};
 use crate::search::candidates::Catalogue;
 use crate::search::screen::{Candidate, screen};
 use crate::search::search;
-use crate::search::state::{Explanation, Greedy, held_out_rms};
+use crate::search::state::{Explanation, Greedy, errors_applied};
 use ironout::effect::Named;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::{Model, Residual};
+use std::collections::VecDeque;
 
 /// No effect is so many times the noise that finding it makes up for a predicted error this many times too large.
 const HOPELESS: f64 = 20.0;
@@ -76,6 +77,7 @@ pub(crate) fn explain<'a>(
     let best = Residue {
         rms: rms(&residuals),
         floor: sigma,
+        floor_least: sigma,
         structure: 1.0,
         time: 1.0,
         memory: 1.0,
@@ -90,7 +92,10 @@ pub(crate) fn explain<'a>(
     let mut pure_lag = false;
     let mut start = base.clone();
     let mut searched: Vec<(String, f64)> = Vec::new();
-    for id in &options.add {
+    // One that a fit does not hold by itself may stand beside those that come after it.
+    let mut waiting: VecDeque<&String> = options.add.iter().collect();
+    let mut put_off: Vec<Candidate> = Vec::new();
+    while let Some(id) = waiting.pop_front() {
         if start.pieces.len() >= MOST_ADDED {
             return Err(Refusal::cannot_add(id, format!("a model carries at most {MOST_ADDED} effects")));
         }
@@ -111,14 +116,25 @@ pub(crate) fn explain<'a>(
                 continue;
             }
         }
-        searched.push((candidate.piece.id.clone(), candidate.searched));
         match greedy.with(&start, &candidate.piece)? {
-            Some(next) => start = greedy.aligned(next)?,
+            Some(next) => {
+                searched.push((candidate.piece.id.clone(), candidate.searched));
+                start = greedy.aligned(next)?;
+                put_off.clear();
+            }
             None => {
-                let why = format!(
-                    "the fit with {id} does not converge: this log hardly tells it from the calibration; leave it out, or record more"
-                );
-                return Ok(Err(why));
+                put_off.push(candidate);
+                if put_off.len() <= waiting.len() {
+                    waiting.push_back(id);
+                    continue;
+                }
+                // None of those that are left stands without the others.
+                searched.extend(put_off.iter().map(|one| (one.piece.id.clone(), one.searched)));
+                match greedy.with_all(&start, put_off.iter().map(|one| &one.piece))? {
+                    Some(next) => start = greedy.aligned(next)?,
+                    None => return Ok(Err(does_not_converge(&put_off))),
+                }
+                break;
             }
         }
     }
@@ -129,7 +145,7 @@ pub(crate) fn explain<'a>(
     };
     explanation.fitted = greedy.to_the_end(explanation.fitted)?;
     if let (Some(last), false) = (explanation.steps.last_mut(), explanation.fitted.pieces.is_empty()) {
-        (last.rms, last.held_out) = (explanation.fitted.rms(), held_out_rms(&explanation.fitted));
+        (last.rms, last.held_out) = errors_applied(&pass, &explanation.fitted)?;
     }
     if !options.search {
         let places = |id: &str| searched.iter().find(|(own, _)| own == id).map_or(1.0, |(_, places)| *places);
@@ -144,6 +160,14 @@ pub(crate) fn explain<'a>(
         explanation.fitted = explanation.base.clone();
     }
     Ok(Ok((explanation, pure_lag)))
+}
+
+fn does_not_converge(list: &[Candidate]) -> String {
+    let ids: Vec<&str> = list.iter().map(|one| one.piece.id.as_str()).collect();
+    format!(
+        "the fit with {} does not converge: this log hardly tells it from the calibration; leave it out, or record more",
+        ids.join(" and ")
+    )
 }
 
 pub(crate) fn cannot_add(catalogue: &Catalogue, id: &str) -> String {

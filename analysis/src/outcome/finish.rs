@@ -1,13 +1,14 @@
 //! The diagnosis that a finished search of the magnitude comes to.
 
+use crate::base::applied::Applied;
 use crate::base::mounting::AXIS_ORDER;
-use crate::base::piece::Piece;
 use crate::base::quality::{covariance, information, noise_gain, predicted_error, residue};
 use crate::calibration::Information;
 use crate::outcome::outcome::{Diagnosis, Dip, NoiseRow, StepRow, Verdict};
 use crate::outcome::request::Refusal;
 use crate::outcome::standing;
 use crate::outcome::view::View;
+use crate::residual::place::field_share;
 use crate::residual::traces::Traces;
 use crate::search::state::held_out_rms;
 use ironout::calibration::Calibration;
@@ -19,14 +20,15 @@ impl View<'_, '_> {
         let mut dip = if self.lower_order.is_some() { None } else { self.dip(force_lag)? };
         let standing = dip.as_ref().map(|dip| self.settle(dip));
         let fitted = &self.explanation.fitted;
-        let list: Vec<&Piece> = fitted.pieces.iter().collect();
-        let residuals = self.pass.residuals(&fitted.model, &list)?;
+        let applied = Applied::of(&self.pass, fitted)?;
+        let (rms_ut, holdout_rms_ut) =
+            (applied.share * fitted.rms(), held_out_rms(fitted).map(|held| applied.share * held));
         // Without effects the final model is the base model, and what `fit` says of that holds.
         let plain = self.base.filter(|_| fitted.pieces.is_empty() && self.lower_order.is_none());
         let left = match plain {
             Some(base) => base.residue.clone(),
             None => residue(
-                &residuals,
+                &applied.residuals,
                 fitted.columns(),
                 self.samples.quantum_ut,
                 self.samples.step_s(),
@@ -51,25 +53,35 @@ impl View<'_, '_> {
         if let Some((dip, lag)) = late {
             steps.push(StepRow {
                 added: Some(lag.id.clone()),
-                rms_ut: fitted.rms(),
-                holdout_rms_ut: held_out_rms(fitted),
+                rms_ut,
+                holdout_rms_ut,
                 dip_rms_deg: Some(dip.after_deg),
             });
         }
         let swapped = standing.and_then(|standing| standing.swapped());
         let groups = &self.explanation.confounded;
         let in_group = |id: &str| groups.iter().any(|group| group.ids.iter().any(|other| other == id));
-        let (mut verdict, reasons) = self.verdict(&left, predicted, field);
+        let (mut verdict, mut reasons) = self.verdict(&left, &applied, predicted, field);
         if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
             verdict = Verdict::Missing;
+        }
+        let traces = Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?;
+        let wanted = verdict == Verdict::Unexplained && self.searches && self.lower_order.is_none();
+        let field_varies = wanted.then(|| field_share(&applied.residuals, &traces.directions)).flatten();
+        if let Some(share) = field_varies {
+            reasons.push(format!(
+                "{:.0} % of what is left does not depend on the attitude and changes along the way: the field itself is another one from \
+                 place to place, as beside iron, magnets or cables",
+                100.0 * share
+            ));
         }
         steps.retain(|step| step.added.as_ref().is_none_or(|id| !in_group(id)));
         let candidates = self.candidates(&dip, pure_lag, standing, verdict);
         if let (Some(_), Some(dip)) = (swapped, &dip) {
             steps.push(StepRow {
                 added: Some(AXIS_ORDER.id.into()),
-                rms_ut: fitted.rms(),
-                holdout_rms_ut: held_out_rms(fitted),
+                rms_ut,
+                holdout_rms_ut,
                 dip_rms_deg: Some(dip.after_deg),
             });
         }
@@ -81,8 +93,9 @@ impl View<'_, '_> {
             reasons,
             residual: Residual::Magnitude.name(),
             steps,
-            noise_floor_ut: Some(left.floor / gain),
+            noise_floor_ut: Some(left.floor / applied.share / gain),
             residual_floor_ut: Some(left.floor),
+            residual_floor_least_ut: Some(left.floor_least),
             noise: Some(NoiseRow::of(&left)),
             candidates,
             data_faults: Vec::new(),
@@ -108,12 +121,14 @@ impl View<'_, '_> {
             base: None,
             predicted_error_ut: predicted.map(|error| error * field),
             bursts_explained: false,
+            field_varies,
+            fit_refuses: None,
             samples_used: 0,
             samples_set_aside: 0,
             prior: self.prior_words(),
             lower_order: self.lower_order.is_some(),
             shown: self.shown(&dip, force_lag),
-            traces: Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?,
+            traces,
             registry: self.catalogue.registry,
         };
         standing::take_axes(&mut diagnosis, covariance.as_deref(), &dip);

@@ -177,6 +177,8 @@ pub struct Diagnosis {
     pub noise_floor_ut: Option<f64>,
     /// What it makes of the residual, µT.
     pub residual_floor_ut: Option<f64>,
+    /// The least that noise may make of it, µT.
+    pub residual_floor_least_ut: Option<f64>,
     /// What noise is left, where a model was fitted.
     pub noise: Option<NoiseRow>,
     /// Every candidate.
@@ -211,6 +213,13 @@ pub struct Diagnosis {
     /// Whether effects explain what stood out of the base model, so that nothing was set aside for it.
     #[serde(skip)]
     pub bursts_explained: bool,
+    /// The share of what is left that is the field itself, another one from place to place; `None` where something else may be
+    /// the cause.
+    #[serde(skip)]
+    pub field_varies: Option<f64>,
+    /// Why `fit` refuses the calibration with what was found; `None` where it accepts.
+    #[serde(skip)]
+    pub fit_refuses: Option<String>,
     /// Samples used.
     pub samples_used: usize,
     /// Samples set aside.

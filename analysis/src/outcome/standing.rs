@@ -53,6 +53,7 @@ pub(crate) fn first_row(diagnosis: &mut Diagnosis, base: &Base, plain: bool) {
     }
     diagnosis.noise_floor_ut = Some(base.noise_floor_ut);
     diagnosis.residual_floor_ut = Some(base.residual_floor_ut);
+    diagnosis.residual_floor_least_ut = Some(base.residual_floor_least_ut);
     diagnosis.predicted_error_ut = Some(solution.predicted_error_ut);
     diagnosis.information.clone_from(&solution.information);
     if diagnosis.steps.len() == 1 {

@@ -19,7 +19,6 @@ use crate::samples::faults::FaultKind;
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
 use crate::table::Table;
-use crate::threads::with_room;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::{Model, Residual};
 
@@ -28,11 +27,6 @@ const FEWEST: usize = 30;
 
 /// What stood out is explained where the error on unseen time is hardly larger with it.
 const AS_WELL: f64 = 1.1;
-
-/// The diagnosis of a log.
-pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
-    with_room(|| study(&Ground::of(table, options.method, options.scale_ut(), options.dip_deg), options))
-}
 
 /// The diagnosis of a log whose samples are sorted out, with `with_room` to work in.
 pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
@@ -139,7 +133,11 @@ fn level(
         "by the accelerometer the board was tilted by {tilt_deg:.0}° (rms) only, which carries no offset and no matrix: study \
          this log on top of an earlier calibration of the board, --prior CAL.json, or turn the board through more attitudes"
     );
-    if let Some(mut lower) = as_logged(table, samples, options)? {
+    // What leaves most of the error unexplained accuses somebody on no ground: the attitude is in it, and is not known.
+    // A fit accuses nobody.
+    let told =
+        |one: &Diagnosis| !options.search || matches!(one.verdict, Verdict::Missing | Verdict::Confounded);
+    if let Some(mut lower) = as_logged(table, samples, options)?.filter(told) {
         lower.reasons.insert(0, reason);
         return Ok(lower);
     }

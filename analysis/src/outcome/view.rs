@@ -1,6 +1,7 @@
 //! What a finished search says: verdict, floors, dip and heading.
 
 use crate::base::alignment::{Alignment, align, without_effects};
+use crate::base::applied::Applied;
 use crate::base::dip_errors::DipErrors;
 use crate::base::engine::Pass;
 use crate::base::heading::heading_error;
@@ -180,9 +181,9 @@ impl<'a> View<'_, 'a> {
 
     /// The held-out error over the noise floor, where it is more than that many parameters and that noise's memory make of
     /// it: a model that explains the samples it has seen by chance, or structure that passes for noise.
-    pub(crate) fn fails_on_unseen_time(&self, left: &Residue) -> Option<f64> {
+    pub(crate) fn fails_on_unseen_time(&self, left: &Residue, applied: &Applied) -> Option<f64> {
         let fitted = &self.explanation.fitted;
-        let ratio = held_out_rms(fitted)? / left.floor;
+        let ratio = applied.share * held_out_rms(fitted)? / left.floor;
         let independent = fitted.rows / left.time.max(1.0);
         let expected = 1.0 + 2.0 * fitted.columns() as f64 / independent.max(1.0);
         (ratio * ratio > expected + UNSEEN_SLACK * (expected - 1.0) + UNSEEN_LEAST).then_some(ratio)
@@ -248,6 +249,7 @@ impl<'a> View<'_, 'a> {
     pub(crate) fn verdict(
         &self,
         left: &Residue,
+        applied: &Applied,
         predicted: Option<f64>,
         field: f64,
     ) -> (Verdict, Vec<String>) {
@@ -270,7 +272,7 @@ impl<'a> View<'_, 'a> {
         if !reasons.is_empty() {
             return (Verdict::Undetermined, reasons);
         }
-        let refused = self.refused_by_fit(predicted, field);
+        let refused = self.refused_by_fit(applied, predicted, field);
         if let Some(error) = refused {
             reasons.push(format!(
                 "a calibration from this log would be off by {:.1} % of the field in the worst direction (1σ), for its \
@@ -298,7 +300,7 @@ impl<'a> View<'_, 'a> {
             reasons.push(words);
             return (Verdict::Unexplained, reasons);
         }
-        if let Some(times) = self.fails_on_unseen_time(left) {
+        if let Some(times) = self.fails_on_unseen_time(left, applied) {
             reasons.push(format!(
                 "on unseen time the error is {times:.1} times what the noise leaves: what stands in the model does not \
                  hold there"
@@ -346,13 +348,13 @@ impl<'a> View<'_, 'a> {
 
     /// The predicted error of a calibration from this log, as a share of the field, where `fit` refuses it: by its noise and
     /// effects, or by what unseen time shows.
-    fn refused_by_fit(&self, predicted: Option<f64>, field: f64) -> Option<f64> {
+    fn refused_by_fit(&self, applied: &Applied, predicted: Option<f64>, field: f64) -> Option<f64> {
         if self.lower_order.is_some() {
             return None;
         }
         let fitted = &self.explanation.fitted;
         let beyond = held_out_rms(fitted).map_or(0.0, |held| held * held - fitted.rms().powi(2));
-        let unseen = (0.5 * beyond.max(0.0)).sqrt() / field;
+        let unseen = applied.share * (0.5 * beyond.max(0.0)).sqrt() / field;
         predicted.map(|error| error.max(unseen)).filter(|error| *error > MAX_PREDICTED_ERROR)
     }
 

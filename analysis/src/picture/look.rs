@@ -4,11 +4,11 @@ use crate::base::ground::Ground;
 use crate::calibration::EffectEntry;
 use crate::correct::{CannotCorrect, Corrector};
 use crate::effects::{Calibrated, calibrated};
+use crate::fit::diagnosed::of_ground_searched;
 use crate::fit::fitted::Fitted;
 use crate::fit::{ids, run};
 use crate::outcome::outcome::Diagnosis;
 use crate::outcome::request::{Options, Refusal};
-use crate::outcome::study::study;
 use crate::picture::picture::{Drawn, Picture};
 use crate::samples::faults::DataFault;
 use crate::table::Table;
@@ -41,7 +41,7 @@ pub fn look(table: &Table, options: &Options, told_ut: Option<f64>) -> Result<Lo
         let ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
         let fitted = run::of_ground(&ground, options)?;
         let diagnosis = match options.search {
-            true => Some(study(&ground, &Options { force_effect: true, ..options.clone() })?),
+            true => Some(of_ground_searched(&ground, &Options { force_effect: true, ..options.clone() })?),
             false => None,
         };
         let searched_ut = diagnosis.as_ref().and_then(|found| found.residual_floor_ut).or(told_ut);
@@ -84,13 +84,13 @@ pub fn look_with(table: &Table, calibration: Calibrated) -> Result<(Picture, f64
         let ground = Ground::of(table, Default::default(), None, None);
         let rows: Vec<usize> =
             ground.counted.used.iter().map(|&sample| ground.counted.data.row(sample)).collect();
-        let squares: (f64, usize) = rows.iter().filter_map(|&row| corrector.correct(row).ok()).fold(
-            (0.0, 0),
-            |(sum, n), corrected| {
-                let residual = ironout::calibration::norm(corrected) - base.field_ut;
+        let squares: (f64, usize) = rows
+            .iter()
+            .filter_map(|&row| Some((corrector.correct(row).ok()?, table.place(row).share)))
+            .fold((0.0, 0), |(sum, n), (corrected, share)| {
+                let residual = ironout::calibration::norm(corrected) - base.field_ut * share;
                 (sum + residual * residual, n + 1)
-            },
-        );
+            });
         let drawn = Drawn {
             table,
             rows,

@@ -33,11 +33,13 @@ impl Rows {
         for row in rows {
             let measured = table.field(row);
             let Ok(corrected) = corrector.correct(row) else { continue };
+            // On a journey each place has its own field.
+            let share = table.place(row).share;
             out.row.push(row);
             out.measured_ut.push(measured);
             out.corrected_ut.push(corrected);
-            out.without_ut.push(norm(base.apply(measured)) - base.field_ut);
-            out.with_ut.push(norm(corrected) - field_ut);
+            out.without_ut.push(norm(base.apply(measured)) - base.field_ut * share);
+            out.with_ut.push(norm(corrected) - field_ut * share);
         }
         out
     }

@@ -20,6 +20,8 @@ pub struct Data<'a> {
     /// The step the values were rounded to on each axis, µT.
     pub step_ut: [f64; 3],
     centre_ut: [f64; 3],
+    /// Where the readings of all places are drawn to one sphere: its centre.
+    about_ut: Option<[f64; 3]>,
 }
 
 /// The core's sums: exact for 16-bit counts, the same as on the board; in f64 for microtesla.
@@ -39,12 +41,27 @@ impl<'a> Data<'a> {
             Some((_, scale)) => scale[axis],
             None => step(table.field_ut[axis]),
         });
-        Data { table, rows, step_ut, centre_ut }
+        Data { table, rows, step_ut, centre_ut, about_ut: None }
+    }
+
+    /// The same samples as if the field were everywhere that of the mean of the way: their vectors about this offset are made
+    /// as much longer or shorter. `None` where it is one field.
+    pub fn in_one_field(&self, about_ut: [f64; 3]) -> Option<Self> {
+        self.table.track.as_ref()?;
+        Some(Data { rows: self.rows.clone(), about_ut: Some(about_ut), ..*self })
     }
 
     /// The measured vector of a sample, µT.
     pub fn field(&self, sample: u32) -> [f64; 3] {
-        self.table.field(self.row(sample))
+        let row = self.row(sample);
+        let measured = self.table.field(row);
+        match self.about_ut {
+            None => measured,
+            Some(about) => {
+                let share = self.table.place(row).share;
+                [0, 1, 2].map(|axis| about[axis] + (measured[axis] - about[axis]) / share)
+            }
+        }
     }
 
     /// The row of a sample.
@@ -54,7 +71,7 @@ impl<'a> Data<'a> {
 
     /// Empty sums for this data.
     pub fn sums(&self) -> Sums {
-        match self.table.counts {
+        match self.table.counts.filter(|_| self.about_ut.is_none()) {
             Some(_) => Sums::Exact(Box::new(Moments::new())),
             None => Sums::Float(Box::new(ScatterBuilder::new(self.centre_ut))),
         }
@@ -118,7 +135,7 @@ impl Sums {
                     moments.push(*counts);
                 }
             }
-            Sums::Float(builder) => builder.push(data.table.field(row)),
+            Sums::Float(builder) => builder.push(data.field(sample)),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::samples::work::Work;
 use crate::table::Table;
+use crate::track::Place;
 use ironout::study::Observation;
 use std::borrow::Cow;
 
@@ -37,6 +38,8 @@ pub struct Samples {
     pub middle_s: f64,
     /// Vectors, rates and directions down.
     pub readings: Vec<Observation<f64>>,
+    /// Where on the track each was taken; empty where the field is one field.
+    pub places: Vec<Place>,
     /// Covariates.
     pub columns: Vec<Column>,
     /// Row of the log of each sample.
@@ -166,6 +169,10 @@ impl Samples {
                 down: None,
             })
             .collect();
+        let places = match &table.track {
+            Some(track) => row.iter().map(|&row| track.place(row)).collect(),
+            None => Vec::new(),
+        };
         let time = table.time_s.map(pick);
         let middle_s =
             time.as_ref().map_or(0.0, |t| 0.5 * (t.first().unwrap_or(&0.0) + t.last().unwrap_or(&0.0)));
@@ -178,6 +185,7 @@ impl Samples {
             time,
             middle_s,
             readings,
+            places,
             columns,
             row,
             stride,
@@ -252,6 +260,11 @@ impl Samples {
             }
         }
         Some(out)
+    }
+
+    /// The place of a sample on the track.
+    pub fn place(&self, sample: usize) -> Place {
+        self.places.get(sample).copied().unwrap_or(Place::MEAN)
     }
 
     /// Number of samples.

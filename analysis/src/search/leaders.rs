@@ -29,8 +29,20 @@ impl<'a> Greedy<'_, 'a> {
         fitted: &Fitted<'a>,
         piece: &Piece<'a>,
     ) -> Result<Option<Fitted<'a>>, BadShape> {
+        self.with_all(fitted, std::iter::once(piece))
+    }
+
+    /// The same with several more.
+    pub(crate) fn with_all<'p>(
+        &self,
+        fitted: &Fitted<'a>,
+        more: impl Iterator<Item = &'p Piece<'a>>,
+    ) -> Result<Option<Fitted<'a>>, BadShape>
+    where
+        'a: 'p,
+    {
         let mut pieces = fitted.pieces.clone();
-        pieces.push(piece.clone());
+        pieces.extend(more.cloned());
         let Some(next) = self.pass.fit(fitted.model, pieces, self.known)? else { return Ok(None) };
         let next = self.settled(next)?;
         Ok(next.converged.then_some(next))

@@ -2,6 +2,7 @@
 //! falling.
 
 use crate::base::alignment::{align, without_effects};
+use crate::base::applied::Applied;
 use crate::base::engine::{Fitted, Pass, SETTLED};
 use crate::base::known::Known;
 use crate::base::piece::{BadShape, Piece};
@@ -95,8 +96,15 @@ pub fn held_out_rms(fitted: &Fitted) -> Option<f64> {
     held_out(&fitted.blocks, Some(&fitted.prior), &own)?.rms()
 }
 
-fn state(added: Option<String>, fitted: &Fitted) -> Step {
-    Step { added, rms: fitted.rms(), held_out: held_out_rms(fitted) }
+/// The errors of a fitted model as its correction leaves them: rms, and rms on held-out blocks.
+pub fn errors_applied(pass: &Pass, fitted: &Fitted) -> Result<(f64, Option<f64>), BadShape> {
+    let share = Applied::of(pass, fitted)?.share;
+    Ok((share * fitted.rms(), held_out_rms(fitted).map(|held| share * held)))
+}
+
+fn state(pass: &Pass, added: Option<String>, fitted: &Fitted) -> Result<Step, BadShape> {
+    let (rms, held_out) = errors_applied(pass, fitted)?;
+    Ok(Step { added, rms, held_out })
 }
 
 /// An effect that was found and is not certain.
@@ -234,7 +242,7 @@ impl<'a> Greedy<'_, 'a> {
         fitted: &Fitted<'a>,
         order: &[String],
     ) -> Result<Vec<Step>, BadShape> {
-        let mut steps = vec![state(None, base)];
+        let mut steps = vec![state(&self.pass, None, base)?];
         let mut now = base.clone();
         for (index, id) in order.iter().enumerate() {
             if index + 1 == order.len() {
@@ -246,7 +254,7 @@ impl<'a> Greedy<'_, 'a> {
                     now = next;
                 }
             }
-            steps.push(state(Some(id.clone()), &now));
+            steps.push(state(&self.pass, Some(id.clone()), &now)?);
         }
         Ok(steps)
     }

@@ -157,6 +157,7 @@ pub fn cal_file(record: &Record, covariance: Option<&[[f64; 9]; 9]>, board: &Ide
             holdout_rms_ut: None,
             noise_floor_ut: known(record.noise_ut),
             residual_floor_ut: None,
+            residual_floor_least_ut: None,
             heading_error_deg: None,
             coverage: None,
             gap_deg: None,

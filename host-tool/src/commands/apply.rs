@@ -68,7 +68,7 @@ fn one(
     let (mean, before) = spread_of_magnitude(samples.iter().map(|&row| norm(log.field(row))));
     let residuals = samples
         .iter()
-        .map(|&row| corrector.field(row).map(|field| calibration.residual_ut(field)))
+        .map(|&row| corrector.field(row).map(|field| corrector.residual_ut(row, field)))
         .collect::<Outcome<Vec<f64>>>()?;
     let after = (residuals.iter().map(|r| r * r).sum::<f64>() / samples.len() as f64).sqrt();
     let worst = residuals.iter().map(|r| r.abs()).fold(0.0, f64::max);
@@ -129,7 +129,7 @@ fn write_anew(arguments: &ApplyArgs, log: &Log, corrector: &Corrected, output: &
             written::line(out, &columns, row)?;
             let corrected = corrector.field(row).map_err(std::io::Error::other)?;
             let [x, y, z] = corrected;
-            let residual = corrector.calibration().residual_ut(corrected);
+            let residual = corrector.residual_ut(row, corrected);
             writeln!(out, ",{x:.5},{y:.5},{z:.5},{:.5},{residual:.5}", norm(corrected))?;
         }
         Ok(())
@@ -175,7 +175,7 @@ fn write(log: &Log, corrector: &Corrected, output: &Path) -> Outcome<()> {
                         out,
                         ",{x:.5},{y:.5},{z:.5},{:.5},{:.5}",
                         norm(corrected),
-                        corrector.calibration().residual_ut(corrected)
+                        corrector.residual_ut(at, corrected)
                     )?;
                     row = Some(at + 1);
                     progress.at(done);

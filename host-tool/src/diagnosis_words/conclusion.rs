@@ -188,13 +188,26 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
         return;
     }
     match diagnosis.verdict {
-        Verdict::Complete => {
-            say(out, "Calibrate with this log:");
-            command(out, next::fit(arguments, &add));
-            command(out, next::check(arguments));
-        }
+        Verdict::Complete => match &diagnosis.fit_refuses {
+            None => {
+                say(out, "Calibrate with this log:");
+                command(out, next::fit(arguments, &add));
+                command(out, next::check(arguments));
+            }
+            Some(why) => {
+                say(out, &format!("This log itself carries no calibration, and fit refuses it: {why}."))
+            }
+        },
         Verdict::Missing => {
-            say(out, "Add it to the calibration, and check that on a second log:");
+            match &diagnosis.fit_refuses {
+                None => say(out, "Add it to the calibration, and check that on a second log:"),
+                Some(why) => say(
+                    out,
+                    &format!(
+                        "This log itself carries no calibration, and fit refuses it: {why}. Record another, and add it there:"
+                    ),
+                ),
+            }
             command(out, next::fit(arguments, &add));
             command(out, next::check(arguments));
             let columns = found::columns(diagnosis);
@@ -235,10 +248,23 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
         }
         Verdict::Unexplained => {
             if !add.is_empty() {
-                say(out, "What was found helps all the same:");
+                say(
+                    out,
+                    match diagnosis.fit_refuses {
+                        Some(_) => "The fit with what was found is refused all the same, and says why:",
+                        None => "What was found helps all the same:",
+                    },
+                );
                 command(out, next::fit(arguments, &add));
             }
             goes_with(diagnosis, &add, out);
+            if diagnosis.field_varies.is_some() {
+                say(
+                    out,
+                    "A calibration needs one field: turn the board about one spot instead of carrying it, in the open, some metres \
+                     from iron, walls, cables and magnets, and diagnose that log. Where it has to be carried, log where it was.",
+                );
+            }
             say(
                 out,
                 "For the rest, look at where it fails (above) and log what changed there: temperature, currents, what moves. \

@@ -55,6 +55,8 @@ pub struct Log {
     pub gyro_radps: Option<[Vec<f64>; 3]>,
     /// Reference heading, degrees; NaN where a cell is empty. Never fitted.
     pub heading_deg: Option<Vec<f64>>,
+    /// The field of the Earth at every row, where the log tells where it was: magnitude, µT, and dip, degrees.
+    pub earth: Option<[Vec<f64>; 2]>,
     /// Every other numeric column.
     pub covariates: Vec<Covariate>,
     /// How it was read.

@@ -182,6 +182,7 @@ impl Plan {
             accel_mps2,
             gyro_radps,
             heading_deg,
+            earth: None,
             covariates,
             read_as: ReadAs { columns, ..ReadAs::default() },
             notices,

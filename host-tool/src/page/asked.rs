@@ -20,6 +20,8 @@ pub struct ReadAsked {
     pub instance: Option<usize>,
     /// Each `--derive`.
     pub derive: Vec<String>,
+    /// `--date`.
+    pub date: Option<String>,
 }
 
 impl ReadAsked {
@@ -32,6 +34,7 @@ impl ReadAsked {
             rotate: arguments.rotate.clone(),
             instance: arguments.instance,
             derive: arguments.derive.clone(),
+            date: arguments.date.clone(),
         }
     }
 
@@ -45,6 +48,7 @@ impl ReadAsked {
             rotate: self.rotate.clone(),
             instance: self.instance,
             derive: self.derive.clone(),
+            date: self.date.clone(),
         }
     }
 }

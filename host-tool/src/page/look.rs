@@ -143,7 +143,18 @@ fn sentence(fitted: &Fitted, floor_ut: Option<f64>) -> String {
         }
         None => format!("the error is {after}"),
     };
+    let least = fitted.residual_floor_least_ut.filter(|least| *least > 0.0);
     let rest = match floor_ut.filter(|floor| *floor > 0.0) {
+        Some(floor)
+            if solution.rms_ut <= EXPLAINED * floor
+                && solution.rms_ut > EXPLAINED * least.unwrap_or(floor) =>
+        {
+            let most = solution.rms_ut / least.unwrap_or(floor);
+            format!(
+                ", {most:.1} times what is new from sample to sample: noise with a memory, or an error that moves, which \
+                 only a diagnosis against the columns tells"
+            )
+        }
         Some(floor) if solution.rms_ut <= EXPLAINED * floor => ", which is what the noise leaves".to_string(),
         Some(floor) => format!(", {:.1} times what the noise leaves", solution.rms_ut / floor),
         None => String::new(),

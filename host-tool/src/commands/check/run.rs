@@ -35,7 +35,9 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
         .iter()
         .map(|&sample| corrector.field(data.row(sample)))
         .collect::<Outcome<Vec<[f64; 3]>>>()?;
-    let residual: Vec<f64> = corrected.iter().map(|field| calibration.residual_ut(*field)).collect();
+    let residual: Vec<f64> = (samples.iter().zip(&corrected))
+        .map(|(&sample, field)| corrector.residual_ut(data.row(sample), *field))
+        .collect();
     let rms =
         |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt();
     let rms_ut = rms(&residual);

@@ -17,6 +17,7 @@ pub fn read(arguments: &ExportArgs, cal: &CalFile, json: bool) -> Outcome<Option
         map: arguments.map.clone(),
         rotate: cal.reading.as_ref().map_or_else(Vec::new, |reading| reading.rotate.clone()),
         instance: None,
+        date: None,
     };
     source::read_for(&log, cal, &arguments.cal, json).map(Some)
 }

@@ -128,6 +128,7 @@ pub fn replay(path: &Path, speed: f64) -> Outcome<Link> {
         rotate: Vec::new(),
         instance: None,
         derive: Vec::new(),
+        date: None,
     };
     let (log, _) = source::read_held(&arguments, None, &Known::Earth, false)?;
     if log.time_s.is_none() || log.rows == 0 {

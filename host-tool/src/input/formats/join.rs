@@ -79,6 +79,7 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
         accel_mps2,
         gyro_radps,
         heading_deg: None,
+        earth: None,
         covariates: own.into_iter().map(covariate).collect(),
         read_as: ReadAs {
             format: recording.format,

@@ -1,0 +1,55 @@
+//! The error as a correction leaves it.
+//!
+//! A fit looks at its shapes at the foot point, where there is no noise; whoever corrects has only the noisy sample. Where an effect
+//! follows the field itself (a nonlinearity, a gain) that makes the noise larger or smaller by the effect's slope, and what is said
+//! of an error is what a correction leaves.
+
+use crate::base::engine::{Fitted, Pass};
+use crate::base::piece::{BadShape, Piece};
+use crate::samples::series::rms;
+use ironout::calibration::norm;
+use ironout::study::{NotFinite, Residual};
+
+/// The residual of a fitted model under its own correction.
+pub struct Applied {
+    /// The residuals, in the order of the fit's.
+    pub residuals: Vec<f64>,
+    /// Their rms over that of the fit's own.
+    pub share: f64,
+}
+
+impl Applied {
+    /// Of a fit.
+    ///
+    /// # Errors
+    /// A shape that is not finite at a sample.
+    pub fn of(pass: &Pass, fitted: &Fitted) -> Result<Applied, BadShape> {
+        let list: Vec<&Piece> = fitted.pieces.iter().collect();
+        let own = pass.residuals(&fitted.model, &list)?;
+        if pass.residual != Residual::Magnitude || list.is_empty() {
+            return Ok(Applied { residuals: own, share: 1.0 });
+        }
+        let mut residuals = Vec::with_capacity(own.len());
+        let mut terms = Vec::with_capacity(list.len());
+        for (sample, reading) in pass.samples.readings.iter().enumerate() {
+            terms.clear();
+            terms.extend(list.iter().map(|piece| piece.term(sample)));
+            match fitted.model.correct(reading, &terms) {
+                Ok(corrected) => {
+                    let field_ut = fitted.model.field_ut * pass.samples.place(sample).share;
+                    residuals.push(norm(corrected) - field_ut);
+                }
+                Err(NotFinite::Effect(index)) => {
+                    return Err(BadShape::NotFinite(
+                        list.get(index).map_or_else(String::new, |one| one.id.clone()),
+                    ));
+                }
+                // Such a sample has no row in a fit either.
+                Err(NotFinite::Sample) => {}
+            }
+        }
+        let (ours, theirs) = (rms(&residuals), rms(&own));
+        let share = if ours.is_finite() && theirs > 0.0 { ours / theirs } else { 1.0 };
+        Ok(Applied { residuals, share })
+    }
+}

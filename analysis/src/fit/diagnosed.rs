@@ -1,0 +1,74 @@
+//! A diagnosis that the fit bears out: where it says that nothing is missing, or what is, `fit` with that accepts.
+
+use crate::base::ground::Ground;
+use crate::base::mounting;
+use crate::fit::fitted::Fitted;
+use crate::fit::run::of_ground;
+use crate::outcome::outcome::{Diagnosis, Verdict};
+use crate::outcome::request::{Options, Refusal};
+use crate::outcome::study::study;
+use crate::table::Table;
+use crate::threads::with_room;
+
+/// The diagnosis of a log.
+///
+/// # Errors
+/// Only where `options` ask for an effect that is not known or that this log does not allow.
+pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
+    with_room(|| {
+        of_ground_searched(&Ground::of(table, options.method, options.scale_ut(), options.dip_deg), options)
+    })
+}
+
+/// The same of a log whose samples are sorted out, with `with_room` to work in.
+pub(crate) fn of_ground_searched(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
+    let mut diagnosis = study(ground, options)?;
+    if let Some(why) = refused(ground, options, &diagnosis) {
+        let instead = match diagnosis.verdict {
+            // What is at the end of the range is told among the faults, and the model is what it is.
+            _ if why.of_data => None,
+            Verdict::Complete => Some(Verdict::Undetermined),
+            Verdict::Missing => Some(Verdict::Unexplained),
+            Verdict::Confounded | Verdict::Unexplained | Verdict::Undetermined => None,
+        };
+        if let Some(instead) = instead {
+            diagnosis.verdict = instead;
+            diagnosis.reasons.push(why.words.clone());
+        }
+        diagnosis.fit_refuses = Some(why.words);
+    }
+    Ok(diagnosis)
+}
+
+/// Why a fit is refused.
+struct Why {
+    words: String,
+    /// For a fault of the data, and not for the model.
+    of_data: bool,
+}
+
+/// Why `fit` refuses the calibration that the diagnosis leads to; `None` where it accepts, or where none is led to.
+fn refused(ground: &Ground, options: &Options, diagnosis: &Diagnosis) -> Option<Why> {
+    // Of a resting board, of a sensor that is taken as calibrated, and before the axes are in order there is none.
+    let leads = diagnosis.calibration.is_some() && !ground.counted.rests && diagnosis.axis_order().is_none();
+    let found = diagnosis.steps.iter().filter_map(|step| step.added.clone());
+    let mut add = options.add.clone();
+    for id in found.filter(|id| !mounting::is_one(id)) {
+        if !add.contains(&id) {
+            add.push(id);
+        }
+    }
+    let claims = matches!(diagnosis.verdict, Verdict::Complete | Verdict::Missing);
+    if !leads || !(claims || !add.is_empty() && diagnosis.verdict == Verdict::Unexplained) {
+        return None;
+    }
+    let asked = Options { add, search: false, ..options.clone() };
+    match of_ground(ground, &asked) {
+        Ok(Fitted { accepted: true, .. }) => None,
+        Ok(Fitted { reasons, only_saturated: of_data, .. }) => {
+            let words = reasons.into_iter().find(|reason| !reason.starts_with("note:"));
+            Some(Why { words: words.unwrap_or_else(|| "the fit refuses this log".into()), of_data })
+        }
+        Err(refusal) => Some(Why { words: refusal.to_string(), of_data: false }),
+    }
+}
