@@ -29,8 +29,8 @@ pub mod residual;
 pub mod samples;
 pub mod search;
 pub mod table;
-pub mod track;
 mod threads;
+pub mod track;
 
 pub use correct::{CannotCorrect, Corrector};
 pub use fit::diagnosed::diagnose;
