@@ -166,6 +166,9 @@ export async function replay({ address, hidden, shots }) {
   await browser.shot("refused", { fullPage: true });
   await learned(browser, said, { ...hidden, use: pressed });
   await browser.until(() => document.body.dataset.calibrated === "1");
+  // The refusal is answered with it.
+  await browser.until(() => document.body.dataset.board === "idle");
+  said.hint = await browser.text("#hint");
   await browser.page.locator("#plot-live").scrollIntoViewIfNeeded();
   await browser.until(() => Number(document.getElementById("plot-live").dataset.drawn) > 5);
   said.objections.push(...await browser.usable());

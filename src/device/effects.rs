@@ -14,6 +14,7 @@ use crate::learn::{Candidate, Motion, Outcome, Status, has_id};
 use crate::number::Num;
 use crate::protocol::{Answered, Code, EffectId, Reply};
 use crate::record::{PredictedError, Record};
+use crate::session::State;
 use crate::store::{Done, StoreError, StoreJob};
 
 fn reads_time(effect: &BuiltIn<f64>) -> bool {
@@ -221,6 +222,11 @@ impl Device {
                     self.lessons.own_clock = is_own;
                 }
                 self.feed_again();
+                if self.session.state() == State::Refused {
+                    // What was refused is answered: what was missing is in the calibration that is in use now.
+                    self.session.cancel();
+                    self.status = None;
+                }
                 let [before, after] = change.map_or([f32::NAN; 2], |change| change.rms_ut);
                 return reply.ok(format_args!(
                     "effects={} rms_before_ut={} rms_ut={} slot={slot} sequence={}",

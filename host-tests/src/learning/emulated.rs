@@ -18,6 +18,8 @@ const FIELD_UT: f64 = 50.0;
 const HARD_IRON_UT: f64 = 93.0;
 /// Noise that the emulated chip does not have, µT on each axis.
 const NOISE_UT: f64 = 0.25;
+/// One count of the emulated LSM303DLHC on x and y at ±1.9 gauss (datasheet table 75), µT: its rounding is noise too.
+const STEP_UT: f64 = 100.0 / 855.0;
 /// How large a hidden effect is, in noises.
 const STRENGTH: f64 = 3.0;
 /// From one sample to the next, s of the board's clock.
@@ -68,8 +70,8 @@ impl Samples {
     }
 }
 
-/// Rms of what is streamed over what the sensor's noise alone leaves of it. Of a lag, which the magnitude does not show, that of the
-/// field along gravity; of the others that of the magnitude.
+/// Rms of what is streamed over what noise alone leaves of it: the very noise of those samples and the sensor's rounding. Of a lag,
+/// which the magnitude does not show, that of the field along gravity; of the others that of the magnitude.
 #[derive(Clone, Debug)]
 pub struct Learnt {
     /// Before; `None` where no calibration was in use.
@@ -102,10 +104,13 @@ struct Bench {
     motion: bool,
 }
 
-/// What a sample was streamed as, with the world's clock at it.
+/// What a sample was streamed as, with the world's clock at it, the field without hard iron and the noise in it, both in the sensor's
+/// axes.
 struct Streamed {
     line: String,
     at_s: f64,
+    field_ut: Vector3<f64>,
+    noise_ut: Vector3<f64>,
 }
 
 impl Bench {
@@ -189,7 +194,8 @@ impl Bench {
         self.now_s = self.origin_s + t_ms * 1e-3 + SAMPLE_S;
         self.samples.all += 1 + late;
         self.samples.late += late;
-        Ok(Streamed { line, at_s })
+        let field_ut = Vector3::from(clean).add_scalar(-HARD_IRON_UT);
+        Ok(Streamed { line, at_s, field_ut, noise_ut: Vector3::from(noise) })
     }
 
     fn run(&mut self, seconds: f64) -> Result<Vec<Streamed>, Error> {
@@ -239,32 +245,37 @@ impl Bench {
         Ok(Said { lines: reply.to_string().lines().map(str::to_owned).collect() })
     }
 
-    /// Rms of what is streamed, µT: [`Learnt`] says of what. `None` where the board corrects nothing.
-    fn streamed_ut(&mut self, seconds: f64) -> Result<Option<f64>, Error> {
+    /// Rms of what is streamed over that of noise: [`Learnt`] says of what. `None` where the board corrects nothing.
+    fn streamed(&mut self, seconds: f64) -> Result<Option<f64>, Error> {
         self.ok("stream cal")?;
         // One that needs a column waits for it.
         self.run(1.0)?;
         let streamed = self.run(seconds)?;
         self.quiet()?;
-        let rows: Vec<(Vector3<f64>, f64)> = streamed
+        let rows: Vec<(&Streamed, Vector3<f64>, f64)> = streamed
             .iter()
             .filter_map(|one| {
                 let words: Vec<f64> =
                     one.line.strip_prefix("C,")?.split(',').map_while(|word| word.parse().ok()).collect();
                 let &[_, x, y, z, _, residual] = words.as_slice() else { return None };
-                Some((Vector3::new(x, y, z), if self.kind == Kind::Lag { one.at_s } else { residual }))
+                Some((one, Vector3::new(x, y, z), residual))
             })
             .collect();
         // Nearly all: a column may have been forgotten for a moment.
         if rows.len() * 10 < streamed.len() * 9 {
             return Ok(None);
         }
-        let squares: f64 = if self.kind == Kind::Lag {
-            along_gravity(&self.world, &rows)
+        let (left, noise) = if self.kind == Kind::Lag {
+            let measured: Vec<_> = rows.iter().map(|(one, field, _)| (*field, one.at_s)).collect();
+            let down = |at_s| -Vector3::from(self.world.accel_mps2(at_s)).normalize();
+            let noise = rows.iter().map(|(one, ..)| one.noise_ut.dot(&down(one.at_s)).powi(2)).sum::<f64>();
+            (along_gravity(&self.world, &measured), noise)
         } else {
-            rows.iter().map(|(_, residual)| residual * residual).sum()
+            let along = |one: &Streamed| one.noise_ut.dot(&one.field_ut.normalize());
+            (rows.iter().map(|row| row.2 * row.2).sum(), rows.iter().map(|row| along(row.0).powi(2)).sum())
         };
-        Ok(Some((squares / rows.len() as f64).sqrt()))
+        let rounding = rows.len() as f64 * STEP_UT * STEP_UT / 12.0;
+        Ok(Some((left / (noise + rounding)).sqrt()))
     }
 
     /// Cuts the power; the world goes on.
@@ -309,10 +320,9 @@ pub fn run(firmware: &Firmware, kind: Kind, seed: u64, lengths: Lengths) -> Resu
     let is_right = is_right(kind, &said);
     let mut samples = bench.samples;
     let learnt = if is_right && Kind::HIDDEN.contains(&kind) {
-        let over = |ut: Option<f64>| ut.unwrap_or(f64::NAN) / NOISE_UT;
-        let before = if stopped.is_ok() { bench.streamed_ut(lengths.stream_s)? } else { None };
+        let before = if stopped.is_ok() { bench.streamed(lengths.stream_s)? } else { None };
         let taken_in = bench.ok(&format!("effect add {}", kind.id()))?;
-        let added = bench.streamed_ut(lengths.stream_s)?;
+        let added = bench.streamed(lengths.stream_s)?;
         let shown = bench.ok("cal show")?;
         bench = bench.power_cut()?;
         bench.ok("stream raw")?;
@@ -322,15 +332,15 @@ pub fn run(firmware: &Firmware, kind: Kind, seed: u64, lengths: Lengths) -> Resu
         bench.ok("cal start")?;
         bench.ok("cal cancel")?;
         let is_kept = bench.ok("cal show")?.to_string() == shown.to_string();
-        let restarted = bench.streamed_ut(lengths.stream_s)?;
+        let restarted = bench.streamed(lengths.stream_s)?;
         let taken_out = bench.ok(&format!("effect remove {}", kind.id()))?;
-        let removed = bench.streamed_ut(lengths.stream_s)?;
+        let removed = bench.streamed(lengths.stream_s)?;
         samples = bench.samples;
         Some(Learnt {
-            before: before.map(|ut| ut / NOISE_UT),
-            added: over(added),
-            restarted: over(restarted),
-            removed: over(removed),
+            before,
+            added: added.unwrap_or(f64::NAN),
+            restarted: restarted.unwrap_or(f64::NAN),
+            removed: removed.unwrap_or(f64::NAN),
             is_kept,
             answers: format!("{taken_in}\n{shown}\n{taken_out}"),
         })

@@ -23,6 +23,7 @@ fn a_refused_calibration_is_asked_why_and_made_with_what_was_missing() {
     assert_eq!((&seen["idle"], &seen["held"]), (&json!(true), &json!("cal-start")), "{seen}");
     assert!(words(&seen["judged"]).contains("Refused"), "{seen}");
     assert_learned(&seen, "offset:current_a", FLOOR_UT);
+    assert!(words(&seen["hint"]).starts_with("a calibration is in use"), "{seen}");
 }
 
 #[test]
