@@ -94,7 +94,8 @@ impl Device {
     /// Learns from a sample.
     #[inline(never)]
     pub(super) fn learn(&mut self, sample: Sample, t_ms: u64) {
-        if !self.lessons.learner.is_learning() {
+        // A question is answered of the moment that it was asked in, all of it, whatever comes between its pieces of work.
+        if !self.lessons.learner.is_learning() || self.lessons.question.is_some() {
             return;
         }
         let Some(measured_ut) = self.config.sensor.measured_ut(sample) else { return };

@@ -42,8 +42,8 @@ enum Stage {
     End,
 }
 
-/// A question under way. Its answer is of one moment: samples that come meanwhile move it by what they say, and where the learner
-/// began anew, so does the question.
+/// A question under way. Its answer is of one moment where the learner takes no samples meanwhile; those that it takes move it by what
+/// they say, and where it began anew, so does the question.
 #[derive(Clone, Debug)]
 pub struct Inquiry {
     stage: Stage,

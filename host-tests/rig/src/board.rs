@@ -7,7 +7,7 @@ use eeprom24x::{Eeprom24x, SlaveAddr, addr_size::TwoBytes, page_size::B32, uniqu
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::ErrorKind;
 use ironout::device::{ButtonEvent, Device, DeviceConfig, Pace};
-use ironout::sensor::{AxisMap, Error, Magnetometer};
+use ironout::sensor::{AxisMap, Error, Magnetometer, Sensor};
 use ironout::store::StorageSlots;
 use ironout_drivers::lsm303dlhc::{Config, DataRate, Lsm303dlhc, Range, TemperatureFormat};
 
@@ -98,6 +98,11 @@ impl ironout::device::Output for Terminal {
 }
 
 impl SimBoard {
+    /// What the driver says of its sensor.
+    pub fn sensor(&self) -> Sensor {
+        self.sensor.describe()
+    }
+
     /// A board with an erased EEPROM in this field, its sensor with this noise (µT on each axis); powered up.
     pub fn new(field: impl FieldSource + 'static, noise_ut: f64, seed: u64) -> Self {
         Self::with(SimOptions::default(), field, noise_ut, seed)

@@ -103,7 +103,11 @@ impl ironout::device::Output for Everything<'_> {
 impl Board {
     /// One that has nothing stored.
     pub fn new(rate_hz: f32) -> Self {
-        let sensor = Sensor::uniform("a recording", UT_PER_COUNT as f32, rate_hz);
+        Self::with_sensor(Sensor::uniform("a recording", UT_PER_COUNT as f32, rate_hz))
+    }
+
+    /// One with this sensor, and nothing stored.
+    pub fn with_sensor(sensor: Sensor) -> Self {
         let device = Device::new(DeviceConfig { board: "replay", sensor, pace: Pace::Pushed });
         let mut board =
             Self { device, now_ms: 0, memory: [vec![0xff; 1024], vec![0xff; 1024]], out: String::new() };
@@ -179,6 +183,18 @@ impl Board {
             self.device.on_sample(&reading, self.now_ms);
             self.settle();
         }
+    }
+
+    /// A column's value, from now on.
+    pub fn fed(&mut self, name: &str, value: f32) {
+        self.device.on_column(name, value, self.now_ms);
+    }
+
+    /// A sample of the board's clock.
+    pub fn sampled(&mut self, t_ms: u64, counts: [i16; 3]) {
+        self.now_ms = self.now_ms.max(t_ms);
+        self.device.on_sample(&Reading { counts, overflow: [false; 3] }, t_ms);
+        self.settle();
     }
 
     /// What `why` says.

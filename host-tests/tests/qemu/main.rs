@@ -10,5 +10,6 @@ mod effects;
 mod faults;
 mod hours;
 mod learning;
+mod same_trace;
 mod store;
 mod support;
