@@ -13,10 +13,10 @@ use crate::sensor::Sample;
 use crate::session::State;
 use crate::store::Slot;
 
-/// How often the chip's temperature is asked for: a chip that warms by some tenths of a degree a second is followed within its own steps.
-const TEMPERATURE_MS: u64 = 250;
-/// How often, where it has none.
-const NO_TEMPERATURE_MS: u64 = 30_000;
+/// How often a temperature is measured, ms: a chip that warms by some tenths of a degree a second is followed within its own steps.
+pub const TEMPERATURE_MS: u64 = 250;
+/// How often a chip that has none is asked, ms.
+pub const NO_TEMPERATURE_MS: u64 = 30_000;
 /// How often a calibration under way is looked at, and with how many samples first.
 const BEGIN_MS: u64 = 2000;
 const BEGIN_SAMPLES: u64 = 150;

@@ -78,6 +78,7 @@ pub use crate::store::{StoreAnswer, StoreTask};
 pub use button::ButtonEvent;
 pub use config::DeviceConfig;
 pub use conversions::Conversions;
+pub use learn::{NO_TEMPERATURE_MS, TEMPERATURE_MS};
 pub use light::Light;
 pub use machine::{Action, Device};
 pub use output::{MAX_REPLY_BYTES, Output};

@@ -131,9 +131,7 @@ impl Learner {
                     delay_s: None,
                 })
             }
-            Candidate::Step => {
-                BuiltIn::Step(Step { at_s: self.marks.best_ms().map(|t_ms| f64::from(t_ms) * 1e-3)? })
-            }
+            Candidate::Step => BuiltIn::Step(Step { at_s: self.marks.best_ms(self.last_ms)? as f64 * 1e-3 }),
             Candidate::Lag => BuiltIn::Lag(Lag),
         })
     }

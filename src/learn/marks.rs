@@ -28,7 +28,7 @@ const FIRM: f32 = 0.2;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mark {
     rows: u32,
-    /// Of that sample, ms of the board's clock.
+    /// Of that sample, ms of the board's clock, its lower half: it wraps after 49.7 days.
     t_ms: u32,
     cross: Cross,
 }
@@ -93,7 +93,7 @@ impl Marks {
         let Some((first, second, share)) = self.sides() else {
             return Some(At { rows: here.rows, t_ms: here.t_ms, cross: here.cross });
         };
-        let between = |a: u32, b: u32| a + (share * b.saturating_sub(a) as f32) as u32;
+        let between = |a: u32, b: u32| a.wrapping_add((share * b.wrapping_sub(a) as f32) as u32);
         let mut cross = first.cross;
         cross.add(&second.cross.less(&first.cross), share);
         let [x, y, z] = first.cross.right();
@@ -102,9 +102,10 @@ impl Marks {
         Some(At { rows: between(first.rows, second.rows), t_ms: between(first.t_ms, second.t_ms), cross })
     }
 
-    /// Its moment, ms.
-    pub(super) fn best_ms(&self) -> Option<u32> {
-        self.best().map(|best| best.t_ms)
+    /// Its moment, ms of the board's clock; `last_ms` is that of the last sample.
+    pub(super) fn best_ms(&self, last_ms: u64) -> Option<u64> {
+        let ago_ms = (last_ms as u32).wrapping_sub(self.best()?.t_ms);
+        Some(last_ms.saturating_sub(u64::from(ago_ms)))
     }
 
     /// Whether there is a jump beyond doubt.

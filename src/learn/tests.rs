@@ -3,7 +3,7 @@
 use super::sums::{WIDEST, Work};
 use super::*;
 use crate::calibration::Calibration;
-use crate::effect::ColumnName;
+use crate::effect::{BuiltIn, ColumnName};
 use crate::extended::ExtendedCalibration;
 use crate::math;
 use crate::study::Normal;
@@ -42,6 +42,16 @@ fn learned(seed: u64, size: f64) -> Learner {
 
 /// The same with another disturbance, µT, from another point.
 fn learned_from(offset_ut: [f64; 3], seed: u64, disturbance: impl Fn(u64) -> [f64; 3]) -> Learner {
+    learned_since(0, offset_ut, seed, disturbance)
+}
+
+/// The same of a board that has been on for a while, ms.
+fn learned_since(
+    begin_ms: u64,
+    offset_ut: [f64; 3],
+    seed: u64,
+    disturbance: impl Fn(u64) -> [f64; 3],
+) -> Learner {
     let mut noise = Noise(seed);
     let mut learner = Learner::new();
     assert!(!learner.is_learning());
@@ -57,7 +67,7 @@ fn learned_from(offset_ut: [f64; 3], seed: u64, disturbance: impl Fn(u64) -> [f6
         let measured = core::array::from_fn(|axis| {
             (field[axis] + OFFSET_UT[axis] + disturbance(i)[axis] + 0.25 * noise.next()) as f32
         });
-        learner.push(measured, 20 * i, &Motion::UNKNOWN);
+        learner.push(measured, begin_ms + 20 * i, &Motion::UNKNOWN);
     }
     learner
 }
@@ -248,5 +258,21 @@ fn a_slow_cause_that_nobody_feeds_is_no_noise() {
         let outcome = asked(&learner, InUse::default());
         assert_ne!(outcome.verdict, Verdict::Complete, "{hz} Hz, {turn_radps} rad/s, {far_ut}: {outcome:?}");
         assert!(outcome.floor_ut > 0.1, "{hz} Hz, {turn_radps} rad/s, {far_ut}: {outcome:?}");
+    }
+}
+
+#[test]
+fn a_step_is_found_where_it_is_on_a_board_that_has_been_on_for_months() {
+    // The lower half of the clock wraps in the middle, a little before the step, a little after it, and between snapshots beside it.
+    for wraps_at in [0_u64, 40_000, 49_900, 50_100, 49_400, 60_000] {
+        let begin_ms = 2 * (1 << 32) - wraps_at;
+        let learner =
+            learned_since(begin_ms, OFFSET_UT, 3, |i| if i < 2500 { [0.0; 3] } else { [1.5, -1.0, 0.5] });
+        let outcome = asked(&learner, InUse::default());
+        let (first, finding) = outcome.ranked().next().expect("candidates");
+        assert_eq!((first, finding.status), (Candidate::Step, Status::Missing), "{outcome:?}");
+        let Some(BuiltIn::Step(step)) = learner.effect(first) else { panic!("a step") };
+        let since_s = step.at_s - begin_ms as f64 * 1e-3;
+        assert!((since_s - 50.0).abs() < 1.0, "{wraps_at}: {since_s} s");
     }
 }

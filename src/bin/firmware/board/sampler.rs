@@ -9,7 +9,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use critical_section::Mutex;
 use embedded_hal::i2c::ErrorKind;
 use heapless::spsc::{Consumer, Producer, Queue};
-use ironout::device::{Conversions, SensorFault};
+use ironout::device::{Conversions, NO_TEMPERATURE_MS, SensorFault, TEMPERATURE_MS};
 use ironout::sensor::{Error, Magnetometer, Reading, Sensor};
 
 /// Readings that wait for the loop: several times those of the longest solve.
@@ -20,11 +20,6 @@ const FAILURES: u8 = 3;
 
 /// How often a sampler without a sensor shows that it lives.
 const IDLE_US: u64 = 100_000;
-
-/// How often the chip's temperature is asked for, as a device that reads by itself does, ...
-const TEMPERATURE_US: u64 = 250_000;
-/// ... and of a chip that has none.
-const NO_TEMPERATURE_US: u64 = 30_000_000;
 
 /// Readings and their queue.
 pub type Waiting = Queue<Sampled, WAITING>;
@@ -187,7 +182,7 @@ impl<G: Ground> Sampler<G> {
     fn temperature(&mut self, tick_us: u64) -> Option<Option<f32>> {
         let temp_c = self.sensor.temperature_c().ok();
         let is_without = matches!(temp_c, Some(None));
-        self.temperature_at_us = tick_us + if is_without { NO_TEMPERATURE_US } else { TEMPERATURE_US };
+        self.temperature_at_us = tick_us + 1000 * if is_without { NO_TEMPERATURE_MS } else { TEMPERATURE_MS };
         temp_c
     }
 }

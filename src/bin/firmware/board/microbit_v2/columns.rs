@@ -1,12 +1,9 @@
 //! What the micro:bit measures beside field and motion: its processor's temperature.
 
 use embassy_nrf::pac;
-use ironout::device::Origin;
+use ironout::device::{Origin, TEMPERATURE_MS};
 
-/// How often it is measured, µs. A measurement takes 36 µs, beside everything else (nRF52833 product specification, 6.25).
-const TEMPERATURE_US: u64 = 250_000;
-
-/// The temperature sensor.
+/// The temperature sensor. A measurement takes 36 µs, beside everything else (nRF52833 product specification, 6.25).
 pub struct Columns {
     next_us: u64,
 }
@@ -22,7 +19,7 @@ impl Columns {
         if now_us < self.next_us || pac::TEMP.events_datardy().read() == 0 {
             return;
         }
-        self.next_us = now_us + TEMPERATURE_US;
+        self.next_us = now_us + 1000 * TEMPERATURE_MS;
         pac::TEMP.events_datardy().write_value(0);
         // Quarters of a degree.
         let quarters = pac::TEMP.temp().read() as i32;

@@ -4,12 +4,11 @@ use embassy_rp::Peri;
 use embassy_rp::adc::{Adc, Blocking, Channel, Config};
 use embassy_rp::gpio::Pull;
 use embassy_rp::peripherals::{ADC, ADC_TEMP_SENSOR, PIN_26, PIN_27, PIN_28};
-use ironout::device::Origin;
+use ironout::device::{Origin, TEMPERATURE_MS};
 
 /// Volts of a count: 3.3 V are 4096 (RP2040 datasheet, 4.9).
 const VOLTS: f32 = 3.3 / 4096.0;
-/// How often the temperature is measured, µs, and of how many conversions: one count is half a degree.
-const TEMPERATURE_US: u64 = 250_000;
+/// Of how many conversions the temperature is: one count is half a degree.
 const CONVERSIONS: u16 = 16;
 const PINS: [&str; 3] = ["adc0_v", "adc1_v", "adc2_v"];
 
@@ -49,7 +48,7 @@ impl Columns {
         if now_us < self.next_us {
             return;
         }
-        self.next_us = now_us + TEMPERATURE_US;
+        self.next_us = now_us + 1000 * TEMPERATURE_MS;
         let mut sum = 0;
         for _ in 0..CONVERSIONS {
             let Ok(counts) = self.adc.blocking_read(&mut self.temperature) else { return };
