@@ -8,6 +8,7 @@ pub mod dip_table;
 pub mod effect_report;
 pub mod effect_table;
 pub mod gates;
+pub mod injected;
 pub mod irrelevant;
 pub mod irrelevant_table;
 pub mod log;

@@ -4,7 +4,7 @@
 use crate::accuracy::simulated::table_of;
 use crate::rate::Rate;
 use ironout_analysis::outcome::outcome::Verdict;
-use ironout_analysis::{Diagnosis, Options, diagnose};
+use ironout_analysis::{Diagnosis, Options, Table, diagnose};
 use ironout_simulation::truths::{Kind, draw};
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -49,26 +49,38 @@ impl Outcome {
     fn of(kind: Kind, family: u64, number: u64) -> Outcome {
         let drawn = draw(kind, family, number);
         let log = drawn.world.run();
+        let table = table_of(&log);
+        Outcome::diagnosed(number, drawn.words, drawn.hidden, &table, log.truth.noise_ut)
+    }
+
+    /// What a diagnosis says of a log in which this is hidden, in so much noise, µT.
+    pub fn diagnosed(
+        number: u64,
+        words: String,
+        hidden: Vec<String>,
+        table: &Table<'_>,
+        noise_ut: f64,
+    ) -> Outcome {
         let mut out = Outcome {
             number,
-            words: drawn.words,
-            hidden: drawn.hidden,
+            words,
+            hidden,
             named: Vec::new(),
             confounded: Vec::new(),
             verdict: None,
             floor: f64::NAN,
             left: f64::NAN,
             seconds: 0.0,
-            rows: log.rows(),
+            rows: table.rows(),
             noise: String::new(),
             why: String::new(),
         };
         let options = Options { search: true, ..Options::default() };
         let start = Instant::now();
-        let diagnosis = diagnose(&table_of(&log), &options);
+        let diagnosis = diagnose(table, &options);
         out.seconds = start.elapsed().as_secs_f64();
         match diagnosis {
-            Ok(diagnosis) => out.take(&diagnosis, log.truth.noise_ut),
+            Ok(diagnosis) => out.take(&diagnosis, noise_ut),
             Err(refusal) => out.why = format!("{refusal:?}"),
         }
         out
@@ -120,10 +132,10 @@ impl Outcome {
     }
 
     /// One line.
-    pub fn line(&self, kind: Kind) -> String {
+    pub fn line(&self, kind: &str) -> String {
         format!(
             "{} {} [{}] hidden {:?} named {:?} confounded {:?} {} floor {:.2} left {:.2} {} {} rows {:.1} s; {}",
-            kind.name(),
+            kind,
             self.number,
             self.words,
             self.hidden,
@@ -151,11 +163,20 @@ impl Outcome {
     }
 }
 
-/// Runs the logs `numbers` of one kind on two threads; `say` hears each as it is done.
+/// Runs the logs `numbers` of one kind; `say` hears each as it is done.
 pub fn run(
     kind: Kind,
     family: u64,
     numbers: std::ops::Range<u64>,
+    say: impl Fn(&Outcome) + Sync,
+) -> Vec<Outcome> {
+    each(numbers, |number| Outcome::of(kind, family, number), say)
+}
+
+/// Runs so many logs on two threads; `say` hears each as it is done.
+pub fn each(
+    numbers: std::ops::Range<u64>,
+    of: impl Fn(u64) -> Outcome + Sync,
     say: impl Fn(&Outcome) + Sync,
 ) -> Vec<Outcome> {
     let next = AtomicU64::new(numbers.start);
@@ -168,7 +189,7 @@ pub fn run(
                     if number >= numbers.end {
                         return;
                     }
-                    let outcome = Outcome::of(kind, family, number);
+                    let outcome = of(number);
                     say(&outcome);
                     list.lock().unwrap_or_else(PoisonError::into_inner).push(outcome);
                 }
@@ -180,7 +201,8 @@ pub fn run(
     list
 }
 
-fn rate(list: &[Outcome], of: impl Fn(&Outcome) -> bool) -> Rate {
+/// How many of them.
+pub fn rate(list: &[Outcome], of: impl Fn(&Outcome) -> bool) -> Rate {
     Rate { count: list.iter().filter(|one| of(one)).count() as u64, of: list.len() as u64 }
 }
 
@@ -233,10 +255,10 @@ pub fn times(list: &[Outcome]) -> [f64; 3] {
     [at(0.5), at(0.9), at(1.0)]
 }
 
-/// One object a figure.
-pub fn json(kind: Kind, list: &[Outcome]) -> Value {
-    rates(kind, list)
+/// One object a figure of this kind of logs.
+pub fn json(logs: &str, rates: Vec<(&'static str, Rate)>) -> Value {
+    rates
         .into_iter()
-        .map(|(what, rate)| json!({"logs": kind.name(), "what": what, "count": rate.count, "of": rate.of}))
+        .map(|(what, rate)| json!({"logs": logs, "what": what, "count": rate.count, "of": rate.of}))
         .collect()
 }

@@ -1,9 +1,10 @@
-//! `cargo truths`: harder truths, as a table with intervals.
+//! `cargo truths`: harder truths, as a table with intervals; effects put into real recordings among them.
 //!
 //! Without words it runs what the snapshot holds, and holds it to that; `--accept` writes the snapshot and the table of
 //! `docs/measured.md`. `-n N` logs of each kind, `--tuned-on` takes the logs that thresholds were tuned on instead of those that are measured,
 //! `--failing` prints what did not come out as it should, `--all` every log, `--from N` begins elsewhere, words choose kinds.
 
+use ironout_host_tests::accuracy::injected::Source;
 use ironout_host_tests::accuracy::truths::{MEASURED_ON, Outcome, TUNED_ON, run, text, times};
 use ironout_host_tests::accuracy::truths_table::{LOGS, Truths};
 use ironout_simulation::truths::Kind;
@@ -31,7 +32,7 @@ fn main() -> ExitCode {
     }
     let (mut logs, mut from, mut family) = (LOGS, 0, MEASURED_ON);
     let (mut failing, mut all) = (false, false);
-    let mut kinds: Vec<Kind> = Vec::new();
+    let (mut kinds, mut sources): (Vec<Kind>, Vec<Source>) = (Vec::new(), Vec::new());
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut number = || words.next().and_then(|word| word.parse().ok());
@@ -41,27 +42,44 @@ fn main() -> ExitCode {
             "--tuned-on" => family = TUNED_ON,
             "--failing" => failing = true,
             "--all" => all = true,
-            word => match Kind::ALL.iter().find(|kind| kind.name() == word) {
-                Some(kind) => kinds.push(*kind),
-                None => {
-                    let names = Kind::ALL.map(Kind::name).join(", ");
-                    eprintln!("`{word}` is no option and no kind of log; kinds: {names}");
+            word => {
+                let kind = Kind::ALL.into_iter().find(|kind| kind.name() == word);
+                let source = Source::ALL.into_iter().find(|source| source.name() == word);
+                if kind.is_none() && source.is_none() {
+                    let names: Vec<&str> =
+                        Kind::ALL.map(Kind::name).into_iter().chain(Source::ALL.map(Source::name)).collect();
+                    eprintln!("`{word}` is no option and no kind of log; kinds: {}", names.join(", "));
                     return ExitCode::from(2);
                 }
-            },
+                kinds.extend(kind);
+                sources.extend(source);
+            }
         }
     }
-    if kinds.is_empty() {
+    if kinds.is_empty() && sources.is_empty() {
         kinds.extend(Kind::ALL);
+        sources.extend(Source::ALL);
     }
     let mut list: Vec<Outcome> = Vec::new();
     for kind in kinds {
         let found = run(kind, family, from..from + logs, |one| {
             if all || (failing && !one.good(kind)) {
-                eprintln!("{}", one.line(kind));
+                eprintln!("{}", one.line(kind.name()));
             }
         });
         print!("{}", text(kind, &found));
+        list.extend(found);
+    }
+    for source in sources {
+        let found = source.run(logs, |one| {
+            if all || (failing && !one.first() && source != Source::Untouched) {
+                eprintln!("{}", one.line(source.name()));
+            }
+        });
+        if found.is_empty() {
+            eprintln!("SKIPPED: {}: the recordings are not here", source.name());
+        }
+        print!("{}", source.text(&found));
         list.extend(found);
     }
     let [median, most, worst] = times(&list);
