@@ -13,6 +13,7 @@ pub mod search;
 pub mod several;
 pub mod shifted;
 pub mod shown;
+pub mod slowly;
 pub mod state;
 pub mod thinned;
 pub mod undisturbed;

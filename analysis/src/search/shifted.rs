@@ -24,9 +24,13 @@ fn likeness(values: &[f64], by: usize) -> f64 {
 }
 
 impl<'a> Greedy<'_, 'a> {
-    /// Whether an effect of a column takes more off the error than any copy of that column does that is moved round in time:
-    /// slow columns meet slow errors by chance. True of what has no column.
+    /// Whether an effect of a column takes more off the error than any copy of that column does that is moved round in time, and than
+    /// any slow change: slow columns meet slow errors by chance. True of what has no column.
     pub(crate) fn beats_its_copies(&self, without: &Fitted<'a>, piece: &Piece<'a>) -> Result<bool, BadShape> {
+        Ok(self.beats_moved_ones(without, piece)? && self.is_more_than_slow(without, piece)?)
+    }
+
+    fn beats_moved_ones(&self, without: &Fitted<'a>, piece: &Piece<'a>) -> Result<bool, BadShape> {
         let n = self.pass.samples.len();
         if !piece.follows(Follows::Column)
             || self.pass.residual != Residual::Magnitude
