@@ -305,7 +305,8 @@ impl View<'_, '_> {
     ) -> Result<Vec<FittedEffect>, BadShape> {
         let fitted = &self.explanation.fitted;
         let covariance = match crate::search::parameter::with_slopes(&self.pass, fitted)? {
-            Some(total) => covariance_of(&total, fitted, left.time),
+            // A log may tell a tone's numbers and not where between them its frequency lies.
+            Some(total) => covariance_of(&total, fitted, left.time).or_else(|| covariance(fitted, left.time)),
             None => covariance(fitted, left.time),
         };
         let delay = dip.as_ref().filter(|dip| dip.lag.is_some()).and_then(|dip| dip.errors.as_ref());

@@ -80,7 +80,11 @@ fn follows(values: &[f64], places: &[f64]) -> f64 {
 
 impl<'a> Greedy<'_, 'a> {
     /// Whether an effect of a column shows beside any slow change of the offset; true of a column that does not move slowly.
-    pub(crate) fn is_more_than_slow(&self, without: &Fitted<'a>, piece: &Piece<'a>) -> Result<bool, BadShape> {
+    pub(crate) fn is_more_than_slow(
+        &self,
+        without: &Fitted<'a>,
+        piece: &Piece<'a>,
+    ) -> Result<bool, BadShape> {
         let Some(time) = &self.pass.samples.time else { return Ok(true) };
         let columns = without.columns() + piece.k() + 3 * POWERS;
         if !piece.follows(Follows::Column)
@@ -106,7 +110,6 @@ impl<'a> Greedy<'_, 'a> {
         };
         let fresh = Piece { coefficients: Default::default(), ..piece.clone() };
         let beside = rivalry(&self.pass, without, &fresh, &slowly, self.known)?;
-        if std::env::var("DBG").is_ok() { eprintln!("SLOW {} follows {:.3} p {:?}", piece.id, follows(&values, &places), beside); }
         Ok(beside.is_none_or(|beside| beside.first < SHOWS))
     }
 }
@@ -118,7 +121,9 @@ mod tests {
     #[test]
     fn a_warming_board_is_slow_and_a_switch_is_not() {
         let places: Vec<f64> = (0..400).map(|i| f64::from(i) / 200.0 - 1.0).collect();
-        let of = |shape: &dyn Fn(f64) -> f64| follows(&places.iter().map(|x| shape(*x)).collect::<Vec<_>>(), &places);
+        let of = |shape: &dyn Fn(f64) -> f64| {
+            follows(&places.iter().map(|x| shape(*x)).collect::<Vec<_>>(), &places)
+        };
         assert!(of(&|x| 20.0 - 8.0 * (-2.0 * x).exp()) > 0.99);
         assert!(of(&|x| 3.0 + x) > 0.999_999);
         assert!(of(&|x| f64::from(u8::from((9.0 * x).sin() > 0.0))) < 0.2);
