@@ -29,8 +29,12 @@ const USUAL: End = End { step_left: 1e-9, variances_left: 1e-3, steps_near: 1, r
 /// leave out, so that the least sum is not quite where no step is left.
 pub const SETTLED: End = End { step_left: 1e-15, variances_left: 0.0, steps_near: 20, rise: 1e-5, steps: 40 };
 
-/// A fit has ended where no step lowers the error and the step is at most so many of its own variances.
+/// A fit has ended where no step lowers the error and the step is at most so many of its own variances ...
 const STALLED: f64 = 1.0;
+/// ... or this share of what the columns' own noise asks for: they are taken at the foot point, which noise moves, so that
+/// their sum with the residual is not quite the error's slope. The more samples, and the more noise a sample, the more it is
+/// against the step's own error.
+const STALLED_BY_NOISE: f64 = 0.25;
 
 /// Steps so damped that do not lower the error either end a fit.
 const TOO_DAMPED: f64 = 1e2;
@@ -353,7 +357,12 @@ impl Pass<'_> {
                 }
                 None if near || damping > TOO_DAMPED => {
                     // No step lowers the error, and the columns' own error is all that asks for one.
-                    converged = near || promised <= STALLED;
+                    let noise = match self.residual {
+                        Residual::Magnitude => sigma / model.field_ut,
+                        Residual::Dip => sigma,
+                        Residual::Vector => 0.0,
+                    };
+                    converged = near || promised <= STALLED.max(STALLED_BY_NOISE * rows * noise * noise);
                     break;
                 }
                 None => damping = if damping == 0.0 { 1e-4 } else { damping * 30.0 },

@@ -2,11 +2,50 @@
 //! that is not in the model spreads the readings as attitudes do.
 
 use crate::samples::samples::Samples;
+use crate::samples::series::median;
+use crate::table::Table;
 
 /// Below this tilt, degrees rms, a log carries no offset and matrix of its own.
 pub const LEVEL_DEG: f64 = 12.0;
 /// Turns are summed over so many seconds: in a banked turn the accelerometer believes itself level.
 const SUMMED_S: f64 = 5.0;
+
+/// Specific force is averaged over so many seconds, which is longer than what shakes a board ...
+const AVERAGED_S: f64 = 0.5;
+/// ... from so many rows at least.
+const AVERAGED_ROWS: usize = 3;
+/// A board falls where that is less than this share of the usual.
+const FALLING: f64 = 0.5;
+/// What falls for this share of a log flies freely.
+const FLIES: f64 = 0.02;
+
+/// Whether the board fell now and then: what flies so is held by nothing but its thrust, which keeps to the board's own axis
+/// however it turns, so that its accelerometer tells no attitude. Level flight falls at no time.
+fn flies_freely(table: &Table) -> bool {
+    let (Some(time), Some(accel)) = (table.time_s, table.accel_mps2) else { return false };
+    let vectors = (0..time.len()).map(|row| accel.map(|axis| axis[row]));
+    let known: Vec<(f64, [f64; 3])> =
+        time.iter().copied().zip(vectors).filter(|(_, a)| a.iter().all(|value| value.is_finite())).collect();
+    let (mut from, mut to, mut sum) = (0, 0, [0.0; 3]);
+    let mut means = Vec::with_capacity(known.len());
+    for (now, _) in &known {
+        while to < known.len() && known[to].0 <= now + 0.5 * AVERAGED_S {
+            sum = core::array::from_fn(|axis| sum[axis] + known[to].1[axis]);
+            to += 1;
+        }
+        while known[from].0 < now - 0.5 * AVERAGED_S {
+            sum = core::array::from_fn(|axis| sum[axis] - known[from].1[axis]);
+            from += 1;
+        }
+        if to - from >= AVERAGED_ROWS {
+            let norm = sum.iter().map(|value| value * value).sum::<f64>().sqrt();
+            means.push(norm / (to - from) as f64);
+        }
+    }
+    let usual = median(&mut means);
+    let falling = means.iter().filter(|mean| **mean < FALLING * usual).count();
+    falling as f64 > FLIES * means.len() as f64
+}
 
 fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -14,8 +53,11 @@ fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
 }
 
 /// Rms angle of down about its mean, degrees; with a gyro, of the turns across down too, whichever is more. `None` where too
-/// few samples know down.
-pub fn tilt_deg(samples: &Samples) -> Option<f64> {
+/// few samples know down, or where what they know is no down.
+pub fn tilt_deg(samples: &Samples, table: &Table) -> Option<f64> {
+    if flies_freely(table) {
+        return None;
+    }
     let down: Vec<[f64; 3]> = samples.readings.iter().filter_map(|reading| reading.down).collect();
     if down.len() * 10 <= 3 * samples.len() {
         return None;
@@ -46,15 +88,15 @@ fn turned(samples: &Samples, mean: &[f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Table;
 
-    fn tilt(roll: impl Fn(f64) -> f64) -> f64 {
-        let n = 2000;
-        let time: Vec<f64> = (0..n).map(|i| f64::from(i) * 0.02).collect();
-        let g = 9.8;
-        let y: Vec<f64> = time.iter().map(|t| -g * roll(*t).sin()).collect();
-        let z: Vec<f64> = time.iter().map(|t| -g * roll(*t).cos()).collect();
-        let zero = vec![0.0; n as usize];
+    const N: usize = 2000;
+
+    /// A board whose accelerometer feels `thrust` (of gravity), leaning by `roll`.
+    fn tilt(roll: impl Fn(f64) -> f64, thrust: impl Fn(f64) -> f64) -> Option<f64> {
+        let time: Vec<f64> = (0..N).map(|i| i as f64 * 0.02).collect();
+        let y: Vec<f64> = time.iter().map(|t| -9.8 * thrust(*t) * roll(*t).sin()).collect();
+        let z: Vec<f64> = time.iter().map(|t| -9.8 * thrust(*t) * roll(*t).cos()).collect();
+        let zero = vec![0.0; N];
         let field: Vec<f64> = time.iter().map(|t| 30.0 + t.sin()).collect();
         let table = Table::from_columns([
             ("t_s", time.as_slice()),
@@ -66,13 +108,24 @@ mod tests {
             ("az_mps2", z.as_slice()),
         ])
         .expect("a table");
-        tilt_deg(&Samples::take(&table, &vec![false; n as usize], [true; 3])).expect("a tilt")
+        tilt_deg(&Samples::take(&table, &[false; N], [true; 3]), &table)
     }
 
     #[test]
     fn a_level_board_is_told_from_a_turned_one() {
-        let wobble = tilt(|t| 0.1 * (3.0 * t).sin());
+        let wobble = tilt(|t| 0.1 * (3.0 * t).sin(), |_| 1.0).expect("a tilt");
         assert!((wobble - 0.1_f64.to_degrees() / 2.0_f64.sqrt()).abs() < 0.5, "{wobble}");
-        assert!(tilt(|t| t) > 80.0);
+        assert!(tilt(|t| t, |_| 1.0).expect("a tilt") > 80.0);
+    }
+
+    #[test]
+    fn thrust_is_no_gravity() {
+        let lean = |t: f64| 0.1 * (3.0 * t).sin();
+        // Thrust off for a second of every ten.
+        let falls = |t: f64| if t % 10.0 < 1.0 { 0.2 } else { 1.0 };
+        assert_eq!(tilt(lean, falls), None);
+        // A shaken board and one that climbs and sinks are level all the same.
+        assert!(tilt(lean, |t| 1.0 + 0.9 * (40.0 * t).sin()).is_some());
+        assert!(tilt(lean, |t| 1.0 + 0.3 * t.sin()).is_some());
     }
 }

@@ -95,7 +95,7 @@ fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<D
         ));
     };
     if options.prior.is_none()
-        && let Some(tilt_deg) = tilt_deg(samples).filter(|tilt| *tilt < LEVEL_DEG)
+        && let Some(tilt_deg) = tilt_deg(samples, table).filter(|tilt| *tilt < LEVEL_DEG)
     {
         return level(table, samples, model, options, ground.base.as_ref().ok(), tilt_deg);
     }

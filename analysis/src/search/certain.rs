@@ -2,8 +2,9 @@
 //! the shadow of a cause that the log does not hold, and a step must be sudden.
 
 use crate::base::engine::Fitted;
-use crate::base::piece::{BadShape, Matrix, Piece};
+use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::base::quality::residue;
+use crate::noise::colour::Colour;
 use crate::samples::series::Autocorrelation;
 use crate::search::state::{Explanation, Greedy, Withdrawn};
 use ironout::effect::{Effect, Quantities, Searched, Shape};
@@ -14,12 +15,26 @@ use std::sync::Arc;
 const OUTWEIGHS: f64 = 1.0;
 /// What raises the error on unseen time by more than this is not recommended.
 const RAISES: f64 = 1.05;
-/// A step is looked at this far before and after it, s ...
-const AROUND_STEP_S: f64 = 1.5;
+/// A step is looked at this far before and after it, s, the next further where the one before does not tell ...
+const AROUND_STEP_S: [f64; 3] = [1.5, 3.0, 6.0];
 /// ... with at least this many samples on each side; with fewer it is believed.
 const AROUND_STEP: usize = 10;
 /// A jump beside an offset that changes steadily is believed below this probability.
-const SUDDEN: f64 = 1e-3;
+const SUDDEN: f64 = 1e-4;
+/// A jump that should stand out by so many variances and does not is none.
+const CLEAR: f64 = 30.0;
+
+/// What the samples around a step tell of it.
+enum Told {
+    /// The offset jumps.
+    Jumps,
+    /// It changes steadily.
+    Steadily,
+    /// The noise hides which.
+    Nothing,
+    /// There are too few samples, or too few columns to look.
+    TooLittle,
+}
 
 /// An offset that changes steadily: what a step is held against.
 struct Steadily {
@@ -129,12 +144,22 @@ impl<'a> Greedy<'_, 'a> {
         );
         let remains = left.structure * left.rms * left.rms;
         let is_step = |piece: &&Piece| matches!(piece.searched(), Some((Searched::At, _)));
-        // Where all is explained there is nothing to doubt, but several steps make a stair of any slow change.
-        if remains <= 0.0 && fitted.pieces.iter().filter(is_step).count() < 2 {
+        // Where all is explained there is nothing to doubt, but several steps make a stair of any slow change, and 1/f noise
+        // wanders so that a step takes part of it.
+        let several = fitted.pieces.iter().filter(is_step).count() > 1;
+        let wanders = matches!(left.colour, Colour::Flicker { .. });
+        if remains <= 0.0 && !several && !wanders {
             return Ok(None);
         }
+        let takes = |id: &str| {
+            let own = explanation.steps.windows(2).find(|pair| pair[1].added.as_deref() == Some(id));
+            own.map_or(f64::INFINITY, |pair| pair[0].rms.powi(2) - pair[1].rms.powi(2))
+        };
         for piece in fitted.pieces.iter().filter(|piece| !asked.contains(&piece.id)) {
             let at = piece.searched().filter(|(searched, _)| *searched == Searched::At);
+            if remains <= 0.0 && !several && takes(&piece.id) >= OUTWEIGHS * left.rms * left.rms {
+                continue;
+            }
             if let Some((_, at_s)) = at
                 && !self.sudden(fitted, piece, at_s)?
             {
@@ -156,7 +181,7 @@ impl<'a> Greedy<'_, 'a> {
             if own.is_some_and(beside_plain) {
                 continue;
             }
-            let takes = pair[0].rms.powi(2) - pair[1].rms.powi(2);
+            let takes = takes(id);
             if takes < OUTWEIGHS * remains && least.is_none_or(|(known, _)| takes < known) {
                 least = Some((takes, id));
             }
@@ -174,11 +199,29 @@ impl<'a> Greedy<'_, 'a> {
 
     /// Whether the offset jumps at a step, rather than changes steadily around it.
     fn sudden(&self, fitted: &Fitted<'a>, step: &Piece<'a>, at: f64) -> Result<bool, BadShape> {
-        let Some(time) = &self.pass.samples.time else { return Ok(true) };
+        let mut told = Told::TooLittle;
+        for around_s in AROUND_STEP_S {
+            told = self.around(fitted, step, at, around_s)?;
+            if matches!(told, Told::Jumps | Told::Steadily) {
+                break;
+            }
+        }
+        Ok(matches!(told, Told::Jumps | Told::TooLittle))
+    }
+
+    /// What the samples within `around_s` of a step tell.
+    fn around(
+        &self,
+        fitted: &Fitted<'a>,
+        step: &Piece<'a>,
+        at: f64,
+        around_s: f64,
+    ) -> Result<Told, BadShape> {
+        let Some(time) = &self.pass.samples.time else { return Ok(Told::TooLittle) };
         let place = |seconds: f64| time.partition_point(|t| *t < at + seconds);
-        let (from, middle, to) = (place(-AROUND_STEP_S), place(0.0), place(AROUND_STEP_S));
+        let (from, middle, to) = (place(-around_s), place(0.0), place(around_s));
         if middle - from < AROUND_STEP || to - middle < AROUND_STEP {
-            return Ok(true);
+            return Ok(Told::TooLittle);
         }
         // The model without the step; around it the offset may lie elsewhere and change steadily.
         let absent = Piece { coefficients: Default::default(), ..step.clone() };
@@ -187,36 +230,42 @@ impl<'a> Greedy<'_, 'a> {
         let all: Vec<&Piece> = others.chain([&steadily, &absent]).collect();
         let base = self.pass.residual.base_columns();
         let columns = base + all.iter().map(|piece| piece.k()).sum::<usize>();
-        if columns > crate::base::piece::COLUMNS || all.len() > crate::base::piece::TERMS {
-            return Ok(true);
+        if columns > COLUMNS || all.len() > TERMS {
+            return Ok(Told::TooLittle);
         }
-        let (mut matrix, mut stands) = (Matrix::new(columns), Matrix::new(columns));
+        // The first three columns are those of the offset, of all residuals that know a step. The jump is the one that was
+        // found, of a size that is free.
+        let (mut matrix, mut stands) = (Matrix::new(7), Matrix::new(7));
         let mut residuals = Vec::with_capacity(to - from);
         let mut rows = Vec::with_capacity(to - from);
         self.pass.rows(from..to, &fitted.model, &all, |_, row, r| {
-            let jump: f64 =
-                row[columns - 3..columns].iter().zip(&step.coefficients).map(|(a, b)| a * b).sum();
-            matrix.push(row, r);
-            stands.push(row, r + jump);
-            rows.push(*row);
+            let mut own = [0.0; COLUMNS];
+            own[..3].copy_from_slice(&row[..3]);
+            own[3..6].copy_from_slice(&row[columns - 6..columns - 3]);
+            own[6] = row[columns - 3..columns].iter().zip(&step.coefficients).map(|(a, b)| a * b).sum();
+            matrix.push(&own, r);
+            stands.push(&own, r + own[6]);
+            rows.push(own);
             residuals.push(r);
         })?;
-        // The first three columns are those of the offset, of all residuals that know a step.
-        let keep: Vec<usize> = (0..3).chain(columns - 6..columns).collect();
-        let part = matrix.select(&keep);
-        let Some(gain) = part.test(0..6, 6..9).filter(|gain| gain.directions > 0) else { return Ok(true) };
-        // The jump as found must fit here too.
-        let with = stands.select(&keep).test(0..6, 6..9).map(|gain| gain.squares_before);
-        if with.is_none_or(|with| with > gain.squares_before) {
-            return Ok(false);
-        }
-        let Some(factor) = part.factor() else { return Ok(true) };
-        let delta = part.step(&factor);
+        let Some(gain) = matrix.test(0..6, 6..7).filter(|gain| gain.directions > 0) else {
+            return Ok(Told::Nothing);
+        };
+        let Some(factor) = matrix.factor() else { return Ok(Told::Nothing) };
+        let delta = matrix.step(&factor);
         for (r, row) in residuals.iter_mut().zip(&rows) {
-            *r += keep.iter().zip(&delta).map(|(column, d)| row[*column] * d).sum::<f64>();
+            *r += row.iter().zip(&delta).map(|(value, d)| value * d).sum::<f64>();
         }
         let count = residuals.len() as f64;
         let (f, k, freedom) = gain.f_statistic(6, count, count / Autocorrelation::of(&residuals).time);
-        Ok(f_tail(f, k, freedom) < SUDDEN)
+        // The jump as found must fit here too.
+        let with = stands.test(0..6, 6..7).map(|gain| gain.squares_before);
+        let fits = with.is_some_and(|with| with <= gain.squares_before);
+        if fits && f_tail(f, k, freedom) < SUDDEN {
+            return Ok(Told::Jumps);
+        }
+        // How far the jump as found would stand out.
+        let clear = f / (delta[6] * delta[6]).max(f64::MIN_POSITIVE) > CLEAR;
+        Ok(if clear { Told::Steadily } else { Told::Nothing })
     }
 }

@@ -85,9 +85,11 @@ impl<'a> Greedy<'_, 'a> {
     ) -> Result<(Vec<Judged<'a>>, usize, Option<f64>), BadShape> {
         let mut list = candidates(&self.pass, self.catalogue, fitted, periodic)?;
         if self.held() {
-            // Whatever turns with the board would stand in for the soft iron that is held, and with little attitude a
-            // stronger field and an offset along it are the same.
-            let turns = |piece: &Piece| piece.acts(Acts::Measured) || piece.acts(Acts::Field);
+            // Whatever turns with the board would stand in for the soft iron that is held, a coupling of nine numbers to
+            // its turning too, and with little attitude a stronger field and an offset along it are the same.
+            let turns = |piece: &Piece| {
+                [Acts::Measured, Acts::Field, Acts::Turning].iter().any(|acts| piece.acts(*acts))
+            };
             list.retain(|candidate| !turns(&candidate.piece));
         }
         list.retain(|candidate| !self.dropped.borrow().contains(&candidate.piece.id));

@@ -193,6 +193,18 @@ const MOST_STEPS: f64 = 20.0;
 /// ... and stamps tell it if it is within this share of the usual one.
 const FEW_DIGITS: f64 = 0.02;
 
+/// The usual time from one of the sensor's samples to the next. Rows that arrive in bursts have a short median step: the mean
+/// one tells the sensor's rate, by the rows of the log, of which many may be set aside. Thinned rows stand on the grid of all.
+fn usual_step(gaps: &[f64], samples: &Samples) -> f64 {
+    let mut apart: Vec<f64> = samples.row.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect();
+    let median_gap = median(&mut gaps.to_vec());
+    let mean = gaps.iter().sum::<f64>() / gaps.len().max(1) as f64;
+    // Where the logger paused the rows say nothing of the rate.
+    let running = gaps.iter().zip(&apart).filter(|(gap, _)| **gap <= MOST_STEPS * median_gap.max(mean));
+    let (time, rows) = running.fold((0.0, 0.0), |(time, rows), (gap, apart)| (time + gap, rows + apart));
+    median_gap.max(0.9 * time / rows * median(&mut apart)) / samples.stride as f64
+}
+
 /// The step of which the gaps are whole multiples, near `usual`. Stamps of few digits have a median gap that is off by part
 /// of their last one, and over a log that is a wave and more.
 fn whole_steps(gaps: &[f64], usual: f64) -> f64 {
@@ -219,11 +231,8 @@ fn periodic<'a>(
     if n < 64 || seconds <= 2.0 || fitted.columns() + 6 > COLUMNS {
         return Ok(None);
     }
-    let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    // Rows that arrive in bursts have a short median step: the mean one tells the sensor's rate.
-    // Thinned rows stand on the grid of all.
-    let usual = median(&mut gaps).max(seconds / n as f64 * 0.9) / samples.stride as f64;
-    let step = whole_steps(&gaps, usual);
+    let gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let step = whole_steps(&gaps, usual_step(&gaps, samples));
     let nyquist = 0.5 / step;
     if nyquist <= LOWEST_HZ {
         return Ok(None);

@@ -113,15 +113,18 @@ fn goes_with(diagnosis: &Diagnosis, add: &[String], out: &mut Vec<String>) -> bo
     let mut columns = diagnosis.shows.iter().filter(|shown| is_column(&shown.against));
     let most = columns.find(|shown| shown.explained > MOST_OF_IT && shown.p_value < SURELY);
     let Some(shown) = most.filter(|shown| !named(&shown.against)) else { return false };
-    out.push(String::new());
+    let why = match diagnosis.verdict {
+        Verdict::Undetermined => "but where offset and matrix are not determined nobody is named",
+        _ => "though not so surely beside the rest that it is named",
+    };
     out.extend(wrap(
         &format!(
-            "{:.0} % of the base model's squared error goes with {}, though not so surely beside the rest that it is named. Record \
-             a log in which it changes at many attitudes, up and down again, and diagnose that.",
+            "{:.0} % of the base model's squared error goes with {}, {why}. Record a log in which it changes at many attitudes, \
+             up and down again, and diagnose that.",
             100.0 * shown.explained,
             shown.against
         ),
-        "",
+        "  ",
         WIDTH,
     ));
     true
@@ -277,6 +280,11 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             say(out, "Repair the driver so that each axis is read from its own registers, and record again.");
         }
         Verdict::Undetermined if goes_with(diagnosis, &add, out) => {
+            if arguments.prior.is_none() && diagnosis.reasons.iter().any(|reason| reason.contains("attitude"))
+            {
+                say(out, "An earlier good calibration can stand in for the attitudes that this log lacks:");
+                command(out, next::diagnose(arguments, &path, "--prior cal.json"));
+            }
             say(out, "What the fit itself says:");
             command(out, next::fit(arguments, &add));
         }
