@@ -45,6 +45,8 @@ pub fn shows(
                     (one.tested.p_value * count as f64).min(1.0),
                 )
             })
+            // Where numbers are so large that a test is none, it shows nothing.
+            .filter(|(share, p_value)| !share.is_nan() && !p_value.is_nan())
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .unwrap_or((0.0, 1.0))
     };
