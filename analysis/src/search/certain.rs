@@ -32,7 +32,7 @@ enum Told {
     Steadily,
     /// The noise hides which.
     Nothing,
-    /// There are too few samples, or too few columns to look.
+    /// There are too few samples or attitudes to look, or no columns for it.
     TooLittle,
 }
 
@@ -249,9 +249,9 @@ impl<'a> Greedy<'_, 'a> {
             residuals.push(r);
         })?;
         let Some(gain) = matrix.test(0..6, 6..7).filter(|gain| gain.directions > 0) else {
-            return Ok(Told::Nothing);
+            return Ok(Told::TooLittle);
         };
-        let Some(factor) = matrix.factor() else { return Ok(Told::Nothing) };
+        let Some(factor) = matrix.factor() else { return Ok(Told::TooLittle) };
         let delta = matrix.step(&factor);
         for (r, row) in residuals.iter_mut().zip(&rows) {
             *r += row.iter().zip(&delta).map(|(value, d)| value * d).sum::<f64>();
