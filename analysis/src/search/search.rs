@@ -193,6 +193,9 @@ const MOST_STEPS: f64 = 20.0;
 /// ... and stamps tell it if it is within this share of the usual one.
 const FEW_DIGITS: f64 = 0.02;
 
+/// Cells of the grid that tones are looked for on, for each row of the log.
+const MOST_CELLS: f64 = 8.0;
+
 /// The usual time from one of the sensor's samples to the next. Rows that arrive in bursts have a short median step: the mean
 /// one tells the sensor's rate, by the rows of the log, of which many may be set aside. Thinned rows stand on the grid of all.
 fn usual_step(gaps: &[f64], samples: &Samples) -> f64 {
@@ -232,7 +235,9 @@ fn periodic<'a>(
         return Ok(None);
     }
     let gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let step = whole_steps(&gaps, usual_step(&gaps, samples));
+    // Where pauses are nearly all of a log the grid is coarser: it costs so many cells a row at most.
+    let finest = seconds / (MOST_CELLS * n as f64 * samples.stride as f64);
+    let step = whole_steps(&gaps, usual_step(&gaps, samples)).max(finest);
     let nyquist = 0.5 / step;
     if nyquist <= LOWEST_HZ {
         return Ok(None);
