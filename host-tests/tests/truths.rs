@@ -6,7 +6,8 @@ use ironout_simulation::truths::{Kind, draw};
 /// Runs a few logs; at most `most` may come out otherwise than they should.
 fn hold(kind: Kind, logs: u64, most: usize) {
     let list = run(kind, TUNED_ON, 0..logs, |_| {});
-    let bad: Vec<String> = list.iter().filter(|one| !one.good(kind)).map(|one| one.line(kind.name())).collect();
+    let bad: Vec<String> =
+        list.iter().filter(|one| !one.good(kind)).map(|one| one.line(kind.name())).collect();
     assert_eq!(list.len() as u64, logs);
     assert!(bad.len() <= most, "{}", bad.join("\n"));
 }
