@@ -79,7 +79,8 @@ fn follows(values: &[f64], places: &[f64]) -> f64 {
 }
 
 impl<'a> Greedy<'_, 'a> {
-    /// Whether an effect of a column shows beside any slow change of the offset; true of a column that does not move slowly.
+    /// Whether an effect of a column shows beside any slow change of the offset, or at least leaves that less to explain than it is
+    /// left by it; true of a column that does not move slowly.
     pub(crate) fn is_more_than_slow(
         &self,
         without: &Fitted<'a>,
@@ -110,7 +111,8 @@ impl<'a> Greedy<'_, 'a> {
         };
         let fresh = Piece { coefficients: Default::default(), ..piece.clone() };
         let beside = rivalry(&self.pass, without, &fresh, &slowly, self.known)?;
-        Ok(beside.is_none_or(|beside| beside.first < SHOWS))
+        // Where neither shows beside the other, what explains more is kept.
+        Ok(beside.is_none_or(|beside| beside.first < SHOWS || beside.first <= beside.second))
     }
 }
 
