@@ -18,6 +18,8 @@ const POWERS: usize = 3;
 const SLOW: f64 = 0.6;
 /// What it has beside them shows below this probability.
 const SHOWS: f64 = 1e-3;
+/// What slow change has beside the column is chance above this probability: then the column may be all of it.
+const MORE: f64 = 0.05;
 
 /// Legendre's polynomials one to three at `x` between -1 and 1: powers that do not resemble each other.
 fn powers(x: f64) -> [f64; POWERS] {
@@ -79,8 +81,8 @@ fn follows(values: &[f64], places: &[f64]) -> f64 {
 }
 
 impl<'a> Greedy<'_, 'a> {
-    /// Whether an effect of a column shows beside any slow change of the offset, or at least leaves that less to explain than it is
-    /// left by it; true of a column that does not move slowly.
+    /// Whether an effect of a column shows beside any slow change of the offset, or at least leaves nothing for that to explain; true
+    /// of a column that does not move slowly.
     pub(crate) fn is_more_than_slow(
         &self,
         without: &Fitted<'a>,
@@ -111,8 +113,7 @@ impl<'a> Greedy<'_, 'a> {
         };
         let fresh = Piece { coefficients: Default::default(), ..piece.clone() };
         let beside = rivalry(&self.pass, without, &fresh, &slowly, self.known)?;
-        // Where neither shows beside the other, what explains more is kept.
-        Ok(beside.is_none_or(|beside| beside.first < SHOWS || beside.first <= beside.second))
+        Ok(beside.is_none_or(|beside| beside.first < SHOWS || beside.second > MORE))
     }
 }
 
@@ -128,7 +129,7 @@ mod tests {
         };
         assert!(of(&|x| 20.0 - 8.0 * (-2.0 * x).exp()) > 0.99);
         assert!(of(&|x| 3.0 + x) > 0.999_999);
-        assert!(of(&|x| f64::from(u8::from((9.0 * x).sin() > 0.0))) < 0.2);
+        assert!(of(&|x| f64::from(u8::from((40.0 * x).sin() > 0.0))) < 0.2);
         assert!(of(&|_| 5.0) < 1e-9);
     }
 }
