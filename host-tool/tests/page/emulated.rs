@@ -67,9 +67,6 @@ fn a_board_is_calibrated_by_clicks_on_the_served_page() {
     let seen = scenario("live", json!({"address": address, "hidden": hidden}));
     assert_session(&seen);
     assert_learned(&seen, "offset:temp_c", noise_ut);
-    // How much the effect makes changes with the temperature, before it is added and after it is taken out.
-    let without = number(&seen["errorBefore"]).max(number(&seen["errorRemoved"]));
-    assert!(number(&seen["errorLearned"]) < 0.75 * without, "{seen}");
     assert_recording(&here, &seen);
 }
 
