@@ -11,7 +11,7 @@ use crate::samples::series::{rms, second_difference_sigma};
 use crate::search::candidates::Catalogue;
 use crate::search::screen::{Candidate, screen};
 use crate::search::search;
-use crate::search::state::{Explanation, Greedy, errors_applied};
+use crate::search::state::{Explanation, Greedy};
 use ironout::effect::Named;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::{Model, Residual};
@@ -143,10 +143,7 @@ pub(crate) fn explain<'a>(
     } else {
         greedy.only(base.clone(), start)?
     };
-    explanation.fitted = greedy.to_the_end(explanation.fitted)?;
-    if let (Some(last), false) = (explanation.steps.last_mut(), explanation.fitted.pieces.is_empty()) {
-        (last.rms, last.held_out) = errors_applied(&pass, &explanation.fitted)?;
-    }
+    explanation = greedy.ended(explanation, &options.add, options.search)?;
     if !options.search {
         let places = |id: &str| searched.iter().find(|(own, _)| own == id).map_or(1.0, |(_, places)| *places);
         explanation.shown = greedy.shown(&explanation.fitted, places)?;

@@ -6,7 +6,7 @@ use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::base::quality::residue;
 use crate::noise::colour::Colour;
 use crate::samples::series::Autocorrelation;
-use crate::search::state::{Explanation, Greedy, Withdrawn};
+use crate::search::state::{Explanation, Greedy, Withdrawn, errors_applied};
 use ironout::effect::{Effect, Quantities, Searched, Shape};
 use ironout::study::f_tail;
 use std::sync::Arc;
@@ -105,22 +105,55 @@ impl<'a> Greedy<'_, 'a> {
         asked: &[String],
     ) -> Result<Explanation<'a>, BadShape> {
         while let Some(doubtful) = self.doubtful(&explanation, asked)? {
-            let mut pieces = explanation.fitted.pieces.clone();
-            pieces.retain(|piece| piece.id != doubtful.id);
-            let Some(without) = self.pass.fit(explanation.fitted.model, pieces, self.known)? else { break };
-            explanation.fitted = self.aligned(without)?;
-            explanation.confounded.retain(|group| !group.ids.contains(&doubtful.id));
-            let order: Vec<String> = explanation
-                .steps
-                .iter()
-                .filter_map(|step| step.added.clone())
-                .filter(|id| *id != doubtful.id)
-                .collect();
-            explanation.steps = self.falling(&explanation.base, &explanation.fitted, &order)?;
-            explanation.withdrawn.push(doubtful);
+            if !self.withdraw(&mut explanation, doubtful)? {
+                break;
+            }
         }
         explanation.renumber();
         Ok(explanation)
+    }
+
+    /// The explanation with its model fitted to the end. There an effect that a search found may yet raise the error on unseen
+    /// time: then it goes, too.
+    pub fn ended(
+        &self,
+        mut explanation: Explanation<'a>,
+        asked: &[String],
+        searched: bool,
+    ) -> Result<Explanation<'a>, BadShape> {
+        loop {
+            explanation.fitted = self.to_the_end(explanation.fitted)?;
+            if let (Some(last), false) = (explanation.steps.last_mut(), explanation.fitted.pieces.is_empty())
+            {
+                (last.rms, last.held_out) = errors_applied(&self.pass, &explanation.fitted)?;
+            }
+            let Some(worse) = raises(&explanation, asked).filter(|_| searched) else { break };
+            if !self.withdraw(&mut explanation, worse)? {
+                break;
+            }
+            explanation.renumber();
+        }
+        Ok(explanation)
+    }
+
+    /// Takes an effect out of the explanation; false where the model cannot be fitted without it.
+    fn withdraw(&self, explanation: &mut Explanation<'a>, doubtful: Withdrawn) -> Result<bool, BadShape> {
+        let mut pieces = explanation.fitted.pieces.clone();
+        pieces.retain(|piece| piece.id != doubtful.id);
+        let Some(without) = self.pass.fit(explanation.fitted.model, pieces, self.known)? else {
+            return Ok(false);
+        };
+        explanation.fitted = self.aligned(without)?;
+        explanation.confounded.retain(|group| !group.ids.contains(&doubtful.id));
+        let order: Vec<String> = explanation
+            .steps
+            .iter()
+            .filter_map(|step| step.added.clone())
+            .filter(|id| *id != doubtful.id)
+            .collect();
+        explanation.steps = self.falling(&explanation.base, &explanation.fitted, &order)?;
+        explanation.withdrawn.push(doubtful);
+        Ok(true)
     }
 
     fn doubtful(
