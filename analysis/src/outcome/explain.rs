@@ -88,7 +88,8 @@ pub(crate) fn explain<'a>(
     let accepted = stand.base.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR);
     let hopeless = !(stand.held || accepted)
         && attitude_error(&base, &best).is_none_or(|error| error > HOPELESS * MAX_PREDICTED_ERROR);
-    let greedy = Greedy::new(pass, catalogue, known);
+    let mut greedy = Greedy::new(pass, catalogue, known);
+    greedy.base_held_out = stand.base.and_then(|base| base.holdout_rms_ut);
     let mut pure_lag = false;
     let mut start = base.clone();
     let mut searched: Vec<(String, f64)> = Vec::new();

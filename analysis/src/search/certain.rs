@@ -1,85 +1,16 @@
 //! What a finished search may be certain of: an effect that took less of the error than what remains unexplained may be
-//! the shadow of a cause that the log does not hold, and a step must be sudden.
+//! the shadow of a cause that the log does not hold.
 
-use crate::base::engine::Fitted;
-use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::residue;
 use crate::noise::colour::Colour;
-use crate::samples::series::Autocorrelation;
 use crate::search::state::{Explanation, Greedy, Withdrawn, errors_applied};
-use ironout::effect::{Effect, Quantities, Searched, Shape};
-use ironout::study::f_tail;
-use std::sync::Arc;
+use ironout::effect::Searched;
 
 /// An effect stays if it takes at least this many times as much off the mean square as structure remains.
 const OUTWEIGHS: f64 = 1.0;
 /// What raises the error on unseen time by more than this is not recommended.
 const RAISES: f64 = 1.05;
-/// A step is looked at this far before and after it, s, the next further where the one before does not tell ...
-const AROUND_STEP_S: [f64; 3] = [1.5, 3.0, 6.0];
-/// ... with at least this many samples on each side; with fewer it is believed.
-const AROUND_STEP: usize = 10;
-/// A jump beside an offset that changes steadily is believed below this probability.
-const SUDDEN: f64 = 1e-4;
-/// A jump that should stand out by so many variances and does not is none.
-const CLEAR: f64 = 30.0;
-
-/// What the samples around a step tell of it.
-enum Told {
-    /// The offset jumps.
-    Jumps,
-    /// It changes steadily.
-    Steadily,
-    /// The noise hides which.
-    Nothing,
-    /// There are too few samples or attitudes to look, or no columns for it.
-    TooLittle,
-}
-
-/// An offset that changes steadily: what a step is held against.
-struct Steadily {
-    reference_s: f64,
-}
-
-impl Steadily {
-    fn around<'a>(reference_s: f64, time: &[f64]) -> Piece<'a> {
-        Piece {
-            id: "steady change around the step".into(),
-            made: None,
-            effect: Arc::new(Steadily { reference_s }),
-            coefficients: Default::default(),
-            inputs: Arc::new(time.iter().map(|t| [*t, 0.0]).collect()),
-        }
-    }
-}
-
-impl Effect<f64> for Steadily {
-    fn id(&self, out: &mut dyn std::fmt::Write) -> std::fmt::Result {
-        out.write_str("steady")
-    }
-    fn name(&self) -> &'static str {
-        "steady change"
-    }
-    fn explanation(&self) -> &'static str {
-        "The offset changes steadily. A step must stand beside that."
-    }
-    fn coefficients(&self) -> usize {
-        3
-    }
-    fn unit(&self) -> &'static str {
-        "µT/s"
-    }
-    fn reads_centre(&self) -> bool {
-        false
-    }
-    fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
-        let [time, _] = at.inputs;
-        for (axis, vector) in shape.iter_mut().take(3).enumerate() {
-            *vector = [0.0; 3];
-            vector[axis] = time - self.reference_s;
-        }
-    }
-}
 
 /// The effect that, added in its turn, raises the error on unseen time the most.
 fn raises(explanation: &Explanation, asked: &[String]) -> Option<Withdrawn> {
@@ -228,77 +159,5 @@ impl<'a> Greedy<'_, 'a> {
                 100.0 * remains / explanation.base.rms().powi(2).max(1e-300),
             ),
         }))
-    }
-
-    /// Whether the offset jumps at a step, rather than changes steadily around it.
-    fn sudden(&self, fitted: &Fitted<'a>, step: &Piece<'a>, at: f64) -> Result<bool, BadShape> {
-        let mut told = Told::TooLittle;
-        for around_s in AROUND_STEP_S {
-            told = self.around(fitted, step, at, around_s)?;
-            if matches!(told, Told::Jumps | Told::Steadily) {
-                break;
-            }
-        }
-        Ok(matches!(told, Told::Jumps | Told::TooLittle))
-    }
-
-    /// What the samples within `around_s` of a step tell.
-    fn around(
-        &self,
-        fitted: &Fitted<'a>,
-        step: &Piece<'a>,
-        at: f64,
-        around_s: f64,
-    ) -> Result<Told, BadShape> {
-        let Some(time) = &self.pass.samples.time else { return Ok(Told::TooLittle) };
-        let place = |seconds: f64| time.partition_point(|t| *t < at + seconds);
-        let (from, middle, to) = (place(-around_s), place(0.0), place(around_s));
-        if middle - from < AROUND_STEP || to - middle < AROUND_STEP {
-            return Ok(Told::TooLittle);
-        }
-        // The model without the step; around it the offset may lie elsewhere and change steadily.
-        let absent = Piece { coefficients: Default::default(), ..step.clone() };
-        let steadily = Steadily::around(self.pass.samples.middle_s, time);
-        let others = fitted.pieces.iter().filter(|piece| piece.id != step.id);
-        let all: Vec<&Piece> = others.chain([&steadily, &absent]).collect();
-        let base = self.pass.residual.base_columns();
-        let columns = base + all.iter().map(|piece| piece.k()).sum::<usize>();
-        if columns > COLUMNS || all.len() > TERMS {
-            return Ok(Told::TooLittle);
-        }
-        // The first three columns are those of the offset, of all residuals that know a step. The jump is the one that was
-        // found, of a size that is free.
-        let (mut matrix, mut stands) = (Matrix::new(7), Matrix::new(7));
-        let mut residuals = Vec::with_capacity(to - from);
-        let mut rows = Vec::with_capacity(to - from);
-        self.pass.rows(from..to, &fitted.model, &all, |_, row, r| {
-            let mut own = [0.0; COLUMNS];
-            own[..3].copy_from_slice(&row[..3]);
-            own[3..6].copy_from_slice(&row[columns - 6..columns - 3]);
-            own[6] = row[columns - 3..columns].iter().zip(&step.coefficients).map(|(a, b)| a * b).sum();
-            matrix.push(&own, r);
-            stands.push(&own, r + own[6]);
-            rows.push(own);
-            residuals.push(r);
-        })?;
-        let Some(gain) = matrix.test(0..6, 6..7).filter(|gain| gain.directions > 0) else {
-            return Ok(Told::TooLittle);
-        };
-        let Some(factor) = matrix.factor() else { return Ok(Told::TooLittle) };
-        let delta = matrix.step(&factor);
-        for (r, row) in residuals.iter_mut().zip(&rows) {
-            *r += row.iter().zip(&delta).map(|(value, d)| value * d).sum::<f64>();
-        }
-        let count = residuals.len() as f64;
-        let (f, k, freedom) = gain.f_statistic(6, count, count / Autocorrelation::of(&residuals).time);
-        // The jump as found must fit here too.
-        let with = stands.test(0..6, 6..7).map(|gain| gain.squares_before);
-        let fits = with.is_some_and(|with| with <= gain.squares_before);
-        if fits && f_tail(f, k, freedom) < SUDDEN {
-            return Ok(Told::Jumps);
-        }
-        // How far the jump as found would stand out.
-        let clear = f / (delta[6] * delta[6]).max(f64::MIN_POSITIVE) > CLEAR;
-        Ok(if clear { Told::Steadily } else { Told::Nothing })
     }
 }

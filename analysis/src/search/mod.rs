@@ -15,5 +15,6 @@ pub mod shifted;
 pub mod shown;
 pub mod slowly;
 pub mod state;
+pub mod sudden;
 pub mod thinned;
 pub mod undisturbed;

@@ -134,6 +134,8 @@ pub struct Greedy<'p, 'a> {
     pub catalogue: &'p Catalogue<'a>,
     /// What is known besides.
     pub known: &'p Known,
+    /// The base model's error on unseen time as `fit` gives it, which is the first of those that are told.
+    pub base_held_out: Option<f64>,
     /// Candidates that were left out because their shape is not finite.
     pub(crate) dropped: RefCell<Vec<String>>,
     /// The work that was done before it began.
@@ -144,7 +146,7 @@ impl<'p, 'a> Greedy<'p, 'a> {
     /// A search that has found nothing yet.
     pub fn new(pass: Pass<'p>, catalogue: &'p Catalogue<'a>, known: &'p Known) -> Self {
         let begun = pass.samples.work.spent();
-        Greedy { pass, catalogue, known, dropped: RefCell::default(), begun }
+        Greedy { pass, catalogue, known, base_held_out: None, dropped: RefCell::default(), begun }
     }
 
     /// Whether the search has looked at as much as it may.
@@ -242,7 +244,9 @@ impl<'a> Greedy<'_, 'a> {
         fitted: &Fitted<'a>,
         order: &[String],
     ) -> Result<Vec<Step>, BadShape> {
-        let mut steps = vec![state(&self.pass, None, base)?];
+        let mut first = state(&self.pass, None, base)?;
+        first.held_out = self.base_held_out.or(first.held_out);
+        let mut steps = vec![first];
         let mut now = base.clone();
         for (index, id) in order.iter().enumerate() {
             if index + 1 == order.len() {

@@ -167,6 +167,13 @@ struct Drawn {
     words: String,
 }
 
+/// The laid column that an effect follows.
+fn laid_column(id: &str) -> Option<&str> {
+    let (_, of) = id.split_once(':')?;
+    let name = of.split(['^', '@']).next()?;
+    LAID.contains(&name).then_some(name)
+}
+
 fn column<'a>(columns: &'a Columns, name: &str) -> Option<&'a [f64]> {
     columns.iter().find(|(own, _)| own == name).map(|(_, values)| values.as_slice())
 }
@@ -223,14 +230,15 @@ impl Source {
 
     /// The figures, each with what it says.
     pub fn rates(self, list: &[Outcome]) -> Vec<(&'static str, Rate)> {
-        let laid = |id: &String| {
-            id.split_once(':')
-                .is_some_and(|(_, of)| LAID.contains(&of.split(['^', '@']).next().unwrap_or(of)))
-        };
         // What a recording has of its own may be named beside it.
-        let accused = |one: &Outcome| one.named.iter().any(|id| laid(id) && !one.hidden.contains(id));
-        let listed = |one: &Outcome| {
-            accused(one) || one.confounded.iter().any(|id| laid(id) && !one.hidden.contains(id))
+        let accuses = |one: &Outcome, id: &String| {
+            laid_column(id).is_some_and(|of| one.hidden.iter().all(|own| laid_column(own) != Some(of)))
+        };
+        let accused = |one: &Outcome| one.named.iter().any(|id| accuses(one, id));
+        let listed = |one: &Outcome| accused(one) || one.confounded.iter().any(|id| accuses(one, id));
+        let reshaped = |one: &Outcome| {
+            let own = |id: &String| laid_column(id).is_some() && !accuses(one, id);
+            one.named.iter().any(|id| own(id) && !one.hidden.contains(id))
         };
         match self {
             Source::Untouched => vec![
@@ -246,8 +254,24 @@ impl Source {
                     }),
                 ),
                 ("an unrelated column named", rate(list, accused)),
+                ("its own column in another shape", rate(list, reshaped)),
             ],
         }
+    }
+
+    /// One of its logs as text, the hidden effect in the first line; `None` where the recording is not there.
+    pub fn csv(self, number: u64) -> Option<String> {
+        let drawn = self.draw(number)?;
+        let mut text = format!("# {}\n", drawn.words);
+        let names: Vec<&str> = drawn.columns.iter().map(|(name, _)| name.as_str()).collect();
+        text += &names.join(",");
+        for row in 0..drawn.columns.first()?.1.len() {
+            let cells: Vec<String> =
+                drawn.columns.iter().map(|(_, values)| format!("{:.6}", values[row])).collect();
+            text += "\n";
+            text += &cells.join(",");
+        }
+        Some(text + "\n")
     }
 
     /// The lines of the table.

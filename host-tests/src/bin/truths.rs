@@ -3,6 +3,7 @@
 //! Without words it runs what the snapshot holds, and holds it to that; `--accept` writes the snapshot and the table of
 //! `docs/measured.md`. `-n N` logs of each kind, `--tuned-on` takes the logs that thresholds were tuned on instead of those that are measured,
 //! `--failing` prints what did not come out as it should, `--all` every log, `--from N` begins elsewhere, words choose kinds.
+//! `--csv N` prints log N of a kind of real recording.
 
 use ironout_host_tests::accuracy::injected::Source;
 use ironout_host_tests::accuracy::truths::{MEASURED_ON, Outcome, TUNED_ON, run, text, times};
@@ -31,7 +32,7 @@ fn main() -> ExitCode {
         Some(_) => {}
     }
     let (mut logs, mut from, mut family) = (LOGS, 0, MEASURED_ON);
-    let (mut failing, mut all) = (false, false);
+    let (mut failing, mut all, mut csv) = (false, false, None);
     let (mut kinds, mut sources): (Vec<Kind>, Vec<Source>) = (Vec::new(), Vec::new());
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
         match word.as_str() {
             "-n" => logs = number().unwrap_or(LOGS),
             "--from" => from = number().unwrap_or(0),
+            "--csv" => csv = number(),
             "--tuned-on" => family = TUNED_ON,
             "--failing" => failing = true,
             "--all" => all = true,
@@ -59,6 +61,12 @@ fn main() -> ExitCode {
     if kinds.is_empty() && sources.is_empty() {
         kinds.extend(Kind::ALL);
         sources.extend(Source::ALL);
+    }
+    if let Some(number) = csv {
+        for text in sources.iter().filter_map(|source| source.csv(number)) {
+            print!("{text}");
+        }
+        return ExitCode::SUCCESS;
     }
     let mut list: Vec<Outcome> = Vec::new();
     for kind in kinds {

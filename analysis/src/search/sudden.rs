@@ -1,0 +1,257 @@
+//! A step must be sudden: a jump, and not a slow cause that the log lacks.
+
+use crate::base::engine::Fitted;
+use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::samples::series::Autocorrelation;
+use crate::search::state::Greedy;
+use ironout::effect::{Effect, Quantities, Shape};
+use ironout::study::f_tail;
+use std::sync::Arc;
+
+/// A step is looked at this far before and after it, s, the next further where the one before does not tell ...
+const AROUND_STEP_S: [f64; 3] = [1.5, 3.0, 6.0];
+/// ... with at least this many samples on each side; with fewer it is believed.
+const AROUND_STEP: usize = 10;
+/// A jump beside an offset that changes steadily is believed below this probability.
+const SUDDEN: f64 = 1e-4;
+/// Where the noise's memory is taken out a jump is looked for so many samples to either side.
+const NEAR: usize = 10;
+/// The readings jump by the step if they jump by its size to this share.
+const ITS_SIZE: f64 = 0.5;
+/// A jump that should stand out by so many variances and does not is none.
+const CLEAR: f64 = 30.0;
+
+/// What the samples around a step tell of it.
+enum Told {
+    /// The offset jumps.
+    Jumps,
+    /// It changes steadily.
+    Steadily,
+    /// The noise hides which.
+    Nothing,
+    /// There are too few samples or attitudes to look, or no columns for it.
+    TooLittle,
+}
+
+/// An offset that changes steadily: what a step is held against.
+struct Steadily {
+    reference_s: f64,
+}
+
+impl Steadily {
+    fn around<'a>(reference_s: f64, time: &[f64]) -> Piece<'a> {
+        Piece {
+            id: "steady change around the step".into(),
+            made: None,
+            effect: Arc::new(Steadily { reference_s }),
+            coefficients: Default::default(),
+            inputs: Arc::new(time.iter().map(|t| [*t, 0.0]).collect()),
+        }
+    }
+}
+
+impl Effect<f64> for Steadily {
+    fn id(&self, out: &mut dyn std::fmt::Write) -> std::fmt::Result {
+        out.write_str("steady")
+    }
+    fn name(&self) -> &'static str {
+        "steady change"
+    }
+    fn explanation(&self) -> &'static str {
+        "The offset changes steadily. A step must stand beside that."
+    }
+    fn coefficients(&self) -> usize {
+        3
+    }
+    fn unit(&self) -> &'static str {
+        "µT/s"
+    }
+    fn reads_centre(&self) -> bool {
+        false
+    }
+    fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
+        let [time, _] = at.inputs;
+        for (axis, vector) in shape.iter_mut().take(3).enumerate() {
+            *vector = [0.0; 3];
+            vector[axis] = time - self.reference_s;
+        }
+    }
+}
+
+/// The samples around a step as a model without it leaves them.
+struct Around {
+    /// By the offset, three numbers, its steady change, three, and the offset that the step adds.
+    rows: Vec<[f64; COLUMNS]>,
+    /// What the model leaves.
+    residuals: Vec<f64>,
+    /// The first sample that has the step.
+    middle: usize,
+}
+
+/// The test of a jump.
+struct Jump {
+    /// Its chance.
+    p_value: f64,
+    /// The variance of its size, a share of the one that was found.
+    variance: f64,
+    /// Whether the jump as found fits here too.
+    fits: bool,
+    /// What is left beside it.
+    left: Vec<f64>,
+}
+
+impl Around {
+    /// The rows with the jump from the sample `from` on, the share `keep` of each sample taken off the next.
+    fn jumping(&self, from: usize, keep: f64) -> (Vec<[f64; COLUMNS]>, Vec<f64>) {
+        let at = |place: usize| {
+            let mut row = self.rows[place];
+            row[6] *= f64::from(u8::from(place >= from));
+            row
+        };
+        if keep == 0.0 {
+            return ((0..self.rows.len()).map(at).collect(), self.residuals.clone());
+        }
+        let mut rows = Vec::with_capacity(self.rows.len());
+        let mut residuals = Vec::with_capacity(self.rows.len());
+        for place in 1..self.rows.len() {
+            let (before, mut row) = (at(place - 1), at(place));
+            row.iter_mut().zip(before).for_each(|(own, before)| *own -= keep * before);
+            rows.push(row);
+            residuals.push(self.residuals[place] - keep * self.residuals[place - 1]);
+        }
+        (rows, residuals)
+    }
+
+    /// Tests a jump at the sample `from` beside an offset that changes steadily.
+    fn jump(&self, from: usize, keep: f64) -> Option<Jump> {
+        let (rows, mut left) = self.jumping(from, keep);
+        let (mut matrix, mut stands) = (Matrix::new(7), Matrix::new(7));
+        for (row, r) in rows.iter().zip(&left) {
+            matrix.push(row, *r);
+            stands.push(row, r + row[6]);
+        }
+        let gain = matrix.test(0..6, 6..7).filter(|gain| gain.directions > 0)?;
+        let delta = matrix.step(&matrix.factor()?);
+        for (r, row) in left.iter_mut().zip(&rows) {
+            *r += row.iter().zip(&delta).map(|(value, d)| value * d).sum::<f64>();
+        }
+        let count = left.len() as f64;
+        let (f, k, freedom) = gain.f_statistic(6, count, count / Autocorrelation::of(&left).time);
+        let with = stands.test(0..6, 6..7).map(|gain| gain.squares_before);
+        Some(Jump {
+            p_value: f_tail(f, k, freedom),
+            variance: delta[6] * delta[6] / f.max(f64::MIN_POSITIVE),
+            fits: with.is_some_and(|with| with <= gain.squares_before),
+            left,
+        })
+    }
+
+    fn told(&self) -> Told {
+        let Some(jump) = self.jump(self.middle, 0.0) else { return Told::TooLittle };
+        if jump.fits && jump.p_value < SUDDEN {
+            return Told::Jumps;
+        }
+        // How far the jump as found would stand out.
+        if 1.0 > CLEAR * jump.variance {
+            return Told::Steadily;
+        }
+        // What wanders hides a jump from a test that counts its samples as fewer; from one sample to the next it wanders
+        // little, and a jump shows there. It must be looked for: what wanders has also moved the place that was found.
+        let keep = Autocorrelation::of(&jump.left).at.get(1).copied().unwrap_or(0.0);
+        if keep <= 0.0 {
+            return Told::Nothing;
+        }
+        let places = self.middle.saturating_sub(NEAR)..=(self.middle + NEAR).min(self.rows.len() - 1);
+        let tries = places.clone().count() as f64;
+        let shows = |place| self.jump(place, keep).is_some_and(|one| one.fits && one.p_value * tries < SUDDEN);
+        if places.into_iter().any(shows) { Told::Jumps } else { Told::Nothing }
+    }
+}
+
+impl<'a> Greedy<'_, 'a> {
+    /// Whether the offset jumps at a step, rather than changes steadily around it.
+    pub(crate) fn sudden(&self, fitted: &Fitted<'a>, step: &Piece<'a>, at: f64) -> Result<bool, BadShape> {
+        let mut told = Told::TooLittle;
+        for around_s in AROUND_STEP_S {
+            told = self.around(fitted, step, at, around_s)?.map_or(Told::TooLittle, |around| around.told());
+            if matches!(told, Told::Jumps | Told::Steadily) {
+                break;
+            }
+        }
+        Ok(match told {
+            Told::Jumps | Told::TooLittle => true,
+            Told::Steadily => false,
+            Told::Nothing => self.readings_jump(step, at),
+        })
+    }
+
+    /// Whether the readings themselves jump by the step near its time, and nowhere around by half as much: the magnitude does not
+    /// see a step that happens across the field.
+    fn readings_jump(&self, step: &Piece<'a>, at: f64) -> bool {
+        let samples = self.pass.samples;
+        let Some(time) = &samples.time else { return false };
+        let [.., widest] = AROUND_STEP_S;
+        let place = |seconds: f64| time.partition_point(|t| *t < at + seconds);
+        let (from, middle, to) = (place(-widest), place(0.0), place(widest));
+        let size: f64 = step.coefficients.iter().take(3).map(|value| value * value).sum();
+        if to - from < 4 * NEAR || size <= 0.0 {
+            return false;
+        }
+        // From one sample to the next, less what the board's motion makes of it on either side; in sizes of the step.
+        let along = |a: usize, b: usize| -> f64 {
+            let (a, b) = (samples.readings[a].measured_ut, samples.readings[b].measured_ut);
+            (0..3).map(|axis| (b[axis] - a[axis]) * step.coefficients[axis]).sum::<f64>() / size
+        };
+        let jumps: Vec<f64> = (from.max(2)..to.min(time.len() - 1))
+            .map(|i| along(i - 1, i) - 0.5 * (along(i - 2, i - 1) + along(i, i + 1)))
+            .collect();
+        let middle = middle - from.max(2).min(middle);
+        let near = middle.saturating_sub(NEAR)..(middle + NEAR + 1).min(jumps.len());
+        let Some(best) = near.max_by(|a, b| jumps[*a].total_cmp(&jumps[*b])) else { return false };
+        // The sample before and the one after see half of the jump the other way round.
+        let elsewhere = jumps.iter().enumerate().filter(|(i, _)| i.abs_diff(best) > 1);
+        let most = elsewhere.fold(0.0, |most: f64, (_, jump)| most.max(jump.abs()));
+        (jumps[best] - 1.0).abs() < ITS_SIZE && jumps[best] > 2.0 * most
+    }
+
+    /// The samples within `around_s` of a step; `None` where they are too few.
+    fn around(
+        &self,
+        fitted: &Fitted<'a>,
+        step: &Piece<'a>,
+        at: f64,
+        around_s: f64,
+    ) -> Result<Option<Around>, BadShape> {
+        let Some(time) = &self.pass.samples.time else { return Ok(None) };
+        let place = |seconds: f64| time.partition_point(|t| *t < at + seconds);
+        let (from, middle, to) = (place(-around_s), place(0.0), place(around_s));
+        if middle - from < AROUND_STEP || to - middle < AROUND_STEP {
+            return Ok(None);
+        }
+        // The model without the step; around it the offset may lie elsewhere and change steadily.
+        let steadily = Steadily::around(self.pass.samples.middle_s, time);
+        let others = fitted.pieces.iter().filter(|piece| piece.id != step.id);
+        let all: Vec<&Piece> = others.chain([&steadily]).collect();
+        let base = self.pass.residual.base_columns();
+        let columns = base + all.iter().map(|piece| piece.k()).sum::<usize>();
+        if columns > COLUMNS || all.len() > TERMS {
+            return Ok(None);
+        }
+        let mut around = Around {
+            rows: Vec::with_capacity(to - from),
+            residuals: Vec::with_capacity(to - from),
+            middle: middle - from,
+        };
+        self.pass.rows(from..to, &fitted.model, &all, |_, row, r| {
+            let mut own = [0.0; COLUMNS];
+            // The first three columns are those of the offset, of all residuals that know a step.
+            own[..3].copy_from_slice(&row[..3]);
+            own[3..6].copy_from_slice(&row[columns - 3..columns]);
+            // The jump is the one that was found, of a size that is free.
+            own[6] = row[..3].iter().zip(&step.coefficients).map(|(a, b)| a * b).sum();
+            around.rows.push(own);
+            around.residuals.push(r);
+        })?;
+        Ok(Some(around))
+    }
+}
