@@ -14,7 +14,7 @@ const AROUND_STEP_S: [f64; 3] = [1.5, 3.0, 6.0];
 const AROUND_STEP: usize = 10;
 /// A jump beside an offset that changes steadily is believed below this probability.
 const SUDDEN: f64 = 1e-4;
-/// Where the noise's memory is taken out a jump is looked for so many samples to either side.
+/// In the readings a jump is looked for so many samples to either side.
 const NEAR: usize = 10;
 /// The readings jump by the step if they jump by its size to this share.
 const ITS_SIZE: f64 = 0.5;
@@ -88,83 +88,40 @@ struct Around {
     middle: usize,
 }
 
-/// The test of a jump.
-struct Jump {
-    /// Its chance.
-    p_value: f64,
-    /// The variance of its size, a share of the one that was found.
-    variance: f64,
-    /// Whether the jump as found fits here too.
-    fits: bool,
-    /// What is left beside it.
-    left: Vec<f64>,
-}
-
 impl Around {
-    /// The rows with the jump from the sample `from` on, the share `keep` of each sample taken off the next.
-    fn jumping(&self, from: usize, keep: f64) -> (Vec<[f64; COLUMNS]>, Vec<f64>) {
-        let at = |place: usize| {
-            let mut row = self.rows[place];
-            row[6] *= f64::from(u8::from(place >= from));
+    /// What they tell of the jump beside an offset that changes steadily.
+    fn told(&self) -> Told {
+        let rows = self.rows.iter().enumerate().map(|(place, row)| {
+            let mut row = *row;
+            row[6] *= f64::from(u8::from(place >= self.middle));
             row
-        };
-        if keep == 0.0 {
-            return ((0..self.rows.len()).map(at).collect(), self.residuals.clone());
-        }
-        let mut rows = Vec::with_capacity(self.rows.len());
-        let mut residuals = Vec::with_capacity(self.rows.len());
-        for place in 1..self.rows.len() {
-            let (before, mut row) = (at(place - 1), at(place));
-            row.iter_mut().zip(before).for_each(|(own, before)| *own -= keep * before);
-            rows.push(row);
-            residuals.push(self.residuals[place] - keep * self.residuals[place - 1]);
-        }
-        (rows, residuals)
-    }
-
-    /// Tests a jump at the sample `from` beside an offset that changes steadily.
-    fn jump(&self, from: usize, keep: f64) -> Option<Jump> {
-        let (rows, mut left) = self.jumping(from, keep);
+        });
+        let rows: Vec<[f64; COLUMNS]> = rows.collect();
         let (mut matrix, mut stands) = (Matrix::new(7), Matrix::new(7));
-        for (row, r) in rows.iter().zip(&left) {
+        for (row, r) in rows.iter().zip(&self.residuals) {
             matrix.push(row, *r);
             stands.push(row, r + row[6]);
         }
-        let gain = matrix.test(0..6, 6..7).filter(|gain| gain.directions > 0)?;
-        let delta = matrix.step(&matrix.factor()?);
-        for (r, row) in left.iter_mut().zip(&rows) {
-            *r += row.iter().zip(&delta).map(|(value, d)| value * d).sum::<f64>();
-        }
+        let Some(gain) = matrix.test(0..6, 6..7).filter(|gain| gain.directions > 0) else {
+            return Told::TooLittle;
+        };
+        let Some(factor) = matrix.factor() else { return Told::TooLittle };
+        let delta = matrix.step(&factor);
+        let after = |(r, row): (&f64, &[f64; COLUMNS])| {
+            r + row.iter().zip(&delta).map(|(value, d)| value * d).sum::<f64>()
+        };
+        let left: Vec<f64> = self.residuals.iter().zip(&rows).map(after).collect();
         let count = left.len() as f64;
         let (f, k, freedom) = gain.f_statistic(6, count, count / Autocorrelation::of(&left).time);
+        // The jump as found must fit here too.
         let with = stands.test(0..6, 6..7).map(|gain| gain.squares_before);
-        Some(Jump {
-            p_value: f_tail(f, k, freedom),
-            variance: delta[6] * delta[6] / f.max(f64::MIN_POSITIVE),
-            fits: with.is_some_and(|with| with <= gain.squares_before),
-            left,
-        })
-    }
-
-    fn told(&self) -> Told {
-        let Some(jump) = self.jump(self.middle, 0.0) else { return Told::TooLittle };
-        if jump.fits && jump.p_value < SUDDEN {
+        let fits = with.is_some_and(|with| with <= gain.squares_before);
+        if fits && f_tail(f, k, freedom) < SUDDEN {
             return Told::Jumps;
         }
         // How far the jump as found would stand out.
-        if 1.0 > CLEAR * jump.variance {
-            return Told::Steadily;
-        }
-        // What wanders hides a jump from a test that counts its samples as fewer; from one sample to the next it wanders
-        // little, and a jump shows there. It must be looked for: what wanders has also moved the place that was found.
-        let keep = Autocorrelation::of(&jump.left).at.get(1).copied().unwrap_or(0.0);
-        if keep <= 0.0 {
-            return Told::Nothing;
-        }
-        let places = self.middle.saturating_sub(NEAR)..=(self.middle + NEAR).min(self.rows.len() - 1);
-        let tries = places.clone().count() as f64;
-        let shows = |place| self.jump(place, keep).is_some_and(|one| one.fits && one.p_value * tries < SUDDEN);
-        if places.into_iter().any(shows) { Told::Jumps } else { Told::Nothing }
+        let clear = f / (delta[6] * delta[6]).max(f64::MIN_POSITIVE) > CLEAR;
+        if clear { Told::Steadily } else { Told::Nothing }
     }
 }
 
