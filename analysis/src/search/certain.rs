@@ -90,11 +90,7 @@ impl<'a> Greedy<'_, 'a> {
 
     /// An effect that the model predicts unseen time as well without: it was found in a thinned copy of a long log, and the
     /// rest of the log knows nothing of it.
-    fn idle(
-        &self,
-        explanation: &Explanation<'a>,
-        asked: &[String],
-    ) -> Result<Option<Withdrawn>, BadShape> {
+    fn idle(&self, explanation: &Explanation<'a>, asked: &[String]) -> Result<Option<Withdrawn>, BadShape> {
         let fitted = &explanation.fitted;
         let Some(with) = held_out_rms(fitted) else { return Ok(None) };
         for pair in explanation.steps.windows(2) {

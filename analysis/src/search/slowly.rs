@@ -9,8 +9,17 @@ use ironout::effect::{Effect, Follows, Quantities, Shape};
 use ironout::study::Residual;
 use std::sync::Arc;
 
-/// An offset that goes with time, its square and its cube: three numbers an axis.
-struct Slowly;
+/// An offset that goes with time, its square and its cube: three numbers an axis. Beside a drift, which is the first of them
+/// already, with the others.
+struct Slowly {
+    drifts: bool,
+}
+
+impl Slowly {
+    fn powers(&self) -> std::ops::Range<usize> {
+        usize::from(self.drifts)..POWERS
+    }
+}
 
 /// Powers of time.
 const POWERS: usize = 3;
@@ -37,7 +46,7 @@ impl Effect<f64> for Slowly {
         "The offset changes slowly. A column that does must show beside that."
     }
     fn coefficients(&self) -> usize {
-        3 * POWERS
+        3 * self.powers().len()
     }
     fn unit(&self) -> &'static str {
         "µT"
@@ -47,9 +56,10 @@ impl Effect<f64> for Slowly {
     }
     fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
         let all = powers(at.inputs[0]);
-        for (place, vector) in shape.iter_mut().take(3 * POWERS).enumerate() {
+        let places = self.powers().flat_map(|power| (0..3).map(move |axis| (power, axis)));
+        for ((power, axis), vector) in places.zip(shape.iter_mut()) {
             *vector = [0.0; 3];
-            vector[place % 3] = all[place / 3];
+            vector[axis] = all[power];
         }
     }
 }
@@ -89,7 +99,9 @@ impl<'a> Greedy<'_, 'a> {
         piece: &Piece<'a>,
     ) -> Result<bool, BadShape> {
         let Some(time) = &self.pass.samples.time else { return Ok(true) };
-        let columns = without.columns() + piece.k() + 3 * POWERS;
+        let drifts = |piece: &Piece| piece.follows(Follows::Time) && piece.searched().is_none();
+        let slowly = Slowly { drifts: without.pieces.iter().any(drifts) };
+        let columns = without.columns() + piece.k() + slowly.coefficients();
         if !piece.follows(Follows::Column)
             || self.pass.residual != Residual::Magnitude
             || piece.inputs.len() != time.len()
@@ -107,7 +119,7 @@ impl<'a> Greedy<'_, 'a> {
         let slowly = Piece {
             id: "slow change".into(),
             made: None,
-            effect: Arc::new(Slowly),
+            effect: Arc::new(slowly),
             coefficients: Default::default(),
             inputs: Arc::new(places.iter().map(|x| [*x, 0.0]).collect()),
         };
