@@ -1,6 +1,7 @@
 //! What a finished search may be certain of: an effect that took less of the error than what remains unexplained may be
 //! the shadow of a cause that the log does not hold.
 
+use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::residue;
 use crate::noise::colour::Colour;
@@ -36,10 +37,12 @@ impl<'a> Greedy<'_, 'a> {
         mut explanation: Explanation<'a>,
         asked: &[String],
     ) -> Result<Explanation<'a>, BadShape> {
+        self.put_in_order(&mut explanation, asked)?;
         while let Some(doubtful) = self.doubtful(&explanation, asked)? {
             if !self.withdraw(&mut explanation, doubtful)? {
                 break;
             }
+            self.put_in_order(&mut explanation, asked)?;
         }
         explanation.renumber();
         Ok(explanation)
@@ -59,6 +62,9 @@ impl<'a> Greedy<'_, 'a> {
             {
                 (last.rms, last.held_out) = errors_applied(&self.pass, &explanation.fitted)?;
             }
+            if searched {
+                self.put_in_order(&mut explanation, asked)?;
+            }
             let Some(worse) = raises(&explanation, asked).filter(|_| searched) else { break };
             if !self.withdraw(&mut explanation, worse)? {
                 break;
@@ -66,6 +72,45 @@ impl<'a> Greedy<'_, 'a> {
             explanation.renumber();
         }
         Ok(explanation)
+    }
+
+    /// Where the error on unseen time rises on the way, another order of the same effects: each time the one that leaves the
+    /// least. An effect may stand only beside another that was found after it.
+    fn put_in_order(&self, explanation: &mut Explanation<'a>, asked: &[String]) -> Result<(), BadShape> {
+        if raises(explanation, asked).is_none() {
+            return Ok(());
+        }
+        let ids = explanation.steps.iter().filter_map(|step| step.added.clone());
+        let (mut order, mut rest): (Vec<String>, Vec<String>) = ids.partition(|id| asked.contains(id));
+        let all = &explanation.fitted.pieces;
+        let mut now = explanation.base.clone();
+        for id in &order {
+            let more = all.iter().find(|piece| piece.id == *id).cloned();
+            let pieces = now.pieces.iter().cloned().chain(more).collect();
+            now = self.pass.fit(now.model, pieces, self.known)?.unwrap_or(now);
+        }
+        while rest.len() > 1 {
+            let mut best: Option<(f64, usize, Fitted<'a>)> = None;
+            for (place, id) in rest.iter().enumerate() {
+                let more = all.iter().find(|piece| piece.id == *id).cloned();
+                let pieces = now.pieces.iter().cloned().chain(more).collect();
+                let Some(next) = self.pass.fit(now.model, pieces, self.known)? else { continue };
+                let Some(error) = held_out_rms(&next) else { continue };
+                if best.as_ref().is_none_or(|(least, ..)| error < *least) {
+                    best = Some((error, place, next));
+                }
+            }
+            let Some((_, place, next)) = best else { return Ok(()) };
+            order.push(rest.remove(place));
+            now = next;
+        }
+        order.extend(rest);
+        let steps = self.falling(&explanation.base, &explanation.fitted, &order)?;
+        let before = std::mem::replace(&mut explanation.steps, steps);
+        if raises(explanation, asked).is_some() {
+            explanation.steps = before;
+        }
+        Ok(())
     }
 
     /// Takes an effect out of the explanation; false where the model cannot be fitted without it.
