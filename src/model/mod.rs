@@ -6,6 +6,7 @@
 
 mod base;
 mod correct;
+mod direct;
 mod foot;
 mod looks;
 mod rows;

@@ -102,7 +102,7 @@ impl<T: Real> Model<T> {
 }
 
 /// Base columns, then `−pull·Φ` of every term, into the first `width` places.
-fn fill<T: Real, const N: usize, const P: usize>(
+pub(super) fn fill<T: Real, const N: usize, const P: usize>(
     row: &mut [T; P],
     width: usize,
     base: &[T],

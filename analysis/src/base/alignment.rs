@@ -120,7 +120,7 @@ fn refine(
     model: &Model<f64>,
     rotation: Matrix3<f64>,
 ) -> Result<Option<(Model<f64>, f64)>, BadShape> {
-    let pass = Pass { samples, residual: Residual::Dip };
+    let pass = Pass::new(samples, Residual::Dip);
     let offset = Vector3::from(model.offset_ut);
     let Some((_, sine)) = spread(samples, &(rotation * matrix(&model.matrix)), &offset) else {
         return Ok(None);

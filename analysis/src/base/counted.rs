@@ -169,7 +169,7 @@ impl Spike {
 
 /// The base model of these samples, as a study without anything known besides begins with it.
 fn base_model(samples: &Samples) -> Option<Model<f64>> {
-    let pass = Pass { samples, residual: Residual::Magnitude };
+    let pass = Pass::new(samples, Residual::Magnitude);
     let (model, _) = start::start(samples, None)?;
     // There is no effect here whose shape could fail.
     Some(pass.fit(model, Vec::new(), &Known::default()).ok()??.model)
@@ -178,7 +178,7 @@ fn base_model(samples: &Samples) -> Option<Model<f64>> {
 /// Bursts show in the residual of the base model. They bend a fit that holds them, so it is made without what stands out
 /// of it, until that is the same as before.
 fn bursts(samples: &Samples, table: &Table, left_out: &[bool], axes: [bool; 3]) -> Vec<(usize, usize)> {
-    let all = Pass { samples, residual: Residual::Magnitude };
+    let all = Pass::new(samples, Residual::Magnitude);
     let mut kept = samples.clone();
     let mut outliers = vec![false; samples.len()];
     let mut found = Vec::new();

@@ -42,7 +42,7 @@ impl DipErrors {
         pieces: &[Piece],
         lag: Option<&Piece>,
     ) -> Result<Option<DipErrors>, BadShape> {
-        let pass = Pass { samples, residual: Residual::Dip };
+        let pass = Pass::new(samples, Residual::Dip);
         let effects: usize = pieces.iter().map(Piece::k).sum();
         let (base, late) = (Residual::Dip.base_columns(), usize::from(lag.is_some()));
         let (own_columns, others) = (base + late, 9 + effects);

@@ -5,6 +5,7 @@ use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::noise::turning::Turning;
 use crate::samples::samples::Samples;
 use crate::threads::halves;
+use ironout::effect::Acts;
 use ironout::study::{Model, NoRow, NotFinite, Residual};
 
 /// When a fit ends.
@@ -49,6 +50,15 @@ pub struct Pass<'a> {
     pub samples: &'a Samples,
     /// The residual.
     pub residual: Residual,
+    /// Whether the magnitude's shapes are taken at the readings themselves, to come from far.
+    direct: bool,
+}
+
+impl<'a> Pass<'a> {
+    /// Over these samples.
+    pub fn new(samples: &'a Samples, residual: Residual) -> Self {
+        Pass { samples, residual, direct: false }
+    }
 }
 
 impl Pass<'_> {
@@ -75,17 +85,17 @@ impl Pass<'_> {
                 }
                 None => model,
             };
-            let done = model.rows::<TERMS, COLUMNS>(
-                self.residual,
-                &self.samples.readings[sample],
-                &terms,
-                |row, r| {
-                    if !vector || axes[axis % 3] {
-                        use_row(sample, row, r);
-                    }
-                    axis += 1;
-                },
-            );
+            let reading = &self.samples.readings[sample];
+            let push = |row: &[f64; COLUMNS], r: f64| {
+                if !vector || axes[axis % 3] {
+                    use_row(sample, row, r);
+                }
+                axis += 1;
+            };
+            let done = match self.direct {
+                true => model.direct_rows::<TERMS, COLUMNS>(reading, &terms, push),
+                false => model.rows::<TERMS, COLUMNS>(self.residual, reading, &terms, push),
+            };
             match done {
                 Ok(()) | Err(NoRow::NotFinite(NotFinite::Sample)) => {}
                 Err(NoRow::NotFinite(NotFinite::Effect(index))) => {
@@ -274,8 +284,37 @@ impl Pass<'_> {
         self.fit_to(USUAL, model, pieces, known)
     }
 
-    /// The same to another end.
+    /// The same to another end. Where that is not reached, and an effect reads the field it disturbs, the fit begins once more
+    /// from where one at the readings themselves ends: the foot point moves with what is fitted, and from far steps go astray.
     pub fn fit_to<'a>(
+        &self,
+        end: End,
+        model: Model<f64>,
+        pieces: Vec<Piece<'a>>,
+        known: &Known,
+    ) -> Result<Option<Fitted<'a>>, BadShape> {
+        let reads = |piece: &Piece| piece.acts(Acts::Measured);
+        if self.direct || self.residual != Residual::Magnitude || !pieces.iter().any(reads) {
+            return self.steps_to(end, model, pieces, known);
+        }
+        let plain = self.steps_to(end, model, pieces.clone(), known)?;
+        if plain.as_ref().is_some_and(|fitted| fitted.converged) {
+            return Ok(plain);
+        }
+        let direct = Pass { direct: true, ..*self };
+        let far = match direct.steps_to(end, model, pieces, known) {
+            Ok(far) => far,
+            Err(BadShape::NotFinite(_)) => None,
+            Err(bad) => return Err(bad),
+        };
+        let Some(far) = far else { return Ok(plain) };
+        let near = self.steps_to(end, far.model, far.pieces, known)?;
+        let squares = |fitted: &Option<Fitted>| fitted.as_ref().map_or(f64::INFINITY, |fitted| fitted.squares);
+        Ok(if squares(&near) < squares(&plain) { near } else { plain })
+    }
+
+    /// The steps of one fit.
+    fn steps_to<'a>(
         &self,
         end: End,
         model: Model<f64>,

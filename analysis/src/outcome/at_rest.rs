@@ -22,7 +22,7 @@ use ironout::study::{Model, Residual};
 /// A board at rest: the vector itself is the residual.
 pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
     let catalogue = Catalogue::new(samples, table, options.registry);
-    let pass = Pass { samples, residual: Residual::Vector };
+    let pass = Pass::new(samples, Residual::Vector);
     let known = Known::default();
     let mean = samples.mean_vector();
     let model = Model::new(mean, start::NO_ROTATION, 1.0, start::NO_ROTATION, 0.0);

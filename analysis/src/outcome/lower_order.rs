@@ -92,7 +92,7 @@ pub(crate) fn as_logged(
     }
     let samples = &samples.from_rest();
     let catalogue = Catalogue::new(samples, table, options.registry);
-    let pass = Pass { samples, residual: Residual::Magnitude };
+    let pass = Pass::new(samples, Residual::Magnitude);
     // What the sensor's scale is worth against slow structure, of which so many rows say the same.
     let memory = Autocorrelation::of(&off).time;
     let mut known = Order::Scale.known(memory);

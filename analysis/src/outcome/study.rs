@@ -198,7 +198,7 @@ fn magnitude(
     stand: Stand,
 ) -> Result<Diagnosis, Refusal> {
     let catalogue = Catalogue::new(samples, table, options.registry);
-    let pass = Pass { samples, residual: Residual::Magnitude };
+    let pass = Pass::new(samples, Residual::Magnitude);
     let (explanation, pure_lag) = match explain(pass, &catalogue, model, known, options, stand)? {
         Ok(explained) => explained,
         Err(why) => return Ok(undetermined(table, samples, options.registry, why)),

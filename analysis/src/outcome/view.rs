@@ -91,7 +91,7 @@ impl<'a> View<'_, 'a> {
         }
         let Some(lag) = self.catalogue.late_sensor() else { return Ok(Some(study)) };
         let lag_id = lag.id.clone();
-        let pass = Pass { samples: &clean, residual: Residual::Dip };
+        let pass = Pass::new(&clean, Residual::Dip);
         let Some(base) = pass.fit(study.alignment.model, Vec::new(), self.known)? else {
             return Ok(Some(study));
         };

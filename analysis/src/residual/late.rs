@@ -81,7 +81,7 @@ impl<'a> Late<'a> {
                 break;
             }
             let Some(moved) = samples.beside_late(table, beside) else { break };
-            let pass = Pass { samples: &moved, residual: Residual::Dip };
+            let pass = Pass::new(&moved, Residual::Dip);
             let mut rest = Piece { coefficients: Default::default(), ..piece.clone() };
             rest.coefficients[0] = delay_s - beside;
             let Some(fit) = pass.fit(model, vec![rest.clone()], known)? else { break };

@@ -11,6 +11,9 @@ use ironout::study::rule::falls;
 
 /// An effect stays if it takes at least this many times as much off the mean square as structure remains.
 const OUTWEIGHS: f64 = 1.0;
+/// One of several steps beside which nothing is left is no stair of a slow change where it takes this many times as much as the
+/// noise: the last stair of one that noise hides takes little.
+const STANDS_OUT: f64 = 4.0;
 /// What raises the error on unseen time by more than this is not recommended.
 const RAISES: f64 = 1.05;
 
@@ -195,7 +198,8 @@ impl<'a> Greedy<'_, 'a> {
         };
         for piece in fitted.pieces.iter().filter(|piece| !asked.contains(&piece.id)) {
             let at = piece.searched().filter(|(searched, _)| *searched == Searched::At);
-            if remains <= 0.0 && !several && takes(&piece.id) >= OUTWEIGHS * left.rms * left.rms {
+            let enough = if several { STANDS_OUT } else { OUTWEIGHS };
+            if remains <= 0.0 && takes(&piece.id) >= enough * left.rms * left.rms {
                 continue;
             }
             if let Some((_, at_s)) = at

@@ -176,7 +176,7 @@ impl<'a> Greedy<'_, 'a> {
                 return Ok(fitted);
             };
             // What the coupling's share along the identity still lacks, together with the rotation.
-            let dip = Pass { samples: &clean, residual: Residual::Dip };
+            let dip = Pass::new(&clean, Residual::Dip);
             let fit = dip.fit_to(SETTLED, fitted.model, vec![lag], self.known)?;
             let Some(fit) = fit else { return Ok(fitted) };
             let lacking = fit.pieces[0].coefficients[0];

@@ -20,7 +20,7 @@ impl<'a> Greedy<'_, 'a> {
         }
         let few = self.pass.samples.thinned(self.catalogue.table(), MOST_SEARCHED);
         let catalogue = self.catalogue.over(&few);
-        let pass = Pass { samples: &few, residual: self.pass.residual };
+        let pass = Pass::new(&few, self.pass.residual);
         let pieces: Option<Vec<_>> = start.pieces.iter().map(|piece| catalogue.again(piece)).collect();
         let thin = match pieces {
             Some(pieces) => pass.fit(start.model, pieces, self.known)?,
