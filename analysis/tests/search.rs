@@ -1,0 +1,71 @@
+//! What a search must tell apart: causes that need each other, steps and slow changes.
+
+use ironout_analysis::outcome::outcome::Verdict;
+use ironout_analysis::{Diagnosis, Options, Table, diagnose};
+use ironout_simulation::{Log, World, WorldOptions};
+
+/// A log in which nothing is hidden yet, with a temperature that rises slowly.
+fn clean(seed: u64, seconds: f64) -> Log {
+    World::new(WorldOptions { seed, seconds, noise_ut: 0.2, ..WorldOptions::default() }).run()
+}
+
+/// Changes each reading: from its time, s, its temperature as a share of the range about the middle, and itself, µT.
+fn change(log: &mut Log, by: impl Fn(f64, f64, [f64; 3]) -> [f64; 3]) {
+    let place = |name: &str| log.names.iter().position(|own| own == name).expect(name);
+    let (time, warm) = (place("t_s"), place("temp_c"));
+    let axes = ["mx_ut", "my_ut", "mz_ut"].map(place);
+    let (begin, end) = (log.columns[time][0], log.columns[time][log.rows() - 1]);
+    // A board that warms up.
+    let share = |t: f64| (1.0 - (-3.0 * (t - begin) / (end - begin)).exp()) / 0.95 - 0.5;
+    for row in 0..log.rows() {
+        let t = log.columns[time][row];
+        log.columns[warm][row] = 30.0 + 12.0 * share(t);
+        let next = by(t, share(t), axes.map(|axis| log.columns[axis][row]));
+        axes.iter().zip(next).for_each(|(axis, value)| log.columns[*axis][row] = value);
+    }
+}
+
+fn study(log: &Log) -> (Diagnosis, Vec<String>) {
+    let table = Table::from_columns(log.named()).expect("columns");
+    let found = diagnose(&table, &Options { search: true, ..Options::default() }).expect("a log");
+    let named = found.steps.iter().filter_map(|step| step.added.clone()).collect();
+    (found, named)
+}
+
+#[test]
+fn a_slow_column_is_found_beside_a_drift() {
+    for seed in 1..4 {
+        let mut log = clean(seed, 90.0);
+        change(&mut log, |t, warm, m| {
+            let gain = [0.06, 0.03, 0.08].map(|one| 1.0 + one * warm);
+            let drift = [-0.08, 0.2, 0.15].map(|one| one * t);
+            std::array::from_fn(|axis| m[axis] * gain[axis] + drift[axis])
+        });
+        let (found, named) = study(&log);
+        assert!(["drift", "gain:temp_c"].iter().all(|id| named.iter().any(|own| own == id)), "{named:?}");
+        assert_eq!((named.len(), found.verdict), (2, Verdict::Missing), "seed {seed}: {named:?}");
+    }
+}
+
+#[test]
+fn several_steps_are_named_and_stairs_of_a_wave_are_not() {
+    for seed in 1..4 {
+        let mut log = clean(seed, 80.0);
+        let up = |t: f64, at: f64| f64::from(u8::from(t >= at));
+        change(&mut log, |t, _, m| {
+            let (first, second) = (up(t, 24.3), up(t, 51.7));
+            [m[0] + 2.5 * first, m[1] - 2.0 * second, m[2] + 1.5 * first + 2.0 * second]
+        });
+        let (found, named) = study(&log);
+        assert_eq!((named, found.verdict), (vec!["step".into(), "step#2".into()], Verdict::Missing), "{seed}");
+
+        let mut log = clean(seed, 80.0);
+        change(&mut log, |t, _, m| {
+            let wave = (std::f64::consts::TAU * t / 60.0).sin();
+            [m[0] + 1.5 * wave, m[1] - wave, m[2] + 1.2 * wave]
+        });
+        let (found, named) = study(&log);
+        let steps = named.iter().filter(|id| id.starts_with("step")).count();
+        assert!(steps == 0 && found.verdict == Verdict::Unexplained, "{seed}: {named:?} {:?}", found.verdict);
+    }
+}
