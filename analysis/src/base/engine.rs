@@ -26,6 +26,9 @@ pub struct End {
 /// Good enough to go on from: what is left of the way is a thirtieth of a standard error.
 const USUAL: End = End { step_left: 1e-9, variances_left: 1e-3, steps_near: 1, rise: 0.0, steps: 24 };
 
+/// A few steps, where what is fitted moves in the next round anyway.
+const ROUGH: End = End { steps: 4, ..USUAL };
+
 /// Where the steps themselves end, wherever they began: the shape of a coupling depends on the model, which its derivatives
 /// leave out, so that the least sum is not quite where no step is left.
 pub const SETTLED: End = End { step_left: 1e-15, variances_left: 0.0, steps_near: 20, rise: 1e-5, steps: 40 };
@@ -39,6 +42,9 @@ const STALLED_BY_NOISE: f64 = 0.25;
 
 /// Steps so damped that do not lower the error either end a fit.
 const TOO_DAMPED: f64 = 1e2;
+
+/// A fit over more samples is not begun again: a long log is searched in a thinned copy, and what that has found is near.
+const MOST_FROM_FAR: usize = 12_000;
 
 /// With fewer samples a second thread costs more than it does.
 const ALONE: usize = 2000;
@@ -284,6 +290,16 @@ impl Pass<'_> {
         self.fit_to(USUAL, model, pieces, known)
     }
 
+    /// A few steps towards it.
+    pub fn approach<'a>(
+        &self,
+        model: Model<f64>,
+        pieces: Vec<Piece<'a>>,
+        known: &Known,
+    ) -> Result<Option<Fitted<'a>>, BadShape> {
+        self.steps_to(ROUGH, model, pieces, known)
+    }
+
     /// The same to another end. Where that is not reached, and an effect reads the field it disturbs, the fit begins once more
     /// from where one at the readings themselves ends: the foot point moves with what is fitted, and from far steps go astray.
     pub fn fit_to<'a>(
@@ -298,7 +314,8 @@ impl Pass<'_> {
             return self.steps_to(end, model, pieces, known);
         }
         let plain = self.steps_to(end, model, pieces.clone(), known)?;
-        if plain.as_ref().is_some_and(|fitted| fitted.converged) {
+        let long = self.samples.len() > MOST_FROM_FAR;
+        if long || plain.as_ref().is_some_and(|fitted| fitted.converged) {
             return Ok(plain);
         }
         let direct = Pass { direct: true, ..*self };

@@ -93,7 +93,7 @@ fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Opt
             }
         }
         // A shape that ran away is no reason to give up the model that stands.
-        let Ok(Some(next)) = pass.fit(now.model, pieces, known) else { return Ok(None) };
+        let Ok(Some(next)) = pass.approach(now.model, pieces, known) else { return Ok(None) };
         // By a tenth of a sample's variance.
         let settled = (next.squares - now.squares).abs() < 0.1 * now.squares / now.rows.max(1.0);
         now = next;
