@@ -57,7 +57,11 @@ fn several_steps_are_named_and_stairs_of_a_wave_are_not() {
             [m[0] + 2.5 * first, m[1] - 2.0 * second, m[2] + 1.5 * first + 2.0 * second]
         });
         let (found, named) = study(&log);
-        assert_eq!((named, found.verdict), (vec!["step".into(), "step#2".into()], Verdict::Missing), "{seed}");
+        assert_eq!(
+            (named, found.verdict),
+            (vec!["step".into(), "step#2".into()], Verdict::Missing),
+            "{seed}"
+        );
 
         let mut log = clean(seed, 80.0);
         change(&mut log, |t, _, m| {

@@ -326,7 +326,8 @@ impl Pass<'_> {
         };
         let Some(far) = far else { return Ok(plain) };
         let near = self.steps_to(end, far.model, far.pieces, known)?;
-        let squares = |fitted: &Option<Fitted>| fitted.as_ref().map_or(f64::INFINITY, |fitted| fitted.squares);
+        let squares =
+            |fitted: &Option<Fitted>| fitted.as_ref().map_or(f64::INFINITY, |fitted| fitted.squares);
         Ok(if squares(&near) < squares(&plain) { near } else { plain })
     }
 
