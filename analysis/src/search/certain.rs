@@ -120,9 +120,12 @@ impl<'a> Greedy<'_, 'a> {
     fn withdraw(&self, explanation: &mut Explanation<'a>, doubtful: Withdrawn) -> Result<bool, BadShape> {
         let mut pieces = explanation.fitted.pieces.clone();
         pieces.retain(|piece| piece.id != doubtful.id);
-        let Some(without) = self.pass.fit(explanation.fitted.model, pieces, self.known)? else {
-            return Ok(false);
+        // A model that an effect has led astray does not come back by itself.
+        let without = match pieces.is_empty() {
+            true => Some(explanation.base.clone()),
+            false => self.pass.fit(explanation.fitted.model, pieces, self.known)?,
         };
+        let Some(without) = without else { return Ok(false) };
         explanation.fitted = self.aligned(without)?;
         explanation.confounded.retain(|group| !group.ids.contains(&doubtful.id));
         let order: Vec<String> = explanation
