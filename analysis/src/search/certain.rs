@@ -87,17 +87,17 @@ impl<'a> Greedy<'_, 'a> {
         let (mut order, mut rest): (Vec<String>, Vec<String>) = ids.partition(|id| asked.contains(id));
         let all = &explanation.fitted.pieces;
         let mut now = explanation.base.clone();
+        let with = |now: &Fitted<'a>, id: &String| {
+            let more = all.iter().filter(|piece| piece.id == *id);
+            self.pass.fit(now.model, now.pieces.iter().chain(more).cloned().collect(), self.known)
+        };
         for id in &order {
-            let more = all.iter().find(|piece| piece.id == *id).cloned();
-            let pieces = now.pieces.iter().cloned().chain(more).collect();
-            now = self.pass.fit(now.model, pieces, self.known)?.unwrap_or(now);
+            now = with(&now, id)?.unwrap_or(now);
         }
         while rest.len() > 1 {
             let mut best: Option<(f64, usize, Fitted<'a>)> = None;
             for (place, id) in rest.iter().enumerate() {
-                let more = all.iter().find(|piece| piece.id == *id).cloned();
-                let pieces = now.pieces.iter().cloned().chain(more).collect();
-                let Some(next) = self.pass.fit(now.model, pieces, self.known)? else { continue };
+                let Some(next) = with(&now, id)? else { continue };
                 let Some(error) = held_out_rms(&next) else { continue };
                 if best.as_ref().is_none_or(|(least, ..)| error < *least) {
                     best = Some((error, place, next));
@@ -156,8 +156,7 @@ impl<'a> Greedy<'_, 'a> {
             let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
             let without = held_out_rms(&without).map(|rms| rms * rms);
             if !falls(without, Some(with * with)) {
-                let why = "without it the error on unseen time is as low: it was seen in part of the samples, and the \
-                           others do not show it";
+                let why = "without it the error on unseen time is as low: the whole log does not show it";
                 return Ok(Some(Withdrawn { id: id.clone(), why: why.into() }));
             }
         }

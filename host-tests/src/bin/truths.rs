@@ -63,9 +63,14 @@ fn main() -> ExitCode {
         sources.extend(Source::ALL);
     }
     if let Some(number) = csv {
-        for text in sources.iter().filter_map(|source| source.csv(number)) {
-            print!("{text}");
+        let texts: Vec<String> = sources.iter().filter_map(|source| source.csv(number)).collect();
+        if texts.is_empty() {
+            eprintln!(
+                "--csv wants a kind of real recording (`real-…`), and the recording beside the project"
+            );
+            return ExitCode::from(2);
         }
+        print!("{}", texts.concat());
         return ExitCode::SUCCESS;
     }
     let mut list: Vec<Outcome> = Vec::new();
