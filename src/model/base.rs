@@ -93,28 +93,31 @@ impl<T: Real> Model<T> {
         scaled(at.pull, at.residual / size)
     }
 
-    /// Shapes of all terms at the foot point, and the disturbance they make together.
+    /// Shapes of those terms that are `wanted` at the foot point, each in its place, and the disturbance they make together.
     pub(super) fn shapes<'t, const N: usize>(
         &self,
         at: &Quantities<T>,
         terms: impl Iterator<Item = &'t Term<'t, T>>,
+        wanted: impl Fn(&Term<'_, T>) -> bool,
         shapes: &mut [Shape<T>; N],
     ) -> Result<[T; 3], NotFinite>
     where
         T: 't,
     {
         let mut sum = [T::zero(); 3];
-        for (index, (term, shape)) in terms.zip(shapes.iter_mut()).enumerate() {
+        let all = terms.zip(shapes.iter_mut()).enumerate();
+        for (index, (term, shape)) in all.filter(|(_, (term, _))| wanted(term)) {
             let at = Quantities { inputs: term.inputs, ..*at };
             term.effect.shape(&at, shape);
-            let turns = term.effect.delay_s(&term.coefficients).is_some();
+            // A delay turns, and adds nothing.
+            let adds = term.is_active() && term.effect.delay_s(&term.coefficients).is_none();
             for (vector, coefficient) in shape.iter().zip(term.coefficients).take(term.effect.coefficients())
             {
                 for (total, value) in sum.iter_mut().zip(vector) {
                     if !value.is_finite() {
                         return Err(NotFinite::Effect(index));
                     }
-                    if !turns {
+                    if adds {
                         *total += *value * coefficient;
                     }
                 }

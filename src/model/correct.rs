@@ -21,7 +21,7 @@ impl<T: Real> Model<T> {
             let mut left = centred;
             for (index, term) in terms.iter().enumerate() {
                 let one = self
-                    .shapes(&at, core::iter::once(term), &mut shape)
+                    .shapes(&at, core::iter::once(term), |_| true, &mut shape)
                     .map_err(|_| NotFinite::Effect(index))?;
                 left = minus(left, one);
             }

@@ -26,7 +26,7 @@ impl<T: Real> Model<T> {
         let mut shapes = [no_shape::<T>(); N];
         let measured = reading.measured_ut;
         let at = self.quantities(measured, minus(measured, self.offset_ut), reading.turn_radps);
-        let disturbance = self.shapes(&at, terms.iter(), &mut shapes)?;
+        let disturbance = self.shapes(&at, terms.iter(), |_| true, &mut shapes)?;
         let at = self.linearise(measured, disturbance).ok_or(NotFinite::Sample)?;
         let h = times(&self.matrix, at.centred);
         let [a, b, c] = scaled(h, T::one() / norm(h));

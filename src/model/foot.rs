@@ -2,12 +2,15 @@
 
 use super::base::{Linearised, Model};
 use super::sample::{NotFinite, Observation, Term};
+use super::secant::Secant;
 use crate::effect::{Quantities, Shape};
 use crate::math::Real;
 use crate::vector::{cross, dot, minus, norm, scaled};
 
 /// Looks at a disturbance that depends on the field it disturbs.
 const MOST_LOOKS: usize = 24;
+/// After so many a strong one is hastened; a weak one stands by then.
+const PLAIN_LOOKS: usize = 4;
 
 /// The measured vector without its noise, and the same about the centre.
 #[derive(Clone, Copy)]
@@ -78,10 +81,6 @@ impl<T: Real> Model<T> {
     }
 }
 
-fn is_active<T: Real>(term: &Term<'_, T>) -> bool {
-    term.coefficients.iter().any(|value| *value != T::zero())
-}
-
 impl<T: Real> Model<T> {
     /// Linearises at the foot point; leaves the shapes there in `shapes`.
     ///
@@ -100,10 +99,10 @@ impl<T: Real> Model<T> {
             Foot { measured: minus(measured, off), centred: minus(at.centred, off) }
         };
         let mut at = linearise([T::zero(); 3])?;
-        if !terms.iter().any(is_active) {
+        if !terms.iter().any(|term| term.is_active()) {
             let foot = foot_of(&at);
             let quantities = self.quantities(foot.measured, foot.centred, reading.turn_radps);
-            self.shapes(&quantities, terms.iter(), shapes)?;
+            self.shapes(&quantities, terms.iter(), |_| true, shapes)?;
             return Ok((at, Reaction::none()));
         }
         let close = self.field_ut * (T::of(1e-7) + T::of(8.0) * T::epsilon());
@@ -111,20 +110,27 @@ impl<T: Real> Model<T> {
         let mut disturbance = [T::zero(); 3];
         let mut stands = true;
         let mut before = T::zero();
+        let mut secant = Secant::default();
+        let mut quantities = self.quantities(foot.measured, foot.centred, reading.turn_radps);
         for look in 0..MOST_LOOKS {
-            let quantities = self.quantities(foot.measured, foot.centred, reading.turn_radps);
-            let next = self.shapes(&quantities, terms.iter(), shapes)?;
-            let moved = norm(minus(next, disturbance));
-            disturbance = next;
-            at = linearise(disturbance)?;
+            let found = self.shapes(&quantities, terms.iter(), |term| term.is_active(), shapes)?;
+            let moved = norm(minus(found, disturbance));
             // The first look is at the noisy sample. Where looks go apart there is no such disturbance.
             if look > 0 && !(moved > close) || look > 1 && moved > before {
+                at = linearise(found)?;
                 break;
             }
+            // What the first look did is of another map.
+            let next = if look == 0 { found } else { secant.next(disturbance, found) };
+            disturbance = if look < PLAIN_LOOKS { found } else { next };
+            at = linearise(disturbance)?;
             before = moved;
             stands &= look == 0;
             foot = foot_of(&at);
+            quantities = self.quantities(foot.measured, foot.centred, reading.turn_radps);
         }
+        // Candidates look where the others have settled.
+        self.shapes(&quantities, terms.iter(), |term| !term.is_active(), shapes)?;
         let reaction = if stands { Reaction::none() } else { self.reaction(&at, &foot, reading, terms)? };
         Ok((at, reaction))
     }
@@ -140,7 +146,7 @@ impl<T: Real> Model<T> {
         let (zero, one) = (T::zero(), T::one());
         let sum_at = |at: Quantities<T>| {
             let mut sum = [zero; 3];
-            for (index, term) in terms.iter().enumerate().filter(|(_, term)| is_active(term)) {
+            for (index, term) in terms.iter().enumerate().filter(|(_, term)| term.is_active()) {
                 let at = Quantities { inputs: term.inputs, ..at };
                 let own = term.effect.disturbance(&at, &term.coefficients);
                 if own.iter().any(|value| !value.is_finite()) {
@@ -171,7 +177,7 @@ impl<T: Real> Model<T> {
         let step = self.field_ut * T::of(1e-3);
         let mut follows = [[zero; 3]; 2];
         let mut turning = None;
-        if terms.iter().any(|term| term.effect.reads_centre() && is_active(term)) {
+        if terms.iter().any(|term| term.effect.reads_centre() && term.is_active()) {
             for (follow, direction) in follows.iter_mut().zip(along) {
                 let moved = Foot { centred: minus(foot.centred, scaled(direction, -step)), ..*foot };
                 *follow = scaled(minus(sum(&moved)?, still), one / step);

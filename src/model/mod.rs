@@ -11,7 +11,9 @@ mod foot;
 mod looks;
 mod rows;
 mod sample;
+mod secant;
 
 pub use base::Model;
 pub(crate) use looks::settle;
 pub use sample::{NoRow, NotFinite, Observation, Residual, Term};
+pub use secant::Secant;

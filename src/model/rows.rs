@@ -39,7 +39,7 @@ impl<T: Real> Model<T> {
         let measured = reading.measured_ut;
         if residual == Residual::Vector {
             let at = self.quantities(measured, minus(measured, self.offset_ut), reading.turn_radps);
-            let disturbance = self.shapes(&at, terms.iter(), &mut shapes)?;
+            let disturbance = self.shapes(&at, terms.iter(), |_| true, &mut shapes)?;
             let left = minus(minus(measured, self.offset_ut), disturbance);
             for (axis, value) in left.into_iter().enumerate() {
                 let mut unit = [T::zero(); 3];

@@ -59,6 +59,13 @@ pub struct Term<'a, T> {
     pub inputs: [T; MAX_INPUTS],
 }
 
+impl<T: Real> Term<'_, T> {
+    /// Whether it disturbs anything: a candidate does not.
+    pub(super) fn is_active(&self) -> bool {
+        self.coefficients.iter().any(|value| *value != T::zero())
+    }
+}
+
 /// How late these terms together say that the reading is, s; `None` where none of them is a delay.
 pub(super) fn delay_s<T: Real>(terms: &[Term<'_, T>]) -> Option<T> {
     let mut delays = terms.iter().filter_map(|term| term.effect.delay_s(&term.coefficients));

@@ -6,7 +6,7 @@ use crate::base::quality::{covariance, residue};
 use crate::base::start;
 use crate::noise::turning::Turning;
 use crate::outcome::blank::undetermined;
-use crate::outcome::explain::{MOST_ADDED, added, cannot_add};
+use crate::outcome::asked::{MOST_ADDED, added, cannot_add};
 use crate::outcome::outcome::{Diagnosis, NoiseRow, Status, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::rows::describe;

@@ -1,5 +1,6 @@
 //! What a diagnosis says.
 
+pub mod asked;
 pub mod at_rest;
 pub mod blank;
 pub mod explain;

@@ -10,6 +10,7 @@ use crate::base::known::Known;
 use crate::base::piece::{BadShape, Piece};
 use crate::samples::series::Autocorrelation;
 use ironout::effect::{Acts, Coefficients, Column, Effect, MAX_INPUTS, Quantities, Shape};
+use ironout::model::Secant;
 use ironout::study::Residual;
 use std::fmt;
 use std::sync::Arc;
@@ -23,6 +24,8 @@ const MOST_ROUNDS: usize = 16;
 const PATIENCE: usize = 6;
 /// Rounds from a measured vector to the undisturbed one.
 const MOST_STEPS: usize = 60;
+/// After so many the way to it is hastened.
+const PLAIN_STEPS: usize = 3;
 /// The undisturbed vector has settled when it moves by less than this, µT.
 const SETTLED_UT: f64 = 1e-4;
 
@@ -62,11 +65,13 @@ impl Effect<f64> for Undisturbed<'_> {
     }
     fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
         let mut near = *at;
-        for _ in 0..MOST_STEPS {
+        let mut secant = Secant::default();
+        for step in 0..MOST_STEPS {
             let off = self.inner.disturbance(&near, &self.coefficients);
-            let next: [f64; 3] = core::array::from_fn(|axis| at.measured_ut[axis] - off[axis]);
-            let moved = (0..3).map(|axis| (next[axis] - near.measured_ut[axis]).abs()).fold(0.0, f64::max);
-            near.measured_ut = next;
+            let found: [f64; 3] = core::array::from_fn(|axis| at.measured_ut[axis] - off[axis]);
+            let moved = (0..3).map(|axis| (found[axis] - near.measured_ut[axis]).abs()).fold(0.0, f64::max);
+            let next = secant.next(near.measured_ut, found);
+            near.measured_ut = if step < PLAIN_STEPS { found } else { next };
             // A shape that runs away is not finite in the end, and the fit with it is not taken.
             if moved < SETTLED_UT || !moved.is_finite() {
                 break;
