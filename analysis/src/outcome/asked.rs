@@ -1,0 +1,166 @@
+//! The effects that `--add` asks for, put into the model.
+
+use crate::base::engine::{Fitted, Pass};
+use crate::base::mounting;
+use crate::base::piece::Piece;
+use crate::outcome::request::{Options, Refusal};
+use crate::search::candidates::Catalogue;
+use crate::search::screen::{Candidate, screen};
+use crate::search::search;
+use crate::search::state::Greedy;
+use crate::search::thinned::MOST_SEARCHED;
+use ironout::effect::Named;
+use ironout::study::Residual;
+use std::collections::VecDeque;
+
+/// The most effects that `--add` may name, as many as a calibration carries.
+pub(crate) const MOST_ADDED: usize = 4;
+
+/// An effect of `--add`; what fixes its shape is searched.
+pub(crate) fn added<'a>(
+    pass: &Pass,
+    catalogue: &Catalogue<'a>,
+    fitted: &Fitted<'a>,
+    id: &str,
+) -> Result<Option<Candidate<'a>>, Refusal> {
+    let plain = catalogue.plain(pass.residual == Residual::Vector).into_iter().find(|piece| piece.id == id);
+    if let Some(piece) = plain {
+        return Ok(Some(Candidate { piece, searched: 1.0 }));
+    }
+    let Some(named) = catalogue.registry.parse(id).filter(|named| named.form.offered) else {
+        return Ok(None);
+    };
+    let mut found = search::best(pass, fitted, catalogue, &named)?;
+    if let Some(found) = found.as_mut().filter(|_| named.form.is_repeated()) {
+        found.piece.id = id.to_string();
+    }
+    Ok(found)
+}
+
+/// A model with the effects that were asked for.
+pub(crate) struct Added<'a> {
+    /// It.
+    pub(crate) start: Fitted<'a>,
+    /// How many places were searched for each, by id.
+    pub(crate) searched: Vec<(String, f64)>,
+    /// Whether a pure lag was asked for.
+    pub(crate) pure_lag: bool,
+}
+
+/// Adds what `--add` names to the base model; or why that cannot be fitted. In a long log the way there is gone in a thinned
+/// copy, as a search goes it, and only its end on all samples.
+pub(crate) fn asked_for<'a>(
+    greedy: &Greedy<'_, 'a>,
+    base: &Fitted<'a>,
+    options: &Options,
+) -> Result<Result<Added<'a>, String>, Refusal> {
+    let (samples, catalogue) = (greedy.pass.samples, greedy.catalogue);
+    // Whether it is a coupling or a pure delay every sample has a say in.
+    let couples = |id: &String| {
+        let named = options.registry.parse(id);
+        named.is_some_and(|named| !named.family.delay_coefficients(named.form).is_empty())
+    };
+    if samples.len() <= MOST_SEARCHED || options.add.is_empty() || options.add.iter().any(couples) {
+        return one_by_one(greedy, base, options);
+    }
+    let few = samples.thinned(catalogue.table(), MOST_SEARCHED);
+    let over = catalogue.over(&few);
+    let pass = Pass::new(&few, greedy.pass.residual);
+    let Some(thin) = pass.fit(base.model, Vec::new(), greedy.known)? else {
+        return one_by_one(greedy, base, options);
+    };
+    let found = match one_by_one(&Greedy::new(pass, &over, greedy.known), &thin, options)? {
+        Ok(found) => found,
+        Err(why) => return Ok(Err(why)),
+    };
+    let Added { start, searched, pure_lag } = found;
+    let pieces: Vec<Piece> = start.pieces.iter().filter_map(|piece| catalogue.again(piece)).collect();
+    let lifted = match greedy.pass.fit(start.model, pieces, greedy.known)? {
+        Some(fitted) => Some(greedy.settled(fitted)?).filter(|fitted| fitted.converged),
+        None => None,
+    };
+    Ok(match lifted {
+        Some(fitted) => Ok(Added { start: greedy.aligned(fitted)?, searched, pure_lag }),
+        None => Err(does_not_converge(searched.iter().map(|(id, _)| id.as_str()))),
+    })
+}
+
+/// Adds what `--add` names, one after the other.
+fn one_by_one<'a>(
+    greedy: &Greedy<'_, 'a>,
+    base: &Fitted<'a>,
+    options: &Options,
+) -> Result<Result<Added<'a>, String>, Refusal> {
+    let (pass, catalogue) = (&greedy.pass, greedy.catalogue);
+    let mut pure_lag = false;
+    let mut start = base.clone();
+    let mut searched: Vec<(String, f64)> = Vec::new();
+    // One that a fit does not hold by itself may stand beside those that come after it.
+    let mut waiting: VecDeque<&String> = options.add.iter().collect();
+    let mut put_off: Vec<Candidate> = Vec::new();
+    while let Some(id) = waiting.pop_front() {
+        if start.pieces.len() >= MOST_ADDED {
+            return Err(Refusal::cannot_add(id, format!("a model carries at most {MOST_ADDED} effects")));
+        }
+        let Some(candidate) = added(pass, catalogue, &start, id)? else {
+            if mounting::is_one(id) {
+                continue;
+            }
+            return Err(Refusal::cannot_add(id, cannot_add(catalogue, id)));
+        };
+        if start.pieces.iter().any(|known| known.id == candidate.piece.id) {
+            continue;
+        }
+        if !candidate.piece.hidden_delay().is_empty() && catalogue.has_down() {
+            // Whether it is the coupling or the pure delay, the data decide.
+            let alone = screen(pass, &start, std::slice::from_ref(&candidate), 1)?;
+            if !alone.tested.first().is_some_and(|tested| tested.accepted) {
+                pure_lag = true;
+                continue;
+            }
+        }
+        match greedy.with(&start, &candidate.piece)? {
+            Some(next) => {
+                searched.push((candidate.piece.id.clone(), candidate.searched));
+                start = greedy.aligned(next)?;
+                put_off.clear();
+            }
+            None => {
+                put_off.push(candidate);
+                if put_off.len() <= waiting.len() {
+                    waiting.push_back(id);
+                    continue;
+                }
+                // None of those that are left stands without the others.
+                searched.extend(put_off.iter().map(|one| (one.piece.id.clone(), one.searched)));
+                match greedy.with_all(&start, put_off.iter().map(|one| &one.piece))? {
+                    Some(next) => start = greedy.aligned(next)?,
+                    None => {
+                        return Ok(Err(does_not_converge(put_off.iter().map(|one| one.piece.id.as_str()))));
+                    }
+                }
+                break;
+            }
+        }
+    }
+    Ok(Ok(Added { start, searched, pure_lag }))
+}
+
+fn does_not_converge<'i>(ids: impl Iterator<Item = &'i str>) -> String {
+    let ids: Vec<&str> = ids.collect();
+    format!(
+        "the fit with {} does not converge: this log hardly tells it from the calibration; leave it out, or record more",
+        ids.join(" and ")
+    )
+}
+
+pub(crate) fn cannot_add(catalogue: &Catalogue, id: &str) -> String {
+    if let Some(one) = catalogue.untestable().into_iter().find(|one| one.id == id) {
+        return one.why;
+    }
+    let mut known: Vec<String> = catalogue.plain(false).into_iter().map(|piece| piece.id).collect();
+    known.extend(catalogue.searched().iter().map(Named::to_string));
+    let late = catalogue.usable_columns().flat_map(|column| catalogue.late(column));
+    known.extend(late.map(|named| named.to_string()));
+    format!("unknown effect; this log allows {}", known.join(", "))
+}
