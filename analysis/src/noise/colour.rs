@@ -21,8 +21,8 @@ const FADING: f64 = 5.3;
 const MEAN: f64 = 12.0;
 /// ... or either is over after this, s: whatever turns with the board takes longer.
 const MEMORY_S: f64 = 0.42;
-/// The steepest noise that is called 1/f.
-const STEEPEST: f64 = 1.3;
+/// The steepest noise that is called 1/f: what electronics make has an exponent of 0.8 to 1.2.
+const STEEPEST: f64 = 1.25;
 /// A spectrum that is another one than a colour's by more standard deviations is not that colour's.
 const LIKE: f64 = 6.0;
 /// White noise that fits this well is not looked at further, standard deviations.
