@@ -21,6 +21,7 @@ use crate::search::screen::{Candidate, RELEVANCE, SIGNIFICANCE, Tested, screen};
 use crate::search::state::held_out_rms;
 use crate::table::Table;
 use ironout::fit::MIN_THICKNESS;
+use ironout::quality::MAX_RESIDUAL;
 use ironout::study::{Model, PhysicalPrior, Residual, f_tail};
 
 /// A log is taken as of a calibrated sensor if the raw magnitude spreads by at most this share of its mean ...
@@ -145,7 +146,10 @@ pub(crate) fn as_logged(
     let falls = error(diagnosis.steps.first())
         .zip(error(diagnosis.steps.last()))
         .is_some_and(|(before, after)| after < (1.0 - FALL) * before);
-    if diagnosis.verdict == Verdict::Undetermined || !falls {
+    // A sensor that was calibrated before leaves no such residual: it was not.
+    let left_ut = diagnosis.steps.last().map_or(f64::INFINITY, |step| step.rms_ut);
+    let calibrated = left_ut <= MAX_RESIDUAL * field;
+    if diagnosis.verdict == Verdict::Undetermined || !falls || !calibrated {
         return Ok(None);
     }
     // What was held fixed was not measured: effects only.

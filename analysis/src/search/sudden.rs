@@ -14,10 +14,14 @@ const AROUND_STEP_S: [f64; 3] = [1.5, 3.0, 6.0];
 const AROUND_STEP: usize = 10;
 /// A jump beside an offset that changes steadily is believed below this probability.
 const SUDDEN: f64 = 1e-4;
-/// In the readings a jump is looked for so many samples to either side.
+/// In the readings a jump is looked for so many samples to either side, ...
 const NEAR: usize = 10;
-/// The readings jump by the step if they jump by its size to this share.
+/// ... or this long, s: noise moves the place at which a step takes the most off the error.
+const NEAR_S: f64 = 0.5;
+/// The readings jump by the step if they jump by its size to this share, ...
 const ITS_SIZE: f64 = 0.5;
+/// ... and by so many times as much as anywhere else around.
+const ABOVE_OTHERS: f64 = 1.5;
 /// A jump that should stand out by so many variances and does not is none.
 const CLEAR: f64 = 30.0;
 
@@ -128,6 +132,9 @@ impl Around {
 impl<'a> Greedy<'_, 'a> {
     /// Whether the offset jumps at a step, rather than changes steadily around it.
     pub(crate) fn sudden(&self, fitted: &Fitted<'a>, step: &Piece<'a>, at: f64) -> Result<bool, BadShape> {
+        if self.readings_jump(step, at) {
+            return Ok(true);
+        }
         let mut told = Told::TooLittle;
         for around_s in AROUND_STEP_S {
             told = self.around(fitted, step, at, around_s)?.map_or(Told::TooLittle, |around| around.told());
@@ -135,14 +142,10 @@ impl<'a> Greedy<'_, 'a> {
                 break;
             }
         }
-        Ok(match told {
-            Told::Jumps | Told::TooLittle => true,
-            Told::Steadily => false,
-            Told::Nothing => self.readings_jump(step, at),
-        })
+        Ok(matches!(told, Told::Jumps | Told::TooLittle))
     }
 
-    /// Whether the readings themselves jump by the step near its time, and nowhere around by half as much: the magnitude does not
+    /// Whether the readings themselves jump by the step near its time, and nowhere around by nearly as much: the magnitude does not
     /// see a step that happens across the field.
     fn readings_jump(&self, step: &Piece<'a>, at: f64) -> bool {
         let samples = self.pass.samples;
@@ -162,13 +165,13 @@ impl<'a> Greedy<'_, 'a> {
         let jumps: Vec<f64> = (from.max(2)..to.min(time.len() - 1))
             .map(|i| along(i - 1, i) - 0.5 * (along(i - 2, i - 1) + along(i, i + 1)))
             .collect();
-        let middle = middle - from.max(2).min(middle);
-        let near = middle.saturating_sub(NEAR)..(middle + NEAR + 1).min(jumps.len());
+        let (first, last) = (place(-NEAR_S).min(middle - NEAR.min(middle)), place(NEAR_S).max(middle + NEAR));
+        let near = first.saturating_sub(from.max(2))..(last + 1 - from.max(2)).min(jumps.len());
         let Some(best) = near.max_by(|a, b| jumps[*a].total_cmp(&jumps[*b])) else { return false };
         // The sample before and the one after see half of the jump the other way round.
         let elsewhere = jumps.iter().enumerate().filter(|(i, _)| i.abs_diff(best) > 1);
         let most = elsewhere.fold(0.0, |most: f64, (_, jump)| most.max(jump.abs()));
-        (jumps[best] - 1.0).abs() < ITS_SIZE && jumps[best] > 2.0 * most
+        (jumps[best] - 1.0).abs() < ITS_SIZE && jumps[best] > ABOVE_OTHERS * most
     }
 
     /// The samples within `around_s` of a step; `None` where they are too few.

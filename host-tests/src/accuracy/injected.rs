@@ -41,8 +41,10 @@ const EFFECTS: [&str; 6] = [
 const LAID: [&str; 4] = ["current_a", "board_temp_c", "throttle", "mode"];
 /// The error of a recording that has no base of its own, µT.
 const UNKNOWN_UT: f64 = 0.5;
-/// No effect is larger, µT rms.
+/// No effect is larger, µT rms, ...
 const MOST_UT: f64 = 10.0;
+/// ... nor anywhere than this share of the field.
+const MOST_SHARE: f64 = 0.2;
 
 impl Source {
     /// All, in the order of the table.
@@ -207,7 +209,10 @@ impl Source {
         ];
         let mut drawn = Drawn { columns, hidden: Vec::new(), words: format!("{file} {begin}+{length}") };
         if self != Source::Untouched {
-            let id = EFFECTS[rng.random_range(0..EFFECTS.len())];
+            // Without a column of time nothing can be said of a step.
+            let timed = column(&drawn.columns, "t_s").is_some();
+            let ids: Vec<&str> = EFFECTS.into_iter().filter(|id| timed || *id != "step").collect();
+            let id = ids[rng.random_range(0..ids.len())];
             drawn.put(id, &t_s, &laid, &mut rng)?;
         }
         drawn.columns.extend(LAID.iter().map(|name| (*name).to_owned()).zip(laid));
@@ -325,7 +330,9 @@ impl Drawn {
         let level = mean(&radial);
         let rms = (radial.iter().map(|one| (one - level).powi(2)).sum::<f64>() / radial.len() as f64).sqrt();
         let strength = rng.random_range(2.0_f64.ln()..12.0_f64.ln()).exp();
-        let size = (strength * unit_ut).min(MOST_UT) / rms;
+        let field_ut = mean(&field.iter().map(Vector3::norm).collect::<Vec<_>>());
+        let peak = added.iter().map(|own| (own - common).norm()).fold(0.0, f64::max);
+        let size = ((strength * unit_ut).min(MOST_UT) / rms).min(MOST_SHARE * field_ut / peak);
         for (name, values) in &mut self.columns {
             let Some(axis) = ["mx_ut", "my_ut", "mz_ut"].iter().position(|own| own == name) else { continue };
             values.iter_mut().zip(&added).for_each(|(value, added)| *value += size * added[axis]);
