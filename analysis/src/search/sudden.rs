@@ -14,10 +14,10 @@ const AROUND_STEP_S: [f64; 3] = [1.5, 3.0, 6.0];
 const AROUND_STEP: usize = 10;
 /// A jump beside an offset that changes steadily is believed below this probability.
 const SUDDEN: f64 = 1e-4;
-/// In the readings a jump is looked for so many samples to either side, ...
-const NEAR: usize = 10;
-/// ... or this long, s: noise moves the place at which a step takes the most off the error.
-const NEAR_S: f64 = 0.5;
+/// In fewer readings no jump is looked for.
+const FEWEST_READINGS: usize = 40;
+/// A step may be moved to a jump of the readings where it leaves at most this many times the error.
+const AS_WELL: f64 = 1.05;
 /// The readings jump by the step if they jump by its size to this share, ...
 const ITS_SIZE: f64 = 0.5;
 /// ... and by so many times as much as anywhere else around.
@@ -132,7 +132,7 @@ impl Around {
 impl<'a> Greedy<'_, 'a> {
     /// Whether the offset jumps at a step, rather than changes steadily around it.
     pub(crate) fn sudden(&self, fitted: &Fitted<'a>, step: &Piece<'a>, at: f64) -> Result<bool, BadShape> {
-        if self.readings_jump(step, at) {
+        if self.readings_jump(step, at).is_some_and(|jump| self.as_well_at(fitted, step, jump)) {
             return Ok(true);
         }
         let mut told = Told::TooLittle;
@@ -145,33 +145,45 @@ impl<'a> Greedy<'_, 'a> {
         Ok(matches!(told, Told::Jumps | Told::TooLittle))
     }
 
-    /// Whether the readings themselves jump by the step near its time, and nowhere around by nearly as much: the magnitude does not
-    /// see a step that happens across the field.
-    fn readings_jump(&self, step: &Piece<'a>, at: f64) -> bool {
+    /// Whether a step that is moved explains nearly as much.
+    fn as_well_at(&self, fitted: &Fitted<'a>, step: &Piece<'a>, at_s: f64) -> bool {
+        let there = step.named().and_then(|named| self.catalogue.build(&named, at_s));
+        let pieces = fitted.pieces.iter().map(|piece| match (&there, piece.id == step.id) {
+            (Some(there), true) => {
+                Piece { id: step.id.clone(), coefficients: step.coefficients, ..there.clone() }
+            }
+            _ => piece.clone(),
+        });
+        let moved = self.pass.fit(fitted.model, pieces.collect(), self.known);
+        there.is_some()
+            && matches!(moved, Ok(Some(moved)) if moved.squares < AS_WELL * AS_WELL * fitted.squares)
+    }
+
+    /// When the readings themselves jump by the step, near its time, and nowhere around by nearly as much: the magnitude does not
+    /// see a step that happens across the field, and places it where it begins to.
+    fn readings_jump(&self, step: &Piece<'a>, at: f64) -> Option<f64> {
         let samples = self.pass.samples;
-        let Some(time) = &samples.time else { return false };
+        let time = samples.time.as_ref()?;
         let [.., widest] = AROUND_STEP_S;
         let place = |seconds: f64| time.partition_point(|t| *t < at + seconds);
-        let (from, middle, to) = (place(-widest), place(0.0), place(widest));
+        let (from, to) = (place(-widest).max(2), place(widest).min(time.len().saturating_sub(1)));
         let size: f64 = step.coefficients.iter().take(3).map(|value| value * value).sum();
-        if to - from < 4 * NEAR || size <= 0.0 {
-            return false;
+        if to < from + FEWEST_READINGS || size <= 0.0 {
+            return None;
         }
         // From one sample to the next, less what the board's motion makes of it on either side; in sizes of the step.
         let along = |a: usize, b: usize| -> f64 {
             let (a, b) = (samples.readings[a].measured_ut, samples.readings[b].measured_ut);
             (0..3).map(|axis| (b[axis] - a[axis]) * step.coefficients[axis]).sum::<f64>() / size
         };
-        let jumps: Vec<f64> = (from.max(2)..to.min(time.len() - 1))
-            .map(|i| along(i - 1, i) - 0.5 * (along(i - 2, i - 1) + along(i, i + 1)))
-            .collect();
-        let (first, last) = (place(-NEAR_S).min(middle - NEAR.min(middle)), place(NEAR_S).max(middle + NEAR));
-        let near = first.saturating_sub(from.max(2))..(last + 1 - from.max(2)).min(jumps.len());
-        let Some(best) = near.max_by(|a, b| jumps[*a].total_cmp(&jumps[*b])) else { return false };
+        let jumps: Vec<f64> =
+            (from..to).map(|i| along(i - 1, i) - 0.5 * (along(i - 2, i - 1) + along(i, i + 1))).collect();
+        let best = (0..jumps.len()).max_by(|a, b| jumps[*a].total_cmp(&jumps[*b]))?;
         // The sample before and the one after see half of the jump the other way round.
         let elsewhere = jumps.iter().enumerate().filter(|(i, _)| i.abs_diff(best) > 1);
         let most = elsewhere.fold(0.0, |most: f64, (_, jump)| most.max(jump.abs()));
-        (jumps[best] - 1.0).abs() < ITS_SIZE && jumps[best] > ABOVE_OTHERS * most
+        let jumps = (jumps[best] - 1.0).abs() < ITS_SIZE && jumps[best] > ABOVE_OTHERS * most;
+        jumps.then(|| 0.5 * (time[from + best - 1] + time[from + best]))
     }
 
     /// The samples within `around_s` of a step; `None` where they are too few.
