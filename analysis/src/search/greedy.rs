@@ -139,8 +139,21 @@ impl<'a> Greedy<'_, 'a> {
                 if fitted.pieces.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
             let next = next.flatten();
             if let Some((winner, next)) = next {
+                let of_the_sensor = match fitted.pieces.len() + 2 <= most {
+                    true => finite(self.of_the_sensor(&fitted, &winner, &next))?.flatten(),
+                    false => None,
+                };
+                let next = match of_the_sensor {
+                    Some((both, next)) => {
+                        order.extend(both);
+                        next
+                    }
+                    None => {
+                        order.push(winner);
+                        next
+                    }
+                };
                 fitted = self.aligned(prefer(&self.pass, next, self.known)?)?;
-                order.push(winner);
                 while let Some((dropped, without)) = self.drop_one(&fitted)? {
                     order.retain(|id| *id != dropped);
                     fitted = self.aligned(without)?;

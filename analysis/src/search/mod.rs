@@ -8,6 +8,7 @@ pub mod kin;
 pub mod leaders;
 pub mod pairs;
 pub mod parameter;
+pub mod physics;
 pub mod screen;
 pub mod search;
 pub mod several;

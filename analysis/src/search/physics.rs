@@ -1,0 +1,41 @@
+//! What a name may mean: a temperature does not change the Earth's field.
+//!
+//! A sensitivity that follows a temperature scales what the element feels, and not what the amplifier adds to it. Beside a
+//! large offset of the electronics that looks like a field that follows the temperature: it is a gain and an offset of the
+//! same column, three coefficients each.
+
+use crate::base::engine::Fitted;
+use crate::base::piece::{BadShape, Piece};
+use crate::search::kin::NEARLY;
+use crate::search::state::{Greedy, held_out_rms};
+use ironout::effect::{Acts, ColumnKind};
+
+impl<'a> Greedy<'_, 'a> {
+    /// The model with gain and offset of a temperature instead of the field that has just been found to follow it, where these hardly
+    /// leave more on unseen time: their ids, and the model.
+    pub(crate) fn of_the_sensor(
+        &self,
+        before: &Fitted<'a>,
+        field: &str,
+        with: &Fitted<'a>,
+    ) -> Result<Option<([String; 2], Fitted<'a>)>, BadShape> {
+        let found = with.pieces.iter().find(|piece| piece.id == field && piece.acts(Acts::Field));
+        let column = found.and_then(|piece| piece.parts()).map(|parts| parts.column);
+        let Some(column) = column.filter(|column| ColumnKind::of(column) == ColumnKind::Temperature) else {
+            return Ok(None);
+        };
+        let plain = self.catalogue.plain(false);
+        let own = |acts: Acts| {
+            let is_it = |piece: &&Piece<'a>| {
+                piece.acts(acts)
+                    && piece.is_plain()
+                    && piece.parts().is_some_and(|parts| parts.form.column && parts.column == column)
+            };
+            plain.iter().find(is_it).filter(|own| before.pieces.iter().all(|piece| piece.id != own.id)).cloned()
+        };
+        let (Some(gain), Some(offset)) = (own(Acts::Measured), own(Acts::Added)) else { return Ok(None) };
+        let Some(both) = self.with_all(before, [&gain, &offset].into_iter())? else { return Ok(None) };
+        let no_worse = held_out_rms(&both).zip(held_out_rms(with)).is_some_and(|(own, field)| own < NEARLY * field);
+        Ok(no_worse.then(|| ([gain.id, offset.id], both)))
+    }
+}
