@@ -73,3 +73,33 @@ fn several_steps_are_named_and_stairs_of_a_wave_are_not() {
         assert!(steps == 0 && found.verdict == Verdict::Unexplained, "{seed}: {named:?} {:?}", found.verdict);
     }
 }
+
+#[test]
+fn a_step_that_goes_back_is_named_though_each_of_the_two_alone_explains_little() {
+    for seed in 1..4 {
+        let mut log = clean(seed, 60.0);
+        change(&mut log, |t, _, m| {
+            let there = if (14.0..42.0).contains(&t) { 1.0 } else { 0.0 };
+            [m[0] + 2.4 * there, m[1] - 0.9 * there, m[2] + 1.1 * there]
+        });
+        let (found, named) = study(&log);
+        assert_eq!(named, ["step", "step#2"], "{seed}");
+        let left = found.steps.last().and_then(|step| step.holdout_rms_ut).expect("an error");
+        assert!(left < 1.1 * found.residual_floor_ut.expect("a floor"), "{seed}: {left}");
+    }
+}
+
+#[test]
+fn what_follows_a_temperature_beside_a_large_offset_is_the_sensor_and_not_the_field() {
+    for seed in 1..4 {
+        let mut log = clean(seed, 60.0);
+        // The electronics' own offset does not change with the sensitivity.
+        change(&mut log, |_, warm, m| {
+            let [x, y, z] = m.map(|one| one * (1.0 + 0.1 * warm));
+            [x + 200.0, y, z - 120.0]
+        });
+        let (_, named) = study(&log);
+        assert_eq!(named.first().map(String::as_str), Some("gain:temp_c"), "{seed}: {named:?}");
+        assert!(named.iter().all(|id| id.ends_with(":temp_c") && id != "field:temp_c"), "{seed}: {named:?}");
+    }
+}

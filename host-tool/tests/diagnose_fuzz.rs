@@ -168,7 +168,12 @@ fn truthful(object: &Value) {
         let in_order = id == "axis-order" && why.contains("in the board's order");
         assert!(!in_order || angle <= 45.0, "{why} beside a misalignment of {angle}");
     }
-    let errors: Vec<f64> = list("steps").filter_map(|step| step["holdout_rms_ut"].as_f64()).collect();
+    // Several of a kind count as one: a step there alone predicts nothing of a time after the step back.
+    let kind = |step: &Value| step["added"].as_str().and_then(|id| id.split('#').next()).map(str::to_owned);
+    let steps: Vec<&Value> = list("steps").collect();
+    let whole = (0..steps.len())
+        .filter(|place| steps.get(place + 1).is_none_or(|next| kind(next) != kind(steps[*place])));
+    let errors: Vec<f64> = whole.filter_map(|place| steps[place]["holdout_rms_ut"].as_f64()).collect();
     let rises = errors.windows(2).any(|pair| pair[1] > 1.05 * pair[0] + 1e-9);
     assert!(!rises, "the error rises: {errors:?}");
     let steps = list("steps").count();

@@ -5,7 +5,7 @@ use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::residue;
 use crate::noise::colour::Colour;
-use crate::search::state::{Explanation, Greedy, Withdrawn, errors_applied, held_out_rms};
+use crate::search::state::{Explanation, Greedy, Step, Withdrawn, errors_applied, held_out_rms};
 use ironout::effect::Searched;
 use ironout::study::rule::falls;
 
@@ -17,11 +17,17 @@ const STANDS_OUT: f64 = 4.0;
 /// What raises the error on unseen time by more than this is not recommended.
 const RAISES: f64 = 1.05;
 
-/// The effect that, added in its turn, raises the error on unseen time the most.
+/// The effect that, added in its turn, raises the error on unseen time the most. Several of a kind count as one: a step there
+/// alone predicts nothing of a time after the step back.
 fn raises(explanation: &Explanation, asked: &[String]) -> Option<Withdrawn> {
-    let steps = explanation.steps.windows(2).filter_map(|pair| {
-        let id = pair[1].added.as_ref().filter(|id| !asked.contains(id))?;
-        let (before, after) = (pair[0].held_out?, pair[1].held_out?);
+    let kind = |step: &Step| step.added.as_ref().and_then(|id| id.split('#').next()).map(str::to_owned);
+    let list = &explanation.steps;
+    let ends = |place: usize| list.get(place + 1).is_none_or(|next| kind(next) != kind(&list[place]));
+    let lasts: Vec<usize> = (0..list.len()).filter(|place| ends(*place)).collect();
+    let steps = lasts.windows(2).filter_map(|pair| {
+        let (first, last) = (&list[pair[0]], &list[pair[1]]);
+        let id = last.added.as_ref().filter(|id| !asked.contains(id))?;
+        let (before, after) = (first.held_out?, last.held_out?);
         (after > RAISES * before).then_some((after / before, before, after, id))
     });
     let (_, before, after, id) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;

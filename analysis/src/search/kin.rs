@@ -2,6 +2,7 @@
 
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
+use crate::search::physics::field_of_a_temperature;
 use crate::search::screen::{Candidate, RELEVANCE, SIGNIFICANCE, screen, stands};
 use crate::search::state::{Greedy, Judged, held_out_rms};
 use ironout::effect::{Acts, Follows, Named};
@@ -21,8 +22,12 @@ fn as_good(one: &Fitted, other: &Fitted) -> bool {
 }
 
 /// Whether one effect may take another's place: a shape in time takes that of a logged cause only where it is clearly
-/// better.
+/// better, and no field follows a temperature where the sensor does.
 pub(crate) fn may_follow(from: &Piece, to: &Piece, now: &Fitted, next: &Fitted) -> bool {
+    let column = |piece: &Piece| piece.parts().map(|parts| parts.column.to_owned());
+    if field_of_a_temperature(to).is_some_and(|own| column(from).as_deref() == Some(own)) {
+        return false;
+    }
     if to.is_in_time() && !from.is_in_time() {
         return held_out_rms(next).zip(held_out_rms(now)).is_some_and(|(next, now)| NEARLY * next < now);
     }

@@ -3,8 +3,11 @@
 use crate::base::engine::Fitted;
 use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::base::quality::residue;
-use crate::search::screen::{SIGNIFICANCE, ranges, ridge, rivalry};
-use crate::search::state::{Greedy, Judged};
+use crate::search::screen::{Candidate, SIGNIFICANCE, ranges, ridge, rivalry};
+use crate::search::search;
+use crate::search::several::numbered;
+use crate::search::state::{Greedy, Judged, held_out_rms};
+use ironout::effect::{Named, Searched};
 use ironout::study::held_out;
 
 /// Candidates of which pairs are made, those first that take off the most by themselves.
@@ -54,6 +57,7 @@ impl<'a> Greedy<'_, 'a> {
         let spans = ranges(base, &batch);
         let own: Vec<usize> = (0..base).collect();
         let Some(alone) = held_out(&blocks, Some(&prior), &own) else { return Ok(None) };
+        let leaves = LEAVES * alone.squares / fitted.rows.max(1.0);
         let mut pairs = Vec::new();
         for (i, first) in spans.iter().enumerate() {
             for (j, second) in spans.iter().enumerate().skip(i + 1) {
@@ -67,8 +71,10 @@ impl<'a> Greedy<'_, 'a> {
         // All candidates could have made a pair, not the leaders alone.
         let tries = (judged.len() * judged.len().saturating_sub(1) / 2) as f64;
         let mut best: Option<(f64, [String; 2], Fitted<'a>)> = None;
-        for (_, i, j) in pairs.into_iter().take(CLOSE) {
-            let (a, b) = (&leaders[i].candidate, &leaders[j].candidate);
+        let steps = self.two_steps(fitted)?;
+        let close =
+            pairs.into_iter().take(CLOSE).map(|(_, i, j)| [&leaders[i].candidate, &leaders[j].candidate]);
+        for [a, b] in close.chain(steps.iter().map(|[a, b]| [a, b])) {
             let Some(two) = rivalry(&self.pass, fitted, &a.piece, &b.piece, self.known)? else { continue };
             let certain = |p: f64, searched: f64| p * searched * tries < SIGNIFICANCE;
             if !certain(two.first, a.searched) || !certain(two.second, b.searched) {
@@ -81,12 +87,27 @@ impl<'a> Greedy<'_, 'a> {
             if !self.each_beats_its_copies(&next, fitted.pieces.len())? {
                 continue;
             }
-            let Some(held) = crate::search::state::held_out_rms(&next) else { continue };
+            let Some(held) = held_out_rms(&next).filter(|held| held * held < leaves) else { continue };
             if best.as_ref().is_none_or(|(least, ..)| held < *least) {
                 best = Some((held, [a.piece.id.clone(), b.piece.id.clone()], next));
             }
         }
         Ok(best.map(|(_, ids, next)| (ids, next)))
+    }
+
+    /// The step that goes and comes back, where there is none yet: a second beside one that stands is found by itself.
+    fn two_steps(&self, fitted: &Fitted<'a>) -> Result<Option<[Candidate<'a>; 2]>, BadShape> {
+        let repeated = |named: &Named| named.form.searched == Some(Searched::At);
+        let Some(named) = self.catalogue.searched().into_iter().find(repeated) else { return Ok(None) };
+        if fitted.pieces.iter().any(|piece| matches!(piece.searched(), Some((Searched::At, _)))) {
+            return Ok(None);
+        }
+        let Some([first, second]) = search::two_steps(&self.pass, fitted, self.catalogue, &named)? else {
+            return Ok(None);
+        };
+        let mut with = fitted.clone();
+        with.pieces.push(first.piece.clone());
+        Ok(numbered(&with, second).map(|second| [first, second]))
     }
 
     /// Whether each effect from the place `from` on does what no copy of its column does, beside the others.

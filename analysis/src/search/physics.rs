@@ -6,9 +6,16 @@
 
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
-use crate::search::kin::NEARLY;
+
 use crate::search::state::{Greedy, held_out_rms};
 use ironout::effect::{Acts, ColumnKind};
+use ironout::study::rule::NEARLY;
+
+/// The temperature that a field is said to follow.
+pub(crate) fn field_of_a_temperature<'p>(piece: &'p Piece) -> Option<&'p str> {
+    let column = piece.parts().filter(|_| piece.acts(Acts::Field)).map(|parts| parts.column);
+    column.filter(|column| ColumnKind::of(column) == ColumnKind::Temperature)
+}
 
 impl<'a> Greedy<'_, 'a> {
     /// The model with gain and offset of a temperature instead of the field that has just been found to follow it, where these hardly
@@ -19,11 +26,8 @@ impl<'a> Greedy<'_, 'a> {
         field: &str,
         with: &Fitted<'a>,
     ) -> Result<Option<([String; 2], Fitted<'a>)>, BadShape> {
-        let found = with.pieces.iter().find(|piece| piece.id == field && piece.acts(Acts::Field));
-        let column = found.and_then(|piece| piece.parts()).map(|parts| parts.column);
-        let Some(column) = column.filter(|column| ColumnKind::of(column) == ColumnKind::Temperature) else {
-            return Ok(None);
-        };
+        let found = with.pieces.iter().find(|piece| piece.id == field);
+        let Some(column) = found.and_then(field_of_a_temperature) else { return Ok(None) };
         let plain = self.catalogue.plain(false);
         let own = |acts: Acts| {
             let is_it = |piece: &&Piece<'a>| {
@@ -31,11 +35,16 @@ impl<'a> Greedy<'_, 'a> {
                     && piece.is_plain()
                     && piece.parts().is_some_and(|parts| parts.form.column && parts.column == column)
             };
-            plain.iter().find(is_it).filter(|own| before.pieces.iter().all(|piece| piece.id != own.id)).cloned()
+            plain
+                .iter()
+                .find(is_it)
+                .filter(|own| before.pieces.iter().all(|piece| piece.id != own.id))
+                .cloned()
         };
         let (Some(gain), Some(offset)) = (own(Acts::Measured), own(Acts::Added)) else { return Ok(None) };
         let Some(both) = self.with_all(before, [&gain, &offset].into_iter())? else { return Ok(None) };
-        let no_worse = held_out_rms(&both).zip(held_out_rms(with)).is_some_and(|(own, field)| own < NEARLY * field);
+        let no_worse =
+            held_out_rms(&both).zip(held_out_rms(with)).is_some_and(|(own, field)| own < NEARLY * field);
         Ok(no_worse.then(|| ([gain.id, offset.id], both)))
     }
 }

@@ -67,7 +67,7 @@ fn step<'a>(
             if *bound < n / 50 || *bound > n - n / 50 {
                 continue;
             }
-            let masked = with_step(whole, &sums[place], base);
+            let masked = with_steps(whole, &[&sums[place]], base);
             let decrease = masked.test(0..base, base..base + 3).map_or(0.0, |gain| gain.decrease);
             if decrease > best.0 {
                 best = (decrease, place);
@@ -90,20 +90,73 @@ fn step<'a>(
     }
 }
 
-/// The normal matrix with three more columns: those of the offset from some time on, whose own matrix is `suffix`.
-fn with_step(whole: &Matrix, suffix: &Matrix, base: usize) -> Matrix {
-    let mut out = Matrix::new(base + 3);
+/// The normal matrix with three more columns for each of `suffixes`: those of the offset from some time on, whose own matrix the
+/// suffix is. A later one lies within an earlier one.
+fn with_steps(whole: &Matrix, suffixes: &[&Matrix], base: usize) -> Matrix {
+    let mut out = Matrix::new(base + 3 * suffixes.len());
     out.merge(whole);
-    for axis in 0..3 {
-        for column in 0..base {
-            out.inform(column, base + axis, suffix.entry(column, axis));
+    for (place, suffix) in suffixes.iter().enumerate() {
+        let at = base + 3 * place;
+        for axis in 0..3 {
+            for column in 0..base {
+                out.inform(column, at + axis, suffix.entry(column, axis));
+            }
+            for other in axis..3 {
+                out.inform(at + axis, at + other, suffix.entry(axis, other));
+            }
+            for later in place + 1..suffixes.len() {
+                for other in 0..3 {
+                    let both = suffixes[later].entry(axis, other);
+                    out.inform(at + axis, base + 3 * later + other, both);
+                }
+            }
+            out.pull(at + axis, suffix.right(axis));
         }
-        for other in axis..3 {
-            out.inform(base + axis, base + other, suffix.entry(axis, other));
-        }
-        out.pull(base + axis, suffix.right(axis));
     }
     out
+}
+
+/// Where two offset steps together take the most off the squared error, roughly: there and back each alone takes little.
+pub(crate) fn two_steps<'a>(
+    pass: &Pass,
+    fitted: &Fitted,
+    catalogue: &Catalogue<'a>,
+    named: &Named,
+) -> Result<Option<[Candidate<'a>; 2]>, BadShape> {
+    let Some(time) = &pass.samples.time else { return Ok(None) };
+    let (n, base) = (pass.samples.len(), fitted.columns());
+    if n < 4 * STEP_SEGMENTS || base + 6 > COLUMNS {
+        return Ok(None);
+    }
+    let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
+    let bounds: Vec<usize> = (0..=STEP_SEGMENTS).map(|k| n * k / STEP_SEGMENTS).collect();
+    let segments = pass.blocks(&bounds, &fitted.model, &pieces)?;
+    let whole = Matrix::total(&segments, Some(&fitted.prior));
+    let mut suffixes = vec![Matrix::new(base)];
+    for segment in segments.iter().rev() {
+        let mut next = suffixes[suffixes.len() - 1].clone();
+        next.merge(segment);
+        suffixes.push(next);
+    }
+    suffixes.reverse();
+    let inside: Vec<usize> =
+        (1..STEP_SEGMENTS).filter(|place| (n / 50..=n - n / 50).contains(&bounds[*place])).collect();
+    let mut best: Option<(f64, usize, usize)> = None;
+    for (index, &first) in inside.iter().enumerate() {
+        for &second in &inside[index + 1..] {
+            let both = with_steps(&whole, &[&suffixes[first], &suffixes[second]], base);
+            let decrease = both.test(0..base, base..base + 6).map_or(0.0, |gain| gain.decrease);
+            if best.is_none_or(|(most, ..)| decrease > most) {
+                best = Some((decrease, first, second));
+            }
+        }
+    }
+    let at = |place: usize| 0.5 * (time[bounds[place] - 1] + time[bounds[place]]);
+    let step = |place: usize| {
+        let piece = catalogue.build(named, at(place))?;
+        Some(Candidate { piece, searched: STEP_SEGMENTS as f64 })
+    };
+    Ok(best.and_then(|(_, first, second)| Some([step(first)?, step(second)?])))
 }
 
 /// How much each candidate alone takes off the squared error.
