@@ -6,7 +6,6 @@
 
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
-
 use crate::search::state::{Greedy, held_out_rms};
 use ironout::effect::{Acts, ColumnKind};
 use ironout::study::rule::NEARLY;
@@ -45,6 +44,6 @@ impl<'a> Greedy<'_, 'a> {
         let Some(both) = self.with_all(before, [&gain, &offset].into_iter())? else { return Ok(None) };
         let no_worse =
             held_out_rms(&both).zip(held_out_rms(with)).is_some_and(|(own, field)| own < NEARLY * field);
-        Ok(no_worse.then(|| ([gain.id, offset.id], both)))
+        Ok(no_worse.then_some(([gain.id, offset.id], both)))
     }
 }
