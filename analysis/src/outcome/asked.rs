@@ -74,7 +74,9 @@ pub(crate) fn asked_for<'a>(
         Err(why) => return Ok(Err(why)),
     };
     let Added { start, searched, pure_lag } = found;
-    let pieces: Vec<Piece> = start.pieces.iter().filter_map(|piece| catalogue.again(piece)).collect();
+    // None of them may be lost on the way.
+    let pieces: Option<Vec<Piece>> = start.pieces.iter().map(|piece| catalogue.again(piece)).collect();
+    let Some(pieces) = pieces else { return one_by_one(greedy, base, options) };
     let lifted = match greedy.pass.fit(start.model, pieces, greedy.known)? {
         Some(fitted) => Some(greedy.settled(fitted)?).filter(|fitted| fitted.converged),
         None => None,
