@@ -17,21 +17,23 @@ pub struct End {
     variances_left: f64,
     /// After more steps than this that are small against their errors, the last of them is.
     steps_near: u32,
-    /// By this share a step may raise the squared residuals.
-    rise: f64,
     /// What has not ended after so many steps does not end.
     steps: u32,
 }
 
 /// Good enough to go on from: what is left of the way is a thirtieth of a standard error.
-const USUAL: End = End { step_left: 1e-9, variances_left: 1e-3, steps_near: 1, rise: 0.0, steps: 24 };
+const USUAL: End = End { step_left: 1e-9, variances_left: 1e-3, steps_near: 1, steps: 24 };
 
 /// A few steps, where what is fitted moves in the next round anyway.
 const ROUGH: End = End { steps: 4, ..USUAL };
 
 /// Where the steps themselves end, wherever they began: the shape of a coupling depends on the model, which its derivatives
 /// leave out, so that the least sum is not quite where no step is left.
-pub const SETTLED: End = End { step_left: 1e-15, variances_left: 0.0, steps_near: 20, rise: 1e-5, steps: 40 };
+pub const SETTLED: End = End { step_left: 1e-15, variances_left: 0.0, steps_near: 20, steps: 40 };
+
+/// Where a full step promises to take less than this share off the squared residuals it may raise them by as much: it goes to where
+/// the columns at the foot point ask for no further one, which noise has moved from where the sum is least.
+const RISE: f64 = 1e-3;
 
 /// A fit has ended where no step lowers the error and the step is at most so many of its own variances ...
 const STALLED: f64 = 1.0;
@@ -361,6 +363,8 @@ impl Pass<'_> {
         let mut steps_near = 0;
         // What the last step that was not damped much promised, in variances of one sample.
         let mut promised = f64::INFINITY;
+        // What the last step promised that raised the sum: such steps become smaller, or there are no more.
+        let mut rose_for = f64::INFINITY;
         for _ in 0..end.steps {
             let total = Matrix::total(&blocks, Some(&prior));
             let Some(factor) = total.damped_factor(damping) else {
@@ -394,7 +398,12 @@ impl Pass<'_> {
                 Some((model, pieces)) => match evaluate(&model, &pieces, Some(sigma)) {
                     Ok(next) => {
                         let cost = next.2 + next.1.squares();
-                        (cost < total.squares() * (1.0 + end.rise)).then_some((model, pieces, next))
+                        let full = damping == 0.0 && predicted < RISE * total.squares();
+                        let rise = if full && predicted < 0.5 * rose_for { RISE } else { 0.0 };
+                        if cost > total.squares() {
+                            rose_for = predicted;
+                        }
+                        (cost < total.squares() * (1.0 + rise)).then_some((model, pieces, next))
                     }
                     // A step so far that a shape ran away: a shorter one is tried.
                     Err(BadShape::NotFinite(_)) => None,

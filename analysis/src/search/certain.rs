@@ -169,6 +169,16 @@ impl<'a> Greedy<'_, 'a> {
         Ok(None)
     }
 
+    /// What an effect takes off the mean square beside all others, µT²: of two that hide each other the first takes little
+    /// before the second is there.
+    fn takes_beside(&self, explanation: &Explanation<'a>, id: &str) -> Result<Option<f64>, BadShape> {
+        let fitted = &explanation.fitted;
+        let mut pieces = fitted.pieces.clone();
+        pieces.retain(|piece| piece.id != *id);
+        let without = self.pass.fit(fitted.model, pieces, self.known)?;
+        Ok(without.map(|without| without.rms().powi(2) - fitted.rms().powi(2)))
+    }
+
     fn doubtful(
         &self,
         explanation: &Explanation<'a>,
@@ -232,7 +242,10 @@ impl<'a> Greedy<'_, 'a> {
                 continue;
             }
             let takes = takes(id);
-            if takes < OUTWEIGHS * remains && least.is_none_or(|(known, _)| takes < known) {
+            if takes < OUTWEIGHS * remains
+                && least.is_none_or(|(known, _)| takes < known)
+                && self.takes_beside(explanation, id)?.is_none_or(|takes| takes < OUTWEIGHS * remains)
+            {
                 least = Some((takes, id));
             }
         }

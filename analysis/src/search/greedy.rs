@@ -7,14 +7,12 @@ use crate::search::kin::may_follow;
 use crate::search::screen::{Candidate, SIGNIFICANCE, Screening, rivalry, screen};
 use crate::search::search;
 use crate::search::several::numbered;
-use crate::search::state::{Confounded, Explanation, Greedy, Judged};
+use crate::search::state::{Confounded, Explanation, Greedy, Judged, MOST_EFFECTS};
 use crate::search::undisturbed::prefer;
 use ironout::effect::{Acts, Follows, Named, Searched};
 use ironout::study::Residual;
 use ironout::study::rule::{ALIKE, RIVAL_SHARE};
 
-/// More effects than any log carries.
-pub const MOST_EFFECTS: usize = 6;
 /// The same at rest, where a coil has a prompt, a late and a squared part.
 pub const MOST_AT_REST: usize = 9;
 
@@ -139,13 +137,9 @@ impl<'a> Greedy<'_, 'a> {
                 if fitted.pieces.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
             let next = next.flatten();
             if let Some((winner, next)) = next {
-                let of_the_sensor = match fitted.pieces.len() + 2 <= most {
-                    true => finite(self.of_the_sensor(&fitted, &winner, &next))?.flatten(),
-                    false => None,
-                };
-                let next = match of_the_sensor {
-                    Some((both, next)) => {
-                        order.extend(both);
+                let next = match finite(self.of_the_sensor(&fitted, &winner, &next))?.flatten() {
+                    Some((own, next)) => {
+                        order.extend(own);
                         next
                     }
                     None => {

@@ -75,6 +75,10 @@ impl<'a> Greedy<'_, 'a> {
         let own = &winner.candidate.piece;
         let (Some(column), Some(named)) = (added_by(own), own.named()) else { return Ok(winner) };
         let centre = self.catalogue.families.centre(column);
+        // Which form of one column it is has been tested already, and a column is not what it has in common with itself.
+        if centre == column {
+            return Ok(winner);
+        }
         let stands_for_all = |other: &Piece| {
             let kind = other.named().map(|other| other.family.kind());
             kind == Some(named.family.kind()) && other.is_plain() && added_by(other) == Some(centre)

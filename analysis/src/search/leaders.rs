@@ -18,6 +18,9 @@ const STRONG_SHARE: f64 = 0.2;
 const STRONG_LEADERS: usize = 6;
 /// So many effects that copies of their columns beat are passed over for the next best.
 const MOST_REFUSED: usize = 4;
+/// Another form of a column takes the plain one's place if that is certain among all candidates, or among the column's own
+/// forms where the plain one has so many times less to say beside it.
+const BETTER_BY: f64 = 300.0;
 /// At rest the linear term comes before its square or its past if it takes this share of what they take.
 const PROMPT_SHARE: f64 = 0.3;
 
@@ -142,12 +145,14 @@ impl<'a> Greedy<'_, 'a> {
             };
         }
         let mut best = leader.clone();
+        let forms = named.family.forms().iter().filter(|form| form.offered && form.column).count();
         if let Some(prompt) = judged.iter().find(|other| is_prompt(other))
             && !own.is_plain()
             && prompt.tested.accepted
             && let Some(rivals) =
                 rivalry(&self.pass, fitted, &leader.candidate.piece, &prompt.candidate.piece, self.known)?
             && rivals.first * count as f64 > SIGNIFICANCE
+            && (rivals.first * forms as f64 > SIGNIFICANCE || rivals.second < BETTER_BY * rivals.first)
         {
             best = prompt.clone();
         }

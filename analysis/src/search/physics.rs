@@ -6,7 +6,7 @@
 
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
-use crate::search::state::{Greedy, held_out_rms};
+use crate::search::state::{Greedy, MOST_EFFECTS, held_out_rms};
 use ironout::effect::{Acts, ColumnKind};
 use ironout::study::rule::NEARLY;
 
@@ -17,14 +17,14 @@ pub(crate) fn field_of_a_temperature<'p>(piece: &'p Piece) -> Option<&'p str> {
 }
 
 impl<'a> Greedy<'_, 'a> {
-    /// The model with gain and offset of a temperature instead of the field that has just been found to follow it, where these hardly
-    /// leave more on unseen time: their ids, and the model.
+    /// The model with what a temperature does to the sensor instead of the field that has just been found to follow it, where that
+    /// hardly leaves more on unseen time: a gain, or gain and offset; their ids, and the model.
     pub(crate) fn of_the_sensor(
         &self,
         before: &Fitted<'a>,
         field: &str,
         with: &Fitted<'a>,
-    ) -> Result<Option<([String; 2], Fitted<'a>)>, BadShape> {
+    ) -> Result<Option<(Vec<String>, Fitted<'a>)>, BadShape> {
         let found = with.pieces.iter().find(|piece| piece.id == field);
         let Some(column) = found.and_then(field_of_a_temperature) else { return Ok(None) };
         let plain = self.catalogue.plain(false);
@@ -40,10 +40,17 @@ impl<'a> Greedy<'_, 'a> {
                 .filter(|own| before.pieces.iter().all(|piece| piece.id != own.id))
                 .cloned()
         };
-        let (Some(gain), Some(offset)) = (own(Acts::Measured), own(Acts::Added)) else { return Ok(None) };
-        let Some(both) = self.with_all(before, [&gain, &offset].into_iter())? else { return Ok(None) };
-        let no_worse =
-            held_out_rms(&both).zip(held_out_rms(with)).is_some_and(|(own, field)| own < NEARLY * field);
-        Ok(no_worse.then_some(([gain.id, offset.id], both)))
+        let Some(gain) = own(Acts::Measured) else { return Ok(None) };
+        let offset = own(Acts::Added).filter(|_| before.pieces.len() + 2 <= MOST_EFFECTS);
+        for more in [Some(vec![&gain]), offset.as_ref().map(|offset| vec![&gain, offset])] {
+            let Some(more) = more else { continue };
+            let Some(next) = self.with_all(before, more.iter().copied())? else { continue };
+            let no_worse =
+                held_out_rms(&next).zip(held_out_rms(with)).is_some_and(|(own, field)| own < NEARLY * field);
+            if no_worse {
+                return Ok(Some((more.into_iter().map(|piece| piece.id.clone()).collect(), next)));
+            }
+        }
+        Ok(None)
     }
 }
