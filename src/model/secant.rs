@@ -5,7 +5,7 @@
 //! his two updates).
 
 use crate::math::Real;
-use crate::vector::{dot, minus, norm, scaled, times, transposed_times};
+use crate::vector::{dot, minus, scaled, times, transposed_times};
 
 /// A step is at most so many times as long as the plain one.
 const FARTHEST: f64 = 8.0;
@@ -33,9 +33,8 @@ impl<T: Real> Secant<T> {
             self.learn(minus(at, before), minus(residual, residual_before));
         }
         let step = times(&self.slope, residual);
-        let size = norm(step);
         // A slope that runs away is forgotten.
-        if !(size <= T::of(FARTHEST) * norm(residual)) {
+        if !(dot(step, step) <= T::of(FARTHEST * FARTHEST) * dot(residual, residual)) {
             *self = Secant { last: self.last, ..Secant::default() };
             return found;
         }
@@ -63,6 +62,7 @@ impl<T: Real> Secant<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::norm;
 
     /// Looks until the map stands, at most a hundred.
     fn looks(g: impl Fn([f64; 3]) -> [f64; 3], hasten: bool) -> (usize, [f64; 3]) {

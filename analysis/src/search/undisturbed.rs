@@ -70,7 +70,9 @@ impl Effect<f64> for Undisturbed<'_> {
             let off = self.inner.disturbance(&near, &self.coefficients);
             let found: [f64; 3] = core::array::from_fn(|axis| at.measured_ut[axis] - off[axis]);
             let moved = (0..3).map(|axis| (found[axis] - near.measured_ut[axis]).abs()).fold(0.0, f64::max);
-            let next = secant.next(near.measured_ut, found);
+            // The last plain step is the first that it learns from.
+            let learns = step + 1 >= PLAIN_STEPS;
+            let next = if learns { secant.next(near.measured_ut, found) } else { found };
             near.measured_ut = if step < PLAIN_STEPS { found } else { next };
             // A shape that runs away is not finite in the end, and the fit with it is not taken.
             if moved < SETTLED_UT || !moved.is_finite() {
