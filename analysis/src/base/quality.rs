@@ -87,12 +87,15 @@ pub fn residue(
     });
     let noise = Seen::of(residuals, turning, &turning.absorbed, rounding).describe();
     let odd = correlation.structure(n) > STRUCTURE_RATIO || beside;
-    // So slow a memory is no filter's: an error that moves.
-    let slow = turning.of_magnitude && !noise.colour.is_of_a_sensor(step_s);
     let lines = noise.misfit() > STRUCTURE_MISFIT && noise.excess > STRUCTURE_SHARE;
     // A resting board's own drifts, and what a logger rounds, look like slow noise: there only a short memory is noise.
     let is_noise = turning.of_magnitude && noise.is_noise(step_s);
-    let structured = ((odd || slow) && share > STRUCTURE_SHARE || lines) && !is_noise;
+    // A memory that no filter has, or a spectrum that no noise with a memory has: an error that moves. A rolling mean's has zeros,
+    // which rounding and the board's turns fill.
+    let forgets = matches!(noise.colour, Colour::Fading(_) | Colour::Flicker { .. });
+    let own = noise.colour.is_of_a_sensor(step_s) && (is_noise || !forgets);
+    let moves = turning.of_magnitude && !own;
+    let structured = ((odd || moves) && share > STRUCTURE_SHARE || lines) && !is_noise;
     // Fast structure is in the second differences too.
     let (share, smooth) = match lines && noise.excess > share {
         true => (noise.excess, whole * (1.0 - noise.excess).sqrt()),

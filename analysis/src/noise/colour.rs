@@ -23,8 +23,13 @@ const MEAN: f64 = 12.0;
 const MEMORY_S: f64 = 0.42;
 /// The steepest noise that is called 1/f: what electronics make has an exponent of 0.8 to 1.2.
 const STEEPEST: f64 = 1.25;
-/// A spectrum that is another one than a colour's by more standard deviations is not that colour's.
-const LIKE: f64 = 6.0;
+/// No noise has a colour to the letter, and a fit takes out a little more of slow noise than of white: in every band this share of
+/// the power is left open.
+const TO_THE_LETTER: f64 = 0.08;
+/// A spectrum that is another one than a colour's by more standard deviations beyond that is not that colour's ...
+const LIKE: f64 = 4.0;
+/// ... nor one that is by more of them to the letter: a line in a wide band is little of its power.
+const LIKE_TO_THE_LETTER: f64 = 10.0;
 /// White noise that fits this well is not looked at further, standard deviations.
 const PLAIN: f64 = 1.0;
 /// A colour whose spectrum is this much less likely (twice the logarithm) may still be the one.
@@ -150,6 +155,8 @@ pub struct Described {
     pub power: Vec<f64>,
     /// Twice the logarithm by which its spectrum is less likely than one that fits every band, and how many bands are free.
     pub deviance: f64,
+    /// The same with the share left open that no colour is followed to.
+    pub loose_deviance: f64,
     /// Bands beyond what was chosen.
     pub free: f64,
     /// Share of the variance by which some bands stand out above the others.
@@ -159,12 +166,17 @@ pub struct Described {
 impl Described {
     /// Whether it is noise as a sensor has it, and nothing more.
     pub fn is_noise(&self, step_s: f64) -> bool {
-        self.misfit() < LIKE && self.colour.is_of_a_sensor(step_s)
+        let loose = self.beyond_chance(self.loose_deviance);
+        loose < LIKE && self.misfit() < LIKE_TO_THE_LETTER && self.colour.is_of_a_sensor(step_s)
     }
 
     /// By how many standard deviations the spectrum is another one than this.
     pub fn misfit(&self) -> f64 {
-        (self.deviance - self.free) / (2.0 * self.free.max(1.0)).sqrt()
+        self.beyond_chance(self.deviance)
+    }
+
+    fn beyond_chance(&self, deviance: f64) -> f64 {
+        (deviance - self.free) / (2.0 * self.free.max(1.0)).sqrt()
     }
 }
 
@@ -231,10 +243,13 @@ impl<'t> Seen<'t> {
             .collect();
         let count: f64 = sums.iter().map(|one| one.2).sum();
         let scale = sums.iter().map(|(expected, seen, count)| count * seen / expected).sum::<f64>() / count;
-        let mut deviance = 0.0;
+        let open = if colour == Colour::White { 0.0 } else { TO_THE_LETTER * TO_THE_LETTER };
+        let (mut deviance, mut loose_deviance) = (0.0, 0.0);
         for (expected, seen, count) in &sums {
             let ratio = (seen / (scale * expected)).max(1e-12);
-            deviance += 2.0 * count * (ratio - 1.0 - ratio.ln());
+            let a_value = 2.0 * (ratio - 1.0 - ratio.ln());
+            deviance += count * a_value;
+            loose_deviance += count / (1.0 + count * open) * a_value;
         }
         power.iter_mut().for_each(|value| *value = value.max(1e-9) * scale);
         // Against the median: a line or a slow part raises the mean.
@@ -244,7 +259,7 @@ impl<'t> Seen<'t> {
         let above: f64 = sums.iter().map(|(expected, seen, _)| (seen - usual * expected).max(0.0)).sum();
         let excess = (above / whole.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         let free = (self.bands.len() as f64 - 1.0 - colour.parameters()).max(1.0);
-        Described { colour, power, deviance, free, excess }
+        Described { colour, power, deviance, loose_deviance, free, excess }
     }
 
     /// How the logarithm of the power changes with the number that the colour was chosen by, by bin, and that number's
