@@ -26,7 +26,7 @@ pub fn minus<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
 /// `s a`.
 #[inline]
 pub fn scaled<T: Real>(a: [T; 3], s: T) -> [T; 3] {
-    a.map(|value| value * s)
+    [a[0] * s, a[1] * s, a[2] * s]
 }
 
 /// Euclidean norm.
@@ -38,7 +38,7 @@ pub fn norm<T: Real>([x, y, z]: [T; 3]) -> T {
 /// `M v`.
 #[inline]
 pub fn times<T: Real>(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
-    m.map(|row| dot(row, v))
+    [dot(m[0], v), dot(m[1], v), dot(m[2], v)]
 }
 
 /// `v` turned by the rotation vector `turn`, rad. A quaternion that is made one again keeps the length to rounding; its
