@@ -1,4 +1,7 @@
 //! Vectors of three numbers and 3×3 matrices, rows first: one of each.
+//!
+//! Where a core has no floating point (`armv6m`) each of them is a call: written out at each place, as a handful of calls to the
+//! emulation, they are four kilobytes more.
 
 use crate::real::Real;
 
@@ -6,37 +9,43 @@ use crate::real::Real;
 pub const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
 /// `a · b`.
-#[inline]
+#[cfg_attr(not(armv6m), inline)]
+#[cfg_attr(armv6m, inline(never))]
 pub fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// `a × b`.
-#[inline]
+#[cfg_attr(not(armv6m), inline)]
+#[cfg_attr(armv6m, inline(never))]
 pub fn cross<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// `a − b`.
-#[inline]
+#[cfg_attr(not(armv6m), inline)]
+#[cfg_attr(armv6m, inline(never))]
 pub fn minus<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// `s a`.
-#[inline]
+#[cfg_attr(not(armv6m), inline)]
+#[cfg_attr(armv6m, inline(never))]
 pub fn scaled<T: Real>(a: [T; 3], s: T) -> [T; 3] {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
 /// Euclidean norm.
-#[inline]
+#[cfg_attr(not(armv6m), inline)]
+#[cfg_attr(armv6m, inline(never))]
 pub fn norm<T: Real>([x, y, z]: [T; 3]) -> T {
     (x * x + y * y + z * z).root()
 }
 
 /// `M v`.
-#[inline]
+#[cfg_attr(not(armv6m), inline)]
+#[cfg_attr(armv6m, inline(never))]
 pub fn times<T: Real>(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
     [dot(m[0], v), dot(m[1], v), dot(m[2], v)]
 }
@@ -66,7 +75,8 @@ pub fn turned<T: Real>(v: [T; 3], turn: [T; 3]) -> [T; 3] {
 }
 
 /// `Mᵀ v`.
-#[inline]
+#[cfg_attr(not(armv6m), inline)]
+#[cfg_attr(armv6m, inline(never))]
 pub fn transposed_times<T: Real>(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
     let [a, b, c] = m;
     let [x, y, z] = v;
@@ -74,7 +84,8 @@ pub fn transposed_times<T: Real>(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
 }
 
 /// `A B`.
-#[inline]
+#[cfg_attr(not(armv6m), inline)]
+#[cfg_attr(armv6m, inline(never))]
 pub fn product<T: Real>(a: &[[T; 3]; 3], b: &[[T; 3]; 3]) -> [[T; 3]; 3] {
     a.map(|row| transposed_times(b, row))
 }
