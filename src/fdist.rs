@@ -27,9 +27,7 @@ fn incomplete_beta(a: f64, b: f64, x: f64) -> f64 {
     if x >= 1.0 {
         return 1.0;
     }
-    let log_front = ln_gamma(a + b) - ln_gamma(a) - ln_gamma(b)
-        + a * math::ln(x)
-        + b * math::ln(1.0 - x);
+    let log_front = ln_gamma(a + b) - ln_gamma(a) - ln_gamma(b) + a * math::ln(x) + b * math::ln(1.0 - x);
     let front = math::exp(log_front);
     let value = if x < (a + 1.0) / (a + b + 2.0) {
         front * fraction(a, b, x) / a
@@ -46,14 +44,8 @@ fn incomplete_beta(a: f64, b: f64, x: f64) -> f64 {
 fn ln_gamma(x: f64) -> f64 {
     const HALF_LN_TAU: f64 = 0.918_938_533_204_672_7;
     // B₂ₙ / (2n (2n − 1)), from the last to the first.
-    const SERIES: [f64; 6] = [
-        -691.0 / 360_360.0,
-        1.0 / 1188.0,
-        -1.0 / 1680.0,
-        1.0 / 1260.0,
-        -1.0 / 360.0,
-        1.0 / 12.0,
-    ];
+    const SERIES: [f64; 6] =
+        [-691.0 / 360_360.0, 1.0 / 1188.0, -1.0 / 1680.0, 1.0 / 1260.0, -1.0 / 360.0, 1.0 / 12.0];
     let (mut x, mut below) = (x, 1.0);
     while x < 10.0 {
         below *= x;
@@ -111,7 +103,10 @@ mod tests {
         for halves in 1..20_000 {
             let x = 0.5 * f64::from(halves);
             let (got, expected) = (super::ln_gamma(x), libm::lgamma(x));
-            assert!((got - expected).abs() < 1e-14 * expected.abs().max(1.0), "{x}: {got} against {expected}");
+            assert!(
+                (got - expected).abs() < 1e-14 * expected.abs().max(1.0),
+                "{x}: {got} against {expected}"
+            );
         }
     }
 
