@@ -109,12 +109,6 @@ pub fn symmetric_eigenvalues_3x3(m: &[[f64; 3]; 3]) -> [f64; 3] {
     [low, 3.0 * mean - high - low, high]
 }
 
-/// Natural logarithm of the gamma function.
-#[inline]
-pub fn ln_gamma(x: f64) -> f64 {
-    libm::lgamma(x)
-}
-
 /// The eigenvalues of a symmetric 3×3 matrix (entries 11, 12, 13, 22, 23, 33) in single precision, ascending, by cyclic
 /// Jacobi rotations: what a gate needs, at a tenth of the price of [`symmetric_eigenvalues_3x3`] where double precision
 /// is emulated. The absolute error is some 1e-6 of the largest eigenvalue; NaN for input that is not finite.

@@ -26,6 +26,9 @@ pub trait Real:
     + decompose::Decompose
     + 'static
 {
+    /// Whether each operation is a call here, since the processor has none of it: then one text of many is smaller as a call, too.
+    #[doc(hidden)]
+    const IS_EMULATED: bool;
     /// The nearest value to `value`.
     fn of(value: f64) -> Self;
     /// The same value in double precision.
@@ -94,8 +97,9 @@ pub(crate) mod decompose {
 }
 
 macro_rules! real {
-    ($scalar:ty, $root:path, $to:expr, $from:expr) => {
+    ($scalar:ty, $root:path, $to:expr, $from:expr, $emulated:expr) => {
         impl Real for $scalar {
+            const IS_EMULATED: bool = $emulated;
             #[inline]
             fn of(value: f64) -> Self {
                 $to(value)
@@ -140,5 +144,5 @@ macro_rules! real {
     };
 }
 
-real!(f32, libm::sqrtf, |value| value as f32, f64::from);
-real!(f64, libm::sqrt, |value| value, |value| value);
+real!(f32, libm::sqrtf, |value| value as f32, f64::from, cfg!(armv6m));
+real!(f64, libm::sqrt, |value| value, |value| value, cfg!(all(target_arch = "arm", target_os = "none")));

@@ -1,44 +1,69 @@
 //! Vectors of three numbers and 3×3 matrices, rows first: one of each.
+//!
+//! Where the processor has no operations of a scalar each of them is a call: written out at each place, as a handful of calls to
+//! the emulation, they are four kilobytes more.
 
 use crate::real::Real;
 
 /// Row and column of each of the six entries of an upper triangular 3×3 matrix.
 pub const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
-/// `a · b`.
-#[inline]
-pub fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+/// A function that is compiled into each of its places where the processor has the operations of its scalar, and once where not.
+macro_rules! by_call {
+    ($(#[$doc:meta])* pub fn $name:ident($($argument:ident: $type:ty),*) -> $out:ty $body:block) => {
+        $(#[$doc])*
+        #[inline]
+        pub fn $name<T: Real>($($argument: $type),*) -> $out {
+            #[inline(never)]
+            fn apart<T: Real>($($argument: $type),*) -> $out {
+                $body
+            }
+            if T::IS_EMULATED { apart($($argument),*) } else { $body }
+        }
+    };
 }
 
-/// `a × b`.
-#[inline]
-pub fn cross<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+by_call! {
+    /// `a · b`.
+    pub fn dot(a: [T; 3], b: [T; 3]) -> T {
+        a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    }
 }
 
-/// `a − b`.
-#[inline]
-pub fn minus<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+by_call! {
+    /// `a × b`.
+    pub fn cross(a: [T; 3], b: [T; 3]) -> [T; 3] {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    }
 }
 
-/// `s a`.
-#[inline]
-pub fn scaled<T: Real>(a: [T; 3], s: T) -> [T; 3] {
-    a.map(|value| value * s)
+by_call! {
+    /// `a − b`.
+    pub fn minus(a: [T; 3], b: [T; 3]) -> [T; 3] {
+        [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+    }
 }
 
-/// Euclidean norm.
-#[inline]
-pub fn norm<T: Real>([x, y, z]: [T; 3]) -> T {
-    (x * x + y * y + z * z).root()
+by_call! {
+    /// `s a`.
+    pub fn scaled(a: [T; 3], s: T) -> [T; 3] {
+        [a[0] * s, a[1] * s, a[2] * s]
+    }
 }
 
-/// `M v`.
-#[inline]
-pub fn times<T: Real>(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
-    m.map(|row| dot(row, v))
+by_call! {
+    /// Euclidean norm.
+    pub fn norm(v: [T; 3]) -> T {
+        let [x, y, z] = v;
+        (x * x + y * y + z * z).root()
+    }
+}
+
+by_call! {
+    /// `M v`.
+    pub fn times(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
+        [dot(m[0], v), dot(m[1], v), dot(m[2], v)]
+    }
 }
 
 /// `v` turned by the rotation vector `turn`, rad. A quaternion that is made one again keeps the length to rounding; its
@@ -65,18 +90,21 @@ pub fn turned<T: Real>(v: [T; 3], turn: [T; 3]) -> [T; 3] {
     [x + share * (whole * a + p), y + share * (whole * b + q), z + share * (whole * c + r)]
 }
 
-/// `Mᵀ v`.
-#[inline]
-pub fn transposed_times<T: Real>(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
-    let [a, b, c] = m;
-    let [x, y, z] = v;
-    [a[0] * x + b[0] * y + c[0] * z, a[1] * x + b[1] * y + c[1] * z, a[2] * x + b[2] * y + c[2] * z]
+by_call! {
+    /// `Mᵀ v`.
+    pub fn transposed_times(m: &[[T; 3]; 3], v: [T; 3]) -> [T; 3] {
+        let [a, b, c] = m;
+        let [x, y, z] = v;
+        [a[0] * x + b[0] * y + c[0] * z, a[1] * x + b[1] * y + c[1] * z, a[2] * x + b[2] * y + c[2] * z]
+    }
 }
 
-/// `A B`.
-#[inline]
-pub fn product<T: Real>(a: &[[T; 3]; 3], b: &[[T; 3]; 3]) -> [[T; 3]; 3] {
-    a.map(|row| transposed_times(b, row))
+by_call! {
+    /// `A B`.
+    pub fn product(a: &[[T; 3]; 3], b: &[[T; 3]; 3]) -> [[T; 3]; 3] {
+        let [x, y, z] = *a;
+        [transposed_times(b, x), transposed_times(b, y), transposed_times(b, z)]
+    }
 }
 
 /// The determinant.

@@ -102,7 +102,10 @@ impl Active {
             return;
         }
         let calibration = self.own_clock();
-        self.live = Live::new(&calibration).map_err(NotApplied::Live);
+        match Live::new(&calibration) {
+            Ok(live) => self.live = Ok(live),
+            Err(why) => self.live = Err(NotApplied::Live(why)),
+        }
     }
 
     /// The calibration on the board's own clock, in single precision; the doubles leave the stack with this.

@@ -167,15 +167,17 @@ impl Device {
         reply: Reply<'_, W>,
         id: &EffectId,
     ) -> Option<Answered> {
-        let record = self.active.as_ref().map(|active| active.record);
-        let found = record.as_ref().and_then(|record| {
-            record.effects.iter().find(|fitted| has_id(&fitted.effect, id)).map(|fitted| fitted.effect)
+        let in_use = self.active.as_ref().map(|active| &active.record);
+        let found = in_use.and_then(|record| {
+            let fitted = record.effects.iter().find(|fitted| has_id(&fitted.effect, id))?;
+            Some((record, &fitted.effect))
         });
-        let (Some(record), Some(effect)) = (record, found) else {
+        let Some((record, effect)) = found else {
             return Some(reply.err(Code::State, format_args!("{id} is not in use; see effect list")));
         };
         let rms_ut = self.lessons.learner.rms_ut();
-        let extended = self.lessons.learner.remove(&effect, &record.extended());
+        let extended = self.lessons.learner.remove(effect, &record.extended());
+        let record = *record;
         self.change(&record, &extended, rms_ut);
         None
     }

@@ -58,8 +58,12 @@ impl Device {
     /// The calibration that waits for `cal accept`: loaded or solved.
     #[inline(never)]
     pub(super) fn waiting(&self) -> Option<Record> {
-        let record = self.loading.record().or_else(|| self.session.solution().map(Record::of))?;
-        Some(Record { axes: Some(self.config.sensor.axes), ..record })
+        let mut record = match self.loading.record() {
+            Some(record) => record,
+            None => Record::of(self.session.solution()?),
+        };
+        record.axes = Some(self.config.sensor.axes);
+        Some(record)
     }
 }
 

@@ -70,6 +70,12 @@ impl fmt::Display for NotLoaded {
     }
 }
 
+/// Whether it can be applied on a board. Apart, because it works on whole calibrations, of a kilobyte each.
+#[inline(never)]
+fn can_run(record: &Record) -> Result<(), LiveError> {
+    Live::new(&record.extended().on_own_clock().0.cast::<f32>()).map(|_| ())
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     Nothing,
@@ -136,7 +142,7 @@ impl Loading {
     /// Checks the whole of it. Where it is no calibration for a board with this mounting it is dropped.
     pub(super) fn end(&mut self, axes: AxisMap) -> Result<Record, NotLoaded> {
         let checked = self.checked(axes);
-        match checked {
+        match &checked {
             Ok(_) => self.phase = Phase::Waiting,
             Err(_) => self.forget(),
         }
@@ -159,8 +165,10 @@ impl Loading {
         if record.axes.is_some_and(|recorded| recorded != axes) {
             return Err(NotLoaded::Mounting);
         }
-        Live::new(&record.extended().on_own_clock().0.cast::<f32>()).map_err(NotLoaded::Live)?;
-        Ok(record)
+        match can_run(&record) {
+            Ok(()) => Ok(record),
+            Err(why) => Err(NotLoaded::Live(why)),
+        }
     }
 
     /// Takes a calibration that came otherwise, and checks it as one that came line by line.
@@ -183,6 +191,6 @@ impl Loading {
     /// The calibration that waits to be accepted.
     pub(super) fn record(&self) -> Option<Record> {
         // It was sound when it came, and nothing has touched it since.
-        self.waits().then(|| Record::decode(&self.bytes).ok()).flatten()
+        if self.waits() { Record::decode(&self.bytes).ok() } else { None }
     }
 }

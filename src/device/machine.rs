@@ -20,7 +20,7 @@ use crate::protocol::{Line, LineSplitter, StreamMode};
 use crate::record::Record;
 use crate::sensor::{Reading, Sample};
 use crate::session::{Session, State, Status};
-use crate::store::{BothSlots, Done, SlotState, StoreAnswer, StoreError, StoreJob, StoreTask};
+use crate::store::{BothSlots, Done, SlotState, StoreAnswer, StoreJob, StoreTask};
 
 /// What the owner has to do now.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -274,17 +274,12 @@ impl Device {
             if let Some(task) = job.task(now_ms) {
                 return Action::Store(task);
             }
-            return match job.outcome() {
-                None => Action::Sleep,
-                // The reply waits for its room; samples and streams do not.
-                Some(_) if Self::replies(*errand) && !out.takes(MAX_REPLY_BYTES) => Action::Sleep,
-                Some(outcome) => {
-                    let errand = *errand;
-                    self.job = None;
-                    self.finish(errand, outcome, out);
-                    Action::Again
-                }
-            };
+            // The reply waits for its room; samples and streams do not.
+            if !job.is_finished() || Self::replies(*errand) && !out.takes(MAX_REPLY_BYTES) {
+                return Action::Sleep;
+            }
+            self.finish(out);
+            return Action::Again;
         }
         if self.presses > 0 && self.may_compute(self.session.state() == State::Collecting) {
             self.presses -= 1;
@@ -386,9 +381,12 @@ impl Device {
     }
 
     #[inline(never)]
-    fn finish(&mut self, errand: Errand, outcome: Result<Done, StoreError>, out: &mut impl Output) {
+    fn finish(&mut self, out: &mut impl Output) {
+        let Some((errand, job)) = &self.job else { return };
+        let (errand, Some(outcome)) = (*errand, job.outcome()) else { return };
+        self.job = None;
         if let Ok(Done::Inspected(slots, record)) = &outcome {
-            self.adopt(*slots, *record);
+            self.adopt(*slots, record.as_ref());
         }
         let answered = match errand {
             Errand::Boot => return,
@@ -412,17 +410,17 @@ impl Device {
     /// Takes note of what stands in the slots. The record found is put to work where none was found before, or not all could
     /// be read; one that is at work already goes on with the columns it was fed.
     #[inline(never)]
-    fn adopt(&mut self, slots: BothSlots, record: Option<Record>) {
+    fn adopt(&mut self, slots: BothSlots, record: Option<&Record>) {
         self.slots = slots;
         if !self.store_unread {
             return;
         }
         self.store_unread = slots.unreadable().is_some();
         if let (Some((slot, _)), Some(record)) = (slots.current(), record) {
-            let at_work = self.active.as_ref().is_some_and(|active| active.record == record);
+            let at_work = self.active.as_ref().is_some_and(|active| active.record == *record);
             if !at_work {
                 self.lessons.learner.begin(&record.calibration);
-                Active::install(&mut self.active, slot, &record, self.config.sensor.axes);
+                Active::install(&mut self.active, slot, record, self.config.sensor.axes);
             }
         }
     }

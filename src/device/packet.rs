@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::loading::NotLoaded;
 use super::machine::Device;
 use crate::extended::Effects;
 use crate::fit::{Method, Order};
@@ -30,7 +31,20 @@ impl Device {
                 format_args!("samples are being collected: cal stop or cal cancel first"),
             ));
         }
-        let Packet(calibration) = packet;
+        if let Err(why) = self.load_packet(&packet) {
+            return Some(reply.err(Code::Refused, format_args!("{why}")));
+        }
+        self.session.cancel();
+        self.status = None;
+        let out = reply.into_out();
+        // As with any other line: an output that fails has nobody at its end.
+        let _ = write!(out, "{packet}");
+        self.cal_accept(Reply::new(out), false)
+    }
+
+    /// Makes a record of it, which waits to be accepted. Apart, so that the record has left the stack by then.
+    #[inline(never)]
+    fn load_packet(&mut self, Packet(calibration): &Packet) -> Result<(), NotLoaded> {
         let record = Record {
             sequence: 0,
             calibration: calibration.cast(),
@@ -45,14 +59,6 @@ impl Device {
             predicted_error: PredictedError::UNKNOWN,
             covariance: None,
         };
-        if let Err(why) = self.loading.take_record(&record, self.config.sensor.axes) {
-            return Some(reply.err(Code::Refused, format_args!("{why}")));
-        }
-        self.session.cancel();
-        self.status = None;
-        let out = reply.into_out();
-        // As with any other line: an output that fails has nobody at its end.
-        let _ = write!(out, "{packet}");
-        self.cal_accept(Reply::new(out), false)
+        self.loading.take_record(&record, self.config.sensor.axes).map(|_| ())
     }
 }

@@ -89,12 +89,13 @@ impl<T: Real, E: Effect<T> + InParts + Clone> ExtendedCalibration<T, E> {
     pub fn on_own_clock(&self) -> (Self, f64) {
         let reference = |fitted: &FittedEffect<T, E>| fitted.effect.parts().time_reference_s();
         let origin_s = self.effects.iter().find_map(reference).unwrap_or(0.0);
-        let moved = |fitted: FittedEffect<T, E>| {
-            let effect = fitted.effect.with_numbers(&fitted.effect.parts().on_clock_from(origin_s));
-            FittedEffect { effect, ranges: fitted.ranges_on_clock_from(origin_s), ..fitted }
-        };
-        let effects = self.effects.0.clone().map(|place| place.map(moved));
-        (Self { base: self.base, effects: Effects(effects) }, origin_s)
+        // In place: an array of effects that is mapped stands on the stack several times over.
+        let mut moved = self.clone();
+        for fitted in moved.effects.0.iter_mut().flatten() {
+            fitted.ranges = fitted.ranges_on_clock_from(origin_s);
+            fitted.effect = fitted.effect.with_numbers(&fitted.effect.parts().on_clock_from(origin_s));
+        }
+        (moved, origin_s)
     }
 
     /// Whether every number but the standard errors is finite, the matrix invertible and no range ends before it begins: what

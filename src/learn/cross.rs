@@ -115,7 +115,7 @@ impl Cross {
             for (column, slot) in line.iter_mut().enumerate() {
                 *slot = match column.checked_sub(STEP) {
                     None => self.entry(axis, column),
-                    Some(other) => own[axis].get(other).copied().unwrap_or(0.0),
+                    Some(other) => own.get(axis).and_then(|row| row.get(other)).copied().unwrap_or(0.0),
                 };
             }
             if let Some(slot) = work.right.get_mut(STEP + axis) {

@@ -120,27 +120,33 @@ impl Outcome {
     /// The candidates by rank: those in use, those missing in the order they were added, those that explain the same, the others by
     /// what they leave, and last those that cannot be tested.
     pub fn ranked(&self) -> impl Iterator<Item = (Candidate, Finding)> {
-        let key = |candidate: Candidate| {
-            let one = self.of(candidate);
-            let group = match one.status {
-                Status::InUse => 0,
-                Status::Missing | Status::Confounded if one.order > 0 => 1 + u16::from(one.order),
-                Status::Missing | Status::Confounded => 100,
-                Status::NotNeeded if candidate != Candidate::Lag => 101,
-                Status::NotNeeded => 102,
-                Status::Untestable => 103,
-            };
-            (group, if one.after.is_nan() { f32::INFINITY } else { one.after }, candidate.place())
-        };
-        let before = move |a: Candidate, b: Candidate| {
-            let ((g, x, p), (h, y, q)) = (key(a), key(b));
-            g < h || (g == h && (x < y || (x == y && p < q)))
-        };
         let mut left = Candidate::all().fold(Found::none(), Found::with);
         core::iter::from_fn(move || {
-            let first = left.iter().reduce(|best, other| if before(other, best) { other } else { best })?;
+            let first =
+                left.iter().reduce(|best, other| if self.before(other, best) { other } else { best })?;
             left = left.without(first);
             Some((first, self.of(first)))
         })
+    }
+
+    /// Whether a candidate ranks before another.
+    #[inline(never)]
+    fn before(&self, a: Candidate, b: Candidate) -> bool {
+        let ((g, x, p), (h, y, q)) = (self.rank(a), self.rank(b));
+        g < h || (g == h && (x < y || (x == y && p < q)))
+    }
+
+    #[inline(never)]
+    fn rank(&self, candidate: Candidate) -> (u16, f32, usize) {
+        let one = self.of(candidate);
+        let group = match one.status {
+            Status::InUse => 0,
+            Status::Missing | Status::Confounded if one.order > 0 => 1 + u16::from(one.order),
+            Status::Missing | Status::Confounded => 100,
+            Status::NotNeeded if candidate != Candidate::Lag => 101,
+            Status::NotNeeded => 102,
+            Status::Untestable => 103,
+        };
+        (group, if one.after.is_nan() { f32::INFINITY } else { one.after }, candidate.place())
     }
 }

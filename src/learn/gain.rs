@@ -117,8 +117,20 @@ impl Learner {
             return Err(NotShown::Full);
         }
         if candidate == Candidate::Lag {
-            return self.add_lag(calibration);
+            self.add_lag(calibration)
+        } else {
+            self.add_shown(candidate, calibration)
         }
+    }
+
+    /// One that the magnitude shows.
+    // Apart from a delay: the stack carries the sums of one of them at a time.
+    #[inline(never)]
+    fn add_shown(
+        &mut self,
+        candidate: Candidate,
+        calibration: &ExtendedCalibration<f64>,
+    ) -> Result<ExtendedCalibration<f64>, NotShown> {
         self.settle();
         let effect = self.effect(candidate).ok_or(NotShown::Undetermined)?;
         let studied = self.studied(&calibration.effects).with(candidate);
@@ -137,6 +149,7 @@ impl Learner {
 
     /// The calibration without an effect, the others and the base estimated anew from what was learned; where that does not
     /// determine them, they stay as they are.
+    #[inline(never)]
     pub fn remove(
         &mut self,
         effect: &BuiltIn<f64>,
@@ -268,6 +281,7 @@ impl Learner {
     }
 
     /// The sensor's delay; with it the matrix is turned into the accelerometer's and the gyro's axes, in which alone it means something.
+    #[inline(never)]
     fn add_lag(&mut self, from: &ExtendedCalibration<f64>) -> Result<ExtendedCalibration<f64>, NotShown> {
         let (_, before) = Point::of(&from.base).ok_or(NotShown::Undetermined)?;
         let lateness = Lateness::of(&self.late).ok_or(NotShown::Undetermined)?;

@@ -55,6 +55,8 @@ impl Lateness {
     }
 
     /// By the dip.
+    // Apart from the other way: the stack carries the sums of one of them at a time.
+    #[inline(never)]
     pub(super) fn by_dip(late: &Late) -> Option<Self> {
         let rows = late.blocks.rows();
         if rows < LEAST_ROWS {
@@ -103,6 +105,7 @@ impl Lateness {
     }
 
     /// By the gyro.
+    #[inline(never)]
     fn by_gyro(late: &Late) -> Option<Self> {
         let sums = &late.by_gyro;
         let rows = sums.rows;

@@ -209,9 +209,10 @@ impl Learner {
         let values = self.values(first_ms, t_ms);
         let mut cleaned_ut = measured_ut;
         for (theta, value) in self.carried.iter().zip(values) {
-            for (slot, along) in cleaned_ut.iter_mut().zip(theta) {
-                *slot -= point.field_ut * along * value;
-            }
+            let ([x, y, z], [along_x, along_y, along_z]) = (&mut cleaned_ut, theta);
+            *x -= point.field_ut * along_x * value;
+            *y -= point.field_ut * along_y * value;
+            *z -= point.field_ut * along_z * value;
         }
         let Some(look) = point.look(cleaned_ut) else { return };
         let mut row = [0.0; STREAMED];
@@ -229,8 +230,9 @@ impl Learner {
         self.last_ms = t_ms;
         self.columns.take();
         let offset = look.offset();
-        for (three, value) in effects.chunks_exact_mut(3).zip(values) {
-            three.iter_mut().zip(offset).for_each(|(slot, along)| *slot = along * value);
+        let [along_x, along_y, along_z] = offset;
+        for (three, value) in effects.as_chunks_mut::<3>().0.iter_mut().zip(values) {
+            *three = [along_x * value, along_y * value, along_z * value];
         }
         if rows > 0 && rows.is_multiple_of(EVERY) {
             self.marks.take(&self.blocks, t_ms as u32);

@@ -38,9 +38,11 @@ impl Look {
 }
 
 /// `C v` and `Cᵀ u` of a triangle.
+#[inline(always)]
 fn times([a, b, c, d, e, f]: [f32; 6], [x, y, z]: [f32; 3]) -> [f32; 3] {
     [a * x + b * y + c * z, d * y + e * z, f * z]
 }
+#[inline(always)]
 fn transposed_times([a, b, c, d, e, f]: [f32; 6], [x, y, z]: [f32; 3]) -> [f32; 3] {
     [a * x, b * x + d * y, c * x + e * y + f * z]
 }

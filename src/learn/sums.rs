@@ -24,6 +24,32 @@ pub(super) const fn at(i: usize, j: usize) -> usize {
     high * (high + 1) / 2 + low
 }
 
+/// Adds `row` times itself and times `residual`: one text for every number of columns.
+///
+/// Most of the study's instructions are here. Slices that are taken apart instead of iterators: whatever the compiler is told to
+/// save, these are no calls.
+fn add_row(entries: &mut [f32], right: &mut [f32], row: &[f32], residual: f32) {
+    let (mut entries, mut right, mut values, mut length) = (entries, right, row, 1);
+    while let ([slot, later @ ..], [value, others @ ..]) = (right, values) {
+        *slot += value * residual;
+        let Some((line, next)) = entries.split_at_mut_checked(length) else { return };
+        let Some((mut fours, mut ones)) = line.split_at_mut_checked(length & !3) else { return };
+        let mut from = row;
+        while let ([a, b, c, d, more @ ..], [p, q, r, s, rest @ ..]) = (fours, from) {
+            *a += value * p;
+            *b += value * q;
+            *c += value * r;
+            *d += value * s;
+            (fours, from) = (more, rest);
+        }
+        while let ([a, more @ ..], [p, rest @ ..]) = (ones, from) {
+            *a += value * p;
+            (ones, from) = (more, rest);
+        }
+        (entries, right, values, length) = (next, later, others, length + 1);
+    }
+}
+
 impl<const P: usize, const E: usize> Sums<P, E> {
     pub(super) const fn new() -> Self {
         const { assert!(E == P * (P + 1) / 2, "entries of the triangle") };
@@ -40,23 +66,7 @@ impl<const P: usize, const E: usize> Sums<P, E> {
     /// Adds one row of the first columns, all others zero.
     #[inline]
     pub(super) fn push(&mut self, row: &[f32], residual: f32) {
-        let mut rest = self.entries.as_mut_slice();
-        for (i, (right, &value)) in self.right.iter_mut().zip(row).enumerate() {
-            *right += value * residual;
-            let Some((line, next)) = core::mem::take(&mut rest).split_at_mut_checked(i + 1) else { return };
-            // Four at a time: most of the study's instructions are here.
-            let ((fours, left), (others, _)) = (line.as_chunks_mut::<4>(), row.as_chunks::<4>());
-            for (entries, others) in fours.iter_mut().zip(others) {
-                for (entry, other) in entries.iter_mut().zip(others) {
-                    *entry += value * other;
-                }
-            }
-            let done = 4 * fours.len();
-            for (entry, &other) in left.iter_mut().zip(row.iter().skip(done)) {
-                *entry += value * other;
-            }
-            rest = next;
-        }
+        add_row(&mut self.entries, &mut self.right, row, residual);
         self.squares += residual * residual;
         self.rows = self.rows.saturating_add(1);
     }

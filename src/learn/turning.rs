@@ -14,7 +14,7 @@ pub(super) const TURNING_ENTRIES: usize = TURNING * (TURNING + 1) / 2;
 pub(super) const TURNING_BASE: usize = 3;
 
 fn sum(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    core::array::from_fn(|axis| a[axis] + b[axis])
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// One direction held against where the gyro has turned it since another one.
@@ -76,9 +76,10 @@ impl ByGyro {
         self.way = minus(self.way, scaled(cross(turn, middle), step_s));
         self.late = sum(self.late, cross(minus(turn_radps, before), middle));
         let along = dot(turn, middle) * step_s;
+        let [x, y, z] = middle;
         for (axis, row) in self.skew.iter_mut().enumerate() {
             let own = turn[axis] * step_s;
-            row.iter_mut().zip(middle).for_each(|(slot, value)| *slot -= own * value);
+            *row = [row[0] - own * x, row[1] - own * y, row[2] - own * z];
             row[axis] += along;
         }
         self.span_s += step_s;

@@ -9,14 +9,15 @@ use core::fmt;
 
 use crate::calibration::Calibration;
 use crate::number::Num;
-use crc::{CRC_16_MODBUS, Crc};
+use crc::{CRC_16_MODBUS, Crc, NoTable};
 
 /// Bytes of a packet.
 pub const PACKET_BYTES: usize = 68;
 /// The two that it begins with.
 pub const PACKET_BEGINS: [u8; 2] = [117, 84];
 
-const CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_MODBUS);
+// Without a table, which is half a kilobyte for a packet now and then.
+const CRC: Crc<u16, NoTable> = Crc::<u16, NoTable>::new(&CRC_16_MODBUS);
 const CRC_BYTES: usize = 2;
 const NUMBERS: usize = 16;
 

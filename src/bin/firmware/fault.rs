@@ -77,6 +77,9 @@ unsafe extern "C" {
 // The region holds 256 bytes (build.rs).
 const _: () = assert!(size_of::<Trace>() <= 256);
 
+/// The trace in words of the processor.
+const WORDS: usize = size_of::<Trace>() / 4;
+
 /// The restarts after a fault, since power-up.
 pub struct Restarts {
     /// How many there were.
@@ -129,10 +132,16 @@ fn describe(trace: &Trace, out: &mut Text) -> core::fmt::Result {
 }
 
 /// The trace in memory, or an empty one if none was written since power-up.
+// Read and written word by word in a loop: all of it at once the compiler writes out, a kilobyte of code.
+#[inline(never)]
 fn load() -> Trace {
-    // SAFETY: the region is there, aligned and large enough, any bytes are a valid `Trace`, and the only writer is a fault
-    // handler, which never returns.
-    let trace = unsafe { (&raw const _fault_trace).read_volatile() };
+    let mut words = [0; WORDS];
+    for (at, word) in words.iter_mut().enumerate() {
+        // SAFETY: the region is there, aligned and large enough, and the only writer is a fault handler, which never returns.
+        *word = unsafe { (&raw const _fault_trace).cast::<u32>().add(at).read_volatile() };
+    }
+    // SAFETY: of the same size, and any bytes are a valid `Trace`.
+    let trace = unsafe { core::mem::transmute::<[u32; WORDS], Trace>(words) };
     if trace.magic == MAGIC && trace.check == checksum(&trace) {
         return trace;
     }
@@ -163,11 +172,16 @@ fn store_and_restart(trace: Trace) -> ! {
     crate::board::restart()
 }
 
+#[inline(never)]
 fn store(mut trace: Trace) {
     trace.check = checksum(&trace);
-    // SAFETY: the region is ours, aligned and large enough. Its other writers are fault handlers, which never return, and
-    // `started`, which a handler may only replace whole.
-    unsafe { (&raw mut _fault_trace).write_volatile(trace) };
+    // SAFETY: of the same size, without padding.
+    let words = unsafe { core::mem::transmute::<Trace, [u32; WORDS]>(trace) };
+    for (at, word) in words.into_iter().enumerate() {
+        // SAFETY: the region is ours, aligned and large enough. Its other writers are fault handlers, which never return, and
+        // `started`, which a handler may only replace whole.
+        unsafe { (&raw mut _fault_trace).cast::<u32>().add(at).write_volatile(word) };
+    }
 }
 
 /// Takes note that this start has lived for [`STARTED_MS`].

@@ -37,6 +37,8 @@ static EXTENDED: Mutex<Cell<(u32, u32)>> = Mutex::new(Cell::new((0, 0)));
 static DUE_US: Mutex<Cell<u64>> = Mutex::new(Cell::new(u64::MAX));
 
 /// Microseconds since start.
+// Asked at two dozen places, and not in a hurry at any.
+#[inline(never)]
 pub fn now_us<C: Counter>() -> u64 {
     critical_section::with(|section| {
         let (last, wraps) = EXTENDED.borrow(section).get();
