@@ -3,6 +3,7 @@
 use ironout_analysis::outcome::outcome::Verdict;
 use ironout_analysis::{Diagnosis, Options, Table, diagnose};
 use ironout_simulation::{Log, World, WorldOptions};
+use std::cell::Cell;
 
 /// A log in which nothing is hidden yet, with a temperature that rises slowly.
 fn clean(seed: u64, seconds: f64) -> Log {
@@ -101,5 +102,29 @@ fn what_follows_a_temperature_beside_a_large_offset_is_the_sensor_and_not_the_fi
         let (_, named) = study(&log);
         assert_eq!(named.first().map(String::as_str), Some("gain:temp_c"), "{seed}: {named:?}");
         assert!(named.iter().all(|id| id.ends_with(":temp_c") && id != "field:temp_c"), "{seed}: {named:?}");
+    }
+}
+
+#[test]
+fn the_square_of_a_current_that_is_on_and_off_is_not_told_as_the_current() {
+    for seed in 1..4 {
+        let mut log = clean(seed, 60.0);
+        let rows = log.rows();
+        // Four seconds on, four off, each time another current.
+        let current = |row: usize| {
+            let pulse = row * 60 / rows / 4;
+            let level = [5.0, 7.0, 6.0, 8.0][(pulse / 2) % 4];
+            if pulse % 2 == 1 { level } else { 0.0 }
+        };
+        let values: Vec<f64> = (0..rows).map(current).collect();
+        let row = Cell::new(0);
+        change(&mut log, |_, _, m| {
+            let heats = values[row.replace(row.get() + 1)].powi(2);
+            [m[0] + 0.012 * heats, m[1] - 0.018 * heats, m[2] + 0.006 * heats]
+        });
+        let own = log.names.iter().position(|name| name == "current_a").expect("a column of the current");
+        log.columns[own] = values;
+        let (_, named) = study(&log);
+        assert_eq!(named, ["offset:current_a^2"], "{seed}");
     }
 }
