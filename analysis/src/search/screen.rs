@@ -11,6 +11,11 @@ use ironout::study::{Improvement, Residual, f_tail, held_out};
 /// An effect of the magnitude is named if it takes at least this share off the squared error on unseen time.
 pub const WORTH_NAMING: f64 = 0.15;
 
+/// What takes less than this share off the squared error may be part of 1/f noise.
+const OF_SLOW_NOISE: f64 = 0.5;
+/// No noise follows its colour to the letter: where it is weakly known, at the lowest frequencies, chance is so many times likelier.
+const CAUTION: f64 = 10.0;
+
 /// A candidate with the number of places that were searched for its fixed parameter.
 #[derive(Clone)]
 pub struct Candidate<'a> {
@@ -146,14 +151,13 @@ pub fn screen(
             let left = rows.moved(&step);
             let noise = frame.spectrum(&total, span.clone(), &left)?;
             let test = frame.test(&total, span.clone(), &noise)?;
-            Some(with_colour(
-                frame,
-                &total,
-                span,
-                &left,
-                test,
-                candidates[start + offset].searched * count as f64,
-            ))
+            let tries = candidates[start + offset].searched * count as f64;
+            let found = with_colour(frame, &total, span.clone(), &left, test, tries);
+            let takes = gains[offset].as_ref().map_or(0.0, |gain| gain.decrease);
+            match takes < OF_SLOW_NOISE * fitted.squares {
+                true => Some(before_it(frame, &total, span, &rows.moved(&[0.0; COLUMNS]), found, tries)),
+                false => Some(found),
+            }
         };
         for (offset, keep) in keeps.iter().enumerate() {
             let index = start + offset;
@@ -210,6 +214,25 @@ fn with_colour(
     let tests = noises.iter().filter_map(|noise| frame.test(total, span.clone(), noise));
     // The noise may be any of them: what chance does by one of them may be chance.
     tests.fold(test, |most, next| if next.p_value > most.p_value { next } else { most })
+}
+
+/// The same with the colour that the noise has before the candidate is taken out of it: a slow column takes the slowest part of
+/// 1/f noise with it, and what is left looks whiter than the noise is.
+fn before_it(
+    frame: &Frame,
+    total: &Matrix,
+    span: std::ops::Range<usize>,
+    residuals: &[f64],
+    test: Verdict,
+    tries: f64,
+) -> Verdict {
+    if test.p_value * tries >= SIGNIFICANCE {
+        return test;
+    }
+    let noises = frame.coloured(total, 0..0, residuals);
+    let tests = noises.iter().filter_map(|noise| frame.test(total, span.clone(), noise));
+    let careful = tests.map(|test| Verdict { p_value: (CAUTION * test.p_value).min(1.0), ..test });
+    careful.fold(test, |most, next| if next.p_value > most.p_value { next } else { most })
 }
 
 /// How two candidates stand to each other: the p-value of each given the other, and their largest and smallest
