@@ -42,8 +42,8 @@ impl<'a> Greedy<'_, 'a> {
         };
         let Some(gain) = own(Acts::Measured) else { return Ok(None) };
         let offset = own(Acts::Added).filter(|_| before.pieces.len() + 2 <= MOST_EFFECTS);
-        for more in [Some(vec![&gain]), offset.as_ref().map(|offset| vec![&gain, offset])] {
-            let Some(more) = more else { continue };
+        let both = offset.as_ref().map(|offset| vec![&gain, offset]);
+        for more in std::iter::once(vec![&gain]).chain(both) {
             let Some(next) = self.with_all(before, more.iter().copied())? else { continue };
             let no_worse =
                 held_out_rms(&next).zip(held_out_rms(with)).is_some_and(|(own, field)| own < NEARLY * field);
