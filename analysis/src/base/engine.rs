@@ -189,11 +189,12 @@ impl Pass<'_> {
         if self.residual != Residual::Magnitude {
             return Turning::none(self.samples.len() * 3);
         }
-        Turning::of(self.samples.readings.iter().map(|reading| {
+        let directions = self.samples.readings.iter().map(|reading| {
             let off: [f64; 3] =
                 core::array::from_fn(|axis| reading.measured_ut[axis] - model.offset_ut[axis]);
             model.matrix.map(|row| row.iter().zip(off).map(|(c, v)| c * v).sum())
-        }))
+        });
+        Turning::of(directions, &model.matrix)
     }
 }
 

@@ -4,6 +4,7 @@ use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::piece::{COLUMNS, Matrix, Piece};
 use crate::noise::colour::{Colour, Seen};
+use crate::noise::shared::together;
 use crate::noise::turning::Turning;
 use crate::samples::series::{Autocorrelation, rms, second_difference_sigma};
 use ironout::effect::{Quantities, no_shape};
@@ -89,11 +90,13 @@ pub fn residue(
     let odd = correlation.structure(n) > STRUCTURE_RATIO || beside;
     let lines = noise.misfit() > STRUCTURE_MISFIT && noise.excess > STRUCTURE_SHARE;
     // A resting board's own drifts, and what a logger rounds, look like slow noise: there only a short memory is noise.
-    let is_noise = turning.of_magnitude && noise.is_noise(step_s);
+    // What has a memory and moves the axes together is no sensor's own.
+    let together = noise.colour != Colour::White && together(residuals, turning, noise.colour, rounding);
+    let is_noise = turning.of_magnitude && noise.is_noise(step_s) && !together;
     // A memory that no filter has, or a spectrum that no noise with a memory has: an error that moves. A rolling mean's has zeros,
     // which rounding and the board's turns fill.
     let forgets = matches!(noise.colour, Colour::Fading(_) | Colour::Flicker { .. });
-    let own = noise.colour.is_of_a_sensor(step_s) && (is_noise || !forgets);
+    let own = noise.colour.is_of_a_sensor(step_s) && (is_noise || !forgets) && !together;
     let moves = turning.of_magnitude && !own;
     let structured = ((odd || moves) && share > STRUCTURE_SHARE || lines) && !is_noise;
     // Fast structure is in the second differences too.
@@ -248,6 +251,12 @@ pub fn information(pass: &Pass, fitted: &Fitted, known: &Known, time: f64) -> Op
     let nine = SMatrix::<f64, 9, 9>::from_fn(|i, j| covariance[i][j]);
     let inverse = nine.cholesky()?.inverse();
     Some(core::array::from_fn(|i| core::array::from_fn(|j| inverse[(i, j)])))
+}
+
+/// The error of a calibration that the error on unseen time shows beside that of the samples it was fitted to (all rms, of one
+/// unit): noise is in both alike, and the fit's own error raises the one by as much as fitting lowers the other.
+pub fn error_beyond(unseen: f64, seen: f64) -> f64 {
+    (0.5 * (unseen * unseen - seen * seen).max(0.0)).sqrt()
 }
 
 /// How the noise of one axis shows in the residual: rms of `‖Cᵀu‖`, from the offset columns of the normal matrix.

@@ -3,6 +3,7 @@
 use crate::base::axes::Alignment;
 use crate::base::counted::{Aside, Counted};
 use crate::base::ground::Ground;
+use crate::base::quality::error_beyond;
 use crate::base::solution::Solution;
 use crate::outcome::request::Options;
 use crate::samples::samples::Samples;
@@ -153,12 +154,9 @@ impl Fitted {
         self.solution = Some(solution);
     }
 
-    /// The error of the calibration that held-out blocks of time show, µT rms along the field at the attitudes of the log:
-    /// noise is in both errors alike, and the fit's own error raises the one on unseen time by as much as fitting lowers
-    /// the other.
+    /// The error of the calibration that held-out blocks of time show, µT rms along the field at the attitudes of the log.
     fn unseen_error_ut(&self, solution: &Solution) -> Option<f64> {
-        let beyond = self.holdout_rms_ut?.powi(2) - solution.rms_ut.powi(2);
-        Some((0.5 * beyond.max(0.0)).sqrt()).filter(|error| error.is_finite())
+        Some(error_beyond(self.holdout_rms_ut?, solution.rms_ut)).filter(|error| error.is_finite())
     }
 
     /// Samples set aside in all.

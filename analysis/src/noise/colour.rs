@@ -53,6 +53,8 @@ pub enum Colour {
         exponent: f64,
         /// Share of the variance that is white.
         white: f64,
+        /// Whether what lies beyond half the sampling rate is folded back into it: sampled without a filter before.
+        folded: bool,
     },
 }
 
@@ -65,7 +67,7 @@ impl Colour {
                 format!("noise with a memory (a correlation of {correlation:.2} from sample to sample)")
             }
             Colour::RollingMean(of) => format!("a rolling mean over {of} samples"),
-            Colour::Flicker { exponent, white } if white > 0.0 => {
+            Colour::Flicker { exponent, white, .. } if white > 0.0 => {
                 format!("1/f noise (exponent {exponent:.1}) with {:.0} % of white noise", 100.0 * white)
             }
             Colour::Flicker { exponent, .. } => format!("1/f noise (exponent {exponent:.1})"),
@@ -94,8 +96,8 @@ impl Colour {
                 let by = 0.05 * (1.0 - rho);
                 Some((Colour::Fading(rho + by), by))
             }
-            Colour::Flicker { exponent, white } => {
-                Some((Colour::Flicker { exponent: exponent + 0.05, white }, 0.05))
+            Colour::Flicker { exponent, white, folded } => {
+                Some((Colour::Flicker { exponent: exponent + 0.05, white, folded }, 0.05))
             }
         }
     }
@@ -120,7 +122,7 @@ impl Colour {
     }
 
     /// Its autocorrelation at the lags from 0 to half of `size`.
-    fn correlation(self, size: usize) -> Vec<f64> {
+    pub(crate) fn correlation(self, size: usize) -> Vec<f64> {
         let lags = size / 2 + 1;
         match self {
             Colour::White => (0..lags).map(|lag| f64::from(u8::from(lag == 0))).collect(),
@@ -128,12 +130,12 @@ impl Colour {
             Colour::RollingMean(of) => {
                 (0..lags).map(|lag| (1.0 - lag as f64 / of.max(1) as f64).max(0.0)).collect()
             }
-            Colour::Flicker { exponent, white } => {
+            Colour::Flicker { exponent, white, folded } => {
                 let power: Vec<f64> = (0..lags)
-                    // The sine, not the angle: what lies beyond the Nyquist frequency is folded back.
                     .map(|bin| {
                         let angle = std::f64::consts::PI * bin.max(1) as f64 / size as f64;
-                        angle.sin().powf(-exponent)
+                        // The sine rises to what is folded back.
+                        if folded { angle.sin() } else { angle }.powf(-exponent)
                     })
                     .collect();
                 let mut values = symmetric(&power, size);
@@ -210,16 +212,8 @@ impl<'t> Seen<'t> {
         if colour == Colour::White {
             return vec![1.0; self.size / 2 + 1];
         }
-        let own = colour.correlation(self.size);
-        let mut folded = vec![0.0; self.size / 2 + 1];
-        for (lag, alike) in self.turning.alike.iter().enumerate().take(self.n) {
-            let place = lag.min(self.size - lag);
-            // Half a turn away the two ends meet in one place.
-            let twice = if 2 * place == self.size { 2.0 } else { 1.0 };
-            let value = own[place] * alike * (1.0 - self.rounding);
-            folded[place] += if lag == 0 { value + self.rounding } else { twice * value };
-        }
-        symmetric(&folded, self.size)
+        let alike = &self.turning.alike[..self.n.min(self.turning.alike.len())];
+        seen_through(&colour.correlation(self.size), alike, self.rounding, self.size)
     }
 
     fn left(&self, bin: usize) -> f64 {
@@ -332,26 +326,30 @@ impl<'t> Seen<'t> {
     }
 
     fn best_flicker(&self) -> Described {
-        let at = |exponent: f64| {
-            let plain = self.expected(Colour::Flicker { exponent, white: 0.0 });
+        let at = |exponent: f64, folded: bool| {
+            let plain = self.expected(Colour::Flicker { exponent, white: 0.0, folded });
             let fits = WHITE
                 .iter()
-                .map(|white| self.fit_to(Colour::Flicker { exponent, white: *white }, mixed(&plain, *white)));
+                .map(|&white| self.fit_to(Colour::Flicker { exponent, white, folded }, mixed(&plain, white)));
             fits.reduce(|best, next| if next.deviance < best.deviance { next } else { best })
         };
         let better = |best: Described, next: Option<Described>| match next {
             Some(next) if next.deviance < best.deviance => (next, true),
             _ => (best, false),
         };
-        let mut best = self.fit(Colour::Flicker { exponent: EXPONENTS[0], white: 0.0 });
+        let mut best = self.fit(Colour::Flicker { exponent: EXPONENTS[0], white: 0.0, folded: true });
         let mut near = EXPONENTS[0];
         for exponent in EXPONENTS {
-            let (next, is_better) = better(best, at(exponent));
+            let (next, is_better) = better(best, at(exponent, true));
             best = next;
             near = if is_better { exponent } else { near };
         }
         for exponent in [near - 0.1, near + 0.1] {
-            best = better(best, at(exponent)).0;
+            best = better(best, at(exponent, true)).0;
+        }
+        // Not folded it falls faster, so that the same noise has a smaller exponent.
+        for exponent in [near - 0.2, near - 0.1, near] {
+            best = better(best, at(exponent, false)).0;
         }
         best
     }
@@ -363,6 +361,20 @@ impl<'t> Seen<'t> {
         let whole = values.first().copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
         values.iter().map(|value| value / whole).collect()
     }
+}
+
+/// The power by bin of noise of this autocorrelation (and a share of `rounding`, white beside it) that shows by so much after so
+/// many samples.
+pub(crate) fn seen_through(own: &[f64], alike: &[f64], rounding: f64, size: usize) -> Vec<f64> {
+    let mut folded = vec![0.0; size / 2 + 1];
+    for (lag, alike) in alike.iter().enumerate() {
+        let place = lag.min(size - lag);
+        // Half a turn away the two ends meet in one place.
+        let twice = if 2 * place == size { 2.0 } else { 1.0 };
+        let white = if lag == 0 { rounding } else { 0.0 };
+        folded[place] += twice * alike * (own[place] * (1.0 - rounding) + white);
+    }
+    symmetric(&folded, size)
 }
 
 /// A spectrum of unit variance with a share of white noise.

@@ -2,6 +2,7 @@
 
 pub mod colour;
 pub mod power;
+pub mod shared;
 pub mod turning;
 
 #[cfg(test)]

@@ -1,11 +1,13 @@
 //! Tests of the colours.
 
 use crate::noise::colour::{Colour, Described, Seen};
+use crate::noise::shared::together;
 use crate::noise::turning::Turning;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
 const N: usize = 4000;
+const UNIT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 fn fresh(rng: &mut ChaCha8Rng) -> f64 {
     (0..12).map(|_| rng.random_range(-0.5..0.5)).sum()
@@ -60,14 +62,14 @@ fn described(colour: Colour, seed: u64, more: impl Fn(usize) -> f64) -> Describe
     let directions = directions();
     let residual: Vec<f64> =
         (0..N).map(|at| (0..3).map(|i| axes[i][at] * directions[at][i]).sum::<f64>() + more(at)).collect();
-    let turning = Turning::of(directions.into_iter());
+    let turning = Turning::of(directions.into_iter(), &UNIT);
     // Nothing was fitted here.
     Seen::of(&residual, &turning, &[], 0.0).describe()
 }
 
 #[test]
 fn each_colour_is_told() {
-    let flicker = Colour::Flicker { exponent: 1.0, white: 0.0 };
+    let flicker = Colour::Flicker { exponent: 1.0, white: 0.0, folded: true };
     for seed in 0..6 {
         for colour in
             [Colour::White, Colour::Fading(0.4), Colour::Fading(0.9), Colour::RollingMean(5), flicker]
@@ -77,7 +79,7 @@ fn each_colour_is_told() {
                 (Colour::White, Colour::White) => true,
                 (Colour::Fading(a), Colour::Fading(b)) => (a - b).abs() < 0.05,
                 (Colour::RollingMean(a), Colour::RollingMean(b)) => a == b,
-                (Colour::Flicker { .. }, Colour::Flicker { exponent, white }) => {
+                (Colour::Flicker { .. }, Colour::Flicker { exponent, white, .. }) => {
                     (exponent - 1.0).abs() < 0.21 && white < 0.3
                 }
                 _ => false,
@@ -112,5 +114,69 @@ fn a_memory_of_seconds_is_none_of_a_sensor() {
     assert!(Colour::Fading(0.9).is_of_a_sensor(0.02) && Colour::Fading(0.95).is_of_a_sensor(0.02));
     assert!(!Colour::Fading(0.95).is_of_a_sensor(0.1) && !Colour::Fading(0.99).is_of_a_sensor(0.0));
     assert!(Colour::RollingMean(8).is_of_a_sensor(0.1) && !Colour::RollingMean(30).is_of_a_sensor(0.1));
-    assert!(!Colour::Flicker { exponent: 1.5, white: 0.0 }.is_of_a_sensor(0.02));
+    assert!(!Colour::Flicker { exponent: 1.5, white: 0.0, folded: true }.is_of_a_sensor(0.02));
+}
+
+#[test]
+fn a_cause_moves_the_axes_together_and_noise_does_not() {
+    let matrix = [[1.1, 0.1, -0.05], [0.0, 0.95, 0.08], [0.0, 0.0, 1.2]];
+    // All round, and a hand that waves about one attitude.
+    let waved = |at: usize| {
+        let (a, b) = (0.6 * (at as f64 * 0.021).sin(), 0.4 * (at as f64 * 0.013).sin() + 0.7);
+        [a.cos() * b.sin(), a.sin() * b.sin(), b.cos()]
+    };
+    for directions in [directions(), (0..N).map(waved).collect()] {
+        let turning = Turning::of(directions.into_iter(), &matrix);
+        let seen = |axes: &[Vec<f64>]| -> Vec<f64> {
+            (0..N).map(|at| (0..3).map(|i| axes[i][at] * turning.weights[at][i]).sum()).collect()
+        };
+        let colours = [
+            Colour::Fading(0.9),
+            Colour::RollingMean(5),
+            Colour::Flicker { exponent: 1.0, white: 0.0, folded: true },
+        ];
+        for (seed, colour) in (0..4).flat_map(|seed| colours.map(|colour| (seed, colour))) {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let apart = [(); 3].map(|()| noise(colour, &mut rng));
+            assert!(!together(&seen(&apart), &turning, colour, 0.0), "seed {seed}: {colour:?}");
+            // Along one direction, beside a little of each axis' own.
+            let cause = noise(colour, &mut rng);
+            let along = [0.6, -0.5, 0.6];
+            let both: [Vec<f64>; 3] = std::array::from_fn(|i| {
+                cause.iter().zip(&apart[i]).map(|(cause, own)| along[i] * cause + 0.3 * own).collect()
+            });
+            assert!(together(&seen(&both), &turning, colour, 0.0), "seed {seed}: {colour:?}");
+        }
+    }
+}
+
+#[test]
+fn noise_that_was_filtered_before_its_sampling_is_noise() {
+    // 1/f by its transform, and nothing of what lies beyond half the sampling rate.
+    let size = 2 * N.next_power_of_two();
+    let directions = directions();
+    for seed in 0..4 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let axes = [(); 3].map(|()| {
+            let mut data: Vec<(f64, f64)> = (0..size).map(|_| (fresh(&mut rng), 0.0)).collect();
+            crate::samples::fft::forward(&mut data);
+            for (bin, value) in data.iter_mut().enumerate() {
+                let by = (bin.min(size - bin).max(1) as f64).powf(-0.5);
+                *value = (value.0 * by, value.1 * by);
+            }
+            crate::samples::fft::forward(&mut data);
+            data.into_iter().take(N).map(|value| value.0).collect::<Vec<f64>>()
+        });
+        let residual: Vec<f64> =
+            (0..N).map(|at| (0..3).map(|i| axes[i][at] * directions[at][i]).sum()).collect();
+        let turning = Turning::of(directions.iter().copied(), &UNIT);
+        let found = Seen::of(&residual, &turning, &[], 0.0).describe();
+        assert!(found.is_noise(0.02), "seed {seed}: {:?} {}", found.colour, found.misfit());
+        assert!(
+            matches!(found.colour, Colour::Flicker { folded: false, .. }),
+            "seed {seed}: {:?}",
+            found.colour
+        );
+        assert!(found.misfit() < 4.0, "seed {seed}: {}", found.misfit());
+    }
 }

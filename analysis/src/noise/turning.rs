@@ -16,33 +16,43 @@ pub struct Turning {
     pub absorbed: Vec<f64>,
     /// Whether the residual is that of a magnitude on a board that turns.
     pub of_magnitude: bool,
+    /// By how much each axis of the sensor shows in each residual; empty where nothing turns.
+    pub weights: Vec<[f64; 3]>,
 }
 
 impl Turning {
     /// Where nothing turns: a residual that is no magnitude.
     pub fn none(n: usize) -> Self {
         let alike = (0..n).map(|lag| 1.0 - lag as f64 / n.max(1) as f64).collect();
-        Turning { alike, absorbed: vec![0.0; padded(n) / 2 + 1], of_magnitude: false }
+        Turning { alike, absorbed: vec![0.0; padded(n) / 2 + 1], of_magnitude: false, weights: Vec::new() }
     }
 
-    /// Of the field's directions in the frame of the sensor, one a sample (of any length but zero).
-    pub fn of(directions: impl Iterator<Item = [f64; 3]>) -> Self {
+    /// Of the field's directions in the frame of the board, one a sample (of any length but zero), and the matrix that brings
+    /// readings there.
+    pub fn of(directions: impl Iterator<Item = [f64; 3]>, matrix: &[[f64; 3]; 3]) -> Self {
         let units: Vec<[f64; 3]> = directions
             .map(|v| {
                 let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();
                 if norm > 0.0 && norm.is_finite() { v.map(|x| x / norm) } else { [0.0; 3] }
             })
             .collect();
+        let weights: Vec<[f64; 3]> = units
+            .iter()
+            .map(|u| std::array::from_fn(|j| (0..3).map(|i| matrix[i][j] * u[i]).sum()))
+            .collect();
         let n = units.len();
         let size = padded(n);
-        let mut columns: Vec<Vec<f64>> = (0..3).map(|i| units.iter().map(|u| u[i]).collect()).collect();
-        let alike = alike(&columns, n);
+        let axes = |list: &[[f64; 3]]| -> Vec<Vec<f64>> {
+            (0..3).map(|i| list.iter().map(|u| u[i]).collect()).collect()
+        };
+        let alike = alike(&axes(&weights), n);
+        let mut columns = axes(&units);
         for (i, j) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
             columns.push(units.iter().map(|u| u[i] * u[j]).collect());
         }
         let mut absorbed = vec![0.0; size / 2 + 1];
         add_power(&mut absorbed, &transforms(&orthogonal(columns), size), n);
-        Turning { alike, absorbed, of_magnitude: true }
+        Turning { alike, absorbed, of_magnitude: true, weights }
     }
 }
 

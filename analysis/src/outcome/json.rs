@@ -50,7 +50,7 @@ fn noise(row: NoiseRow) -> Value {
         Colour::White => json!({}),
         Colour::Fading(correlation) => json!({"correlation": correlation}),
         Colour::RollingMean(of) => json!({"samples": of}),
-        Colour::Flicker { exponent, white } => json!({"exponent": exponent, "white": white}),
+        Colour::Flicker { exponent, white, .. } => json!({"exponent": exponent, "white": white}),
     };
     if let (Some(map), Some(own)) = (object.as_object_mut(), own.as_object()) {
         map.extend(own.clone());

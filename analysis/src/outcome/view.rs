@@ -10,7 +10,7 @@ use crate::base::known::Known;
 use crate::base::model::Base;
 use crate::base::mounting::Standing;
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::{Residue, attitude_error, covariance};
+use crate::base::quality::{Residue, attitude_error, covariance, error_beyond};
 use crate::base::start;
 use crate::outcome::outcome::{Heading, StepRow, Verdict, Where};
 use crate::residual::late::{Late, scan};
@@ -353,8 +353,8 @@ impl<'a> View<'_, 'a> {
             return None;
         }
         let fitted = &self.explanation.fitted;
-        let beyond = held_out_rms(fitted).map_or(0.0, |held| held * held - fitted.rms().powi(2));
-        let unseen = applied.share * (0.5 * beyond.max(0.0)).sqrt() / field;
+        let unseen =
+            held_out_rms(fitted).map_or(0.0, |held| applied.share * error_beyond(held, fitted.rms()) / field);
         predicted.map(|error| error.max(unseen)).filter(|error| *error > MAX_PREDICTED_ERROR)
     }
 

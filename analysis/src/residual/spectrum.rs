@@ -144,7 +144,12 @@ impl Spectrum {
         let n = residuals.len();
         let turning = match rows.alike.is_empty() {
             true => Turning::none(n),
-            false => Turning { alike: rows.alike.clone(), absorbed: Vec::new(), of_magnitude: true },
+            false => Turning {
+                alike: rows.alike.clone(),
+                absorbed: Vec::new(),
+                of_magnitude: true,
+                weights: Vec::new(),
+            },
         };
         let variance = residuals.iter().map(|r| r * r).sum::<f64>() / n.max(1) as f64;
         let seen = Seen::of(residuals, &turning, absorbed, rows.rounding / variance.max(f64::MIN_POSITIVE));

@@ -3,10 +3,12 @@
 
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::residue;
+use crate::base::quality::{Residue, error_beyond, predicted_error, residue};
 use crate::noise::colour::Colour;
 use crate::search::state::{Explanation, Greedy, Step, Withdrawn, errors_applied, held_out_rms};
 use ironout::effect::Searched;
+use ironout::fit::MAX_PREDICTED_ERROR;
+use ironout::study::Residual;
 use ironout::study::rule::falls;
 
 /// An effect stays if it takes at least this many times as much off the mean square as structure remains.
@@ -14,6 +16,8 @@ const OUTWEIGHS: f64 = 1.0;
 /// One of several steps beside which nothing is left is no stair of a slow change where it takes this many times as much as the
 /// noise: the last stair of one that noise hides takes little.
 const STANDS_OUT: f64 = 4.0;
+/// Where `fit` refuses the model, and it leaves so many times the error on unseen time, it is not the log's.
+const DOES_NOT_HOLD: f64 = 1.4;
 /// What raises the error on unseen time by more than this is not recommended.
 const RAISES: f64 = 1.05;
 
@@ -179,6 +183,41 @@ impl<'a> Greedy<'_, 'a> {
         Ok(without.map(|without| without.rms().powi(2) - fitted.rms().powi(2)))
     }
 
+    /// The effect that takes the least off the error, where the log is too short for its noise and its effects: what was found then
+    /// fits the log's own samples, and not those it was not fitted to.
+    fn does_not_hold(
+        &self,
+        explanation: &Explanation<'a>,
+        left: &Residue,
+        asked: &[String],
+    ) -> Option<Withdrawn> {
+        let fitted = &explanation.fitted;
+        let held_out = held_out_rms(fitted)?;
+        let times = held_out / fitted.rms();
+        // As `fit` has it, which would refuse this.
+        let unseen = error_beyond(held_out, fitted.rms()) / fitted.model.field_ut;
+        let predicted = predicted_error(&self.pass, fitted, self.known, left)?.max(unseen);
+        if self.pass.residual != Residual::Magnitude
+            || times < DOES_NOT_HOLD
+            || predicted < MAX_PREDICTED_ERROR
+        {
+            return None;
+        }
+        let found = explanation.steps.windows(2).filter_map(|pair| {
+            let id = pair[1].added.as_ref().filter(|id| !asked.contains(id))?;
+            Some((pair[0].rms.powi(2) - pair[1].rms.powi(2), id))
+        });
+        let (_, id) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(Withdrawn {
+            id: id.clone(),
+            why: format!(
+                "with it the calibration would be off by {:.1} % of the field, and the error on unseen time is {times:.1} times \
+                 that of the samples it was fitted to: the log is too short to tell",
+                100.0 * predicted
+            ),
+        })
+    }
+
     fn doubtful(
         &self,
         explanation: &Explanation<'a>,
@@ -201,6 +240,9 @@ impl<'a> Greedy<'_, 'a> {
             samples.step_s(),
             &self.pass.turning(&fitted.model),
         );
+        if let Some(unheld) = self.does_not_hold(explanation, &left, asked) {
+            return Ok(Some(unheld));
+        }
         let remains = left.structure * left.rms * left.rms;
         let is_step = |piece: &&Piece| matches!(piece.searched(), Some((Searched::At, _)));
         // Where all is explained there is nothing to doubt, but several steps make a stair of any slow change, and 1/f noise
