@@ -17,6 +17,9 @@ const LOWEST_HZ: f64 = 1.0;
 /// A column that takes so many times more off the error late than at once is worth a closer look.
 const LATE_OVER_PROMPT: f64 = 1.2;
 
+/// Delays are looked for up to this, s: what follows later than a motor or a power module does has a time of its own to show.
+const LONGEST_DELAY_S: f64 = 5.0;
+
 /// The best place of an effect of which something is searched for. `None` where nothing is, or the log does not allow it.
 pub fn best<'a>(
     pass: &Pass,
@@ -192,7 +195,7 @@ fn delays(samples: &Samples) -> Option<Vec<f64>> {
     if step.is_nan() || step <= 0.0 {
         return None;
     }
-    let longest = (2.0_f64).max(10.0 * step).min(seconds / 10.0);
+    let longest = LONGEST_DELAY_S.max(10.0 * step).min(seconds / 10.0);
     let mut delays = Vec::new();
     let (mut one, mut two) = (1.0, 2.0);
     while one * step <= longest {
