@@ -18,6 +18,8 @@ const OUTWEIGHS: f64 = 1.0;
 const STANDS_OUT: f64 = 4.0;
 /// Where `fit` refuses the model, and it leaves so many times the error on unseen time, it is not the log's.
 const DOES_NOT_HOLD: f64 = 1.4;
+/// ... unless all that was found lowers the error on unseen time to this share of it: then the log is short, and the cause there.
+const PREDICTS: f64 = 0.45;
 /// What raises the error on unseen time by more than this is not recommended.
 const RAISES: f64 = 1.05;
 
@@ -197,7 +199,9 @@ impl<'a> Greedy<'_, 'a> {
         // As `fit` has it, which would refuse this.
         let unseen = error_beyond(held_out, fitted.rms()) / fitted.model.field_ut;
         let predicted = predicted_error(&self.pass, fitted, self.known, left)?.max(unseen);
+        let before = explanation.steps.first().and_then(|first| first.held_out);
         if self.pass.residual != Residual::Magnitude
+            || before.is_none_or(|before| held_out < PREDICTS * before)
             || times < DOES_NOT_HOLD
             || predicted < MAX_PREDICTED_ERROR
         {
