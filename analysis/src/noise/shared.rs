@@ -65,6 +65,9 @@ fn statistic(residuals: &[f64], turning: &Turning, colour: Colour, rounding: f64
     let quick = &power[size / 4..size / 2];
     let quick = quick.iter().sum::<f64>() / quick.len() as f64;
     let expected = expected(weights, colour, rounding, size);
+    if !power.iter().chain(expected.iter().flatten()).all(|value| value.is_finite()) {
+        return 0.0;
+    }
     let (mut sum, mut count) = (Matrix3::zeros(), 0.0);
     for band in bands(&power[..size / 4], n, size) {
         let level = band.seen / band.bins.len() as f64;
@@ -79,6 +82,9 @@ fn statistic(residuals: &[f64], turning: &Turning, colour: Colour, rounding: f64
         let scale = eigen.eigenvalues.map(|value| value.max(least).max(f64::MIN_POSITIVE).sqrt().recip());
         let back = eigen.eigenvectors * Matrix3::from_diagonal(&scale) * eigen.eigenvectors.transpose();
         let of_band = back * found * back;
+        if of_band.trace() <= 0.0 {
+            continue;
+        }
         sum += of_band * ((1.0 - quick / level) * band.count / of_band.trace());
         count += band.count;
     }
