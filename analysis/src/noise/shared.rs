@@ -2,7 +2,7 @@
 //! moves or a field moves the reading along one direction, and that is seldom an axis.
 
 use crate::noise::colour::{Colour, seen_through};
-use crate::noise::power::{bands, padded, symmetric, transforms};
+use crate::noise::power::{Band, bands, padded, symmetric, transforms};
 use crate::noise::turning::Turning;
 use nalgebra::{Matrix3, Vector3};
 
@@ -64,16 +64,19 @@ fn statistic(residuals: &[f64], turning: &Turning, colour: Colour, rounding: f64
     let power: Vec<f64> = (0..=size / 2).map(|bin| (0..3).map(|i| at(bin, (i, i))).sum()).collect();
     let quick = &power[size / 4..size / 2];
     let quick = quick.iter().sum::<f64>() / quick.len() as f64;
+    let level = |band: &Band| band.seen / band.bins.len() as f64;
+    let standing = bands(&power[..size / 4], n, size).into_iter();
+    let standing: Vec<Band> = standing.take_while(|band| level(band) >= STANDS_OUT * quick).collect();
+    if standing.is_empty() {
+        return 0.0;
+    }
     let expected = expected(weights, colour, rounding, size);
     if !power.iter().chain(expected.iter().flatten()).all(|value| value.is_finite()) {
         return 0.0;
     }
     let (mut sum, mut count) = (Matrix3::zeros(), 0.0);
-    for band in bands(&power[..size / 4], n, size) {
-        let level = band.seen / band.bins.len() as f64;
-        if level < STANDS_OUT * quick {
-            break;
-        }
+    for band in standing {
+        let above = 1.0 - quick / level(&band);
         let found = symmetric_of(PAIRS.map(|pair| band.bins.clone().map(|bin| at(bin, pair)).sum::<f64>()));
         let chance =
             symmetric_of(std::array::from_fn(|k| expected[k][band.bins.clone()].iter().sum::<f64>()));
@@ -85,7 +88,7 @@ fn statistic(residuals: &[f64], turning: &Turning, colour: Colour, rounding: f64
         if of_band.trace() <= 0.0 {
             continue;
         }
-        sum += of_band * ((1.0 - quick / level) * band.count / of_band.trace());
+        sum += of_band * (above * band.count / of_band.trace());
         count += band.count;
     }
     let own = Vector3::from_fn(|i, _| sum[(i, i)]);
