@@ -22,7 +22,7 @@ const MEAN: f64 = 12.0;
 /// ... or either is over after this, s: whatever turns with the board takes longer.
 const MEMORY_S: f64 = 0.42;
 /// The steepest noise that is called 1/f: what electronics make has an exponent of 0.8 to 1.2.
-const STEEPEST: f64 = 1.25;
+const STEEPEST: f64 = 1.225;
 /// No noise has a colour to the letter, and a fit takes out a little more of slow noise than of white: in every band this share of
 /// the power is left open.
 const TO_THE_LETTER: f64 = 0.08;
@@ -289,7 +289,8 @@ impl<'t> Seen<'t> {
             return vec![white];
         }
         let own = self.correlation();
-        let mut list = vec![white, self.best_fading(&own), self.best_mean(&own), self.best_flicker()];
+        let (folded, filtered) = (self.best_flicker(true), self.best_flicker(false));
+        let mut list = vec![white, self.best_fading(&own), self.best_mean(&own), folded, filtered];
         list.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
         let most = cost(&list[0]) + UNCERTAIN;
         list.retain(|one| cost(one) <= most);
@@ -325,31 +326,30 @@ impl<'t> Seen<'t> {
         best
     }
 
-    fn best_flicker(&self) -> Described {
-        let at = |exponent: f64, folded: bool| {
+    /// 1/f noise, sampled with a filter before it or without.
+    fn best_flicker(&self, folded: bool) -> Described {
+        let at = |exponent: f64| {
             let plain = self.expected(Colour::Flicker { exponent, white: 0.0, folded });
             let fits = WHITE
                 .iter()
                 .map(|&white| self.fit_to(Colour::Flicker { exponent, white, folded }, mixed(&plain, white)));
             fits.reduce(|best, next| if next.deviance < best.deviance { next } else { best })
         };
-        let better = |best: Described, next: Option<Described>| match next {
-            Some(next) if next.deviance < best.deviance => (next, true),
-            _ => (best, false),
-        };
-        let mut best = self.fit(Colour::Flicker { exponent: EXPONENTS[0], white: 0.0, folded: true });
+        let mut best = self.fit(Colour::Flicker { exponent: EXPONENTS[0], white: 0.0, folded });
         let mut near = EXPONENTS[0];
-        for exponent in EXPONENTS {
-            let (next, is_better) = better(best, at(exponent, true));
-            best = next;
-            near = if is_better { exponent } else { near };
-        }
-        for exponent in [near - 0.1, near + 0.1] {
-            best = better(best, at(exponent, true)).0;
-        }
-        // Not folded it falls faster, so that the same noise has a smaller exponent.
-        for exponent in [near - 0.2, near - 0.1, near] {
-            best = better(best, at(exponent, false)).0;
+        // A slow cause passes for steep 1/f noise: how steep it is is told ever more closely.
+        let closer = |around: f64, by: f64| vec![around - by, around + by];
+        for round in 0..3 {
+            let list = match round {
+                0 => EXPONENTS.to_vec(),
+                1 => closer(near, 0.1),
+                _ => closer(near, 0.05),
+            };
+            for exponent in list {
+                if let Some(next) = at(exponent).filter(|next| next.deviance < best.deviance) {
+                    (best, near) = (next, exponent);
+                }
+            }
         }
         best
     }
