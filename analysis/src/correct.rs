@@ -52,10 +52,7 @@ impl<'a> Corrector<'a> {
             for (slot, column) in own.iter_mut().zip(fitted.effect.columns()) {
                 let Some(column) = column else { continue };
                 if column.name == TIME {
-                    // A tone is too fast for stamps of arrival.
-                    let tone = fitted.effect.family().follows() == Follows::Tone;
-                    let grid = table.time_s.filter(|_| tone).and_then(even);
-                    let time = grid.or_else(|| table.time_s.map(<[f64]>::to_vec));
+                    let time = table.time_s.map(<[f64]>::to_vec);
                     *slot = Some(time.ok_or_else(|| missing(TIME, "the log has no time column"))?);
                     continue;
                 }
@@ -90,7 +87,33 @@ impl<'a> Corrector<'a> {
                 turn_radps = Some(all.ok_or_else(|| missing("gx_radps", "every cell of it is empty"))?);
             }
         }
-        Ok(Self { calibration, table, inputs, turn_radps })
+        let mut out = Self { calibration, table, inputs, turn_radps };
+        out.choose_clocks();
+        Ok(out)
+    }
+
+    /// Tones are too fast for stamps of arrival: each goes by the even grid behind them where that leaves less.
+    fn choose_clocks(&mut self) {
+        let follows = |fitted: &FittedEffect<f64, Made<ColumnName>>| fitted.effect.family().follows();
+        let tones: Vec<usize> = (self.calibration.effects.iter().enumerate())
+            .filter_map(|(index, fitted)| (follows(fitted) == Follows::Tone).then_some(index))
+            .collect();
+        let Some(grid) = self.table.time_s.filter(|_| !tones.is_empty()).and_then(even) else { return };
+        let mut least = self.squares();
+        for index in tones {
+            let stamps = self.inputs[index][0].replace(grid.clone());
+            let squares = self.squares();
+            match squares < least {
+                true => least = squares,
+                false => self.inputs[index][0] = stamps,
+            }
+        }
+    }
+
+    /// Sum of the squared residuals of the rows that can be corrected, µT².
+    fn squares(&self) -> f64 {
+        let residual = |row| Some(self.residual_ut(row, self.correct(row).ok()?));
+        (0..self.table.rows()).filter_map(residual).filter(|r| r.is_finite()).map(|r| r * r).sum()
     }
 
     /// What the user should know where effects go by the time: a log's clock is its own.

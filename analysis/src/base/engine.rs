@@ -1,7 +1,7 @@
 //! Passes over the samples, and the full (nonlinear) fit of a model with effects.
 
 use crate::base::known::Known;
-use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::noise::turning::Turning;
 use crate::samples::samples::Samples;
 use crate::threads::halves;
@@ -275,7 +275,7 @@ impl Pass<'_> {
         known: &Known,
     ) -> Result<Fitted<'a>, BadShape> {
         let list: Vec<&Piece> = pieces.iter().collect();
-        let blocks = self.blocks(&self.samples.bounds(BLOCKS), &model, &list)?;
+        let blocks = self.blocks(&self.folds(&list), &model, &list)?;
         let data = Matrix::total(&blocks, None);
         let (squares, rows) = (data.squares(), f64::from(data.rows()));
         let sigma = (squares / (rows - data.columns() as f64).max(1.0)).sqrt();
@@ -342,7 +342,7 @@ impl Pass<'_> {
         pieces: Vec<Piece<'a>>,
         known: &Known,
     ) -> Result<Option<Fitted<'a>>, BadShape> {
-        let bounds = self.samples.bounds(BLOCKS);
+        let bounds = self.folds(&pieces.iter().collect::<Vec<_>>());
         let evaluate = |model: &Model<f64>, pieces: &[Piece<'a>], sigma: Option<f64>| {
             let list: Vec<&Piece> = pieces.iter().collect();
             let blocks = self.blocks(&bounds, model, &list)?;

@@ -7,6 +7,7 @@ pub mod axes;
 pub mod counted;
 pub mod dip_errors;
 pub mod engine;
+pub mod folds;
 pub mod ground;
 pub mod heading;
 pub mod hemisphere;

@@ -14,6 +14,15 @@ pub const BLOCKS: usize = 10;
 /// A normal matrix of this host.
 pub type Matrix = Normal<f64, COLUMNS>;
 
+/// Which times a tone goes by: for what is slower they are the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clock {
+    /// Those of the rows' stamps.
+    Stamps,
+    /// Those of the even grid behind stamps of arrival.
+    Even,
+}
+
 /// An effect with its coefficients and the values of its columns at every sample.
 #[derive(Clone)]
 pub struct Piece<'a> {
@@ -27,13 +36,17 @@ pub struct Piece<'a> {
     pub coefficients: [f64; MAX_COEFFICIENTS],
     /// Values of its columns.
     pub inputs: Arc<Vec<[f64; MAX_INPUTS]>>,
+    /// The clock that its time is of.
+    pub clock: Clock,
 }
 
 impl<'a> Piece<'a> {
     /// An effect without coefficients yet.
     pub fn new(made: Made<&'a str>, inputs: Arc<Vec<[f64; MAX_INPUTS]>>) -> Self {
         let id = ironout::effect::Id(&made).to_string();
-        Piece { id, made: Some(made), effect: Arc::new(made), coefficients: [0.0; MAX_COEFFICIENTS], inputs }
+        let effect = Arc::new(made);
+        let coefficients = [0.0; MAX_COEFFICIENTS];
+        Piece { id, made: Some(made), effect, coefficients, inputs, clock: Clock::Stamps }
     }
 
     /// The parts of the effect.

@@ -1,7 +1,7 @@
 //! The candidates that the columns of a log allow, and those that it does not.
 
 use crate::base::mounting;
-use crate::base::piece::Piece;
+use crate::base::piece::{Clock, Piece};
 use crate::samples::clock::even;
 use crate::samples::families::Families;
 use crate::samples::samples::Samples;
@@ -93,7 +93,7 @@ impl<'a> Catalogue<'a> {
     /// An effect of other samples of the log, with its coefficients, over these.
     pub fn again(&self, piece: &Piece) -> Option<Piece<'a>> {
         let parameter = piece.searched().map_or(0.0, |(_, value)| value);
-        let own = self.build(&piece.named()?, parameter)?;
+        let own = self.by(piece.clock, &piece.named()?, parameter)?;
         Some(Piece { coefficients: piece.coefficients, id: piece.id.clone(), ..own })
     }
 
@@ -112,6 +112,11 @@ impl<'a> Catalogue<'a> {
     /// The effect of an id, its searched parameter given (any number where it has none). `None` where the log lacks what
     /// it needs.
     pub fn build(&self, named: &Named, parameter: f64) -> Option<Piece<'a>> {
+        self.by(Clock::Even, named, parameter)
+    }
+
+    /// The same by one of the clocks, which is the only one for all but tones.
+    pub fn by(&self, clock: Clock, named: &Named, parameter: f64) -> Option<Piece<'a>> {
         let Named { family, form, .. } = *named;
         if family.need(form).is_some_and(|need| !self.has(need)) {
             return None;
@@ -128,12 +133,11 @@ impl<'a> Catalogue<'a> {
         let parameter = if form.searched.is_some() { parameter } else { 0.0 };
         let column = index.map_or("", |index| self.names[index]);
         let made = Made::new(family, Parts { form, column, reference, parameter })?;
-        let grid = self.grid.as_ref().filter(|_| family.follows() == Follows::Tone);
-        let inputs = match grid {
-            Some(grid) => grid.clone(),
-            None => self.inputs(family.columns(made.parts()))?,
-        };
-        Some(Piece::new(made, inputs))
+        let is_even = clock == Clock::Even && family.follows() == Follows::Tone;
+        if let Some(grid) = self.grid.as_ref().filter(|_| is_even) {
+            return Some(Piece { clock, ..Piece::new(made, grid.clone()) });
+        }
+        Some(Piece::new(made, self.inputs(family.columns(made.parts()))?))
     }
 
     /// The times that tones go by, where they are not those of the samples.

@@ -101,9 +101,17 @@ impl<'a> Greedy<'_, 'a> {
             Residual::Magnitude => STRONG * fitted.model.field_ut,
             Residual::Dip | Residual::Vector => return Ok(()),
         };
-        let Some(before) = held_out_rms(fitted).filter(|_| fitted.rms() > limit) else { return Ok(()) };
-        let mut leaders: Vec<&mut Judged> =
-            judged.iter_mut().filter(|one| one.tested.decrease > STRONG_SHARE * fitted.squares).collect();
+        let Some(before) = held_out_rms(fitted) else { return Ok(()) };
+        // The next of several steps was searched where the others stand, whose times it moves.
+        let is_step = |piece: &Piece| matches!(piece.searched(), Some((Searched::At, _)));
+        let one_stands = fitted.pieces.iter().any(is_step);
+        let is_bent = |one: &Judged| {
+            fitted.rms() > limit || one_stands && is_step(&one.candidate.piece) && !one.tested.accepted
+        };
+        let mut leaders: Vec<&mut Judged> = judged
+            .iter_mut()
+            .filter(|one| one.tested.decrease > STRONG_SHARE * fitted.squares && is_bent(one))
+            .collect();
         leaders.sort_by(|a, b| b.tested.decrease.total_cmp(&a.tested.decrease));
         for one in leaders.into_iter().take(STRONG_LEADERS) {
             let Some(next) = self.with(fitted, &one.candidate.piece)? else { continue };

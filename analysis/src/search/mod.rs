@@ -18,4 +18,5 @@ pub mod slowly;
 pub mod state;
 pub mod sudden;
 pub mod thinned;
+pub mod tone;
 pub mod undisturbed;

@@ -1,7 +1,7 @@
 //! Two effects that hide each other: each alone is lost in the structure that the other leaves.
 
 use crate::base::engine::Fitted;
-use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::base::quality::residue;
 use crate::search::screen::{Candidate, SIGNIFICANCE, ranges, ridge, rivalry};
 use crate::search::search;
@@ -51,8 +51,7 @@ impl<'a> Greedy<'_, 'a> {
         });
         let batch: Vec<&Piece> = leaders.iter().map(|one| &one.candidate.piece).collect();
         let all: Vec<&Piece> = inner.iter().chain(&batch).copied().collect();
-        let bounds = samples.bounds(BLOCKS);
-        let blocks = self.pass.blocks(&bounds, &fitted.model, &all)?;
+        let blocks = self.pass.blocks(&self.pass.folds(&all), &fitted.model, &all)?;
         let prior = ridge(&fitted.prior, &Matrix::total(&blocks, Some(&fitted.prior)), base);
         let spans = ranges(base, &batch);
         let own: Vec<usize> = (0..base).collect();
@@ -95,16 +94,14 @@ impl<'a> Greedy<'_, 'a> {
         Ok(best.map(|(_, ids, next)| (ids, next)))
     }
 
-    /// The step that goes and comes back, where there is none yet: a second beside one that stands is found by itself.
+    /// The step that goes and comes back, and the last two of three that hide each other.
     fn two_steps(&self, fitted: &Fitted<'a>) -> Result<Option<[Candidate<'a>; 2]>, BadShape> {
         let repeated = |named: &Named| named.form.searched == Some(Searched::At);
         let Some(named) = self.catalogue.searched().into_iter().find(repeated) else { return Ok(None) };
-        if fitted.pieces.iter().any(|piece| matches!(piece.searched(), Some((Searched::At, _)))) {
-            return Ok(None);
-        }
         let Some([first, second]) = search::two_steps(&self.pass, fitted, self.catalogue, &named)? else {
             return Ok(None);
         };
+        let Some(first) = numbered(fitted, first) else { return Ok(None) };
         let mut with = fitted.clone();
         with.pieces.push(first.piece.clone());
         Ok(numbered(&with, second).map(|second| [first, second]))

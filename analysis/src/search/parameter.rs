@@ -3,7 +3,7 @@
 
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
-use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
+use crate::base::piece::{BadShape, COLUMNS, Clock, Matrix, Piece};
 use crate::search::candidates::Catalogue;
 use ironout::effect::{Column, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, Searched, Shape, TIME};
 use std::f64::consts::TAU;
@@ -101,6 +101,7 @@ fn slope<'a>(pass: &Pass, piece: &Piece<'a>) -> Option<Piece<'a>> {
         effect: Arc::new(effect),
         coefficients: [0.0; MAX_COEFFICIENTS],
         inputs,
+        clock: Clock::Stamps,
     })
 }
 
@@ -119,7 +120,7 @@ pub fn with_slopes(pass: &Pass, fitted: &Fitted) -> Result<Option<Matrix>, BadSh
 /// The piece with its parameter moved.
 fn moved<'a>(piece: &Piece<'a>, change: f64, catalogue: &Catalogue<'a>) -> Option<Piece<'a>> {
     let next = match piece.searched()? {
-        (Searched::Frequency, now) => catalogue.build(&piece.named()?, now + change)?,
+        (Searched::Frequency, now) => catalogue.by(piece.clock, &piece.named()?, now + change)?,
         (Searched::Delay, now) => catalogue.build(&piece.named()?, (now + change).max(0.2 * now))?,
         (Searched::At, _) => return None,
     };

@@ -2,7 +2,7 @@
 
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
-use crate::base::piece::{BLOCKS, BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::residual::spectrum::{Frame, Rows, Verdict};
 pub use ironout::study::rule::{ACCUSED, RELEVANCE, SIGNIFICANCE};
 use ironout::study::rule::{falls, is_accepted};
@@ -88,7 +88,6 @@ pub fn screen(
 ) -> Result<Screening, BadShape> {
     let base = fitted.columns();
     let inner: Vec<&Piece> = fitted.pieces.iter().collect();
-    let bounds = pass.samples.bounds(BLOCKS);
     let own: Vec<usize> = (0..base).collect();
     let mut screening = Screening {
         held_out: held_out(&fitted.blocks, Some(&fitted.prior), &own).map(|held| held.squares),
@@ -110,7 +109,9 @@ pub fn screen(
         }
         let batch: Vec<&Piece> = candidates[start..end].iter().map(|candidate| &candidate.piece).collect();
         let all: Vec<&Piece> = inner.iter().copied().chain(batch.iter().copied()).collect();
-        let blocks = pass.blocks(&bounds, &fitted.model, &all)?;
+        // All are held against the model as it is, on the same blocks.
+        let blocks = pass.blocks(&pass.folds(&all), &fitted.model, &all)?;
+        let before = held_out(&blocks, Some(&fitted.prior), &own).map(|held| held.squares);
         let total = Matrix::total(&blocks, Some(&fitted.prior));
         let prior = ridge(&fitted.prior, &total, base);
         let safe = Matrix::total(&blocks, Some(&prior));
@@ -184,7 +185,7 @@ pub fn screen(
                     Residual::Magnitude => WORTH_NAMING,
                     Residual::Dip | Residual::Vector => RELEVANCE,
                 };
-                let falls = match (screening.held_out, tested.held_out) {
+                let falls = match (before, tested.held_out) {
                     (Some(before), Some(after)) => after < before * (1.0 - relevant),
                     (before, after) => falls(before, after),
                 };

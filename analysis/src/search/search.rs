@@ -2,17 +2,14 @@
 
 use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
-use crate::samples::fft;
 use crate::samples::samples::Samples;
 use crate::samples::series::median;
 use crate::search::candidates::Catalogue;
 use crate::search::screen::{Candidate, WORTH_NAMING};
+use crate::search::tone::periodic;
 use ironout::effect::{Named, Searched};
 /// Places where a step is looked for at first.
 use ironout::study::rule::STEP_PLACES as STEP_SEGMENTS;
-
-/// The lowest frequency of periodic interference, Hz: two slower sinusoids imitate almost any covariate.
-const LOWEST_HZ: f64 = 1.0;
 
 /// A column that takes so many times more off the error late than at once is worth a closer look.
 const LATE_OVER_PROMPT: f64 = 1.2;
@@ -182,7 +179,7 @@ pub(crate) fn decreases(pass: &Pass, fitted: &Fitted, candidates: &[Piece]) -> R
     Ok(out)
 }
 
-fn largest(values: &[f64]) -> usize {
+pub(crate) fn largest(values: &[f64]) -> usize {
     values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index)
 }
 
@@ -242,135 +239,4 @@ fn delay<'a>(
         delays = (0..9).map(|k| low + (high - low) * f64::from(k) / 8.0).collect();
     }
     Ok(None)
-}
-
-/// A gap of more steps than this tells nothing about the step ...
-const MOST_STEPS: f64 = 20.0;
-/// ... and stamps tell it if it is within this share of the usual one.
-const FEW_DIGITS: f64 = 0.02;
-
-/// Cells of the grid that tones are looked for on, for each row of the log.
-const MOST_CELLS: f64 = 8.0;
-
-/// The usual time from one of the sensor's samples to the next. Rows that arrive in bursts have a short median step: the mean
-/// one tells the sensor's rate, by the rows of the log, of which many may be set aside. Thinned rows stand on the grid of all.
-fn usual_step(gaps: &[f64], samples: &Samples) -> f64 {
-    let mut apart: Vec<f64> = samples.row.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect();
-    let median_gap = median(&mut gaps.to_vec());
-    let mean = gaps.iter().sum::<f64>() / gaps.len().max(1) as f64;
-    // Where the logger paused the rows say nothing of the rate.
-    let running = gaps.iter().zip(&apart).filter(|(gap, _)| **gap <= MOST_STEPS * median_gap.max(mean));
-    let (time, rows) = running.fold((0.0, 0.0), |(time, rows), (gap, apart)| (time + gap, rows + apart));
-    median_gap.max(0.9 * time / rows * median(&mut apart)) / samples.stride as f64
-}
-
-/// The step of which the gaps are whole multiples, near `usual`. Stamps of few digits have a median gap that is off by part
-/// of their last one, and over a log that is a wave and more.
-fn whole_steps(gaps: &[f64], usual: f64) -> f64 {
-    let counted = gaps.iter().map(|gap| (gap, (gap / usual).round())).filter(|(_, k)| *k <= MOST_STEPS);
-    let (time, steps) = counted.fold((0.0, 0.0), |(time, steps), (gap, k)| (time + gap, steps + k));
-    let step = time / steps;
-    if (step / usual - 1.0).abs() < FEW_DIGITS { step } else { usual }
-}
-
-/// The frequency of the strongest periodic disturbance.
-fn periodic<'a>(
-    pass: &Pass,
-    fitted: &Fitted,
-    catalogue: &Catalogue<'a>,
-    named: &Named,
-) -> Result<Option<Candidate<'a>>, BadShape> {
-    let samples = pass.samples;
-    let Some(stamps) = &samples.time else { return Ok(None) };
-    let grid = catalogue.grid();
-    let time = grid.as_ref().unwrap_or(stamps);
-    let n = samples.len();
-    let (Some(&first), Some(&last)) = (time.first(), time.last()) else { return Ok(None) };
-    let seconds = last - first;
-    if n < 64 || seconds <= 2.0 || fitted.columns() + 6 > COLUMNS {
-        return Ok(None);
-    }
-    let gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    // Where pauses are nearly all of a log the grid is coarser: it costs so many cells a row at most.
-    let finest = seconds / (MOST_CELLS * n as f64 * samples.stride as f64);
-    let step = whole_steps(&gaps, usual_step(&gaps, samples)).max(finest);
-    let nyquist = 0.5 / step;
-    if nyquist <= LOWEST_HZ {
-        return Ok(None);
-    }
-    let cells = (seconds / step).ceil() as usize + 1;
-    let size = (2 * cells).next_power_of_two();
-    let uniform = samples.stride == 1 && gaps.iter().all(|gap| (gap / step - 1.0).abs() < 0.2);
-    let mut series = vec![vec![(0.0, 0.0); size]; 3];
-    let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
-    let vector = pass.residual == ironout::study::Residual::Vector;
-    pass.rows(0..n, &fitted.model, &pieces, |sample, row, r| {
-        let cell = if uniform { sample } else { ((time[sample] - first) / step).round() as usize };
-        for (axis, out) in series.iter_mut().enumerate() {
-            let weight = if vector { -row[axis] } else { row[axis] };
-            if let Some(value) = out.get_mut(cell) {
-                value.0 += weight * r;
-            }
-        }
-    })?;
-    for line in &mut series {
-        fft::forward(line);
-    }
-    let resolution = 1.0 / (size as f64 * step);
-    let from = (LOWEST_HZ / resolution).ceil() as usize;
-    let to = ((nyquist / resolution).floor() as usize).min(size / 2);
-    let power: Vec<f64> = (0..=to)
-        .map(|bin| series.iter().map(|line| line[bin].0 * line[bin].0 + line[bin].1 * line[bin].1).sum())
-        .collect();
-    let mut peaks: Vec<usize> = (from.max(1)..to)
-        .filter(|&bin| power[bin] >= power[bin - 1] && power[bin] >= power[bin + 1])
-        .collect();
-    peaks.sort_by(|a, b| power[*b].total_cmp(&power[*a]));
-    peaks.truncate(2);
-    if peaks.is_empty() {
-        return Ok(None);
-    }
-    let searched = ((nyquist - LOWEST_HZ) * seconds).max(1.0);
-    let width = 1.0 / seconds;
-    let mut frequencies: Vec<f64> = peaks
-        .iter()
-        .flat_map(|bin| (-2..=2).map(move |k| *bin as f64 * resolution + f64::from(k) * 0.3 * width))
-        .filter(|hz| (LOWEST_HZ..=nyquist).contains(hz))
-        .collect();
-    let mut spacing = 0.3 * width;
-    let mut best = None;
-    for _ in 0..3 {
-        let pieces: Vec<Piece> = frequencies.iter().filter_map(|hz| catalogue.build(named, *hz)).collect();
-        let gains = decreases(pass, fitted, &pieces)?;
-        let at = largest(&gains);
-        let Some(hz) = frequencies.get(at).copied() else { break };
-        best = Some(hz);
-        spacing *= 0.25;
-        frequencies = (-3..=3)
-            .map(|k| hz + f64::from(k) * spacing)
-            .filter(|hz| (LOWEST_HZ..=nyquist).contains(hz))
-            .collect();
-    }
-    Ok(best.and_then(|hz| catalogue.build(named, hz)).map(|piece| Candidate { piece, searched }))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::whole_steps;
-
-    #[test]
-    fn stamps_of_few_digits_do_not_move_the_step() {
-        // 46.7 samples a second, stamped to 0.1 ms: the median gap is 0.0214 s, which over 270 s is off by 3.6 waves of 21 Hz.
-        let stamp = |row: usize| (row as f64 / 46.7 * 1e4).round() / 1e4;
-        for stride in [1, 3] {
-            let time: Vec<f64> = (0..12_600).step_by(stride).map(stamp).collect();
-            let gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-            let step = whole_steps(&gaps, 0.0214);
-            let waves = 21.3 * 270.0 * (step * 46.7 - 1.0);
-            assert!(waves.abs() < 0.05, "stride {stride}: {waves} waves");
-        }
-        // Where the gaps are no multiples the usual one stands.
-        let odd: Vec<f64> = (0..100).map(|i| if i % 2 == 0 { 0.014 } else { 0.027 }).collect();
-        assert_eq!(whole_steps(&odd, 0.02), 0.02);
-    }
 }

@@ -2,7 +2,7 @@
 //! the more often (spurious regression: Granger and Newbold, J. Econometrics 2, 1974).
 
 use crate::base::engine::Fitted;
-use crate::base::piece::{BadShape, COLUMNS, Piece};
+use crate::base::piece::{BadShape, COLUMNS, Clock, Piece};
 use crate::search::screen::rivalry;
 use crate::search::state::Greedy;
 use ironout::effect::{Effect, Follows, Quantities, Shape};
@@ -122,6 +122,7 @@ impl<'a> Greedy<'_, 'a> {
             effect: Arc::new(slowly),
             coefficients: Default::default(),
             inputs: Arc::new(places.iter().map(|x| [*x, 0.0]).collect()),
+            clock: Clock::Stamps,
         };
         let fresh = Piece { coefficients: Default::default(), ..piece.clone() };
         let beside = rivalry(&self.pass, without, &fresh, &slowly, self.known)?;

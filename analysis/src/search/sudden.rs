@@ -1,7 +1,7 @@
 //! A step must be sudden: a jump, and not a slow cause that the log lacks.
 
 use crate::base::engine::Fitted;
-use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::base::piece::{BadShape, COLUMNS, Clock, Matrix, Piece, TERMS};
 use crate::samples::series::Autocorrelation;
 use crate::search::state::Greedy;
 use ironout::effect::{Effect, Quantities, Shape};
@@ -50,6 +50,7 @@ impl Steadily {
             effect: Arc::new(Steadily { reference_s }),
             coefficients: Default::default(),
             inputs: Arc::new(time.iter().map(|t| [*t, 0.0]).collect()),
+            clock: Clock::Stamps,
         }
     }
 }
