@@ -3,6 +3,7 @@
 pub mod beside;
 pub mod candidates;
 pub mod certain;
+pub mod gains;
 pub mod greedy;
 pub mod kin;
 pub mod leaders;

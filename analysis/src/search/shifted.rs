@@ -2,7 +2,7 @@
 
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
-use crate::search::search::decreases;
+use crate::search::gains::decreases;
 use crate::search::state::Greedy;
 use ironout::effect::Follows;
 use ironout::study::Residual;

@@ -6,8 +6,8 @@ use crate::samples::fft;
 use crate::samples::samples::Samples;
 use crate::samples::series::median;
 use crate::search::candidates::Catalogue;
+use crate::search::gains::{decreases, largest};
 use crate::search::screen::Candidate;
-use crate::search::search::{decreases, largest};
 use ironout::effect::Named;
 
 /// The lowest frequency of periodic interference, Hz: two slower sinusoids imitate almost any covariate.
