@@ -94,18 +94,24 @@ impl<'a> Corrector<'a> {
 
     /// Tones are too fast for stamps of arrival: each goes by the even grid behind them where that leaves less.
     fn choose_clocks(&mut self) {
-        let follows = |fitted: &FittedEffect<f64, Made<ColumnName>>| fitted.effect.family().follows();
-        let tones: Vec<usize> = (self.calibration.effects.iter().enumerate())
-            .filter_map(|(index, fitted)| (follows(fitted) == Follows::Tone).then_some(index))
+        let is_time = |fitted: &FittedEffect<f64, Made<ColumnName>>| {
+            fitted.effect.columns().map(|column| column.is_some_and(|column| column.name == TIME))
+        };
+        let tones: Vec<(usize, [bool; MAX_INPUTS])> = (self.calibration.effects.iter().enumerate())
+            .filter(|(_, fitted)| fitted.effect.family().follows() == Follows::Tone)
+            .map(|(index, fitted)| (index, is_time(fitted)))
             .collect();
         let Some(grid) = self.table.time_s.filter(|_| !tones.is_empty()).and_then(even) else { return };
         let mut least = self.squares();
-        for index in tones {
-            let stamps = self.inputs[index][0].replace(grid.clone());
+        for (index, is_time) in tones {
+            let by_stamps = self.inputs[index].clone();
+            for (slot, _) in self.inputs[index].iter_mut().zip(is_time).filter(|(_, is_time)| *is_time) {
+                *slot = Some(grid.clone());
+            }
             let squares = self.squares();
             match squares < least {
                 true => least = squares,
-                false => self.inputs[index][0] = stamps,
+                false => self.inputs[index] = by_stamps,
             }
         }
     }

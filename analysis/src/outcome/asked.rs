@@ -116,7 +116,7 @@ fn one_by_one<'a>(
         if !candidate.piece.hidden_delay().is_empty() && catalogue.has_down() {
             // Whether it is the coupling or the pure delay, the data decide.
             let alone = screen(pass, &start, std::slice::from_ref(&candidate), 1)?;
-            if !alone.tested.first().is_some_and(|tested| tested.accepted) {
+            if !alone.first().is_some_and(|tested| tested.accepted) {
                 pure_lag = true;
                 continue;
             }

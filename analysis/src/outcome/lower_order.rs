@@ -186,7 +186,6 @@ fn scale_at_rest<'a>(
     let screening = screen(pass, &base, &list, list.len())?;
     let held = |tested: &Tested| tested.held_out.unwrap_or(f64::INFINITY);
     let best = screening
-        .tested
         .iter()
         .filter(|tested| tested.accepted || tested.decrease > 0.5 * base.squares)
         .min_by(|a, b| held(a).total_cmp(&held(b)))

@@ -96,8 +96,8 @@ impl<'a> View<'_, 'a> {
             return Ok(Some(study));
         };
         let candidate = Candidate { piece: lag.clone(), searched: 1.0 };
-        let screening = screen(&pass, &base, std::slice::from_ref(&candidate), 2)?;
-        let Some(tested) = screening.tested.into_iter().next() else { return Ok(Some(study)) };
+        let tested = screen(&pass, &base, std::slice::from_ref(&candidate), 2)?;
+        let Some(tested) = tested.into_iter().next() else { return Ok(Some(study)) };
         let held_deg = tested.held_out.map(|squares| (squares / base.rows).sqrt().to_degrees());
         study.tested = Some((tested.p_value, held_deg));
         let has_eddy = is_coupled;

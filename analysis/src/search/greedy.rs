@@ -4,7 +4,7 @@ use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::{BadShape, Piece};
 use crate::search::candidates::Catalogue;
 use crate::search::kin::may_follow;
-use crate::search::screen::{Candidate, SIGNIFICANCE, Screening, rivalry, screen};
+use crate::search::screen::{Candidate, SIGNIFICANCE, rivalry, screen};
 use crate::search::search;
 use crate::search::several::numbered;
 use crate::search::state::{Confounded, Explanation, Greedy, Judged, MOST_EFFECTS};
@@ -76,11 +76,7 @@ fn as_good(one: &Judged, other: &Judged) -> bool {
 }
 
 impl<'a> Greedy<'_, 'a> {
-    fn judge(
-        &self,
-        fitted: &Fitted<'a>,
-        periodic: bool,
-    ) -> Result<(Vec<Judged<'a>>, usize, Option<f64>), BadShape> {
+    fn judge(&self, fitted: &Fitted<'a>, periodic: bool) -> Result<(Vec<Judged<'a>>, usize), BadShape> {
         let mut list = candidates(&self.pass, self.catalogue, fitted, periodic)?;
         if self.held() {
             // Whatever turns with the board would stand in for the soft iron that is held, a coupling of nine numbers to
@@ -92,14 +88,14 @@ impl<'a> Greedy<'_, 'a> {
         }
         list.retain(|candidate| !self.dropped.borrow().contains(&candidate.piece.id));
         let count = self.independent(&list);
-        let Screening { held_out, tested } = loop {
+        let tested = loop {
             match screen(&self.pass, fitted, &list, count) {
                 // One candidate that runs away is no reason to give up the others.
                 Err(BadShape::NotFinite(id)) if list.iter().any(|one| one.piece.id == id) => {
                     list.retain(|one| one.piece.id != id);
                     self.dropped.borrow_mut().push(id);
                 }
-                screening => break screening?,
+                tested => break tested?,
             }
         };
         let mut judged: Vec<Judged> = tested
@@ -107,7 +103,7 @@ impl<'a> Greedy<'_, 'a> {
             .filter_map(|tested| Some(Judged { candidate: list.get(tested.index)?.clone(), tested }))
             .collect();
         self.judge_strong(fitted, &mut judged, count)?;
-        Ok((judged, count, held_out))
+        Ok((judged, count))
     }
 
     /// Runs the search from a base model and the effects that stand in it from the beginning.
@@ -128,7 +124,7 @@ impl<'a> Greedy<'_, 'a> {
                 ended_early = true;
                 break;
             }
-            let (judged, tried, _) = self.judge(&fitted, true)?;
+            let (judged, tried) = self.judge(&fitted, true)?;
             count = tried;
             first.get_or_insert_with(|| judged.clone());
             last = judged;
@@ -214,7 +210,7 @@ impl<'a> Greedy<'_, 'a> {
             let own = pieces.remove(index);
             let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
             let own = Piece { coefficients: Default::default(), ..own };
-            let (judged, ..) = self.judge(&without, own.follows(Follows::Tone))?;
+            let (judged, _) = self.judge(&without, own.follows(Follows::Tone))?;
             let Some(mine) = judged.iter().find(|one| one.candidate.piece.id == own.id) else { continue };
             let mut group = vec![own.id.clone()];
             let mut family = vec![own.id.clone()];
@@ -289,8 +285,8 @@ impl<'a> Greedy<'_, 'a> {
                 piece: Piece { coefficients: Default::default(), ..removed.clone() },
                 searched: 1.0,
             };
-            let screening = screen(&self.pass, &without, &[candidate], 1)?;
-            if screening.tested.first().is_none_or(|tested| !tested.accepted) {
+            let tested = screen(&self.pass, &without, &[candidate], 1)?;
+            if tested.first().is_none_or(|tested| !tested.accepted) {
                 return Ok(Some((removed.id, without)));
             }
         }

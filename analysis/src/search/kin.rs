@@ -102,8 +102,8 @@ impl<'a> Greedy<'_, 'a> {
         if !sure {
             return Ok(winner);
         }
-        let screening = screen(&self.pass, &with, std::slice::from_ref(&winner.candidate), count)?;
-        let better = screening.tested.first().is_some_and(|tested| tested.accepted);
+        let tested = screen(&self.pass, &with, std::slice::from_ref(&winner.candidate), count)?;
+        let better = tested.first().is_some_and(|tested| tested.accepted);
         Ok(if better { winner } else { common.clone() })
     }
 }

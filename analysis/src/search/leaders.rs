@@ -173,8 +173,8 @@ impl<'a> Greedy<'_, 'a> {
             && rivals.first * late.searched * (count as f64) < SIGNIFICANCE
             && rivals.second > 1e3 * rivals.first
         {
-            let screening = screen(&self.pass, fitted, std::slice::from_ref(&late), count)?;
-            if let Some(tested) = screening.tested.into_iter().next()
+            let tested = screen(&self.pass, fitted, std::slice::from_ref(&late), count)?;
+            if let Some(tested) = tested.into_iter().next()
                 && tested.accepted
                 && tested.decrease > best.tested.decrease
             {

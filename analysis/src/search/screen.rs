@@ -44,15 +44,6 @@ pub struct Tested {
     pub accepted: bool,
 }
 
-/// What a screening found.
-#[derive(Debug, Clone, Default)]
-pub struct Screening {
-    /// Squared held-out error without any candidate.
-    pub held_out: Option<f64>,
-    /// Every candidate, in order.
-    pub tested: Vec<Tested>,
-}
-
 /// Columns of a piece that follows `base` columns and the pieces before it.
 pub(crate) fn ranges(base: usize, pieces: &[&Piece]) -> Vec<std::ops::Range<usize>> {
     let mut next = base;
@@ -79,20 +70,17 @@ pub(crate) fn ridge(prior: &Matrix, data: &Matrix, from: usize) -> Matrix {
     out
 }
 
-/// Tests each candidate by itself against the fitted model. `count` is the number of candidates of the whole search.
+/// Tests each candidate by itself against the fitted model, in their order. `count` is the number of candidates of the whole search.
 pub fn screen(
     pass: &Pass,
     fitted: &Fitted,
     candidates: &[Candidate],
     count: usize,
-) -> Result<Screening, BadShape> {
+) -> Result<Vec<Tested>, BadShape> {
     let base = fitted.columns();
     let inner: Vec<&Piece> = fitted.pieces.iter().collect();
     let own: Vec<usize> = (0..base).collect();
-    let mut screening = Screening {
-        held_out: held_out(&fitted.blocks, Some(&fitted.prior), &own).map(|held| held.squares),
-        tested: Vec::new(),
-    };
+    let mut all_tested = Vec::new();
     let mut start = 0;
     while start < candidates.len() {
         let mut columns = base;
@@ -191,11 +179,11 @@ pub fn screen(
                 };
                 tested.accepted = is_accepted(tested.p_value, count, falls);
             }
-            screening.tested.push(tested);
+            all_tested.push(tested);
         }
         start = end;
     }
-    Ok(screening)
+    Ok(all_tested)
 }
 
 /// The test once more where it would be passed, with the colour of the noise: 1/f noise, or a rolling mean, holds more at

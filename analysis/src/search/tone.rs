@@ -44,19 +44,13 @@ pub fn periodic<'a>(
     named: &Named,
 ) -> Result<Option<Candidate<'a>>, BadShape> {
     let Some(stamps) = &pass.samples.time else { return Ok(None) };
-    let mut found = tone(pass, fitted, catalogue, named, (Clock::Stamps, stamps))?;
+    let mut found = Vec::from_iter(tone(pass, fitted, catalogue, named, (Clock::Stamps, stamps))?);
     if let Some(grid) = catalogue.grid() {
-        let even = tone(pass, fitted, catalogue, named, (Clock::Even, &grid))?;
-        found = match (found, even) {
-            (Some(one), Some(other)) => {
-                let (best, searched) =
-                    if one.0 > other.0 { (one, other.1.searched) } else { (other, one.1.searched) };
-                Some((best.0, Candidate { searched: best.1.searched + searched, ..best.1 }))
-            }
-            (one, other) => one.or(other),
-        };
+        found.extend(tone(pass, fitted, catalogue, named, (Clock::Even, &grid))?);
     }
-    Ok(found.map(|(_, candidate)| candidate))
+    let searched = found.iter().map(|(_, candidate)| candidate.searched).sum();
+    let best = found.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(best.map(|(_, candidate)| Candidate { searched, ..candidate }))
 }
 
 /// The strongest tone by one clock, and what it takes off the squared error.
@@ -128,8 +122,8 @@ fn tone<'a>(
             frequencies.iter().filter_map(|hz| catalogue.by(clock, named, *hz)).collect();
         let gains = decreases(pass, fitted, &pieces)?;
         let at = largest(&gains);
-        let Some(hz) = frequencies.get(at).copied() else { break };
-        best = Some((gains[at], hz));
+        let (Some(&hz), Some(&gain)) = (frequencies.get(at), gains.get(at)) else { break };
+        best = Some((gain, hz));
         spacing *= 0.25;
         frequencies = (-3..=3)
             .map(|k| hz + f64::from(k) * spacing)
