@@ -163,6 +163,15 @@ impl Outcome {
     }
 }
 
+/// The rows of one log, with what is hidden in it as a comment.
+pub fn csv_of(kind: Kind, family: u64, number: u64) -> String {
+    let drawn = draw(kind, family, number);
+    let mut text = Vec::new();
+    let comment = format!("{}; hidden: {}", drawn.words, drawn.hidden.join(", "));
+    drawn.world.run().write_csv(&mut text, &comment).expect("memory takes what it is given");
+    String::from_utf8(text).expect("numbers and names")
+}
+
 /// Runs the logs `numbers` of one kind; `say` hears each as it is done.
 pub fn run(
     kind: Kind,

@@ -3,10 +3,10 @@
 //! Without words it runs what the snapshot holds, and holds it to that; `--accept` writes the snapshot and the table of
 //! `docs/measured.md`. `-n N` logs of each kind, `--tuned-on` takes the logs that thresholds were tuned on instead of those that are measured,
 //! `--failing` prints what did not come out as it should, `--all` every log, `--from N` begins elsewhere, words choose kinds.
-//! `--csv N` prints log N of a kind of real recording.
+//! `--csv N` prints log N of each kind asked for, with what is hidden in it as a comment.
 
 use ironout_host_tests::accuracy::injected::Source;
-use ironout_host_tests::accuracy::truths::{MEASURED_ON, Outcome, TUNED_ON, run, text, times};
+use ironout_host_tests::accuracy::truths::{MEASURED_ON, Outcome, TUNED_ON, csv_of, run, text, times};
 use ironout_host_tests::accuracy::truths_table::{LOGS, Truths};
 use ironout_simulation::truths::Kind;
 use std::process::ExitCode;
@@ -63,11 +63,11 @@ fn main() -> ExitCode {
         sources.extend(Source::ALL);
     }
     if let Some(number) = csv {
-        let texts: Vec<String> = sources.iter().filter_map(|source| source.csv(number)).collect();
+        let simulated = kinds.iter().map(|&kind| csv_of(kind, family, number));
+        let recorded = sources.iter().filter_map(|source| source.csv(number));
+        let texts: Vec<String> = simulated.chain(recorded).collect();
         if texts.is_empty() {
-            eprintln!(
-                "--csv wants a kind of real recording (`real-…`), and the recording beside the project"
-            );
+            eprintln!("--csv: the recording of that kind is not beside the project");
             return ExitCode::from(2);
         }
         print!("{}", texts.concat());
