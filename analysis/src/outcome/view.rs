@@ -17,6 +17,7 @@ use crate::residual::late::{Late, scan};
 use crate::samples::samples::Samples;
 use crate::samples::series::Autocorrelation;
 use crate::search::candidates::Catalogue;
+use crate::search::certain::PREDICTS;
 use crate::search::screen::{Candidate, SIGNIFICANCE, screen};
 use crate::search::shown::Shown;
 use crate::search::state::{Explanation, held_out_rms};
@@ -33,6 +34,8 @@ const LOOSE_DEG: f64 = 3.0;
 const UNSEEN_SLACK: f64 = 2.0;
 /// ... and by this share of the noise's square.
 const UNSEEN_LEAST: f64 = 0.1;
+/// Many parameters and a long memory excuse no error on unseen time of more than so many times what the noise leaves ...
+const UNSEEN_MOST: f64 = 4.0 / 3.0;
 
 /// Directions with a larger cosine than this are the same: by chance three of a hundred pairs.
 const SAME_WAY: f64 = 0.97;
@@ -183,10 +186,16 @@ impl<'a> View<'_, 'a> {
     /// it: a model that explains the samples it has seen by chance, or structure that passes for noise.
     pub(crate) fn fails_on_unseen_time(&self, left: &Residue, applied: &Applied) -> Option<f64> {
         let fitted = &self.explanation.fitted;
-        let ratio = applied.share * held_out_rms(fitted)? / left.floor;
+        let held_out = held_out_rms(fitted)?;
+        let ratio = applied.share * held_out / left.floor;
         let independent = fitted.rows / left.time.max(1.0);
         let expected = 1.0 + 2.0 * fitted.columns() as f64 / independent.max(1.0);
-        (ratio * ratio > expected + UNSEEN_SLACK * (expected - 1.0) + UNSEEN_LEAST).then_some(ratio)
+        let tolerated = expected + UNSEEN_SLACK * (expected - 1.0) + UNSEEN_LEAST;
+        // ... unless what was found takes most of that error away: then the log is short, and the cause there.
+        let before = self.explanation.steps.first().and_then(|first| first.held_out);
+        let predicts = before.is_some_and(|before| held_out < PREDICTS * before);
+        let most = if predicts { f64::INFINITY } else { UNSEEN_MOST * UNSEEN_MOST };
+        (ratio * ratio > tolerated.min(most)).then_some(ratio)
     }
 
     /// The tests of the effects that were asked for. A `pure_lag` that the dip says nothing about is not shown.

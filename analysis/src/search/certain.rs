@@ -19,7 +19,7 @@ const STANDS_OUT: f64 = 4.0;
 /// Where `fit` refuses the model, and it leaves so many times the error on unseen time, it is not the log's.
 const DOES_NOT_HOLD: f64 = 1.4;
 /// ... unless all that was found lowers the error on unseen time to this share of it: then the log is short, and the cause there.
-const PREDICTS: f64 = 0.45;
+pub(crate) const PREDICTS: f64 = 0.45;
 /// What raises the error on unseen time by more than this is not recommended.
 const RAISES: f64 = 1.05;
 
