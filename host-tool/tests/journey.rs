@@ -116,6 +116,14 @@ fn travelling_is_no_effect_where_the_log_tells_where_it_was() {
     let applied = ironout(["apply", text(&known), "--cal", text(&cal), "--json"]).json();
     let (rms, own) = (applied["after"]["rms_ut"].as_f64(), fit["rms_ut"].as_f64());
     assert!((rms.expect("a number") / own.expect("a number") - 1.0).abs() < 0.01, "{applied}");
+    // What a target cannot hold is held against the field of each place, too: here it holds all of the magnitude.
+    let params = cal.with_file_name("px4.params");
+    let export = ["export", text(&cal), "--as", "px4", "--log", text(&known), "-o", text(&params), "--json"];
+    let cost = ironout(export).json()["cost"].clone();
+    for figure in ["rms_ut", "held_rms_ut"] {
+        let left = cost[figure].as_f64().expect("an error");
+        assert!((left / own.expect("a number") - 1.0).abs() < 0.02, "{figure}: {cost}");
+    }
     let check = ironout(["check", text(&known), "--cal", text(&cal), "--json"]).json();
     assert_eq!(check["verdict"], "good", "{check}");
 }

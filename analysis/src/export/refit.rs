@@ -50,7 +50,7 @@ impl std::error::Error for NoCost {}
 pub struct Cost {
     /// Samples, without those set aside.
     pub samples: usize,
-    /// Rms of the corrected magnitude about the field, of the whole calibration, µT.
+    /// Rms of the corrected magnitude about the field of each place, of the whole calibration, µT.
     pub whole_rms_ut: f64,
     /// The same of what the target holds, µT.
     pub held_rms_ut: f64,
@@ -67,9 +67,11 @@ pub struct HeadingCost {
     pub errors_deg: Option<[f64; 2]>,
 }
 
-/// One sample: the vector in the sensor's axes, and the values of the columns of the effects that are held.
+/// One sample: the vector in the sensor's axes, the field where it was taken, and the values of the columns of the effects that
+/// are held.
 struct Row {
     sensor_ut: Vector3<f64>,
+    field_ut: f64,
     values: Vec<f64>,
     whole_ut: [f64; 3],
     row: usize,
@@ -99,20 +101,21 @@ pub fn refit(
         let value = |place: usize| conditions.inputs.get(place).map_or(f64::NAN, |inputs| inputs[0]);
         rows.push(Row {
             sensor_ut: reading.to_sensor(table.field(row)),
+            field_ut: held.field_ut * table.place(row).share,
             values: held.effects.iter().map(|effect| value(effect.place)).collect(),
             whole_ut,
             row,
         });
     }
     let fitted = if held.is_whole() { held.clone() } else { fitted(held, &rows).ok_or(NoCost::NotFitted)? };
-    let rms = |magnitudes: &mut dyn Iterator<Item = f64>| {
-        let squares: f64 = magnitudes.map(|magnitude| (magnitude - held.field_ut).powi(2)).sum();
+    let rms = |magnitude: &dyn Fn(&Row) -> f64| {
+        let squares: f64 = rows.iter().map(|row| (magnitude(row) - row.field_ut).powi(2)).sum();
         (squares / rows.len().max(1) as f64).sqrt()
     };
     let cost = Cost {
         samples: rows.len(),
-        whole_rms_ut: rms(&mut rows.iter().map(|row| norm(row.whole_ut))),
-        held_rms_ut: rms(&mut rows.iter().map(|row| fitted.apply(row.sensor_ut, &row.values).norm())),
+        whole_rms_ut: rms(&|row| norm(row.whole_ut)),
+        held_rms_ut: rms(&|row| fitted.apply(row.sensor_ut, &row.values).norm()),
         heading: held.lost_deg.and_then(|_| heading(&fitted, &rows, &counted, table)),
     };
     Ok((fitted, cost))
@@ -170,7 +173,7 @@ fn fitted(held: &Held, rows: &[Row]) -> Option<Held> {
     };
     let columns = 3 + matrix.map_or(1, <[_]>::len) + 3 * held.effects.len();
     let squares = |held: &Held| -> f64 {
-        rows.iter().map(|row| (held.apply(row.sensor_ut, &row.values).norm() - held.field_ut).powi(2)).sum()
+        rows.iter().map(|row| (held.apply(row.sensor_ut, &row.values).norm() - row.field_ut).powi(2)).sum()
     };
     let mut now = Held { refitted: true, ..held.clone() };
     let (mut cost, mut damping) = (squares(&now), 1e-6);
@@ -197,7 +200,7 @@ fn fitted(held: &Held, rows: &[Row]) -> Option<Held> {
                 slope.rows_mut(first + 3 * index, 3).copy_from(&(pull * effect.factor(*value)));
             }
             normal.ger(1.0, &slope, &slope, 1.0);
-            right.axpy(now.field_ut - length, &slope, 1.0);
+            right.axpy(row.field_ut - length, &slope, 1.0);
         }
         let mut damped = normal.clone();
         (0..columns).for_each(|i| damped[(i, i)] *= 1.0 + damping);
