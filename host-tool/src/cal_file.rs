@@ -10,6 +10,7 @@ use ironout_analysis::calibration::{EffectEntry, Information, StdErrors};
 use ironout_analysis::effects::{Calibrated, calibrated};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
@@ -82,6 +83,9 @@ pub struct CalFile {
     pub fit: FitObject,
     /// What the fit knows, to build on; null where the fit gave none.
     pub information: Option<Information>,
+    /// Means of the log's columns over the samples of the fit; absent in files of earlier programs and of boards.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub conditions: BTreeMap<String, f64>,
     /// How the log was read; absent in files of earlier programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reading: Option<Reading>,
@@ -91,7 +95,13 @@ impl CalFile {
     /// Of a fit by `method`.
     pub fn of(fitted: &Fitted, method: &str) -> Self {
         let information = fitted.solution.as_ref().and_then(|solution| solution.information.clone());
-        CalFile { version: VERSION, fit: FitObject::of(fitted, method), information, reading: None }
+        CalFile {
+            version: VERSION,
+            fit: FitObject::of(fitted, method),
+            information,
+            conditions: fitted.conditions.clone(),
+            reading: None,
+        }
     }
 
     /// Reads and checks a calibration file: every number finite, the matrix invertible, the information
@@ -261,6 +271,7 @@ mod tests {
                 reasons: vec![],
             },
             information: Information::from_covariance(&covariance),
+            conditions: BTreeMap::from([("temp_c".into(), 21.5)]),
             reading: Some(Reading {
                 ut_per_count: Some([0.1; 3]),
                 rotate: vec!["roll180".into()],

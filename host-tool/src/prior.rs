@@ -14,7 +14,8 @@ use ironout::effect::{Effect, Parts};
 use std::path::Path;
 
 /// Reads a calibration file as information for this log. The offsets of its effects are carried over to the log's own
-/// mean of their columns, which is where a new fit puts their reference. `arguments` are those that the log was read with.
+/// mean of their columns, which is where a new fit puts their reference; of all other columns the reference is where they were when
+/// the calibration was fitted. `arguments` are those that the log was read with.
 ///
 /// # Errors
 /// A file that is no calibration, is of another scale or mounting, holds no information, or carries effects that this log cannot be related to.
@@ -35,6 +36,7 @@ pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Prior> {
         return Err(missing("information about nine parameters"));
     }
     let mut offset_ut = calibration.offset_ut;
+    let mut conditions = file.conditions.clone();
     for entry in &file.fit.effects {
         let cannot = |why: String| {
             Failure::usage(format!("its effect {} cannot be carried over to this log: {why}", entry.id))
@@ -54,6 +56,7 @@ pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Prior> {
         if values.is_empty() {
             return Err(cannot(format!("the log has no column {column}")));
         }
+        conditions.remove(column.as_str());
         let change = values.iter().sum::<f64>() / values.len() as f64 - reference;
         for (offset, coefficient) in offset_ut.iter_mut().zip(fitted.coefficients) {
             *offset += coefficient * change;
@@ -64,5 +67,6 @@ pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Prior> {
         triangle,
         information: std::array::from_fn(|i| std::array::from_fn(|j| known.matrix[i][j])),
         field_ut: calibration.field_ut,
+        conditions,
     })
 }

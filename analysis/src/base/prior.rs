@@ -1,13 +1,16 @@
 //! An earlier calibration as information about offset and triangle.
 
 use crate::base::known::Earlier;
+use crate::base::start::NO_ROTATION;
+use ironout::study::Model;
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// An earlier calibration is another by so much of the field, and of a gain, besides its noise.
 const OTHER_DAY: f64 = 0.003;
 
-/// What an earlier calibration says, with the offset as it is where this log's columns have their means.
+/// What an earlier calibration says, with the offset as it is where the columns of its effects have their means in this log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Prior {
     /// Hard iron, µT.
@@ -18,6 +21,10 @@ pub struct Prior {
     pub information: [[f64; 9]; 9],
     /// The field that it is scaled to, µT.
     pub field_ut: f64,
+    /// The columns' means over the samples that it was fitted to: what acts by a column had its mean effect then, and that is in the
+    /// offset and matrix. Columns that are not here have their mean in this log.
+    #[serde(default)]
+    pub conditions: BTreeMap<String, f64>,
 }
 
 impl Prior {
@@ -36,6 +43,13 @@ impl Prior {
                 std::array::from_fn(|j| information[i][j] * unit(i) * unit(j))
             }),
         }
+    }
+
+    /// The earlier calibration as the model that a study on top of it begins with.
+    pub fn model(&self, field_ut: Option<f64>) -> Option<Model<f64>> {
+        let [x, y, z, a, b, d, e, f, g] = self.earlier(field_ut).parameters;
+        let triangle = [[a, b, d], [0.0, e, f], [0.0, 0.0, g]];
+        Model::new([x, y, z], triangle, field_ut.unwrap_or(self.field_ut), NO_ROTATION, 0.0)
     }
 
     /// The information with what no noise tells: a board is not quite the same at another place and day.

@@ -5,6 +5,7 @@ use crate::base::known::Known;
 use crate::base::piece::{COLUMNS, Matrix, Piece};
 use crate::noise::colour::{Colour, Seen};
 use crate::noise::shared::together;
+use crate::noise::still::Still;
 use crate::noise::turning::Turning;
 use crate::samples::series::{Autocorrelation, rms, second_difference_sigma};
 use ironout::effect::{Quantities, no_shape};
@@ -28,6 +29,11 @@ const SLOW_MEMORY_S: f64 = 0.42;
 const STRUCTURE_MISFIT: f64 = 10.0;
 /// Structure makes at least this share of the residual's variance.
 const STRUCTURE_SHARE: f64 = 0.04;
+
+/// Where the board rests noise is the same: less than this share of its squares ...
+const LESS_AT_REST: f64 = 0.8;
+/// ... and less by so many standard errors, comes with the turning. Of 240 simulated logs with nothing hidden the least was -2.7.
+const LESS_BY_SIGMAS: f64 = 6.0;
 
 /// What the residual of a model is made of.
 #[derive(Debug, Clone, Serialize)]
@@ -92,17 +98,24 @@ pub fn residue(
     // A resting board's own drifts, and what a logger rounds, look like slow noise: there only a short memory is noise.
     // What has a memory and moves the axes together is no sensor's own.
     let together = noise.colour != Colour::White && together(residuals, turning, noise.colour, rounding);
-    let is_noise = turning.of_magnitude && noise.is_noise(step_s) && !together;
+    // What is less at rest comes with the turning.
+    let rests = Still::of(residuals, turning, noise.colour, rounding);
+    let rests = rests.filter(|still| still.sigmas < -LESS_BY_SIGMAS && still.share < LESS_AT_REST);
+    let is_noise = turning.of_magnitude && noise.is_noise(step_s) && !together && rests.is_none();
     // A memory that no filter has, or a spectrum that no noise with a memory has: an error that moves. A rolling mean's has zeros,
     // which rounding and the board's turns fill.
     let forgets = matches!(noise.colour, Colour::Fading(_) | Colour::Flicker { .. });
-    let own = noise.colour.is_of_a_sensor(step_s) && (is_noise || !forgets) && !together;
+    let own = noise.colour.is_of_a_sensor(step_s) && (is_noise || !forgets) && !together && rests.is_none();
     let moves = turning.of_magnitude && !own;
     let structured = ((odd || moves) && share > STRUCTURE_SHARE || lines) && !is_noise;
     // Fast structure is in the second differences too.
     let (share, smooth) = match lines && noise.excess > share {
         true => (noise.excess, whole * (1.0 - noise.excess).sqrt()),
         false => (share, smooth),
+    };
+    let (share, smooth) = match rests.map(|still| (1.0 - still.share, whole * still.share.sqrt())) {
+        Some((moving, still)) if moving > share => (moving, still),
+        _ => (share, smooth),
     };
     let floor = if structured { smooth } else { whole };
     Residue {

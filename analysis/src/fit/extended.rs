@@ -35,12 +35,14 @@ pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fit
     fitted.reasons.extend(ground.note());
     if !diagnosis.converged {
         (fitted.accepted, fitted.only_saturated) = (false, false);
-        fitted.reasons.insert(
-            0,
-            "the fit did not converge: these effects and the calibration are hardly told apart by this log; leave one out, or \
-             record more"
-                .into(),
-        );
+        let why = match options.add.is_empty() {
+            true => "the fit did not converge: record more, through more attitudes",
+            false => {
+                "the fit did not converge: these effects and the calibration are hardly told apart by this log; leave one out, or \
+                 record more"
+            }
+        };
+        fitted.reasons.insert(0, why.into());
     }
     let doubts = not_shown(&diagnosis.shown);
     if options.force_effect {

@@ -13,6 +13,7 @@ use ironout::coverage::CoverageMap;
 use ironout::fit::{FitError, MAX_PREDICTED_ERROR};
 use ironout::quality::{Reason, Verdict, judge_figures};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// From this coverage on, and with gaps smaller than this, no side of the board is missing.
 const ALL_ROUND: f32 = 0.9;
@@ -54,6 +55,8 @@ pub struct Fitted {
     pub coverage: Option<f64>,
     /// The largest gap between directions, degrees.
     pub gap_deg: Option<f64>,
+    /// Means of the columns over the samples: what acts by them had its mean effect meanwhile.
+    pub conditions: BTreeMap<String, f64>,
     /// Whether the calibration may be used.
     pub accepted: bool,
     /// Why not, or what to know.
@@ -83,6 +86,7 @@ impl Fitted {
             heading_error_deg: None,
             coverage: None,
             gap_deg: None,
+            conditions: counted.samples.conditions(),
             accepted: false,
             reasons: Vec::new(),
             only_saturated: false,

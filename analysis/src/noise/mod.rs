@@ -3,6 +3,7 @@
 pub mod colour;
 pub mod power;
 pub mod shared;
+pub mod still;
 pub mod turning;
 
 #[cfg(test)]

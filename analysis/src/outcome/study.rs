@@ -86,7 +86,9 @@ fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<D
         earlier: options.prior.as_ref().map(|prior| prior.earlier(options.field_ut)),
         ..Known::default()
     };
-    let Some((model, _)) = start::start(samples, options.scale_ut()) else {
+    let at_conditions = options.prior.as_ref().map(|prior| samples.known_at(&prior.conditions));
+    let samples = at_conditions.as_ref().unwrap_or(samples);
+    let Some(model) = begin(samples, options) else {
         return Ok(undetermined(
             table,
             samples,
@@ -118,6 +120,14 @@ fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<D
         }
     }
     Ok(diagnosis)
+}
+
+/// The model that a study begins with: an earlier calibration, or what these samples say.
+fn begin(samples: &Samples, options: &Options) -> Option<Model<f64>> {
+    match &options.prior {
+        Some(prior) => prior.model(options.field_ut),
+        None => start::start(samples, options.scale_ut()).map(|(model, _)| model),
+    }
 }
 
 /// The diagnosis of a log in which the board hardly tilted: what the readings spread by is then no attitude, whatever fits.
@@ -159,7 +169,9 @@ fn with_bursts(
     options: &Options,
     without: &Diagnosis,
 ) -> Result<Option<Diagnosis>, Refusal> {
-    let Some((model, _)) = start::start(whole, options.scale_ut()) else { return Ok(None) };
+    let at_conditions = options.prior.as_ref().map(|prior| whole.known_at(&prior.conditions));
+    let whole = at_conditions.as_ref().unwrap_or(whole);
+    let Some(model) = begin(whole, options) else { return Ok(None) };
     let mut found = magnitude(table, whole, model, known, options, Stand { base: None, held: false })?;
     let left = |one: &Diagnosis| one.steps.last().and_then(|step| step.holdout_rms_ut);
     let explains =

@@ -18,7 +18,7 @@ use crate::samples::samples::Samples;
 use crate::samples::series::Autocorrelation;
 use crate::search::candidates::Catalogue;
 use crate::search::certain::PREDICTS;
-use crate::search::screen::{Candidate, SIGNIFICANCE, screen};
+use crate::search::screen::{Candidate, SIGNIFICANCE, WORTH_NAMING, screen};
 use crate::search::shown::Shown;
 use crate::search::state::{Explanation, held_out_rms};
 use crate::table::Table;
@@ -36,6 +36,9 @@ const UNSEEN_SLACK: f64 = 2.0;
 const UNSEEN_LEAST: f64 = 0.1;
 /// Many parameters and a long memory excuse no error on unseen time of more than so many times what the noise leaves ...
 const UNSEEN_MOST: f64 = 4.0 / 3.0;
+
+/// A column that meets the residual so rarely by chance says that it is no noise.
+const NO_CHANCE: f64 = 1e-5;
 
 /// Directions with a larger cosine than this are the same: by chance three of a hundred pairs.
 const SAME_WAY: f64 = 0.97;
@@ -333,10 +336,33 @@ impl<'a> View<'_, 'a> {
             (Some(_), false) => return (Verdict::Unexplained, reasons),
         }
         if self.explanation.fitted.pieces.is_empty() {
+            if let Some(words) = self.shows_a_column() {
+                reasons.push(words);
+                return (Verdict::Unexplained, reasons);
+            }
             (Verdict::Complete, reasons)
         } else {
             (Verdict::Missing, reasons)
         }
+    }
+
+    /// A column that explains much of the residual, not by chance, though no effect of it holds: then that residual is no noise,
+    /// whatever noise it looks like.
+    fn shows_a_column(&self) -> Option<String> {
+        let explanation = &self.explanation;
+        let of_column = explanation.first.iter().filter_map(|one| {
+            let columns = one.candidate.piece.effect.columns();
+            let column = columns.iter().flatten().next()?;
+            let share = one.tested.decrease / explanation.base.squares;
+            let chance = one.tested.p_value * explanation.count as f64;
+            (chance < NO_CHANCE && share >= WORTH_NAMING).then(|| (column.name.to_string(), share, chance))
+        });
+        let (column, share, chance) = of_column.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some(format!(
+            "{column} explains {:.0} % of the residual (chance {chance:.0e}), though no effect of it is certain: something that \
+             moves with it in part may not be in the log",
+            100.0 * share
+        ))
     }
 
     /// Shapes in time that point the same way stand in for one slow cause that the log does not hold: two events, or an event

@@ -5,6 +5,7 @@ use crate::table::Table;
 use crate::track::Place;
 use ironout::study::Observation;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 /// A study searches over at most this many samples; a longer log is thinned evenly.
 pub const MOST_SAMPLES: usize = 40_000;
@@ -25,6 +26,8 @@ pub struct Column {
     pub reference: f64,
     /// The same of its square.
     pub reference_square: f64,
+    /// Whether it is missing in most samples, or no number in some.
+    pub lacks: bool,
     /// Why it cannot be tested.
     pub problem: Option<String>,
 }
@@ -104,6 +107,7 @@ fn column(name: &str, mut values: Vec<f64>, not_finite: usize) -> Column {
     } else {
         None
     };
+    let lacks = problem.is_some();
     fill_gaps(&mut values);
     let n = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -118,6 +122,7 @@ fn column(name: &str, mut values: Vec<f64>, not_finite: usize) -> Column {
         mean_square,
         reference: mean,
         reference_square: mean_square,
+        lacks,
         problem,
     }
 }
@@ -133,6 +138,12 @@ impl Samples {
             }
         }
         sum.map(|value| value / n)
+    }
+
+    /// Means of the columns that are there in most samples.
+    pub fn conditions(&self) -> BTreeMap<String, f64> {
+        let known = self.columns.iter().filter(|column| column.mean.is_finite() && !column.lacks);
+        known.map(|column| (column.name.clone(), column.mean)).collect()
     }
 
     /// Takes the rows that are not left out.
@@ -233,6 +244,17 @@ impl Samples {
             if ends.0 <= ends.1 {
                 column.reference = 0.0_f64.clamp(ends.0, ends.1);
                 column.reference_square = column.reference * column.reference;
+            }
+        }
+        samples
+    }
+
+    /// These samples with the effects of these columns zero at these values of them, where the base is known.
+    pub fn known_at(&self, conditions: &BTreeMap<String, f64>) -> Samples {
+        let mut samples = self.clone();
+        for column in &mut samples.columns {
+            if let Some(value) = conditions.get(&column.name).filter(|value| value.is_finite()) {
+                (column.reference, column.reference_square) = (*value, value * value);
             }
         }
         samples

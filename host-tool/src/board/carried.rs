@@ -165,6 +165,7 @@ pub fn cal_file(record: &Record, covariance: Option<&[[f64; 9]; 9]>, board: &Ide
             reasons: vec![format!("note: from the board {} ({})", board.board, board.sensor)],
         },
         information: covariance.and_then(Information::from_covariance),
+        conditions: Default::default(),
         reading: board.ut_per_count.map(|scale| Reading { ut_per_count: Some(scale), ..Reading::default() }),
     };
     let text = serde_json::to_string(&cal).map_err(|error| Failure::usage(error.to_string()))?;

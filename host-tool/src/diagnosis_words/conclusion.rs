@@ -300,12 +300,14 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             command(out, next::fit(arguments, &add));
         }
         Verdict::Undetermined => {
-            say(
-                out,
-                "Record again and turn the board through more directions: nose up and down, on both sides, upside down, each \
-                 with a full turn. An earlier good calibration can stand in for them:",
-            );
-            command(out, next::diagnose(arguments, &path, "--prior cal.json"));
+            let turn = "Record again and turn the board through more directions: nose up and down, on both sides, upside down, \
+                        each with a full turn.";
+            if arguments.prior.is_some() {
+                say(out, turn);
+            } else {
+                say(out, &format!("{turn} An earlier good calibration can stand in for them:"));
+                command(out, next::diagnose(arguments, &path, "--prior cal.json"));
+            }
         }
     }
 }
