@@ -5,6 +5,7 @@ use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::noise::turning::Turning;
 use crate::samples::samples::Samples;
 use crate::threads::halves;
+use ironout::calibration::Calibration;
 use ironout::effect::Acts;
 use ironout::study::{Model, NoRow, NotFinite, Residual};
 
@@ -194,7 +195,9 @@ impl Pass<'_> {
                 core::array::from_fn(|axis| reading.measured_ut[axis] - model.offset_ut[axis]);
             model.matrix.map(|row| row.iter().zip(off).map(|(c, v)| c * v).sum())
         });
-        Turning::of(directions, &model.matrix)
+        let Model { offset_ut, matrix, field_ut, .. } = *model;
+        let calibration = Calibration { offset_ut, matrix, field_ut };
+        Turning::of(directions, &model.matrix).beside(&self.samples.rest, self.samples.stride, &calibration)
     }
 }
 

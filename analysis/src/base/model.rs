@@ -65,7 +65,11 @@ impl Base {
         let residual = data.residual(used, &first.calibration);
         let step_s = counted.samples.step_s() / counted.samples.stride as f64;
         let directions = used.iter().map(|&sample| first.calibration.apply(data.field(sample)));
-        let turning = Turning::of(directions, &first.calibration.matrix);
+        let turning = Turning::of(directions, &first.calibration.matrix).beside(
+            &counted.samples.rest,
+            1,
+            &first.calibration,
+        );
         let of = |residual: &[f64], report: &FitReport| {
             residue(residual, report.model.parameters(), counted.samples.quantum_ut, step_s, &turning)
         };

@@ -33,7 +33,7 @@ const STRUCTURE_SHARE: f64 = 0.04;
 /// Where the board rests noise is the same: less than this share of its squares ...
 const LESS_AT_REST: f64 = 0.8;
 /// ... and less by so many standard errors, comes with the turning. Of 240 simulated logs with nothing hidden the least was -2.7.
-const LESS_BY_SIGMAS: f64 = 6.0;
+const LESS_BY_SIGMAS: f64 = 5.0;
 
 /// What the residual of a model is made of.
 #[derive(Debug, Clone, Serialize)]

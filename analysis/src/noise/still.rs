@@ -5,7 +5,7 @@
 
 use crate::noise::colour::Colour;
 use crate::noise::power::padded;
-use crate::noise::turning::Turning;
+use crate::noise::turning::{Rest, Turning};
 
 /// A board that turns by less than this within a stretch rests there, rad.
 const RESTS: f64 = 0.15;
@@ -13,6 +13,9 @@ const RESTS: f64 = 0.15;
 const SHORTEST: usize = 16;
 /// ... and counts as several where it is longer than this.
 const LONGEST: usize = 1024;
+
+/// Where the readings' rounding is more than this share of the variance a resting board's readings say nothing.
+const ROUNDED: f64 = 0.25;
 
 /// How a residual is where the board rests, against the noise that the whole of it is most like.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,19 +44,49 @@ impl Still {
         let gain = |w: &[f64; 3]| w.iter().map(|x| x * x).sum::<f64>();
         let mean_gain = weights.iter().map(gain).sum::<f64>() / n as f64;
         let whole = residuals.iter().map(|r| r * r).sum::<f64>() / n as f64 / mean_gain;
-        let (mut seen, mut expected, mut variance, mut samples) = (0.0, 0.0, 0.0, 0);
+        let mut sums = Sums::default();
         for stretch in stretches(weights) {
-            let part = &residuals[stretch.clone()];
-            let length = part.len() as f64;
-            let scale = whole * weights[stretch].iter().map(gain).sum::<f64>() / length;
-            let mean = part.iter().sum::<f64>() / length;
-            let (trace, squares) = centred(&own[..part.len()]);
-            seen += part.iter().map(|r| (r - mean) * (r - mean)).sum::<f64>();
-            expected += scale * trace;
-            variance += 2.0 * scale * scale * squares;
-            samples += part.len();
+            let gain = weights[stretch.clone()].iter().map(gain).sum::<f64>() / stretch.len() as f64;
+            sums.add(&residuals[stretch], whole * gain, &own);
         }
-        let still = Still { share: seen / expected, sigmas: (seen - expected) / variance.sqrt(), samples };
+        // Where most of the noise is rounding a resting reading stands still.
+        if rounding < ROUNDED {
+            for Rest { residuals, gain } in &turning.rest {
+                let pieces = residuals.chunks(LONGEST).filter(|piece| piece.len() >= SHORTEST);
+                pieces.for_each(|piece| sums.add(piece, whole * gain, &own));
+            }
+        }
+        sums.still()
+    }
+}
+
+/// Squares about the mean of stretches, and what noise would make of them.
+#[derive(Default)]
+struct Sums {
+    seen: f64,
+    expected: f64,
+    variance: f64,
+    samples: usize,
+}
+
+impl Sums {
+    /// Adds a stretch of a series that should have this variance and correlation.
+    fn add(&mut self, part: &[f64], scale: f64, own: &[f64]) {
+        let Some(own) = own.get(..part.len()) else { return };
+        let mean = part.iter().sum::<f64>() / part.len() as f64;
+        let (trace, squares) = centred(own);
+        self.seen += part.iter().map(|r| (r - mean) * (r - mean)).sum::<f64>();
+        self.expected += scale * trace;
+        self.variance += 2.0 * scale * scale * squares;
+        self.samples += part.len();
+    }
+
+    fn still(&self) -> Option<Still> {
+        let still = Still {
+            share: self.seen / self.expected,
+            sigmas: (self.seen - self.expected) / self.variance.sqrt(),
+            samples: self.samples,
+        };
         (still.share.is_finite() && still.sigmas.is_finite()).then_some(still)
     }
 }

@@ -2,7 +2,9 @@
 
 use crate::noise::colour::{Colour, Described, Seen};
 use crate::noise::shared::together;
+use crate::noise::still::Still;
 use crate::noise::turning::Turning;
+use ironout::calibration::Calibration;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
@@ -178,5 +180,37 @@ fn noise_that_was_filtered_before_its_sampling_is_noise() {
             found.colour
         );
         assert!(found.misfit() < 4.0, "seed {seed}: {}", found.misfit());
+    }
+}
+
+/// The residual of the board that turns, and readings of it at rest in this noise of its axes.
+fn beside_rest(moving: Colour, at_rest: Colour, seed: u64) -> (Vec<f64>, Turning) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (axes, rest) = ([0; 3].map(|_| noise(moving, &mut rng)), [0; 3].map(|_| noise(at_rest, &mut rng)));
+    let dirs = directions();
+    let residuals = (0..N).map(|at| (0..3).map(|i| dirs[at][i] * axes[i][at]).sum()).collect();
+    let still: Vec<[f64; 3]> =
+        (0..800).map(|at| std::array::from_fn(|i| 40.0 * dirs[7][i] + rest[i][at])).collect();
+    let calibration = Calibration::identity(40.0);
+    (residuals, Turning::of(dirs.into_iter(), &UNIT).beside(&[still], 1, &calibration))
+}
+
+#[test]
+fn noise_is_the_same_at_rest_and_what_comes_with_the_turning_is_not() {
+    for seed in 0..20 {
+        for colour in [Colour::White, Colour::Fading(0.7), Colour::RollingMean(5)] {
+            let (residuals, turning) = beside_rest(colour, colour, seed);
+            let still = Still::of(&residuals, &turning, colour, 0.0).unwrap();
+            assert!(still.sigmas.abs() < 4.5 && (0.7..1.4).contains(&still.share), "{colour:?} {still:?}");
+        }
+        // An error as slow as the turning, on a sensor whose own noise is white and a third as large.
+        let (residuals, turning) = beside_rest(Colour::Fading(0.9), Colour::White, seed);
+        let mut small = turning.clone();
+        small.rest.iter_mut().flat_map(|rest| &mut rest.residuals).for_each(|r| *r *= 0.33);
+        let still = Still::of(&residuals, &small, Colour::Fading(0.9), 0.0).unwrap();
+        assert!(still.sigmas < -5.0 && still.share < 0.8, "{still:?}");
+        // Where rounding is most of it nothing is said of the rest.
+        let rounded = Still::of(&residuals, &small, Colour::Fading(0.9), 0.5).unwrap();
+        assert_eq!(rounded.samples + 800, still.samples, "{rounded:?}");
     }
 }

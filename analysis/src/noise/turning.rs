@@ -5,6 +5,7 @@
 
 use crate::noise::power::{add_power, padded, transforms};
 use crate::samples::fft;
+use ironout::calibration::{Calibration, norm};
 use nalgebra::DMatrix;
 
 /// The directions of a log as its noise meets them.
@@ -18,13 +19,30 @@ pub struct Turning {
     pub of_magnitude: bool,
     /// By how much each axis of the sensor shows in each residual; empty where nothing turns.
     pub weights: Vec<[f64; 3]>,
+    /// Residuals of the resting board, in stretches of as many samples a second.
+    pub rest: Vec<Rest>,
+}
+
+/// A stretch in which the board rested.
+#[derive(Debug, Clone)]
+pub struct Rest {
+    /// Residuals.
+    pub residuals: Vec<f64>,
+    /// How the variance of the sensor's axes shows in them.
+    pub gain: f64,
 }
 
 impl Turning {
     /// Where nothing turns: a residual that is no magnitude.
     pub fn none(n: usize) -> Self {
         let alike = (0..n).map(|lag| 1.0 - lag as f64 / n.max(1) as f64).collect();
-        Turning { alike, absorbed: vec![0.0; padded(n) / 2 + 1], of_magnitude: false, weights: Vec::new() }
+        Turning {
+            alike,
+            absorbed: vec![0.0; padded(n) / 2 + 1],
+            of_magnitude: false,
+            weights: Vec::new(),
+            rest: Vec::new(),
+        }
     }
 
     /// Of the field's directions in the frame of the board, one a sample (of any length but zero), and the matrix that brings
@@ -52,7 +70,23 @@ impl Turning {
         }
         let mut absorbed = vec![0.0; size / 2 + 1];
         add_power(&mut absorbed, &transforms(&orthogonal(columns), size), n);
-        Turning { alike, absorbed, of_magnitude: true, weights }
+        Turning { alike, absorbed, of_magnitude: true, weights, rest: Vec::new() }
+    }
+
+    /// The same beside readings of the resting board, of which every `stride`th is of the series, as a calibration shows them.
+    pub fn beside(mut self, rest: &[Vec<[f64; 3]>], stride: usize, calibration: &Calibration<f64>) -> Self {
+        let of = |stretch: &Vec<[f64; 3]>| {
+            let fields = || stretch.iter().step_by(stride.max(1)).map(|reading| calibration.apply(*reading));
+            let residuals: Vec<f64> = fields().map(|h| norm(h) - calibration.field_ut).collect();
+            let gains = fields().map(|h| {
+                let shown =
+                    |axis: usize| (0..3).map(|i| calibration.matrix[i][axis] * h[i]).sum::<f64>() / norm(h);
+                (0..3).map(|axis| shown(axis).powi(2)).sum::<f64>()
+            });
+            Rest { gain: gains.sum::<f64>() / residuals.len().max(1) as f64, residuals }
+        };
+        self.rest = rest.iter().map(of).collect();
+        self
     }
 }
 

@@ -8,6 +8,7 @@ pub mod finish;
 pub mod json;
 pub mod lower_order;
 pub mod outcome;
+pub mod passes;
 pub mod request;
 pub mod rows;
 pub mod shows;

@@ -12,15 +12,17 @@ use crate::outcome::blank::undetermined;
 use crate::outcome::explain::{Stand, explain};
 use crate::outcome::lower_order::as_logged;
 use crate::outcome::outcome::{Diagnosis, Status, Verdict};
+use crate::outcome::passes;
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::standing;
 use crate::outcome::view::View;
-use crate::samples::faults::FaultKind;
+use crate::samples::faults::{self, FaultKind};
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
 use crate::table::Table;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::{Model, Residual};
+use std::borrow::Cow;
 
 /// Fewer samples are no study.
 const FEWEST: usize = 30;
@@ -32,10 +34,9 @@ const AS_WELL: f64 = 1.1;
 pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     let counted = &ground.counted;
     let mut diagnosis = of_kind(ground, options)?;
-    // Samples that some column lacks are told after the faults of the sensor.
-    let lacking = std::mem::take(&mut diagnosis.data_faults);
+    // What the study has left out is told after the faults of the sensor.
+    let left_out = std::mem::take(&mut diagnosis.data_faults);
     diagnosis.data_faults.clone_from(&counted.faults);
-    diagnosis.data_faults.extend(lacking);
     diagnosis.samples_used = counted.studied();
     diagnosis.samples_set_aside = counted.set_aside();
     if diagnosis.bursts_explained {
@@ -43,6 +44,13 @@ pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
         diagnosis.data_faults.retain(|fault| fault.kind != FaultKind::Burst);
         diagnosis.samples_used += bursts;
         diagnosis.samples_set_aside -= bursts.min(diagnosis.samples_set_aside);
+    }
+    let beside = passes::samples(&left_out);
+    diagnosis.samples_used -= beside.min(diagnosis.samples_used);
+    diagnosis.samples_set_aside += beside;
+    diagnosis.data_faults.extend(left_out);
+    if beside > 0 {
+        faults::merge_bursts(&mut diagnosis.data_faults);
     }
     diagnosis.base = ground.base.as_ref().ok().filter(|_| !counted.rests && options.prior.is_none()).cloned();
     Ok(diagnosis)
@@ -57,14 +65,53 @@ fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     match samples.with_all_known(table, |name| options.search || asked(name)) {
         Some((common, lacking)) => {
             let mut diagnosis = of_samples(ground, &common, options)?;
-            diagnosis.data_faults = lacking;
+            diagnosis.data_faults.extend(lacking);
             Ok(diagnosis)
         }
         None => of_samples(ground, samples, options),
     }
 }
 
+/// The diagnosis of these samples, without those of magnets that passed beside what was found.
 fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
+    let table = ground.counted.table;
+    let mut diagnosis = of_all(ground, samples, options)?;
+    let whole = ground.counted.with_bursts.as_ref().filter(|_| diagnosis.bursts_explained);
+    let mut now = Cow::Borrowed(whole.unwrap_or(samples));
+    for _ in 0..passes::ROUNDS {
+        let Some((fewer, faults)) = passes::without(table, &now, &diagnosis) else { break };
+        let known = known(options);
+        let Some(mut next) = on(table, &fewer, &known, options, None)? else { break };
+        if !passes::says_more(&next, &diagnosis) {
+            break;
+        }
+        next.bursts_explained = diagnosis.bursts_explained;
+        next.data_faults = diagnosis.data_faults.into_iter().chain(faults).collect();
+        (diagnosis, now) = (next, Cow::Owned(fewer));
+    }
+    Ok(diagnosis)
+}
+
+/// What is known besides a log.
+fn known(options: &Options) -> Known {
+    Known { earlier: options.prior.as_ref().map(|prior| prior.earlier(options.field_ut)), ..Known::default() }
+}
+
+/// The study of the magnitude of these samples; `None` where no sphere fits them.
+fn on(
+    table: &Table,
+    samples: &Samples,
+    known: &Known,
+    options: &Options,
+    base: Option<&Base>,
+) -> Result<Option<Diagnosis>, Refusal> {
+    let at_conditions = options.prior.as_ref().map(|prior| samples.known_at(&prior.conditions));
+    let samples = at_conditions.as_ref().unwrap_or(samples);
+    let Some(model) = begin(samples, options) else { return Ok(None) };
+    magnitude(table, samples, model, known, options, Stand { base, held: false }).map(Some)
+}
+
+fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
     let table = ground.counted.table;
     if samples.len() < FEWEST {
         let why = match ground.counted.at_rest {
@@ -82,28 +129,20 @@ fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<D
         let why = "an axis is a copy of another, so there is no ellipsoid: repair the driver".into();
         return Ok(undetermined(table, samples, options.registry, why));
     }
-    let known = Known {
-        earlier: options.prior.as_ref().map(|prior| prior.earlier(options.field_ut)),
-        ..Known::default()
-    };
-    let at_conditions = options.prior.as_ref().map(|prior| samples.known_at(&prior.conditions));
-    let samples = at_conditions.as_ref().unwrap_or(samples);
-    let Some(model) = begin(samples, options) else {
-        return Ok(undetermined(
-            table,
-            samples,
-            options.registry,
-            "no sphere or ellipsoid fits the samples".into(),
-        ));
+    let none_fits = || {
+        let why = "no sphere or ellipsoid fits the samples".into();
+        undetermined(table, samples, options.registry, why)
     };
     if options.prior.is_none()
         && let Some(tilt_deg) = tilt_deg(samples, table).filter(|tilt| *tilt < LEVEL_DEG)
     {
+        let Some(model) = begin(samples, options) else { return Ok(none_fits()) };
         return level(table, samples, model, options, ground.base.as_ref().ok(), tilt_deg);
     }
+    let known = known(options);
     // On top of an earlier calibration the base is fitted with it, which sums alone cannot.
     let base = ground.base.as_ref().ok().filter(|_| options.prior.is_none());
-    let mut diagnosis = magnitude(table, samples, model, &known, options, Stand { base, held: false })?;
+    let Some(mut diagnosis) = on(table, samples, &known, options, base)? else { return Ok(none_fits()) };
     if let Some(whole) = &ground.counted.with_bursts
         && let Some(explained) = with_bursts(table, whole, &known, options, &diagnosis)?
     {
@@ -169,10 +208,7 @@ fn with_bursts(
     options: &Options,
     without: &Diagnosis,
 ) -> Result<Option<Diagnosis>, Refusal> {
-    let at_conditions = options.prior.as_ref().map(|prior| whole.known_at(&prior.conditions));
-    let whole = at_conditions.as_ref().unwrap_or(whole);
-    let Some(model) = begin(whole, options) else { return Ok(None) };
-    let mut found = magnitude(table, whole, model, known, options, Stand { base: None, held: false })?;
+    let Some(mut found) = on(table, whole, known, options, None)? else { return Ok(None) };
     let left = |one: &Diagnosis| one.steps.last().and_then(|step| step.holdout_rms_ut);
     let explains =
         !found.effects.is_empty() && matches!(found.verdict, Verdict::Missing | Verdict::Confounded);

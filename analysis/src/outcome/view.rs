@@ -38,7 +38,7 @@ const UNSEEN_LEAST: f64 = 0.1;
 const UNSEEN_MOST: f64 = 4.0 / 3.0;
 
 /// A column that meets the residual so rarely by chance says that it is no noise.
-const NO_CHANCE: f64 = 1e-5;
+const NO_CHANCE: f64 = 1e-7;
 
 /// Directions with a larger cosine than this are the same: by chance three of a hundred pairs.
 const SAME_WAY: f64 = 0.97;
@@ -352,7 +352,8 @@ impl<'a> View<'_, 'a> {
         let explanation = &self.explanation;
         let of_column = explanation.first.iter().filter_map(|one| {
             let columns = one.candidate.piece.effect.columns();
-            let column = columns.iter().flatten().next()?;
+            let logged = |name: &str| self.samples.columns.iter().any(|own| own.name == name);
+            let column = columns.iter().flatten().next().filter(|column| logged(column.name))?;
             let share = one.tested.decrease / explanation.base.squares;
             let chance = one.tested.p_value * explanation.count as f64;
             (chance < NO_CHANCE && share >= WORTH_NAMING).then(|| (column.name.to_string(), share, chance))

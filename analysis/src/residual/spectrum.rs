@@ -149,6 +149,7 @@ impl Spectrum {
                 absorbed: Vec::new(),
                 of_magnitude: true,
                 weights: Vec::new(),
+                rest: Vec::new(),
             },
         };
         let variance = residuals.iter().map(|r| r * r).sum::<f64>() / n.max(1) as f64;

@@ -66,6 +66,7 @@ impl Samples {
         }
         let row: Vec<usize> = self.row.iter().copied().filter(|row| !left_out[*row]).collect();
         let mut common = Samples::of_rows(table, row, self.stride, self.axes);
+        common.rest = self.rest.clone();
         for (name, missing) in refused {
             let problem = format!("{name} is missing for long in {missing} of {} samples", self.len());
             if let Some(column) = common.columns.iter_mut().find(|own| own.name == name) {

@@ -6,6 +6,7 @@ use crate::track::Place;
 use ironout::study::Observation;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A study searches over at most this many samples; a longer log is thinned evenly.
 pub const MOST_SAMPLES: usize = 40_000;
@@ -55,6 +56,8 @@ pub struct Samples {
     pub quantum_ut: f64,
     /// How much was looked at.
     pub work: Work,
+    /// Readings, µT, in stretches of one sample after the other in which the board rested, which are not among the samples.
+    pub rest: Arc<Vec<Vec<[f64; 3]>>>,
 }
 
 /// Rows that begin a run of equal field triples: a log faster than its sensor repeats them.
@@ -156,13 +159,23 @@ impl Samples {
     /// At most so many of these samples, evenly.
     pub fn thinned(&self, table: &Table, most: usize) -> Samples {
         let (row, stride) = wandering(&self.row, most);
-        let mut few = Samples::of_rows(table, row, self.stride * stride, self.axes);
+        self.some(table, row, self.stride * stride)
+    }
+
+    /// Those of these samples that are of such rows.
+    pub fn of_these(&self, table: &Table, row: Vec<usize>) -> Samples {
+        self.some(table, row, self.stride)
+    }
+
+    fn some(&self, table: &Table, row: Vec<usize>, stride: usize) -> Samples {
+        let mut few = Samples::of_rows(table, row, stride, self.axes);
         // The same effects, and so the same zeros of them.
         for (column, own) in few.columns.iter_mut().zip(&self.columns) {
             (column.reference, column.reference_square) = (own.reference, own.reference_square);
             column.problem.clone_from(&own.problem);
         }
         few.middle_s = self.middle_s;
+        few.rest = self.rest.clone();
         few
     }
 
@@ -203,6 +216,7 @@ impl Samples {
             axes,
             quantum_ut: 0.0,
             work: Work::default(),
+            rest: Arc::default(),
         };
         samples.quantum_ut =
             table.field_ut.iter().map(|axis| crate::samples::series::quantum(axis)).fold(0.0, f64::max);

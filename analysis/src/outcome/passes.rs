@@ -1,0 +1,117 @@
+//! Magnets that passed beside an effect: what stands out of the model with what was found is set aside, and the log is studied once
+//! more without it.
+//!
+//! A strong effect hides the flanks of a passing magnet, and a magnet that comes and goes looks like two steps. Once the effect is
+//! in the model both show.
+
+use crate::calibration::FittedEffect;
+use crate::outcome::outcome::{Diagnosis, Verdict};
+use crate::samples::faults::{self, DataFault, FaultKind};
+use crate::samples::samples::Samples;
+use crate::table::Table;
+
+/// Studies without what stood out of the one before.
+pub(crate) const ROUNDS: usize = 3;
+/// A step there and one back within so many seconds are a magnet that passed ...
+const PASSES_S: f64 = 6.0;
+/// ... if together they leave less than this share of the larger one.
+const BACK: f64 = 0.35;
+/// What is set aside reaches further than the steps by this share of the time between them, on either side.
+const BEYOND: f64 = 0.35;
+/// More than this share of a log is no passing magnet.
+const MOST: f64 = 0.1;
+/// A study without what stood out says more where its error on unseen time is below this share of what it was.
+const LOWERS: f64 = 0.9;
+
+/// Samples that stand out of what a diagnosis found, as first and last place among its samples; empty where nothing does, or where so
+/// much does that it is no fault.
+fn stand_out(samples: &Samples, diagnosis: &Diagnosis) -> Vec<(usize, usize)> {
+    let mut found = steps_there_and_back(samples, &diagnosis.effects);
+    if let [residuals] = diagnosis.traces.final_ut.as_slice()
+        && residuals.len() == samples.len()
+    {
+        found.extend(faults::bursts(residuals));
+    }
+    found.sort_unstable();
+    let mut merged: Vec<(usize, usize)> = Vec::new();
+    for (from, to) in found {
+        match merged.last_mut() {
+            Some(last) if from <= last.1 + 1 => last.1 = last.1.max(to),
+            _ => merged.push((from, to)),
+        }
+    }
+    let flagged: usize = merged.iter().map(|(from, to)| to - from + 1).sum();
+    let much = flagged as f64 > MOST * samples.len() as f64;
+    if much || faults::have_company(samples, &merged) { Vec::new() } else { merged }
+}
+
+/// Where two steps that undo each other lie so close that they are a magnet that passed.
+fn steps_there_and_back(samples: &Samples, effects: &[FittedEffect]) -> Vec<(usize, usize)> {
+    let Some(time) = &samples.time else { return Vec::new() };
+    let steps: Vec<(f64, [f64; 3])> = effects.iter().filter_map(step).collect();
+    let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let mut list = Vec::new();
+    for (index, (a_s, a)) in steps.iter().enumerate() {
+        for (b_s, b) in &steps[index + 1..] {
+            let left: [f64; 3] = std::array::from_fn(|axis| a[axis] + b[axis]);
+            let apart = (a_s - b_s).abs();
+            if apart <= PASSES_S && length(left) <= BACK * length(*a).max(length(*b)) {
+                let (from, to) = (a_s.min(*b_s) - BEYOND * apart, a_s.max(*b_s) + BEYOND * apart);
+                let (from, to) = (time.partition_point(|t| *t < from), time.partition_point(|t| *t <= to));
+                if from < to {
+                    list.push((from, to - 1));
+                }
+            }
+        }
+    }
+    list
+}
+
+/// When a step was, and how much it added to the offset.
+fn step(effect: &FittedEffect) -> Option<(f64, [f64; 3])> {
+    let at_s = effect.parameters.iter().find(|(name, _)| *name == "at_s")?.1;
+    let [x, y, z] = *effect.coefficients.first_chunk::<3>()?;
+    Some((at_s, [x, y, z]))
+}
+
+/// The samples without what stands out of what a diagnosis found, and the faults that this is. `None` where nothing stands out.
+pub(crate) fn without(
+    table: &Table,
+    samples: &Samples,
+    diagnosis: &Diagnosis,
+) -> Option<(Samples, Vec<DataFault>)> {
+    if diagnosis.effects.is_empty() || diagnosis.verdict == Verdict::Undetermined {
+        return None;
+    }
+    let found = stand_out(samples, diagnosis);
+    if found.is_empty() {
+        return None;
+    }
+    let fault = |&(from, to): &(usize, usize)| {
+        faults::burst_fault(table, (samples.row[from], samples.row[to]), (to - from + 1) * samples.stride)
+    };
+    let inside = |at: usize| found.iter().any(|(from, to)| (*from..=*to).contains(&at));
+    let kept = |(at, row): (usize, &usize)| (!inside(at)).then_some(*row);
+    let rows: Vec<usize> = samples.row.iter().enumerate().filter_map(kept).collect();
+    Some((samples.of_these(table, rows), found.iter().map(fault).collect()))
+}
+
+/// How many samples these faults set aside; a gap of a column is none.
+pub(crate) fn samples(faults: &[DataFault]) -> usize {
+    faults.iter().filter(|fault| fault.kind == FaultKind::Burst).map(|fault| fault.samples).sum()
+}
+
+/// Whether the study without what stood out says more: it explains what the other does not, or the same effects leave less, or fewer
+/// leave as little.
+pub(crate) fn says_more(without: &Diagnosis, with: &Diagnosis) -> bool {
+    let left = |one: &Diagnosis| one.steps.last().and_then(|step| step.holdout_rms_ut);
+    let explained = |one: &Diagnosis| matches!(one.verdict, Verdict::Missing | Verdict::Confounded);
+    let (Some(now), Some(before)) = (left(without), left(with)) else { return false };
+    let fewer = without.effects.len() < with.effects.len() && now <= before / LOWERS;
+    let better = match (explained(with), explained(without)) {
+        (false, true) => now <= before || fewer,
+        (true, false) => false,
+        _ => now < LOWERS * before || fewer,
+    };
+    better && !without.effects.is_empty()
+}
