@@ -190,7 +190,7 @@ fn beside_rest(moving: Colour, at_rest: Colour, seed: u64) -> (Vec<f64>, Turning
     let dirs = directions();
     let residuals = (0..N).map(|at| (0..3).map(|i| dirs[at][i] * axes[i][at]).sum()).collect();
     let still: Vec<[f64; 3]> =
-        (0..800).map(|at| std::array::from_fn(|i| 40.0 * dirs[7][i] + rest[i][at])).collect();
+        (0..1600).map(|at| std::array::from_fn(|i| 40.0 * dirs[7][i] + rest[i][at])).collect();
     let calibration = Calibration::identity(40.0);
     (residuals, Turning::of(dirs.into_iter(), &UNIT).beside(&[still], 1, &calibration))
 }
@@ -211,6 +211,6 @@ fn noise_is_the_same_at_rest_and_what_comes_with_the_turning_is_not() {
         assert!(still.sigmas < -5.0 && still.share < 0.8, "{still:?}");
         // Where rounding is most of it nothing is said of the rest.
         let rounded = Still::of(&residuals, &small, Colour::Fading(0.9), 0.5).unwrap();
-        assert_eq!(rounded.samples + 800, still.samples, "{rounded:?}");
+        assert_eq!(rounded.samples + 1600, still.samples, "{rounded:?}");
     }
 }
