@@ -65,6 +65,9 @@ impl View<'_, '_> {
         if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
             verdict = Verdict::Missing;
         }
+        let nobody =
+            verdict == Verdict::Unexplained && self.searches && self.explanation.fitted.pieces.is_empty();
+        let stands_out = if nobody { self.beside_leaders()? } else { Vec::new() };
         let traces = Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?;
         let wanted = verdict == Verdict::Unexplained && self.searches && self.lower_order.is_none();
         let field_varies = wanted.then(|| field_share(&applied.residuals, &traces.directions)).flatten();
@@ -121,6 +124,7 @@ impl View<'_, '_> {
             base: None,
             predicted_error_ut: predicted.map(|error| error * field),
             bursts_explained: false,
+            stands_out,
             field_varies,
             fit_refuses: None,
             samples_used: 0,

@@ -3,6 +3,7 @@
 pub mod asked;
 pub mod at_rest;
 pub mod blank;
+pub mod doubts;
 pub mod explain;
 pub mod finish;
 pub mod json;

@@ -213,6 +213,10 @@ pub struct Diagnosis {
     /// Whether effects explain what stood out of the base model, so that nothing was set aside for it.
     #[serde(skip)]
     pub bursts_explained: bool,
+    /// Where nobody was named: samples, as first and last of each run, that stand out of the base model with one of the effects that
+    /// explain the most.
+    #[serde(skip)]
+    pub stands_out: Vec<(usize, usize)>,
     /// The share of what is left that is the field itself, another one from place to place; `None` where something else may be
     /// the cause.
     #[serde(skip)]

@@ -27,7 +27,9 @@ const LOWERS: f64 = 0.9;
 /// much does that it is no fault.
 fn stand_out(samples: &Samples, diagnosis: &Diagnosis) -> Vec<(usize, usize)> {
     let mut found = steps_there_and_back(samples, &diagnosis.effects);
+    found.extend(diagnosis.stands_out.iter().copied().filter(|(_, last)| *last < samples.len()));
     if let [residuals] = diagnosis.traces.final_ut.as_slice()
+        && !diagnosis.effects.is_empty()
         && residuals.len() == samples.len()
     {
         found.extend(faults::bursts(residuals));
@@ -80,7 +82,7 @@ pub(crate) fn without(
     samples: &Samples,
     diagnosis: &Diagnosis,
 ) -> Option<(Samples, Vec<DataFault>)> {
-    if diagnosis.effects.is_empty() || diagnosis.verdict == Verdict::Undetermined {
+    if diagnosis.verdict == Verdict::Undetermined {
         return None;
     }
     let found = stand_out(samples, diagnosis);

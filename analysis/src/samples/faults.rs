@@ -307,16 +307,6 @@ pub fn bursts(residuals: &[f64]) -> Vec<(usize, usize)> {
         // The flanks of a passing magnet fade into the noise.
         let flank = (to - from) / 8;
         (from, to) = (from.saturating_sub(flank), (to + flank).min(n - 1));
-        // A burst stands alone: an effect that fades in or out, or comes in many bursts, has company on its sides.
-        let side = (to - from + 1).max(25);
-        let loud = |from: usize, to: usize| {
-            let mut part = off[from..to].to_vec();
-            part.len() > 5 && median(&mut part) > BURST_SIDE
-        };
-        if loud(from.saturating_sub(side), from) || loud(to + 1, (to + 1 + side).min(n)) {
-            at = to + 1;
-            continue;
-        }
         match events.last_mut() {
             // The field of a magnet that turns by passes through what the magnitude does not see.
             Some(last) if from <= last.1 + 3.max((to - last.0) / 5) => last.1 = to,
@@ -324,6 +314,15 @@ pub fn bursts(residuals: &[f64]) -> Vec<(usize, usize)> {
         }
         at = to + 1;
     }
+    // A burst stands alone: an effect that fades in or out, or comes in many bursts, has company on its sides.
+    let loud = |from: usize, to: usize| {
+        let mut part = off[from..to].to_vec();
+        part.len() > 5 && median(&mut part) > BURST_SIDE
+    };
+    events.retain(|&(from, to)| {
+        let side = (to - from + 1).max(25);
+        !loud(from.saturating_sub(side), from) && !loud(to + 1, (to + 1 + side).min(n))
+    });
     let flagged: usize = events.iter().map(|(from, to)| to - from + 1).sum();
     if flagged as f64 > BURST_SHARE * n as f64 { Vec::new() } else { events }
 }

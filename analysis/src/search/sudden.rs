@@ -2,6 +2,7 @@
 
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, COLUMNS, Clock, Matrix, Piece, TERMS};
+use crate::samples::samples::Samples;
 use crate::samples::series::Autocorrelation;
 use crate::search::state::Greedy;
 use ironout::effect::{Effect, Quantities, Shape};
@@ -130,10 +131,37 @@ impl Around {
     }
 }
 
+/// When the readings themselves jump by the step, near its time, and nowhere around by nearly as much: the magnitude does not
+/// see a step that happens across the field, and places it where it begins to.
+pub(crate) fn readings_jump(samples: &Samples, step: &Piece, at: f64) -> Option<f64> {
+    let time = samples.time.as_ref()?;
+    let [.., widest] = AROUND_STEP_S;
+    let place = |seconds: f64| time.partition_point(|t| *t < at + seconds);
+    let (from, to) = (place(-widest).max(2), place(widest).min(time.len().saturating_sub(1)));
+    let size: f64 = step.coefficients.iter().take(3).map(|value| value * value).sum();
+    if to < from + FEWEST_READINGS || size <= 0.0 {
+        return None;
+    }
+    // From one sample to the next, less what the board's motion makes of it on either side; in sizes of the step.
+    let along = |a: usize, b: usize| -> f64 {
+        let (a, b) = (samples.readings[a].measured_ut, samples.readings[b].measured_ut);
+        (0..3).map(|axis| (b[axis] - a[axis]) * step.coefficients[axis]).sum::<f64>() / size
+    };
+    let jumps: Vec<f64> =
+        (from..to).map(|i| along(i - 1, i) - 0.5 * (along(i - 2, i - 1) + along(i, i + 1))).collect();
+    let best = (0..jumps.len()).max_by(|a, b| jumps[*a].total_cmp(&jumps[*b]))?;
+    // The sample before and the one after see half of the jump the other way round.
+    let elsewhere = jumps.iter().enumerate().filter(|(i, _)| i.abs_diff(best) > 1);
+    let most = elsewhere.fold(0.0, |most: f64, (_, jump)| most.max(jump.abs()));
+    let jumps = (jumps[best] - 1.0).abs() < ITS_SIZE && jumps[best] > ABOVE_OTHERS * most;
+    jumps.then(|| 0.5 * (time[from + best - 1] + time[from + best]))
+}
+
 impl<'a> Greedy<'_, 'a> {
     /// Whether the offset jumps at a step, rather than changes steadily around it.
     pub(crate) fn sudden(&self, fitted: &Fitted<'a>, step: &Piece<'a>, at: f64) -> Result<bool, BadShape> {
-        if self.readings_jump(step, at).is_some_and(|jump| self.as_well_at(fitted, step, jump)) {
+        if readings_jump(self.pass.samples, step, at).is_some_and(|jump| self.as_well_at(fitted, step, jump))
+        {
             return Ok(true);
         }
         let mut told = Told::TooLittle;
@@ -158,33 +186,6 @@ impl<'a> Greedy<'_, 'a> {
         let moved = self.pass.fit(fitted.model, pieces.collect(), self.known);
         there.is_some()
             && matches!(moved, Ok(Some(moved)) if moved.squares < AS_WELL * AS_WELL * fitted.squares)
-    }
-
-    /// When the readings themselves jump by the step, near its time, and nowhere around by nearly as much: the magnitude does not
-    /// see a step that happens across the field, and places it where it begins to.
-    fn readings_jump(&self, step: &Piece<'a>, at: f64) -> Option<f64> {
-        let samples = self.pass.samples;
-        let time = samples.time.as_ref()?;
-        let [.., widest] = AROUND_STEP_S;
-        let place = |seconds: f64| time.partition_point(|t| *t < at + seconds);
-        let (from, to) = (place(-widest).max(2), place(widest).min(time.len().saturating_sub(1)));
-        let size: f64 = step.coefficients.iter().take(3).map(|value| value * value).sum();
-        if to < from + FEWEST_READINGS || size <= 0.0 {
-            return None;
-        }
-        // From one sample to the next, less what the board's motion makes of it on either side; in sizes of the step.
-        let along = |a: usize, b: usize| -> f64 {
-            let (a, b) = (samples.readings[a].measured_ut, samples.readings[b].measured_ut);
-            (0..3).map(|axis| (b[axis] - a[axis]) * step.coefficients[axis]).sum::<f64>() / size
-        };
-        let jumps: Vec<f64> =
-            (from..to).map(|i| along(i - 1, i) - 0.5 * (along(i - 2, i - 1) + along(i, i + 1))).collect();
-        let best = (0..jumps.len()).max_by(|a, b| jumps[*a].total_cmp(&jumps[*b]))?;
-        // The sample before and the one after see half of the jump the other way round.
-        let elsewhere = jumps.iter().enumerate().filter(|(i, _)| i.abs_diff(best) > 1);
-        let most = elsewhere.fold(0.0, |most: f64, (_, jump)| most.max(jump.abs()));
-        let jumps = (jumps[best] - 1.0).abs() < ITS_SIZE && jumps[best] > ABOVE_OTHERS * most;
-        jumps.then(|| 0.5 * (time[from + best - 1] + time[from + best]))
     }
 
     /// The samples within `around_s` of a step; `None` where they are too few.
