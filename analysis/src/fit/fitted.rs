@@ -1,10 +1,11 @@
 //! What came out of a fit.
 
 use crate::base::axes::Alignment;
-use crate::base::counted::{Aside, Counted};
+use crate::base::counted::{Aside, Counted, Why};
 use crate::base::ground::Ground;
 use crate::base::quality::error_beyond;
 use crate::base::solution::Solution;
+use crate::outcome::outcome::Diagnosis;
 use crate::outcome::request::Options;
 use crate::samples::samples::Samples;
 use crate::samples::series::median;
@@ -161,6 +162,18 @@ impl Fitted {
     /// The error of the calibration that held-out blocks of time show, µT rms along the field at the attitudes of the log.
     fn unseen_error_ut(&self, solution: &Solution) -> Option<f64> {
         Some(error_beyond(self.holdout_rms_ut?, solution.rms_ut)).filter(|error| error.is_finite())
+    }
+
+    /// Takes the counts of a study: beside the effects of a fit other samples stand out than of the base model.
+    pub(crate) fn counts_as(&mut self, diagnosis: &Diagnosis) {
+        self.used = diagnosis.samples_used;
+        let others: usize =
+            self.aside.iter().filter(|one| one.why != Why::Burst).map(|one| one.samples).sum();
+        self.aside.retain(|one| one.why != Why::Burst);
+        let samples = diagnosis.samples_set_aside.saturating_sub(others);
+        if samples > 0 {
+            self.aside.push(Aside { why: Why::Burst, samples });
+        }
     }
 
     /// Samples set aside in all.
