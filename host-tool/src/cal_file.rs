@@ -8,6 +8,7 @@ use ironout::fit::Method;
 use ironout_analysis::Fitted;
 use ironout_analysis::calibration::{EffectEntry, Information, StdErrors};
 use ironout_analysis::effects::{Calibrated, calibrated};
+use ironout_analysis::samples::samples::Condition;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -83,9 +84,9 @@ pub struct CalFile {
     pub fit: FitObject,
     /// What the fit knows, to build on; null where the fit gave none.
     pub information: Option<Information>,
-    /// Means of the log's columns over the samples of the fit; absent in files of earlier programs and of boards.
+    /// How the log's columns were over the samples of the fit; absent in files of earlier programs and of boards.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub conditions: BTreeMap<String, f64>,
+    pub conditions: BTreeMap<String, Condition>,
     /// How the log was read; absent in files of earlier programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reading: Option<Reading>,
@@ -198,6 +199,10 @@ impl CalFile {
                 .at_column("effects"));
             }
         }
+        if let Some((column, _)) = self.conditions.iter().find(|(_, condition)| !condition.is_sound()) {
+            return Err(Failure::not_a_calibration(&format!("no column has such a mean as {column}"))
+                .at_column("conditions"));
+        }
         if !self.extended()?.is_sound() {
             return Err(Failure::not_a_calibration("an effect holds a number that is not finite")
                 .at_column("effects"));
@@ -271,7 +276,7 @@ mod tests {
                 reasons: vec![],
             },
             information: Information::from_covariance(&covariance),
-            conditions: BTreeMap::from([("temp_c".into(), 21.5)]),
+            conditions: BTreeMap::from([("temp_c".into(), Condition { mean: 21.5, mean_square: 463.0 })]),
             reading: Some(Reading {
                 ut_per_count: Some([0.1; 3]),
                 rotate: vec!["roll180".into()],

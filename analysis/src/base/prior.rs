@@ -2,6 +2,7 @@
 
 use crate::base::known::Earlier;
 use crate::base::start::NO_ROTATION;
+use crate::samples::samples::Condition;
 use ironout::study::Model;
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
@@ -21,10 +22,10 @@ pub struct Prior {
     pub information: [[f64; 9]; 9],
     /// The field that it is scaled to, µT.
     pub field_ut: f64,
-    /// The columns' means over the samples that it was fitted to: what acts by a column had its mean effect then, and that is in the
+    /// How the columns were over the samples that it was fitted to: what acts by a column had its mean effect then, and that is in the
     /// offset and matrix. Columns that are not here have their mean in this log.
     #[serde(default)]
-    pub conditions: BTreeMap<String, f64>,
+    pub conditions: BTreeMap<String, Condition>,
 }
 
 impl Prior {

@@ -32,6 +32,10 @@ const STRUCTURE_SHARE: f64 = 0.04;
 
 /// Where the board rests noise is the same: less than this share of its squares ...
 const LESS_AT_REST: f64 = 0.8;
+/// ... of noise that is alike to more than this from sample to sample ...
+const LEAST_MEMORY: f64 = 0.2;
+/// ... (no sensor is so much quieter than this share of the squares) ...
+const LEAST_AT_REST: f64 = 0.01;
 /// ... and less by so many standard errors, comes with the turning. Of 240 simulated logs with nothing hidden the least was -2.7.
 const LESS_BY_SIGMAS: f64 = 5.0;
 
@@ -99,7 +103,12 @@ pub fn residue(
     // What has a memory and moves the axes together is no sensor's own.
     let together = noise.colour != Colour::White && together(residuals, turning, noise.colour, rounding);
     // What is less at rest comes with the turning.
-    let rests = Still::of(residuals, turning, noise.colour, rounding);
+    let remembers = match noise.colour {
+        Colour::White => false,
+        Colour::Fading(rho) => rho > LEAST_MEMORY,
+        Colour::RollingMean(_) | Colour::Flicker { .. } => true,
+    };
+    let rests = remembers.then(|| Still::of(residuals, turning, noise.colour, rounding)).flatten();
     let rests = rests.filter(|still| still.sigmas < -LESS_BY_SIGMAS && still.share < LESS_AT_REST);
     let is_noise = turning.of_magnitude && noise.is_noise(step_s) && !together && rests.is_none();
     // A memory that no filter has, or a spectrum that no noise with a memory has: an error that moves. A rolling mean's has zeros,
@@ -107,15 +116,15 @@ pub fn residue(
     let forgets = matches!(noise.colour, Colour::Fading(_) | Colour::Flicker { .. });
     let own = noise.colour.is_of_a_sensor(step_s) && (is_noise || !forgets) && !together && rests.is_none();
     let moves = turning.of_magnitude && !own;
+    let (share, smooth) = match rests.map(|still| still.share.max(LEAST_AT_REST)) {
+        Some(still) if 1.0 - still > share => (1.0 - still, whole * still.sqrt()),
+        _ => (share, smooth),
+    };
     let structured = ((odd || moves) && share > STRUCTURE_SHARE || lines) && !is_noise;
     // Fast structure is in the second differences too.
     let (share, smooth) = match lines && noise.excess > share {
         true => (noise.excess, whole * (1.0 - noise.excess).sqrt()),
         false => (share, smooth),
-    };
-    let (share, smooth) = match rests.map(|still| (1.0 - still.share, whole * still.share.sqrt())) {
-        Some((moving, still)) if moving > share => (moving, still),
-        _ => (share, smooth),
     };
     let floor = if structured { smooth } else { whole };
     Residue {

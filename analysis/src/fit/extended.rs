@@ -17,7 +17,9 @@ use ironout::fit::Order;
 /// An effect that this log does not allow.
 pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fitted, Refusal> {
     let diagnosis = study(ground, &Options { search: false, ..options.clone() })?;
-    fitted.counts_as(&diagnosis);
+    if !ground.counted.rests {
+        fitted.counts_as(&diagnosis);
+    }
     let Some(solution) = solution(&ground.counted, &diagnosis, options) else {
         fitted.reasons = diagnosis.reasons;
         if fitted.reasons.is_empty() {

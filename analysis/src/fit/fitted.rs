@@ -7,7 +7,7 @@ use crate::base::quality::error_beyond;
 use crate::base::solution::Solution;
 use crate::outcome::outcome::Diagnosis;
 use crate::outcome::request::Options;
-use crate::samples::samples::Samples;
+use crate::samples::samples::{Condition, Samples};
 use crate::samples::series::median;
 use ironout::calibration::{Calibration, norm};
 use ironout::coverage::CoverageMap;
@@ -56,8 +56,8 @@ pub struct Fitted {
     pub coverage: Option<f64>,
     /// The largest gap between directions, degrees.
     pub gap_deg: Option<f64>,
-    /// Means of the columns over the samples: what acts by them had its mean effect meanwhile.
-    pub conditions: BTreeMap<String, f64>,
+    /// How the columns were over the samples: what acts by them had its mean effect meanwhile.
+    pub conditions: BTreeMap<String, Condition>,
     /// Whether the calibration may be used.
     pub accepted: bool,
     /// Why not, or what to know.

@@ -56,6 +56,10 @@ impl Still {
                 pieces.for_each(|piece| sums.add(piece, whole * gain, &own));
             }
         }
+        // How well the squares of the whole are known themselves.
+        let memory =
+            own[..n.min(own.len())].iter().skip(1).map(|value| 2.0 * value * value).sum::<f64>() + 1.0;
+        sums.variance += 2.0 * memory / n as f64 * sums.expected * sums.expected;
         sums.still()
     }
 }

@@ -8,6 +8,9 @@ use crate::samples::fft;
 use ironout::calibration::{Calibration, norm};
 use nalgebra::DMatrix;
 
+/// A resting board reads the field to this share of it.
+const NEAR: f64 = 0.2;
+
 /// The directions of a log as its noise meets them.
 #[derive(Debug, Clone)]
 pub struct Turning {
@@ -85,7 +88,12 @@ impl Turning {
             });
             Rest { gain: gains.sum::<f64>() / residuals.len().max(1) as f64, residuals }
         };
-        self.rest = rest.iter().map(of).collect();
+        // Readings that are not of the field (a magnet beside the board, a sensor that is off) tell nothing of its noise.
+        let is_of_the_field = |rest: &Rest| {
+            let mean = rest.residuals.iter().sum::<f64>() / rest.residuals.len().max(1) as f64;
+            mean.abs() < NEAR * calibration.field_ut && rest.gain.is_finite()
+        };
+        self.rest = rest.iter().map(of).filter(is_of_the_field).collect();
         self
     }
 }

@@ -44,9 +44,13 @@ impl View<'_, '_> {
     }
 
     /// A column that explains much of the residual, not by chance, though no effect of it holds: then that residual is no noise,
-    /// whatever noise it looks like.
+    /// whatever noise it looks like. On top of an earlier calibration a column that is elsewhere now is an offset for itself, and says
+    /// nothing.
     pub(super) fn shows_a_column(&self) -> Option<String> {
         let explanation = &self.explanation;
+        if self.known.earlier.is_some() {
+            return None;
+        }
         let of_column = explanation.first.iter().filter_map(|one| {
             let columns = one.candidate.piece.effect.columns();
             let logged = |name: &str| self.samples.columns.iter().any(|own| own.name == name);
@@ -56,8 +60,9 @@ impl View<'_, '_> {
             (chance < NO_CHANCE && share >= WORTH_NAMING).then(|| (column.name.to_string(), share, chance))
         });
         let (column, share, chance) = of_column.max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let chance = if chance < 1e-99 { "below 1e-99".into() } else { format!("{chance:.0e}") };
         Some(format!(
-            "{column} explains {:.0} % of the residual (chance {chance:.0e}), though no effect of it is certain: something that \
+            "{column} explains {:.0} % of the residual (chance {chance}), though no effect of it is certain: something that \
              moves with it in part may not be in the log",
             100.0 * share
         ))

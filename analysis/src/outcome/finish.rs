@@ -64,6 +64,11 @@ impl View<'_, '_> {
         let (mut verdict, mut reasons) = self.verdict(&left, &applied, predicted, field);
         if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
             verdict = Verdict::Missing;
+        } else if verdict == Verdict::Complete
+            && let Some(words) = self.shows_a_column()
+        {
+            verdict = Verdict::Unexplained;
+            reasons.push(words);
         }
         let nobody =
             verdict == Verdict::Unexplained && self.searches && self.explanation.fitted.pieces.is_empty();

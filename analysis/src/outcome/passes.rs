@@ -9,6 +9,7 @@ use crate::outcome::outcome::{Diagnosis, Verdict};
 use crate::samples::faults::{self, DataFault, FaultKind};
 use crate::samples::samples::Samples;
 use crate::table::Table;
+use ironout::study::Residual;
 
 /// Studies without what stood out of the one before.
 pub(crate) const ROUNDS: usize = 3;
@@ -82,7 +83,8 @@ pub(crate) fn without(
     samples: &Samples,
     diagnosis: &Diagnosis,
 ) -> Option<(Samples, Vec<DataFault>)> {
-    if diagnosis.verdict == Verdict::Undetermined {
+    let of_magnitude = diagnosis.residual == Residual::Magnitude.name() && !diagnosis.lower_order;
+    if diagnosis.verdict == Verdict::Undetermined || !of_magnitude {
         return None;
     }
     let found = stand_out(samples, diagnosis);
@@ -115,5 +117,5 @@ pub(crate) fn says_more(without: &Diagnosis, with: &Diagnosis) -> bool {
         (true, false) => false,
         _ => now < LOWERS * before || fewer,
     };
-    better && !without.effects.is_empty()
+    better && !without.effects.is_empty() && without.verdict != Verdict::Undetermined
 }

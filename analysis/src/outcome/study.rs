@@ -130,7 +130,10 @@ fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagn
         return Ok(undetermined(table, samples, options.registry, why));
     }
     let none_fits = || {
-        let why = "no sphere or ellipsoid fits the samples".into();
+        let why = match options.prior {
+            Some(_) => "the earlier calibration is none for this field".into(),
+            None => "no sphere or ellipsoid fits the samples".into(),
+        };
         undetermined(table, samples, options.registry, why)
     };
     if options.prior.is_none()

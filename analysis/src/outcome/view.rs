@@ -305,10 +305,6 @@ impl<'a> View<'_, 'a> {
             (Some(_), false) => return (Verdict::Unexplained, reasons),
         }
         if self.explanation.fitted.pieces.is_empty() {
-            if let Some(words) = self.shows_a_column() {
-                reasons.push(words);
-                return (Verdict::Unexplained, reasons);
-            }
             (Verdict::Complete, reasons)
         } else {
             (Verdict::Missing, reasons)

@@ -4,6 +4,7 @@ use crate::samples::work::Work;
 use crate::table::Table;
 use crate::track::Place;
 use ironout::study::Observation;
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -32,6 +33,25 @@ pub struct Column {
     /// Why it cannot be tested.
     pub problem: Option<String>,
 }
+
+/// How a column was while a calibration was recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Condition {
+    /// Its mean.
+    pub mean: f64,
+    /// The mean of its square.
+    pub mean_square: f64,
+}
+
+impl Condition {
+    /// Whether a column can be so: larger than 10¹⁵ is none, in any unit.
+    pub fn is_sound(&self) -> bool {
+        self.mean.abs() <= 1e15 && (0.0..=1e30).contains(&self.mean_square)
+    }
+}
+
+/// A column that is further from where it was than so many times its own spread in a log says nothing of how it acts.
+const FAR: f64 = 1e3;
 
 /// What a study runs over.
 #[derive(Debug, Clone)]
@@ -143,10 +163,12 @@ impl Samples {
         sum.map(|value| value / n)
     }
 
-    /// Means of the columns that are there in most samples.
-    pub fn conditions(&self) -> BTreeMap<String, f64> {
-        let known = self.columns.iter().filter(|column| column.mean.is_finite() && !column.lacks);
-        known.map(|column| (column.name.clone(), column.mean)).collect()
+    /// How the columns are that are there in most samples.
+    pub fn conditions(&self) -> BTreeMap<String, Condition> {
+        let condition = |column: &Column| Condition { mean: column.mean, mean_square: column.mean_square };
+        let known = self.columns.iter().filter(|column| !column.lacks);
+        let named = known.map(|column| (column.name.clone(), condition(column)));
+        named.filter(|(_, condition)| condition.is_sound()).collect()
     }
 
     /// Takes the rows that are not left out.
@@ -264,11 +286,13 @@ impl Samples {
     }
 
     /// These samples with the effects of these columns zero at these values of them, where the base is known.
-    pub fn known_at(&self, conditions: &BTreeMap<String, f64>) -> Samples {
+    pub fn known_at(&self, conditions: &BTreeMap<String, Condition>) -> Samples {
         let mut samples = self.clone();
         for column in &mut samples.columns {
-            if let Some(value) = conditions.get(&column.name).filter(|value| value.is_finite()) {
-                (column.reference, column.reference_square) = (*value, value * value);
+            let spread = (column.mean_square - column.mean * column.mean).max(0.0).sqrt();
+            let near = |then: &&Condition| (then.mean - column.mean).abs() <= FAR * spread;
+            if let Some(Condition { mean, mean_square }) = conditions.get(&column.name).filter(near) {
+                (column.reference, column.reference_square) = (*mean, *mean_square);
             }
         }
         samples
