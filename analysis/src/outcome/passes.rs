@@ -26,8 +26,10 @@ const LOWERS: f64 = 0.9;
 
 /// Samples that stand out of what a diagnosis found, as first and last place among its samples; empty where nothing does, or where so
 /// much does that it is no fault.
-fn stand_out(samples: &Samples, diagnosis: &Diagnosis) -> Vec<(usize, usize)> {
-    let mut found = steps_there_and_back(samples, &diagnosis.effects);
+fn stand_out(samples: &Samples, diagnosis: &Diagnosis, asked: &[String]) -> Vec<(usize, usize)> {
+    // A step that was asked for is one.
+    let found = diagnosis.effects.iter().filter(|effect| !asked.contains(&effect.id));
+    let mut found = steps_there_and_back(samples, found);
     found.extend(diagnosis.stands_out.iter().copied().filter(|(_, last)| *last < samples.len()));
     if let [residuals] = diagnosis.traces.final_ut.as_slice()
         && !diagnosis.effects.is_empty()
@@ -49,9 +51,12 @@ fn stand_out(samples: &Samples, diagnosis: &Diagnosis) -> Vec<(usize, usize)> {
 }
 
 /// Where two steps that undo each other lie so close that they are a magnet that passed.
-fn steps_there_and_back(samples: &Samples, effects: &[FittedEffect]) -> Vec<(usize, usize)> {
+fn steps_there_and_back<'e>(
+    samples: &Samples,
+    effects: impl Iterator<Item = &'e FittedEffect>,
+) -> Vec<(usize, usize)> {
     let Some(time) = &samples.time else { return Vec::new() };
-    let steps: Vec<(f64, [f64; 3])> = effects.iter().filter_map(step).collect();
+    let steps: Vec<(f64, [f64; 3])> = effects.filter_map(step).collect();
     let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let mut list = Vec::new();
     for (index, (a_s, a)) in steps.iter().enumerate() {
@@ -82,12 +87,13 @@ pub(crate) fn without(
     table: &Table,
     samples: &Samples,
     diagnosis: &Diagnosis,
+    asked: &[String],
 ) -> Option<(Samples, Vec<DataFault>)> {
     let of_magnitude = diagnosis.residual == Residual::Magnitude.name() && !diagnosis.lower_order;
     if diagnosis.verdict == Verdict::Undetermined || !of_magnitude {
         return None;
     }
-    let found = stand_out(samples, diagnosis);
+    let found = stand_out(samples, diagnosis, asked);
     if found.is_empty() {
         return None;
     }

@@ -79,7 +79,7 @@ fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<D
     let whole = ground.counted.with_bursts.as_ref().filter(|_| diagnosis.bursts_explained);
     let mut now = Cow::Borrowed(whole.unwrap_or(samples));
     for _ in 0..passes::ROUNDS {
-        let Some((fewer, faults)) = passes::without(table, &now, &diagnosis) else { break };
+        let Some((fewer, faults)) = passes::without(table, &now, &diagnosis, &options.add) else { break };
         let known = known(options);
         let Some(mut next) = on(table, &fewer, &known, options, None)? else { break };
         if !passes::says_more(&next, &diagnosis) {
