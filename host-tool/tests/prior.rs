@@ -61,6 +61,12 @@ fn what_was_off_at_the_calibration_and_ran_all_through_the_log_is_found() {
         let own = effect["coefficients"][axis].as_f64().expect("a number");
         assert!((own - per_ampere).abs() < 0.02, "axis {axis}: {own}, put in {per_ampere}");
     }
+    // A mean that no column has is no calibration's.
+    let mut odd = stored.clone();
+    odd["conditions"]["current_a"]["mean"] = 1e300.into();
+    let odd = write(&here, "odd.json", odd.to_string());
+    let refused = ironout(["diagnose", text(&flight), "--prior", text(&odd), "--json"]).error();
+    assert_eq!(refused["column"], "conditions", "{refused}");
     // What an earlier program wrote says nothing of the columns: it is read as before.
     let mut old = stored;
     old.as_object_mut().expect("an object").remove("conditions");
@@ -74,11 +80,13 @@ fn a_calibration_that_was_given_is_not_asked_for() {
     let turned = simulate(&here, "turned.csv", &["--seed", "6", "--seconds", "60"]);
     let cal = here.join("cal.json");
     assert_eq!(ironout(["fit", text(&turned), "-o", text(&cal)]).status, 0);
-    // Much noise in one plane: nothing can be said of it, with the calibration or without.
-    let plane = ["--seed", "6", "--recording", "2", "--seconds", "10", "--motion", "planar", "--noise", "9"];
-    let plane = simulate(&here, "plane.csv", &plane);
-    let alone = ironout(["diagnose", text(&plane)]);
+    // Half a second says nothing, with the calibration or without.
+    let content = std::fs::read_to_string(&turned).expect("text");
+    let rows = content.lines().filter(|line| !line.starts_with('#')).take(26);
+    let few = write(&here, "few.csv", rows.map(|row| format!("{row}\n")).collect::<String>());
+    let alone = ironout(["diagnose", text(&few)]);
     assert!(alone.status == 1 && alone.stdout.contains("--prior cal.json"), "{}", alone.stdout);
-    let on_top = ironout(["diagnose", text(&plane), "--prior", text(&cal)]);
+    let on_top = ironout(["diagnose", text(&few), "--prior", text(&cal)]);
+    assert!(on_top.status == 1 && on_top.stdout.contains("Record again"), "{}", on_top.stdout);
     assert!(!on_top.stdout.contains("--prior cal.json"), "{}", on_top.stdout);
 }

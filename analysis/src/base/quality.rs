@@ -36,7 +36,7 @@ const LESS_AT_REST: f64 = 0.8;
 const LEAST_MEMORY: f64 = 0.2;
 /// ... (no sensor is so much quieter than this share of the squares) ...
 const LEAST_AT_REST: f64 = 0.01;
-/// ... and less by so many standard errors, comes with the turning. Of 240 simulated logs with nothing hidden the least was -2.7.
+/// ... and less by so many standard errors, comes with the turning. Of 160 simulated logs with nothing hidden the least was -2.7.
 const LESS_BY_SIGMAS: f64 = 5.0;
 
 /// What the residual of a model is made of.

@@ -214,3 +214,15 @@ fn noise_is_the_same_at_rest_and_what_comes_with_the_turning_is_not() {
         assert_eq!(rounded.samples + 1600, still.samples, "{rounded:?}");
     }
 }
+
+#[test]
+fn readings_that_are_not_of_the_field_tell_nothing_of_the_noise() {
+    let calibration = Calibration::identity(40.0);
+    let beside = |reading: [f64; 3]| {
+        Turning::of(directions().into_iter(), &UNIT).beside(&[vec![reading; 50]], 1, &calibration).rest.len()
+    };
+    assert_eq!(beside([0.0, 0.0, 41.0]), 1);
+    assert_eq!(beside([0.0, 0.0, 0.1]), 0, "a sensor that is off");
+    assert_eq!(beside([0.0, 0.0, 0.0]), 0, "no direction");
+    assert_eq!(beside([0.0, 90.0, 40.0]), 0, "a magnet beside the board");
+}

@@ -70,11 +70,10 @@ impl View<'_, '_> {
             verdict = Verdict::Unexplained;
             reasons.push(words);
         }
-        let nobody =
-            verdict == Verdict::Unexplained && self.searches && self.explanation.fitted.pieces.is_empty();
-        let stands_out = if nobody { self.beside_leaders()? } else { Vec::new() };
         let traces = Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?;
         let wanted = verdict == Verdict::Unexplained && self.searches && self.lower_order.is_none();
+        let nobody = wanted && self.explanation.fitted.pieces.is_empty();
+        let stands_out = if nobody { self.beside_leaders()? } else { Vec::new() };
         let field_varies = wanted.then(|| field_share(&applied.residuals, &traces.directions)).flatten();
         if let Some(share) = field_varies {
             reasons.push(format!(
