@@ -1,5 +1,6 @@
 //! What the base model leaves: its spectrum, its traces, its delay.
 
+mod autoregression;
 pub mod late;
 pub mod place;
 pub mod spectrum;

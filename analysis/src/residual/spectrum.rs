@@ -7,9 +7,10 @@
 
 use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
-use crate::noise::colour::Seen;
-use crate::noise::power::{add_power, padded, transforms, weight};
+use crate::noise::colour::{Colour, Described, Seen};
+use crate::noise::power::{add_power, padded, symmetric, transforms, weight};
 use crate::noise::turning::Turning;
+use crate::residual::autoregression::Autoregression;
 use crate::samples::fft;
 use ironout::study::{MIN_EIGENVALUE, Residual, f_tail};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
@@ -29,6 +30,8 @@ pub struct Rows {
     residuals: Vec<f64>,
     /// How alike the directions are that the noise shows along, by lag; empty where nothing turns.
     alike: Vec<f64>,
+    /// By how much each axis of the sensor shows in each row; empty where nothing turns.
+    weights: Vec<[f64; 3]>,
     /// Rounding of the readings: its variance in the residual.
     rounding: f64,
     /// Time from sample to sample, s.
@@ -46,6 +49,7 @@ impl Rows {
             values: Vec::new(),
             residuals: Vec::new(),
             alike: Vec::new(),
+            weights: Vec::new(),
             rounding: 0.0,
             step_s,
         };
@@ -65,7 +69,8 @@ impl Rows {
             rows = sorted;
         }
         if pass.residual == Residual::Magnitude {
-            rows.alike = pass.turning(&fitted.model).alike;
+            let turning = pass.turning(&fitted.model);
+            (rows.alike, rows.weights) = (turning.alike, turning.weights);
             rows.rounding = pass.samples.quantum_ut.powi(2) / 12.0;
         }
         Ok(rows)
@@ -97,6 +102,9 @@ pub struct Spectrum {
     freedom: f64,
     /// Of a colour: how the logarithm of its power changes with the one number that it was chosen by, and its variance.
     chosen: Option<(Vec<f64>, f64)>,
+    /// The power of each of the sensor's axes, where that is more than a short memory: what the axes show is no stationary noise
+    /// then, since each comes and goes with the turning.
+    of_axes: Option<Vec<f64>>,
 }
 
 impl Spectrum {
@@ -136,7 +144,15 @@ impl Spectrum {
         let memory = DMatrix::from_fn(p, p, |i, j| covariance[i.abs_diff(j)]);
         let inverse = memory.cholesky().map_or_else(|| DMatrix::zeros(p, p), |factor| factor.inverse());
         let uncertain = inverse * (model.error / freedom);
-        Spectrum { power, size, coefficients: model.coefficients, uncertain, freedom, chosen: None }
+        Spectrum {
+            power,
+            size,
+            coefficients: model.coefficients,
+            uncertain,
+            freedom,
+            chosen: None,
+            of_axes: None,
+        }
     }
 
     /// Those of the colours that the residual may be noise of; none where it is more than noise.
@@ -165,6 +181,9 @@ impl Spectrum {
                 uncertain: DMatrix::zeros(0, 0),
                 freedom,
                 chosen: seen.slope(&described),
+                of_axes: matches!(described.colour, Colour::Flicker { .. })
+                    .then(|| of_axes(rows, &described, size))
+                    .flatten(),
                 power: described.power,
             })
             .collect()
@@ -216,54 +235,44 @@ impl Spectrum {
     }
 }
 
-/// A series that follows from its own past and fresh noise.
-struct Autoregression {
-    coefficients: Vec<f64>,
-    /// Variance of the fresh noise.
-    error: f64,
+/// The power of each axis of a sensor whose noise shows so in `rows`.
+fn of_axes(rows: &Rows, described: &Described, size: usize) -> Option<Vec<f64>> {
+    let n = rows.len();
+    let gain = rows.weights.iter().flatten().map(|w| w * w).sum::<f64>() / n.max(1) as f64;
+    if rows.weights.len() != n || gain <= 0.0 {
+        return None;
+    }
+    let variance =
+        (0..described.power.len()).map(|bin| weight(bin, size) * described.power[bin]).sum::<f64>()
+            / size as f64;
+    let own = symmetric(&described.colour.correlation(size), size);
+    Some(own.into_iter().map(|value| (value * variance / gain).max(0.0)).collect())
 }
 
-impl Autoregression {
-    /// That of the autocovariance `covariance` from `n` values, of the order that Akaike's criterion likes best.
-    fn of(covariance: &[f64], n: f64) -> Autoregression {
-        let mut now: Vec<f64> = Vec::new();
-        let mut error = covariance[0].max(f64::MIN_POSITIVE);
-        let mut best = (n * error.ln(), now.clone(), error);
-        for order in 1..covariance.len() {
-            // Levinson's recursion.
-            let expected: f64 = now.iter().enumerate().map(|(i, a)| a * covariance[order - 1 - i]).sum();
-            let reflection = (covariance[order] - expected) / error;
-            if !reflection.is_finite() || reflection.abs() >= 1.0 {
-                break;
-            }
-            let mut next: Vec<f64> =
-                (0..now.len()).map(|i| now[i] - reflection * now[now.len() - 1 - i]).collect();
-            next.push(reflection);
-            now = next;
-            error *= 1.0 - reflection * reflection;
-            let criterion = n * error.ln() + 2.0 * order as f64;
-            if criterion < best.0 {
-                best = (criterion, now.clone(), error);
-            }
-        }
-        Autoregression { coefficients: best.1, error: best.2 }
-    }
+/// `X'ΓX` of columns by their transforms, and the noise's power.
+fn power_along(transforms: &[Vec<(f64, f64)>], power: &[f64], size: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(transforms.len(), transforms.len(), |i, j| {
+        let (a, b) = (&transforms[i], &transforms[j]);
+        let both = |bin: usize| a[bin].0 * b[bin].0 + a[bin].1 * b[bin].1;
+        (0..power.len()).map(|bin| weight(bin, size) * power[bin] * both(bin)).sum::<f64>() / size as f64
+    })
+}
 
-    /// Its power by bin.
-    fn power(&self, size: usize) -> Vec<f64> {
-        let mut filter = vec![(0.0, 0.0); size];
-        filter[0].0 = 1.0;
-        for (slot, a) in filter.iter_mut().skip(1).zip(&self.coefficients) {
-            slot.0 = -a;
-        }
-        fft::forward(&mut filter);
-        let power = |(re, im): &(f64, f64)| self.error / (re * re + im * im).max(1e-12);
-        filter.iter().take(size / 2 + 1).map(power).collect()
+/// The same of noise that each axis has for itself, with that power, and that shows in the rows by these weights.
+fn power_by_axes(columns: &[Vec<f64>], weights: &[[f64; 3]], power: &[f64], size: usize) -> DMatrix<f64> {
+    let mut sum = DMatrix::zeros(columns.len(), columns.len());
+    for axis in 0..3 {
+        let of = |column: &Vec<f64>| column.iter().zip(weights).map(|(x, w)| x * w[axis]).collect();
+        let seen: Vec<Vec<f64>> = columns.iter().map(of).collect();
+        sum += power_along(&transforms(&seen, size), power, size);
     }
+    sum
 }
 
 /// Columns made orthogonal to each other.
 struct Orthogonal {
+    /// They, one value a row.
+    columns: Vec<Vec<f64>>,
     /// Their transforms.
     transforms: Vec<Vec<(f64, f64)>>,
     /// The residual along each.
@@ -377,7 +386,7 @@ impl<'r> Frame<'r> {
                 out.push(value - base.iter().zip(taken.iter()).map(|(a, b)| a * b).sum::<f64>());
             }
         }
-        Some(Orthogonal { transforms: transforms(&columns, self.size), along })
+        Some(Orthogonal { transforms: transforms(&columns, self.size), columns, along })
     }
 
     /// The spectrum of a residual from which base and the columns `with` have been fitted.
@@ -404,21 +413,15 @@ impl<'r> Frame<'r> {
 
     /// Tests the columns `candidate` against the base.
     pub fn test(&self, total: &Matrix, candidate: Range<usize>, noise: &Spectrum) -> Option<Verdict> {
-        let Orthogonal { transforms, along } = self.beyond(total, candidate)?;
+        let Orthogonal { columns, transforms, along } = self.beyond(total, candidate)?;
         let k = along.len();
         if k == 0 {
             return None;
         }
-        let variance = DMatrix::from_fn(k, k, |i, j| {
-            let (a, b) = (&transforms[i], &transforms[j]);
-            let sum: f64 = (0..noise.power.len())
-                .map(|bin| {
-                    let both = a[bin].0 * b[bin].0 + a[bin].1 * b[bin].1;
-                    weight(bin, self.size) * noise.power[bin] * both
-                })
-                .sum();
-            sum / self.size as f64
-        });
+        let variance = match &noise.of_axes {
+            None => power_along(&transforms, &noise.power, self.size),
+            Some(power) => power_by_axes(&columns, &self.rows.weights, power, self.size),
+        };
         let time = variance.trace() / (k as f64 * noise.variance());
         let along = DVector::from_vec(along);
         let statistic = along.dot(&variance.cholesky()?.solve(&along));

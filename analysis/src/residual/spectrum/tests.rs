@@ -93,3 +93,27 @@ fn the_variance_along_a_wave_is_what_its_test_takes_it_for() {
         assert!((0.65..1.5).contains(&ratio), "rho {rho}: {ratio:.2}");
     }
 }
+
+#[test]
+fn noise_of_each_axis_weighs_on_what_turns_with_the_axes() {
+    // Three axes that turn fast past the field, each with slow noise: along the drift of one of them.
+    let (n, rho) = (3000, 0.99);
+    let turned = |t: usize, axis: usize| (0.7 * t as f64 + 2.0 * axis as f64).sin();
+    let weights: Vec<[f64; 3]> = (0..n).map(|t| std::array::from_fn(|axis| turned(t, axis))).collect();
+    let drift: Vec<f64> = (0..n).map(|t| weights[t][0] * (t as f64 / n as f64 - 0.5)).collect();
+    let size = padded(n);
+    let shown = |seed: u64| -> Vec<f64> {
+        let axes: Vec<Vec<f64>> = (0..3).map(|axis| noise(rho, n, 3 * seed + axis)).collect();
+        (0..n).map(|t| (0..3).map(|axis| weights[t][axis] * axes[axis][t]).sum()).collect()
+    };
+    let seeds = 300;
+    let truth = (0..seeds).map(|seed| dot(&shown(seed), &drift).powi(2)).sum::<f64>() / seeds as f64;
+    let power: Vec<f64> = (0..=size / 2)
+        .map(|bin| {
+            let turn = std::f64::consts::TAU * bin as f64 / size as f64;
+            (1.0 - rho * rho) / (1.0 - 2.0 * rho * turn.cos() + rho * rho)
+        })
+        .collect();
+    let by_axes = power_by_axes(std::slice::from_ref(&drift), &weights, &power, size)[(0, 0)];
+    assert!((0.8..1.25).contains(&(truth / by_axes)), "{truth} of {by_axes}");
+}
