@@ -259,7 +259,9 @@ impl<'a> Greedy<'_, 'a> {
         if remains <= 0.0 && !several && !wanders {
             return Ok(None);
         }
-        if let Colour::Flicker { exponent, .. } = left.colour {
+        if let Colour::Flicker { exponent, .. } = left.colour
+            && left.is_noise
+        {
             for piece in fitted.pieces.iter().filter(|piece| !asked.contains(&piece.id)) {
                 let Some(chance) = self.by_wandering(fitted, piece, exponent)? else { continue };
                 if chance > BEYOND_WANDERING {
