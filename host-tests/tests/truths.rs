@@ -20,7 +20,7 @@ fn nobody_is_named_where_nothing_is_hidden_whatever_the_colour_of_the_noise() {
 
 #[test]
 fn no_step_is_named_for_flicker_noise_that_wanders() {
-    // A log whose noise takes a step with a chance of 1e-6 where it is held for a stationary error of the magnitude.
+    // A log whose noise takes a step with a chance of 3e-5 where it is held for a stationary error of the magnitude.
     let list = run(Kind::NothingFlicker, TUNED_ON, 31..32, |_| {});
     assert!(list.iter().all(|one| one.good(Kind::NothingFlicker)), "{}", list[0].line("nothing-flicker"));
 }

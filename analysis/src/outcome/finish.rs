@@ -65,7 +65,7 @@ impl View<'_, '_> {
         if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
             verdict = Verdict::Missing;
         } else if verdict == Verdict::Complete
-            && let Some(words) = self.shows_a_cause()
+            && let Some(words) = self.shows_a_column()
         {
             verdict = Verdict::Unexplained;
             reasons.push(words);
