@@ -20,9 +20,6 @@ const STANDS_OUT: f64 = 4.0;
 const DOES_NOT_HOLD: f64 = 1.4;
 /// ... unless all that was found lowers the error on unseen time to this share of it: then the log is short, and the cause there.
 pub(crate) const PREDICTS: f64 = 0.45;
-/// A drift or step is more than 1/f noise that wanders below this probability. True ones of a hundred logs were below 1e-6, those
-/// that noise had made above 5e-3.
-const BEYOND_WANDERING: f64 = 1e-4;
 /// What raises the error on unseen time by more than this is not recommended.
 const RAISES: f64 = 1.05;
 
@@ -258,21 +255,6 @@ impl<'a> Greedy<'_, 'a> {
         let wanders = matches!(left.colour, Colour::Flicker { .. });
         if remains <= 0.0 && !several && !wanders {
             return Ok(None);
-        }
-        if let Colour::Flicker { exponent, .. } = left.colour
-            && left.is_noise
-        {
-            for piece in fitted.pieces.iter().filter(|piece| !asked.contains(&piece.id)) {
-                let Some(chance) = self.by_wandering(fitted, piece, exponent)? else { continue };
-                if chance > BEYOND_WANDERING {
-                    let why = format!(
-                        "the noise is 1/f noise, which wanders: by the other slow waves of this log it looks like that in \
-                         {:.2} % of such logs",
-                        100.0 * chance
-                    );
-                    return Ok(Some(Withdrawn { id: piece.id.clone(), why }));
-                }
-            }
         }
         let takes = |id: &str| {
             let own = explanation.steps.windows(2).find(|pair| pair[1].added.as_deref() == Some(id));

@@ -1,6 +1,5 @@
 //! The search for what is missing: candidates, their tests, and which of them are added.
 
-pub mod along;
 pub mod beside;
 pub mod candidates;
 pub mod certain;
@@ -22,4 +21,3 @@ pub mod sudden;
 pub mod thinned;
 pub mod tone;
 pub mod undisturbed;
-pub mod wander;

@@ -1,12 +1,13 @@
 //! A step must be sudden: a jump, and not a slow cause that the log lacks.
 
 use crate::base::engine::Fitted;
-use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::base::piece::{BadShape, COLUMNS, Clock, Matrix, Piece, TERMS};
 use crate::samples::samples::Samples;
 use crate::samples::series::Autocorrelation;
-use crate::search::along::offset_along;
 use crate::search::state::Greedy;
+use ironout::effect::{Effect, Quantities, Shape};
 use ironout::study::f_tail;
+use std::sync::Arc;
 
 /// A step is looked at this far before and after it, s, the next further where the one before does not tell ...
 const AROUND_STEP_S: [f64; 3] = [1.5, 3.0, 6.0];
@@ -35,6 +36,52 @@ enum Told {
     Nothing,
     /// There are too few samples or attitudes to look, or no columns for it.
     TooLittle,
+}
+
+/// An offset that changes steadily: what a step is held against.
+struct Steadily {
+    reference_s: f64,
+}
+
+impl Steadily {
+    fn around<'a>(reference_s: f64, time: &[f64]) -> Piece<'a> {
+        Piece {
+            id: "steady change around the step".into(),
+            made: None,
+            effect: Arc::new(Steadily { reference_s }),
+            coefficients: Default::default(),
+            inputs: Arc::new(time.iter().map(|t| [*t, 0.0]).collect()),
+            clock: Clock::Stamps,
+        }
+    }
+}
+
+impl Effect<f64> for Steadily {
+    fn id(&self, out: &mut dyn std::fmt::Write) -> std::fmt::Result {
+        out.write_str("steady")
+    }
+    fn name(&self) -> &'static str {
+        "steady change"
+    }
+    fn explanation(&self) -> &'static str {
+        "The offset changes steadily. A step must stand beside that."
+    }
+    fn coefficients(&self) -> usize {
+        3
+    }
+    fn unit(&self) -> &'static str {
+        "µT/s"
+    }
+    fn reads_centre(&self) -> bool {
+        false
+    }
+    fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
+        let [time, _] = at.inputs;
+        for (axis, vector) in shape.iter_mut().take(3).enumerate() {
+            *vector = [0.0; 3];
+            vector[axis] = time - self.reference_s;
+        }
+    }
 }
 
 /// The samples around a step as a model without it leaves them.
@@ -156,8 +203,7 @@ impl<'a> Greedy<'_, 'a> {
             return Ok(None);
         }
         // The model without the step; around it the offset may lie elsewhere and change steadily.
-        let middle_s = self.pass.samples.middle_s;
-        let steadily = offset_along("steady change around the step", time.iter().map(|t| t - middle_s));
+        let steadily = Steadily::around(self.pass.samples.middle_s, time);
         let others = fitted.pieces.iter().filter(|piece| piece.id != step.id);
         let all: Vec<&Piece> = others.chain([&steadily]).collect();
         let base = self.pass.residual.base_columns();
