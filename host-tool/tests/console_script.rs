@@ -89,6 +89,7 @@ fn the_emulated_board_is_calibrated_by_the_program_and_speaks_to_the_tool() {
     let address = listener.local_addr().expect("an address").to_string();
     // The emulated sensor knows no negative fields, and is in none at first, which is no attitude.
     let world = world(72, [93.0; 3]);
+    board.wait_for_samples().expect("samples");
     board.set_field_ut(world.sensor_ut(0.0)).expect("a field");
     let clients = 5;
     let bridge = std::thread::spawn(move || {

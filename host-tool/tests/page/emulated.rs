@@ -110,6 +110,7 @@ fn a_board_is_calibrated_over_a_serial_port_of_the_browser() {
         seconds: 600.0,
         ..WorldOptions::default()
     });
+    board.wait_for_samples().expect("samples");
     board.set_field_ut(world.sensor_ut(0.0)).expect("a field");
     // The page may open the port any number of times; at the end the board is switched off.
     let stop = Arc::new(AtomicBool::new(false));

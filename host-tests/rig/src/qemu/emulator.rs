@@ -48,11 +48,20 @@ pub struct Options {
     /// Where time is counted: whether a board that sleeps is waited for. Without, an hour of a board that mostly sleeps goes by in a
     /// minute or less.
     pub waited_for: bool,
+    /// What the sensor's thermometer says at power on, °C.
+    pub temperature_c: f64,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { sensor: true, eeprom: true, debugger: false, counted: false, waited_for: true }
+        Self {
+            sensor: true,
+            eeprom: true,
+            debugger: false,
+            counted: false,
+            waited_for: true,
+            temperature_c: 0.0,
+        }
     }
 }
 
@@ -164,6 +173,9 @@ impl PoweredOff {
             process,
             bench,
         };
+        if emulator.bench.options.sensor {
+            emulator.set_temperature_c(emulator.bench.options.temperature_c)?;
+        }
         emulator.resume()?;
         Ok(emulator)
     }
@@ -225,6 +237,19 @@ impl Emulator {
     /// A new board, its EEPROM erased, with power on.
     pub fn start(firmware: &Firmware, options: &Options) -> Result<Self, Error> {
         PoweredOff::new(firmware, options)?.start()
+    }
+
+    /// Waits until the board takes samples. Before, its firmware may not have set the sensor's range yet, and the emulated sensor turns a
+    /// field into counts when it is set, by the range that it has then: a later reading would be too large or too small by the ratio of
+    /// the two ranges until the field is set again.
+    ///
+    /// # Errors
+    /// [`Error::Timeout`] where no sample comes.
+    pub fn wait_for_samples(&mut self) -> Result<(), Error> {
+        self.console.command("stream raw")?;
+        self.console.next_streamed(SAMPLE_LIMIT)?;
+        self.console.command("stream off")?;
+        self.console.drain(Duration::from_millis(1)).map(drop)
     }
 
     /// Sets the field at the sensor, chip axes, in µT. The machine stands still meanwhile, so that no sample sees one axis of

@@ -72,7 +72,12 @@ pub fn emulated(wait: Duration, hidden: Option<HiddenArg>) -> Outcome<(Link, Box
     }
     eprintln!("Building the firmware for the emulated board (cargo fw-mps2; a minute the first time) …");
     let firmware = Firmware::build().map_err(failed)?;
-    let mut board = Emulator::start(&firmware, &Options::default()).map_err(failed)?;
+    let options = Options {
+        temperature_c: turned.as_ref().map_or(25.0, |turned| turned.column("temp_c")),
+        ..Options::default()
+    };
+    let mut board = Emulator::start(&firmware, &options).map_err(failed)?;
+    board.wait_for_samples().map_err(failed)?;
     // The emulated sensor knows no negative fields, so all of them are lifted above zero.
     let world = World::new(WorldOptions {
         seed: 2014,
