@@ -168,3 +168,41 @@ fn what_a_log_lacks_is_said_with_how_to_log_it() {
         assert!(text[at..].contains(part), "no {part} in\n{}", &text[at..]);
     }
 }
+
+#[test]
+fn what_only_a_longer_log_can_tell_is_said_so() {
+    let short = ["--seed", "5", "--seconds", "20", "--noise", "0.8", "--effect", "nonlinearity=4"];
+    let (text, status) = explained("unsure", &short, &[]);
+    assert_eq!(status, 0);
+    lines_fit(&text);
+    let said = joined(&text);
+    for part in [
+        "UNEXPLAINED: a calibration from this log would be off by",
+        "which is what the noise leaves. Nothing else is left to look for in this log",
+        "Record longer, through more attitudes, and diagnose that log: ironout diagnose longer.csv",
+    ] {
+        assert!(said.contains(part), "{part}: {text}");
+    }
+    // The same recorded longer.
+    let longer = ["--seed", "5", "--seconds", "120", "--noise", "0.8", "--effect", "nonlinearity=4"];
+    let (text, _) = explained("unsure_longer", &longer, &[]);
+    assert!(joined(&text).contains("MISSING: nonlinearity."), "{text}");
+}
+
+#[test]
+fn a_strength_that_makes_no_numbers_is_refused() {
+    let folder = folder("diagnose_text_no_numbers");
+    let log = folder.join("log.csv");
+    let log = log.to_str().expect("a path of text");
+    for seed in ["3", "4", "8"] {
+        let strong = ["--seed", seed, "--seconds", "20", "--noise", "0.8", "--effect", "nonlinearity=4"];
+        let run = ironout(["simulate", "-o", log].iter().chain(&strong));
+        assert!(
+            run.status == 2 && run.stderr.contains("choose less"),
+            "{seed}: {} {}",
+            run.status,
+            run.stderr
+        );
+        assert!(!Path::new(log).exists(), "{seed}: nothing is written");
+    }
+}

@@ -62,6 +62,10 @@ impl View<'_, '_> {
         let groups = &self.explanation.confounded;
         let in_group = |id: &str| groups.iter().any(|group| group.ids.iter().any(|other| other == id));
         let (mut verdict, mut reasons) = self.verdict(&left, &applied, predicted, field);
+        // Every other cause of this verdict gives a reason beside the error of the calibration.
+        let only_unsure = verdict == Verdict::Unexplained
+            && reasons.len() == 1
+            && self.refused_by_fit(&applied, predicted, field).is_some();
         if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
             verdict = Verdict::Missing;
         } else if verdict == Verdict::Complete
@@ -131,6 +135,7 @@ impl View<'_, '_> {
             stands_out,
             field_varies,
             fit_refuses: None,
+            only_unsure,
             samples_used: 0,
             samples_set_aside: 0,
             prior: self.prior_words(),

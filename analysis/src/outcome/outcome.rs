@@ -224,6 +224,9 @@ pub struct Diagnosis {
     /// Why `fit` refuses the calibration with what was found; `None` where it accepts.
     #[serde(skip)]
     pub fit_refuses: Option<String>,
+    /// Whether what was found explains all but the noise, and only the calibration with it is not sure enough: what a longer log would mend.
+    #[serde(skip)]
+    pub only_unsure: bool,
     /// Samples used.
     pub samples_used: usize,
     /// Samples set aside.

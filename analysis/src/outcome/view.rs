@@ -313,7 +313,12 @@ impl<'a> View<'_, 'a> {
 
     /// The predicted error of a calibration from this log, as a share of the field, where `fit` refuses it: by its noise and
     /// effects, or by what unseen time shows.
-    fn refused_by_fit(&self, applied: &Applied, predicted: Option<f64>, field: f64) -> Option<f64> {
+    pub(crate) fn refused_by_fit(
+        &self,
+        applied: &Applied,
+        predicted: Option<f64>,
+        field: f64,
+    ) -> Option<f64> {
         if self.lower_order.is_some() {
             return None;
         }

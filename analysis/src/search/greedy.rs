@@ -50,7 +50,7 @@ fn candidates<'a>(
 }
 
 /// What was found, unless some shape was not finite on the way.
-fn finite<T>(found: Result<T, BadShape>) -> Result<Option<T>, BadShape> {
+pub(super) fn finite<T>(found: Result<T, BadShape>) -> Result<Option<T>, BadShape> {
     match found {
         Ok(found) => Ok(Some(found)),
         Err(BadShape::NotFinite(_)) => Ok(None),
@@ -124,7 +124,11 @@ impl<'a> Greedy<'_, 'a> {
                 ended_early = true;
                 break;
             }
-            let (judged, tried) = self.judge(&fitted, true)?;
+            // What stands is not given up because something ran away beside it.
+            let Some((judged, tried)) = finite(self.judge(&fitted, true))? else {
+                ended_early = true;
+                break;
+            };
             count = tried;
             first.get_or_insert_with(|| judged.clone());
             last = judged;
@@ -144,25 +148,26 @@ impl<'a> Greedy<'_, 'a> {
                     }
                 };
                 fitted = self.aligned(prefer(&self.pass, next, self.known)?)?;
-                while let Some((dropped, without)) = self.drop_one(&fitted)? {
+                while let Some((dropped, without)) = finite(self.drop_one(&fitted))?.flatten() {
                     order.retain(|id| *id != dropped);
                     fitted = self.aligned(without)?;
                 }
                 continue;
             }
             if fitted.pieces.len() + 2 <= MOST_EFFECTS
-                && let Some((both, next)) = self.pair(&fitted, &last)?
+                && let Some((both, next)) = finite(self.pair(&fitted, &last))?.flatten()
             {
                 fitted = self.aligned(next)?;
                 order.extend(both);
-                while let Some((dropped, without)) = self.drop_one(&fitted)? {
+                while let Some((dropped, without)) = finite(self.drop_one(&fitted))?.flatten() {
                     order.retain(|id| *id != dropped);
                     fitted = self.aligned(without)?;
                 }
                 continue;
             }
             // Nothing more to add: now that all is in, is each effect the best of those that explain the same?
-            match self.reconsider(&fitted, count)? {
+            let stands = Reconsidered::Stands { confounded: Vec::new(), families: Vec::new() };
+            match finite(self.reconsider(&fitted, count))?.unwrap_or(stands) {
                 Reconsidered::Swap { from, to, .. } if swapped.contains(&(to.clone(), from.clone())) => {
                     // Each is better than the other: the log cannot tell.
                     confounded = vec![Confounded { ids: vec![from, to] }];

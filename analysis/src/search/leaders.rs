@@ -2,6 +2,7 @@
 
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
+use crate::search::greedy::finite;
 use crate::search::kin::NEARLY;
 use crate::search::parameter;
 use crate::search::screen::{ACCUSED, SIGNIFICANCE, WORTH_NAMING, rivalry, screen, stands};
@@ -26,7 +27,7 @@ const PROMPT_SHARE: f64 = 0.3;
 
 impl<'a> Greedy<'_, 'a> {
     /// The model with one more effect, fully refitted, and what fixes its shape moved to where the error is least. `None`
-    /// where the fit does not converge.
+    /// where the fit does not converge, or runs away.
     pub(crate) fn with(
         &self,
         fitted: &Fitted<'a>,
@@ -46,9 +47,11 @@ impl<'a> Greedy<'_, 'a> {
     {
         let mut pieces = fitted.pieces.clone();
         pieces.extend(more.cloned());
-        let Some(next) = self.pass.fit(fitted.model, pieces, self.known)? else { return Ok(None) };
-        let next = self.settled(next)?;
-        Ok(next.converged.then_some(next))
+        let Some(next) = finite(self.pass.fit(fitted.model, pieces, self.known))?.flatten() else {
+            return Ok(None);
+        };
+        let next = finite(self.settled(next))?;
+        Ok(next.filter(|next| next.converged))
     }
 
     /// The model with what fixes the shapes moved to where the error is least. What was found before an effect came in
@@ -69,7 +72,10 @@ impl<'a> Greedy<'_, 'a> {
                     continue;
                 }
                 let step = pieces.remove(place);
-                let bare = self.pass.hold(fitted.model, pieces.clone(), self.known)?;
+                // Without the step the others may run away: then it stays where it is.
+                let Some(bare) = finite(self.pass.hold(fitted.model, pieces.clone(), self.known))? else {
+                    continue;
+                };
                 let Some(named) = step.named() else { continue };
                 let Some(found) = search::best(&self.pass, &bare, self.catalogue, &named)? else { continue };
                 if found.piece.parts() == step.parts() {
@@ -115,7 +121,7 @@ impl<'a> Greedy<'_, 'a> {
         leaders.sort_by(|a, b| b.tested.decrease.total_cmp(&a.tested.decrease));
         for one in leaders.into_iter().take(STRONG_LEADERS) {
             let Some(next) = self.with(fitted, &one.candidate.piece)? else { continue };
-            let Some(test) = stands(&self.pass, &next)? else { continue };
+            let Some(test) = finite(stands(&self.pass, &next))?.flatten() else { continue };
             let tested = &mut one.tested;
             let held_out = held_out_rms(&next);
             tested.time = test.time;

@@ -70,7 +70,14 @@ pub fn run(arguments: &SimulateArgs, json: bool) -> Outcome<u8> {
         log.names.remove(index);
         log.columns.remove(index);
     }
-    if log.columns.iter().flatten().any(|value| value.is_infinite()) {
+    // A missing cell is NaN too, though never one of the magnetometer's.
+    let is_missing = |name: &str, value: f64| value.is_nan() && !["mx_ut", "my_ut", "mz_ut"].contains(&name);
+    let mut cells = log
+        .names
+        .iter()
+        .zip(&log.columns)
+        .flat_map(|(name, column)| column.iter().map(move |value| (name, *value)));
+    if cells.any(|(name, value)| !value.is_finite() && !is_missing(name, value)) {
         return Err(Failure::usage(
             "--effect: this strength makes values that are no finite numbers: choose less",
         ));

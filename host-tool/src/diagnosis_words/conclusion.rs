@@ -79,6 +79,10 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
             let besides = match (names.is_empty(), fall.is_empty()) {
                 (true, _) => String::new(),
                 (false, true) => format!(" Found, but not enough: {}.", listed(&names)),
+                (false, false) if diagnosis.only_unsure => format!(
+                    " With {} {fall}. Nothing else is left to look for in this log; whether that is all, a longer one tells.",
+                    listed(&names)
+                ),
                 (false, false) => format!(
                     " With {} {fall}, but that is not all, and {they} may stand in for something that the log lacks.",
                     listed(&names)
@@ -267,6 +271,11 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
                     "A calibration needs one field: turn the board about one spot instead of carrying it, in the open, some metres \
                      from iron, walls, cables and magnets, and diagnose that log. Where it has to be carried, log where it was.",
                 );
+            }
+            if diagnosis.only_unsure {
+                say(out, "Record longer, through more attitudes, and diagnose that log:");
+                command(out, next::diagnose(arguments, "longer.csv", ""));
+                return;
             }
             say(
                 out,
