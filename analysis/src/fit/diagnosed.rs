@@ -32,6 +32,8 @@ pub(crate) fn of_ground_searched(ground: &Ground, options: &Options) -> Result<D
             Verdict::Confounded | Verdict::Unexplained | Verdict::Undetermined => None,
         };
         if let Some(instead) = instead {
+            // What was found was held to explain all.
+            diagnosis.only_unsure = diagnosis.verdict == Verdict::Missing;
             diagnosis.verdict = instead;
             diagnosis.reasons.push(why.words.clone());
         }
