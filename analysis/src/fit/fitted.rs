@@ -66,6 +66,9 @@ pub struct Fitted {
     /// nothing of the model.
     #[serde(skip)]
     pub only_saturated: bool,
+    /// Whether effects were added to the model.
+    #[serde(skip)]
+    adds: bool,
 }
 
 impl Fitted {
@@ -91,6 +94,7 @@ impl Fitted {
             accepted: false,
             reasons: Vec::new(),
             only_saturated: false,
+            adds: !options.add.is_empty(),
         }
     }
 
@@ -148,7 +152,9 @@ impl Fitted {
         let all_round = coverage.fraction > ALL_ROUND && coverage.gap_deg < ALL_ROUND_GAP_DEG;
         self.reasons = (verdict.reasons.iter())
             .map(|reason| match reason {
-                Reason::ErrorTooLarge { percent, .. } if shown_by_unseen => of_unseen_time(*percent),
+                Reason::ErrorTooLarge { percent, .. } if shown_by_unseen => {
+                    of_unseen_time(*percent, self.adds)
+                }
                 other => in_words(other, all_round),
             })
             .collect();
@@ -183,10 +189,15 @@ impl Fitted {
 }
 
 /// The reason where the error on unseen time says more than the noise does.
-fn of_unseen_time(percent: f64) -> String {
+fn of_unseen_time(percent: f64, adds: bool) -> String {
+    let remedy = if adds {
+        "leave out an effect that was added, record longer"
+    } else {
+        "record longer, through more attitudes"
+    };
     format!(
         "each tenth of the log under the fit of the others is off by {percent:.1} % of the field beyond its noise, more than \
-         {:.0} %: what was fitted does not hold on unseen time; leave out an effect that was added, record longer, and see \
+         {:.0} %: what was fitted does not hold on unseen time; {remedy}, and see \
          with ironout diagnose what is missing in the model",
         MAX_PREDICTED_ERROR * 100.0
     )

@@ -263,7 +263,8 @@ impl<'a> View<'_, 'a> {
         }
         if self.explanation.ended_early {
             reasons.push(
-                "the search ended at the limit of its work, with candidates left that were not tried beside what was found"
+                "the search ended at the limit of its work, or where its model ran away, with candidates left that were not tried \
+                 beside what was found"
                     .into(),
             );
             if left.structure <= 0.0 {

@@ -264,3 +264,83 @@ impl<'a> Greedy<'_, 'a> {
         Ok(Some((winner.candidate.piece.id.clone(), next)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::engine::Pass;
+    use crate::base::ground::Ground;
+    use crate::base::known::Known;
+    use crate::search::candidates::Catalogue;
+    use crate::table::Table;
+    use ironout::effect::{Effect, MAX_INPUTS, Quantities, Registry, Shape};
+    use ironout::fit::Method;
+    use ironout_simulation::{EffectSpec, World, WorldOptions};
+
+    /// A shape that is one near the field, and no number far from it.
+    struct Near;
+
+    impl Effect<f64> for Near {
+        fn id(&self, out: &mut dyn std::fmt::Write) -> std::fmt::Result {
+            out.write_str("near")
+        }
+        fn name(&self) -> &'static str {
+            "near"
+        }
+        fn explanation(&self) -> &'static str {
+            "It is one near the field."
+        }
+        fn coefficients(&self) -> usize {
+            1
+        }
+        fn unit(&self) -> &'static str {
+            "µT"
+        }
+        fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
+            let far = at.measured_ut.iter().any(|value| value.abs() > 1e3);
+            shape[0] = [if far { f64::NAN } else { at.measured_ut[0] / 50.0 }; 3];
+        }
+    }
+
+    #[test]
+    fn what_runs_away_without_a_step_or_with_it_is_passed_over() {
+        let step = EffectSpec::parse("step=6").expect("an effect");
+        let log = World::new(WorldOptions {
+            seed: 8,
+            seconds: 40.0,
+            effects: vec![step],
+            ..WorldOptions::default()
+        })
+        .run();
+        let table = Table::from_columns(log.named()).expect("columns");
+        let ground = Ground::of(&table, Method::default(), None, None);
+        let model = ground.base.as_ref().ok().and_then(|base| base.model()).expect("a base model");
+        let samples = ground.counted.with_bursts.as_ref().unwrap_or(&ground.counted.samples);
+        let catalogue = Catalogue::new(samples, &table, Registry::BUILT_IN);
+        let (pass, known) = (Pass::new(samples, Residual::Magnitude), Known::default());
+        let greedy = Greedy::new(pass, &catalogue, &known);
+        let base = pass.fit(model, Vec::new(), &known).ok().flatten().expect("a fit");
+        let step = catalogue.searched().into_iter().find(|named| named.form.searched == Some(Searched::At));
+        let step = search::best(&pass, &base, &catalogue, &step.expect("steps"))
+            .ok()
+            .flatten()
+            .expect("a step")
+            .piece;
+        let with_step = greedy.with(&base, &step).ok().flatten().expect("a fit with the step");
+        let inputs = std::sync::Arc::new(vec![[0.0; MAX_INPUTS]; samples.len()]);
+        let made =
+            catalogue.plain(false).into_iter().find(|piece| piece.id == "cross-axis").expect("an effect");
+        let mut away = Piece { effect: std::sync::Arc::new(Near), inputs, ..made };
+        away.coefficients[0] = 1e6;
+        assert!(matches!(pass.hold(model, vec![away.clone()], &known), Err(BadShape::NotFinite(_))));
+
+        // It stays where it is, ...
+        let mut pieces = with_step.pieces.clone();
+        pieces.push(away.clone());
+        let places: Vec<_> = pieces.iter().map(|piece| piece.id.clone()).collect();
+        let kept = greedy.at_its_time(Fitted { pieces, ..with_step.clone() }).ok().expect("a model");
+        assert_eq!(kept.pieces.iter().map(|piece| piece.id.clone()).collect::<Vec<_>>(), places);
+        // ... and no candidate that runs away gives up the search.
+        assert!(matches!(greedy.with(&with_step, &away), Ok(None)));
+    }
+}

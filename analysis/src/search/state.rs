@@ -84,7 +84,7 @@ pub struct Explanation<'a> {
     pub withdrawn: Vec<Withdrawn>,
     /// Candidates whose shape was not finite somewhere, and which were left out.
     pub dropped: Vec<String>,
-    /// Whether the search ended at the limit of its work.
+    /// Whether the search ended before all was tried: at the limit of its work, or because the model ran away.
     pub ended_early: bool,
     /// How many candidates a round has.
     pub count: usize,

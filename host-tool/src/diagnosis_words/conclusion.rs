@@ -8,16 +8,24 @@ use ironout_analysis::base::mounting;
 use ironout_analysis::outcome::outcome::{Diagnosis, Verdict};
 use ironout_analysis::samples::faults::FaultKind;
 
+/// Whether the last step leaves what the noise leaves.
+fn at_the_noise(diagnosis: &Diagnosis) -> bool {
+    let last = diagnosis.steps.last().zip(diagnosis.residual_floor_ut);
+    last.is_some_and(|(last, floor)| last.rms_ut <= 1.1 * floor)
+}
+
+/// Whether nothing is left to look for in this log, though its calibration is not sure enough.
+fn is_only_unsure(diagnosis: &Diagnosis) -> bool {
+    diagnosis.only_unsure && at_the_noise(diagnosis) && diagnosis.field_varies.is_none()
+}
+
 /// What the error does from the first step to the last, in words; empty where it does nothing.
 fn fall(diagnosis: &Diagnosis) -> String {
     let (Some(first), Some(last)) = (diagnosis.steps.first(), diagnosis.steps.last()) else {
         return String::new();
     };
     if first.rms_ut > 1.02 * last.rms_ut {
-        let noise = match diagnosis.residual_floor_ut {
-            Some(floor) if last.rms_ut <= 1.1 * floor => ", which is what the noise leaves",
-            _ => "",
-        };
+        let noise = if at_the_noise(diagnosis) { ", which is what the noise leaves" } else { "" };
         return format!(
             "the error falls from {} to {} µT{noise}",
             microtesla(first.rms_ut),
@@ -79,7 +87,7 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
             let besides = match (names.is_empty(), fall.is_empty()) {
                 (true, _) => String::new(),
                 (false, true) => format!(" Found, but not enough: {}.", listed(&names)),
-                (false, false) if diagnosis.only_unsure => format!(
+                (false, false) if is_only_unsure(diagnosis) => format!(
                     " With {} {fall}. Nothing else is left to look for in this log; whether that is all, a longer one tells.",
                     listed(&names)
                 ),
@@ -272,7 +280,7 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
                      from iron, walls, cables and magnets, and diagnose that log. Where it has to be carried, log where it was.",
                 );
             }
-            if diagnosis.only_unsure {
+            if is_only_unsure(diagnosis) {
                 say(out, "Record longer, through more attitudes, and diagnose that log:");
                 command(out, next::diagnose(arguments, "longer.csv", ""));
                 return;
