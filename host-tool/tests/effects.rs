@@ -277,3 +277,25 @@ fn a_coefficient_that_the_log_does_not_show_has_no_error_and_the_file_says_null(
     let check = ironout(["check", text(&log), "--cal", text(&cal)]);
     assert_eq!(check.status, 0, "{} {}", check.stdout, check.stderr);
 }
+
+#[test]
+fn in_which_order_effects_are_asked_for_does_not_matter() {
+    let here = folder("effects_order");
+    // The current's offset is six times the coupling, which shows beside it alone.
+    let options =
+        ["--seed", "12", "--noise", "0.1", "--effect", "eddy=1.5", "--effect", "offset:current_a=9"];
+    let log = simulate(&here, "log.csv", &options);
+    let fitted = |add: [&str; 2]| {
+        let run = ironout(["fit", text(&log), "--add", add[0], "--add", add[1], "--json"]);
+        assert_eq!(run.status, 0, "{} {}", run.stdout, run.stderr);
+        run.json()
+    };
+    let (one, other) = (fitted(["lag", "offset:current_a"]), fitted(["offset:current_a", "lag"]));
+    let coupling = |object: &serde_json::Value| {
+        let effects = object["effects"].as_array().expect("a list");
+        let lag = effects.iter().find(|effect| effect["id"] == "lag").expect("a lag");
+        numbers(&lag["coefficients"]).len()
+    };
+    assert_eq!((coupling(&one), coupling(&other)), (9, 9), "{one}");
+    assert_eq!(number(&one["rms_ut"]), number(&other["rms_ut"]));
+}

@@ -110,19 +110,23 @@ impl<T: Real> Model<T> {
         let mut disturbance = [T::zero(); 3];
         let mut stands = true;
         let mut before = T::zero();
+        // Whether repeating it leads away: then there is no going on without knowing its slope.
+        let mut apart = false;
         let mut secant = Secant::default();
         let mut quantities = self.quantities(foot.measured, foot.centred, reading.turn_radps);
         for look in 0..MOST_LOOKS {
             let found = self.shapes(&quantities, terms.iter(), |term| term.is_active(), shapes)?;
             let moved = norm(minus(found, disturbance));
             // The first look is at the noisy sample. Where looks go apart there is no such disturbance.
-            if look > 0 && !(moved > close) || look > 1 && moved > before {
+            let leads_away = look > 1 && moved > before;
+            if look > 0 && !(moved > close) || leads_away && apart {
                 at = linearise(found)?;
                 break;
             }
+            apart |= leads_away;
             // What the first look did is of another map.
             let next = if look == 0 { found } else { secant.next(disturbance, found) };
-            disturbance = if look < PLAIN_LOOKS { found } else { next };
+            disturbance = if look < PLAIN_LOOKS && !apart { found } else { next };
             at = linearise(disturbance)?;
             before = moved;
             stands &= look == 0;
@@ -218,6 +222,35 @@ mod tests {
             let given: f64 =
                 (0..2).map(|i| dot(answered, reaction.follows[i]) * reaction.along[i][axis]).sum();
             assert!((answered[axis] + given - pull[axis]).abs() < 1e-12, "{answered:?}");
+        }
+    }
+
+    #[test]
+    fn a_disturbance_that_repeating_leads_away_from_stands_too() {
+        let matrix = [[1.05, 0.03, -0.02], [0.0, 0.97, 0.04], [0.0, 0.0, 1.01]];
+        let turned = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let of_field =
+            |field_ut| Model::new([4.0, -7.0, 11.0], matrix, field_ut, turned, 0.6).expect("a model");
+        let mut coefficients = [0.0; crate::effect::MAX_COEFFICIENTS];
+        // At 40 µT the slope of the cubes is -1.4: a look that is off by one sends the next off by 1.4.
+        coefficients[3..6].copy_from_slice(&[-3e-4, -2.9e-4, -3e-4]);
+        let term = Term { effect: &crate::effect::Nonlinearity, coefficients, inputs: [0.0; 2] };
+        for measured_ut in [[39.0, -38.0, 36.0], [-40.0, 37.0, 41.0], [38.0, 40.0, -39.0]] {
+            // In a field that the reading is 0.6 µT beyond.
+            let model = of_field(50.0);
+            let at = model.quantities(measured_ut, measured_ut, None);
+            let plain = term.effect.disturbance(&at, &coefficients);
+            let beyond = model.linearise(measured_ut, plain).expect("a row").residual;
+            let model = of_field(50.0 + beyond - 0.6);
+            let reading = Observation { measured_ut, turn_radps: None, down: None };
+            let mut shapes = [crate::effect::no_shape(); 1];
+            let (at, _) = model.at_foot(&reading, &[term], &mut shapes).expect("a row");
+            // What was taken off is what the effect does at the point where it stands.
+            let foot = minus(measured_ut, model.foot(&at));
+            let there = model.quantities(foot, foot, None);
+            let again = term.effect.disturbance(&there, &coefficients);
+            let stands = model.linearise(measured_ut, again).expect("a row").residual;
+            assert!((stands - at.residual).abs() < 1e-4, "{measured_ut:?}: {stands} and {}", at.residual);
         }
     }
 }

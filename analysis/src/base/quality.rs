@@ -106,7 +106,7 @@ pub fn residue(
     let remembers = match noise.colour {
         Colour::White => false,
         Colour::Fading(rho) => rho > LEAST_MEMORY,
-        Colour::RollingMean(_) | Colour::Flicker { .. } => true,
+        Colour::RollingMean { .. } | Colour::Flicker { .. } => true,
     };
     let rests = remembers.then(|| Still::of(residuals, turning, noise.colour, rounding)).flatten();
     let rests = rests.filter(|still| still.sigmas < -LESS_BY_SIGMAS && still.share < LESS_AT_REST);

@@ -13,6 +13,8 @@ use serde::Serialize;
 const EXPONENTS: [f64; 4] = [0.6, 0.8, 1.0, 1.2];
 /// Shares of white noise beside it. With more of that anything slow would look like 1/f noise.
 const WHITE: [f64; 5] = [0.0, 0.08, 0.16, 0.25, 0.35];
+/// The same beside a rolling mean: what is added after the filter (its words' rounding, a column's own noise).
+const WHITE_AFTER: [f64; 7] = [0.0, 0.01, 0.025, 0.05, 0.1, 0.18, 0.3];
 /// The longest rolling mean that is looked for.
 const LONGEST_MEAN: usize = 64;
 /// Noise of first order falls to 60 % within so many samples ...
@@ -45,8 +47,13 @@ pub enum Colour {
     White,
     /// First order, with this correlation from one sample to the next.
     Fading(f64),
-    /// A rolling mean over so many samples.
-    RollingMean(usize),
+    /// A rolling mean, and a share of white noise.
+    RollingMean {
+        /// Over so many samples.
+        of: usize,
+        /// Share of the variance that is white.
+        white: f64,
+    },
     /// 1/f: power in proportion to the frequency to the power of minus `exponent`, and a share of white noise.
     Flicker {
         /// The exponent.
@@ -66,7 +73,13 @@ impl Colour {
             Colour::Fading(correlation) => {
                 format!("noise with a memory (a correlation of {correlation:.2} from sample to sample)")
             }
-            Colour::RollingMean(of) => format!("a rolling mean over {of} samples"),
+            Colour::RollingMean { of, white } if white > 0.0 => {
+                format!(
+                    "a rolling mean over {of} samples with {:.0} % of white noise",
+                    (100.0 * white).max(1.0)
+                )
+            }
+            Colour::RollingMean { of, .. } => format!("a rolling mean over {of} samples"),
             Colour::Flicker { exponent, white, .. } if white > 0.0 => {
                 format!("1/f noise (exponent {exponent:.1}) with {:.0} % of white noise", 100.0 * white)
             }
@@ -83,7 +96,7 @@ impl Colour {
             Colour::White => true,
             // Samples until it has fallen to 60 %.
             Colour::Fading(rho) => short(0.6_f64.ln() / rho.clamp(1e-9, 1.0 - 1e-9).ln(), FADING),
-            Colour::RollingMean(of) => short(of as f64, MEAN),
+            Colour::RollingMean { of, .. } => short(of as f64, MEAN),
             Colour::Flicker { exponent, .. } => exponent <= STEEPEST,
         }
     }
@@ -91,7 +104,7 @@ impl Colour {
     /// The same with the number that it was chosen by a little larger, and by how much.
     fn nudged(self) -> Option<(Colour, f64)> {
         match self {
-            Colour::White | Colour::RollingMean(_) => None,
+            Colour::White | Colour::RollingMean { .. } => None,
             Colour::Fading(rho) => {
                 let by = 0.05 * (1.0 - rho);
                 Some((Colour::Fading(rho + by), by))
@@ -107,7 +120,7 @@ impl Colour {
         match self {
             Colour::White => "white",
             Colour::Fading(_) => "fading",
-            Colour::RollingMean(_) => "rolling-mean",
+            Colour::RollingMean { .. } => "rolling-mean",
             Colour::Flicker { .. } => "flicker",
         }
     }
@@ -116,7 +129,8 @@ impl Colour {
     fn parameters(self) -> f64 {
         match self {
             Colour::White => 0.0,
-            Colour::Fading(_) | Colour::RollingMean(_) => 1.0,
+            Colour::Fading(_) => 1.0,
+            Colour::RollingMean { white, .. } => 1.0 + f64::from(u8::from(white > 0.0)),
             Colour::Flicker { .. } => 2.0,
         }
     }
@@ -127,8 +141,9 @@ impl Colour {
         match self {
             Colour::White => (0..lags).map(|lag| f64::from(u8::from(lag == 0))).collect(),
             Colour::Fading(rho) => (0..lags).map(|lag| rho.powi(lag as i32)).collect(),
-            Colour::RollingMean(of) => {
-                (0..lags).map(|lag| (1.0 - lag as f64 / of.max(1) as f64).max(0.0)).collect()
+            Colour::RollingMean { of, white } => {
+                let mean = |lag: usize| (1.0 - lag as f64 / of.max(1) as f64).max(0.0);
+                (0..lags).map(|lag| if lag == 0 { 1.0 } else { (1.0 - white) * mean(lag) }).collect()
             }
             Colour::Flicker { exponent, white, folded } => {
                 let power: Vec<f64> = (0..lags)
@@ -316,14 +331,19 @@ impl<'t> Seen<'t> {
     fn best_mean(&self, own: &[f64]) -> Described {
         let end = own.iter().position(|value| *value < 0.125).unwrap_or(own.len()).max(2);
         let end = ((end as f64 / 0.875).round() as usize).max(3);
-        let mut best = self.fit(Colour::RollingMean(end));
+        let at = |of: usize, white: f64| self.fit(Colour::RollingMean { of, white });
+        let better =
+            |best: Described, next: Described| if next.deviance < best.deviance { next } else { best };
+        let mut best = at(end, 0.0);
         for of in [end - 1, end + 1] {
-            let next = self.fit(Colour::RollingMean(of));
-            if next.deviance < best.deviance {
-                best = next;
-            }
+            best = better(best, at(of, 0.0));
         }
-        best
+        let plain = best.clone();
+        for of in [end - 1, end, end + 1] {
+            best = WHITE_AFTER[1..].iter().fold(best, |best, white| better(best, at(of, *white)));
+        }
+        // A share that says little more is none.
+        if plain.deviance < best.deviance + UNCERTAIN { plain } else { best }
     }
 
     /// 1/f noise, sampled with a filter before it or without.

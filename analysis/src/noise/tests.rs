@@ -28,9 +28,10 @@ fn noise(colour: Colour, rng: &mut ChaCha8Rng) -> Vec<f64> {
                 })
                 .collect()
         }
-        Colour::RollingMean(of) => {
+        Colour::RollingMean { of, white } => {
             let all: Vec<f64> = (0..N + of).map(|_| fresh(rng)).collect();
-            (0..N).map(|at| all[at..at + of].iter().sum::<f64>() / (of as f64).sqrt()).collect()
+            let mean = |at: usize| all[at..at + of].iter().sum::<f64>() / (of as f64).sqrt();
+            (0..N).map(|at| (1.0 - white).sqrt() * mean(at) + white.sqrt() * fresh(rng)).collect()
         }
         Colour::Flicker { .. } => {
             // Octave by octave, each as strong as the others.
@@ -73,14 +74,22 @@ fn described(colour: Colour, seed: u64, more: impl Fn(usize) -> f64) -> Describe
 fn each_colour_is_told() {
     let flicker = Colour::Flicker { exponent: 1.0, white: 0.0, folded: true };
     for seed in 0..6 {
-        for colour in
-            [Colour::White, Colour::Fading(0.4), Colour::Fading(0.9), Colour::RollingMean(5), flicker]
-        {
+        for colour in [
+            Colour::White,
+            Colour::Fading(0.4),
+            Colour::Fading(0.9),
+            Colour::RollingMean { of: 5, white: 0.0 },
+            Colour::RollingMean { of: 3, white: 0.05 },
+            Colour::RollingMean { of: 8, white: 0.2 },
+            flicker,
+        ] {
             let found = described(colour, seed, |_| 0.0);
             let near = match (colour, found.colour) {
                 (Colour::White, Colour::White) => true,
                 (Colour::Fading(a), Colour::Fading(b)) => (a - b).abs() < 0.05,
-                (Colour::RollingMean(a), Colour::RollingMean(b)) => a == b,
+                (Colour::RollingMean { of: a, white: p }, Colour::RollingMean { of: b, white: q }) => {
+                    a == b && (p - q).abs() <= 0.4 * p
+                }
                 (Colour::Flicker { .. }, Colour::Flicker { exponent, white, .. }) => {
                     (exponent - 1.0).abs() < 0.21 && white < 0.3
                 }
@@ -115,7 +124,10 @@ fn what_moves_beside_noise_is_no_noise() {
 fn a_memory_of_seconds_is_none_of_a_sensor() {
     assert!(Colour::Fading(0.9).is_of_a_sensor(0.02) && Colour::Fading(0.95).is_of_a_sensor(0.02));
     assert!(!Colour::Fading(0.95).is_of_a_sensor(0.1) && !Colour::Fading(0.99).is_of_a_sensor(0.0));
-    assert!(Colour::RollingMean(8).is_of_a_sensor(0.1) && !Colour::RollingMean(30).is_of_a_sensor(0.1));
+    assert!(
+        Colour::RollingMean { of: 8, white: 0.0 }.is_of_a_sensor(0.1)
+            && !Colour::RollingMean { of: 30, white: 0.0 }.is_of_a_sensor(0.1)
+    );
     assert!(!Colour::Flicker { exponent: 1.5, white: 0.0, folded: true }.is_of_a_sensor(0.02));
 }
 
@@ -134,7 +146,7 @@ fn a_cause_moves_the_axes_together_and_noise_does_not() {
         };
         let colours = [
             Colour::Fading(0.9),
-            Colour::RollingMean(5),
+            Colour::RollingMean { of: 5, white: 0.0 },
             Colour::Flicker { exponent: 1.0, white: 0.0, folded: true },
         ];
         for (seed, colour) in (0..4).flat_map(|seed| colours.map(|colour| (seed, colour))) {
@@ -198,7 +210,7 @@ fn beside_rest(moving: Colour, at_rest: Colour, seed: u64) -> (Vec<f64>, Turning
 #[test]
 fn noise_is_the_same_at_rest_and_what_comes_with_the_turning_is_not() {
     for seed in 0..20 {
-        for colour in [Colour::White, Colour::Fading(0.7), Colour::RollingMean(5)] {
+        for colour in [Colour::White, Colour::Fading(0.7), Colour::RollingMean { of: 5, white: 0.0 }] {
             let (residuals, turning) = beside_rest(colour, colour, seed);
             let still = Still::of(&residuals, &turning, colour, 0.0).unwrap();
             assert!(still.sigmas.abs() < 4.5 && (0.7..1.4).contains(&still.share), "{colour:?} {still:?}");

@@ -37,6 +37,12 @@ pub(crate) fn added<'a>(
     Ok(found)
 }
 
+/// Whether it may be a coupling or a pure delay, which the data decide.
+fn is_coupling(id: &str, options: &Options) -> bool {
+    let named = options.registry.parse(id);
+    named.is_some_and(|named| !named.family.delay_coefficients(named.form).is_empty())
+}
+
 /// A model with the effects that were asked for.
 pub(crate) struct Added<'a> {
     /// It.
@@ -56,11 +62,8 @@ pub(crate) fn asked_for<'a>(
 ) -> Result<Result<Added<'a>, String>, Refusal> {
     let (samples, catalogue) = (greedy.pass.samples, greedy.catalogue);
     // Whether it is a coupling or a pure delay every sample has a say in.
-    let couples = |id: &String| {
-        let named = options.registry.parse(id);
-        named.is_some_and(|named| !named.family.delay_coefficients(named.form).is_empty())
-    };
-    if samples.len() <= MOST_SEARCHED || options.add.is_empty() || options.add.iter().any(couples) {
+    let couples = options.add.iter().any(|id| is_coupling(id, options));
+    if samples.len() <= MOST_SEARCHED || options.add.is_empty() || couples {
         return one_by_one(greedy, base, options);
     }
     let few = samples.thinned(catalogue.table(), MOST_SEARCHED);
@@ -99,6 +102,8 @@ fn one_by_one<'a>(
     let mut searched: Vec<(String, f64)> = Vec::new();
     // One that a fit does not hold by itself may stand beside those that come after it.
     let mut waiting: VecDeque<&String> = options.add.iter().collect();
+    // Which of the two a coupling is shows only beside the others.
+    waiting.make_contiguous().sort_by_key(|id| is_coupling(id, options));
     let mut put_off: Vec<Candidate> = Vec::new();
     while let Some(id) = waiting.pop_front() {
         if start.pieces.len() >= MOST_ADDED {

@@ -49,7 +49,7 @@ fn noise(row: NoiseRow) -> Value {
     let own = match row.colour {
         Colour::White => json!({}),
         Colour::Fading(correlation) => json!({"correlation": correlation}),
-        Colour::RollingMean(of) => json!({"samples": of}),
+        Colour::RollingMean { of, white } => json!({"samples": of, "white": white}),
         Colour::Flicker { exponent, white, .. } => json!({"exponent": exponent, "white": white}),
     };
     if let (Some(map), Some(own)) = (object.as_object_mut(), own.as_object()) {
@@ -126,6 +126,7 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
         "steps": steps,
         "noise_floor_ut": number(diagnosis.noise_floor_ut),
         "residual_floor_ut": number(diagnosis.residual_floor_ut),
+        "residual_floor_least_ut": number(diagnosis.residual_floor_least_ut),
         "noise": diagnosis.noise.map(noise),
         "candidates": candidates,
         "data_faults": data_faults,

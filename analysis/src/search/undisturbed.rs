@@ -10,8 +10,8 @@ use crate::base::known::Known;
 use crate::base::piece::{BadShape, Piece};
 use crate::samples::series::Autocorrelation;
 use ironout::effect::{Acts, Coefficients, Column, Effect, MAX_INPUTS, Quantities, Shape};
-use ironout::model::Secant;
 use ironout::study::Residual;
+use ironout::vector::{determinant, inverse_3x3, minus, norm, scaled, times};
 use std::fmt;
 use std::sync::Arc;
 
@@ -22,17 +22,26 @@ const PREFERRED: f64 = 10.0;
 const MOST_ROUNDS: usize = 16;
 /// After so many the error must be below that of the measured vector.
 const PATIENCE: usize = 6;
-/// Rounds from a measured vector to the undisturbed one.
-const MOST_STEPS: usize = 60;
-/// After so many the way to it is hastened.
-const PLAIN_STEPS: usize = 3;
-/// The undisturbed vector has settled when it moves by less than this, µT.
+/// Steps from a measured vector to the undisturbed one (Newton's).
+const MOST_STEPS: usize = 12;
+/// The undisturbed vector has settled when what it gives is this near to the reading, µT.
 const SETTLED_UT: f64 = 1e-4;
+/// The answer of the readings to the field is told from a step of this size, µT.
+const STEP_UT: f64 = 1e-3;
+/// Where a volume of fields becomes one of readings that is less than this share of it, the readings fold over.
+const FOLDED: f64 = 0.1;
 
 /// An effect whose shape is taken at the undisturbed vector, as coefficients near its own give it.
 struct Undisturbed<'a> {
     inner: Arc<dyn Effect<f64> + Send + Sync + 'a>,
     coefficients: Coefficients<f64>,
+}
+
+impl Undisturbed<'_> {
+    /// What the sensor reads in the field that these quantities have.
+    fn found(&self, near: &Quantities<f64>) -> [f64; 3] {
+        minus(near.measured_ut, scaled(self.inner.disturbance(near, &self.coefficients), -1.0))
+    }
 }
 
 impl Effect<f64> for Undisturbed<'_> {
@@ -65,19 +74,34 @@ impl Effect<f64> for Undisturbed<'_> {
     }
     fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
         let mut near = *at;
-        let mut secant = Secant::default();
-        for step in 0..MOST_STEPS {
-            let off = self.inner.disturbance(&near, &self.coefficients);
-            let found: [f64; 3] = core::array::from_fn(|axis| at.measured_ut[axis] - off[axis]);
-            let moved = (0..3).map(|axis| (found[axis] - near.measured_ut[axis]).abs()).fold(0.0, f64::max);
-            // The last plain step is the first that it learns from.
-            let learns = step + 1 >= PLAIN_STEPS;
-            let next = if learns { secant.next(near.measured_ut, found) } else { found };
-            near.measured_ut = if step < PLAIN_STEPS { found } else { next };
-            // A shape that runs away is not finite in the end, and the fit with it is not taken.
-            if moved < SETTLED_UT || !moved.is_finite() {
+        let mut found = self.found(&near);
+        for _ in 0..MOST_STEPS {
+            let lacks = minus(at.measured_ut, found);
+            if !(norm(lacks) > SETTLED_UT) {
                 break;
             }
+            // How the reading answers to the field, by differences.
+            let mut answers = [[0.0; 3]; 3];
+            for axis in 0..3 {
+                let mut beside = near;
+                beside.measured_ut[axis] += STEP_UT;
+                let moved = minus(self.found(&beside), found);
+                (0..3).for_each(|row| answers[row][axis] = moved[row] / STEP_UT);
+            }
+            // Coefficients on their way may fold the readings over, and then no field gives this one: the nearest is taken.
+            if !(determinant(&answers) > FOLDED) {
+                break;
+            }
+            let Some(inverse) = inverse_3x3(&answers) else { break };
+            let step = times(&inverse, lacks);
+            let mut next = near;
+            next.measured_ut = minus(near.measured_ut, scaled(step, -1.0));
+            let there = self.found(&next);
+            // Past the fold.
+            if !(norm(minus(at.measured_ut, there)) < norm(lacks)) {
+                break;
+            }
+            (near, found) = (next, there);
         }
         self.inner.shape(&near, shape);
     }
@@ -88,6 +112,7 @@ fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Opt
     let inner: Vec<_> = plain.pieces.iter().map(|piece| piece.effect.clone()).collect();
     let mut at: Vec<_> = plain.pieces.iter().map(|piece| piece.coefficients).collect();
     let mut now = plain.clone();
+    let mut best: Option<Fitted> = None;
     for round in 0..MOST_ROUNDS {
         let mut pieces = now.pieces.clone();
         for ((piece, inner), at) in pieces.iter_mut().zip(&inner).zip(&mut at) {
@@ -100,15 +125,20 @@ fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Opt
             }
         }
         // A shape that ran away is no reason to give up the model that stands.
-        let Ok(Some(next)) = pass.approach(now.model, pieces, known) else { return Ok(None) };
+        let Ok(Some(next)) = pass.approach(now.model, pieces, known) else { return Ok(best) };
         // By a tenth of a sample's variance.
         let settled = (next.squares - now.squares).abs() < 0.1 * now.squares / now.rows.max(1.0);
         now = next;
-        if settled || (round >= PATIENCE && now.squares > plain.squares) {
+        // Near a fold the rounds do not settle: the best of them counts.
+        if best.as_ref().is_none_or(|best| now.squares < best.squares) {
+            best = Some(now.clone());
+        }
+        let behind = |best: &Fitted| best.squares > plain.squares;
+        if settled || (round >= PATIENCE && best.as_ref().is_none_or(behind)) {
             break;
         }
     }
-    Ok(Some(now))
+    Ok(best)
 }
 
 /// Of the two models the one that the data ask for; the shapes at the measured vector where they do not tell.
@@ -130,4 +160,43 @@ pub fn prefer<'a>(pass: &Pass, fitted: Fitted<'a>, known: &Known) -> Result<Fitt
     let variance = other.squares / other.rows.max(1.0) * time;
     let better = other.squares.is_finite() && plain.squares - other.squares > PREFERRED * variance;
     Ok(if better { other } else { plain })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ironout::effect::{MAX_COEFFICIENTS, Nonlinearity, no_shape};
+
+    /// The field at which the shape is looked at, of a reading of one axis, with this cube.
+    fn field_of(reading: f64, cube: f64) -> f64 {
+        let mut coefficients = [0.0; MAX_COEFFICIENTS];
+        coefficients[3..6].fill(cube);
+        let effect = Undisturbed { inner: Arc::new(Nonlinearity), coefficients };
+        let at = Quantities {
+            measured_ut: [reading, 0.0, 0.0],
+            centred_ut: [reading, 0.0, 0.0],
+            turning_ut_per_s: [0.0; 3],
+            inputs: [0.0; MAX_INPUTS],
+        };
+        let mut shape = no_shape();
+        effect.shape(&at, &mut shape);
+        // The cube's own shape tells where it was taken.
+        shape[3][0].cbrt()
+    }
+
+    #[test]
+    fn a_core_that_saturates_is_looked_at_in_the_field_it_is_in() {
+        let cube = -5e-5;
+        for field in [-55.0_f64, -20.0, 8.0, 40.0, 60.0] {
+            let found = field_of(field + cube * field.powi(3), cube);
+            assert!((found - field).abs() < 1e-3, "{found} for {field}");
+        }
+    }
+
+    #[test]
+    fn a_reading_that_no_field_gives_is_looked_at_near_the_largest_that_there_is() {
+        // Readings end at 54.4, in a field of 81.6.
+        let found = field_of(70.0, -5e-5);
+        assert!((60.0..90.0).contains(&found), "{found}");
+    }
 }
