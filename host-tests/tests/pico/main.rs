@@ -10,6 +10,7 @@ mod calibration;
 mod console;
 mod cost;
 mod faults;
+mod hours;
 mod learning;
 mod power;
 mod sensors;
