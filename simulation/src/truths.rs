@@ -35,11 +35,13 @@ pub enum Kind {
     AlikeGaps,
     /// A tone, the rows stamped when they arrive.
     Arrival,
+    /// A nonlinearity or a cross-axis disturbance of 20 to 40 times the noise.
+    OfAttitudeStrong,
 }
 
 impl Kind {
     /// All, in the order of the table.
-    pub const ALL: [Kind; 11] = [
+    pub const ALL: [Kind; 12] = [
         Kind::One,
         Kind::OneFlicker,
         Kind::OfAttitude,
@@ -51,6 +53,7 @@ impl Kind {
         Kind::Alike,
         Kind::AlikeGaps,
         Kind::Arrival,
+        Kind::OfAttitudeStrong,
     ];
 
     /// A word for it.
@@ -67,6 +70,7 @@ impl Kind {
             Kind::Alike => "alike",
             Kind::AlikeGaps => "alike-gaps",
             Kind::Arrival => "arrival",
+            Kind::OfAttitudeStrong => "of-attitude-strong",
         }
     }
 }
@@ -138,9 +142,10 @@ fn effects(kind: Kind, rng: &mut ChaCha8Rng) -> Vec<String> {
             let id = any(rng);
             vec![sized(id, 1.5, 10.0, rng)]
         }
-        Kind::OfAttitude => {
+        Kind::OfAttitude | Kind::OfAttitudeStrong => {
             let id = one_of(&["nonlinearity", "nonlinearity", "cross-axis"], rng);
-            vec![sized(id.into(), 1.5, 20.0, rng)]
+            let (low, high) = if kind == Kind::OfAttitude { (1.5, 20.0) } else { (20.0, 40.0) };
+            vec![sized(id.into(), low, high, rng)]
         }
         Kind::Strong => {
             let column = one_of(&COLUMNS, rng);

@@ -14,6 +14,7 @@ pub mod hemisphere;
 pub mod holdout;
 pub mod known;
 pub mod level;
+pub mod looked_at;
 pub mod model;
 pub mod mounting;
 pub mod order;

@@ -1,6 +1,7 @@
 //! An effect in a model: its shape, its coefficients, and the values of its columns.
 
-use ironout::effect::{Acts, Effect, Follows, MAX_COEFFICIENTS, MAX_INPUTS, Made, Named, Parts, Searched};
+use crate::base::looked_at::Shared;
+use ironout::effect::{Acts, Follows, MAX_COEFFICIENTS, MAX_INPUTS, Made, Named, Parts, Searched};
 use ironout::study::{Normal, Term};
 use std::sync::Arc;
 
@@ -31,14 +32,19 @@ pub struct Piece<'a> {
     /// The family and the parts of the effect; `None` for a column of the analysis' own.
     pub made: Option<Made<&'a str>>,
     /// The shape.
-    pub effect: Arc<dyn Effect<f64> + Send + Sync + 'a>,
+    pub effect: Shared<'a>,
     /// Coefficients; the first k count.
     pub coefficients: [f64; MAX_COEFFICIENTS],
     /// Values of its columns.
     pub inputs: Arc<Vec<[f64; MAX_INPUTS]>>,
     /// The clock that its time is of.
     pub clock: Clock,
+    /// The same effect at each sample, looked at a vector that is known there; `None` where it is looked at the measured one.
+    pub known_at: Option<KnownAt<'a>>,
 }
+
+/// An effect at each of the samples.
+pub type KnownAt<'a> = Arc<Vec<Shared<'a>>>;
 
 impl<'a> Piece<'a> {
     /// An effect without coefficients yet.
@@ -46,7 +52,7 @@ impl<'a> Piece<'a> {
         let id = ironout::effect::Id(&made).to_string();
         let effect = Arc::new(made);
         let coefficients = [0.0; MAX_COEFFICIENTS];
-        Piece { id, made: Some(made), effect, coefficients, inputs, clock: Clock::Stamps }
+        Piece { id, made: Some(made), effect, coefficients, inputs, clock: Clock::Stamps, known_at: None }
     }
 
     /// The parts of the effect.
@@ -113,8 +119,9 @@ impl<'a> Piece<'a> {
 
     /// The term of one sample.
     pub fn term(&self, sample: usize) -> Term<'_, f64> {
+        let known = self.known_at.as_ref().and_then(|list| list.get(sample));
         Term {
-            effect: self.effect.as_ref(),
+            effect: known.unwrap_or(&self.effect).as_ref(),
             coefficients: self.coefficients,
             inputs: self.inputs.get(sample).copied().unwrap_or_default(),
         }

@@ -102,6 +102,7 @@ fn slope<'a>(pass: &Pass, piece: &Piece<'a>) -> Option<Piece<'a>> {
         coefficients: [0.0; MAX_COEFFICIENTS],
         inputs,
         clock: Clock::Stamps,
+        known_at: None,
     })
 }
 

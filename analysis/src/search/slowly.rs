@@ -123,6 +123,7 @@ impl<'a> Greedy<'_, 'a> {
             coefficients: Default::default(),
             inputs: Arc::new(places.iter().map(|x| [*x, 0.0]).collect()),
             clock: Clock::Stamps,
+            known_at: None,
         };
         let fresh = Piece { coefficients: Default::default(), ..piece.clone() };
         let beside = rivalry(&self.pass, without, &fresh, &slowly, self.known)?;

@@ -52,6 +52,7 @@ impl Steadily {
             coefficients: Default::default(),
             inputs: Arc::new(time.iter().map(|t| [*t, 0.0]).collect()),
             clock: Clock::Stamps,
+            known_at: None,
         }
     }
 }

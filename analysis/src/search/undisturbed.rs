@@ -7,12 +7,12 @@
 
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
+use crate::base::looked_at::{LookedAt, Place, Seen, Shared};
 use crate::base::piece::{BadShape, Piece};
 use crate::samples::series::Autocorrelation;
-use ironout::effect::{Acts, Coefficients, Column, Effect, MAX_INPUTS, Quantities, Shape};
-use ironout::study::Residual;
-use ironout::vector::{determinant, inverse_3x3, minus, norm, scaled, times};
-use std::fmt;
+use ironout::effect::{Acts, Coefficients, Effect, MAX_INPUTS, Quantities};
+use ironout::study::{Model, Residual};
+use ironout::vector::{determinant, dot, inverse_3x3, minus, norm, scaled, times};
 use std::sync::Arc;
 
 /// The undisturbed vector must take this many variances off the squared error. By chance, the wrong one does in one log of
@@ -22,6 +22,8 @@ const PREFERRED: f64 = 10.0;
 const MOST_ROUNDS: usize = 16;
 /// After so many the error must be below that of the measured vector.
 const PATIENCE: usize = 6;
+/// A vector that is held may leave so many times the squares.
+const AS_GOOD: f64 = 1.01;
 /// Steps from a measured vector to the undisturbed one (Newton's).
 const MOST_STEPS: usize = 12;
 /// The undisturbed vector has settled when what it gives is this near to the reading, µT.
@@ -31,88 +33,149 @@ const STEP_UT: f64 = 1e-3;
 /// Where a volume of fields becomes one of readings that is less than this share of it, the readings fold over.
 const FOLDED: f64 = 0.1;
 
-/// An effect whose shape is taken at the undisturbed vector, as coefficients near its own give it.
-struct Undisturbed<'a> {
-    inner: Arc<dyn Effect<f64> + Send + Sync + 'a>,
-    coefficients: Coefficients<f64>,
-}
+/// At the undisturbed vector, as coefficients near the effect's own give it.
+#[derive(Clone, Copy)]
+struct Undisturbed(Coefficients<f64>);
 
-impl Undisturbed<'_> {
+impl Undisturbed {
     /// What the sensor reads in the field that these quantities have.
-    fn found(&self, near: &Quantities<f64>) -> [f64; 3] {
-        minus(near.measured_ut, scaled(self.inner.disturbance(near, &self.coefficients), -1.0))
+    fn reading_ut(&self, inner: &dyn Effect<f64>, near: &Quantities<f64>) -> [f64; 3] {
+        minus(near.measured_ut, scaled(inner.disturbance(near, &self.0), -1.0))
+    }
+
+    /// How the reading answers to the field there, inverted, by differences. `None` where the readings fold over, or nearly.
+    fn inverse(
+        &self,
+        inner: &dyn Effect<f64>,
+        near: &Quantities<f64>,
+        reading_ut: [f64; 3],
+    ) -> Option<[[f64; 3]; 3]> {
+        let mut answers = [[0.0; 3]; 3];
+        for axis in 0..3 {
+            let mut beside = *near;
+            beside.measured_ut[axis] += STEP_UT;
+            let moved = minus(self.reading_ut(inner, &beside), reading_ut);
+            (0..3).for_each(|row| answers[row][axis] = moved[row] / STEP_UT);
+        }
+        if determinant(&answers) > FOLDED { inverse_3x3(&answers) } else { None }
     }
 }
 
-impl Effect<f64> for Undisturbed<'_> {
-    fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
-        self.inner.id(out)
-    }
-    fn name(&self) -> &'static str {
-        self.inner.name()
-    }
-    fn explanation(&self) -> &'static str {
-        self.inner.explanation()
-    }
-    fn columns(&self) -> [Option<Column<'_, f64>>; MAX_INPUTS] {
-        self.inner.columns()
-    }
-    fn needs_gyro(&self) -> bool {
-        self.inner.needs_gyro()
-    }
-    fn coefficients(&self) -> usize {
-        self.inner.coefficients()
-    }
-    fn unit(&self) -> &'static str {
-        self.inner.unit()
-    }
-    fn reads_centre(&self) -> bool {
-        self.inner.reads_centre()
-    }
-    fn delay_s(&self, coefficients: &Coefficients<f64>) -> Option<f64> {
-        self.inner.delay_s(coefficients)
-    }
-    fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
+impl Place for Undisturbed {
+    fn vector_ut(&self, inner: &dyn Effect<f64>, at: &Quantities<f64>) -> [f64; 3] {
         let mut near = *at;
-        let mut found = self.found(&near);
+        let mut found = self.reading_ut(inner, &near);
         for _ in 0..MOST_STEPS {
             let lacks = minus(at.measured_ut, found);
             if !(norm(lacks) > SETTLED_UT) {
                 break;
             }
-            // How the reading answers to the field, by differences.
-            let mut answers = [[0.0; 3]; 3];
-            for axis in 0..3 {
-                let mut beside = near;
-                beside.measured_ut[axis] += STEP_UT;
-                let moved = minus(self.found(&beside), found);
-                (0..3).for_each(|row| answers[row][axis] = moved[row] / STEP_UT);
-            }
             // Coefficients on their way may fold the readings over, and then no field gives this one: the nearest is taken.
-            if !(determinant(&answers) > FOLDED) {
-                break;
-            }
-            let Some(inverse) = inverse_3x3(&answers) else { break };
-            let step = times(&inverse, lacks);
+            let Some(inverse) = self.inverse(inner, &near, found) else { break };
             let mut next = near;
-            next.measured_ut = minus(near.measured_ut, scaled(step, -1.0));
-            let there = self.found(&next);
+            next.measured_ut = minus(near.measured_ut, scaled(times(&inverse, lacks), -1.0));
+            let there = self.reading_ut(inner, &next);
             // Past the fold.
             if !(norm(minus(at.measured_ut, there)) < norm(lacks)) {
                 break;
             }
             (near, found) = (next, there);
         }
-        self.inner.shape(&near, shape);
+        near.measured_ut
     }
 }
 
-/// The model with its shapes at the undisturbed vector, settled. `None` where no effect reads the vector, or the fit fails.
+/// The measured vectors without their noise, as a model's residuals show it: columns made of the noisy ones would correlate
+/// with them.
+fn without_noise(pass: &Pass, model: &Model<f64>, pieces: &[Piece]) -> Result<Vec<[f64; 3]>, BadShape> {
+    let mut vectors: Vec<[f64; 3]> =
+        pass.samples.readings.iter().map(|reading| reading.measured_ut).collect();
+    let list: Vec<&Piece> = pieces.iter().collect();
+    pass.rows(0..pass.samples.len(), model, &list, |sample, row, residual| {
+        let against = [row[0], row[1], row[2]];
+        let off = scaled(against, -residual / dot(against, against).max(f64::MIN_POSITIVE));
+        vectors[sample] = minus(vectors[sample], off);
+    })?;
+    Ok(vectors)
+}
+
+/// The same from where it was in one sample, which is near.
+struct Nearby {
+    at: Undisturbed,
+    /// The undisturbed vector less the measured one, µT.
+    off_ut: [f64; 3],
+    /// How the field follows the reading there.
+    inverse: [[f64; 3]; 3],
+}
+
+impl Place for Nearby {
+    fn vector_ut(&self, inner: &dyn Effect<f64>, at: &Quantities<f64>) -> [f64; 3] {
+        let mut near = *at;
+        near.measured_ut = minus(at.measured_ut, scaled(self.off_ut, -1.0));
+        let mut before = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let lacks = minus(at.measured_ut, self.at.reading_ut(inner, &near));
+            let left = norm(lacks);
+            if left <= SETTLED_UT {
+                return near.measured_ut;
+            }
+            if !(left < 0.5 * before) {
+                break;
+            }
+            before = left;
+            near.measured_ut = minus(near.measured_ut, scaled(times(&self.inverse, lacks), -1.0));
+        }
+        self.at.vector_ut(inner, at)
+    }
+}
+
+/// What an effect that reads the vector alone is asked in one sample.
+fn asked(piece: &Piece, sample: usize, measured_ut: [f64; 3]) -> Quantities<f64> {
+    let inputs = piece.inputs.get(sample).copied().unwrap_or([0.0; MAX_INPUTS]);
+    Quantities { measured_ut, centred_ut: measured_ut, turning_ut_per_s: [0.0; 3], inputs }
+}
+
+/// The piece with its shape at the undisturbed vector, as these coefficients give it.
+fn looked_at<'a>(
+    piece: &Piece<'a>,
+    inner: &Shared<'a>,
+    at: Undisturbed,
+    readings_ut: &[[f64; 3]],
+) -> Piece<'a> {
+    let effect: Shared = Arc::new(LookedAt { inner: inner.clone(), place: at });
+    let of_sample = |(sample, &reading_ut): (usize, &[f64; 3])| -> Shared<'a> {
+        let mut near = asked(piece, sample, reading_ut);
+        near.measured_ut = at.vector_ut(inner.as_ref(), &near);
+        let there = at.reading_ut(inner.as_ref(), &near);
+        let Some(inverse) = at.inverse(inner.as_ref(), &near, there) else { return effect.clone() };
+        let off_ut = minus(near.measured_ut, reading_ut);
+        Arc::new(LookedAt { inner: inner.clone(), place: Nearby { at, off_ut, inverse } })
+    };
+    // What reads more of the field than the vector is solved for anew at every look.
+    let known = || Arc::new(readings_ut.iter().enumerate().map(of_sample).collect());
+    let known_at = (!inner.reads_centre()).then(known);
+    Piece { effect, known_at, ..piece.clone() }
+}
+
+/// The same with that vector held as it is at each of these readings, which is cheap to go on with.
+fn held_at<'a>(piece: &Piece<'a>, inner: &Shared<'a>, readings_ut: &[[f64; 3]]) -> Piece<'a> {
+    let at = Undisturbed(piece.coefficients);
+    let of_sample = |(sample, &reading_ut): (usize, &[f64; 3])| -> Shared<'a> {
+        let place = Seen(at.vector_ut(inner.as_ref(), &asked(piece, sample, reading_ut)));
+        Arc::new(LookedAt { inner: inner.clone(), place })
+    };
+    let known = || Arc::new(readings_ut.iter().enumerate().map(of_sample).collect());
+    let known_at = (!inner.reads_centre()).then(known);
+    Piece { effect: Arc::new(LookedAt { inner: inner.clone(), place: at }), known_at, ..piece.clone() }
+}
+
+/// The model with its shapes at the undisturbed vector, settled. `None` where the fit fails.
 fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Option<Fitted<'a>>, BadShape> {
     let inner: Vec<_> = plain.pieces.iter().map(|piece| piece.effect.clone()).collect();
     let mut at: Vec<_> = plain.pieces.iter().map(|piece| piece.coefficients).collect();
     let mut now = plain.clone();
     let mut best: Option<Fitted> = None;
+    let readings_ut: Vec<_> = pass.samples.readings.iter().map(|reading| reading.measured_ut).collect();
     for round in 0..MOST_ROUNDS {
         let mut pieces = now.pieces.clone();
         for ((piece, inner), at) in pieces.iter_mut().zip(&inner).zip(&mut at) {
@@ -121,11 +184,11 @@ fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Opt
                 *old = 0.5 * (*old + new);
             }
             if piece.acts(Acts::Measured) {
-                piece.effect = Arc::new(Undisturbed { inner: inner.clone(), coefficients: *at });
+                *piece = looked_at(piece, inner, Undisturbed(*at), &readings_ut);
             }
         }
         // A shape that ran away is no reason to give up the model that stands.
-        let Ok(Some(next)) = pass.approach(now.model, pieces, known) else { return Ok(best) };
+        let Ok(Some(next)) = pass.approach(now.model, pieces, known) else { break };
         // By a tenth of a sample's variance.
         let settled = (next.squares - now.squares).abs() < 0.1 * now.squares / now.rows.max(1.0);
         now = next;
@@ -138,7 +201,15 @@ fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Opt
             break;
         }
     }
-    Ok(best)
+    let Some(best) = best.filter(|best| best.squares < plain.squares) else { return Ok(None) };
+    let Ok(readings_ut) = without_noise(pass, &best.model, &best.pieces) else { return Ok(Some(best)) };
+    let mut pieces = best.pieces.clone();
+    for (piece, inner) in pieces.iter_mut().zip(&inner).filter(|(piece, _)| piece.acts(Acts::Measured)) {
+        *piece = held_at(piece, inner, &readings_ut);
+    }
+    let held = pass.approach(best.model, pieces, known).ok().flatten();
+    let held = held.filter(|held| held.squares < AS_GOOD * best.squares);
+    Ok(held.or(Some(best)))
 }
 
 /// Of the two models the one that the data ask for; the shapes at the measured vector where they do not tell.
@@ -150,6 +221,7 @@ pub fn prefer<'a>(pass: &Pass, fitted: Fitted<'a>, known: &Known) -> Result<Fitt
     for piece in &mut pieces {
         if let (Some(made), true) = (piece.made, piece.acts(Acts::Measured)) {
             piece.effect = Arc::new(made);
+            piece.known_at = None;
         }
     }
     let Some(plain) = pass.fit(fitted.model, pieces, known)? else { return Ok(fitted) };
@@ -165,23 +237,19 @@ pub fn prefer<'a>(pass: &Pass, fitted: Fitted<'a>, known: &Known) -> Result<Fitt
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ironout::effect::{MAX_COEFFICIENTS, Nonlinearity, no_shape};
+    use ironout::effect::{MAX_COEFFICIENTS, Nonlinearity};
 
     /// The field at which the shape is looked at, of a reading of one axis, with this cube.
     fn field_of(reading: f64, cube: f64) -> f64 {
         let mut coefficients = [0.0; MAX_COEFFICIENTS];
         coefficients[3..6].fill(cube);
-        let effect = Undisturbed { inner: Arc::new(Nonlinearity), coefficients };
         let at = Quantities {
             measured_ut: [reading, 0.0, 0.0],
             centred_ut: [reading, 0.0, 0.0],
             turning_ut_per_s: [0.0; 3],
             inputs: [0.0; MAX_INPUTS],
         };
-        let mut shape = no_shape();
-        effect.shape(&at, &mut shape);
-        // The cube's own shape tells where it was taken.
-        shape[3][0].cbrt()
+        Undisturbed(coefficients).vector_ut(&Nonlinearity, &at)[0]
     }
 
     #[test]
