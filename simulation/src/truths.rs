@@ -269,7 +269,8 @@ pub fn draw(kind: Kind, family: u64, number: u64) -> Drawn {
         let world = World::new(options);
         let size = world.disturbance_ut();
         let hidden: Vec<String> = world.hidden().iter().map(|effect| effect.kind.id()).collect();
-        let plausible = hidden.is_empty() || (size > 0.0 && size < MOST_OF_FIELD * field);
+        let plausible =
+            hidden.is_empty() || (size > 0.0 && size < MOST_OF_FIELD * field && world.is_settled());
         drawn = Some(Drawn { world, hidden, words });
         if plausible {
             break;

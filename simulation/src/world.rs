@@ -91,6 +91,15 @@ impl World {
         (vectors.iter().map(|v| (v - mean).norm_squared()).sum::<f64>() / f64::from(n)).sqrt()
     }
 
+    /// Whether every field has one reading: a disturbance may be so strong that readings fold over, and then there is none.
+    pub fn is_settled(&self) -> bool {
+        let n = 2000;
+        (0..n).map(|i| self.scenery.options.seconds * f64::from(i) / f64::from(n)).all(|t_s| {
+            let clean = self.scenery.clean(t_s) + self.scenery.hard_iron_ut;
+            self.scenery.settled(&self.hidden, t_s, clean, MOST_ROUNDS).is_some()
+        })
+    }
+
     /// True field in the body frame at time `t_s`, µT.
     pub fn body_field_ut(&self, t_s: f64) -> [f64; 3] {
         self.scenery.body_field(t_s).into()
