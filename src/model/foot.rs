@@ -10,7 +10,7 @@ use crate::vector::{cross, dot, minus, norm, scaled};
 /// Looks at a disturbance that depends on the field it disturbs.
 const MOST_LOOKS: usize = 24;
 /// After so many a strong one is hastened; a weak one stands by then.
-const PLAIN_LOOKS: usize = 4;
+const PLAIN_LOOKS: usize = 2;
 
 /// The measured vector without its noise, and the same about the centre.
 #[derive(Clone, Copy)]

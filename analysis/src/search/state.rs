@@ -190,7 +190,8 @@ impl<'a> Greedy<'_, 'a> {
                 Some(next) => fitted = next,
                 None => return Ok(fitted),
             }
-            if lacking.abs() < SETTLED_S {
+            // What does not settle in one fit does not in eight.
+            if lacking.abs() < SETTLED_S || !fitted.converged {
                 return Ok(fitted);
             }
         }
