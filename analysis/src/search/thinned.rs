@@ -5,9 +5,9 @@
 //! the copy's own rate keeps its place in the spectrum.
 
 use crate::base::engine::{Fitted, Pass};
-use crate::base::piece::{BadShape, Piece};
+use crate::base::piece::BadShape;
 use crate::search::state::{Explanation, Greedy, Judged};
-use crate::search::undisturbed::{again, prefer};
+use crate::search::undisturbed::prefer;
 
 /// A search looks at this many samples at most.
 pub const MOST_SEARCHED: usize = 6000;
@@ -31,27 +31,15 @@ impl<'a> Greedy<'_, 'a> {
         self.lifted(start, &found)
     }
 
-    /// What was found in a thinned copy, fitted to all samples; its shapes looked at the vectors that were preferred there.
-    fn as_there(&self, found: &Explanation, pieces: Vec<Piece<'a>>) -> Result<Option<Fitted<'a>>, BadShape> {
-        if found.fitted.pieces.iter().any(|piece| piece.known_at.is_some())
-            && let Some(fitted) = again(&self.pass, found.fitted.model, pieces.clone(), self.known)?
-        {
-            return Ok(Some(fitted));
-        }
-        let Some(fitted) = self.pass.fit(found.fitted.model, pieces, self.known)? else { return Ok(None) };
-        prefer(&self.pass, self.settled(fitted)?, self.known).map(Some)
-    }
-
     /// What was found in a thinned copy, on all samples.
     fn lifted(&self, start: Fitted<'a>, found: &Explanation) -> Result<Explanation<'a>, BadShape> {
         let base = match start.pieces.is_empty() {
             true => start,
             false => self.pass.fit(start.model, Vec::new(), self.known)?.unwrap_or(start),
         };
-        let pieces: Vec<_> =
-            found.fitted.pieces.iter().filter_map(|piece| self.catalogue.again(piece)).collect();
-        let fitted = match self.as_there(found, pieces)? {
-            Some(fitted) => self.aligned(fitted)?,
+        let pieces = found.fitted.pieces.iter().filter_map(|piece| self.catalogue.again(piece)).collect();
+        let fitted = match self.pass.fit(found.fitted.model, pieces, self.known)? {
+            Some(fitted) => self.aligned(prefer(&self.pass, self.settled(fitted)?, self.known)?)?,
             None => base.clone(),
         };
         let order: Vec<String> = found.steps.iter().filter_map(|step| step.added.clone()).collect();

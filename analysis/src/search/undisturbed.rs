@@ -169,36 +169,15 @@ fn held_at<'a>(piece: &Piece<'a>, inner: &Shared<'a>, readings_ut: &[[f64; 3]]) 
     Piece { effect: Arc::new(LookedAt { inner: inner.clone(), place: at }), known_at, ..piece.clone() }
 }
 
-/// The model with its shapes at the undisturbed vector, settled. `None` where the fit fails, or does worse.
+/// The model with its shapes at the undisturbed vector, settled. `None` where the fit fails.
 fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Option<Fitted<'a>>, BadShape> {
-    let from = (plain.model, plain.pieces.clone());
-    Ok(rounds(pass, from, plain.squares, known)?.filter(|fitted| fitted.squares < plain.squares))
-}
-
-/// A model that was found to be of the undisturbed vector, on other samples.
-pub fn again<'a>(
-    pass: &Pass,
-    model: Model<f64>,
-    pieces: Vec<Piece<'a>>,
-    known: &Known,
-) -> Result<Option<Fitted<'a>>, BadShape> {
-    rounds(pass, (model, pieces), f64::INFINITY, known)
-}
-
-/// Rounds of coefficients and vectors from here, given up where the squares stay above `most`.
-fn rounds<'a>(
-    pass: &Pass,
-    (model, from): (Model<f64>, Vec<Piece<'a>>),
-    most: f64,
-    known: &Known,
-) -> Result<Option<Fitted<'a>>, BadShape> {
-    let inner: Vec<_> = from.iter().map(|piece| piece.effect.clone()).collect();
-    let mut at: Vec<_> = from.iter().map(|piece| piece.coefficients).collect();
-    let (mut model, mut now, mut squares) = (model, from, f64::INFINITY);
+    let inner: Vec<_> = plain.pieces.iter().map(|piece| piece.effect.clone()).collect();
+    let mut at: Vec<_> = plain.pieces.iter().map(|piece| piece.coefficients).collect();
+    let mut now = plain.clone();
     let mut best: Option<Fitted> = None;
     let readings_ut: Vec<_> = pass.samples.readings.iter().map(|reading| reading.measured_ut).collect();
     for round in 0..MOST_ROUNDS {
-        let mut pieces = now.clone();
+        let mut pieces = now.pieces.clone();
         for ((piece, inner), at) in pieces.iter_mut().zip(&inner).zip(&mut at) {
             // Half way: coefficients that nearly make up for each other would overshoot.
             for (old, new) in at.iter_mut().zip(piece.coefficients) {
@@ -209,19 +188,20 @@ fn rounds<'a>(
             }
         }
         // A shape that ran away is no reason to give up the model that stands.
-        let Ok(Some(next)) = pass.approach(model, pieces, known) else { break };
+        let Ok(Some(next)) = pass.approach(now.model, pieces, known) else { break };
         // By a tenth of a sample's variance.
-        let settled = (next.squares - squares).abs() < 0.1 * next.squares / next.rows.max(1.0);
-        (model, now, squares) = (next.model, next.pieces.clone(), next.squares);
+        let settled = (next.squares - now.squares).abs() < 0.1 * now.squares / now.rows.max(1.0);
+        now = next;
         // Near a fold the rounds do not settle: the best of them counts.
-        if best.as_ref().is_none_or(|best| squares < best.squares) {
-            best = Some(next);
+        if best.as_ref().is_none_or(|best| now.squares < best.squares) {
+            best = Some(now.clone());
         }
-        if settled || (round >= PATIENCE && best.as_ref().is_none_or(|best| best.squares > most)) {
+        let behind = |best: &Fitted| best.squares > plain.squares;
+        if settled || (round >= PATIENCE && best.as_ref().is_none_or(behind)) {
             break;
         }
     }
-    let Some(best) = best else { return Ok(None) };
+    let Some(best) = best.filter(|best| best.squares < plain.squares) else { return Ok(None) };
     let Ok(readings_ut) = without_noise(pass, &best.model, &best.pieces) else { return Ok(Some(best)) };
     let mut pieces = best.pieces.clone();
     for (piece, inner) in pieces.iter_mut().zip(&inner).filter(|(piece, _)| piece.acts(Acts::Measured)) {
