@@ -1,6 +1,6 @@
 //! What a calibration costs on the RP2040: time of a sample and of a solve, samples beside the solve, stack.
 
-use crate::support::{board, figure, firmware, numbers, ok};
+use crate::support::{board, figure, firmware, numbers, ok, stack_used};
 use ironout_rig::pico::{self, CYCLES_PER_US};
 
 const PERIOD_S: f64 = 8.0;
@@ -58,11 +58,7 @@ fn no_sample_is_lost_beside_a_solve_and_flash_ram_and_stack_stay_within_their_li
     let times: Vec<i64> = lines.iter().map(|line| numbers::<i64>(line, 1)[0]).collect();
     assert!(times.windows(2).all(|pair| (9..=11).contains(&(pair[1] - pair[0]))), "{times:?}");
 
-    let bottom = firmware().symbol("_stack_end").unwrap();
-    let region = firmware().symbol("_stack_start").unwrap() - bottom;
-    // The emulated memory starts as zeros.
-    let untouched = board.memory(bottom, region).unwrap().iter().take_while(|&&byte| byte == 0).count();
-    let stack = region - untouched as u64;
+    let stack = stack_used(&mut board);
     let size = firmware().footprint().unwrap();
     let ram = size.data + size.bss + stack;
     println!(

@@ -1,7 +1,7 @@
 //! Hours of the image as it is flashed: half a minute of them by default, `IRONOUT_PICO_HOURS=24` for a day, which takes a host
 //! several.
 
-use crate::support::{FIELD_UT, board, firmware, numbers, ok};
+use crate::support::{FIELD_UT, board, figure, numbers, ok, stack_used};
 use ironout_rig::pico::{self, Pico};
 
 /// The motion, s.
@@ -30,14 +30,6 @@ fn sampled(board: &mut Pico) -> (u64, u64) {
     (t_ms as u64, seq as u64)
 }
 
-/// Bytes that the stack has reached.
-fn stack_used(board: &mut Pico) -> u64 {
-    let bottom = firmware().symbol("_stack_end").unwrap();
-    let region = firmware().symbol("_stack_start").unwrap() - bottom;
-    // The emulated memory starts as zeros.
-    region - board.memory(bottom, region).unwrap().iter().take_while(|&&byte| byte == 0).count() as u64
-}
-
 #[test]
 fn after_hours_no_sample_is_missing_the_calibration_stands_and_nothing_has_grown() {
     if !pico::available("hours") {
@@ -54,11 +46,10 @@ fn after_hours_no_sample_is_missing_the_calibration_stands_and_nothing_has_grown
     ok(&mut board, "cal accept");
     board.run_ms(200).unwrap();
     let shown = ok(&mut board, "cal show").to_string();
-    let lost = |board: &mut Pico| -> f64 {
-        ok(board, "version").value("samples_lost").and_then(|text| text.parse().ok()).expect("a number")
-    };
+    let lost = |board: &mut Pico| figure(&ok(board, "version"), "samples_lost");
     let lost_before = lost(&mut board);
     assert!(lost_before <= ERASED, "{lost_before} samples lost while storing");
+    let resets = board.state().unwrap().resets;
     // It collects and studies meanwhile, and is asked.
     ok(&mut board, "cal start");
     let (begin_ms, begin) = sampled(&mut board);
@@ -90,8 +81,7 @@ fn after_hours_no_sample_is_missing_the_calibration_stands_and_nothing_has_grown
     assert_eq!(ok(&mut board, "cal show").to_string(), shown, "what is in use did not move");
     let grown = stack_used(&mut board);
     assert!(grown <= stack.unwrap_or(0) + 256, "the stack went from {stack:?} to {grown} bytes");
-    let resets = board.state().unwrap().resets;
-    assert!(resets.len() <= 1, "{resets:?}");
+    assert_eq!(board.state().unwrap().resets, resets, "it has not begun anew");
     ok(&mut board, "cal cancel");
     assert_eq!(ok(&mut board, "status").value("state"), Some("idle"));
 }

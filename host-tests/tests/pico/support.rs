@@ -129,6 +129,14 @@ pub fn figure(reply: &Reply, key: &str) -> f64 {
     text.parse().unwrap_or_else(|_| panic!("{key} in {reply} is no number"))
 }
 
+/// Bytes that the stack has reached.
+pub fn stack_used(board: &mut Pico) -> u64 {
+    let bottom = firmware().symbol("_stack_end").unwrap();
+    let region = firmware().symbol("_stack_start").unwrap() - bottom;
+    // The emulated memory starts as zeros.
+    region - board.memory(bottom, region).unwrap().iter().take_while(|&&byte| byte == 0).count() as u64
+}
+
 /// What the host's session makes of a raw stream: offset and matrix, as bits.
 pub fn host_bits(raw: &[String], field_ut: f64) -> Vec<u64> {
     let driver = Lis2mdl::new(SimBus::new(Clock::default()), Config::of(Model::Lis2mdl));
