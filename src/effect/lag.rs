@@ -7,6 +7,7 @@ use super::family::{AXES, Acts, Advice, Family, Follows, Group, Subject};
 use super::parts::{Form, Parts};
 use super::quantities::{Coefficients, MAX_INPUTS, Quantities, Shape};
 use crate::math::Real;
+use crate::vector::dot;
 use core::fmt;
 
 const KIND: &str = "lag";
@@ -126,6 +127,13 @@ impl<T: Real> Effect<T> for Eddy {
             [zero, zero, y],
             [zero, zero, z],
         ];
+    }
+
+    #[inline]
+    fn disturbance(&self, at: &Quantities<T>, coefficients: &Coefficients<T>) -> [T; 3] {
+        let [a, b, c, d, e, f, g, h, i] = *coefficients;
+        let turning = at.turning_ut_per_s;
+        [[a, b, c], [d, e, f], [g, h, i]].map(|row| dot(row, turning))
     }
 }
 

@@ -148,9 +148,12 @@ impl<T: Real> Model<T> {
         terms: &[Term<'_, T>],
     ) -> Result<Reaction<T>, NotFinite> {
         let (zero, one) = (T::zero(), T::one());
-        let sum_at = |at: Quantities<T>| {
+        let reads_centre = |term: &Term<'_, T>| term.effect.reads_centre();
+        // Of all terms, or of those that see the centred vector move.
+        let sum_at = |at: Quantities<T>, all: bool| {
             let mut sum = [zero; 3];
-            for (index, term) in terms.iter().enumerate().filter(|(_, term)| term.is_active()) {
+            let moving = |term: &Term<'_, T>| term.is_active() && (all || reads_centre(term));
+            for (index, term) in terms.iter().enumerate().filter(|(_, term)| moving(term)) {
                 let at = Quantities { inputs: term.inputs, ..at };
                 let own = term.effect.disturbance(&at, &term.coefficients);
                 if own.iter().any(|value| !value.is_finite()) {
@@ -161,9 +164,7 @@ impl<T: Real> Model<T> {
             Ok(sum)
         };
         let quantities = |foot: &Foot<T>| self.quantities(foot.measured, foot.centred, reading.turn_radps);
-        let sum = |foot: &Foot<T>| sum_at(quantities(foot));
         let here = quantities(foot);
-        let still = sum_at(here)?;
         let size = norm(at.pull);
         let normal = scaled(at.pull, one / size);
         // Across the axis that the normal has least of.
@@ -181,10 +182,11 @@ impl<T: Real> Model<T> {
         let step = self.field_ut * T::of(1e-3);
         let mut follows = [[zero; 3]; 2];
         let mut turning = None;
-        if terms.iter().any(|term| term.effect.reads_centre() && term.is_active()) {
+        if terms.iter().any(|term| reads_centre(term) && term.is_active()) {
+            let still = sum_at(here, false)?;
             for (follow, direction) in follows.iter_mut().zip(along) {
                 let moved = Foot { centred: minus(foot.centred, scaled(direction, -step)), ..*foot };
-                *follow = scaled(minus(sum(&moved)?, still), one / step);
+                *follow = scaled(minus(sum_at(quantities(&moved), false)?, still), one / step);
             }
             if reading.turn_radps.is_some() {
                 let mut answers = [[zero; 3]; 3];
@@ -193,13 +195,14 @@ impl<T: Real> Model<T> {
                     if let Some(entry) = moved.turning_ut_per_s.get_mut(axis) {
                         *entry += step;
                     }
-                    *answer = scaled(minus(sum_at(moved)?, still), one / step);
+                    *answer = scaled(minus(sum_at(moved, false)?, still), one / step);
                 }
                 turning = Some(answers);
             }
         }
         let moved = Foot { measured: minus(foot.measured, scaled(normal, -step)), ..*foot };
-        let outward = scaled(minus(sum(&moved)?, still), one / (step * size));
+        let outward = minus(sum_at(quantities(&moved), true)?, sum_at(here, true)?);
+        let outward = scaled(outward, one / (step * size));
         Ok(Reaction { along, follows, outward, turning })
     }
 }

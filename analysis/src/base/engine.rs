@@ -43,6 +43,9 @@ const STALLED: f64 = 1.0;
 /// against the step's own error.
 const STALLED_BY_NOISE: f64 = 0.25;
 
+/// After more steps than this near the end that do not become smaller there is nothing to wait for.
+const MOST_ALIKE: u32 = 4;
+
 /// Steps so damped that do not lower the error either end a fit.
 const TOO_DAMPED: f64 = 1e2;
 
@@ -365,6 +368,8 @@ impl Pass<'_> {
         let mut damping = 0.0;
         let mut converged = false;
         let mut steps_near = 0;
+        // Steps near the end that promise hardly less than the one before: they go on for ever.
+        let (mut steps_alike, mut last_near) = (0, f64::INFINITY);
         // What the last step that was not damped much promised, in variances of one sample.
         let mut promised = f64::INFINITY;
         // What the last step promised that raised the sum: such steps become smaller, or there are no more.
@@ -393,7 +398,9 @@ impl Pass<'_> {
             if damping < 1.0 {
                 promised = predicted / (sigma * sigma).max(f64::MIN_POSITIVE);
             }
-            if steps_near > end.steps_near {
+            steps_alike = if near && predicted > 0.5 * last_near { steps_alike + 1 } else { 0 };
+            last_near = if near { predicted } else { f64::INFINITY };
+            if steps_near > end.steps_near || steps_alike > MOST_ALIKE {
                 converged = true;
                 break;
             }

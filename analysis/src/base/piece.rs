@@ -1,7 +1,9 @@
 //! An effect in a model: its shape, its coefficients, and the values of its columns.
 
 use crate::base::looked_at::Shared;
-use ironout::effect::{Acts, Follows, MAX_COEFFICIENTS, MAX_INPUTS, Made, Named, Parts, Searched};
+use ironout::effect::{
+    Acts, BuiltIn, ColumnName, Follows, MAX_COEFFICIENTS, MAX_INPUTS, Made, Named, Parts, Registry, Searched,
+};
 use ironout::study::{Normal, Term};
 use std::sync::Arc;
 
@@ -50,7 +52,7 @@ impl<'a> Piece<'a> {
     /// An effect without coefficients yet.
     pub fn new(made: Made<&'a str>, inputs: Arc<Vec<[f64; MAX_INPUTS]>>) -> Self {
         let id = ironout::effect::Id(&made).to_string();
-        let effect = Arc::new(made);
+        let effect = ready(made);
         let coefficients = [0.0; MAX_COEFFICIENTS];
         Piece { id, made: Some(made), effect, coefficients, inputs, clock: Clock::Stamps, known_at: None }
     }
@@ -125,6 +127,20 @@ impl<'a> Piece<'a> {
             coefficients: self.coefficients,
             inputs: self.inputs.get(sample).copied().unwrap_or_default(),
         }
+    }
+}
+
+/// The effect itself where this crate has it, which is asked at every look at every sample and is put together once so; it holds
+/// numbers and no string that is too long for it.
+pub fn ready<'a>(made: Made<&'a str>) -> Shared<'a> {
+    let known = Registry::BUILT_IN.families().any(|family| family.kind() == made.family().kind());
+    let Parts { form, column, reference, parameter } = *made.parts();
+    let name = if column.is_empty() { Some(ColumnName::default()) } else { ColumnName::new(column).ok() };
+    let built_in =
+        name.filter(|_| known).and_then(|column| BuiltIn::of(&Parts { form, column, reference, parameter }));
+    match built_in {
+        Some(effect) => Arc::<BuiltIn<f64>>::new(effect),
+        None => Arc::new(made),
     }
 }
 

@@ -16,6 +16,8 @@ use std::cell::RefCell;
 const HELD_GAIN: f64 = 1e-3;
 /// The coupling's share along the identity has settled when it moves by less than this, s.
 const SETTLED_S: f64 = 2e-5;
+/// A delay of which the magnitude's squares become so many times what they were is none.
+const CONTRADICTED: f64 = 1.05;
 /// Rounds of fit and alignment at the end …
 const SETTLING: usize = 12;
 /// … until nothing moves by more than this share of the offset's and of the coefficients' size.
@@ -118,14 +120,14 @@ pub struct Withdrawn {
     pub why: String,
 }
 
-/// Whether two fits of the same effects are the same to all digits that matter.
-fn unmoved(one: &Fitted, other: &Fitted) -> bool {
-    let near = |a: &[f64], b: &[f64]| {
-        let size = a.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-        a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SETTLED_SHARE * size)
+/// By how much two fits of the same effects differ, as the largest share of the offset's or of an effect's coefficients' size.
+fn moved(one: &Fitted, other: &Fitted) -> f64 {
+    let share = |a: &[f64], b: &[f64]| {
+        let size = a.iter().fold(f64::MIN_POSITIVE, |most: f64, value| most.max(value.abs()));
+        a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs() / size))
     };
-    near(&one.model.offset_ut, &other.model.offset_ut)
-        && one.pieces.iter().zip(&other.pieces).all(|(a, b)| near(&a.coefficients, &b.coefficients))
+    let effects = one.pieces.iter().zip(&other.pieces).map(|(a, b)| share(&a.coefficients, &b.coefficients));
+    effects.fold(share(&one.model.offset_ut, &other.model.offset_ut), f64::max)
 }
 
 /// The search.
@@ -165,7 +167,12 @@ impl<'a> Greedy<'_, 'a> {
 
     /// Gives a fitted model its rotation to the accelerometer, and a coupling to the turning field the share that is
     /// a pure delay, which only the dip sees. The magnitude does not depend on the rotation, but what turns with the gyro does.
-    pub fn aligned(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
+    pub fn aligned(&self, fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
+        self.aligned_with(&mut true, fitted)
+    }
+
+    /// The same where `delays` says whether the share that is a delay is looked for: no more once the magnitude contradicts it.
+    fn aligned_with(&self, delays: &mut bool, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
         if self.pass.residual != Residual::Magnitude || !self.catalogue.has_down() {
             return Ok(fitted);
         }
@@ -173,8 +180,11 @@ impl<'a> Greedy<'_, 'a> {
             let clean = without_effects(self.pass.samples, &fitted.model, &fitted.pieces);
             let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(fitted) };
             fitted.model = alignment.model;
-            let coupled = fitted.pieces.iter_mut().find(|piece| !piece.hidden_delay().is_empty());
-            let (Some(coupled), Some(lag)) = (coupled, self.catalogue.late_sensor()) else {
+            if !*delays {
+                return Ok(fitted);
+            }
+            let coupled = fitted.pieces.iter().position(|piece| !piece.hidden_delay().is_empty());
+            let (Some(index), Some(lag)) = (coupled, self.catalogue.late_sensor()) else {
                 return Ok(fitted);
             };
             // What the coupling's share along the identity still lacks, together with the rotation.
@@ -182,13 +192,19 @@ impl<'a> Greedy<'_, 'a> {
             let fit = dip.fit_to(SETTLED, fitted.model, vec![lag], self.known)?;
             let Some(fit) = fit else { return Ok(fitted) };
             let lacking = fit.pieces[0].coefficients[0];
-            for &entry in coupled.hidden_delay() {
-                coupled.coefficients[entry] += lacking;
+            let mut pieces = fitted.pieces.clone();
+            if let Some(coupled) = pieces.get_mut(index) {
+                for &entry in coupled.hidden_delay() {
+                    coupled.coefficients[entry] += lacking;
+                }
             }
-            fitted.model = fit.model;
-            match self.pass.fit(fitted.model, fitted.pieces.clone(), self.known)? {
-                Some(next) => fitted = next,
-                None => return Ok(fitted),
+            // Specific force of the board's own may look like a delay that the magnitude contradicts.
+            match self.pass.fit(fit.model, pieces, self.known)? {
+                Some(next) if next.squares <= CONTRADICTED * fitted.squares => fitted = next,
+                _ => {
+                    *delays = false;
+                    return Ok(fitted);
+                }
             }
             // What does not settle in one fit does not in eight.
             if lacking.abs() < SETTLED_S || !fitted.converged {
@@ -204,18 +220,22 @@ impl<'a> Greedy<'_, 'a> {
         if fitted.pieces.is_empty() {
             return Ok(fitted);
         }
+        let mut delays = true;
+        let mut last = f64::INFINITY;
         for _ in 0..SETTLING {
             let before = fitted.clone();
-            let aligned = self.aligned(before.clone())?;
+            let aligned = self.aligned_with(&mut delays, before.clone())?;
             let next = self.pass.fit_to(SETTLED, aligned.model, aligned.pieces, self.known)?;
             fitted = match next {
                 Some(next) => next,
                 None => return Ok(before),
             };
-            // What does not settle in one fit does not in twelve.
-            if unmoved(&before, &fitted) || !fitted.converged {
+            // What does not settle in one fit does not in twelve, nor where a round moves as much as the one before.
+            let moves = moved(&before, &fitted);
+            if moves <= SETTLED_SHARE || moves > 0.5 * last || !fitted.converged {
                 break;
             }
+            last = moves;
         }
         Ok(fitted)
     }

@@ -39,7 +39,10 @@ impl<'a> Greedy<'_, 'a> {
         };
         let pieces = found.fitted.pieces.iter().filter_map(|piece| self.catalogue.again(piece)).collect();
         let fitted = match self.pass.fit(found.fitted.model, pieces, self.known)? {
-            Some(fitted) => self.aligned(prefer(&self.pass, self.settled(fitted)?, self.known)?)?,
+            Some(fitted) => {
+                let near = Some(&found.fitted);
+                self.aligned(prefer(&self.pass, self.settled(fitted)?, near, self.known)?)?
+            }
             None => base.clone(),
         };
         let order: Vec<String> = found.steps.iter().filter_map(|step| step.added.clone()).collect();

@@ -7,12 +7,13 @@
 
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
-use crate::base::looked_at::{LookedAt, Place, Seen, Shared};
-use crate::base::piece::{BadShape, Piece};
+use crate::base::looked_at::{LookedAt, Place, Shared};
+use crate::base::piece::{BadShape, Piece, ready};
 use crate::samples::series::Autocorrelation;
+use crate::search::thinned::MOST_SEARCHED;
 use ironout::effect::{Acts, Coefficients, Effect, MAX_INPUTS, Quantities};
-use ironout::study::{Model, Residual};
-use ironout::vector::{determinant, dot, inverse_3x3, minus, norm, scaled, times};
+use ironout::study::Residual;
+use ironout::vector::{determinant, inverse_3x3, minus, norm, scaled, times};
 use std::sync::Arc;
 
 /// The undisturbed vector must take this many variances off the squared error. By chance, the wrong one does in one log of
@@ -22,8 +23,8 @@ const PREFERRED: f64 = 10.0;
 const MOST_ROUNDS: usize = 16;
 /// After so many the error must be below that of the measured vector.
 const PATIENCE: usize = 6;
-/// A vector that is held may leave so many times the squares.
-const AS_GOOD: f64 = 1.01;
+/// The same in a long log: its thinned copy has been asked with more.
+const LITTLE_PATIENCE: usize = 1;
 /// Steps from a measured vector to the undisturbed one (Newton's).
 const MOST_STEPS: usize = 12;
 /// The undisturbed vector has settled when what it gives is this near to the reading, µT.
@@ -85,47 +86,19 @@ impl Place for Undisturbed {
     }
 }
 
-/// The measured vectors without their noise, as a model's residuals show it: columns made of the noisy ones would correlate
-/// with them.
-fn without_noise(pass: &Pass, model: &Model<f64>, pieces: &[Piece]) -> Result<Vec<[f64; 3]>, BadShape> {
-    let mut vectors: Vec<[f64; 3]> =
-        pass.samples.readings.iter().map(|reading| reading.measured_ut).collect();
-    let list: Vec<&Piece> = pieces.iter().collect();
-    pass.rows(0..pass.samples.len(), model, &list, |sample, row, residual| {
-        let against = [row[0], row[1], row[2]];
-        let off = scaled(against, -residual / dot(against, against).max(f64::MIN_POSITIVE));
-        vectors[sample] = minus(vectors[sample], off);
-    })?;
-    Ok(vectors)
-}
-
-/// The same from where it was in one sample, which is near.
+/// The undisturbed vector of one reading, and of what reads nearly the same.
 struct Nearby {
-    at: Undisturbed,
-    /// The undisturbed vector less the measured one, µT.
-    off_ut: [f64; 3],
-    /// How the field follows the reading there.
+    /// The reading, µT.
+    reading_ut: [f64; 3],
+    /// The undisturbed vector, µT.
+    vector_ut: [f64; 3],
+    /// How it follows the reading there.
     inverse: [[f64; 3]; 3],
 }
 
 impl Place for Nearby {
-    fn vector_ut(&self, inner: &dyn Effect<f64>, at: &Quantities<f64>) -> [f64; 3] {
-        let mut near = *at;
-        near.measured_ut = minus(at.measured_ut, scaled(self.off_ut, -1.0));
-        let mut before = f64::INFINITY;
-        for _ in 0..MOST_STEPS {
-            let lacks = minus(at.measured_ut, self.at.reading_ut(inner, &near));
-            let left = norm(lacks);
-            if left <= SETTLED_UT {
-                return near.measured_ut;
-            }
-            if !(left < 0.5 * before) {
-                break;
-            }
-            before = left;
-            near.measured_ut = minus(near.measured_ut, scaled(times(&self.inverse, lacks), -1.0));
-        }
-        self.at.vector_ut(inner, at)
+    fn vector_ut(&self, _: &dyn Effect<f64>, at: &Quantities<f64>) -> [f64; 3] {
+        minus(self.vector_ut, times(&self.inverse, minus(self.reading_ut, at.measured_ut)))
     }
 }
 
@@ -148,8 +121,8 @@ fn looked_at<'a>(
         near.measured_ut = at.vector_ut(inner.as_ref(), &near);
         let there = at.reading_ut(inner.as_ref(), &near);
         let Some(inverse) = at.inverse(inner.as_ref(), &near, there) else { return effect.clone() };
-        let off_ut = minus(near.measured_ut, reading_ut);
-        Arc::new(LookedAt { inner: inner.clone(), place: Nearby { at, off_ut, inverse } })
+        let place = Nearby { reading_ut, vector_ut: near.measured_ut, inverse };
+        Arc::new(LookedAt { inner: inner.clone(), place })
     };
     // What reads more of the field than the vector is solved for anew at every look.
     let known = || Arc::new(readings_ut.iter().enumerate().map(of_sample).collect());
@@ -157,23 +130,22 @@ fn looked_at<'a>(
     Piece { effect, known_at, ..piece.clone() }
 }
 
-/// The same with that vector held as it is at each of these readings, which is cheap to go on with.
-fn held_at<'a>(piece: &Piece<'a>, inner: &Shared<'a>, readings_ut: &[[f64; 3]]) -> Piece<'a> {
-    let at = Undisturbed(piece.coefficients);
-    let of_sample = |(sample, &reading_ut): (usize, &[f64; 3])| -> Shared<'a> {
-        let place = Seen(at.vector_ut(inner.as_ref(), &asked(piece, sample, reading_ut)));
-        Arc::new(LookedAt { inner: inner.clone(), place })
-    };
-    let known = || Arc::new(readings_ut.iter().enumerate().map(of_sample).collect());
-    let known_at = (!inner.reads_centre()).then(known);
-    Piece { effect: Arc::new(LookedAt { inner: inner.clone(), place: at }), known_at, ..piece.clone() }
-}
-
-/// The model with its shapes at the undisturbed vector, settled. `None` where the fit fails.
-fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Option<Fitted<'a>>, BadShape> {
+/// The model with its shapes at the undisturbed vector, settled, from one that is near. `None` where the fit fails.
+fn undisturbed<'a>(
+    pass: &Pass,
+    plain: &Fitted<'a>,
+    near: &Fitted,
+    known: &Known,
+) -> Result<Option<Fitted<'a>>, BadShape> {
     let inner: Vec<_> = plain.pieces.iter().map(|piece| piece.effect.clone()).collect();
-    let mut at: Vec<_> = plain.pieces.iter().map(|piece| piece.coefficients).collect();
-    let mut now = plain.clone();
+    let mut now = Fitted { model: near.model, squares: f64::INFINITY, ..plain.clone() };
+    for piece in &mut now.pieces {
+        if let Some(same) = near.pieces.iter().find(|other| other.id == piece.id) {
+            piece.coefficients = same.coefficients;
+        }
+    }
+    let mut at: Vec<_> = now.pieces.iter().map(|piece| piece.coefficients).collect();
+    let patience = if pass.samples.len() > MOST_SEARCHED { LITTLE_PATIENCE } else { PATIENCE };
     let mut best: Option<Fitted> = None;
     let readings_ut: Vec<_> = pass.samples.readings.iter().map(|reading| reading.measured_ut).collect();
     for round in 0..MOST_ROUNDS {
@@ -189,43 +161,53 @@ fn undisturbed<'a>(pass: &Pass, plain: &Fitted<'a>, known: &Known) -> Result<Opt
         }
         // A shape that ran away is no reason to give up the model that stands.
         let Ok(Some(next)) = pass.approach(now.model, pieces, known) else { break };
-        // By a tenth of a sample's variance.
-        let settled = (next.squares - now.squares).abs() < 0.1 * now.squares / now.rows.max(1.0);
+        // By a sample's variance: that much a coefficient moves within its own error.
+        let settled = (next.squares - now.squares).abs() < next.squares / next.rows.max(1.0);
         now = next;
         // Near a fold the rounds do not settle: the best of them counts.
         if best.as_ref().is_none_or(|best| now.squares < best.squares) {
             best = Some(now.clone());
         }
         let behind = |best: &Fitted| best.squares > plain.squares;
-        if settled || (round >= PATIENCE && best.as_ref().is_none_or(behind)) {
+        if settled || (round >= patience && best.as_ref().is_none_or(behind)) {
             break;
         }
     }
-    let Some(best) = best.filter(|best| best.squares < plain.squares) else { return Ok(None) };
-    let Ok(readings_ut) = without_noise(pass, &best.model, &best.pieces) else { return Ok(Some(best)) };
-    let mut pieces = best.pieces.clone();
-    for (piece, inner) in pieces.iter_mut().zip(&inner).filter(|(piece, _)| piece.acts(Acts::Measured)) {
-        *piece = held_at(piece, inner, &readings_ut);
-    }
-    let held = pass.approach(best.model, pieces, known).ok().flatten();
-    let held = held.filter(|held| held.squares < AS_GOOD * best.squares);
-    Ok(held.or(Some(best)))
+    Ok(best.filter(|best| best.squares < plain.squares))
 }
 
-/// Of the two models the one that the data ask for; the shapes at the measured vector where they do not tell.
-pub fn prefer<'a>(pass: &Pass, fitted: Fitted<'a>, known: &Known) -> Result<Fitted<'a>, BadShape> {
+/// Whether shapes of it are looked at elsewhere than at the measured vector.
+fn is_elsewhere(fitted: &Fitted) -> bool {
+    fitted.pieces.iter().any(|piece| piece.known_at.is_some())
+}
+
+/// Of the two models the one that the data ask for; the shapes at the measured vector where they do not tell. `near` may have
+/// found the other one of the same effects in some of the samples.
+pub fn prefer<'a>(
+    pass: &Pass,
+    fitted: Fitted<'a>,
+    near: Option<&Fitted>,
+    known: &Known,
+) -> Result<Fitted<'a>, BadShape> {
     if pass.residual != Residual::Magnitude || !fitted.pieces.iter().any(|piece| piece.acts(Acts::Measured)) {
         return Ok(fitted);
     }
     let mut pieces = fitted.pieces.clone();
     for piece in &mut pieces {
         if let (Some(made), true) = (piece.made, piece.acts(Acts::Measured)) {
-            piece.effect = Arc::new(made);
+            piece.effect = ready(made);
             piece.known_at = None;
         }
     }
     let Some(plain) = pass.fit(fitted.model, pieces, known)? else { return Ok(fitted) };
-    let Some(other) = undisturbed(pass, &plain, known)? else { return Ok(plain) };
+    let mut other = None;
+    if let Some(near) = near.filter(|near| is_elsewhere(near)) {
+        other = undisturbed(pass, &plain, near, known)?;
+    }
+    if other.is_none() {
+        other = undisturbed(pass, &plain, &plain, known)?;
+    }
+    let Some(other) = other else { return Ok(plain) };
     let list: Vec<&Piece> = other.pieces.iter().collect();
     let residuals = pass.residuals(&other.model, &list)?;
     let time = Autocorrelation::of(&residuals).time;
