@@ -8,7 +8,7 @@ use crate::search::candidates::Catalogue;
 use crate::search::screen::{Candidate, screen};
 use crate::search::search;
 use crate::search::state::Greedy;
-use crate::search::thinned::MOST_SEARCHED;
+use crate::search::state::MOST_SEARCHED;
 use ironout::effect::Named;
 use ironout::study::Residual;
 use std::collections::VecDeque;

@@ -23,6 +23,8 @@ const SETTLING: usize = 12;
 /// … until nothing moves by more than this share of the offset's and of the coefficients' size.
 const SETTLED_SHARE: f64 = 1e-7;
 
+/// A search looks at this many samples at most.
+pub const MOST_SEARCHED: usize = 6000;
 /// More effects than any log carries.
 pub const MOST_EFFECTS: usize = 6;
 /// What a search may look at, samples times effects and columns: some ten seconds of it.

@@ -6,11 +6,8 @@
 
 use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::BadShape;
-use crate::search::state::{Explanation, Greedy, Judged};
+use crate::search::state::{Explanation, Greedy, Judged, MOST_SEARCHED};
 use crate::search::undisturbed::prefer;
-
-/// A search looks at this many samples at most.
-pub const MOST_SEARCHED: usize = 6000;
 
 impl<'a> Greedy<'_, 'a> {
     /// The search from a base model and the effects that stand in it from the beginning.

@@ -10,7 +10,7 @@ use crate::base::known::Known;
 use crate::base::looked_at::{LookedAt, Place, Shared};
 use crate::base::piece::{BadShape, Piece, ready};
 use crate::samples::series::Autocorrelation;
-use crate::search::thinned::MOST_SEARCHED;
+use crate::search::state::MOST_SEARCHED;
 use ironout::effect::{Acts, Coefficients, Effect, MAX_INPUTS, Quantities};
 use ironout::study::Residual;
 use ironout::vector::{determinant, inverse_3x3, minus, norm, scaled, times};
