@@ -1,5 +1,6 @@
 //! The rotation to the accelerometer, from constant dip, and how the magnetometer is mounted beside it.
 
+use crate::base::by_gyro;
 use crate::base::engine::Pass;
 use crate::base::order::AxisOrder;
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
@@ -15,7 +16,7 @@ pub const SWAPPED_DEG: f64 = 45.0;
 /// ... if undoing it leaves at most this share of the spread that the best small rotation leaves. A hand that shakes the
 /// accelerometer makes the dip spread by several degrees either way: what counts is how much less the one spreads.
 const SWAPPED_LEAVES: f64 = 0.5;
-/// ... and no more than this, degrees: a dip that spreads further tells nothing.
+/// ... and no more than this, degrees: a dip that spreads further tells nothing, and a gyro is asked instead.
 const SWAPPED_MOST_DEG: f64 = 15.0;
 /// ... of at least this, degrees: where the dip spreads by little whatever the rotation, the attitude does not show it.
 const SWAPPED_FROM_DEG: f64 = 8.0;
@@ -34,6 +35,8 @@ pub struct Alignment {
     pub angle_deg: f64,
     /// How the axes stand in the log, as a mounting. The dip says the same of its opposite, a mirror image.
     pub order: AxisOrder,
+    /// Whether the rotation is that to the gyro: the accelerometer has measured more than gravity.
+    pub by_gyro: bool,
 }
 
 fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
@@ -169,7 +172,15 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
             best = Some((model, spread));
         }
     }
-    let Some((model, after_deg)) = best else { return Ok(None) };
+    let Some((mut model, mut after_deg)) = best else { return Ok(None) };
+    let mut by_gyro = false;
+    if after_deg > SWAPPED_MOST_DEG
+        && let Some(rotation) = by_gyro::rotation(samples, &model)
+        && let Some((spread, sine)) = spread(samples, &(rotation * matrix(&model.matrix)), &offset)
+        && let Some(turned) = Model::new(model.offset_ut, model.matrix, model.field_ut, rows(&rotation), sine)
+    {
+        (model, after_deg, by_gyro) = (turned, spread, true);
+    }
     let rotation = matrix(&model.rotation);
     // Named only where it leaves little of the dip's spread: other errors turn an estimate too.
     let swapped = angle_deg(&rotation) > SWAPPED_DEG
@@ -178,7 +189,7 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
         && after_deg < SWAPPED_MOST_DEG;
     let (order, angle_deg) =
         if swapped { AxisOrder::nearest(&rotation) } else { (AxisOrder::IN_ORDER, beside_symmetric(&model)) };
-    Ok(Some(Alignment { model, before_deg, after_deg, angle_deg, order }))
+    Ok(Some(Alignment { model, before_deg, after_deg, angle_deg, order, by_gyro }))
 }
 
 /// Angle of the rotation `U` in `R C = U S` with `S` symmetric, degrees.

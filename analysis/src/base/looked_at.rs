@@ -13,6 +13,16 @@ pub trait Place: Send + Sync {
     fn vector_ut(&self, inner: &dyn Effect<f64>, at: &Quantities<f64>) -> [f64; 3];
 }
 
+/// A vector that is known: of one sample, µT.
+#[derive(Clone, Copy)]
+pub struct Seen(pub [f64; 3]);
+
+impl Place for Seen {
+    fn vector_ut(&self, _: &dyn Effect<f64>, _: &Quantities<f64>) -> [f64; 3] {
+        self.0
+    }
+}
+
 /// The effect, looked at there.
 pub struct LookedAt<'a, P> {
     /// The effect.

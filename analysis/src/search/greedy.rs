@@ -147,7 +147,7 @@ impl<'a> Greedy<'_, 'a> {
                         next
                     }
                 };
-                fitted = self.aligned(prefer(&self.pass, next, Some(&fitted), self.known)?)?;
+                fitted = self.aligned(prefer(&self.pass, next, None, self.known)?)?;
                 while let Some((dropped, without)) = finite(self.drop_one(&fitted))?.flatten() {
                     order.retain(|id| *id != dropped);
                     fitted = self.aligned(without)?;

@@ -181,12 +181,20 @@ impl<'a> Greedy<'_, 'a> {
         for _ in 0..8 {
             let clean = without_effects(self.pass.samples, &fitted.model, &fitted.pieces);
             let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(fitted) };
+            let index = fitted.pieces.iter().position(|piece| !piece.hidden_delay().is_empty());
+            // A coupling turns with the gyro. What the dip says beside it is told by forces of the board's own.
+            if let (Some(_), true) = (index, alignment.by_gyro) {
+                *delays = false;
+                return Ok(match self.pass.fit(alignment.model, fitted.pieces.clone(), self.known)? {
+                    Some(next) if next.squares <= CONTRADICTED * fitted.squares => next,
+                    _ => fitted,
+                });
+            }
             fitted.model = alignment.model;
             if !*delays {
                 return Ok(fitted);
             }
-            let coupled = fitted.pieces.iter().position(|piece| !piece.hidden_delay().is_empty());
-            let (Some(index), Some(lag)) = (coupled, self.catalogue.late_sensor()) else {
+            let (Some(index), Some(lag)) = (index, self.catalogue.late_sensor()) else {
                 return Ok(fitted);
             };
             // What the coupling's share along the identity still lacks, together with the rotation.

@@ -7,7 +7,7 @@
 use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::BadShape;
 use crate::search::state::{Explanation, Greedy, Judged, MOST_SEARCHED};
-use crate::search::undisturbed::prefer;
+use crate::search::undisturbed::{let_go, prefer};
 
 impl<'a> Greedy<'_, 'a> {
     /// The search from a base model and the effects that stand in it from the beginning.
@@ -25,21 +25,24 @@ impl<'a> Greedy<'_, 'a> {
         };
         let Some(thin) = thin else { return self.run(start) };
         let found = Greedy::new(pass, &catalogue, self.known).run(thin)?;
-        self.lifted(start, &found)
+        let near = let_go(&pass, &found.fitted, self.known)?;
+        self.lifted(start, &found, near.as_ref())
     }
 
-    /// What was found in a thinned copy, on all samples.
-    fn lifted(&self, start: Fitted<'a>, found: &Explanation) -> Result<Explanation<'a>, BadShape> {
+    /// What was found in a thinned copy, on all samples; `near` is where shapes are looked at in the undisturbed field there.
+    fn lifted(
+        &self,
+        start: Fitted<'a>,
+        found: &Explanation,
+        near: Option<&Fitted>,
+    ) -> Result<Explanation<'a>, BadShape> {
         let base = match start.pieces.is_empty() {
             true => start,
             false => self.pass.fit(start.model, Vec::new(), self.known)?.unwrap_or(start),
         };
         let pieces = found.fitted.pieces.iter().filter_map(|piece| self.catalogue.again(piece)).collect();
         let fitted = match self.pass.fit(found.fitted.model, pieces, self.known)? {
-            Some(fitted) => {
-                let near = Some(&found.fitted);
-                self.aligned(prefer(&self.pass, self.settled(fitted)?, near, self.known)?)?
-            }
+            Some(fitted) => self.aligned(prefer(&self.pass, self.settled(fitted)?, near, self.known)?)?,
             None => base.clone(),
         };
         let order: Vec<String> = found.steps.iter().filter_map(|step| step.added.clone()).collect();

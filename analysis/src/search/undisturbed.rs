@@ -7,13 +7,13 @@
 
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
-use crate::base::looked_at::{LookedAt, Place, Shared};
+use crate::base::looked_at::{LookedAt, Place, Seen, Shared};
 use crate::base::piece::{BadShape, Piece, ready};
 use crate::samples::series::Autocorrelation;
 use crate::search::state::MOST_SEARCHED;
 use ironout::effect::{Acts, Coefficients, Effect, MAX_INPUTS, Quantities};
-use ironout::study::Residual;
-use ironout::vector::{determinant, inverse_3x3, minus, norm, scaled, times};
+use ironout::study::{Model, Residual};
+use ironout::vector::{determinant, dot, inverse_3x3, minus, norm, scaled, times};
 use std::sync::Arc;
 
 /// The undisturbed vector must take this many variances off the squared error. By chance, the wrong one does in one log of
@@ -25,6 +25,14 @@ const MOST_ROUNDS: usize = 16;
 const PATIENCE: usize = 6;
 /// The same in a long log: its thinned copy has been asked with more.
 const LITTLE_PATIENCE: usize = 1;
+/// Rounds have settled where one changes the squares by so many variances of a sample, before the vectors are held ...
+const SETTLED: f64 = 0.1;
+/// ... and where they are not: that much a coefficient moves within its own error.
+const NEARLY_SETTLED: f64 = 1.0;
+/// A round that changes the squares by more than this share goes far.
+const FAR: f64 = 0.01;
+/// A vector that is held may leave so many times the squares.
+const AS_GOOD: f64 = 1.01;
 /// Steps from a measured vector to the undisturbed one (Newton's).
 const MOST_STEPS: usize = 12;
 /// The undisturbed vector has settled when what it gives is this near to the reading, µT.
@@ -86,6 +94,20 @@ impl Place for Undisturbed {
     }
 }
 
+/// The measured vectors without their noise, as a model's residuals show it: columns made of the noisy ones would correlate
+/// with them.
+fn without_noise(pass: &Pass, model: &Model<f64>, pieces: &[Piece]) -> Result<Vec<[f64; 3]>, BadShape> {
+    let mut vectors: Vec<[f64; 3]> =
+        pass.samples.readings.iter().map(|reading| reading.measured_ut).collect();
+    let list: Vec<&Piece> = pieces.iter().collect();
+    pass.rows(0..pass.samples.len(), model, &list, |sample, row, residual| {
+        let against = [row[0], row[1], row[2]];
+        let off = scaled(against, -residual / dot(against, against).max(f64::MIN_POSITIVE));
+        vectors[sample] = minus(vectors[sample], off);
+    })?;
+    Ok(vectors)
+}
+
 /// The undisturbed vector of one reading, and of what reads nearly the same.
 struct Nearby {
     /// The reading, µT.
@@ -94,11 +116,31 @@ struct Nearby {
     vector_ut: [f64; 3],
     /// How it follows the reading there.
     inverse: [[f64; 3]; 3],
+    /// Where that is only the first step to it: while a fit still goes far.
+    exactly: Option<Undisturbed>,
 }
 
 impl Place for Nearby {
-    fn vector_ut(&self, _: &dyn Effect<f64>, at: &Quantities<f64>) -> [f64; 3] {
-        minus(self.vector_ut, times(&self.inverse, minus(self.reading_ut, at.measured_ut)))
+    fn vector_ut(&self, inner: &dyn Effect<f64>, at: &Quantities<f64>) -> [f64; 3] {
+        let mut near = *at;
+        let Some(exactly) = self.exactly else {
+            return minus(self.vector_ut, times(&self.inverse, minus(self.reading_ut, at.measured_ut)));
+        };
+        near.measured_ut = minus(self.vector_ut, minus(self.reading_ut, at.measured_ut));
+        let mut before = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let lacks = minus(at.measured_ut, exactly.reading_ut(inner, &near));
+            let left = norm(lacks);
+            if left <= SETTLED_UT {
+                return near.measured_ut;
+            }
+            if !(left < 0.5 * before) {
+                break;
+            }
+            before = left;
+            near.measured_ut = minus(near.measured_ut, scaled(times(&self.inverse, lacks), -1.0));
+        }
+        exactly.vector_ut(inner, at)
     }
 }
 
@@ -113,6 +155,7 @@ fn looked_at<'a>(
     piece: &Piece<'a>,
     inner: &Shared<'a>,
     at: Undisturbed,
+    goes_far: bool,
     readings_ut: &[[f64; 3]],
 ) -> Piece<'a> {
     let effect: Shared = Arc::new(LookedAt { inner: inner.clone(), place: at });
@@ -121,7 +164,8 @@ fn looked_at<'a>(
         near.measured_ut = at.vector_ut(inner.as_ref(), &near);
         let there = at.reading_ut(inner.as_ref(), &near);
         let Some(inverse) = at.inverse(inner.as_ref(), &near, there) else { return effect.clone() };
-        let place = Nearby { reading_ut, vector_ut: near.measured_ut, inverse };
+        let exactly = goes_far.then_some(at);
+        let place = Nearby { reading_ut, vector_ut: near.measured_ut, inverse, exactly };
         Arc::new(LookedAt { inner: inner.clone(), place })
     };
     // What reads more of the field than the vector is solved for anew at every look.
@@ -130,11 +174,24 @@ fn looked_at<'a>(
     Piece { effect, known_at, ..piece.clone() }
 }
 
+/// The same with that vector held as it is at each of these readings, which is cheap to go on with.
+fn held_at<'a>(piece: &Piece<'a>, inner: &Shared<'a>, readings_ut: &[[f64; 3]]) -> Piece<'a> {
+    let at = Undisturbed(piece.coefficients);
+    let of_sample = |(sample, &reading_ut): (usize, &[f64; 3])| -> Shared<'a> {
+        let place = Seen(at.vector_ut(inner.as_ref(), &asked(piece, sample, reading_ut)));
+        Arc::new(LookedAt { inner: inner.clone(), place })
+    };
+    let known = || Arc::new(readings_ut.iter().enumerate().map(of_sample).collect());
+    let known_at = (!inner.reads_centre()).then(known);
+    Piece { effect: Arc::new(LookedAt { inner: inner.clone(), place: at }), known_at, ..piece.clone() }
+}
+
 /// The model with its shapes at the undisturbed vector, settled, from one that is near. `None` where the fit fails.
 fn undisturbed<'a>(
     pass: &Pass,
     plain: &Fitted<'a>,
     near: &Fitted,
+    hold: bool,
     known: &Known,
 ) -> Result<Option<Fitted<'a>>, BadShape> {
     let inner: Vec<_> = plain.pieces.iter().map(|piece| piece.effect.clone()).collect();
@@ -147,6 +204,8 @@ fn undisturbed<'a>(
     let mut at: Vec<_> = now.pieces.iter().map(|piece| piece.coefficients).collect();
     let patience = if pass.samples.len() > MOST_SEARCHED { LITTLE_PATIENCE } else { PATIENCE };
     let mut best: Option<Fitted> = None;
+    let mut goes_far = true;
+    let settles = if hold { SETTLED } else { NEARLY_SETTLED };
     let readings_ut: Vec<_> = pass.samples.readings.iter().map(|reading| reading.measured_ut).collect();
     for round in 0..MOST_ROUNDS {
         let mut pieces = now.pieces.clone();
@@ -156,13 +215,14 @@ fn undisturbed<'a>(
                 *old = 0.5 * (*old + new);
             }
             if piece.acts(Acts::Measured) {
-                *piece = looked_at(piece, inner, Undisturbed(*at), &readings_ut);
+                *piece = looked_at(piece, inner, Undisturbed(*at), goes_far, &readings_ut);
             }
         }
         // A shape that ran away is no reason to give up the model that stands.
         let Ok(Some(next)) = pass.approach(now.model, pieces, known) else { break };
-        // By a sample's variance: that much a coefficient moves within its own error.
-        let settled = (next.squares - now.squares).abs() < next.squares / next.rows.max(1.0);
+        let change = (next.squares - now.squares).abs();
+        let settled = (hold || !goes_far) && change < settles * next.squares / next.rows.max(1.0);
+        goes_far = hold || change > FAR * next.squares;
         now = next;
         // Near a fold the rounds do not settle: the best of them counts.
         if best.as_ref().is_none_or(|best| now.squares < best.squares) {
@@ -173,12 +233,44 @@ fn undisturbed<'a>(
             break;
         }
     }
-    Ok(best.filter(|best| best.squares < plain.squares))
+    let Some(best) = best.filter(|best| best.squares < plain.squares) else { return Ok(None) };
+    if !hold {
+        return Ok(Some(best));
+    }
+    let Ok(readings_ut) = without_noise(pass, &best.model, &best.pieces) else { return Ok(Some(best)) };
+    let mut pieces = best.pieces.clone();
+    for (piece, inner) in pieces.iter_mut().zip(&inner).filter(|(piece, _)| piece.acts(Acts::Measured)) {
+        *piece = held_at(piece, inner, &readings_ut);
+    }
+    let held = pass.approach(best.model, pieces, known).ok().flatten();
+    let held = held.filter(|held| held.squares < AS_GOOD * best.squares);
+    Ok(held.or(Some(best)))
 }
 
 /// Whether shapes of it are looked at elsewhere than at the measured vector.
 fn is_elsewhere(fitted: &Fitted) -> bool {
     fitted.pieces.iter().any(|piece| piece.known_at.is_some())
+}
+
+/// Its effects with their shapes at the readings.
+fn at_the_readings<'a>(fitted: &Fitted<'a>) -> Vec<Piece<'a>> {
+    let mut pieces = fitted.pieces.clone();
+    for piece in &mut pieces {
+        if let (Some(made), true) = (piece.made, piece.acts(Acts::Measured)) {
+            piece.effect = ready(made);
+            piece.known_at = None;
+        }
+    }
+    pieces
+}
+
+/// A model whose undisturbed vectors were held, with them as its coefficients give them. `None` where there are none.
+pub fn let_go<'a>(pass: &Pass, fitted: &Fitted<'a>, known: &Known) -> Result<Option<Fitted<'a>>, BadShape> {
+    if !is_elsewhere(fitted) {
+        return Ok(None);
+    }
+    let Some(plain) = pass.fit(fitted.model, at_the_readings(fitted), known)? else { return Ok(None) };
+    undisturbed(pass, &plain, &plain, false, known)
 }
 
 /// Of the two models the one that the data ask for; the shapes at the measured vector where they do not tell. `near` may have
@@ -192,20 +284,16 @@ pub fn prefer<'a>(
     if pass.residual != Residual::Magnitude || !fitted.pieces.iter().any(|piece| piece.acts(Acts::Measured)) {
         return Ok(fitted);
     }
-    let mut pieces = fitted.pieces.clone();
-    for piece in &mut pieces {
-        if let (Some(made), true) = (piece.made, piece.acts(Acts::Measured)) {
-            piece.effect = ready(made);
-            piece.known_at = None;
-        }
-    }
+    let pieces = at_the_readings(&fitted);
     let Some(plain) = pass.fit(fitted.model, pieces, known)? else { return Ok(fitted) };
+    // Held, a long search goes on from it more cheaply and more surely; what is told of all samples answers to them.
+    let hold = pass.samples.len() <= MOST_SEARCHED;
     let mut other = None;
     if let Some(near) = near.filter(|near| is_elsewhere(near)) {
-        other = undisturbed(pass, &plain, near, known)?;
+        other = undisturbed(pass, &plain, near, hold, known)?;
     }
     if other.is_none() {
-        other = undisturbed(pass, &plain, &plain, known)?;
+        other = undisturbed(pass, &plain, &plain, hold, known)?;
     }
     let Some(other) = other else { return Ok(plain) };
     let list: Vec<&Piece> = other.pieces.iter().collect();
