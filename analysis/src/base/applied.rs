@@ -7,8 +7,10 @@
 use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::{BadShape, Piece};
 use crate::samples::series::rms;
+use crate::threads::halves;
 use ironout::calibration::norm;
 use ironout::study::{NotFinite, Residual};
+use std::ops::Range;
 
 /// The residual of a fitted model under its own correction.
 pub struct Applied {
@@ -29,25 +31,32 @@ impl Applied {
         if pass.residual != Residual::Magnitude || list.is_empty() {
             return Ok(Applied { residuals: own, share: 1.0 });
         }
-        let mut residuals = Vec::with_capacity(own.len());
-        let mut terms = Vec::with_capacity(list.len());
-        for (sample, reading) in pass.samples.readings.iter().enumerate() {
-            terms.clear();
-            terms.extend(list.iter().map(|piece| piece.term(sample)));
-            match fitted.model.correct(reading, &terms) {
-                Ok(corrected) => {
-                    let field_ut = fitted.model.field_ut * pass.samples.place(sample).share;
-                    residuals.push(norm(corrected) - field_ut);
+        let within = |samples: &Range<usize>| -> Result<Vec<f64>, BadShape> {
+            let mut residuals = Vec::with_capacity(samples.len());
+            let mut terms = Vec::with_capacity(list.len());
+            for sample in samples.clone() {
+                terms.clear();
+                terms.extend(list.iter().map(|piece| piece.term(sample)));
+                match fitted.model.correct(&pass.samples.readings[sample], &terms) {
+                    Ok(corrected) => {
+                        let field_ut = fitted.model.field_ut * pass.samples.place(sample).share;
+                        residuals.push(norm(corrected) - field_ut);
+                    }
+                    Err(NotFinite::Effect(index)) => {
+                        return Err(BadShape::NotFinite(
+                            list.get(index).map_or_else(String::new, |one| one.id.clone()),
+                        ));
+                    }
+                    // Such a sample has no row in a fit either.
+                    Err(NotFinite::Sample) => {}
                 }
-                Err(NotFinite::Effect(index)) => {
-                    return Err(BadShape::NotFinite(
-                        list.get(index).map_or_else(String::new, |one| one.id.clone()),
-                    ));
-                }
-                // Such a sample has no row in a fit either.
-                Err(NotFinite::Sample) => {}
             }
-        }
+            Ok(residuals)
+        };
+        let n = pass.samples.len();
+        let (first, second) = halves((&(0..n / 2), &(n / 2..n)), within);
+        let mut residuals = first?;
+        residuals.extend(second?);
         let (ours, theirs) = (rms(&residuals), rms(&own));
         let share = if ours.is_finite() && theirs > 0.0 { ours / theirs } else { 1.0 };
         Ok(Applied { residuals, share })

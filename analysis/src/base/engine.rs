@@ -52,8 +52,11 @@ const TOO_DAMPED: f64 = 1e2;
 /// A fit over more samples is not begun again: a long log is searched in a thinned copy, and what that has found is near.
 const MOST_FROM_FAR: usize = 12_000;
 
+/// So many effects are most of the passes; the room for more costs each sample its clearing.
+const FEW_TERMS: usize = 5;
+
 /// With fewer samples a second thread costs more than it does.
-const ALONE: usize = 2000;
+pub(crate) const ALONE: usize = 2000;
 
 /// What a pass runs over and how.
 #[derive(Clone, Copy)]
@@ -104,9 +107,10 @@ impl Pass<'_> {
                 }
                 axis += 1;
             };
-            let done = match self.direct {
-                true => model.direct_rows::<TERMS, COLUMNS>(reading, &terms, push),
-                false => model.rows::<TERMS, COLUMNS>(self.residual, reading, &terms, push),
+            let done = match (self.direct, terms.len() <= FEW_TERMS) {
+                (true, _) => model.direct_rows::<TERMS, COLUMNS>(reading, &terms, push),
+                (false, true) => model.rows::<FEW_TERMS, COLUMNS>(self.residual, reading, &terms, push),
+                (false, false) => model.rows::<TERMS, COLUMNS>(self.residual, reading, &terms, push),
             };
             match done {
                 Ok(()) | Err(NoRow::NotFinite(NotFinite::Sample)) => {}
@@ -152,38 +156,6 @@ impl Pass<'_> {
         let mut blocks = first?;
         blocks.extend(second?);
         Ok(blocks)
-    }
-
-    /// The residuals, in the order of the samples (axis by axis for the vector).
-    pub fn residuals(&self, model: &Model<f64>, pieces: &[&Piece]) -> Result<Vec<f64>, BadShape> {
-        Ok(self.moved(model, pieces, &[])?.swap_remove(0))
-    }
-
-    /// Residuals of the model, and of the linearised model moved by each of `steps`.
-    pub fn moved(
-        &self,
-        model: &Model<f64>,
-        pieces: &[&Piece],
-        steps: &[[f64; COLUMNS]],
-    ) -> Result<Vec<Vec<f64>>, BadShape> {
-        let n = self.samples.len();
-        let mut out = vec![Vec::with_capacity(n); steps.len().max(1)];
-        self.rows(0..n, model, pieces, |_, row, r| {
-            if steps.is_empty() {
-                out[0].push(r);
-            }
-            for (series, step) in out.iter_mut().zip(steps) {
-                series.push(r + row.iter().zip(step).map(|(a, b)| a * b).sum::<f64>());
-            }
-        })?;
-        if self.residual == Residual::Vector {
-            let axes = self.samples.axes.iter().filter(|used| **used).count().max(1);
-            for series in &mut out {
-                *series =
-                    (0..axes).flat_map(|axis| series.iter().skip(axis).step_by(axes).copied()).collect();
-            }
-        }
-        Ok(out)
     }
 }
 

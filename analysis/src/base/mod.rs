@@ -22,5 +22,6 @@ pub mod order;
 pub mod piece;
 pub mod prior;
 pub mod quality;
+pub mod residuals;
 pub mod solution;
 pub mod start;

@@ -7,6 +7,7 @@
 use crate::noise::power::{Band, bands, padded, symmetric, transforms};
 use crate::noise::turning::Turning;
 use crate::samples::series::median;
+use crate::threads::halves;
 use serde::Serialize;
 
 /// Exponents of 1/f noise that are tried.
@@ -197,6 +198,13 @@ impl Described {
     }
 }
 
+/// Colours of one family, of which the best is looked for.
+enum Family {
+    Fading,
+    RollingMean,
+    Flicker { folded: bool },
+}
+
 /// What a residual is compared with.
 pub struct Seen<'t> {
     size: usize,
@@ -304,8 +312,21 @@ impl<'t> Seen<'t> {
             return vec![white];
         }
         let own = self.correlation();
-        let (folded, filtered) = (self.best_flicker(true), self.best_flicker(false));
-        let mut list = vec![white, self.best_fading(&own), self.best_mean(&own), folded, filtered];
+        let best = |family: &Family| match family {
+            Family::Fading => self.best_fading(&own),
+            Family::RollingMean => self.best_mean(&own),
+            Family::Flicker { folded } => self.best_flicker(*folded),
+        };
+        let all = |half: &[Family]| half.iter().map(best).collect::<Vec<_>>();
+        let (one, two) = (
+            [Family::Fading, Family::Flicker { folded: true }],
+            [Family::RollingMean, Family::Flicker { folded: false }],
+        );
+        let (one, two) = halves((one.as_slice(), two.as_slice()), all);
+        let mut list = vec![white];
+        for (first, second) in one.into_iter().zip(two) {
+            list.extend([first, second]);
+        }
         list.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
         let most = cost(&list[0]) + UNCERTAIN;
         list.retain(|one| cost(one) <= most);

@@ -1,0 +1,51 @@
+//! Residuals of a model, sample by sample.
+
+use crate::base::engine::{ALONE, Pass};
+use crate::base::piece::{BadShape, COLUMNS, Piece};
+use crate::threads::halves;
+use ironout::study::{Model, Residual};
+
+impl Pass<'_> {
+    /// The residuals, in the order of the samples (axis by axis for the vector).
+    pub fn residuals(&self, model: &Model<f64>, pieces: &[&Piece]) -> Result<Vec<f64>, BadShape> {
+        Ok(self.moved(model, pieces, &[])?.swap_remove(0))
+    }
+
+    /// Residuals of the model, and of the linearised model moved by each of `steps`.
+    pub fn moved(
+        &self,
+        model: &Model<f64>,
+        pieces: &[&Piece],
+        steps: &[[f64; COLUMNS]],
+    ) -> Result<Vec<Vec<f64>>, BadShape> {
+        let within = |range: std::ops::Range<usize>| -> Result<Vec<Vec<f64>>, BadShape> {
+            let mut out = vec![Vec::with_capacity(range.len()); steps.len().max(1)];
+            self.rows(range, model, pieces, |_, row, r| {
+                if steps.is_empty() {
+                    out[0].push(r);
+                }
+                for (series, step) in out.iter_mut().zip(steps) {
+                    series.push(r + row.iter().zip(step).map(|(a, b)| a * b).sum::<f64>());
+                }
+            })?;
+            Ok(out)
+        };
+        let n = self.samples.len();
+        let mut out = if n < ALONE {
+            within(0..n)?
+        } else {
+            let (first, second) = halves((&(0..n / 2), &(n / 2..n)), |half| within(half.clone()));
+            let mut out = first?;
+            out.iter_mut().zip(second?).for_each(|(series, later)| series.extend(later));
+            out
+        };
+        if self.residual == Residual::Vector {
+            let axes = self.samples.axes.iter().filter(|used| **used).count().max(1);
+            for series in &mut out {
+                *series =
+                    (0..axes).flat_map(|axis| series.iter().skip(axis).step_by(axes).copied()).collect();
+            }
+        }
+        Ok(out)
+    }
+}
