@@ -163,3 +163,20 @@ fn what_an_arm_does_to_the_dip_is_no_delay_of_a_coupling() {
         assert!(named == ["lag"] && last < 0.28, "seed {seed}: {named:?} leaves {last} uT");
     }
 }
+
+#[test]
+fn where_the_accelerometer_tells_nothing_a_coupling_turns_with_the_gyro() {
+    for seed in 1..4 {
+        let effects = vec![EffectSpec::parse("eddy=8").expect("an effect")];
+        let motion = Motion::Acro;
+        let mut log = World::new(WorldOptions { seed, motion, effects, ..WorldOptions::default() }).run();
+        on_an_arm(&mut log, [6.0, 1.2, -1.8]);
+        let (found, named) = study(&log);
+        let spread_deg = found.dip.as_ref().expect("a dip").rms_deg_after;
+        let last = found.steps.last().map_or(f64::NAN, |step| step.rms_ut);
+        assert!(
+            spread_deg > 15.0 && named == ["lag"] && last < 0.28,
+            "{seed}: {named:?} leaves {last} uT, {spread_deg} deg"
+        );
+    }
+}

@@ -178,6 +178,8 @@ impl View<'_, '_> {
                 });
             }
             let angle = dip.alignment.angle_deg;
+            let by_gyro = dip.alignment.by_gyro;
+            let beside = if by_gyro { "gyro" } else { "accelerometer" };
             list.push(CandidateRow {
                 id: MISALIGNMENT.id.into(),
                 name: MISALIGNMENT.name.into(),
@@ -192,7 +194,7 @@ impl View<'_, '_> {
                 p_value: None,
                 confounded_with: Vec::new(),
                 why: format!(
-                    "the axes of magnetometer and accelerometer differ by {angle:.1}° beside the triangular matrix; the \
+                    "the axes of magnetometer and {beside} differ by {angle:.1}° beside the triangular matrix; the \
                      full matrix contains it"
                 ),
                 angle_deg: Some(angle),
@@ -212,8 +214,13 @@ impl View<'_, '_> {
                 confounded_with: Vec::new(),
                 why: match standing.map(|standing| standing.words()) {
                     Some(_) if angle > SWAPPED_DEG => format!(
-                        "the dip is most constant with the axes turned by {angle:.0}°, but it spreads by {:.1}° there too: too \
+                        "{} with the axes turned by {angle:.0}°, but it spreads by {:.1}° there too: too \
                          much to tell their order; turn the board slowly and without shaking it",
+                        if dip.alignment.by_gyro {
+                            "the gyro turns as the field does"
+                        } else {
+                            "the dip is most constant"
+                        },
                         dip.after_deg
                     ),
                     Some(words) if !words.is_empty() => words.join("; "),
