@@ -4,6 +4,7 @@ use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::residual::spectrum::{Frame, Rows, Verdict};
+use crate::threads::halves;
 pub use ironout::study::rule::{ACCUSED, RELEVANCE, SIGNIFICANCE};
 use ironout::study::rule::{falls, is_accepted};
 use ironout::study::{Improvement, Residual, f_tail, held_out};
@@ -148,9 +149,16 @@ pub fn screen(
                 false => Some(found),
             }
         };
+        let all_of = |half: &[usize]| half.iter().map(|offset| coloured(*offset)).collect::<Vec<_>>();
+        let (first, second) = match close.len() {
+            0 | 1 => (all_of(&close), Vec::new()),
+            two => halves(close.split_at(two / 2), all_of),
+        };
+        let mut verdicts = first.into_iter().chain(second);
         for (offset, keep) in keeps.iter().enumerate() {
             let index = start + offset;
-            let coloured = if close.contains(&offset) { coloured(offset) } else { None };
+            // In the order of those that are close.
+            let coloured = if close.contains(&offset) { verdicts.next().flatten() } else { None };
             let mut tested = Tested {
                 index,
                 directions: 0,
