@@ -286,7 +286,8 @@ pub fn prefer<'a>(
     }
     let pieces = at_the_readings(&fitted);
     let Some(plain) = pass.fit(fitted.model, pieces, known)? else { return Ok(fitted) };
-    // Held, a long search goes on from it more cheaply and more surely; what is told of all samples answers to them.
+    // With the vectors held a search goes on more cheaply and more surely. What is said of all samples of a long log, which no
+    // search follows, has them follow its readings.
     let hold = pass.samples.len() <= MOST_SEARCHED;
     let mut other = None;
     if let Some(near) = near.filter(|near| is_elsewhere(near)) {
