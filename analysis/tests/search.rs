@@ -150,14 +150,19 @@ fn on_an_arm(log: &mut Log, arm: [f64; 3]) {
     }
 }
 
+/// A log of fast turns with eddy currents, its accelerometer on that arm, m.
+fn flown(seed: u64, arm: [f64; 3]) -> Log {
+    let effects = vec![EffectSpec::parse("eddy=8").expect("an effect")];
+    let options = WorldOptions { seed, motion: Motion::Acro, effects, ..WorldOptions::default() };
+    let mut log = World::new(options).run();
+    on_an_arm(&mut log, arm);
+    log
+}
+
 #[test]
 fn what_an_arm_does_to_the_dip_is_no_delay_of_a_coupling() {
     for seed in 1..4 {
-        let effects = vec![EffectSpec::parse("eddy=8").expect("an effect")];
-        let motion = Motion::Acro;
-        let mut log = World::new(WorldOptions { seed, motion, effects, ..WorldOptions::default() }).run();
-        on_an_arm(&mut log, [0.5, 0.1, -0.15]);
-        let (found, named) = study(&log);
+        let (found, named) = study(&flown(seed, [0.5, 0.1, -0.15]));
         let last = found.steps.last().map_or(f64::NAN, |step| step.rms_ut);
         // The magnitude has been told what it needs; a delay of 20 ms more would double its squares.
         assert!(named == ["lag"] && last < 0.28, "seed {seed}: {named:?} leaves {last} uT");
@@ -167,11 +172,7 @@ fn what_an_arm_does_to_the_dip_is_no_delay_of_a_coupling() {
 #[test]
 fn where_the_accelerometer_tells_nothing_a_coupling_turns_with_the_gyro() {
     for seed in 1..4 {
-        let effects = vec![EffectSpec::parse("eddy=8").expect("an effect")];
-        let motion = Motion::Acro;
-        let mut log = World::new(WorldOptions { seed, motion, effects, ..WorldOptions::default() }).run();
-        on_an_arm(&mut log, [6.0, 1.2, -1.8]);
-        let (found, named) = study(&log);
+        let (found, named) = study(&flown(seed, [6.0, 1.2, -1.8]));
         let spread_deg = found.dip.as_ref().expect("a dip").rms_deg_after;
         let last = found.steps.last().map_or(f64::NAN, |step| step.rms_ut);
         assert!(

@@ -130,8 +130,8 @@ impl<'a> Piece<'a> {
     }
 }
 
-/// The effect itself where this crate has it, which is asked at every look at every sample and is put together once so; it holds
-/// numbers and no string that is too long for it.
+/// The effect put together once, since every look at every sample asks it; as it was made where it is a program's own, or its
+/// column's name is longer than a calibration keeps.
 pub fn ready<'a>(made: Made<&'a str>) -> Shared<'a> {
     let known = Registry::BUILT_IN.families().any(|family| family.kind() == made.family().kind());
     let Parts { form, column, reference, parameter } = *made.parts();

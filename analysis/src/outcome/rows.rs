@@ -179,7 +179,11 @@ impl View<'_, '_> {
             }
             let angle = dip.alignment.angle_deg;
             let by_gyro = dip.alignment.by_gyro;
-            let beside = if by_gyro { "gyro" } else { "accelerometer" };
+            // By a dip that spreads so far no calibration is turned.
+            let (beside, matrix) = match by_gyro {
+                true => ("gyro", "the dip spreads too far for the matrix to contain it"),
+                false => ("accelerometer", "the full matrix contains it"),
+            };
             list.push(CandidateRow {
                 id: MISALIGNMENT.id.into(),
                 name: MISALIGNMENT.name.into(),
@@ -194,8 +198,8 @@ impl View<'_, '_> {
                 p_value: None,
                 confounded_with: Vec::new(),
                 why: format!(
-                    "the axes of magnetometer and {beside} differ by {angle:.1}° beside the triangular matrix; the \
-                     full matrix contains it"
+                    "the axes of magnetometer and {beside} differ by {angle:.1}° beside the triangular matrix; \
+                     {matrix}"
                 ),
                 angle_deg: Some(angle),
                 takes: None,
@@ -216,11 +220,7 @@ impl View<'_, '_> {
                     Some(_) if angle > SWAPPED_DEG => format!(
                         "{} with the axes turned by {angle:.0}°, but it spreads by {:.1}° there too: too \
                          much to tell their order; turn the board slowly and without shaking it",
-                        if dip.alignment.by_gyro {
-                            "the gyro turns as the field does"
-                        } else {
-                            "the dip is most constant"
-                        },
+                        if by_gyro { "the gyro turns as the field does" } else { "the dip is most constant" },
                         dip.after_deg
                     ),
                     Some(words) if !words.is_empty() => words.join("; "),
