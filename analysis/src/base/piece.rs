@@ -39,6 +39,8 @@ pub struct Piece<'a> {
     pub coefficients: [f64; MAX_COEFFICIENTS],
     /// Values of its columns.
     pub inputs: Arc<Vec<[f64; MAX_INPUTS]>>,
+    /// Among how many places what fixes its shape was found; 1 where nothing was searched.
+    pub places: f64,
     /// The clock that its time is of.
     pub clock: Clock,
     /// The same effect at each sample, looked at a vector that is known there; `None` where it is looked at the measured one.
@@ -54,7 +56,8 @@ impl<'a> Piece<'a> {
         let id = ironout::effect::Id(&made).to_string();
         let effect = ready(made);
         let coefficients = [0.0; MAX_COEFFICIENTS];
-        Piece { id, made: Some(made), effect, coefficients, inputs, clock: Clock::Stamps, known_at: None }
+        let (clock, known_at) = (Clock::Stamps, None);
+        Piece { id, made: Some(made), effect, coefficients, inputs, places: 1.0, clock, known_at }
     }
 
     /// The parts of the effect.

@@ -5,7 +5,7 @@ use crate::base::mounting;
 use crate::base::piece::Piece;
 use crate::outcome::request::{Options, Refusal};
 use crate::search::candidates::Catalogue;
-use crate::search::screen::{Candidate, screen};
+use crate::search::screen::screen;
 use crate::search::search;
 use crate::search::state::{Greedy, MOST_SEARCHED};
 use ironout::effect::Named;
@@ -21,17 +21,17 @@ pub(crate) fn added<'a>(
     catalogue: &Catalogue<'a>,
     fitted: &Fitted<'a>,
     id: &str,
-) -> Result<Option<Candidate<'a>>, Refusal> {
+) -> Result<Option<Piece<'a>>, Refusal> {
     let plain = catalogue.plain(pass.residual == Residual::Vector).into_iter().find(|piece| piece.id == id);
     if let Some(piece) = plain {
-        return Ok(Some(Candidate { piece, searched: 1.0 }));
+        return Ok(Some(piece));
     }
     let Some(named) = catalogue.registry.parse(id).filter(|named| named.form.offered) else {
         return Ok(None);
     };
     let mut found = search::best(pass, fitted, catalogue, &named)?;
     if let Some(found) = found.as_mut().filter(|_| named.form.is_repeated()) {
-        found.piece.id = id.to_string();
+        found.id = id.to_string();
     }
     Ok(found)
 }
@@ -46,8 +46,6 @@ fn is_coupling(id: &str, options: &Options) -> bool {
 pub(crate) struct Added<'a> {
     /// It.
     pub(crate) start: Fitted<'a>,
-    /// How many places were searched for each, by id.
-    pub(crate) searched: Vec<(String, f64)>,
     /// Whether a pure lag was asked for.
     pub(crate) pure_lag: bool,
 }
@@ -75,7 +73,7 @@ pub(crate) fn asked_for<'a>(
         Ok(found) => found,
         Err(why) => return Ok(Err(why)),
     };
-    let Added { start, searched, pure_lag } = found;
+    let Added { start, pure_lag } = found;
     // None of them may be lost on the way.
     let pieces: Option<Vec<Piece>> = start.pieces.iter().map(|piece| catalogue.again(piece)).collect();
     let Some(pieces) = pieces else { return one_by_one(greedy, base, options) };
@@ -84,8 +82,8 @@ pub(crate) fn asked_for<'a>(
         None => None,
     };
     Ok(match lifted {
-        Some(fitted) => Ok(Added { start: greedy.aligned(fitted)?, searched, pure_lag }),
-        None => Err(does_not_converge(searched.iter().map(|(id, _)| id.as_str()))),
+        Some(fitted) => Ok(Added { start: greedy.aligned(fitted)?, pure_lag }),
+        None => Err(does_not_converge(start.pieces.iter().map(|piece| piece.id.as_str()))),
     })
 }
 
@@ -98,12 +96,11 @@ fn one_by_one<'a>(
     let (pass, catalogue) = (&greedy.pass, greedy.catalogue);
     let mut pure_lag = false;
     let mut start = base.clone();
-    let mut searched: Vec<(String, f64)> = Vec::new();
     // One that a fit does not hold by itself may stand beside those that come after it.
     let mut waiting: VecDeque<&String> = options.add.iter().collect();
     // Which of the two a coupling is shows only beside the others.
     waiting.make_contiguous().sort_by_key(|id| is_coupling(id, options));
-    let mut put_off: Vec<Candidate> = Vec::new();
+    let mut put_off: Vec<Piece> = Vec::new();
     while let Some(id) = waiting.pop_front() {
         if start.pieces.len() >= MOST_ADDED {
             return Err(Refusal::cannot_add(id, format!("a model carries at most {MOST_ADDED} effects")));
@@ -114,10 +111,10 @@ fn one_by_one<'a>(
             }
             return Err(Refusal::cannot_add(id, cannot_add(catalogue, id)));
         };
-        if start.pieces.iter().any(|known| known.id == candidate.piece.id) {
+        if start.pieces.iter().any(|known| known.id == candidate.id) {
             continue;
         }
-        if !candidate.piece.hidden_delay().is_empty() && catalogue.has_down() {
+        if !candidate.hidden_delay().is_empty() && catalogue.has_down() {
             // Whether it is the coupling or the pure delay, the data decide.
             let alone = screen(pass, &start, std::slice::from_ref(&candidate), 1)?;
             if !alone.first().is_some_and(|tested| tested.accepted) {
@@ -125,9 +122,8 @@ fn one_by_one<'a>(
                 continue;
             }
         }
-        match greedy.with(&start, &candidate.piece)? {
+        match greedy.with(&start, &candidate)? {
             Some(next) => {
-                searched.push((candidate.piece.id.clone(), candidate.searched));
                 start = greedy.aligned(next)?;
                 put_off.clear();
             }
@@ -138,18 +134,17 @@ fn one_by_one<'a>(
                     continue;
                 }
                 // None of those that are left stands without the others.
-                searched.extend(put_off.iter().map(|one| (one.piece.id.clone(), one.searched)));
-                match greedy.with_all(&start, put_off.iter().map(|one| &one.piece))? {
+                match greedy.with_all(&start, put_off.iter())? {
                     Some(next) => start = greedy.aligned(next)?,
                     None => {
-                        return Ok(Err(does_not_converge(put_off.iter().map(|one| one.piece.id.as_str()))));
+                        return Ok(Err(does_not_converge(put_off.iter().map(|one| one.id.as_str()))));
                     }
                 }
                 break;
             }
         }
     }
-    Ok(Ok(Added { start, searched, pure_lag }))
+    Ok(Ok(Added { start, pure_lag }))
 }
 
 fn does_not_converge<'i>(ids: impl Iterator<Item = &'i str>) -> String {

@@ -44,7 +44,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             return Err(Refusal::cannot_add(id, cannot_add(&catalogue, id)));
         };
         let mut pieces = start.pieces.clone();
-        pieces.push(candidate.piece);
+        pieces.push(candidate);
         if let Some(next) = pass.fit(start.model, pieces, &known)? {
             start = next;
         }

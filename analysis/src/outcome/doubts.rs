@@ -52,7 +52,7 @@ impl View<'_, '_> {
             return None;
         }
         let of_column = explanation.first.iter().filter_map(|one| {
-            let columns = one.candidate.piece.effect.columns();
+            let columns = one.piece.effect.columns();
             let logged = |name: &str| self.samples.columns.iter().any(|own| own.name == name);
             let column = columns.iter().flatten().next().filter(|column| logged(column.name))?;
             let share = one.tested.decrease / explanation.base.squares;
@@ -77,7 +77,7 @@ impl View<'_, '_> {
         first.sort_by(|a, b| b.tested.decrease.total_cmp(&a.tested.decrease));
         let worth = |one: &&&Judged| one.tested.decrease >= WORTH_NAMING * explanation.base.squares;
         for leader in first.iter().filter(worth).take(LEADERS) {
-            let pieces = vec![leader.candidate.piece.clone()];
+            let pieces = vec![leader.piece.clone()];
             let Some(with) = self.pass.fit(explanation.base.model, pieces, self.known)? else { continue };
             let list: Vec<&Piece> = with.pieces.iter().collect();
             let found = faults::bursts(&self.pass.residuals(&with.model, &list)?);

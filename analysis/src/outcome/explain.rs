@@ -62,7 +62,7 @@ pub(crate) fn explain<'a>(
         && attitude_error(&base, &best).is_none_or(|error| error > HOPELESS * MAX_PREDICTED_ERROR);
     let mut greedy = Greedy::new(pass, catalogue, known);
     greedy.base_held_out = stand.base.and_then(|base| base.holdout_rms_ut);
-    let Added { start, searched, pure_lag } = match asked_for(&greedy, &base, options)? {
+    let Added { start, pure_lag } = match asked_for(&greedy, &base, options)? {
         Ok(added) => added,
         Err(why) => return Ok(Err(why)),
     };
@@ -72,9 +72,12 @@ pub(crate) fn explain<'a>(
         greedy.only(base.clone(), start)?
     };
     explanation = greedy.ended(explanation, &options.add, options.search)?;
-    if !options.search {
-        let places = |id: &str| searched.iter().find(|(own, _)| own == id).map_or(1.0, |(_, places)| *places);
-        explanation.shown = greedy.shown(&explanation.fitted, places)?;
+    if options.search {
+        explanation.chances = greedy.chances(&explanation.fitted)?;
+    } else {
+        explanation.shown = greedy.shown(&explanation.fitted)?;
+        explanation.chances =
+            explanation.shown.iter().map(|shown| (shown.id.clone(), shown.p_value)).collect();
     }
     let first = match stand.base.and_then(Base::model) {
         Some(model) => pass.hold(model, Vec::new(), known)?,

@@ -17,7 +17,7 @@ use crate::outcome::view::View;
 use crate::samples::samples::Samples;
 use crate::samples::series::{Autocorrelation, rms};
 use crate::search::candidates::Catalogue;
-use crate::search::screen::{Candidate, RELEVANCE, SIGNIFICANCE, Tested, screen};
+use crate::search::screen::{RELEVANCE, SIGNIFICANCE, Tested, screen};
 use crate::search::state::held_out_rms;
 use crate::table::Table;
 use ironout::fit::MIN_THICKNESS;
@@ -177,12 +177,7 @@ fn scale_at_rest<'a>(
     let scale = |fitted: &Fitted| fitted.model.matrix[0][0];
     let Some(base) = pass.fit(start, Vec::new(), known)? else { return Ok(1.0) };
     let adds = |piece: &Piece| piece.made.is_some_and(|made| made.family().is_proportional(made.parts()));
-    let list: Vec<Candidate> = catalogue
-        .plain(true)
-        .into_iter()
-        .filter(adds)
-        .map(|piece| Candidate { piece, searched: 1.0 })
-        .collect();
+    let list: Vec<Piece> = catalogue.plain(true).into_iter().filter(adds).collect();
     let screening = screen(pass, &base, &list, list.len())?;
     let held = |tested: &Tested| tested.held_out.unwrap_or(f64::INFINITY);
     let best = screening
@@ -191,7 +186,7 @@ fn scale_at_rest<'a>(
         .min_by(|a, b| held(a).total_cmp(&held(b)))
         .and_then(|tested| list.get(tested.index));
     let Some(best) = best else { return Ok(scale(&base)) };
-    Ok(pass.fit(base.model, vec![best.piece.clone()], known)?.as_ref().map_or(1.0, scale))
+    Ok(pass.fit(base.model, vec![best.clone()], known)?.as_ref().map_or(1.0, scale))
 }
 
 /// Whether the data ask for what the freer base moves: significantly, and on unseen time.

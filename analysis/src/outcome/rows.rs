@@ -32,8 +32,8 @@ impl View<'_, '_> {
         let squares = |fitted: &Fitted| fitted.squares.max(f64::MIN_POSITIVE);
         let (base, whole) = (squares(&self.explanation.base), squares(&self.explanation.fitted));
         let row_of = |one: &Judged, status: Status, partners: Vec<String>, why: String| CandidateRow {
-            id: one.candidate.piece.id.clone(),
-            name: one.candidate.piece.effect.name().to_string(),
+            id: one.piece.id.clone(),
+            name: one.piece.effect.name().to_string(),
             status,
             residual: Residual::Magnitude.name(),
             holdout_rms_ut: one.tested.held_out.map(|squares| (squares / rows).sqrt()),
@@ -55,7 +55,7 @@ impl View<'_, '_> {
         let group_of = |id: &str| others_in(&self.explanation.confounded, id);
         let kin_of = |id: &str| others_in(&self.explanation.families, id);
         for piece in &self.explanation.fitted.pieces {
-            let tested = self.explanation.first.iter().find(|one| one.candidate.piece.id == piece.id);
+            let tested = self.explanation.first.iter().find(|one| one.piece.id == piece.id);
             let partners = group_of(&piece.id);
             let status = if partners.is_some() { Status::Confounded } else { Status::Missing };
             let kin = kin_of(&piece.id);
@@ -76,15 +76,19 @@ impl View<'_, '_> {
                 (None, None) => piece.effect.explanation().to_string(),
             };
             let partners = partners.or(kin);
+            // Beside all others: before those are in the model, what they do hides it.
+            let chance = self.explanation.chances.iter().find(|(id, _)| *id == piece.id);
+            let p_value = chance.map(|(_, p)| (p * self.explanation.count as f64).min(1.0));
             match tested {
-                Some(one) => list.push(row_of(one, status, partners.unwrap_or_default(), why)),
+                Some(one) => list
+                    .push(CandidateRow { p_value, ..row_of(one, status, partners.unwrap_or_default(), why) }),
                 None => list.push(CandidateRow {
                     id: piece.id.clone(),
                     name: piece.effect.name().to_string(),
                     status,
                     residual: Residual::Magnitude.name(),
                     holdout_rms_ut: None,
-                    p_value: None,
+                    p_value,
                     confounded_with: partners.unwrap_or_default(),
                     why,
                     angle_deg: None,
@@ -94,7 +98,7 @@ impl View<'_, '_> {
         }
         for withdrawn in &self.explanation.withdrawn {
             let judged = self.explanation.first.iter().chain(&self.explanation.last);
-            let mut tested = judged.filter(|one| one.candidate.piece.id == withdrawn.id);
+            let mut tested = judged.filter(|one| one.piece.id == withdrawn.id);
             if let Some(one) = tested.next() {
                 list.push(row_of(one, Status::NotNeeded, Vec::new(), withdrawn.why.clone()));
             }
@@ -115,20 +119,20 @@ impl View<'_, '_> {
             });
         }
         for one in &self.explanation.last {
-            let id = &one.candidate.piece.id;
+            let id = &one.piece.id;
             // A further step or tone that nothing asks for is not worth a row.
-            let further = id.contains('#')
-                && one.candidate.piece.made.is_some_and(|made| made.parts().form.is_repeated());
+            let further =
+                id.contains('#') && one.piece.made.is_some_and(|made| made.parts().form.is_repeated());
             if further || list.iter().any(|row| row.id == *id) {
                 continue;
             }
-            if !one.candidate.piece.hidden_delay().is_empty() && dip.is_some() {
+            if !one.piece.hidden_delay().is_empty() && dip.is_some() {
                 continue;
             }
             match group_of(id).or_else(|| kin_of(id)) {
                 Some(partners) => {
                     // What it explains by itself, not beside the one that stands in the model.
-                    let alone = self.explanation.first.iter().find(|other| other.candidate.piece.id == *id);
+                    let alone = self.explanation.first.iter().find(|other| other.piece.id == *id);
                     let one = alone.unwrap_or(one);
                     let why = format!(
                         "it explains the error, and so does {}: {}",

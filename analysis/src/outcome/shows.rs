@@ -38,7 +38,7 @@ pub fn shows(
     let best = |belongs: &dyn Fn(&Piece) -> bool| -> (f64, f64) {
         first
             .iter()
-            .filter(|one| belongs(&one.candidate.piece))
+            .filter(|one| belongs(&one.piece))
             .map(|one| {
                 (
                     (one.tested.decrease / base.squares).clamp(0.0, 1.0),

@@ -20,6 +20,7 @@ use crate::samples::faults::{self, FaultKind};
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
 use crate::table::Table;
+use ironout::effect::Follows;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::{Model, Residual};
 use std::borrow::Cow;
@@ -29,6 +30,8 @@ const FEWEST: usize = 30;
 
 /// What stood out is explained where the error on unseen time is hardly larger with it.
 const AS_WELL: f64 = 1.1;
+/// An offset and a matrix of its own that take the error to this share of it say that the sensor was not calibrated before.
+const OF_ATTITUDE: f64 = 0.5;
 
 /// The diagnosis of a log whose samples are sorted out, with `with_room` to work in.
 pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
@@ -155,13 +158,29 @@ fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagn
         // Only where the attitude is at fault: full attitude with a large residual is something else.
         let field = diagnosis.calibration.map_or(f64::NAN, |calibration| calibration.field_ut);
         let open = diagnosis.predicted_error_ut.is_none_or(|error| error > MAX_PREDICTED_ERROR * field);
-        if open && let Some(lower) = as_logged(table, samples, options)? {
+        let calibrated = if open { as_logged(table, samples, options)? } else { None };
+        if let Some(lower) = calibrated.filter(|lower| tells_more(lower, &diagnosis)) {
             diagnosis = lower;
         } else {
             accuse_nobody(&mut diagnosis, base);
         }
     }
     Ok(diagnosis)
+}
+
+/// Whether a sensor that is taken as calibrated before explains a log better than one that is not. One that was not has an error
+/// that goes with the attitude, which little of it does not tell from a cause; what has no column stands in for that first.
+fn tells_more(calibrated: &Diagnosis, free: &Diagnosis) -> bool {
+    let base = |one: &Diagnosis| one.steps.first().map_or(f64::INFINITY, |step| step.rms_ut);
+    let left = |one: &Diagnosis| one.steps.last().map_or(f64::INFINITY, |step| step.rms_ut);
+    let is_in_time = |id: &String| {
+        calibrated
+            .registry
+            .parse(id)
+            .is_some_and(|named| matches!(named.family.follows(), Follows::Time | Follows::Tone))
+    };
+    let in_time = calibrated.steps.iter().filter_map(|step| step.added.as_ref()).any(is_in_time);
+    base(free) > AS_WELL * left(calibrated) && !(in_time && base(free) < OF_ATTITUDE * base(calibrated))
 }
 
 /// The model that a study begins with: an earlier calibration, or what these samples say.

@@ -17,7 +17,7 @@ use crate::residual::late::{Late, scan};
 use crate::samples::samples::Samples;
 use crate::samples::series::Autocorrelation;
 use crate::search::candidates::Catalogue;
-use crate::search::screen::{Candidate, SIGNIFICANCE, screen};
+use crate::search::screen::{SIGNIFICANCE, screen};
 use crate::search::shown::Shown;
 use crate::search::state::{Explanation, held_out_rms};
 use crate::table::Table;
@@ -86,8 +86,7 @@ impl<'a> View<'_, 'a> {
         let Some(base) = pass.fit(study.alignment.model, Vec::new(), self.known)? else {
             return Ok(Some(study));
         };
-        let candidate = Candidate { piece: lag.clone(), searched: 1.0 };
-        let tested = screen(&pass, &base, std::slice::from_ref(&candidate), 2)?;
+        let tested = screen(&pass, &base, std::slice::from_ref(&lag), 2)?;
         let Some(tested) = tested.into_iter().next() else { return Ok(Some(study)) };
         let held_deg = tested.held_out.map(|squares| (squares / base.rows).sqrt().to_degrees());
         study.tested = Some((tested.p_value, held_deg));

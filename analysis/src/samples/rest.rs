@@ -1,7 +1,7 @@
 //! Whether a log is of a board at rest.
 
 use crate::samples::samples::Samples;
-use crate::samples::series::median;
+use crate::samples::series::{median, rms, second_difference_sigma};
 use nalgebra::{DMatrix, DVector};
 
 /// A turning board turns faster than this for half of the time, rad/s.
@@ -10,6 +10,8 @@ const RESTING_RADPS: f64 = 0.05;
 const RESTING_TILT: f64 = 0.06;
 /// Without gyro and accelerometer: the share of the vector's variance that the columns must explain.
 const EXPLAINED: f64 = 0.6;
+/// ... and what they leave is no more than this many times what neighbours differ by, or less than a sphere leaves.
+const NOISE: f64 = 2.0;
 
 /// Whether the board rests: then the vector itself is the residual.
 pub fn at_rest(samples: &Samples) -> bool {
@@ -27,7 +29,7 @@ pub fn at_rest(samples: &Samples) -> bool {
     if enough(turns.len()) {
         return slow(turns);
     }
-    explained_by_columns(samples) > EXPLAINED
+    told_by_columns(samples)
 }
 
 fn slow(mut turns: Vec<f64>) -> bool {
@@ -41,9 +43,9 @@ fn tilt(downs: &[[f64; 3]]) -> f64 {
         .sqrt()
 }
 
-/// Share of the measured vector's variance that a linear combination of the covariates explains, if the vector stays
-/// within less than half of its own length; zero otherwise.
-fn explained_by_columns(samples: &Samples) -> f64 {
+/// Whether covariates explain most of the measured vector's variance, if it stays within less than half of its own length, and
+/// more than a sphere does: slow columns meet a slow motion by chance, and an offset makes any vector long.
+fn told_by_columns(samples: &Samples) -> bool {
     let columns: Vec<_> = samples.columns.iter().filter(|column| column.problem.is_none()).take(16).collect();
     let mean = samples.mean_vector();
     let length = mean.iter().map(|value| value * value).sum::<f64>().sqrt();
@@ -58,7 +60,7 @@ fn explained_by_columns(samples: &Samples) -> f64 {
     // An axis that is a copy of another leaves no ellipsoid to lose: then a coil may be as strong as the field.
     let most = if samples.axes == [true; 3] { 0.5 } else { 2.0 };
     if columns.is_empty() || n < 10 * columns.len() || spread > most * length {
-        return 0.0;
+        return false;
     }
     let scales: Vec<f64> = columns
         .iter()
@@ -68,14 +70,17 @@ fn explained_by_columns(samples: &Samples) -> f64 {
     let mut normal = DMatrix::<f64>::zeros(k, k);
     let mut right = DMatrix::<f64>::zeros(k, 3);
     let mut total = 0.0;
-    for sample in 0..n {
-        let row = DVector::from_iterator(
+    let regressors = |sample: usize| {
+        DVector::from_iterator(
             k,
             columns.iter().zip(&scales).flat_map(|(column, scale)| {
                 let value = (column.values[sample] - column.mean) / scale;
                 [value, value * value - 1.0]
             }),
-        );
+        )
+    };
+    for sample in 0..n {
+        let row = regressors(sample);
         let off =
             nalgebra::RowVector3::from_fn(|_, axis| samples.readings[sample].measured_ut[axis] - mean[axis]);
         normal += &row * row.transpose();
@@ -85,7 +90,41 @@ fn explained_by_columns(samples: &Samples) -> f64 {
     for i in 0..k {
         normal[(i, i)] += 1e-6 * n as f64;
     }
-    let Some(factor) = normal.cholesky() else { return 0.0 };
-    let explained: f64 = right.component_mul(&factor.solve(&right)).sum();
-    explained / total.max(1e-300)
+    let Some(factor) = normal.cholesky() else { return false };
+    let found = factor.solve(&right);
+    if right.component_mul(&found).sum() <= EXPLAINED * total {
+        return false;
+    }
+    let left: Vec<[f64; 3]> = (0..n)
+        .map(|sample| {
+            let row = &found.tr_mul(&regressors(sample));
+            [0, 1, 2].map(|axis| samples.readings[sample].measured_ut[axis] - mean[axis] - row[axis])
+        })
+        .collect();
+    let per_axis = |axis: usize| left.iter().map(|vector| vector[axis]).collect::<Vec<f64>>();
+    let axes = [0, 1, 2].map(per_axis);
+    let rms_of = |of: fn(&[f64]) -> f64| axes.iter().map(|axis| of(axis).powi(2)).sum::<f64>().sqrt();
+    let (left, noise) = (rms_of(rms), rms_of(second_difference_sigma));
+    left < NOISE * noise || left / 3.0_f64.sqrt() < beside_a_sphere(samples)
+}
+
+/// Rms of the readings' distance from the sphere that is nearest to them, µT.
+fn beside_a_sphere(samples: &Samples) -> f64 {
+    let mean = samples.mean_vector();
+    let (mut normal, mut right) = (DMatrix::<f64>::zeros(4, 4), DVector::<f64>::zeros(4));
+    let off = |sample: usize| [0, 1, 2].map(|axis| samples.readings[sample].measured_ut[axis] - mean[axis]);
+    for sample in 0..samples.len() {
+        let [x, y, z] = off(sample);
+        let row = DVector::from_vec(vec![2.0 * x, 2.0 * y, 2.0 * z, 1.0]);
+        right += &row * (x * x + y * y + z * z);
+        normal += &row * row.transpose();
+    }
+    let Some(found) = normal.cholesky().map(|factor| factor.solve(&right)) else { return f64::INFINITY };
+    let distance = |sample: usize| {
+        let from = off(sample);
+        (0..3).map(|axis| (from[axis] - found[axis]).powi(2)).sum::<f64>().sqrt()
+    };
+    let distances: Vec<f64> = (0..samples.len()).map(distance).collect();
+    let radius = distances.iter().sum::<f64>() / distances.len().max(1) as f64;
+    rms(&distances.iter().map(|distance| distance - radius).collect::<Vec<f64>>())
 }

@@ -94,7 +94,7 @@ impl<'a> Catalogue<'a> {
     pub fn again(&self, piece: &Piece) -> Option<Piece<'a>> {
         let parameter = piece.searched().map_or(0.0, |(_, value)| value);
         let own = self.by(piece.clock, &piece.named()?, parameter)?;
-        Some(Piece { coefficients: piece.coefficients, id: piece.id.clone(), ..own })
+        Some(Piece { coefficients: piece.coefficients, id: piece.id.clone(), places: piece.places, ..own })
     }
 
     /// Index of a covariate that can be tested.

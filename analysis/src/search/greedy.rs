@@ -4,7 +4,7 @@ use crate::base::engine::{Fitted, Pass};
 use crate::base::piece::{BadShape, Piece};
 use crate::search::candidates::Catalogue;
 use crate::search::kin::may_follow;
-use crate::search::screen::{Candidate, SIGNIFICANCE, rivalry, screen};
+use crate::search::screen::{SIGNIFICANCE, rivalry, screen};
 use crate::search::search;
 use crate::search::several::numbered;
 use crate::search::state::{Confounded, Explanation, Greedy, Judged, MOST_EFFECTS};
@@ -25,10 +25,9 @@ fn candidates<'a>(
     catalogue: &Catalogue<'a>,
     fitted: &Fitted<'a>,
     periodic: bool,
-) -> Result<Vec<Candidate<'a>>, BadShape> {
+) -> Result<Vec<Piece<'a>>, BadShape> {
     let at_rest = pass.residual == Residual::Vector;
-    let mut list: Vec<Candidate> =
-        catalogue.plain(at_rest).into_iter().map(|piece| Candidate { piece, searched: 1.0 }).collect();
+    let mut list = catalogue.plain(at_rest);
     for named in catalogue.searched() {
         if periodic || named.form.searched != Some(Searched::Frequency) {
             let found = finite(search::best(pass, fitted, catalogue, &named))?.flatten();
@@ -45,7 +44,7 @@ fn candidates<'a>(
             list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
         }
     }
-    list.retain(|candidate| !fitted.pieces.iter().any(|piece| piece.id == candidate.piece.id));
+    list.retain(|candidate| !fitted.pieces.iter().any(|piece| piece.id == candidate.id));
     Ok(list)
 }
 
@@ -84,15 +83,15 @@ impl<'a> Greedy<'_, 'a> {
             let turns = |piece: &Piece| {
                 [Acts::Measured, Acts::Field, Acts::Turning].iter().any(|acts| piece.acts(*acts))
             };
-            list.retain(|candidate| !turns(&candidate.piece));
+            list.retain(|candidate| !turns(candidate));
         }
-        list.retain(|candidate| !self.dropped.borrow().contains(&candidate.piece.id));
+        list.retain(|candidate| !self.dropped.borrow().contains(&candidate.id));
         let count = self.independent(&list);
         let tested = loop {
             match screen(&self.pass, fitted, &list, count) {
                 // One candidate that runs away is no reason to give up the others.
-                Err(BadShape::NotFinite(id)) if list.iter().any(|one| one.piece.id == id) => {
-                    list.retain(|one| one.piece.id != id);
+                Err(BadShape::NotFinite(id)) if list.iter().any(|one| one.id == id) => {
+                    list.retain(|one| one.id != id);
                     self.dropped.borrow_mut().push(id);
                 }
                 tested => break tested?,
@@ -100,7 +99,7 @@ impl<'a> Greedy<'_, 'a> {
         };
         let mut judged: Vec<Judged> = tested
             .into_iter()
-            .filter_map(|tested| Some(Judged { candidate: list.get(tested.index)?.clone(), tested }))
+            .filter_map(|tested| Some(Judged { piece: list.get(tested.index)?.clone(), tested }))
             .collect();
         self.judge_strong(fitted, &mut judged, count)?;
         Ok((judged, count))
@@ -200,6 +199,7 @@ impl<'a> Greedy<'_, 'a> {
             dropped: self.dropped.take(),
             ended_early,
             count,
+            chances: Vec::new(),
             shown: Vec::new(),
         })
     }
@@ -216,21 +216,20 @@ impl<'a> Greedy<'_, 'a> {
             let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
             let own = Piece { coefficients: Default::default(), ..own };
             let (judged, _) = self.judge(&without, own.follows(Follows::Tone))?;
-            let Some(mine) = judged.iter().find(|one| one.candidate.piece.id == own.id) else { continue };
+            let Some(mine) = judged.iter().find(|one| one.piece.id == own.id) else { continue };
             let mut group = vec![own.id.clone()];
             let mut family = vec![own.id.clone()];
             for other in &judged {
-                let id = &other.candidate.piece.id;
-                let kin = self.together(&own, &other.candidate.piece);
+                let id = &other.piece.id;
+                let kin = self.together(&own, &other.piece);
                 if fitted.pieces.iter().any(|piece| &piece.id == id)
-                    || other.candidate.piece.is_variant_of(&own)
+                    || other.piece.is_variant_of(&own)
                     || !(other.tested.accepted || kin)
                     || other.tested.decrease < RIVAL_SHARE * mine.tested.decrease
                 {
                     continue;
                 }
-                let Some(pair) = rivalry(&self.pass, &without, &own, &other.candidate.piece, self.known)?
-                else {
+                let Some(pair) = rivalry(&self.pass, &without, &own, &other.piece, self.known)? else {
                     continue;
                 };
                 if pair.first * (count as f64) < SIGNIFICANCE {
@@ -239,17 +238,17 @@ impl<'a> Greedy<'_, 'a> {
                 if kin {
                     // What several channels have in common stands for them; a channel that has more to say has been
                     // tested beside it.
-                    if other.candidate.piece.is_plain() {
+                    if other.piece.is_plain() {
                         family.push(id.clone());
                     }
                     continue;
                 }
                 // The other explains all that this one does.
                 let fewer = other.tested.directions < mine.tested.directions;
-                if fewer || pair.second * (count as f64) * other.candidate.searched < SIGNIFICANCE {
-                    if let Some(next) = self.with(&without, &other.candidate.piece)?
-                        && may_follow(&own, &other.candidate.piece, fitted, &next)
-                        && self.beats_its_copies(&without, &other.candidate.piece)?
+                if fewer || pair.second * (count as f64) * other.piece.places < SIGNIFICANCE {
+                    if let Some(next) = self.with(&without, &other.piece)?
+                        && may_follow(&own, &other.piece, fitted, &next)
+                        && self.beats_its_copies(&without, &other.piece)?
                     {
                         return Ok(Reconsidered::Swap {
                             from: own.id,
@@ -286,10 +285,7 @@ impl<'a> Greedy<'_, 'a> {
                 continue;
             }
             let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
-            let candidate = Candidate {
-                piece: Piece { coefficients: Default::default(), ..removed.clone() },
-                searched: 1.0,
-            };
+            let candidate = Piece { coefficients: Default::default(), places: 1.0, ..removed.clone() };
             let tested = screen(&self.pass, &without, &[candidate], 1)?;
             if tested.first().is_none_or(|tested| !tested.accepted) {
                 return Ok(Some((removed.id, without)));

@@ -3,7 +3,7 @@
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
 use crate::search::physics::field_of_a_temperature;
-use crate::search::screen::{Candidate, RELEVANCE, SIGNIFICANCE, screen, stands};
+use crate::search::screen::{RELEVANCE, SIGNIFICANCE, screen, stands};
 use crate::search::state::{Greedy, Judged, held_out_rms};
 use ironout::effect::{Acts, Follows, Named};
 pub(crate) use ironout::study::rule::NEARLY;
@@ -52,14 +52,14 @@ impl<'a> Greedy<'_, 'a> {
     }
 
     /// How many candidates there are, columns that move together counted once.
-    pub(crate) fn independent(&self, list: &[Candidate]) -> usize {
+    pub(crate) fn independent(&self, list: &[Piece]) -> usize {
         let central = |piece: &Piece| match piece.named() {
             Some(Named { family, column, form }) => {
                 Named { family, column: self.catalogue.families.centre(column), form }.to_string()
             }
             None => piece.id.clone(),
         };
-        let ids: HashSet<String> = list.iter().map(|candidate| central(&candidate.piece)).collect();
+        let ids: HashSet<String> = list.iter().map(central).collect();
         ids.len()
     }
 
@@ -72,7 +72,7 @@ impl<'a> Greedy<'_, 'a> {
         judged: &[Judged<'a>],
         count: usize,
     ) -> Result<Judged<'a>, BadShape> {
-        let own = &winner.candidate.piece;
+        let own = &winner.piece;
         let (Some(column), Some(named)) = (added_by(own), own.named()) else { return Ok(winner) };
         let centre = self.catalogue.families.centre(column);
         // Which form of one column it is has been tested already, and a column is not what it has in common with itself.
@@ -85,13 +85,13 @@ impl<'a> Greedy<'_, 'a> {
         };
         let Some(common) = judged
             .iter()
-            .find(|one| stands_for_all(&one.candidate.piece) && one.candidate.piece.id != own.id)
+            .find(|one| stands_for_all(&one.piece) && one.piece.id != own.id)
             .filter(|one| one.tested.decrease > COMMON_SHARE * winner.tested.decrease)
         else {
             return Ok(winner);
         };
         // Large effects bend the model: the channel is tested beside the common one once that is in it.
-        let Some(with) = self.with(fitted, &common.candidate.piece)? else { return Ok(winner) };
+        let Some(with) = self.with(fitted, &common.piece)? else { return Ok(winner) };
         let falls = held_out_rms(fitted)
             .zip(held_out_rms(&with))
             .is_some_and(|(before, after)| after * after < before * before * (1.0 - RELEVANCE));
@@ -102,7 +102,7 @@ impl<'a> Greedy<'_, 'a> {
         if !sure {
             return Ok(winner);
         }
-        let tested = screen(&self.pass, &with, std::slice::from_ref(&winner.candidate), count)?;
+        let tested = screen(&self.pass, &with, std::slice::from_ref(&winner.piece), count)?;
         let better = tested.first().is_some_and(|tested| tested.accepted);
         Ok(if better { winner } else { common.clone() })
     }

@@ -78,11 +78,11 @@ impl<'a> Greedy<'_, 'a> {
                 };
                 let Some(named) = step.named() else { continue };
                 let Some(found) = search::best(&self.pass, &bare, self.catalogue, &named)? else { continue };
-                if found.piece.parts() == step.parts() {
+                if found.parts() == step.parts() {
                     continue;
                 }
                 let Piece { id, coefficients, .. } = step;
-                pieces.insert(place, Piece { id, coefficients, ..found.piece });
+                pieces.insert(place, Piece { id, coefficients, ..found });
                 match self.pass.fit(fitted.model, pieces, self.known)? {
                     Some(next) if next.squares < fitted.squares => (fitted, moved) = (next, true),
                     _ => {}
@@ -111,22 +111,21 @@ impl<'a> Greedy<'_, 'a> {
         // The next of several steps was searched where the others stand, whose times it moves.
         let is_step = |piece: &Piece| matches!(piece.searched(), Some((Searched::At, _)));
         let one_stands = fitted.pieces.iter().any(is_step);
-        let is_bent = |one: &Judged| {
-            fitted.rms() > limit || one_stands && is_step(&one.candidate.piece) && !one.tested.accepted
-        };
+        let is_bent =
+            |one: &Judged| fitted.rms() > limit || one_stands && is_step(&one.piece) && !one.tested.accepted;
         let mut leaders: Vec<&mut Judged> = judged
             .iter_mut()
             .filter(|one| one.tested.decrease > STRONG_SHARE * fitted.squares && is_bent(one))
             .collect();
         leaders.sort_by(|a, b| b.tested.decrease.total_cmp(&a.tested.decrease));
         for one in leaders.into_iter().take(STRONG_LEADERS) {
-            let Some(next) = self.with(fitted, &one.candidate.piece)? else { continue };
+            let Some(next) = self.with(fitted, &one.piece)? else { continue };
             let Some(test) = finite(stands(&self.pass, &next))?.flatten() else { continue };
             let tested = &mut one.tested;
             let held_out = held_out_rms(&next);
             tested.time = test.time;
             tested.decrease = fitted.squares - next.squares;
-            tested.p_value = (test.p_value * one.candidate.searched).min(1.0);
+            tested.p_value = (test.p_value * one.piece.places).min(1.0);
             tested.held_out = held_out.map(|rms| rms * rms * next.rows);
             tested.accepted = tested.p_value * (count as f64) < ACCUSED
                 && held_out.is_some_and(|after| after * after < before * before * (1.0 - WORTH_NAMING));
@@ -142,13 +141,12 @@ impl<'a> Greedy<'_, 'a> {
         judged: &[Judged<'a>],
         count: usize,
     ) -> Result<Judged<'a>, BadShape> {
-        let own = &leader.candidate.piece;
+        let own = &leader.piece;
         let Some(named) = own.named().filter(|named| named.family.forms().len() > 1 && named.form.column)
         else {
             return Ok(leader.clone());
         };
-        let is_prompt =
-            |other: &Judged| other.candidate.piece.is_plain() && other.candidate.piece.is_variant_of(own);
+        let is_prompt = |other: &Judged| other.piece.is_plain() && other.piece.is_variant_of(own);
         if self.pass.residual == Residual::Vector {
             // What a column adds in proportion comes first; its square and its past are added beside it.
             let prompt = judged.iter().find(|other| is_prompt(other));
@@ -163,8 +161,7 @@ impl<'a> Greedy<'_, 'a> {
         if let Some(prompt) = judged.iter().find(|other| is_prompt(other))
             && !own.is_plain()
             && prompt.tested.accepted
-            && let Some(rivals) =
-                rivalry(&self.pass, fitted, &leader.candidate.piece, &prompt.candidate.piece, self.known)?
+            && let Some(rivals) = rivalry(&self.pass, fitted, &leader.piece, &prompt.piece, self.known)?
             && rivals.first * count as f64 > SIGNIFICANCE
             && (rivals.first * forms as f64 > SIGNIFICANCE || rivals.second < BETTER_BY * rivals.first)
         {
@@ -174,9 +171,9 @@ impl<'a> Greedy<'_, 'a> {
         let late = forms.iter().find(|form| form.offered && form.is_late());
         if let Some(form) = late
             && let Some(late) = search::best(&self.pass, fitted, self.catalogue, &Named { form, ..named })?
-            && !fitted.pieces.iter().any(|piece| piece.id == late.piece.id)
-            && let Some(rivals) = rivalry(&self.pass, fitted, &late.piece, &best.candidate.piece, self.known)?
-            && rivals.first * late.searched * (count as f64) < SIGNIFICANCE
+            && !fitted.pieces.iter().any(|piece| piece.id == late.id)
+            && let Some(rivals) = rivalry(&self.pass, fitted, &late, &best.piece, self.known)?
+            && rivals.first * late.places * (count as f64) < SIGNIFICANCE
             && rivals.second > 1e3 * rivals.first
         {
             let tested = screen(&self.pass, fitted, std::slice::from_ref(&late), count)?;
@@ -184,7 +181,7 @@ impl<'a> Greedy<'_, 'a> {
                 && tested.accepted
                 && tested.decrease > best.tested.decrease
             {
-                return Ok(Judged { candidate: late, tested });
+                return Ok(Judged { piece: late, tested });
             }
         }
         Ok(best)
@@ -204,8 +201,7 @@ impl<'a> Greedy<'_, 'a> {
             if self.beats_its_copies(fitted, piece)? {
                 return Ok(Some((id, next)));
             }
-            let alike =
-                |one: &Judged| one.candidate.piece.id == id || one.candidate.piece.is_variant_of(piece);
+            let alike = |one: &Judged| one.piece.id == id || one.piece.is_variant_of(piece);
             judged.iter_mut().filter(|one| alike(one)).for_each(|one| one.tested.accepted = false);
         }
         Ok(None)
@@ -226,19 +222,18 @@ impl<'a> Greedy<'_, 'a> {
         });
         let mut leaders: Vec<(Judged<'a>, Fitted<'a>, f64)> = Vec::new();
         // A shape in time may stand in for a cause that was logged: the best of those is fitted too.
-        let logged = passing.iter().position(|one| !one.candidate.piece.is_in_time()).filter(|at| *at >= 3);
+        let logged = passing.iter().position(|one| !one.piece.is_in_time()).filter(|at| *at >= 3);
         for one in passing.iter().take(3).chain(logged.and_then(|at| passing.get(at))) {
-            if let Some(next) = self.with(fitted, &one.candidate.piece)?
+            if let Some(next) = self.with(fitted, &one.piece)?
                 && let Some(held) = held_out_rms(&next)
             {
                 leaders.push(((*one).clone(), next, held));
             }
         }
         leaders.sort_by(|a, b| a.2.total_cmp(&b.2));
-        if let Some(held) = leaders.first().filter(|one| one.0.candidate.piece.is_in_time()).map(|one| one.2)
-        {
+        if let Some(held) = leaders.first().filter(|one| one.0.piece.is_in_time()).map(|one| one.2) {
             leaders.retain(|one| one.2 < NEARLY * held);
-            leaders.sort_by_key(|one| one.0.candidate.piece.is_in_time());
+            leaders.sort_by_key(|one| one.0.piece.is_in_time());
         }
         let Some((leader, mut next, _)) = leaders.into_iter().next() else { return Ok(None) };
         let mut winner = self.best_variant(fitted, &leader, judged, count)?;
@@ -247,21 +242,20 @@ impl<'a> Greedy<'_, 'a> {
             if other.tested.directions < winner.tested.directions
                 && other.tested.decrease > 0.3 * winner.tested.decrease
                 && held(other) < NEARLY * NEARLY * held(&winner)
-                && let Some(pair) =
-                    rivalry(&self.pass, fitted, &winner.candidate.piece, &other.candidate.piece, self.known)?
+                && let Some(pair) = rivalry(&self.pass, fitted, &winner.piece, &other.piece, self.known)?
                 && pair.first * count as f64 > SIGNIFICANCE
             {
                 winner = (*other).clone();
             }
         }
         winner = self.for_its_family(fitted, winner, judged, count)?;
-        if winner.candidate.piece.id != leader.candidate.piece.id {
-            match self.with(fitted, &winner.candidate.piece)? {
+        if winner.piece.id != leader.piece.id {
+            match self.with(fitted, &winner.piece)? {
                 Some(fit) => next = fit,
                 None => winner = leader,
             }
         }
-        Ok(Some((winner.candidate.piece.id.clone(), next)))
+        Ok(Some((winner.piece.id.clone(), next)))
     }
 }
 
@@ -321,11 +315,8 @@ mod tests {
         let greedy = Greedy::new(pass, &catalogue, &known);
         let base = pass.fit(model, Vec::new(), &known).ok().flatten().expect("a fit");
         let step = catalogue.searched().into_iter().find(|named| named.form.searched == Some(Searched::At));
-        let step = search::best(&pass, &base, &catalogue, &step.expect("steps"))
-            .ok()
-            .flatten()
-            .expect("a step")
-            .piece;
+        let step =
+            search::best(&pass, &base, &catalogue, &step.expect("steps")).ok().flatten().expect("a step");
         let with_step = greedy.with(&base, &step).ok().flatten().expect("a fit with the step");
         let inputs = std::sync::Arc::new(vec![[0.0; MAX_INPUTS]; samples.len()]);
         let made =

@@ -3,7 +3,7 @@
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::base::quality::residue;
-use crate::search::screen::{Candidate, SIGNIFICANCE, ranges, ridge, rivalry};
+use crate::search::screen::{SIGNIFICANCE, ranges, ridge, rivalry};
 use crate::search::search;
 use crate::search::several::numbered;
 use crate::search::state::{Greedy, Judged, held_out_rms};
@@ -44,12 +44,12 @@ impl<'a> Greedy<'_, 'a> {
         let mut columns = base;
         leaders.truncate(LEADERS.min(TERMS.saturating_sub(inner.len())));
         leaders.retain(|one| {
-            let wide = columns + one.candidate.piece.k();
+            let wide = columns + one.piece.k();
             let fits = wide <= COLUMNS;
             columns = if fits { wide } else { columns };
             fits
         });
-        let batch: Vec<&Piece> = leaders.iter().map(|one| &one.candidate.piece).collect();
+        let batch: Vec<&Piece> = leaders.iter().map(|one| &one.piece).collect();
         let all: Vec<&Piece> = inner.iter().chain(&batch).copied().collect();
         let blocks = self.pass.blocks(&self.pass.folds(&all), &fitted.model, &all)?;
         let prior = ridge(&fitted.prior, &Matrix::total(&blocks, Some(&fitted.prior)), base);
@@ -71,16 +71,15 @@ impl<'a> Greedy<'_, 'a> {
         let tries = (judged.len() * judged.len().saturating_sub(1) / 2) as f64;
         let mut best: Option<(f64, [String; 2], Fitted<'a>)> = None;
         let steps = self.two_steps(fitted)?;
-        let close =
-            pairs.into_iter().take(CLOSE).map(|(_, i, j)| [&leaders[i].candidate, &leaders[j].candidate]);
+        let close = pairs.into_iter().take(CLOSE).map(|(_, i, j)| [&leaders[i].piece, &leaders[j].piece]);
         for [a, b] in close.chain(steps.iter().map(|[a, b]| [a, b])) {
-            let Some(two) = rivalry(&self.pass, fitted, &a.piece, &b.piece, self.known)? else { continue };
+            let Some(two) = rivalry(&self.pass, fitted, a, b, self.known)? else { continue };
             let certain = |p: f64, searched: f64| p * searched * tries < SIGNIFICANCE;
-            if !certain(two.first, a.searched) || !certain(two.second, b.searched) {
+            if !certain(two.first, a.places) || !certain(two.second, b.places) {
                 continue;
             }
             let mut pieces = fitted.pieces.clone();
-            pieces.extend([a.piece.clone(), b.piece.clone()]);
+            pieces.extend([a.clone(), b.clone()]);
             let Some(next) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
             let next = self.settled(next)?;
             if !self.each_beats_its_copies(&next, fitted.pieces.len())? {
@@ -88,14 +87,14 @@ impl<'a> Greedy<'_, 'a> {
             }
             let Some(held) = held_out_rms(&next).filter(|held| held * held < leaves) else { continue };
             if best.as_ref().is_none_or(|(least, ..)| held < *least) {
-                best = Some((held, [a.piece.id.clone(), b.piece.id.clone()], next));
+                best = Some((held, [a.id.clone(), b.id.clone()], next));
             }
         }
         Ok(best.map(|(_, ids, next)| (ids, next)))
     }
 
     /// The step that goes and comes back, and the last two of three that hide each other.
-    fn two_steps(&self, fitted: &Fitted<'a>) -> Result<Option<[Candidate<'a>; 2]>, BadShape> {
+    fn two_steps(&self, fitted: &Fitted<'a>) -> Result<Option<[Piece<'a>; 2]>, BadShape> {
         let repeated = |named: &Named| named.form.searched == Some(Searched::At);
         let Some(named) = self.catalogue.searched().into_iter().find(repeated) else { return Ok(None) };
         let Some([first, second]) = search::two_steps(&self.pass, fitted, self.catalogue, &named)? else {
@@ -103,7 +102,7 @@ impl<'a> Greedy<'_, 'a> {
         };
         let Some(first) = numbered(fitted, first) else { return Ok(None) };
         let mut with = fitted.clone();
-        with.pieces.push(first.piece.clone());
+        with.pieces.push(first.clone());
         Ok(numbered(&with, second).map(|second| [first, second]))
     }
 

@@ -101,6 +101,7 @@ fn slope<'a>(pass: &Pass, piece: &Piece<'a>) -> Option<Piece<'a>> {
         effect: Arc::new(effect),
         coefficients: [0.0; MAX_COEFFICIENTS],
         inputs,
+        places: 1.0,
         clock: Clock::Stamps,
         known_at: None,
     })
@@ -125,7 +126,7 @@ fn moved<'a>(piece: &Piece<'a>, change: f64, catalogue: &Catalogue<'a>) -> Optio
         (Searched::Delay, now) => catalogue.build(&piece.named()?, (now + change).max(0.2 * now))?,
         (Searched::At, _) => return None,
     };
-    Some(Piece { coefficients: piece.coefficients, id: piece.id.clone(), ..next })
+    Some(Piece { coefficients: piece.coefficients, id: piece.id.clone(), places: piece.places, ..next })
 }
 
 /// Moves searched parameters to where the error is least, and refits.

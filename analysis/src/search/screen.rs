@@ -17,15 +17,6 @@ const OF_SLOW_NOISE: f64 = 0.5;
 /// No noise follows its colour to the letter: where it is weakly known, at the lowest frequencies, chance is so many times likelier.
 const CAUTION: f64 = 10.0;
 
-/// A candidate with the number of places that were searched for its fixed parameter.
-#[derive(Clone)]
-pub struct Candidate<'a> {
-    /// The effect, with coefficients of zero.
-    pub piece: Piece<'a>,
-    /// Independent values of its parameter that were tried; 1 where it has none.
-    pub searched: f64,
-}
-
 /// What a test of a candidate says.
 #[derive(Debug, Clone)]
 pub struct Tested {
@@ -75,7 +66,7 @@ pub(crate) fn ridge(prior: &Matrix, data: &Matrix, from: usize) -> Matrix {
 pub fn screen(
     pass: &Pass,
     fitted: &Fitted,
-    candidates: &[Candidate],
+    candidates: &[Piece],
     count: usize,
 ) -> Result<Vec<Tested>, BadShape> {
     let base = fitted.columns();
@@ -87,7 +78,7 @@ pub fn screen(
         let mut columns = base;
         let mut end = start;
         while end < candidates.len() && end - start + inner.len() < TERMS {
-            columns += candidates[end].piece.k();
+            columns += candidates[end].k();
             if columns > COLUMNS {
                 break;
             }
@@ -96,7 +87,7 @@ pub fn screen(
         if end == start {
             break;
         }
-        let batch: Vec<&Piece> = candidates[start..end].iter().map(|candidate| &candidate.piece).collect();
+        let batch: Vec<&Piece> = candidates[start..end].iter().collect();
         let all: Vec<&Piece> = inner.iter().copied().chain(batch.iter().copied()).collect();
         // All are held against the model as it is, on the same blocks.
         let blocks = pass.blocks(&pass.folds(&all), &fitted.model, &all)?;
@@ -114,7 +105,7 @@ pub fn screen(
         let rows = f64::from(total.rows());
         let chance = |gain: &Improvement<f64>, index: usize| {
             let (f, k, freedom) = gain.f_statistic(base, rows, rows);
-            (f_tail(f, k, freedom) * candidates[index].searched).min(1.0)
+            (f_tail(f, k, freedom) * candidates[index].places).min(1.0)
         };
         // The noise's memory mostly makes chance more likely: it is looked at where that can matter.
         let close: Vec<usize> = (0..batch.len())
@@ -141,7 +132,7 @@ pub fn screen(
             let left = rows.moved(&step);
             let noise = frame.spectrum(&total, span.clone(), &left)?;
             let test = frame.test(&total, span.clone(), &noise)?;
-            let tries = candidates[start + offset].searched * count as f64;
+            let tries = candidates[start + offset].places * count as f64;
             let found = with_colour(frame, &total, span.clone(), &left, test, tries);
             let takes = gains[offset].as_ref().map_or(0.0, |gain| gain.decrease);
             match takes < OF_SLOW_NOISE * fitted.squares {
@@ -172,7 +163,7 @@ pub fn screen(
                 tested.directions = gain.directions;
                 tested.decrease = gain.decrease;
                 tested.p_value = match (coloured, close.contains(&offset)) {
-                    (Some(test), _) => (test.p_value * candidates[index].searched).min(1.0),
+                    (Some(test), _) => (test.p_value * candidates[index].places).min(1.0),
                     (None, true) => 1.0,
                     (None, false) => chance(gain, index),
                 };

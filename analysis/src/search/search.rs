@@ -6,7 +6,7 @@ use crate::samples::samples::Samples;
 use crate::samples::series::median;
 use crate::search::candidates::Catalogue;
 use crate::search::gains::{decreases, largest};
-use crate::search::screen::{Candidate, WORTH_NAMING};
+use crate::search::screen::WORTH_NAMING;
 use crate::search::tone::periodic;
 use ironout::effect::{Named, Searched};
 /// Places where a step is looked for at first.
@@ -24,7 +24,7 @@ pub fn best<'a>(
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
-) -> Result<Option<Candidate<'a>>, BadShape> {
+) -> Result<Option<Piece<'a>>, BadShape> {
     match named.form.searched {
         Some(Searched::At) => step(pass, fitted, catalogue, named),
         Some(Searched::Frequency) => periodic(pass, fitted, catalogue, named),
@@ -39,7 +39,7 @@ fn step<'a>(
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
-) -> Result<Option<Candidate<'a>>, BadShape> {
+) -> Result<Option<Piece<'a>>, BadShape> {
     let Some(time) = &pass.samples.time else { return Ok(None) };
     let n = pass.samples.len();
     let base = fitted.columns();
@@ -82,7 +82,7 @@ fn step<'a>(
         if bounds.windows(2).all(|pair| pair[1] - pair[0] <= 1) || high - low <= 2 {
             let at_s = if at == 0 { time[0] } else { 0.5 * (time[at - 1] + time[at]) };
             let piece = catalogue.build(named, at_s);
-            return Ok(piece.map(|piece| Candidate { piece, searched: STEP_SEGMENTS as f64 }));
+            return Ok(piece.map(|piece| Piece { places: STEP_SEGMENTS as f64, ..piece }));
         }
         // Finer around the best place.
         after = sums[(best.1 + 1).min(sums.len() - 1)].clone();
@@ -123,7 +123,7 @@ pub(crate) fn two_steps<'a>(
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
-) -> Result<Option<[Candidate<'a>; 2]>, BadShape> {
+) -> Result<Option<[Piece<'a>; 2]>, BadShape> {
     let Some(time) = &pass.samples.time else { return Ok(None) };
     let (n, base) = (pass.samples.len(), fitted.columns());
     if n < 4 * STEP_SEGMENTS || base + 6 > COLUMNS {
@@ -155,7 +155,7 @@ pub(crate) fn two_steps<'a>(
     let at = |place: usize| 0.5 * (time[bounds[place] - 1] + time[bounds[place]]);
     let step = |place: usize| {
         let piece = catalogue.build(named, at(place))?;
-        Some(Candidate { piece, searched: STEP_SEGMENTS as f64 })
+        Some(Piece { places: STEP_SEGMENTS as f64, ..piece })
     };
     Ok(best.and_then(|(_, first, second)| Some([step(first)?, step(second)?])))
 }
@@ -201,7 +201,7 @@ fn delay<'a>(
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
-) -> Result<Option<Candidate<'a>>, BadShape> {
+) -> Result<Option<Piece<'a>>, BadShape> {
     let Some(mut delays) = delays(pass.samples) else { return Ok(None) };
     let searched = delays.len() as f64;
     for round in 0..3 {
@@ -209,7 +209,7 @@ fn delay<'a>(
         let gains = decreases(pass, fitted, &pieces)?;
         let best = largest(&gains);
         if round == 2 || gains.get(best).is_none_or(|gain| *gain <= 0.0) {
-            return Ok(pieces.into_iter().nth(best).map(|piece| Candidate { piece, searched }));
+            return Ok(pieces.into_iter().nth(best).map(|piece| Piece { places: searched, ..piece }));
         }
         let low = if best == 0 { 0.5 * delays[0] } else { delays[best - 1] };
         let high = delays.get(best + 1).copied().unwrap_or(delays[best]);

@@ -2,7 +2,6 @@
 
 use crate::base::engine::Fitted;
 use crate::base::piece::Piece;
-use crate::search::screen::Candidate;
 use crate::search::state::Explanation;
 
 /// A model holds so many of a kind.
@@ -19,11 +18,11 @@ fn id(kind: &str, number: usize) -> String {
 }
 
 /// The next of its kind beside those in the model; `None` where the model holds enough of them.
-pub(crate) fn numbered<'a>(fitted: &Fitted, candidate: Candidate<'a>) -> Option<Candidate<'a>> {
-    let Some(kind) = kind(&candidate.piece) else { return Some(candidate) };
+pub(crate) fn numbered<'a>(fitted: &Fitted, candidate: Piece<'a>) -> Option<Piece<'a>> {
+    let Some(kind) = kind(&candidate) else { return Some(candidate) };
     let is_free = |id: &String| !fitted.pieces.iter().any(|piece| piece.id == *id);
     let id = (1..=MOST_OF_A_KIND).map(|number| id(kind, number)).find(is_free)?;
-    Some(Candidate { piece: Piece { id, ..candidate.piece }, ..candidate })
+    Some(Piece { id, ..candidate })
 }
 
 impl Explanation<'_> {

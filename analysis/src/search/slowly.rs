@@ -122,6 +122,7 @@ impl<'a> Greedy<'_, 'a> {
             effect: Arc::new(slowly),
             coefficients: Default::default(),
             inputs: Arc::new(places.iter().map(|x| [*x, 0.0]).collect()),
+            places: 1.0,
             clock: Clock::Stamps,
             known_at: None,
         };

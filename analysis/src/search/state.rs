@@ -7,7 +7,7 @@ use crate::base::engine::{Fitted, Pass, SETTLED};
 use crate::base::known::Known;
 use crate::base::piece::{BadShape, Piece};
 use crate::search::candidates::Catalogue;
-use crate::search::screen::{Candidate, Tested};
+use crate::search::screen::Tested;
 use crate::search::shown::Shown;
 use ironout::study::{Residual, held_out};
 use std::cell::RefCell;
@@ -52,7 +52,7 @@ pub struct Confounded {
 #[derive(Clone)]
 pub struct Judged<'a> {
     /// It.
-    pub candidate: Candidate<'a>,
+    pub piece: Piece<'a>,
     /// Its test.
     pub tested: Tested,
 }
@@ -60,10 +60,7 @@ pub struct Judged<'a> {
 impl Judged<'_> {
     /// The same of the effect over other samples.
     pub fn on<'b>(&self, piece: Piece<'b>) -> Judged<'b> {
-        Judged {
-            candidate: Candidate { piece, searched: self.candidate.searched },
-            tested: self.tested.clone(),
-        }
+        Judged { piece: Piece { places: self.piece.places, ..piece }, tested: self.tested.clone() }
     }
 }
 
@@ -92,6 +89,8 @@ pub struct Explanation<'a> {
     pub ended_early: bool,
     /// How many candidates a round has.
     pub count: usize,
+    /// Probability that chance does as well as an effect of the model, by its id: all others in the model, its search counted.
+    pub chances: Vec<(String, f64)>,
     /// The tests of the effects that were asked for; empty after a search, which adds only what is shown.
     pub shown: Vec<Shown>,
 }
@@ -266,6 +265,7 @@ impl<'a> Greedy<'_, 'a> {
             dropped: Vec::new(),
             ended_early: false,
             count: 1,
+            chances: Vec::new(),
             shown: Vec::new(),
         })
     }

@@ -51,6 +51,7 @@ impl Steadily {
             effect: Arc::new(Steadily { reference_s }),
             coefficients: Default::default(),
             inputs: Arc::new(time.iter().map(|t| [*t, 0.0]).collect()),
+            places: 1.0,
             clock: Clock::Stamps,
             known_at: None,
         }

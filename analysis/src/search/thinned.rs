@@ -53,7 +53,7 @@ impl<'a> Greedy<'_, 'a> {
         let more = base.rows / found.base.rows.max(1.0);
         let judged = |list: &[Judged]| -> Vec<Judged<'a>> {
             let lift = |one: &Judged| {
-                let mut out = one.on(self.catalogue.again(&one.candidate.piece)?);
+                let mut out = one.on(self.catalogue.again(&one.piece)?);
                 out.tested.decrease *= more;
                 out.tested.held_out = out.tested.held_out.map(|squares| squares * more);
                 Some(out)
@@ -72,6 +72,7 @@ impl<'a> Greedy<'_, 'a> {
             dropped: found.dropped.clone(),
             ended_early: found.ended_early,
             count: found.count,
+            chances: Vec::new(),
             shown: Vec::new(),
         })
     }

@@ -7,7 +7,6 @@ use crate::samples::samples::Samples;
 use crate::samples::series::median;
 use crate::search::candidates::Catalogue;
 use crate::search::gains::{decreases, largest};
-use crate::search::screen::Candidate;
 use ironout::effect::Named;
 
 /// The lowest frequency of periodic interference, Hz: two slower sinusoids imitate almost any covariate.
@@ -42,15 +41,15 @@ pub fn periodic<'a>(
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
-) -> Result<Option<Candidate<'a>>, BadShape> {
+) -> Result<Option<Piece<'a>>, BadShape> {
     let Some(stamps) = &pass.samples.time else { return Ok(None) };
     let mut found = Vec::from_iter(tone(pass, fitted, catalogue, named, (Clock::Stamps, stamps))?);
     if let Some(grid) = catalogue.grid() {
         found.extend(tone(pass, fitted, catalogue, named, (Clock::Even, &grid))?);
     }
-    let searched = found.iter().map(|(_, candidate)| candidate.searched).sum();
+    let places = found.iter().map(|(_, piece)| piece.places).sum();
     let best = found.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(best.map(|(_, candidate)| Candidate { searched, ..candidate }))
+    Ok(best.map(|(_, piece)| Piece { places, ..piece }))
 }
 
 /// The strongest tone by one clock, and what it takes off the squared error.
@@ -60,7 +59,7 @@ fn tone<'a>(
     catalogue: &Catalogue<'a>,
     named: &Named,
     (clock, time): (Clock, &[f64]),
-) -> Result<Option<(f64, Candidate<'a>)>, BadShape> {
+) -> Result<Option<(f64, Piece<'a>)>, BadShape> {
     let samples = pass.samples;
     let n = samples.len();
     let (Some(&first), Some(&last)) = (time.first(), time.last()) else { return Ok(None) };
@@ -131,7 +130,7 @@ fn tone<'a>(
             .collect();
     }
     let found = best.and_then(|(gain, hz)| Some((gain, catalogue.by(clock, named, hz)?)));
-    Ok(found.map(|(gain, piece)| (gain, Candidate { piece, searched })))
+    Ok(found.map(|(gain, piece)| (gain, Piece { places: searched, ..piece })))
 }
 
 #[cfg(test)]
