@@ -73,7 +73,7 @@ fn slow_columns_beside_a_slow_motion_do_not_make_a_board_rest() {
 #[test]
 fn a_board_that_rests_is_one_without_a_gyro_too() {
     let beside: [(&'static str, &dyn Fn(f64) -> f64); 2] = [
-        ("current_a", &|t| if (t / 1.7) as u64 % 2 == 0 { 0.0 } else { 4.0 + (0.9 * t).sin() }),
+        ("current_a", &|t| if ((t / 1.7) as u64).is_multiple_of(2) { 0.0 } else { 4.0 + (0.9 * t).sin() }),
         ("batt_pct", &|t| 90.0 - 0.5 * t),
     ];
     let still = |_: f64| [0.6, 0.0, 0.8];

@@ -218,6 +218,9 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut L
         None if matches!(solution.alignment, Alignment::Mirrored(_) | Alignment::Open(_)) => {
             out.line("heading error               -               not before the axes are in order")
         }
+        None if matches!(solution.alignment, Alignment::NoDip { .. }) => {
+            out.line("heading error               -               needs the dip, which this accelerometer does not show: --at")
+        }
         None => {
             out.line("heading error               -               needs the dip: an accelerometer, or --at")
         }

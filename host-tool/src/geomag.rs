@@ -70,7 +70,12 @@ impl EarthField {
             Angle::new::<degree>(longitude_deg as f32),
             on,
         )
-        .map_err(|error| format!("{error:?}"))?;
+        // Its other words are those of a program: the place or the day is outside.
+        .map_err(|error| {
+            let words = format!("{error:?}");
+            let day = words.starts_with("Date");
+            format!("{} is outside", if day { "the day" } else { "the place" })
+        })?;
         Ok(EarthField {
             field_ut: f64::from(field.f().get::<nanotesla>()) / 1000.0,
             dip_deg: f64::from(field.inclination().get::<degree>()),

@@ -290,6 +290,9 @@ fn axes_words(axes: &OddAxes) -> String {
             ("magnetometer", "mag", false, "the magnetometer's axes are not those of gyro and accelerometer")
         }
         Whose::GyroOrMagnetometer => ("gyro", "gyro", true, "the gyro's axes are not the magnetometer's"),
+        Whose::LikelyMagnetometer => {
+            ("magnetometer", "mag", false, "the magnetometer's axes are not the gyro's")
+        }
         Whose::GyroOrAccelerometer => ("gyro", "gyro", true, "the gyro's axes are not the accelerometer's"),
     };
     let mirrored = axes.orders.iter().all(|order| order.is_mirrored());
@@ -314,6 +317,13 @@ fn axes_words(axes: &OddAxes) -> String {
                 names.join(", ")
             ));
         }
+    }
+    if let (Whose::LikelyMagnetometer, [one]) = (axes.whose, axes.orders.as_slice()) {
+        text.push_str(&format!(
+            "\nWhich of the two stands otherwise the accelerometer does not tell. Gyro and accelerometer are mostly one chip: the \
+             magnetometer is taken for the odd one. If it is the gyro, read the log with\n   {}",
+            typed_option("--rotate", &format!("gyro:{}", one.back().name()))
+        ));
     }
     let other = match axes.whose {
         Whose::GyroOrMagnetometer => "magnetometer",

@@ -20,6 +20,8 @@ const SWAPPED_LEAVES: f64 = 0.5;
 const SWAPPED_MOST_DEG: f64 = 15.0;
 /// ... of at least this, degrees: where the dip spreads by little whatever the rotation, the attitude does not show it.
 const SWAPPED_FROM_DEG: f64 = 8.0;
+/// By the gyro axes are out of order where the dip spreads no further for it than this times as much.
+const NO_WORSE: f64 = 1.1;
 
 /// What the dip says about a model.
 #[derive(Debug, Clone)]
@@ -173,8 +175,14 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
         }
     }
     let Some((mut model, mut after_deg)) = best else { return Ok(None) };
+    // Named only where it leaves little of the dip's spread: other errors turn an estimate too.
+    let by_dip = angle_deg(&matrix(&model.rotation)) > SWAPPED_DEG
+        && in_order_deg > SWAPPED_FROM_DEG
+        && after_deg < SWAPPED_LEAVES * in_order_deg
+        && after_deg < SWAPPED_MOST_DEG;
+    let undecided = angle_deg(&matrix(&model.rotation)) > SWAPPED_DEG && !by_dip;
     let mut by_gyro = false;
-    if after_deg > SWAPPED_MOST_DEG
+    if (after_deg > SWAPPED_MOST_DEG || undecided)
         && let Some(rotation) = by_gyro::rotation(samples, &model)
         && let Some((spread, sine)) = spread(samples, &(rotation * matrix(&model.matrix)), &offset)
         && let Some(turned) = Model::new(model.offset_ut, model.matrix, model.field_ut, rows(&rotation), sine)
@@ -182,11 +190,9 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
         (model, after_deg, by_gyro) = (turned, spread, true);
     }
     let rotation = matrix(&model.rotation);
-    // Named only where it leaves little of the dip's spread: other errors turn an estimate too.
-    let swapped = angle_deg(&rotation) > SWAPPED_DEG
-        && in_order_deg > SWAPPED_FROM_DEG
-        && after_deg < SWAPPED_LEAVES * in_order_deg
-        && after_deg < SWAPPED_MOST_DEG;
+    // By a gyro, unless gravity says that it is the gyro that stands otherwise.
+    let swapped =
+        by_dip || by_gyro && angle_deg(&rotation) > SWAPPED_DEG && after_deg < NO_WORSE * in_order_deg;
     let (order, angle_deg) =
         if swapped { AxisOrder::nearest(&rotation) } else { (AxisOrder::IN_ORDER, beside_symmetric(&model)) };
     Ok(Some(Alignment { model, before_deg, after_deg, angle_deg, order, by_gyro }))

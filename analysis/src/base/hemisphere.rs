@@ -39,7 +39,7 @@ pub(crate) fn settle(
     pieces: &[Piece],
     evidence: Evidence,
 ) -> (Standing, Model<f64>) {
-    let model = found.model;
+    let (model, by_gyro) = (found.model, found.by_gyro);
     let dip_deg = model.sin_dip.clamp(-1.0, 1.0).asin().to_degrees();
     let twin = opposite(&model);
     let by_heading = evidence.heading_deg.and_then(|reference| {
@@ -56,9 +56,13 @@ pub(crate) fn settle(
     };
     match (is_opposite, twin) {
         (Ok((true, by)), Some(twin)) => {
-            (Standing { order: found.order.opposite(), dip_deg: -dip_deg, decided: Ok(by) }, twin)
+            let order = found.order.opposite();
+            (Standing { order, dip_deg: -dip_deg, decided: Ok(by), by_gyro }, twin)
         }
-        (decided, _) => (Standing { order: found.order, dip_deg, decided: decided.map(|(_, by)| by) }, model),
+        (decided, _) => {
+            let decided = decided.map(|(_, by)| by);
+            (Standing { order: found.order, dip_deg, decided, by_gyro }, model)
+        }
     }
 }
 

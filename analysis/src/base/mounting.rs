@@ -81,6 +81,8 @@ pub struct Standing {
     pub dip_deg: f64,
     /// What decided it.
     pub decided: Result<DecidedBy, Doubt>,
+    /// Whether it is the gyro that tells the order: the accelerometer has measured more than gravity.
+    pub by_gyro: bool,
 }
 
 impl Standing {
@@ -119,7 +121,11 @@ impl Standing {
 
     /// What to know about the axes, and what to do, in sentences; empty where they are in order beyond doubt.
     pub fn words(&self) -> Vec<String> {
-        let against = "against the accelerometer, the magnetometer's axes stand for";
+        let against = if self.by_gyro {
+            "against the gyro, the magnetometer's axes stand for"
+        } else {
+            "against the accelerometer, the magnetometer's axes stand for"
+        };
         let order = self.order;
         match self.decided {
             Err(doubt) if order.is_in_order() => vec![format!(

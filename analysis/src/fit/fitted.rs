@@ -130,6 +130,8 @@ impl Fitted {
         let unknown = matches!(solution.alignment, Alignment::Mirrored(_) | Alignment::Open(_));
         self.dip_deg = match unknown {
             true => None,
+            // An accelerometer whose dip spreads so far shows no gravity, and so no dip either.
+            false if matches!(solution.alignment, Alignment::NoDip { .. }) => self.dip_deg,
             false => self.dip_deg.or_else(|| median_dip_deg(&counted.samples, &calibration)),
         };
         self.heading_error_deg = self.dip_deg.map(|dip_deg| {

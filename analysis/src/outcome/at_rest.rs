@@ -49,11 +49,12 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             start = next;
         }
     }
-    let explanation = if options.search {
+    let mut explanation = if options.search {
         greedy.certain(greedy.search(start)?, &options.add)?
     } else {
         greedy.only(base, start)?
     };
+    explanation.chances = greedy.chances(&explanation.fitted)?;
     let (used, confounded) = (explanation.fitted.pieces.len(), explanation.confounded.clone());
     let fitted = &explanation.fitted;
     let residuals = pass.residuals(&fitted.model, &fitted.pieces.iter().collect::<Vec<_>>())?;

@@ -73,6 +73,8 @@ pub(crate) fn explain<'a>(
     };
     explanation = greedy.ended(explanation, &options.add, options.search)?;
     if options.search {
+        explanation = greedy.beyond_chance(explanation, &options.add)?;
+        explanation = greedy.without_unshown(explanation, &options.add)?;
         explanation.chances = greedy.chances(&explanation.fitted)?;
     } else {
         explanation.shown = greedy.shown(&explanation.fitted)?;

@@ -148,6 +148,7 @@ impl View<'_, '_> {
         if let (Some(base), None) = (self.base, &self.lower_order) {
             standing::first_row(&mut diagnosis, base, plain.is_some());
         }
+        standing::tell_matrix(&mut diagnosis);
         Ok(diagnosis)
     }
 }

@@ -52,6 +52,21 @@ impl View<'_, '_> {
                 .find(|group| group.ids.iter().any(|other| other == id))
                 .map(|group| group.ids.iter().filter(|other| *other != id).cloned().collect::<Vec<_>>())
         };
+        let untried = |id: &String, status: Status, why: String| {
+            let built = self.catalogue.registry.parse(id).and_then(|named| self.catalogue.build(&named, 0.0));
+            CandidateRow {
+                id: id.clone(),
+                name: built.map_or_else(|| id.clone(), |piece| piece.effect.name().to_string()),
+                status,
+                residual: Residual::Magnitude.name(),
+                holdout_rms_ut: None,
+                p_value: None,
+                confounded_with: Vec::new(),
+                why,
+                angle_deg: None,
+                takes: None,
+            }
+        };
         let group_of = |id: &str| others_in(&self.explanation.confounded, id);
         let kin_of = |id: &str| others_in(&self.explanation.families, id);
         for piece in &self.explanation.fitted.pieces {
@@ -99,24 +114,14 @@ impl View<'_, '_> {
         for withdrawn in &self.explanation.withdrawn {
             let judged = self.explanation.first.iter().chain(&self.explanation.last);
             let mut tested = judged.filter(|one| one.piece.id == withdrawn.id);
-            if let Some(one) = tested.next() {
-                list.push(row_of(one, Status::NotNeeded, Vec::new(), withdrawn.why.clone()));
-            }
+            list.push(match tested.next() {
+                Some(one) => row_of(one, Status::NotNeeded, Vec::new(), withdrawn.why.clone()),
+                None => untried(&withdrawn.id, Status::NotNeeded, withdrawn.why.clone()),
+            });
         }
         for id in &self.explanation.dropped {
-            let name = self.catalogue.registry.parse(id).and_then(|named| self.catalogue.build(&named, 0.0));
-            list.push(CandidateRow {
-                id: id.clone(),
-                name: name.map_or_else(|| id.clone(), |piece| piece.effect.name().to_string()),
-                status: Status::Untestable,
-                residual: Residual::Magnitude.name(),
-                holdout_rms_ut: None,
-                p_value: None,
-                confounded_with: Vec::new(),
-                why: "its shape is not finite on this log, so it was left out; the others were tried".into(),
-                angle_deg: None,
-                takes: None,
-            });
+            let why = "its shape is not finite on this log, so it was left out; the others were tried";
+            list.push(untried(id, Status::Untestable, why.into()));
         }
         for one in &self.explanation.last {
             let id = &one.piece.id;
@@ -183,11 +188,7 @@ impl View<'_, '_> {
             }
             let angle = dip.alignment.angle_deg;
             let by_gyro = dip.alignment.by_gyro;
-            // By a dip that spreads so far no calibration is turned.
-            let (beside, matrix) = match by_gyro {
-                true => ("gyro", "the dip spreads too far for the matrix to contain it"),
-                false => ("accelerometer", "the full matrix contains it"),
-            };
+            let beside = if by_gyro { "gyro" } else { "accelerometer" };
             list.push(CandidateRow {
                 id: MISALIGNMENT.id.into(),
                 name: MISALIGNMENT.name.into(),
@@ -202,8 +203,7 @@ impl View<'_, '_> {
                 p_value: None,
                 confounded_with: Vec::new(),
                 why: format!(
-                    "the axes of magnetometer and {beside} differ by {angle:.1}° beside the triangular matrix; \
-                     {matrix}"
+                    "the axes of magnetometer and {beside} differ by {angle:.1}° beside the triangular matrix"
                 ),
                 angle_deg: Some(angle),
                 takes: None,
@@ -266,8 +266,8 @@ impl View<'_, '_> {
         }
         if takes < WORTH_NAMING && self.pass.residual == Residual::Magnitude {
             return format!(
-                "it would take {percent:.0} % off the squared error that is left; below {:.0} % chance and structure of other kinds \
-                 do as much, so nobody is named for it",
+                "it would take {percent:.0} % off the squared error that is left; below {:.0} % structure of other kinds takes as \
+                 much, so it is not named",
                 100.0 * WORTH_NAMING
             );
         }
@@ -280,8 +280,13 @@ impl View<'_, '_> {
             );
         }
         format!(
-            "it would take {percent:.0} % off the squared error that is left, but by itself it is not certain: something that \
-             the log lacks may move as it does"
+            "it would take {percent:.0} % off the squared error that is left, but by itself it is not certain: {} may look \
+             like it",
+            if one.piece.follows(Follows::Attitude) {
+                "another cause"
+            } else {
+                "something that the log lacks"
+            }
         )
     }
 

@@ -2,6 +2,7 @@
 
 use crate::base::axes::{Aligned, Alignment, Found};
 use crate::base::model::Base;
+use crate::base::mounting::MISALIGNMENT;
 use crate::base::piece::COLUMNS;
 use crate::outcome::outcome::{Diagnosis, Dip};
 use crate::outcome::view::DipStudy;
@@ -32,6 +33,21 @@ pub(crate) fn take_axes(
     calibration.matrix = aligned.matrix;
     diagnosis.std_errors = Some(aligned.std_errors);
     diagnosis.alignment = aligned.alignment;
+}
+
+/// Says beside the misalignment whether the calibration's matrix contains it.
+pub(crate) fn tell_matrix(diagnosis: &mut Diagnosis) {
+    let words = match diagnosis.alignment {
+        Alignment::Done { .. } => "the full matrix contains it",
+        Alignment::NoDip { .. } => "the dip spreads too far for the matrix to contain it",
+        Alignment::Open(_) | Alignment::Mirrored(_) => "no matrix contains it before the axes are in order",
+        Alignment::None => "it is too uncertain for the matrix to contain it",
+    };
+    for row in
+        diagnosis.candidates.iter_mut().filter(|row| row.id == MISALIGNMENT.id && row.angle_deg.is_some())
+    {
+        row.why = format!("{}; {words}", row.why);
+    }
 }
 
 /// States the base model as `fit` gives it in the first row; of a `plain` diagnosis, which adds nothing to the magnitude's

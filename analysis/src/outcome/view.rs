@@ -255,9 +255,13 @@ impl<'a> View<'_, 'a> {
         let refused = self.refused_by_fit(applied, predicted, field);
         if let Some(error) = refused {
             reasons.push(format!(
-                "a calibration from this log would be off by {:.1} % of the field in the worst direction (1σ), for its \
-                 noise and its effects: record longer",
-                100.0 * error
+                "a calibration from this log would be off by {:.1} % of the field in the worst direction (1σ){}",
+                100.0 * error,
+                match (left.structure > 0.0, self.explanation.fitted.pieces.is_empty()) {
+                    (true, _) => ", with what is left unexplained",
+                    (false, true) => ", for its noise: record longer, through more attitudes",
+                    (false, false) => ", for its noise and its effects: record longer, through more attitudes",
+                }
             ));
         }
         if self.explanation.ended_early {
@@ -272,7 +276,7 @@ impl<'a> View<'_, 'a> {
         }
         if left.structure > 0.0 {
             reasons.push(format!(
-                "{:.0} % of the residual's variance is structure that no candidate explains",
+                "{:.0} % of the residual's variance is structure that no candidate explains for certain",
                 100.0 * left.structure
             ));
             return (Verdict::Unexplained, reasons);

@@ -62,12 +62,7 @@ impl FieldSize {
 /// The size of the field; `None` where the board was not turned enough to tell.
 pub fn size(table: &Table) -> Option<FieldSize> {
     let rows = unique_rows(table);
-    let stride = rows.len().div_ceil(MOST).max(1);
-    let points: Vec<Vector3<f64>> = rows.iter().step_by(stride).map(|&row| table.field(row).into()).collect();
-    if points.len() < LEAST || points.iter().flatten().any(|value| !value.is_finite()) {
-        return None;
-    }
-    let middle = Vector3::from_fn(|axis, _| median(&mut points.iter().map(|p| p[axis]).collect::<Vec<_>>()));
+    let (points, middle) = points(table, &rows)?;
     // Unit-free: the same answer in tesla and in nanotesla.
     let scale = median(&mut points.iter().map(|p| (p - middle).norm()).collect::<Vec<_>>());
     if !(scale > 0.0 && scale.is_finite()) {
@@ -78,7 +73,7 @@ pub fn size(table: &Table) -> Option<FieldSize> {
     let step = (0..3).map(|axis| least_step(&unit, axis)).fold(0.0, f64::max);
     let mut jumps: Vec<f64> = rows
         .windows(2)
-        .step_by(stride)
+        .step_by(stride(&rows))
         .map(|pair| {
             (Vector3::from(table.field(pair[1])) - Vector3::from(table.field(pair[0]))).norm() / scale
         })
@@ -123,8 +118,32 @@ fn tilted(table: &Table, rows: &[usize]) -> Option<bool> {
     (count >= LEAST).then(|| sum.norm() < TILTED * f64::from(count as u32))
 }
 
+/// Between two readings that are looked at.
+fn stride(rows: &[usize]) -> usize {
+    rows.len().div_ceil(MOST).max(1)
+}
+
+/// Readings, evenly chosen, and their median; `None` where they are few, or no numbers.
+fn points(table: &Table, rows: &[usize]) -> Option<(Vec<Vector3<f64>>, Vector3<f64>)> {
+    let chosen = rows.iter().step_by(stride(rows));
+    let points: Vec<Vector3<f64>> = chosen.map(|&row| table.field(row).into()).collect();
+    if points.len() < LEAST || points.iter().flatten().any(|value| !value.is_finite()) {
+        return None;
+    }
+    let middle = Vector3::from_fn(|axis, _| median(&mut points.iter().map(|p| p[axis]).collect::<Vec<_>>()));
+    Some((points, middle))
+}
+
+/// The centre of the sphere that the readings lie on: the offset, but for soft iron. `None` where they lie on none.
+pub(crate) fn centre(table: &Table) -> Option<Vector3<f64>> {
+    let (points, middle) = points(table, &unique_rows(table))?;
+    let about: Vec<Vector3<f64>> = points.iter().map(|p| p - middle).collect();
+    sphere(&about).map(|found| middle + found.centre)
+}
+
 /// A sphere that points lie on.
 struct Sphere {
+    centre: Vector3<f64>,
     radius: f64,
     /// Least eigenvalue of the scatter of the directions.
     spread: f64,
@@ -166,7 +185,7 @@ fn sphere(points: &[Vector3<f64>]) -> Option<Sphere> {
     let spread = (scatter - mean * mean.transpose()).symmetric_eigenvalues().min();
     // A median deviation is two thirds of a standard deviation.
     let thickness = 1.5 * usual / radius;
-    (spread >= COVERED && thickness <= THICK).then_some(Sphere { radius, spread, thickness })
+    (spread >= COVERED && thickness <= THICK).then_some(Sphere { centre, radius, spread, thickness })
 }
 
 #[cfg(test)]

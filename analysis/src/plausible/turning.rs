@@ -1,10 +1,12 @@
 //! Whether gyro, magnetometer and accelerometer tell of one turning: the gyro's unit, and axes that stand for others.
 
-use crate::plausible::follow::{Fit, Follow, Pair};
+use crate::plausible::field::centre;
+use crate::plausible::follow::{Fit, Follow, LEAST, Pair};
 use crate::plausible::orders::Order;
 use crate::samples::samples::unique_rows;
 use crate::samples::series::median;
 use crate::table::Table;
+use nalgebra::Vector3;
 
 /// Axes that explain this share of what a vector does are right.
 const FITS: f64 = 0.7;
@@ -18,6 +20,12 @@ const TOLD: f64 = 0.2;
 const HARDLY_TOLD: f64 = 0.05;
 /// … which is enough where it is wrong by more than this.
 const FAR: f64 = 10.0;
+/// The dip spreads by at most this share in the magnetometer's other order where it is the magnetometer that stands otherwise ...
+const MAGNETOMETERS: f64 = 0.8;
+/// ... and by at least so many times as much where it is the gyro; ...
+const GYROS: f64 = 1.25;
+/// ... below this nothing speaks against the magnetometer.
+const UNDECIDED: f64 = 1.1;
 /// A scale is wrong beyond this factor: no gyro is.
 const SCALE: f64 = 2.5;
 /// A unit is named within this factor of its size.
@@ -41,6 +49,9 @@ pub enum Whose {
     Magnetometer,
     /// The gyro's or the magnetometer's: there is nothing to decide between them.
     GyroOrMagnetometer,
+    /// The gyro's or the magnetometer's, and more likely this: gravity says nothing against it, and a gyro is mostly on one chip
+    /// with the accelerometer.
+    LikelyMagnetometer,
     /// The gyro's or the accelerometer's.
     GyroOrAccelerometer,
 }
@@ -93,7 +104,51 @@ pub fn judge(table: &Table) -> Turning {
     let gravity = by_gravity(table, time_s, rate);
     let tells = |follow: &&Follow| follow.best.explained >= FITS;
     let (field, gravity) = (field.as_ref().filter(tells), gravity.as_ref().filter(tells));
-    Turning { axes: axes(field, gravity), rate: scale(field, gravity) }
+    let mut axes = axes(field, gravity);
+    if let (Some(odd), Some(field)) = (&mut axes, field)
+        && odd.whose == Whose::GyroOrMagnetometer
+        && let Some(more) = spreads_more(table, field)
+    {
+        // A shaken accelerometer does not show how the board turns, but the angle between field and gravity is more constant in
+        // the right order all the same.
+        let turned_back = more <= UNDECIDED;
+        odd.whose = match more {
+            _ if more <= MAGNETOMETERS => Whose::Magnetometer,
+            _ if turned_back => Whose::LikelyMagnetometer,
+            _ if more >= GYROS => Whose::Gyro,
+            _ => Whose::GyroOrMagnetometer,
+        };
+        if turned_back {
+            odd.orders = odd.orders.iter().map(Order::back).collect();
+        }
+    }
+    Turning { axes, rate: scale(field, gravity) }
+}
+
+/// How many times as much the angle between field and gravity spreads with the magnetometer's axes in the order in which they
+/// agree with the gyro's as it does with those of the log. `None` where one of them is not known.
+fn spreads_more(table: &Table, field: &Follow) -> Option<f64> {
+    let (accel, centre) = (table.accel_mps2?, centre(table)?);
+    let order = field.best.order.back();
+    if !field.equal.is_empty() {
+        return None;
+    }
+    let (mut own, mut turned) = (Vec::new(), Vec::new());
+    for row in unique_rows(table) {
+        let down = Vector3::from_fn(|axis, _| accel[axis].get(row).copied().unwrap_or(f64::NAN));
+        let h = Vector3::from(table.field(row)) - centre;
+        let sine = |h: &Vector3<f64>| h.dot(&down) / (h.norm() * down.norm());
+        let (one, two) = (sine(&h), sine(&Vector3::from_fn(|i, _| order.sign(i) * h[order.axis[i]])));
+        if one.is_finite() && two.is_finite() {
+            own.push(one.clamp(-1.0, 1.0).asin());
+            turned.push(two.clamp(-1.0, 1.0).asin());
+        }
+    }
+    let spread = |angles: &[f64]| {
+        let mean = angles.iter().sum::<f64>() / angles.len() as f64;
+        (angles.iter().map(|angle| (angle - mean).powi(2)).sum::<f64>() / angles.len() as f64).sqrt()
+    };
+    (own.len() >= LEAST).then(|| spread(&turned) / spread(&own)).filter(|more| more.is_finite())
 }
 
 fn by_field(table: &Table, time_s: &[f64], rate: [&[f64]; 3]) -> Option<Follow> {

@@ -5,6 +5,7 @@ use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::{Residue, error_beyond, predicted_error, residue};
 use crate::noise::colour::Colour;
+use crate::search::screen::ACCUSED;
 use crate::search::state::{Explanation, Greedy, Step, Withdrawn, errors_applied, held_out_rms};
 use ironout::effect::Searched;
 use ironout::fit::MAX_PREDICTED_ERROR;
@@ -82,6 +83,59 @@ impl<'a> Greedy<'_, 'a> {
             }
             let Some(worse) = raises(&explanation, asked).filter(|_| searched) else { break };
             if !self.withdraw(&mut explanation, worse)? {
+                break;
+            }
+            explanation.renumber();
+        }
+        Ok(explanation)
+    }
+
+    /// The explanation without what a search found and chance does as well as, beside all others, at the end.
+    pub fn beyond_chance(
+        &self,
+        mut explanation: Explanation<'a>,
+        asked: &[String],
+    ) -> Result<Explanation<'a>, BadShape> {
+        loop {
+            let tries = explanation.count as f64;
+            let all = self.chances(&explanation.fitted)?.into_iter().filter(|(id, _)| !asked.contains(id));
+            let Some((id, chance)) = all.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+            if chance * tries < ACCUSED {
+                break;
+            }
+            let why = format!("beside what else was found, chance does as well ({:.1e})", chance * tries);
+            if !self.withdraw(&mut explanation, Withdrawn { id, why })? {
+                break;
+            }
+            explanation.renumber();
+        }
+        Ok(explanation)
+    }
+
+    /// The explanation without those of the effects that were `asked` for that the log does not show: a question is no answer.
+    pub fn without_unshown(
+        &self,
+        mut explanation: Explanation<'a>,
+        asked: &[String],
+    ) -> Result<Explanation<'a>, BadShape> {
+        while explanation.fitted.pieces.iter().any(|piece| asked.contains(&piece.id)) {
+            let tested = self.shown(&explanation.fitted)?.into_iter().filter(|one| asked.contains(&one.id));
+            let unshown = tested.filter(|one| !one.is_shown());
+            let Some(least) = unshown.max_by(|a, b| a.p_value.total_cmp(&b.p_value)) else { break };
+            let rms =
+                |rms: Option<f64>| rms.map_or("unknown".into(), |rms| format!("{rms:.3} {}", least.unit));
+            let why = format!(
+                "asked for, and not shown by this log: on unseen time the error is {} with it and {} without, and chance does as \
+                 well with a probability of {}",
+                rms(least.with),
+                rms(least.without),
+                if least.p_value < 0.01 {
+                    format!("{:.0e}", least.p_value)
+                } else {
+                    format!("{:.2}", least.p_value)
+                }
+            );
+            if !self.withdraw(&mut explanation, Withdrawn { id: least.id.clone(), why })? {
                 break;
             }
             explanation.renumber();

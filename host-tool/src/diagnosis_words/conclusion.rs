@@ -5,7 +5,7 @@ use crate::diagnosis_words::numbers::{degrees, microtesla, wrap};
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, groups, listed, name_of, title};
 use crate::diagnosis_words::{found, next};
 use ironout_analysis::base::mounting;
-use ironout_analysis::outcome::outcome::{Diagnosis, Verdict};
+use ironout_analysis::outcome::outcome::{Diagnosis, Status, Verdict};
 use ironout_analysis::samples::faults::FaultKind;
 
 /// Whether the last step leaves what the noise leaves.
@@ -25,7 +25,9 @@ fn fall(diagnosis: &Diagnosis) -> String {
         return String::new();
     };
     if first.rms_ut > 1.02 * last.rms_ut {
-        let noise = if at_the_noise(diagnosis) { ", which is what the noise leaves" } else { "" };
+        // Where structure is left beside the noise it is not only that.
+        let all = diagnosis.verdict != Verdict::Unexplained || is_only_unsure(diagnosis);
+        let noise = if all && at_the_noise(diagnosis) { ", which is what the noise leaves" } else { "" };
         return format!(
             "the error falls from {} to {} µT{noise}",
             microtesla(first.rms_ut),
@@ -63,6 +65,9 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
             let with =
                 if fall.is_empty() { String::new() } else { format!(" With {it} in the model, {fall}.") };
             let axes = match found::axis_order(diagnosis) {
+                Some(standing) if standing.by_gyro => {
+                    " The field turns as the gyro says only when the axes are put in order."
+                }
                 Some(_) => " The field and gravity agree only when the axes are put in order.",
                 None => "",
             };
@@ -146,13 +151,21 @@ fn goes_with(diagnosis: &Diagnosis, add: &[String], out: &mut Vec<String>) -> bo
 pub fn verdict(told: &Told, out: &mut Vec<String>) {
     out.push(String::new());
     out.extend(wrap(&sentence(told.diagnosis), "", WIDTH));
+    for id in &told.arguments.add {
+        let row = told.diagnosis.candidates.iter().find(|row| row.id == *id);
+        if let Some(row) = row.filter(|row| row.status == Status::NotNeeded) {
+            out.extend(wrap(&format!("{id} was {}.", row.why), "", WIDTH));
+        }
+    }
 }
 
 /// The effects that `fit --add` takes: those in the steps, in their order.
 pub fn to_add(diagnosis: &Diagnosis, arguments: &DiagnoseArgs) -> Vec<String> {
     let mut ids: Vec<String> = Vec::new();
     let found = diagnosis.steps.iter().filter_map(|step| step.added.clone());
-    for id in arguments.add.iter().cloned().chain(found) {
+    let is_unshown =
+        |id: &String| diagnosis.candidates.iter().any(|row| row.id == *id && row.status == Status::NotNeeded);
+    for id in arguments.add.iter().filter(|id| !is_unshown(id)).cloned().chain(found) {
         // These two belong to the alignment, which every fit has.
         if !ids.contains(&id) && !mounting::is_one(&id) {
             ids.push(id);
@@ -214,35 +227,39 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             }
         },
         Verdict::Missing => {
+            let is_bound = |id: &String| {
+                diagnosis.registry.parse(id).is_some_and(|named| named.family.is_bound_to_its_log())
+            };
+            let (bound, lasting): (Vec<String>, Vec<String>) = add.iter().cloned().partition(is_bound);
+            let it = if add.len() == 1 { "it" } else { "them" };
             match &diagnosis.fit_refuses {
-                None => say(out, "Add it to the calibration, and check that on a second log:"),
+                None if lasting.is_empty() => say(out, &format!("Calibrate with {it} in the model:")),
+                None => say(out, &format!("Add {it} to the calibration, and check that on a second log:")),
                 Some(why) => say(
                     out,
                     &format!(
-                        "This log itself carries no calibration, and fit refuses it: {why}. Record another, and add it there:"
+                        "This log itself carries no calibration, and fit refuses it: {why}. Record another, and add {it} there:"
                     ),
                 ),
             }
             command(out, next::fit(arguments, &add));
-            command(out, next::check(arguments));
-            let columns = found::columns(diagnosis);
-            if !columns.is_empty() {
-                say(out, &format!("The second log, and the device, need {} too.", listed(&columns)));
+            if !lasting.is_empty() {
+                command(out, next::check(arguments));
+                let columns: Vec<String> =
+                    found::columns(diagnosis).into_iter().filter(|column| column != "t_s").collect();
+                if !columns.is_empty() {
+                    say(out, &format!("The second log, and the device, need {} too.", listed(&columns)));
+                }
             }
-            let bound: Vec<String> = add
-                .iter()
-                .filter(|id| {
-                    diagnosis.registry.parse(id).is_some_and(|named| named.family.is_bound_to_its_log())
-                })
-                .cloned()
-                .collect();
             if !bound.is_empty() {
+                let (is, it) = if bound.len() == 1 { ("is", "it") } else { ("are", "they") };
                 say(
                     out,
                     &format!(
-                        "({} is bound to this log's own time: in the model it makes offset and matrix right, but it cannot \
+                        "({} {is} bound to this log's own time: in the model {it} make{} offset and matrix right, but {it} cannot \
                          correct another log. Find and remove the cause, then record again.)",
-                        listed(&bound)
+                        listed(&bound),
+                        if bound.len() == 1 { "s" } else { "" }
                     ),
                 );
             }

@@ -8,6 +8,7 @@ use crate::diagnosis_words::place::{self, axis_label};
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, name_of, title};
 use crate::input::Log;
 use ironout::effect::{Amount, Follows, Group, Named, Need, Registry, TIME};
+use ironout_analysis::base::axes::Alignment;
 use ironout_analysis::base::mounting::{AXIS_ORDER, Standing};
 use ironout_analysis::calibration::FittedEffect;
 use ironout_analysis::outcome::outcome::{Diagnosis, StepRow, Verdict};
@@ -110,8 +111,9 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
     let named = named(told.diagnosis, effect);
     if let Some(named) = named.filter(|named| named.form.column) {
         at.extend(effect.reference.iter().map(|(column, value)| {
-            let square = if named.form.is_squared() { "²" } else { "" };
-            format!("zero at {column}{square} = {}", significant(*value, 4))
+            // The reference is a value of the column, whatever becomes of it.
+            let sign = if named.form.is_squared() { "±" } else { "" };
+            format!("zero at {column} = {sign}{}", significant(*value, 4))
         }));
     }
     if !at.is_empty() {
@@ -338,10 +340,12 @@ pub fn alignment(told: &Told, out: &mut Vec<String>) {
             degrees(dip.rms_deg_before),
             degrees(dip.rms_deg_after)
         ));
-        let note = if dip.misalignment_deg > 1.0 {
-            "the full matrix of the fit contains it"
-        } else {
-            "well aligned"
+        let note = match diagnosis.alignment {
+            Alignment::Done { .. } if dip.misalignment_deg > 1.0 => "the full matrix of the fit contains it",
+            Alignment::Done { .. } => "well aligned",
+            Alignment::NoDip { .. } => "not in the matrix: the dip spreads too far to turn it by",
+            Alignment::Open(_) | Alignment::Mirrored(_) => "not in the matrix before the axes are in order",
+            Alignment::None => "not in the matrix, which stays triangular: too uncertain",
         };
         out.push(format!("  misalignment         {}   {note}", degrees(dip.misalignment_deg)));
     }

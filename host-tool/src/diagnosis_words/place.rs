@@ -174,10 +174,14 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
     let nowhere = diagnosis.shows.iter().all(|shown| shown.p_value >= SURE);
     title(
         out,
-        if nowhere && diagnosis.verdict == Verdict::Unexplained {
+        if nowhere && diagnosis.verdict == Verdict::Undetermined {
+            "Where the base model fails is not told: this log does not determine it"
+        } else if nowhere && diagnosis.verdict == Verdict::Unexplained {
             "Where the base model fails: nothing that was logged explains it"
         } else if nowhere {
             "Where the base model could fail: nowhere that chance does not explain"
+        } else if diagnosis.verdict == Verdict::Complete {
+            "Where the base model could fail: nowhere by as much as matters"
         } else {
             "Where the base model fails"
         },

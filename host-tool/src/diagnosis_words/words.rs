@@ -69,11 +69,13 @@ fn fault_line(fault: &DataFault) -> String {
 }
 
 fn faults(told: &Told, out: &mut Vec<String>) {
-    let list = &told.diagnosis.data_faults;
+    let mut list: Vec<&DataFault> = told.diagnosis.data_faults.iter().collect();
     if list.is_empty() {
         return;
     }
-    title(out, "Faults of the data, set aside before anything was tested");
+    title(out, "Faults of the data");
+    // Gaps take no sample away: where not all is listed, what does comes first.
+    list.sort_by_key(|fault| fault.kind == FaultKind::Gap);
     const MOST: usize = 12;
     let mut kinds: Vec<FaultKind> = Vec::new();
     for fault in list.iter().take(MOST) {
@@ -82,7 +84,7 @@ fn faults(told: &Told, out: &mut Vec<String>) {
     if list.len() > MOST {
         out.push(format!("  and {} more", list.len() - MOST));
     }
-    for fault in list {
+    for fault in &list {
         if !kinds.contains(&fault.kind) {
             kinds.push(fault.kind);
             out.extend(wrap(&format!("{}: {}.", fault.kind.name(), explain_fault(fault.kind)), "  ", WIDTH));
@@ -155,7 +157,7 @@ fn base(told: &Told, out: &mut Vec<String>) {
     }
     if let Some(noise) = diagnosis.noise.filter(|noise| noise.is_noise && noise.colour != Colour::White) {
         let text = format!(
-            "The noise is {}: {:.0} samples say as much as one of white noise, so errors are {:.1} times as large.",
+            "The noise is no white one but {}: {:.1} samples say as much as one of white noise, so errors are {:.1} times as large.",
             noise.colour.words(),
             noise.memory_samples,
             noise.memory_samples.sqrt()

@@ -136,3 +136,41 @@ fn a_board_at_rest_or_turned_about_one_axis_names_no_order() {
     let found = judged(&b, &mounted(&b.rate, swapped, 1.0), &b.field, None).axes;
     assert!(found.is_some_and(|axes| axes.orders.len() > 1 && axes.orders.contains(&swapped)));
 }
+
+/// A board whose accelerometer measures as much of its own shaking as of gravity.
+fn shaken(by_mps2: f64) -> Board {
+    let mut b = board();
+    for (i, t) in b.time.iter().enumerate() {
+        for axis in 0..3 {
+            b.force[axis][i] += by_mps2 * (2.1 * t + 2.0 * axis as f64).sin();
+        }
+    }
+    b
+}
+
+#[test]
+fn where_the_accelerometer_is_shaken_the_dip_tells_whose_axes_are_odd() {
+    let b = shaken(7.0);
+    let alone = by_gravity(
+        &Table { accel_mps2: Some(b.force.each_ref().map(Vec::as_slice)), ..Table::default() },
+        &b.time,
+        b.rate.each_ref().map(Vec::as_slice),
+    );
+    assert!(alone.is_none_or(|follow| follow.best.explained < FITS), "it does not show how the board turns");
+    for order in Order::all().filter(|order| !order.is_own() && !order.opposite().is_own()) {
+        // A vector and its opposite turn alike.
+        let named = if order.is_mirrored() { order.opposite() } else { order };
+        let found = judged(&b, &b.rate, &mounted(&b.field, order, 1.0), Some(&b.force)).axes;
+        assert_eq!(found.map(|axes| (axes.whose, axes.orders)), Some((Whose::Magnetometer, vec![named])));
+        let found = judged(&b, &mounted(&b.rate, order, 1.0), &b.field, Some(&b.force)).axes;
+        assert_eq!(found.map(|axes| (axes.whose, axes.orders)), Some((Whose::Gyro, vec![order])));
+    }
+}
+
+#[test]
+fn where_nothing_tells_the_magnetometer_is_the_likelier_one() {
+    let b = shaken(60.0);
+    let order = Order::all().find(|order| order.name() == "y,z,x").expect("an order");
+    let found = judged(&b, &b.rate, &mounted(&b.field, order, 1.0), Some(&b.force)).axes;
+    assert_eq!(found.map(|axes| (axes.whose, axes.orders)), Some((Whose::LikelyMagnetometer, vec![order])));
+}

@@ -270,8 +270,8 @@ impl Log {
         };
         if self.dropouts > 0 {
             notices.push(format!(
-                "the logger lost data {} times, {:.1} s in all",
-                self.dropouts,
+                "the logger lost data {}, {:.1} s in all",
+                if self.dropouts == 1 { "once".into() } else { format!("{} times", self.dropouts) },
                 self.dropout_ms as f64 / 1e3
             ));
         }
