@@ -1,6 +1,6 @@
 //! What a log is taken for before anything is searched: a turning board, a resting one, one of a sensor that was calibrated.
 
-use ironout_analysis::outcome::outcome::Verdict;
+use ironout_analysis::outcome::outcome::{Status, Verdict};
 use ironout_analysis::{Diagnosis, Options, Table, diagnose};
 use ironout_simulation::{EffectSpec, World, WorldOptions};
 
@@ -91,6 +91,65 @@ fn a_sensor_with_an_offset_of_its_own_is_not_taken_as_calibrated_before() {
         assert!(named.is_empty(), "an offset of {offset_ut:?} µT: {named:?}");
         assert!(matches!(found.verdict, Verdict::Undetermined | Verdict::Complete), "{:?}", found.verdict);
     }
+}
+
+#[test]
+fn a_magnetometer_that_hangs_is_said_to_and_blames_no_column() {
+    let beside: [(&'static str, &dyn Fn(f64) -> f64); 1] = [("current_a", &|t| 2.0 + t.sin())];
+    let mut columns = log(20.0, [9.0, -4.0, 3.0], swing, |_| [0.0; 3], &beside);
+    for (name, values) in &mut columns {
+        if name.ends_with("_ut") {
+            let first = values[0];
+            values.fill(first);
+        }
+    }
+    let (found, named) = study(&columns);
+    assert_eq!((found.verdict, named.len()), (Verdict::Undetermined, 0));
+    assert!(found.reasons[0].contains("it is stuck"), "{:?}", found.reasons);
+    let blamed = found.candidates.iter().find(|row| row.why.contains("constant"));
+    assert!(blamed.is_none(), "{blamed:?}");
+}
+
+#[test]
+fn a_clock_that_stands_still_tells_no_time() {
+    let log = World::new(WorldOptions { seed: 12, seconds: 60.0, ..WorldOptions::default() }).run();
+    let mut columns: Vec<(&str, Vec<f64>)> =
+        log.named().into_iter().map(|(name, values)| (name, values.to_vec())).collect();
+    columns.iter_mut().filter(|(name, _)| *name == "t_s").for_each(|(_, time)| time.fill(3.0));
+    let table = Table::from_columns(columns.iter().map(|(name, values)| (*name, values.as_slice())));
+    let found =
+        diagnose(&table.expect("columns"), &Options { search: true, ..Options::default() }).expect("a log");
+    for id in ["drift", "step", "periodic"] {
+        let row = found.candidates.iter().find(|row| row.id == id).expect("its row");
+        assert_eq!(row.status, Status::Untestable, "{id}");
+    }
+}
+
+#[test]
+fn an_effect_that_was_asked_for_and_is_not_shown_is_no_missing_one() {
+    let log =
+        World::new(WorldOptions { seed: 5, seconds: 90.0, noise_ut: 0.2, ..WorldOptions::default() }).run();
+    let table = Table::from_columns(log.named()).expect("columns");
+    for id in ["offset:current_a", "step", "offset:temp_c^2"] {
+        let options = Options { search: true, add: vec![id.into()], ..Options::default() };
+        let found = diagnose(&table, &options).expect("a log");
+        assert_eq!((found.verdict, found.effects.len()), (Verdict::Complete, 0), "{id} {:?}", found.reasons);
+        let row = found.candidates.iter().find(|row| row.id == id).expect("its row");
+        assert!(row.status == Status::NotNeeded && row.why.starts_with("asked for"), "{}", row.why);
+    }
+    let effects = vec![EffectSpec::parse("offset:current_a=4").expect("an effect")];
+    let log = World::new(WorldOptions {
+        seed: 5,
+        seconds: 90.0,
+        noise_ut: 0.2,
+        effects,
+        ..WorldOptions::default()
+    })
+    .run();
+    let table = Table::from_columns(log.named()).expect("columns");
+    let options = Options { search: true, add: vec!["offset:current_a".into()], ..Options::default() };
+    let found = diagnose(&table, &options).expect("a log");
+    assert_eq!((found.verdict, found.effects.len()), (Verdict::Missing, 1));
 }
 
 #[test]

@@ -43,7 +43,7 @@ fn samples(log: &Log, fitted: &Fitted, out: &mut Lines) {
     let seconds = log.time_s.as_ref().and_then(|t| Some(t.last()? - t.first()?));
     let over = seconds.map_or(" (no time column)".to_string(), |s| format!(" over {s:.1} s"));
     out.line(&format!("{}: {} rows{over}", log.path.display(), fitted.rows));
-    let mut parts = vec![format!("{} samples used", fitted.used)];
+    let mut parts = vec![format!("{} sample{} used", fitted.used, if fitted.used == 1 { "" } else { "s" })];
     let mut part = |count: usize, what: &str| {
         if count > 0 {
             parts.push(format!("{count} {what}"));

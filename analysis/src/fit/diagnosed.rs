@@ -54,7 +54,9 @@ fn refused(ground: &Ground, options: &Options, diagnosis: &Diagnosis) -> Option<
     // Of a resting board, of a sensor that is taken as calibrated, and before the axes are in order there is none.
     let leads = diagnosis.calibration.is_some() && !ground.counted.rests && diagnosis.axis_order().is_none();
     let found = diagnosis.steps.iter().filter_map(|step| step.added.clone());
+    // What was asked for and is not shown is not led to.
     let mut add = options.add.clone();
+    add.retain(|id| !diagnosis.is_not_needed(id));
     for id in found.filter(|id| !mounting::is_one(id)) {
         if !add.contains(&id) {
             add.push(id);

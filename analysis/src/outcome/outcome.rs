@@ -250,4 +250,9 @@ impl Diagnosis {
     pub fn axis_order(&self) -> Option<AxisOrder> {
         self.standing.and_then(|standing| standing.swapped())
     }
+
+    /// Whether an effect was tested and is not needed.
+    pub fn is_not_needed(&self, id: &str) -> bool {
+        self.candidates.iter().any(|row| row.id == id && row.status == Status::NotNeeded)
+    }
 }

@@ -117,13 +117,22 @@ fn on(
 fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
     let table = ground.counted.table;
     if samples.len() < FEWEST {
+        let few = samples.len();
         let why = match ground.counted.at_rest {
+            0 if table.rows() >= 2 * FEWEST && few < table.rows() / 10 => format!(
+                "of {} rows only {few} hold a new reading of the magnetometer: it is stuck, its bus hangs, or its driver hardly \
+                 asks it",
+                table.rows()
+            ),
             0 => format!("fewer than {FEWEST} different samples"),
-            rest => {
-                format!("{} samples in motion are too few ({rest} are of a resting board)", samples.len())
-            }
+            rest => format!("{few} samples in motion are too few ({rest} are of a resting board)"),
         };
-        return Ok(undetermined(table, samples, options.registry, why));
+        let mut diagnosis = undetermined(table, samples, options.registry, why);
+        // What so few samples seem to say of a column is not so.
+        for row in &mut diagnosis.candidates {
+            row.why = format!("the log has only {few} samples");
+        }
+        return Ok(diagnosis);
     }
     if ground.counted.rests {
         return at_rest(table, samples, options);

@@ -219,7 +219,9 @@ impl Samples {
             Some(track) => row.iter().map(|&row| track.place(row)).collect(),
             None => Vec::new(),
         };
-        let time = table.time_s.map(pick);
+        // A clock that stands still tells no time.
+        let goes_on = |time: &Vec<f64>| time.first() < time.last();
+        let time = table.time_s.map(pick).filter(goes_on);
         let middle_s =
             time.as_ref().map_or(0.0, |t| 0.5 * (t.first().unwrap_or(&0.0) + t.last().unwrap_or(&0.0)));
         let columns = table

@@ -163,9 +163,7 @@ pub fn verdict(told: &Told, out: &mut Vec<String>) {
 pub fn to_add(diagnosis: &Diagnosis, arguments: &DiagnoseArgs) -> Vec<String> {
     let mut ids: Vec<String> = Vec::new();
     let found = diagnosis.steps.iter().filter_map(|step| step.added.clone());
-    let is_unshown =
-        |id: &String| diagnosis.candidates.iter().any(|row| row.id == *id && row.status == Status::NotNeeded);
-    for id in arguments.add.iter().filter(|id| !is_unshown(id)).cloned().chain(found) {
+    for id in arguments.add.iter().filter(|id| !diagnosis.is_not_needed(id)).cloned().chain(found) {
         // These two belong to the alignment, which every fit has.
         if !ids.contains(&id) && !mounting::is_one(&id) {
             ids.push(id);
