@@ -114,7 +114,7 @@ fn a_magnetometer_that_hangs_is_said_to_and_blames_no_column() {
 fn a_clock_that_stands_still_tells_no_time() {
     let log = World::new(WorldOptions { seed: 12, seconds: 60.0, ..WorldOptions::default() }).run();
     let mut columns: Vec<(&str, Vec<f64>)> =
-        log.named().into_iter().map(|(name, values)| (name, values.to_vec())).collect();
+        log.named().map(|(name, values)| (name, values.to_vec())).collect();
     columns.iter_mut().filter(|(name, _)| *name == "t_s").for_each(|(_, time)| time.fill(3.0));
     let table = Table::from_columns(columns.iter().map(|(name, values)| (*name, values.as_slice())));
     let found =

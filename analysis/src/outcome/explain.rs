@@ -75,7 +75,6 @@ pub(crate) fn explain<'a>(
     if options.search {
         explanation = greedy.beyond_chance(explanation, &options.add)?;
         explanation = greedy.without_unshown(explanation, &options.add)?;
-        explanation.chances = greedy.chances(&explanation.fitted)?;
     } else {
         explanation.shown = greedy.shown(&explanation.fitted)?;
         explanation.chances =

@@ -10,11 +10,16 @@ impl<'a> Greedy<'_, 'a> {
     /// Probability that chance does as well as an effect where the model stands, all others in it, its search counted; and the
     /// model with that effect as its last.
     fn chance_beside(&self, fitted: &Fitted<'a>, index: usize) -> Result<(f64, Fitted<'a>), BadShape> {
-        let mut pieces = fitted.pieces.clone();
-        let own = pieces.remove(index);
-        let places = own.places;
-        pieces.push(own);
-        let last = self.pass.hold(fitted.model, pieces, self.known)?;
+        let places = fitted.pieces[index].places;
+        // The last one is where it has to be.
+        let last = if index + 1 == fitted.pieces.len() {
+            fitted.clone()
+        } else {
+            let mut pieces = fitted.pieces.clone();
+            let own = pieces.remove(index);
+            pieces.push(own);
+            self.pass.hold(fitted.model, pieces, self.known)?
+        };
         let chance = stands(&self.pass, &last)?.map_or(1.0, |test| test.p_value);
         Ok(((chance * places).min(1.0), last))
     }

@@ -90,7 +90,8 @@ impl<'a> Greedy<'_, 'a> {
         Ok(explanation)
     }
 
-    /// The explanation without what a search found and chance does as well as, beside all others, at the end.
+    /// The explanation without what a search found and chance does as well as, beside all others, at the end; with that chance of
+    /// all that stays.
     pub fn beyond_chance(
         &self,
         mut explanation: Explanation<'a>,
@@ -98,8 +99,9 @@ impl<'a> Greedy<'_, 'a> {
     ) -> Result<Explanation<'a>, BadShape> {
         loop {
             let tries = explanation.count as f64;
-            let all = self.chances(&explanation.fitted)?.into_iter().filter(|(id, _)| !asked.contains(id));
-            let Some((id, chance)) = all.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+            explanation.chances = self.chances(&explanation.fitted)?;
+            let all = explanation.chances.iter().filter(|(id, _)| !asked.contains(id));
+            let Some((id, chance)) = all.max_by(|a, b| a.1.total_cmp(&b.1)).cloned() else { break };
             if chance * tries < ACCUSED {
                 break;
             }
@@ -139,6 +141,7 @@ impl<'a> Greedy<'_, 'a> {
                 break;
             }
             explanation.renumber();
+            explanation.chances = self.chances(&explanation.fitted)?;
         }
         Ok(explanation)
     }
