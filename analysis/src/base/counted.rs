@@ -2,10 +2,10 @@
 
 use crate::base::engine::Pass;
 use crate::base::known::Known;
+use crate::base::rest;
 use crate::base::start;
 use crate::samples::data::Data;
 use crate::samples::faults::{self, DataFault, FaultKind, Faults};
-use crate::samples::rest;
 use crate::samples::samples::Samples;
 use crate::table::Table;
 use ironout::calibration::Calibration;

@@ -23,5 +23,6 @@ pub mod piece;
 pub mod prior;
 pub mod quality;
 pub mod residuals;
+pub mod rest;
 pub mod solution;
 pub mod start;

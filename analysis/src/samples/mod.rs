@@ -6,7 +6,6 @@ pub mod data;
 pub mod families;
 pub mod faults;
 pub mod fft;
-pub mod rest;
 pub mod samples;
 pub mod series;
 pub mod work;

@@ -1,5 +1,6 @@
 //! Whether a log is of a board at rest.
 
+use crate::base::start::sphere;
 use crate::samples::samples::Samples;
 use crate::samples::series::{median, rms, second_difference_sigma};
 use nalgebra::{DMatrix, DVector};
@@ -108,23 +109,9 @@ fn told_by_columns(samples: &Samples) -> bool {
     left < NOISE * noise || left / 3.0_f64.sqrt() < beside_a_sphere(samples)
 }
 
-/// Rms of the readings' distance from the sphere that is nearest to them, µT.
+/// Rms of the readings' distance from the sphere that fits them best, µT.
 fn beside_a_sphere(samples: &Samples) -> f64 {
-    let mean = samples.mean_vector();
-    let (mut normal, mut right) = (DMatrix::<f64>::zeros(4, 4), DVector::<f64>::zeros(4));
-    let off = |sample: usize| [0, 1, 2].map(|axis| samples.readings[sample].measured_ut[axis] - mean[axis]);
-    for sample in 0..samples.len() {
-        let [x, y, z] = off(sample);
-        let row = DVector::from_vec(vec![2.0 * x, 2.0 * y, 2.0 * z, 1.0]);
-        right += &row * (x * x + y * y + z * z);
-        normal += &row * row.transpose();
-    }
-    let Some(found) = normal.cholesky().map(|factor| factor.solve(&right)) else { return f64::INFINITY };
-    let distance = |sample: usize| {
-        let from = off(sample);
-        (0..3).map(|axis| (from[axis] - found[axis]).powi(2)).sum::<f64>().sqrt()
-    };
-    let distances: Vec<f64> = (0..samples.len()).map(distance).collect();
-    let radius = distances.iter().sum::<f64>() / distances.len().max(1) as f64;
-    rms(&distances.iter().map(|distance| distance - radius).collect::<Vec<f64>>())
+    let Some((centre, radius)) = sphere(samples) else { return f64::INFINITY };
+    let off = |m: [f64; 3]| (0..3).map(|axis| (m[axis] - centre[axis]).powi(2)).sum::<f64>().sqrt() - radius;
+    rms(&samples.readings.iter().map(|reading| off(reading.measured_ut)).collect::<Vec<f64>>())
 }
