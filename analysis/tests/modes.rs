@@ -166,3 +166,26 @@ fn the_chance_of_an_effect_is_that_beside_all_others() {
         assert!(row.p_value.is_some_and(|p| p < 1e-6), "{id}: {:?}", row.p_value);
     }
 }
+
+#[test]
+fn attitude_that_lacks_little_still_tells_a_cause_that_is_certain() {
+    // Some 60° about two axes: enough for an error of the base model of one to two percent of the field.
+    let wide = |t: f64| {
+        let (a, b) = (1.1 * (0.5 * t).sin(), 0.9 * (0.83 * t + 0.4).sin());
+        [a.cos() * b.cos(), a.sin() * b.cos(), b.sin()]
+    };
+    let pump = |t: f64| if ((t / 1.3) as u64).is_multiple_of(2) { 0.3 } else { 6.0 + (2.1 * t).sin() };
+    let beside: [(&'static str, &dyn Fn(f64) -> f64); 2] =
+        [("pump_a", &pump), ("cell_v", &|t| 3.9 + 0.2 * (1.9 * t).sin())];
+    let moved = |values: &[f64]| [0.9, -0.5, 0.7].map(|one| one * values[0]);
+    for seconds in [14.0, 20.0] {
+        let offset_ut = [21.0, -14.0, 16.0];
+        let (found, named) = study(&log(seconds, offset_ut, wide, moved, &beside));
+        assert_eq!((found.verdict, named), (Verdict::Unexplained, vec!["offset:pump_a".to_string()]));
+        // The calibration is not sure, and nothing else is wrong.
+        assert!(found.reasons.len() == 1 && found.reasons[0].contains("attitudes"), "{:?}", found.reasons);
+        assert!(found.fit_refuses.is_some(), "{seconds} s");
+        let (found, named) = study(&log(seconds, offset_ut, wide, |_| [0.0; 3], &beside));
+        assert_eq!((found.verdict, named.len()), (Verdict::Undetermined, 0), "{seconds} s");
+    }
+}

@@ -4,7 +4,7 @@ use crate::base::known::Known;
 use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::noise::turning::Turning;
 use crate::samples::samples::Samples;
-use crate::threads::halves;
+use crate::threads::{ALONE, halves};
 use ironout::calibration::Calibration;
 use ironout::effect::Acts;
 use ironout::study::{Model, NoRow, NotFinite, Residual};
@@ -54,9 +54,6 @@ const MOST_FROM_FAR: usize = 12_000;
 
 /// So many effects are most of the passes; the room for more costs each sample its clearing.
 const FEW_TERMS: usize = 5;
-
-/// With fewer samples a second thread costs more than it does.
-pub(crate) const ALONE: usize = 2000;
 
 /// What a pass runs over and how.
 #[derive(Clone, Copy)]

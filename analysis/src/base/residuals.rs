@@ -1,9 +1,10 @@
 //! Residuals of a model, sample by sample.
 
-use crate::base::engine::{ALONE, Pass};
+use crate::base::engine::Pass;
 use crate::base::piece::{BadShape, COLUMNS, Piece};
-use crate::threads::halves;
+use crate::threads::parts;
 use ironout::study::{Model, Residual};
+use std::ops::Range;
 
 impl Pass<'_> {
     /// The residuals, in the order of the samples (axis by axis for the vector).
@@ -18,9 +19,9 @@ impl Pass<'_> {
         pieces: &[&Piece],
         steps: &[[f64; COLUMNS]],
     ) -> Result<Vec<Vec<f64>>, BadShape> {
-        let within = |range: std::ops::Range<usize>| -> Result<Vec<Vec<f64>>, BadShape> {
+        let within = |range: &Range<usize>| -> Result<Vec<Vec<f64>>, BadShape> {
             let mut out = vec![Vec::with_capacity(range.len()); steps.len().max(1)];
-            self.rows(range, model, pieces, |_, row, r| {
+            self.rows(range.clone(), model, pieces, |_, row, r| {
                 if steps.is_empty() {
                     out[0].push(r);
                 }
@@ -30,15 +31,11 @@ impl Pass<'_> {
             })?;
             Ok(out)
         };
-        let n = self.samples.len();
-        let mut out = if n < ALONE {
-            within(0..n)?
-        } else {
-            let (first, second) = halves((&(0..n / 2), &(n / 2..n)), |half| within(half.clone()));
-            let mut out = first?;
-            out.iter_mut().zip(second?).for_each(|(series, later)| series.extend(later));
-            out
-        };
+        let mut parts = parts(self.samples.len(), within)?.into_iter();
+        let mut out = parts.next().unwrap_or_default();
+        for part in parts {
+            out.iter_mut().zip(part).for_each(|(series, later)| series.extend(later));
+        }
         if self.residual == Residual::Vector {
             let axes = self.samples.axes.iter().filter(|used| **used).count().max(1);
             for series in &mut out {

@@ -66,7 +66,7 @@ fn refused(ground: &Ground, options: &Options, diagnosis: &Diagnosis) -> Option<
     if !leads || !(claims || !add.is_empty() && diagnosis.verdict == Verdict::Unexplained) {
         return None;
     }
-    let asked = Options { add, search: false, ..options.clone() };
+    let asked = Options { add, search: false, chances: diagnosis.chances.clone(), ..options.clone() };
     match of_ground(ground, &asked) {
         Ok(Fitted { accepted: true, .. }) => None,
         Ok(Fitted { reasons, only_saturated: of_data, .. }) => {

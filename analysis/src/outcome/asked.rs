@@ -58,10 +58,22 @@ pub(crate) fn asked_for<'a>(
     options: &Options,
 ) -> Result<Result<Added<'a>, String>, Refusal> {
     let (samples, catalogue) = (greedy.pass.samples, greedy.catalogue);
-    // Whether it is a coupling or a pure delay every sample has a say in.
-    let couples = options.add.iter().any(|id| is_coupling(id, options));
-    if samples.len() <= MOST_SEARCHED || options.add.is_empty() || couples {
+    if samples.len() <= MOST_SEARCHED || options.add.is_empty() {
         return one_by_one(greedy, base, options);
+    }
+    // Whether it is a coupling or a pure delay every sample has a say in, beside all others.
+    let (couplings, others): (Vec<String>, Vec<String>) =
+        options.add.iter().cloned().partition(|id| is_coupling(id, options));
+    if !couplings.is_empty() {
+        let asked = |add| Options { add, ..options.clone() };
+        let beside = match others.is_empty() {
+            true => None,
+            false => asked_for(greedy, base, &asked(others))?.ok(),
+        };
+        return match beside {
+            Some(Added { start, .. }) => one_by_one(greedy, &start, &asked(couplings)),
+            None => one_by_one(greedy, base, options),
+        };
     }
     let few = samples.thinned(catalogue.table(), MOST_SEARCHED);
     let over = catalogue.over(&few);

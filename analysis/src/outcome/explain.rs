@@ -76,7 +76,7 @@ pub(crate) fn explain<'a>(
         explanation = greedy.beyond_chance(explanation, &options.add)?;
         explanation = greedy.without_unshown(explanation, &options.add)?;
     } else {
-        explanation.shown = greedy.shown(&explanation.fitted)?;
+        explanation.shown = greedy.shown(&explanation.fitted, &options.chances)?;
         explanation.chances =
             explanation.shown.iter().map(|shown| (shown.id.clone(), shown.p_value)).collect();
     }

@@ -7,7 +7,7 @@ use crate::calibration::Information;
 use crate::outcome::outcome::{Diagnosis, Dip, NoiseRow, StepRow, Verdict};
 use crate::outcome::request::Refusal;
 use crate::outcome::standing;
-use crate::outcome::view::View;
+use crate::outcome::view::{Judged, View};
 use crate::residual::place::field_share;
 use crate::residual::traces::Traces;
 use crate::search::state::held_out_rms;
@@ -61,11 +61,8 @@ impl View<'_, '_> {
         let swapped = standing.and_then(|standing| standing.swapped());
         let groups = &self.explanation.confounded;
         let in_group = |id: &str| groups.iter().any(|group| group.ids.iter().any(|other| other == id));
-        let (mut verdict, mut reasons) = self.verdict(&left, &applied, predicted, field);
-        // Every other cause of this verdict gives a reason beside the error of the calibration.
-        let only_unsure = verdict == Verdict::Unexplained
-            && reasons.len() == 1
-            && self.refused_by_fit(&applied, predicted, field).is_some();
+        let Judged { mut verdict, mut reasons, only_unsure, has_attitude } =
+            self.verdict(&left, &applied, predicted, field);
         if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
             verdict = Verdict::Missing;
         } else if verdict == Verdict::Complete
@@ -136,6 +133,8 @@ impl View<'_, '_> {
             field_varies,
             fit_refuses: None,
             only_unsure,
+            has_attitude,
+            chances: self.explanation.chances.clone(),
             samples_used: 0,
             samples_set_aside: 0,
             prior: self.prior_words(),

@@ -227,6 +227,13 @@ pub struct Diagnosis {
     /// Whether what was found explains all but the noise, and only the calibration with it is not sure enough: what a longer log would mend.
     #[serde(skip)]
     pub only_unsure: bool,
+    /// Whether the attitude, and not only the noise, lets the base model be determined.
+    #[serde(skip)]
+    pub has_attitude: bool,
+    /// The probability that chance does as well as each effect of the model beside all others, by id, its search counted but not how
+    /// many candidates were tried.
+    #[serde(skip)]
+    pub chances: Vec<(String, f64)>,
     /// Samples used.
     pub samples_used: usize,
     /// Samples set aside.

@@ -163,18 +163,25 @@ fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagn
     {
         return Ok(explained);
     }
-    if diagnosis.verdict == Verdict::Undetermined && options.prior.is_none() {
+    if (diagnosis.verdict == Verdict::Undetermined || !diagnosis.has_attitude) && options.prior.is_none() {
         // Only where the attitude is at fault: full attitude with a large residual is something else.
         let field = diagnosis.calibration.map_or(f64::NAN, |calibration| calibration.field_ut);
         let open = diagnosis.predicted_error_ut.is_none_or(|error| error > MAX_PREDICTED_ERROR * field);
         let calibrated = if open { as_logged(table, samples, options)? } else { None };
-        if let Some(lower) = calibrated.filter(|lower| tells_more(lower, &diagnosis)) {
+        let tells = |lower: &Diagnosis| is_told(lower, options) && tells_more(lower, &diagnosis);
+        if let Some(lower) = calibrated.filter(tells) {
             diagnosis = lower;
-        } else {
+        } else if diagnosis.verdict == Verdict::Undetermined {
             accuse_nobody(&mut diagnosis, base);
         }
     }
     Ok(diagnosis)
+}
+
+/// Whether what is found with a sensor that is taken as calibrated before is told: what leaves most of the error unexplained accuses
+/// somebody on no ground, since the attitude is in it, and is not known. A fit accuses nobody.
+fn is_told(lower: &Diagnosis, options: &Options) -> bool {
+    !options.search || matches!(lower.verdict, Verdict::Missing | Verdict::Confounded)
 }
 
 /// Whether a sensor that is taken as calibrated before explains a log better than one that is not. One that was not has an error
@@ -213,11 +220,7 @@ fn level(
         "by the accelerometer the board was tilted by {tilt_deg:.0}° (rms) only, which carries no offset and no matrix: study \
          this log on top of an earlier calibration of the board, --prior CAL.json, or turn the board through more attitudes"
     );
-    // What leaves most of the error unexplained accuses somebody on no ground: the attitude is in it, and is not known.
-    // A fit accuses nobody.
-    let told =
-        |one: &Diagnosis| !options.search || matches!(one.verdict, Verdict::Missing | Verdict::Confounded);
-    if let Some(mut lower) = as_logged(table, samples, options)?.filter(told) {
+    if let Some(mut lower) = as_logged(table, samples, options)?.filter(|lower| is_told(lower, options)) {
         lower.reasons.insert(0, reason);
         return Ok(lower);
     }

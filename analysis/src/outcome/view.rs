@@ -28,6 +28,23 @@ use ironout::study::{Model, Residual, f_tail};
 /// A dip that spreads by more than this after alignment, degrees, is worth a search for a sensor that is very late.
 const LOOSE_DEG: f64 = 3.0;
 
+/// What is certain is named up to this error of the corrected vector, as a share of the field ...
+const MAX_ERROR_TO_NAME: f64 = 0.025;
+/// ... where chance does as well with less than this probability ...
+const CERTAIN: f64 = 1e-6;
+/// ... and each that is named leaves less than this of the squared error.
+const MOST: f64 = 0.5;
+
+/// A verdict and why.
+pub(crate) struct Judged {
+    pub(crate) verdict: Verdict,
+    pub(crate) reasons: Vec<String>,
+    /// Whether all is explained, and only the calibration not sure enough.
+    pub(crate) only_unsure: bool,
+    /// Whether the attitude determines the base model.
+    pub(crate) has_attitude: bool,
+}
+
 /// Everything that the report of a magnitude study is made from.
 pub(crate) struct View<'v, 'a> {
     pub(crate) table: &'a Table<'a>,
@@ -226,21 +243,26 @@ impl<'a> View<'_, 'a> {
             .collect())
     }
 
+    /// What the model says of the log.
     pub(crate) fn verdict(
         &self,
         left: &Residue,
         applied: &Applied,
         predicted: Option<f64>,
         field: f64,
-    ) -> (Verdict, Vec<String>) {
+    ) -> Judged {
         let mut reasons = Vec::new();
-        match attitude_error(&self.explanation.fitted, left) {
+        let error = match attitude_error(&self.explanation.fitted, left) {
             // What is held fixed has no error to predict, and what `fit` accepts is determined.
-            _ if self.lower_order.is_some() || self.is_accepted() => {}
+            _ if self.lower_order.is_some() || self.is_accepted() => Some(0.0),
+            error => error,
+        };
+        match error {
             Some(error) if error <= MAX_PREDICTED_ERROR => {}
             Some(error) => reasons.push(format!(
-                "the corrected vector would be off by {:.1} % of the field in the worst direction (1σ): turn the board \
+                "the corrected vector would be off by {:.*} % of the field in the worst direction (1σ): turn the board \
                  through more attitudes",
+                usize::from(error < 1.05 * MAX_PREDICTED_ERROR) + 1,
                 100.0 * error
             )),
             None => reasons.push("the attitude does not determine the ellipsoid".into()),
@@ -248,11 +270,59 @@ impl<'a> View<'_, 'a> {
         // Noise so large carries no calibration; structure so large is a missing effect, whatever the attitude.
         if left.rms > MAX_RESIDUAL * field && left.structure <= 0.0 {
             reasons.push(format!("the residual is {:.1} % of the field", 100.0 * left.rms / field));
+        } else if reasons.is_empty() {
+            return self.of_model(left, applied, predicted, field, true);
+        } else if error.is_some_and(|error| error <= MAX_ERROR_TO_NAME) && self.is_certain() {
+            // Too little attitude for a calibration still tells a cause that is certain and leaves nothing.
+            let judged = self.of_model(left, applied, predicted, field, false);
+            if judged.only_unsure || judged.verdict == Verdict::Missing {
+                return Judged {
+                    verdict: Verdict::Unexplained,
+                    reasons,
+                    only_unsure: true,
+                    has_attitude: false,
+                };
+            }
         }
-        if !reasons.is_empty() {
-            return (Verdict::Undetermined, reasons);
-        }
+        Judged { verdict: Verdict::Undetermined, reasons, only_unsure: false, has_attitude: false }
+    }
+
+    /// Whether chance does as well as none of the effects of the model, and each takes most of the error that it found, on unseen
+    /// time too.
+    fn is_certain(&self) -> bool {
+        let explanation = &self.explanation;
+        let chance =
+            explanation.chances.iter().map(|(_, p)| p * explanation.count as f64).fold(0.0, f64::max);
+        let falls = |before: Option<f64>, after: Option<f64>| {
+            before.zip(after).is_some_and(|(before, after)| after * after < MOST * before * before)
+        };
+        let mut pairs = explanation.steps.windows(2);
+        let each = pairs.all(|pair| {
+            falls(Some(pair[0].rms), Some(pair[1].rms)) && falls(pair[0].held_out, pair[1].held_out)
+        });
+        !explanation.fitted.pieces.is_empty() && chance < CERTAIN && each
+    }
+
+    /// What the model says of a log, whether or not its attitude is enough.
+    fn of_model(
+        &self,
+        left: &Residue,
+        applied: &Applied,
+        predicted: Option<f64>,
+        field: f64,
+        has_attitude: bool,
+    ) -> Judged {
         let refused = self.refused_by_fit(applied, predicted, field);
+        // Little attitude alone lets the error rise where the board turns to what the others do not hold.
+        let fails = self.fails_on_unseen_time(left, applied).filter(|_| has_attitude);
+        let (verdict, reasons) = self.reasoned(left, refused, fails);
+        // Every other cause of this verdict gives a reason beside the error of the calibration.
+        let only_unsure = verdict == Verdict::Unexplained && reasons.len() == 1 && refused.is_some();
+        Judged { verdict, reasons, only_unsure, has_attitude }
+    }
+
+    fn reasoned(&self, left: &Residue, refused: Option<f64>, fails: Option<f64>) -> (Verdict, Vec<String>) {
+        let mut reasons = Vec::new();
         if let Some(error) = refused {
             reasons.push(format!(
                 "a calibration from this log would be off by {:.1} % of the field in the worst direction (1σ){}",
@@ -285,7 +355,7 @@ impl<'a> View<'_, 'a> {
             reasons.push(words);
             return (Verdict::Unexplained, reasons);
         }
-        if let Some(times) = self.fails_on_unseen_time(left, applied) {
+        if let Some(times) = fails {
             reasons.push(format!(
                 "on unseen time the error is {times:.1} times what the noise leaves: what stands in the model does not \
                  hold there"

@@ -5,90 +5,24 @@
 //! `X'ΓX = Σ_f S(f) |X(f)|²`. One number of independent samples for all candidates would be too strict for the fast and
 //! too kind to the slow.
 
-use crate::base::engine::{Fitted, Pass};
-use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
+use crate::base::piece::Matrix;
 use crate::noise::colour::{Colour, Described, Seen};
 use crate::noise::power::{add_power, padded, symmetric, transforms, weight};
 use crate::noise::turning::Turning;
 use crate::residual::autoregression::Autoregression;
 use crate::samples::fft;
-use ironout::study::{MIN_EIGENVALUE, Residual, f_tail};
+use ironout::study::{MIN_EIGENVALUE, f_tail};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::ops::Range;
+
+mod rows;
+
+pub use rows::Rows;
 
 /// The longest autoregression of the noise.
 const LONGEST_ORDER: usize = 24;
 /// Rounds of filling in what the fit has taken out of the noise.
 const ROUNDS: usize = 6;
-
-/// Rows of a pass, series after series (for the vector axis after axis).
-pub struct Rows {
-    columns: usize,
-    /// Row by row.
-    values: Vec<f64>,
-    /// The residuals.
-    residuals: Vec<f64>,
-    /// How alike the directions are that the noise shows along, by lag; empty where nothing turns.
-    alike: Vec<f64>,
-    /// By how much each axis of the sensor shows in each row; empty where nothing turns.
-    weights: Vec<[f64; 3]>,
-    /// Rounding of the readings: its variance in the residual.
-    rounding: f64,
-    /// Time from sample to sample, s.
-    step_s: f64,
-}
-
-impl Rows {
-    /// Of the fitted model with further pieces.
-    pub fn of(pass: &Pass, fitted: &Fitted, all: &[&Piece]) -> Result<Rows, BadShape> {
-        let columns = pass.residual.base_columns() + all.iter().map(|piece| piece.k()).sum::<usize>();
-        let columns = columns.min(COLUMNS);
-        let step_s = pass.samples.step_s();
-        let mut rows = Rows {
-            columns,
-            values: Vec::new(),
-            residuals: Vec::new(),
-            alike: Vec::new(),
-            weights: Vec::new(),
-            rounding: 0.0,
-            step_s,
-        };
-        pass.rows(0..pass.samples.len(), &fitted.model, all, |_, row, r| {
-            rows.values.extend_from_slice(&row[..columns]);
-            rows.residuals.push(r);
-        })?;
-        if pass.residual == Residual::Vector {
-            let axes = pass.samples.axes.iter().filter(|used| **used).count().max(1);
-            let n = rows.residuals.len();
-            let order = (0..axes).flat_map(|axis| (axis..n).step_by(axes));
-            let mut sorted = Rows { values: Vec::new(), residuals: Vec::new(), ..rows };
-            for index in order {
-                sorted.values.extend_from_slice(&rows.values[index * columns..(index + 1) * columns]);
-                sorted.residuals.push(rows.residuals[index]);
-            }
-            rows = sorted;
-        }
-        if pass.residual == Residual::Magnitude {
-            let turning = pass.turning(&fitted.model);
-            (rows.alike, rows.weights) = (turning.alike, turning.weights);
-            rows.rounding = pass.samples.quantum_ut.powi(2) / 12.0;
-        }
-        Ok(rows)
-    }
-
-    fn len(&self) -> usize {
-        self.residuals.len()
-    }
-
-    /// Residuals of the linearised model moved by `step`.
-    pub fn moved(&self, step: &[f64; COLUMNS]) -> Vec<f64> {
-        self.values
-            .chunks_exact(self.columns.max(1))
-            .zip(&self.residuals)
-            .map(|(row, r)| r + row.iter().zip(step).map(|(a, b)| a * b).sum::<f64>())
-            .collect()
-    }
-}
 
 /// The power of noise by frequency.
 pub struct Spectrum {

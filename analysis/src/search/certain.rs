@@ -121,7 +121,8 @@ impl<'a> Greedy<'_, 'a> {
         asked: &[String],
     ) -> Result<Explanation<'a>, BadShape> {
         while explanation.fitted.pieces.iter().any(|piece| asked.contains(&piece.id)) {
-            let tested = self.shown(&explanation.fitted)?.into_iter().filter(|one| asked.contains(&one.id));
+            let tested = self.shown(&explanation.fitted, &explanation.chances)?;
+            let tested = tested.into_iter().filter(|one| asked.contains(&one.id));
             let unshown = tested.filter(|one| !one.is_shown());
             let Some(least) = unshown.max_by(|a, b| a.p_value.total_cmp(&b.p_value)) else { break };
             let rms =

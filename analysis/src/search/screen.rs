@@ -8,6 +8,7 @@ use crate::threads::halves;
 pub use ironout::study::rule::{ACCUSED, RELEVANCE, SIGNIFICANCE};
 use ironout::study::rule::{falls, is_accepted};
 use ironout::study::{Improvement, Residual, f_tail, held_out};
+use std::ops::Range;
 
 /// An effect of the magnitude is named if it takes at least this share off the squared error on unseen time.
 pub const WORTH_NAMING: f64 = 0.15;
@@ -190,7 +191,7 @@ pub fn screen(
 fn with_colour(
     frame: &Frame,
     total: &Matrix,
-    span: std::ops::Range<usize>,
+    span: Range<usize>,
     left: &[f64],
     test: Verdict,
     tries: f64,
@@ -209,7 +210,7 @@ fn with_colour(
 fn before_it(
     frame: &Frame,
     total: &Matrix,
-    span: std::ops::Range<usize>,
+    span: Range<usize>,
     residuals: &[f64],
     test: Verdict,
     tries: f64,
@@ -301,19 +302,34 @@ pub fn rivalry<'a>(
 
 /// The test of a fitted model's last effect, where the model stands.
 pub fn stands(pass: &Pass, fitted: &Fitted) -> Result<Option<Verdict>, BadShape> {
-    let Some(piece) = fitted.pieces.last() else { return Ok(None) };
+    let Some(last) = fitted.pieces.len().checked_sub(1) else { return Ok(None) };
+    Ok(each_stands(pass, fitted, last..last + 1)?.pop().flatten())
+}
+
+/// The test of each of these effects of a fitted model, where the model stands, all others in it.
+pub fn each_stands(
+    pass: &Pass,
+    fitted: &Fitted,
+    which: Range<usize>,
+) -> Result<Vec<Option<Verdict>>, BadShape> {
     let columns = fitted.columns();
-    let base = columns - piece.k();
     let rows = Rows::of(pass, fitted, &fitted.pieces.iter().collect::<Vec<_>>())?;
     let residuals = rows.moved(&[0.0; COLUMNS]);
-    let mut away = [0.0; COLUMNS];
-    for (slot, value) in away[base..columns].iter_mut().zip(piece.coefficients) {
-        *slot = -value;
-    }
-    let total = fitted.total().moved(&away);
-    Ok(Frame::new(&rows, &total, (0..base).collect()).and_then(|frame| {
-        let noise = frame.spectrum(&total, base..columns, &residuals)?;
-        let test = frame.test(&total, base..columns, &noise)?;
-        Some(with_colour(&frame, &total, base..columns, &residuals, test, 1.0))
-    }))
+    let total = fitted.total();
+    let test = |index: usize| {
+        let piece = &fitted.pieces[index];
+        let after: usize = fitted.pieces[index..].iter().map(Piece::k).sum();
+        let own = columns - after..columns - after + piece.k();
+        let mut away = [0.0; COLUMNS];
+        for (slot, value) in away[own.clone()].iter_mut().zip(piece.coefficients) {
+            *slot = -value;
+        }
+        let total = total.moved(&away);
+        let others = (0..columns).filter(|column| !own.contains(column)).collect();
+        let frame = Frame::new(&rows, &total, others)?;
+        let noise = frame.spectrum(&total, own.clone(), &residuals)?;
+        let test = frame.test(&total, own.clone(), &noise)?;
+        Some(with_colour(&frame, &total, own, &residuals, test, 1.0))
+    };
+    Ok(which.map(test).collect())
 }

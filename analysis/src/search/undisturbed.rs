@@ -11,9 +11,11 @@ use crate::base::looked_at::{LookedAt, Place, Seen, Shared};
 use crate::base::piece::{BadShape, Piece, ready};
 use crate::samples::series::Autocorrelation;
 use crate::search::state::MOST_SEARCHED;
+use crate::threads::parts;
 use ironout::effect::{Acts, Coefficients, Effect, MAX_INPUTS, Quantities};
 use ironout::study::{Model, Residual};
 use ironout::vector::{determinant, dot, inverse_3x3, minus, norm, scaled, times};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The undisturbed vector must take this many variances off the squared error. By chance, the wrong one does in one log of
@@ -97,15 +99,19 @@ impl Place for Undisturbed {
 /// The measured vectors without their noise, as a model's residuals show it: columns made of the noisy ones would correlate
 /// with them.
 fn without_noise(pass: &Pass, model: &Model<f64>, pieces: &[Piece]) -> Result<Vec<[f64; 3]>, BadShape> {
-    let mut vectors: Vec<[f64; 3]> =
-        pass.samples.readings.iter().map(|reading| reading.measured_ut).collect();
     let list: Vec<&Piece> = pieces.iter().collect();
-    pass.rows(0..pass.samples.len(), model, &list, |sample, row, residual| {
-        let against = [row[0], row[1], row[2]];
-        let off = scaled(against, -residual / dot(against, against).max(f64::MIN_POSITIVE));
-        vectors[sample] = minus(vectors[sample], off);
-    })?;
-    Ok(vectors)
+    let within = |range: &Range<usize>| -> Result<Vec<[f64; 3]>, BadShape> {
+        let mut vectors: Vec<[f64; 3]> =
+            pass.samples.readings[range.clone()].iter().map(|reading| reading.measured_ut).collect();
+        pass.rows(range.clone(), model, &list, |sample, row, residual| {
+            let against = [row[0], row[1], row[2]];
+            let off = scaled(against, -residual / dot(against, against).max(f64::MIN_POSITIVE));
+            let vector = &mut vectors[sample - range.start];
+            *vector = minus(*vector, off);
+        })?;
+        Ok(vectors)
+    };
+    Ok(parts(pass.samples.len(), within)?.concat())
 }
 
 /// The undisturbed vector of one reading, and of what reads nearly the same.

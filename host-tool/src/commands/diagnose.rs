@@ -27,6 +27,7 @@ pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
         force_effect: true,
         search: true,
         prior,
+        chances: Vec::new(),
         registry: REGISTRY,
     };
     let working = Working::new("studying");

@@ -36,6 +36,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         force_effect: arguments.force_effect,
         search: false,
         prior,
+        chances: Vec::new(),
         registry: REGISTRY,
     };
     let fitted = fit(&Table::from(&log), &options).map_err(|refusal| refusal::failure(refusal, &log.path))?;

@@ -36,6 +36,7 @@ pub fn look(held: &Held, asked: &LookAsked) -> Outcome<Value> {
         force_effect: true,
         search: asked.search,
         prior: None,
+        chances: Vec::new(),
         registry: REGISTRY,
     };
     let look = ironout_analysis::look(&Table::from(log), &options, asked.floor_ut)
