@@ -156,3 +156,25 @@ fn a_dash_writes_to_standard_output_and_makes_no_file() {
     assert!(status == Some(2) && error.contains("--json"), "{error}");
     assert!(!here.join("-").exists());
 }
+
+#[test]
+fn what_a_diagnosis_names_a_fit_takes_whatever_the_column_is_called() {
+    let here = folder("called");
+    let log = here.join("log.csv");
+    let simulated = run(&["simulate", "--seed", "4", "--effect", "offset:current_a=3", "-o"], &[&log]);
+    assert_eq!(simulated.status, 0, "{}", simulated.stderr);
+    let text = std::fs::read_to_string(&log).expect("the log");
+    let rows: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+    for (header, name) in
+        [("Motor Current [A]", "Motor_Current_A"), ("x^2", "x_2"), ("courant du moteur numéro trois (A)", "")]
+    {
+        let log = write(&here, "called.csv", rows.join("\n").replacen("current_a", header, 1));
+        let found = run(&["diagnose", "--json"], &[&log]);
+        let json = found.json();
+        let id = json["steps"][1]["added"].as_str().unwrap_or_else(|| panic!("{header}: {json}"));
+        assert!(id.starts_with("offset:") && id.ends_with(name), "{header}: {id}");
+        let fitted = run(&["fit", "--json", "--add", id], &[&log]);
+        assert_eq!(fitted.status, 0, "{header} as {id}: {}", fitted.stderr);
+        assert!(run(&["diagnose"], &[&log]).stderr.contains(&format!("from {header}")), "it is said");
+    }
+}

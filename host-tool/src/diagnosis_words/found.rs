@@ -122,12 +122,36 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
     if let Some(text) = amount(told.log, told.diagnosis.registry, effect) {
         out.push(format!("{INDENT}{:<15}{text}", "amounts to"));
     }
+    if let Some(text) = with_its_past(told, effect) {
+        out.push(format!("{INDENT}{:<15}{text}", "together"));
+    }
     let column = effect.columns.first();
     let earlier = told.diagnosis.effects.iter().take_while(|other| other.id != effect.id);
     // Drawn once for each column: the curves are of all effects together.
     if earlier.into_iter().all(|other| other.columns.first() != column) {
         out.extend(before_and_after(told, effect));
     }
+}
+
+/// What an effect and the same of its column's past come to where the column stands still: the two may undo each other. Said at the
+/// second of them.
+fn with_its_past(told: &Told, effect: &FittedEffect) -> Option<String> {
+    let diagnosis = told.diagnosis;
+    let own = named(diagnosis, effect)?;
+    let is_other_half = |other: &&FittedEffect| {
+        named(diagnosis, other).is_some_and(|other| {
+            other.form.column
+                && (other.family.kind(), other.column) == (own.family.kind(), own.column)
+                && other.form.is_squared() == own.form.is_squared()
+                && other.form.is_late() != own.form.is_late()
+        })
+    };
+    let earlier = diagnosis.effects.iter().take_while(|other| other.id != effect.id);
+    let other = earlier.into_iter().find(is_other_half)?;
+    let both: Vec<f64> = effect.coefficients.iter().zip(&other.coefficients).map(|(a, b)| a + b).collect();
+    let sum = FittedEffect { coefficients: both, ..effect.clone() };
+    let text = amount(told.log, diagnosis.registry, &sum)?;
+    Some(format!("{text}, once {} stands still", own.column))
 }
 
 /// The id of an effect taken apart, with the form that its coefficients are of.
@@ -297,7 +321,13 @@ pub fn falling(told: &Told, out: &mut Vec<String>) {
     if let (Some(before), Some(after)) = (first.dip_rms_deg, last.dip_rms_deg)
         && before > 1.2 * after
     {
-        let rows = steps.iter().filter_map(|step| Some((label(step), step.dip_rms_deg?))).collect();
+        // The dip is known at the ends alone, so that its fall is that of all effects.
+        let between = steps.iter().any(|step| step.dip_rms_deg.is_none());
+        let named = |step: &StepRow| match between && step.added.is_some() {
+            true => "with all".into(),
+            false => label(step),
+        };
+        let rows = steps.iter().filter_map(|step| Some((named(step), step.dip_rms_deg?))).collect();
         chart("spread of the dip", rows, degrees);
     }
 }

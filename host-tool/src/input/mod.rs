@@ -4,6 +4,7 @@
 //! remedy, or a notice. Other text is read tolerantly, and what was decided is said ([`ReadAs`]); nothing is guessed silently.
 
 mod columns;
+mod followed;
 pub mod formats;
 mod guard;
 mod lines;

@@ -2,6 +2,7 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::input::columns::{self, Role};
+use crate::input::followed;
 use crate::input::formats;
 use crate::input::guard::MAX_LINE_BYTES;
 use crate::input::lines::{Cutter, Line};
@@ -147,10 +148,12 @@ pub fn read_stream(mut source: impl Read, size_bytes: u64, options: &ReadOptions
         .map_err(|error| Failure::usage(format!("cannot read: {error}")))?;
     let format = told(&first, options);
     let whole = Cursor::new(first).chain(source);
-    match format {
+    let mut log = match format {
         Format::Own => reader::read_own(whole, size_bytes, options),
         Format::Text => text::read(whole, options),
         Format::Recording(format) => formats::read(format, whole, size_bytes, options),
         Format::Foreign(what) => Err(Failure::usage(format!("this is no log but {what}"))),
-    }
+    }?;
+    followed::rename(&mut log);
+    Ok(log)
 }

@@ -1,5 +1,6 @@
 //! Every other column: a covariate of its own, or left out with a reason.
 
+use crate::input::followed::plain;
 use crate::input::names::{Kind, Meaning};
 use crate::input::text::choice::{Choice, FIELD_COUNTS, FIELD_UT, Taken};
 use crate::input::text::grid::{Grid, GridColumn};
@@ -107,19 +108,6 @@ fn name_of(header: &str, meaning: &Meaning, unit: Option<&Unit>) -> String {
     let stem = plain(&stem);
     let axis = meaning.axis.map_or(String::new(), |axis| format!("_{axis}"));
     format!("{stem}{axis}{suffix}")
-}
-
-fn plain(header: &str) -> String {
-    let mut name = String::with_capacity(header.len());
-    for c in header.chars() {
-        if c.is_alphanumeric() || c == '_' {
-            name.push(c);
-        } else if !name.ends_with('_') && !name.is_empty() {
-            name.push('_');
-        }
-    }
-    let trimmed = name.trim_end_matches('_');
-    if trimmed.is_empty() { "column".to_string() } else { trimmed.to_string() }
 }
 
 /// A number for a sentence: three digits.
