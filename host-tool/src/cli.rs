@@ -192,7 +192,8 @@ pub struct SimulateArgs {
     /// Hide an effect (or a fault of the data: burst, clipping, stuck, gap …) in the log (repeatable)
     #[arg(long, value_name = "ID[=STRENGTH]")]
     pub effect: Vec<String>,
-    /// Another recording of the same board with the same hidden effects: other motion, other currents, other noise
+    /// Another recording of the same board with the same hidden effects: other motion, other currents, other noise (a drift goes on as
+    /// fast, and a step comes at its time again, as in no real one)
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub recording: u64,
     /// How the board is turned: sphere | hand | planar | rest | cap=SHARE of the sphere

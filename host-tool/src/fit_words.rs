@@ -227,13 +227,19 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut L
     }
     if let Some(coverage) = fitted.coverage {
         out.line(&format!(
-            "coverage            {:9.0} %             of all directions; largest gap {}°",
+            "coverage            {:9.0} %             of all directions{}; largest gap {}°",
             coverage * 100.0,
+            // A fit that is wrong sees the directions wrong.
+            if fitted.accepted { "" } else { ", as this refused fit sees them" },
             number(fitted.gap_deg, 0)
         ));
     }
 }
 
+/// A dip that spreads by more than this, degrees, ...
+const LOOSE_DEG: f64 = 1.0;
+/// ... and by so many times what is predicted of a heading, is worth a word.
+const LOOSE: f64 = 3.0;
 /// An error this many times the floor by noise is worth an explanation.
 const UNEXPLAINED: f64 = 1.2;
 
@@ -249,6 +255,19 @@ fn verdict(arguments: &FitArgs, fitted: &Fitted, out: &mut Lines) {
         (Some(solution), Some(floor)) if floor > 0.0 => solution.rms_ut / floor,
         _ => 1.0,
     };
+    let dip = fitted.solution.as_ref().map(|solution| &solution.alignment);
+    if let (Some(Alignment::Done { after_deg, .. }), Some(predicted)) = (dip, fitted.heading_error_deg)
+        && *after_deg > LOOSE_DEG
+        && *after_deg > LOOSE * predicted
+    {
+        let words = format!(
+            "the dip spreads by {after_deg:.1}°, {:.1} times the heading error that noise makes: a shaken accelerometer does that, and \
+             so does a sensor that lags, which ironout diagnose {} tells",
+            after_deg / predicted,
+            arguments.log.typed()
+        );
+        hang(&words, "  ", "  ", WIDTH).iter().for_each(|words| out.line(words));
+    }
     let least = (fitted.residual_floor_least_ut).filter(|least| *least > 0.0).or(fitted.residual_floor_ut);
     let most = match (&fitted.solution, least) {
         (Some(solution), Some(least)) if least > 0.0 => solution.rms_ut / least,

@@ -71,8 +71,8 @@ pub struct SendArgs {
   ironout fetch --port /dev/ttyACM0 -o cal.json
   ironout export cal.json --as c
 
-What a later fit can build on (fit --prior) comes with it until the board is
-switched off: a board stores the calibration, not the data behind it.")]
+What a later fit can build on (fit --prior) comes with it where the board has
+it: of a calibration that was made there or sent to it, and not after effect add.")]
 pub struct FetchArgs {
     /// Write the board's calibration here
     #[arg(short, long, value_name = "CAL.json")]

@@ -8,6 +8,9 @@ use clap::{Args, ValueEnum};
 use ironout::fit::Method;
 use std::path::{Path, PathBuf};
 
+/// What a log from standard input is called in the commands that come next.
+pub const SAVED: &str = "log.csv";
+
 /// Options about reading a log.
 #[derive(Debug, Args, Clone)]
 pub struct LogArgs {
@@ -71,7 +74,12 @@ impl LogArgs {
 
     /// The log and the options it was read with, as they are typed: for the next command that is suggested.
     pub fn typed(&self) -> String {
-        let logs: Vec<String> = self.logs().map(|log| typed_path(&log.display().to_string())).collect();
+        let name = |log: &PathBuf| match log.to_str() {
+            // What came from there comes no second time.
+            Some("-") => SAVED.to_string(),
+            _ => typed_path(&log.display().to_string()),
+        };
+        let logs: Vec<String> = self.logs().map(name).collect();
         logs.join(" ") + &self.typed_options()
     }
 

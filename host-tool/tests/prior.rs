@@ -85,8 +85,8 @@ fn a_calibration_that_was_given_is_not_asked_for() {
     let rows = content.lines().filter(|line| !line.starts_with('#')).take(26);
     let few = write(&here, "few.csv", rows.map(|row| format!("{row}\n")).collect::<String>());
     let alone = ironout(["diagnose", text(&few)]);
-    assert!(alone.status == 1 && alone.stdout.contains("--prior cal.json"), "{}", alone.stdout);
+    assert!(alone.status == 1 && alone.stdout.contains("--prior earlier.json"), "{}", alone.stdout);
     let on_top = ironout(["diagnose", text(&few), "--prior", text(&cal)]);
     assert!(on_top.status == 1 && on_top.stdout.contains("Record again"), "{}", on_top.stdout);
-    assert!(!on_top.stdout.contains("--prior cal.json"), "{}", on_top.stdout);
+    assert!(!on_top.stdout.contains("--prior earlier.json"), "{}", on_top.stdout);
 }

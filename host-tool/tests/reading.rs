@@ -166,7 +166,7 @@ fn what_a_diagnosis_names_a_fit_takes_whatever_the_column_is_called() {
     let text = std::fs::read_to_string(&log).expect("the log");
     let rows: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
     for (header, name) in
-        [("Motor Current [A]", "Motor_Current_A"), ("x^2", "x_2"), ("courant du moteur numéro trois (A)", "")]
+        [("Motor Current [A]", "motor_current_a"), ("x^2", "x_2"), ("courant du moteur numéro trois (A)", "")]
     {
         let log = write(&here, "called.csv", rows.join("\n").replacen("current_a", header, 1));
         let found = run(&["diagnose", "--json"], &[&log]);

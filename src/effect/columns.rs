@@ -3,9 +3,9 @@
 /// What a column measures, as its name says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColumnKind {
-    /// A temperature: the name ends in `_c`.
+    /// A temperature: the name ends in `_c`, case aside.
     Temperature,
-    /// A current: the name ends in `_a`.
+    /// A current: the name ends in `_a`, case aside.
     Current,
     /// Anything else.
     Other,
@@ -14,9 +14,9 @@ pub enum ColumnKind {
 impl ColumnKind {
     /// By the unit in the name.
     pub fn of(column: &str) -> Self {
-        if column.ends_with("_c") {
+        if Usual::TEMPERATURE.is_of(column) {
             Self::Temperature
-        } else if column.ends_with("_a") {
+        } else if Usual::CURRENT.is_of(column) {
             Self::Current
         } else {
             Self::Other
@@ -53,4 +53,13 @@ impl Usual {
     pub const TEMPERATURE: Self = Usual { column: "temp_c", suffix: "_c", what: "temperature" };
     /// A current near the sensor.
     pub const CURRENT: Self = Usual { column: "current_a", suffix: "_a", what: "current" };
+
+    /// Whether a column is such a one by its name, case aside.
+    pub fn is_of(&self, column: &str) -> bool {
+        let (name, end) = (column.as_bytes(), self.suffix.as_bytes());
+        name.len()
+            .checked_sub(end.len())
+            .and_then(|at| name.get(at..))
+            .is_some_and(|own| own.eq_ignore_ascii_case(end))
+    }
 }

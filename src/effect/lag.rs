@@ -177,9 +177,9 @@ impl Family for Lags {
     fn groups(&self, form: &Form) -> &'static [Group] {
         const DELAYED: &[Group] = &[Group::Row { label: "delay", names: &[""], from: 0, unit: "s" }];
         const COUPLED: &[Group] = &[
-            Group::Row { label: "coupling", names: AXES, from: 0, unit: "s" },
-            Group::Row { label: "", names: AXES, from: 3, unit: "s" },
-            Group::Row { label: "", names: AXES, from: 6, unit: "s" },
+            Group::Row { label: "coupled to x", names: AXES, from: 0, unit: "s" },
+            Group::Row { label: "to y", names: AXES, from: 3, unit: "s" },
+            Group::Row { label: "to z", names: AXES, from: 6, unit: "s" },
             Group::Mean {
                 label: "delay",
                 of: &[0, 4, 8],

@@ -260,7 +260,7 @@ impl<'a> View<'_, 'a> {
         match error {
             Some(error) if error <= MAX_PREDICTED_ERROR => {}
             Some(error) => reasons.push(format!(
-                "the corrected vector would be off by {:.*} % of the field in the worst direction (1σ): turn the board \
+                "for its attitude alone the corrected vector would be off by {:.*} % of the field in the worst direction (1σ): turn the board \
                  through more attitudes",
                 usize::from(error < 1.05 * MAX_PREDICTED_ERROR) + 1,
                 100.0 * error
@@ -316,8 +316,9 @@ impl<'a> View<'_, 'a> {
         // Little attitude alone lets the error rise where the board turns to what the others do not hold.
         let fails = self.fails_on_unseen_time(left, applied).filter(|_| has_attitude);
         let (verdict, reasons) = self.reasoned(left, refused, fails);
-        // Every other cause of this verdict gives a reason beside the error of the calibration.
-        let only_unsure = verdict == Verdict::Unexplained && reasons.len() == 1 && refused.is_some();
+        // Every other cause of this verdict gives a reason beside the error of the calibration, or of unseen time.
+        let only_unsure =
+            verdict == Verdict::Unexplained && reasons.len() == 1 && (refused.is_some() || fails.is_some());
         Judged { verdict, reasons, only_unsure, has_attitude }
     }
 
@@ -357,8 +358,8 @@ impl<'a> View<'_, 'a> {
         }
         if let Some(times) = fails {
             reasons.push(format!(
-                "on unseen time the error is {times:.1} times what the noise leaves: what stands in the model does not \
-                 hold there"
+                "on unseen time the error is {times:.1} times what the noise leaves: what stands in the model is not all, \
+                 or the log is too short for it"
             ));
             return (Verdict::Unexplained, reasons);
         }

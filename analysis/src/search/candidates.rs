@@ -277,7 +277,7 @@ impl<'a> Catalogue<'a> {
                 usual.push(*one);
             }
         }
-        usual.retain(|usual| !self.names.iter().any(|name| name.ends_with(usual.suffix)));
+        usual.retain(|usual| !self.names.iter().any(|name| usual.is_of(name)));
         for usual in usual {
             for (family, form) in families().filter(|(family, _)| family.usual_columns().contains(&usual)) {
                 let named = Named { family, column: usual.column, form };

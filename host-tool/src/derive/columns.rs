@@ -24,7 +24,8 @@ pub fn add(log: &mut Log, definitions: &[Definition], mounting: &Mounting) -> Ou
                 "the log has a column {name}, or reads it otherwise: choose another name"
             )));
         }
-        let columns = Columns { rows: log.rows, time_s: log.time_s.as_deref(), named: named(log) };
+        let all = named(log).into_iter().chain(by_source(log)).collect();
+        let columns = Columns { rows: log.rows, time_s: log.time_s.as_deref(), named: all };
         let computed = compute(expression, &columns).map_err(fail)?;
         let empty = computed.values.iter().filter(|value| !value.is_finite()).count();
         if empty == log.rows {
@@ -63,6 +64,15 @@ fn named(log: &Log) -> Vec<(&str, &[f64])> {
     list.extend(log.heading_deg.as_deref().map(|values| ("heading_deg", values)));
     list.extend(log.covariates.iter().map(|own| (own.name.as_str(), own.values.as_slice())));
     list
+}
+
+/// What has another name here by that of the file: an expression may use either.
+fn by_source(log: &Log) -> impl Iterator<Item = (&str, &[f64])> {
+    let sources = log.read_as.columns.iter().filter(|column| column.name != column.source);
+    sources.filter_map(|column| {
+        let own = log.covariate(&column.name).filter(|_| log.covariate(&column.source).is_none())?;
+        Some((column.source.as_str(), own.values.as_slice()))
+    })
 }
 
 /// Takes the three axes of a sensor out of the covariates, where all of them were derived.

@@ -4,6 +4,7 @@ use crate::cli::{DiagnoseArgs, typed_option};
 use crate::diagnosis_words::numbers::{degrees, microtesla, wrap};
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, groups, listed, name_of, title};
 use crate::diagnosis_words::{found, next};
+use crate::log_args::SAVED;
 use ironout_analysis::base::mounting;
 use ironout_analysis::outcome::outcome::{Diagnosis, Status, Verdict};
 use ironout_analysis::samples::faults::FaultKind;
@@ -180,6 +181,10 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
     let command = |out: &mut Vec<String>, text: String| out.push(format!("    {text}"));
     let say = |out: &mut Vec<String>, text: &str| out.extend(wrap(text, "  ", WIDTH));
     let add = to_add(diagnosis, arguments);
+    if path == "-" {
+        say(out, &format!("The log came from standard input: save it as {SAVED} first."));
+    }
+    let path = if path == "-" { SAVED.to_string() } else { path };
     if let Some(standing) = found::axis_order(diagnosis) {
         if standing.is_open() {
             say(
@@ -210,7 +215,7 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             "This log shows the effect but carries no calibration of its own. Put it on top of an earlier one, or turn the \
              board through all directions while the same things change, and diagnose that log:",
         );
-        command(out, format!("{} --prior cal.json", next::diagnose(arguments, &path, "")));
+        command(out, format!("{} --prior earlier.json", next::diagnose(arguments, &path, "")));
         return;
     }
     match diagnosis.verdict {
@@ -231,7 +236,7 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             let (bound, lasting): (Vec<String>, Vec<String>) = add.iter().cloned().partition(is_bound);
             let it = if add.len() == 1 { "it" } else { "them" };
             match &diagnosis.fit_refuses {
-                None if lasting.is_empty() => say(out, &format!("Calibrate with {it} in the model:")),
+                None if !bound.is_empty() => say(out, &format!("Calibrate with {it} in the model:")),
                 None => say(out, &format!("Add {it} to the calibration, and check that on a second log:")),
                 Some(why) => say(
                     out,
@@ -241,12 +246,19 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
                 ),
             }
             command(out, next::fit(arguments, &add));
-            if !lasting.is_empty() {
+            if bound.is_empty() {
                 command(out, next::check(arguments));
+            }
+            if !lasting.is_empty() {
                 let columns: Vec<String> =
                     found::columns(diagnosis).into_iter().filter(|column| column != "t_s").collect();
+                let needs = if bound.is_empty() {
+                    "The second log, and the device, need"
+                } else {
+                    "The device needs"
+                };
                 if !columns.is_empty() {
-                    say(out, &format!("The second log, and the device, need {} too.", listed(&columns)));
+                    say(out, &format!("{needs} {} too.", listed(&columns)));
                 }
             }
             if !bound.is_empty() {
@@ -255,9 +267,10 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
                     out,
                     &format!(
                         "({} {is} bound to this log's own time: in the model {it} make{} offset and matrix right, but {it} cannot \
-                         correct another log. Find and remove the cause, then record again.)",
+                         correct another log. Find and remove the cause, then record again{}.)",
                         listed(&bound),
-                        if bound.len() == 1 { "s" } else { "" }
+                        if bound.len() == 1 { "s" } else { "" },
+                        if lasting.is_empty() { "" } else { ", and check that log" }
                     ),
                 );
             }
@@ -285,7 +298,11 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
                         None => "What was found helps all the same:",
                     },
                 );
-                command(out, next::fit(arguments, &add));
+                let fit = match diagnosis.fit_refuses {
+                    Some(_) => next::try_fit,
+                    None => next::fit,
+                };
+                command(out, fit(arguments, &add));
             }
             goes_with(diagnosis, &add, out);
             if diagnosis.field_varies.is_some() {
@@ -302,8 +319,11 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             }
             say(
                 out,
-                "For the rest, look at where it fails (above) and log what changed there: temperature, currents, what moves. \
-                 Any further numeric column of the log is tested.",
+                &format!(
+                    "{} at where it fails (above) and log what changed there: temperature, currents, what moves. Any further numeric \
+                     column of the log is tested.",
+                    if add.is_empty() { "Look" } else { "For the rest, look" }
+                ),
             );
         }
         Verdict::Undetermined
@@ -315,10 +335,10 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             if arguments.prior.is_none() && diagnosis.reasons.iter().any(|reason| reason.contains("attitude"))
             {
                 say(out, "An earlier good calibration can stand in for the attitudes that this log lacks:");
-                command(out, next::diagnose(arguments, &path, "--prior cal.json"));
+                command(out, next::diagnose(arguments, &path, "--prior earlier.json"));
             }
             say(out, "What the fit itself says:");
-            command(out, next::fit(arguments, &add));
+            command(out, next::try_fit(arguments, &add));
         }
         Verdict::Undetermined
             if diagnosis.reasons.iter().all(|reason| reason.starts_with("the residual is")) =>
@@ -329,7 +349,7 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
                  magnets or iron that move near the sensor, for a sensor that is set too fast, and record again. What the \
                  fit itself says:",
             );
-            command(out, next::fit(arguments, &add));
+            command(out, next::try_fit(arguments, &add));
         }
         Verdict::Undetermined => {
             let turn = "Record again and turn the board through more directions: nose up and down, on both sides, upside down, \
@@ -338,7 +358,7 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
                 say(out, turn);
             } else {
                 say(out, &format!("{turn} An earlier good calibration can stand in for them:"));
-                command(out, next::diagnose(arguments, &path, "--prior cal.json"));
+                command(out, next::diagnose(arguments, &path, "--prior earlier.json"));
             }
         }
     }

@@ -151,7 +151,8 @@ fn with_its_past(told: &Told, effect: &FittedEffect) -> Option<String> {
     let both: Vec<f64> = effect.coefficients.iter().zip(&other.coefficients).map(|(a, b)| a + b).collect();
     let sum = FittedEffect { coefficients: both, ..effect.clone() };
     let text = amount(told.log, diagnosis.registry, &sum)?;
-    Some(format!("{text}, once {} stands still", own.column))
+    let size = text.split(" over this log").next()?;
+    Some(format!("{size} once {} stands still", own.column))
 }
 
 /// The id of an effect taken apart, with the form that its coefficients are of.

@@ -29,12 +29,12 @@ fn adding(effects: &[String]) -> String {
 
 /// `ironout fit LOG … --add ID … -o cal.json`.
 pub fn fit(arguments: &DiagnoseArgs, effects: &[String]) -> String {
-    format!(
-        "ironout fit {}{}{} -o cal.json",
-        arguments.log.typed(),
-        fitting(arguments, effects),
-        adding(effects)
-    )
+    try_fit(arguments, effects) + " -o cal.json"
+}
+
+/// `ironout fit LOG … --add ID …`: one that is refused writes nothing.
+pub fn try_fit(arguments: &DiagnoseArgs, effects: &[String]) -> String {
+    format!("ironout fit {}{}{}", arguments.log.typed(), fitting(arguments, effects), adding(effects))
 }
 
 /// `ironout check second.csv … --cal cal.json`.

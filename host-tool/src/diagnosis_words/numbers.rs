@@ -101,6 +101,7 @@ pub fn unit_of(column: &str) -> &'static str {
         ("_pa", " Pa"),
         ("_hpa", " hPa"),
     ];
+    let column = column.to_ascii_lowercase();
     UNITS.iter().find(|(suffix, _)| column.ends_with(suffix)).map_or("", |(_, unit)| unit)
 }
 

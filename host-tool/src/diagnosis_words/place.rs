@@ -236,7 +236,10 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
             });
         }
         if all.iter().any(|row| row.scale == Scale::Symmetric && row.curve.is_some()) {
-            note.push_str(" attitude: against the direction (x, y, z) of the field seen from the board.");
+            note.push_str(
+                " attitude: against the direction (x, y, z) of the field seen from the board; behind it how far the residual goes along that \
+                 direction, or along a shape of two or three, µT.",
+            );
         }
         out.extend(wrap(&note, "  ", WIDTH));
     }

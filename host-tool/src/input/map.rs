@@ -2,6 +2,7 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::input::words::{listing, shorten};
+use ironout::effect::{BadName, ColumnName};
 
 /// Splits `--map` (repeatable) into pairs of a name and a header with its unit. A header with a comma stands in double quotes:
 /// `mx_ut="Field, x"[uT]`.
@@ -17,6 +18,11 @@ pub fn parse_map(arguments: &[String]) -> Outcome<Vec<(String, String)>> {
                     "--map {part}: expected NAME=HEADER, as in --map mx_ut=MagX,my_ut=MagY,mz_ut=MagZ"
                 ))
             })?;
+        if ColumnName::new(name).is_err() {
+            return Err(Failure::usage(format!(
+                "--map {part}: \"{name}\" is no name for a column: {BadName}"
+            )));
+        }
         if pairs.iter().any(|(known, old)| known == name || *old == header) {
             return Err(Failure::usage(format!("--map {part}: \"{name}\" or \"{header}\" is mapped twice")));
         }

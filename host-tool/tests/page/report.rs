@@ -156,13 +156,9 @@ fn two_calibrations_and_two_logs_stand_side_by_side() {
     assert!(seen["links"].as_array().expect("links").contains(&json!("Side by side")), "{seen}");
 }
 
-/// Names of columns that would be markup or code, where a page took them for it.
-pub const HOSTILE: [&str; 4] = [
-    "<img src=x onerror=window.injected=1>",
-    "</script><script>window.injected=1</script>",
-    "__proto__",
-    "'-alert(1)-'",
-];
+/// Names of columns that would be markup or code, where a page took them for it; such as stay as they are when a log is read.
+pub const HOSTILE: [&str; 4] =
+    ["<img/src=x/onerror=injected=1>", "<script>injected=1</script>", "__proto__", "'-alert(1)-'"];
 
 /// A log with them, and with such a name.
 pub fn hostile(here: &Path) -> PathBuf {

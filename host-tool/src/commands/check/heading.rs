@@ -91,7 +91,7 @@ impl Judged {
                 "every heading is backwards ({mean_deg:+.0}°): an axis is mirrored, or the sensor is mounted the other way round: \
                  ironout diagnose says which"
             )
-        } else if spread_deg > self.limit_deg {
+        } else if spread_deg > self.limit_deg || spread_deg > mean_deg.abs() {
             format!(
                 "headings are off by {rms_deg:.0}° rms, now this way and now that: ironout diagnose looks for the cause"
             )

@@ -38,7 +38,7 @@ impl Word {
                  what is missing with ironout diagnose"
             }
             Word::Heading => {
-                "the magnitude fits, but the heading does not: axes, a mirrored driver, or iron that turns with the board; see \
+                "the magnitude fits, but the heading does not: axes, a mirrored driver, a sensor that lags, or iron that turns with the board; see \
                  ironout diagnose"
             }
             Word::Unknown => "the log cannot tell: turn the board through more directions",

@@ -1,11 +1,11 @@
 //! Every other column: a covariate of its own, or left out with a reason.
 
-use crate::input::followed::plain;
+use crate::input::followed::name_of;
 use crate::input::names::{Kind, Meaning};
 use crate::input::text::choice::{Choice, FIELD_COUNTS, FIELD_UT, Taken};
 use crate::input::text::grid::{Grid, GridColumn};
 use crate::input::text::vectors::Vector;
-use crate::input::unit::{Quantity, Unit};
+use crate::input::unit::Quantity;
 
 /// Takes what is numeric and can be a cause; says what is not read.
 pub fn covariates(grid: &Grid, meanings: &[Meaning], vectors: &[Vector], choice: &mut Choice) {
@@ -94,20 +94,6 @@ fn counts_rows(column: &GridColumn, rows: &[usize]) -> bool {
     let values: Vec<f64> =
         rows.iter().filter_map(|row| column.values.get(*row)).copied().filter(|v| v.is_finite()).collect();
     values.len() > 2 && values.windows(2).all(|pair| pair[1] > pair[0] && pair[1].fract() == 0.0)
-}
-
-/// A plain name, with the unit of the contract at its end.
-fn name_of(header: &str, meaning: &Meaning, unit: Option<&Unit>) -> String {
-    let suffix = match unit.and_then(|unit| unit.quantity) {
-        Some(Quantity::Temperature) => "_c",
-        Some(Quantity::Current) => "_a",
-        Some(Quantity::Voltage) => "_v",
-        _ => return plain(header),
-    };
-    let stem = if meaning.stem.is_empty() { plain(header) } else { meaning.stem.clone() };
-    let stem = plain(&stem);
-    let axis = meaning.axis.map_or(String::new(), |axis| format!("_{axis}"));
-    format!("{stem}{axis}{suffix}")
 }
 
 /// A number for a sentence: three digits.
