@@ -22,6 +22,10 @@ fn sampled(board: &mut Emulator) -> (u64, u64) {
     (t_ms as u64, seq as u64)
 }
 
+/// How much deeper one question may go than all before it, bytes: which of them goes deepest is a matter of the moment at which it is
+/// asked, and so of the host. What grows with the hours grows by more.
+const ONE_DEEPER: u64 = 2048;
+
 #[test]
 fn after_hours_no_sample_is_missing_the_calibration_stands_and_nothing_has_grown() {
     let Some(_turn) = qemu::turn("hours") else { return };
@@ -74,7 +78,7 @@ fn after_hours_no_sample_is_missing_the_calibration_stands_and_nothing_has_grown
     assert_eq!(version.value("samples_lost"), Some("0"), "{version}");
     assert_eq!(ok(&mut board, "cal show").to_string(), shown, "what is in use did not move");
     let grown = board.stack_used().unwrap();
-    assert!(grown <= stack.unwrap_or(0) + 256, "the stack went from {stack:?} to {grown} bytes");
+    assert!(grown <= stack.unwrap_or(0) + ONE_DEEPER, "the stack went from {stack:?} to {grown} bytes");
     ok(&mut board, "cal cancel");
     assert_eq!(ok(&mut board, "status").value("state"), Some("idle"));
 }
