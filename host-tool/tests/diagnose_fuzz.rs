@@ -194,12 +194,15 @@ fn cases(default: u64) -> std::ops::Range<u64> {
     from..from + set("IRONOUT_FUZZ_CASES").unwrap_or(default)
 }
 
+/// Cases that failed once: readings of 1e280 µT at the end of a log gave an error that was no number.
+const ONCE_WRONG: [u64; 1] = [87013];
+
 #[test]
 fn odd_columns_are_diagnosed_or_refused() {
     let (mut answered, seeds) = (0, cases(100));
-    let count = seeds.end - seeds.start;
+    let count = seeds.end - seeds.start + ONCE_WRONG.len() as u64;
     let mut times: Vec<(f64, u64)> = Vec::new();
-    for seed in seeds {
+    for seed in seeds.chain(ONCE_WRONG) {
         let text = case(seed);
         let clock = std::time::Instant::now();
         let result = std::panic::catch_unwind(|| {

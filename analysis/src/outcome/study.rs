@@ -37,6 +37,10 @@ const OF_ATTITUDE: f64 = 0.5;
 pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     let counted = &ground.counted;
     let mut diagnosis = of_kind(ground, options)?;
+    if diagnosis.steps.iter().any(|step| !step.rms_ut.is_finite()) {
+        let why = "readings are so large that their error is no number: is this the magnetometer?".into();
+        diagnosis = undetermined(counted.table, &counted.samples, options.registry, why);
+    }
     // What the study has left out is told after the faults of the sensor.
     let left_out = std::mem::take(&mut diagnosis.data_faults);
     diagnosis.data_faults.clone_from(&counted.faults);
