@@ -284,7 +284,8 @@ impl<'a> View<'_, 'a> {
                 };
             }
         }
-        Judged { verdict: Verdict::Undetermined, reasons, only_unsure: false, has_attitude: false }
+        let has_attitude = error.is_some_and(|error| error <= MAX_PREDICTED_ERROR);
+        Judged { verdict: Verdict::Undetermined, reasons, only_unsure: false, has_attitude }
     }
 
     /// Whether chance does as well as none of the effects of the model, and each takes most of the error that it found, on unseen
@@ -315,14 +316,17 @@ impl<'a> View<'_, 'a> {
         let refused = self.refused_by_fit(applied, predicted, field);
         // Little attitude alone lets the error rise where the board turns to what the others do not hold.
         let fails = self.fails_on_unseen_time(left, applied).filter(|_| has_attitude);
-        let (verdict, reasons) = self.reasoned(left, refused, fails);
-        // Every other cause of this verdict gives a reason beside the error of the calibration, or of unseen time.
-        let only_unsure =
-            verdict == Verdict::Unexplained && reasons.len() == 1 && (refused.is_some() || fails.is_some());
+        let (verdict, reasons, only_unsure) = self.reasoned(left, refused, fails);
         Judged { verdict, reasons, only_unsure, has_attitude }
     }
 
-    fn reasoned(&self, left: &Residue, refused: Option<f64>, fails: Option<f64>) -> (Verdict, Vec<String>) {
+    /// Verdict and reasons, and whether all is explained and only the calibration not sure enough.
+    fn reasoned(
+        &self,
+        left: &Residue,
+        refused: Option<f64>,
+        fails: Option<f64>,
+    ) -> (Verdict, Vec<String>, bool) {
         let mut reasons = Vec::new();
         if let Some(error) = refused {
             reasons.push(format!(
@@ -342,7 +346,7 @@ impl<'a> View<'_, 'a> {
                     .into(),
             );
             if left.structure <= 0.0 {
-                return (Verdict::Unexplained, reasons);
+                return (Verdict::Unexplained, reasons, false);
             }
         }
         if left.structure > 0.0 {
@@ -350,39 +354,41 @@ impl<'a> View<'_, 'a> {
                 "{:.0} % of the residual's variance is structure that no candidate explains for certain",
                 100.0 * left.structure
             ));
-            return (Verdict::Unexplained, reasons);
+            return (Verdict::Unexplained, reasons, false);
         }
         if let Some(words) = self.stand_ins() {
             reasons.push(words);
-            return (Verdict::Unexplained, reasons);
+            return (Verdict::Unexplained, reasons, false);
         }
         if let Some(times) = fails {
             reasons.push(format!(
                 "on unseen time the error is {times:.1} times what the noise leaves: what stands in the model is not all, \
                  or the log is too short for it"
             ));
-            return (Verdict::Unexplained, reasons);
+            let explained = self.explanation.fitted.converged && self.explanation.confounded.is_empty();
+            let alone = explained && reasons.len() == 1;
+            return (Verdict::Unexplained, reasons, alone);
         }
         if !self.explanation.fitted.converged {
             reasons.push("the fit of the model with all that was found did not converge".into());
-            return (Verdict::Unexplained, reasons);
+            return (Verdict::Unexplained, reasons, false);
         }
         if !self.explanation.confounded.is_empty() {
             for group in &self.explanation.confounded {
                 reasons.push(format!("{} explain the same", group.ids.join(", ")));
             }
-            return (Verdict::Confounded, reasons);
+            return (Verdict::Confounded, reasons, false);
         }
         // Where `fit` would send the log back nothing reassures: noise so slow may as well be an error that moves.
         match (refused, self.explanation.fitted.pieces.is_empty()) {
             (None, _) => {}
-            (Some(_), true) => return (Verdict::Undetermined, reasons),
-            (Some(_), false) => return (Verdict::Unexplained, reasons),
+            (Some(_), true) => return (Verdict::Undetermined, reasons, false),
+            (Some(_), false) => return (Verdict::Unexplained, reasons, true),
         }
         if self.explanation.fitted.pieces.is_empty() {
-            (Verdict::Complete, reasons)
+            (Verdict::Complete, reasons, false)
         } else {
-            (Verdict::Missing, reasons)
+            (Verdict::Missing, reasons, false)
         }
     }
 

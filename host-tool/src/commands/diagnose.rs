@@ -27,8 +27,8 @@ pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
         force_effect: true,
         search: true,
         prior,
-        chances: Vec::new(),
         registry: REGISTRY,
+        ..Options::default()
     };
     let working = Working::new("studying");
     let diagnosis =

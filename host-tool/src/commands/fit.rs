@@ -36,8 +36,8 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         force_effect: arguments.force_effect,
         search: false,
         prior,
-        chances: Vec::new(),
         registry: REGISTRY,
+        ..Options::default()
     };
     let fitted = fit(&Table::from(&log), &options).map_err(|refusal| refusal::failure(refusal, &log.path))?;
     let to_text = |error: serde_json::Error| Failure::usage(error.to_string());

@@ -8,6 +8,7 @@ use crate::log_args::SAVED;
 use ironout_analysis::base::mounting;
 use ironout_analysis::outcome::outcome::{Diagnosis, Status, Verdict};
 use ironout_analysis::samples::faults::FaultKind;
+use std::path::Path;
 
 /// Whether the last step leaves what the noise leaves.
 fn at_the_noise(diagnosis: &Diagnosis) -> bool {
@@ -176,15 +177,15 @@ pub fn to_add(diagnosis: &Diagnosis, arguments: &DiagnoseArgs) -> Vec<String> {
 /// The commands, or the recording, that come next.
 pub fn what_next(told: &Told, out: &mut Vec<String>) {
     let Told { log, arguments, diagnosis } = told;
-    let path = log.path.display().to_string();
+    let piped = log.path == Path::new("-");
+    let path = if piped { SAVED.to_string() } else { log.path.display().to_string() };
     title(out, "What to do next");
     let command = |out: &mut Vec<String>, text: String| out.push(format!("    {text}"));
     let say = |out: &mut Vec<String>, text: &str| out.extend(wrap(text, "  ", WIDTH));
     let add = to_add(diagnosis, arguments);
-    if path == "-" {
+    if piped {
         say(out, &format!("The log came from standard input: save it as {SAVED} first."));
     }
-    let path = if path == "-" { SAVED.to_string() } else { path };
     if let Some(standing) = found::axis_order(diagnosis) {
         if standing.is_open() {
             say(

@@ -36,8 +36,8 @@ pub fn look(held: &Held, asked: &LookAsked) -> Outcome<Value> {
         force_effect: true,
         search: asked.search,
         prior: None,
-        chances: Vec::new(),
         registry: REGISTRY,
+        ..Options::default()
     };
     let look = ironout_analysis::look(&Table::from(log), &options, asked.floor_ut)
         .map_err(|refusal| refusal::failure(refusal, &log.path))?;
