@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Oracle values for host-tests/tests/oracle.rs, from an independent program (numpy, scipy).
+"""Oracle values for host-tests/tests/suite/oracle.rs, from an independent program (numpy, scipy).
 
     python3 host-tests/oracle/oracle.py > host-tests/oracle/oracle.json
 

@@ -12,7 +12,7 @@ const ROWS_IN_WORD: i32 = ROWS / 2;
 /// The bits of one row.
 const ROW: u64 = (1 << ROW_BITS) - 1;
 /// How far such a middle lies beyond the edge, in widths of a cell: measured over simulated sessions of every kind
-/// (`host-tests/tests/coverage.rs`), so that the gap told is right on the average.
+/// (`host-tests/tests/suite/coverage.rs`), so that the gap told is right on the average.
 const EDGE: f32 = 0.3;
 /// A cell is at first at most this large, µT: small beside any field, so that the grid is never too coarse, and large
 /// enough that it grows but three or four times along each axis.

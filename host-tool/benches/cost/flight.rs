@@ -2,7 +2,7 @@
 
 // The tests' writer, so that there is one; the bench uses a part of it.
 #[allow(dead_code)]
-#[path = "../../tests/writers/ulog.rs"]
+#[path = "../../tests/suite/writers/ulog.rs"]
 mod writer;
 
 use ironout_cli::input::{Log, ReadOptions, read_stream};

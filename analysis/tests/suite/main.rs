@@ -1,0 +1,5 @@
+//! The analysis by its public functions.
+
+mod borne_out;
+mod modes;
+mod search;

@@ -1,0 +1,37 @@
+//! The tests that need more than one crate: one binary, one module a subject.
+
+mod accuracy;
+mod board_and_host;
+mod common;
+mod console;
+mod correlated;
+mod coverage;
+mod device_machine;
+mod diagnose_dip;
+mod effect_table;
+mod effects_on_board;
+mod endurance;
+mod flash_store;
+mod irrelevant_effects;
+mod learning_board;
+mod loading;
+mod measured;
+mod moments;
+mod monitor;
+mod mountings;
+mod names;
+mod oracle;
+mod paper;
+mod pico;
+mod properties;
+mod qemu;
+mod record;
+mod refusals;
+mod replacement;
+mod session_on_bus;
+mod simulated_chips;
+mod snapshot;
+mod store;
+mod store_on_bus;
+mod truths;
+mod world;

@@ -1,0 +1,46 @@
+//! The tests of the program: one binary, one module a subject. Each runs the built `ironout`, as a user would.
+
+mod blackbox;
+#[cfg(feature = "demo")]
+mod board_link;
+mod check_heading;
+mod close_steps;
+mod common;
+#[cfg(feature = "demo")]
+mod console_script;
+mod contract;
+mod corpus;
+mod dataflash;
+#[cfg(feature = "demo")]
+mod demo;
+mod derive;
+mod diagnose_fuzz;
+mod diagnose_json;
+mod diagnose_recordings;
+mod diagnose_text;
+mod effects;
+mod effects_doc;
+mod effects_exported;
+mod exports_cost;
+mod exports_reading;
+mod exports_targets;
+mod extrapolation;
+mod fuzz;
+mod journey;
+mod malformed;
+mod mcap;
+mod one_truth;
+#[cfg(all(feature = "demo", feature = "page"))]
+mod page;
+mod passes;
+mod plausible;
+mod prior;
+mod reader;
+mod reading;
+mod recordings;
+mod several;
+mod text_corpus;
+mod text_questions;
+mod tutorial;
+mod ulog;
+mod writers;

@@ -1,9 +1,0 @@
-//! Logs of other programs, written by the tests from the specifications of their formats.
-#![allow(dead_code)] // every test binary uses its own part
-
-pub mod blackbox;
-pub mod dataflash;
-pub mod fuzz;
-pub mod ros;
-pub mod truth;
-pub mod ulog;
