@@ -20,6 +20,7 @@ impl Scene<'_> {
         draw: &mut dyn FnMut(&mut Source, &str) -> Column,
     ) -> Beyond {
         let last = self.times[self.times.len() - 1];
+        let mut parameters = Vec::new();
         let vector = direction(rng);
         let constant = |course: &[f64]| self.along(vector, &standardised(course));
         let (id, words, columns, unit): (String, String, Vec<Column>, Vec<Vec3>);
@@ -28,8 +29,10 @@ impl Scene<'_> {
                 let name = choose(rng, &["temp_c", "current_a"]);
                 let column = draw(rng, name);
                 let tau_s = log_uniform(rng, 1.0, 100.0_f64.min(last / 2.0));
+                parameters.push(("tau_s", tau_s));
                 unit = constant(&column.signal.low_pass(tau_s).sample(self.times));
-                (id, words) = (format!("offset:{name}~tau"), format!("low-pass of {name}, tau {tau_s:.2} s"));
+                (id, words) =
+                    (format!("offset:{name}~{tau_s:.2}"), format!("low-pass of {name}, tau {tau_s:.2} s"));
                 columns = vec![column];
             }
             1 => {
@@ -142,6 +145,7 @@ impl Scene<'_> {
                 let name = choose(rng, &["current_a", "throttle"]);
                 let mut column = draw(rng, name);
                 column.late_s = uniform(rng, 0.1, 0.5);
+                parameters.push(("delay_s", -column.late_s));
                 unit = constant(&column.signal.sample(self.times));
                 id = format!("offset:{}@{:.3}", column.name, -column.late_s);
                 words = format!(
@@ -152,6 +156,6 @@ impl Scene<'_> {
             }
         }
         let names = columns.iter().map(|c| c.name.clone()).collect();
-        Beyond { shape: Shape { id, words, in_catalogue: false, columns: names, unit }, columns }
+        Beyond { shape: Shape { id, words, in_catalogue: false, parameters, columns: names, unit }, columns }
     }
 }

@@ -53,6 +53,7 @@ pub struct Shape {
     pub id: String,
     pub words: String,
     pub in_catalogue: bool,
+    pub parameters: Vec<(&'static str, f64)>,
     pub columns: Vec<String>,
     pub unit: Vec<Vec3>,
 }
@@ -121,6 +122,7 @@ impl<'a> Scene<'a> {
         let per_reading = |f: &dyn Fn(Vec3) -> Vec3| -> Vec<Vec3> {
             (0..n).map(|i| scale(field, f(scale(1.0 / field, self.reading(i))))).collect()
         };
+        let mut parameters = Vec::new();
         let (id, words, unit) = match family {
             Family::Offset => {
                 let unit = self.along(direction(rng), &course);
@@ -141,6 +143,7 @@ impl<'a> Scene<'a> {
             }
             Family::Step => {
                 let at_s = last * uniform(rng, 0.2, 0.8);
+                parameters.push(("at_s", at_s));
                 let course: Vec<f64> = self.times.iter().map(|&t| f64::from(t >= at_s)).collect();
                 ("step".into(), format!("offset step at {at_s:.3} s"), self.along(direction(rng), &course))
             }
@@ -165,6 +168,7 @@ impl<'a> Scene<'a> {
             }
             Family::Periodic => {
                 let hertz = uniform(rng, 1.1, 0.46 * self.rate_hz);
+                parameters.push(("frequency_hz", hertz));
                 let (a, b) = (direction(rng), scale(uniform(rng, 0.0, 1.0), direction(rng)));
                 let wave = |&t: &f64| {
                     let phase = TAU * hertz * t;
@@ -175,7 +179,7 @@ impl<'a> Scene<'a> {
             Family::Lag => ("lag".into(), String::new(), Vec::new()),
         };
         let columns = column.map(|c| c.name.clone()).into_iter().collect();
-        Shape { id, words, in_catalogue: true, columns, unit }
+        Shape { id, words, in_catalogue: true, parameters, columns, unit }
     }
 
     /// Change of the magnitude by a disturbance: the part outside of the base model and the whole, µT rms.
@@ -201,6 +205,7 @@ impl<'a> Scene<'a> {
             id: shape.id,
             words: shape.words,
             in_catalogue: shape.in_catalogue,
+            parameters: shape.parameters,
             columns: shape.columns,
             logged: true,
             strength: strength_ut / self.noise_ut,
@@ -237,6 +242,7 @@ impl<'a> Scene<'a> {
             id: "lag".into(),
             words: format!("sensor late by {lag_s:.4} s"),
             in_catalogue: true,
+            parameters: vec![("delay_s", lag_s)],
             columns: Vec::new(),
             logged: true,
             strength: strength_ut / self.noise_ut,

@@ -45,55 +45,42 @@ pub enum Kind {
     Quick,
 }
 
+/// Names in the order of the kinds.
+const NAMES: [&str; 20] = [
+    "one",
+    "two",
+    "three",
+    "strong",
+    "nothing-white",
+    "nothing-coloured",
+    "deleted",
+    "alike",
+    "gaps",
+    "plain-offset",
+    "gain",
+    "lag",
+    "shape",
+    "coloured",
+    "white",
+    "beyond",
+    "flight",
+    "car",
+    "boat",
+    "quick",
+];
+
 impl Kind {
     /// All kinds.
-    pub const ALL: [Kind; 20] = [
-        Kind::One,
-        Kind::Two,
-        Kind::Three,
-        Kind::Strong,
-        Kind::NothingWhite,
-        Kind::NothingColoured,
-        Kind::Deleted,
-        Kind::Alike,
-        Kind::Gaps,
-        Kind::PlainOffset,
-        Kind::Gain,
-        Kind::Lag,
-        Kind::Shape,
-        Kind::Coloured,
-        Kind::White,
-        Kind::Beyond,
-        Kind::Flight,
-        Kind::Car,
-        Kind::Boat,
-        Kind::Quick,
-    ];
+    #[rustfmt::skip]
+    pub const ALL: [Kind; 20] = {
+        use Kind::*;
+        [One, Two, Three, Strong, NothingWhite, NothingColoured, Deleted, Alike, Gaps, PlainOffset, Gain,
+         Lag, Shape, Coloured, White, Beyond, Flight, Car, Boat, Quick]
+    };
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Kind::One => "one",
-            Kind::Two => "two",
-            Kind::Three => "three",
-            Kind::Strong => "strong",
-            Kind::NothingWhite => "nothing-white",
-            Kind::NothingColoured => "nothing-coloured",
-            Kind::Deleted => "deleted",
-            Kind::Alike => "alike",
-            Kind::Gaps => "gaps",
-            Kind::PlainOffset => "plain-offset",
-            Kind::Gain => "gain",
-            Kind::Lag => "lag",
-            Kind::Shape => "shape",
-            Kind::Coloured => "coloured",
-            Kind::White => "white",
-            Kind::Beyond => "beyond",
-            Kind::Flight => "flight",
-            Kind::Car => "car",
-            Kind::Boat => "boat",
-            Kind::Quick => "quick",
-        }
+        NAMES[self as usize]
     }
 
     /// Vehicle or hasty hand: few orientations, and an autopilot's quaternion in the log.

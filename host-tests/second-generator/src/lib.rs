@@ -12,6 +12,7 @@ pub mod linalg;
 mod motion;
 mod noise;
 mod random;
+mod setting;
 mod truth;
 mod world;
 

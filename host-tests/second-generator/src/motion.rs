@@ -133,7 +133,7 @@ impl Motion {
     /// Draws a motion of a style for a log of a length in s.
     pub fn draw(style: Style, rng: &mut Source, length: f64) -> Self {
         let mut drive = Drive::Hand(Default::default());
-        let mut arm = scale(log_uniform(rng, 0.02, 0.2), direction(rng));
+        let mut arm = scale(log_uniform(rng, 0.02, 0.12), direction(rng));
         let tempo = log_uniform(rng, 0.7, 1.4);
         let start = uniform(rng, 0.0, TAU);
         let attitude = match style {
@@ -202,17 +202,15 @@ impl Motion {
                 Attitude::Chain(vec![(Z, yaw), (Y, pitch), (X, roll)])
             }
             Style::Car => {
-                let corner = |rng: &mut Source| {
-                    sign(rng) * if chance(rng, 0.8) { FRAC_PI_2 } else { PI } * uniform(rng, 0.8, 1.1)
-                };
+                let corner = |rng: &mut Source| sign(rng) * FRAC_PI_2 * uniform(rng, 0.5, 1.1);
                 let yaw = Curve::rate(start, 0.0).with_waves(rng, 2, 0.15, [10.0, 40.0]);
-                let yaw = yaw.with_turns(rng, length, [2.0, 15.0], [3.0, 7.0], corner);
+                let yaw = yaw.with_turns(rng, length, [1.0, 9.0], [4.0, 8.0], corner);
                 let mut tilt = |degrees: f64| {
                     let slope = Curve::default().with_waves(rng, 2, degrees.to_radians(), [10.0, 60.0]);
                     slope.with_waves(rng, 3, 0.01, [0.4, 1.5])
                 };
                 let (pitch, roll) = (tilt(3.0), tilt(1.5));
-                drive = Drive::Car(Curve::rate(9.0, 0.0).with_waves(rng, 3, 7.0, [10.0, 40.0]));
+                drive = Drive::Car(Curve::rate(5.0, 0.0).with_waves(rng, 3, 3.5, [10.0, 40.0]));
                 arm = add_scaled(arm, 1.0, X);
                 Attitude::Chain(vec![(Z, yaw), (Y, pitch), (X, roll)])
             }

@@ -1,6 +1,6 @@
 //! What a log hides.
 
-use crate::linalg::{Mat3, Quat, Vec3};
+use crate::linalg::{Mat3, Quat, Vec3, sub, to_ned};
 use std::fmt::Write;
 
 /// One hidden effect.
@@ -12,6 +12,9 @@ pub struct Hidden {
     pub words: String,
     /// True when the catalogue of effects has exactly this one.
     pub in_catalogue: bool,
+    /// Its numbers: `at_s` of a step, `frequency_hz` of a tone, `delay_s` of a lag or of a column (negative where
+    /// the column is late), `tau_s` of a low-pass.
+    pub parameters: Vec<(&'static str, f64)>,
     /// Columns that drive it.
     pub columns: Vec<String>,
     /// False when a column that drives it is not in the log.
@@ -87,17 +90,35 @@ impl Truth {
         (0..n).map(sum).collect()
     }
 
+    /// Error of each corrected vector in the body frame, µT; `corrected` has to be scaled to `field_ut`.
+    pub fn vector_errors_ut(&self, corrected: &[Vec3]) -> Vec<Vec3> {
+        corrected.iter().zip(&self.field_body_ut).map(|(&c, &h)| sub(c, h)).collect()
+    }
+
+    /// Error of the heading that each corrected vector gives when the tilt is known exactly, degrees.
+    pub fn heading_errors_deg(&self, corrected: &[Vec3]) -> Vec<f64> {
+        let error = |(&c, &q): (&Vec3, &Quat)| {
+            let ned = to_ned(q, c);
+            let off = self.declination_deg - ned[1].atan2(ned[0]).to_degrees();
+            (off + 180.0).rem_euclid(360.0) - 180.0
+        };
+        corrected.iter().zip(&self.attitude).map(error).collect()
+    }
+
     /// JSON object with every number; what is unknown is null.
     pub fn json(&self) -> String {
         let mut hidden = Vec::new();
         for h in &self.hidden {
+            let parameters: Vec<String> =
+                h.parameters.iter().map(|(k, v)| format!("{}:{v}", text(k))).collect();
             let columns: Vec<String> = h.columns.iter().map(|c| text(c)).collect();
             hidden.push(format!(
-                "{{\"id\":{},\"words\":{},\"in_catalogue\":{},\"columns\":[{}],\"logged\":{},\"strength\":{},\
+                "{{\"id\":{},\"words\":{},\"in_catalogue\":{},\"parameters\":{{{}}},\"columns\":[{}],\"logged\":{},\"strength\":{},\
                  \"strength_ut\":{},\"magnitude_rms_ut\":{},\"vector_rms_ut\":{}}}",
                 text(&h.id),
                 text(&h.words),
                 h.in_catalogue,
+                parameters.join(","),
                 columns.join(","),
                 h.logged,
                 h.strength,
