@@ -30,7 +30,7 @@ mod journey;
 mod malformed;
 mod mcap;
 mod one_truth;
-#[cfg(all(feature = "demo", feature = "page"))]
+#[cfg(all(feature = "emulated", feature = "page"))]
 mod page;
 mod passes;
 mod plausible;
@@ -44,3 +44,9 @@ mod text_questions;
 mod tutorial;
 mod ulog;
 mod writers;
+
+/// Stands in the summary for what this build leaves out.
+#[cfg(not(feature = "emulated"))]
+#[test]
+#[ignore = "emulated boards and the browser: cargo test --workspace --features emulated"]
+fn emulated_boards_and_browser() {}
