@@ -49,6 +49,8 @@ pub struct Learner {
     pub(super) lost: u32,
     /// Changes whenever what was learned is forgotten.
     pub(super) epoch: u16,
+    /// The last block that was forgotten was an odd one.
+    pub(super) is_odd: bool,
 }
 
 /// Of what is new from sample to sample, a settled jump leaves at least this share: less is made of the wrong assumption.
@@ -71,6 +73,7 @@ impl Learner {
             last_ms: 0,
             lost: 0,
             epoch: 0,
+            is_odd: false,
         }
     }
 
@@ -238,7 +241,14 @@ impl Learner {
             self.marks.take(&self.blocks, t_ms as u32);
         }
         let width = DRIFT + 3 + 3 * self.columns.width();
-        self.blocks.push(row.get(..width).unwrap_or(&row), look.residual);
+        let (marks, mut has_forgotten) = (&mut self.marks, false);
+        self.blocks.push(row.get(..width).unwrap_or(&row), look.residual, |oldest| {
+            marks.forget(oldest);
+            has_forgotten = true;
+        });
+        if has_forgotten {
+            self.hold_against_what_is_left();
+        }
         self.memory.push(look.residual);
         self.late.push(look.direction, motion, t_ms);
         let rows = rows + 1;
