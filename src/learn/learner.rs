@@ -205,7 +205,8 @@ impl Learner {
         })
     }
 
-    /// Learns from a sample, µT, from which the effects in use were taken off.
+    /// Learns from a sample, µT, from which the effects in use were taken off. The time goes on: a tick that wraps is extended first
+    /// ([`Extended`](crate::clock::Extended)).
     pub fn push(&mut self, measured_ut: [f32; 3], t_ms: u64, motion: &Motion) {
         let Some(point) = &self.point else { return };
         let first_ms = if self.blocks.rows() == 0 { t_ms } else { self.first_ms };

@@ -183,8 +183,8 @@ fn a_port_whose_other_end_stops_for_minutes_drops_whole_lines_and_goes_on_also_w
     use outgoing::Outgoing;
     // Microseconds, and the cycles of a counter of 25 MHz that wraps every 171 s.
     for per_ms in [1_000_u32, 25_000] {
-        let mut queue: Queue<u8, 256> = Queue::new();
-        let (near, mut far) = queue.split();
+        // As in the firmware it lives as long as the program.
+        let (near, mut far) = Box::leak(Box::new(Queue::<u8, 256>::new())).split();
         let mut outgoing = Outgoing::new(near, 200 * per_ms);
         let (mut now, mut got, mut refused_ms) = (0_u32.wrapping_sub(60_000 * per_ms), String::new(), 0);
         for ms in 0..900_000_u32 {
