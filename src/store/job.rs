@@ -106,8 +106,9 @@ pub struct StoreJob {
     end: usize,
     attempts: u8,
     tries: u8,
-    /// How often both slots were looked at.
+    /// How often both slots were looked at, and whether one was not read again that had been.
     looks: u8,
+    is_lost: bool,
     /// The slot that was to be written took nothing: this is the other one.
     is_other: bool,
     not_before_ms: u64,
@@ -128,6 +129,7 @@ impl StoreJob {
             attempts: 0,
             tries: 0,
             looks: 0,
+            is_lost: false,
             is_other: false,
             not_before_ms: 0,
             buffer: [0; MAX_RECORD_BYTES],
@@ -323,19 +325,22 @@ impl StoreJob {
     /// What a slot holds is known.
     fn note(&mut self, state: SlotState) {
         (self.at, self.end, self.attempts, self.tries) = (0, RECORD_BYTES, 0, 0);
-        match self.slot {
-            Slot::A => {
-                self.found[0] = state;
-                self.slot = Slot::B;
-            }
-            Slot::B => {
-                self.found[1] = state;
-                if self.looks_again() {
-                    return;
-                }
-                self.compare();
-                self.act();
-            }
+        let [a, b] = &mut self.found;
+        let known = match self.slot {
+            Slot::A => a,
+            Slot::B => b,
+        };
+        if state == SlotState::Unreadable && *known != SlotState::Unreadable {
+            // The memory has gone silent: what was read before is what is there.
+            self.is_lost = true;
+        } else {
+            *known = state;
+        }
+        if self.slot == Slot::A {
+            self.slot = Slot::B;
+        } else if !self.looks_again() {
+            self.compare();
+            self.act();
         }
     }
 
@@ -343,8 +348,8 @@ impl StoreJob {
     fn looks_again(&mut self) -> bool {
         let [a, b] = &mut self.found;
         let unread = match (*a == SlotState::Unreadable, *b == SlotState::Unreadable) {
-            (true, false) => a,
-            (false, true) => b,
+            (true, false) if !self.is_lost => a,
+            (false, true) if !self.is_lost => b,
             _ => return false,
         };
         self.looks += 1;
@@ -354,9 +359,6 @@ impl StoreJob {
         }
         self.slot = Slot::A;
         self.not_before_ms = self.not_before_ms.saturating_add(LOOK_PAUSE_MS);
-        if self.purpose == Purpose::Inspect {
-            self.record = None;
-        }
         true
     }
 
