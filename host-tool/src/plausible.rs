@@ -5,8 +5,8 @@ use crate::cli::{LogArgs, quoted, typed_option};
 use crate::failure::{Failure, Outcome};
 use crate::input::{Log, Quantity, Unit, entry, parse_map};
 use ironout_analysis::Table;
-use ironout_analysis::plausible::clock::{self, OddClock};
 use ironout_analysis::plausible::causes::heading_is_computed;
+use ironout_analysis::plausible::clock::{self, OddClock};
 use ironout_analysis::plausible::directions::equal_magnitudes;
 use ironout_analysis::plausible::field::{self, Evidence, FieldSize};
 use ironout_analysis::plausible::gravity::{self, OddGravity};
@@ -14,6 +14,8 @@ use ironout_analysis::plausible::turning::{self, OddAxes, OddRate, Whose};
 
 /// A field may be this many times another that is known, or this part of it: gains, and another place.
 const ALIKE: f64 = 4.0;
+/// The true scale of counts is within this factor of the one in the data sheet.
+const SCALE_ERROR: f64 = 1.4;
 /// Gyro and clock name each other's fault where the gyro's factor is within this of the clock's.
 const SAME: f64 = 1.5;
 
@@ -98,6 +100,12 @@ fn hold_field(log: &mut Log, arguments: &LogArgs, known: &Known, size: &FieldSiz
     let like = |other: f64| (size.field_ut / other).ln().abs() <= ALIKE.ln();
     let fits = match known {
         _ if !size.contradicts_earth() => true,
+        // A scale from a data sheet is nominal.
+        _ if log.ut_per_count.is_some()
+            && [1.0 / SCALE_ERROR, SCALE_ERROR].into_iter().any(|scale| size.can_be_earth(scale)) =>
+        {
+            true
+        }
         Known::Earth => false,
         Known::Given(field) | Known::Calibrated(field) => like(*field),
     };
@@ -168,7 +176,9 @@ fn unit_remedy(log: &Log, arguments: &LogArgs, size: &FieldSize) -> String {
     // No unit has a name for it: a power of ten of one that has.
     let decades = [10.0, 100.0, 1000.0, 0.1, 0.01, 0.001];
     if units.is_empty() && size.is_radius() {
-        let scaled = decades.map(|decade| Unit::stated(&format!("{} uT", short_power(decade * read.convert(1.0))), Some(Quantity::Field)));
+        let scaled = decades.map(|decade| {
+            Unit::stated(&format!("{} uT", short_power(decade * read.convert(1.0))), Some(Quantity::Field))
+        });
         units.extend(scaled.into_iter().flatten().find(can_be));
     }
     let middle = |unit: &Unit| (size.field_ut * factor(unit) / 45.0).ln().abs();
@@ -198,7 +208,9 @@ fn unit_options(log: &Log, arguments: &LogArgs, unit: &Unit) -> String {
     let names = ["mx_ut", "my_ut", "mz_ut"];
     let source = |name: &str| {
         let read = log.read_as.columns.iter().find(|column| column.name == name);
-        read.map(|column| column.source.clone()).filter(|source| !source.is_empty()).unwrap_or_else(|| name.to_string())
+        read.map(|column| column.source.clone())
+            .filter(|source| !source.is_empty())
+            .unwrap_or_else(|| name.to_string())
     };
     let field = names.map(|name| entry(name, &source(name), Some(&unit.name)));
     let others = given.iter().filter(|(name, _)| !names.contains(&name.as_str()));

@@ -31,7 +31,9 @@ pub(crate) fn leave_out(ground: &mut Ground, options: &Options) {
     let table = ground.counted.table;
     let named: Vec<_> = options.add.iter().filter_map(|id| options.registry.parse(id)).collect();
     for one in no_causes(table) {
-        let Some(name) = table.covariates.get(one.covariate).map(|covariate| covariate.name) else { continue };
+        let Some(name) = table.covariates.get(one.covariate).map(|covariate| covariate.name) else {
+            continue;
+        };
         if named.iter().any(|named| named.column == name) {
             continue;
         }

@@ -103,7 +103,8 @@ fn is_time(table: &Table, values: &[f64]) -> bool {
         let power = slope.log10();
         (power - power.round()).abs() < SAME_TIME
     };
-    values.len() >= LEAST && (by(&rows, |slope| slope == 1.0) || table.time_s.is_some_and(|time| by(time, is_power_of_ten)))
+    values.len() >= LEAST
+        && (by(&rows, |slope| slope == 1.0) || table.time_s.is_some_and(|time| by(time, is_power_of_ten)))
 }
 
 /// Whether a column is the time since the row before.

@@ -79,9 +79,10 @@ pub struct FieldCopy {
 /// The covariates that are copies of the field.
 pub fn field_copies(table: &Table) -> Vec<FieldCopy> {
     let rows = table.rows();
-    let is_turned = || field::evidence(table).is_some_and(|found| {
-        matches!(found.evidence, Evidence::Sphere | Evidence::PartOfSphere)
-    });
+    let is_turned = || {
+        field::evidence(table)
+            .is_some_and(|found| matches!(found.evidence, Evidence::Sphere | Evidence::PartOfSphere))
+    };
     if table.covariates.is_empty() || rows < LEAST || !is_turned() {
         return Vec::new();
     }
@@ -103,13 +104,15 @@ pub fn field_copies(table: &Table) -> Vec<FieldCopy> {
     ];
     let mut found = Vec::new();
     for (covariate, named) in table.covariates.iter().enumerate() {
-        let values: Vec<f64> = chosen.iter().map(|&row| named.values.get(row).copied().unwrap_or(f64::NAN)).collect();
+        let values: Vec<f64> =
+            chosen.iter().map(|&row| named.values.get(row).copied().unwrap_or(f64::NAN)).collect();
         if !varies(&values) {
             continue;
         }
         let copy = designs.iter().find_map(|(of, filtered, design)| {
             let told = design.foretell(&values)?;
-            let repeats = *of == CopyOf::Field || told.left <= MAX_NOISE_LEFT * own_noise * noise_gain(pasts, &told.slopes);
+            let repeats = *of == CopyOf::Field
+                || told.left <= MAX_NOISE_LEFT * own_noise * noise_gain(pasts, &told.slopes);
             (told.explained >= MIN_EXPLAINED && repeats).then_some((*of, *filtered, told.explained))
         });
         let Some((of, filtered, explained)) = copy else { continue };
@@ -289,7 +292,12 @@ impl Design {
         explained.is_finite().then(|| Foretold { explained, left: (left / count).sqrt(), slopes })
     }
 
-    fn sums(&self, values: &[f64], known: &[bool], part: std::ops::Range<usize>) -> (DMatrix<f64>, DVector<f64>) {
+    fn sums(
+        &self,
+        values: &[f64],
+        known: &[bool],
+        part: std::ops::Range<usize>,
+    ) -> (DMatrix<f64>, DVector<f64>) {
         let rows: Vec<usize> = part.filter(|row| known[*row]).collect();
         let terms = self.terms.select_rows(&rows);
         let value = DVector::from_iterator(rows.len(), rows.iter().map(|row| values[*row]));

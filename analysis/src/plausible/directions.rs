@@ -67,8 +67,9 @@ mod tests {
             .map(|i| {
                 let z = 1.0 - (f64::from(i) + 0.5) / 100.0;
                 let (r, turn) = ((1.0 - z * z).sqrt(), f64::from(i) * 2.399_963);
-                let wobble =
-                    |k: u32| noise * (f64::from(i.wrapping_mul(2_654_435_761 ^ (k * 7919)) >> 16) / 32_768.0 - 1.0);
+                let wobble = |k: u32| {
+                    noise * (f64::from(i.wrapping_mul(2_654_435_761 ^ (k * 7919)) >> 16) / 32_768.0 - 1.0)
+                };
                 [
                     round(length * r * turn.cos() + wobble(1) + offset),
                     round(length * r * turn.sin() + wobble(2)),
@@ -83,8 +84,14 @@ mod tests {
         for (length, digits) in [(1.0, 3), (1.0, 4), (48.0, 5), (48.0, 2), (100.0, 6), (1e-4, 12)] {
             assert!(equal_magnitudes_of(&spiral(length, digits, 0.0, 0.0)).is_some(), "{length} {digits}");
         }
-        for (noise, digits, offset) in [(0.3, 1, 0.0), (0.3, 5, 0.0), (0.05, 2, 0.0), (0.0, 4, 0.5), (0.1, 0, 0.0)] {
-            assert_eq!(equal_magnitudes_of(&spiral(48.0, digits, noise, offset)), None, "{noise} {digits} {offset}");
+        for (noise, digits, offset) in
+            [(0.3, 1, 0.0), (0.3, 5, 0.0), (0.05, 2, 0.0), (0.0, 4, 0.5), (0.1, 0, 0.0)]
+        {
+            assert_eq!(
+                equal_magnitudes_of(&spiral(48.0, digits, noise, offset)),
+                None,
+                "{noise} {digits} {offset}"
+            );
         }
         assert_eq!(equal_magnitudes_of(&[[1.0, 2.0, 3.0]; 100]), None, "at rest");
         assert_eq!(equal_magnitudes_of(&[]), None);

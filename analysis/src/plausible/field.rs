@@ -33,6 +33,8 @@ const SHELL: f64 = 0.06;
 const TILTED: f64 = 0.8;
 /// Without a sphere, readings that spread by more than this are in no field that a magnetometer is used in, µT.
 const BEYOND_UT: f64 = 2000.0;
+/// Gains of soft iron that do not show without a sphere.
+const MOST_GAIN: f64 = 1.5;
 /// The axes of an ellipsoid lie within this many of its thickness (1σ) of its mean radius.
 const AXES: f64 = 2.5;
 /// Soft iron and disturbances are one deviation for each direction, not for each reading: so many are independent.
@@ -82,7 +84,7 @@ impl FieldSize {
         match self.evidence {
             Evidence::Sphere => !self.can_be_earth(1.0),
             Evidence::Circle => self.bounds_ut[0] > *EARTH_UT.end(),
-            Evidence::Spread => self.bounds_ut[0] > BEYOND_UT,
+            Evidence::Spread => self.field_ut > BEYOND_UT,
             Evidence::PartOfSphere => false,
         }
     }
@@ -166,12 +168,17 @@ fn judge(
             return Some(told(found.radius, bounds, Evidence::PartOfSphere));
         }
     }
-    if let Some([radius, error]) = circle(&unit).filter(|[radius, _]| *radius >= STEPS * step) {
+    let circle = circle(&unit).filter(|[radius, _]| *radius >= STEPS * step && jump <= JUMP * radius);
+    if let Some([radius, error]) = circle {
         let least = radius - error;
-        return Some(told(least, [least, *EARTH_UT.start() / LEAST_CIRCLE_UT * (radius + error)], Evidence::Circle));
+        return Some(told(
+            least,
+            [least, *EARTH_UT.start() / LEAST_CIRCLE_UT * (radius + error)],
+            Evidence::Circle,
+        ));
     }
-    // Half the diameter of what the readings fill, about.
-    Some(told(spread, [spread, f64::INFINITY], Evidence::Spread))
+    // Half the diameter of what the readings fill, about; soft iron widens that.
+    Some(told(spread, [spread / MOST_GAIN, f64::INFINITY], Evidence::Spread))
 }
 
 /// Median of each axis.
@@ -303,7 +310,8 @@ fn circle(points: &[Vector3<f64>]) -> Option<[f64; 2]> {
 mod tests {
     use super::*;
 
-    const UNITS: [(&str, f64); 6] = [("uT", 1.0), ("nT", 1e-3), ("mG", 0.1), ("G", 100.0), ("mT", 1e3), ("T", 1e6)];
+    const UNITS: [(&str, f64); 6] =
+        [("uT", 1.0), ("nT", 1e-3), ("mG", 0.1), ("G", 100.0), ("mT", 1e3), ("T", 1e6)];
 
     /// Readings of a field of 50 in some unit, around an offset, with soft iron.
     fn log(scale: f64, offset: f64, turn: f64) -> [Vec<f64>; 3] {
@@ -331,7 +339,8 @@ mod tests {
                 let axes = log(1.0 / ut_per_unit, offset, 1.0);
                 let found = of(&axes).expect(unit);
                 assert!((found.field_ut * ut_per_unit / 50.0 - 1.0).abs() < 0.1, "{unit}: {found:?}");
-                let readings: Vec<[f64; 3]> = (0..2000).map(|i| [axes[0][i], axes[1][i], axes[2][i]]).collect();
+                let readings: Vec<[f64; 3]> =
+                    (0..2000).map(|i| [axes[0][i], axes[1][i], axes[2][i]]).collect();
                 let found = size_of(&readings, &[]).expect(unit);
                 let can: Vec<&str> =
                     UNITS.iter().filter(|(_, ut)| found.can_be_earth(*ut)).map(|(name, _)| *name).collect();

@@ -25,7 +25,8 @@ pub fn is_computed(table: &Table, heading_deg: &[f64], copies: &[&[f64]]) -> boo
         return false;
     }
     let axes: Vec<&[f64]> = table.field_ut.iter().copied().chain(copies.iter().copied()).collect();
-    let step = |values: &[f64]| least_step(chosen.iter().filter_map(|row| values.get(*row).copied()).collect());
+    let step =
+        |values: &[f64]| least_step(chosen.iter().filter_map(|row| values.get(*row).copied()).collect());
     let own_step = step(heading_deg);
     let judge = |pairs: Vec<[f64; 2]>, step: f64| {
         let mut lengths: Vec<f64> = pairs.iter().map(|[x, y]| x.hypot(*y)).collect();
@@ -42,7 +43,8 @@ pub fn is_computed(table: &Table, heading_deg: &[f64], copies: &[&[f64]]) -> boo
     };
     let level = (0..axes.len()).any(|x| {
         (0..x).any(|y| {
-            let pair = |row: &usize| [axes[x].get(*row), axes[y].get(*row)].map(|v| v.copied().unwrap_or(f64::NAN));
+            let pair =
+                |row: &usize| [axes[x].get(*row), axes[y].get(*row)].map(|v| v.copied().unwrap_or(f64::NAN));
             judge(chosen.iter().map(pair).collect(), step(axes[x]).max(step(axes[y])))
         })
     });
@@ -50,7 +52,8 @@ pub fn is_computed(table: &Table, heading_deg: &[f64], copies: &[&[f64]]) -> boo
     let step = table.field_ut.iter().map(|axis| step(axis)).fold(0.0, f64::max);
     (0..3).any(|forward| {
         let pair = |row: &usize| {
-            let down = Vector3::from_fn(|axis, _| accel[axis].get(*row).copied().unwrap_or(f64::NAN)).normalize();
+            let down =
+                Vector3::from_fn(|axis, _| accel[axis].get(*row).copied().unwrap_or(f64::NAN)).normalize();
             let field = Vector3::from(table.field(*row));
             let east = down.cross(&field);
             [east.cross(&down)[forward], east[forward]]
@@ -67,7 +70,9 @@ fn spread_deg(angles_deg: impl Iterator<Item = f64>) -> f64 {
         (sin, cos, count) = (sin + s, cos + c, count + 1.0);
     }
     let length = (sin / count).hypot(cos / count);
-    if length.is_nan() { return f64::INFINITY };
+    if length.is_nan() {
+        return f64::INFINITY;
+    };
     (2.0 * (1.0 - length).max(0.0)).sqrt().to_degrees()
 }
 

@@ -47,7 +47,7 @@ impl Turned {
         let z = if self.upward { 2.0 * t - 1.0 } else { 1.0 - 2.0 * t };
         let (r, turn) = ((1.0 - z * z).sqrt(), row as f64 * 2.399_963);
         let noise = |axis: usize| {
-            let n = (row as u32 + 1).wrapping_mul(2_654_435_761) ^ (axis as u32 * 0x9e37_79b9);
+            let n = (row as u32 + 1).wrapping_mul(2_654_435_761) ^ (axis as u32).wrapping_mul(0x9e37_79b9);
             self.noise * (f64::from(n.wrapping_mul(0x85eb_ca6b) >> 16) / 32_768.0 - 1.0)
         };
         let direction = [r * turn.cos(), r * turn.sin(), z];
@@ -85,11 +85,16 @@ fn the_radius_decides_the_unit_whatever_the_offset_order_separator_and_header() 
                     let turned = Turned { upward, ..Turned::new(field_ut / ut, offset) };
                     let logs = [
                         turned.table("x,y,z", |_, [x, y, z]| format!("{x},{y},{z}")),
-                        turned.table("time_s;z;x;y", |row, [x, y, z]| format!("{:.2};{z:e};{x:e};{y:e}", row as f64 * 0.02)),
+                        turned.table("time_s;z;x;y", |row, [x, y, z]| {
+                            format!("{:.2};{z:e};{x:e};{y:e}", row as f64 * 0.02)
+                        }),
                         turned.table("", |_, [x, y, z]| format!("{x}\t{y}\t{z}")),
-                        turned.table("", |row, [x, y, z]| format!("{:.3} {x} {y} {z}", 7.0 + row as f64 * 0.1)),
+                        turned
+                            .table("", |row, [x, y, z]| format!("{:.3} {x} {y} {z}", 7.0 + row as f64 * 0.1)),
                         turned.table("MagX MagY MagZ", |_, [x, y, z]| format!("{x} {y} {z}")),
-                        turned.table("t_ms|Mag_x|Mag_y|Mag_z|temp_c", |row, [x, y, z]| format!("{}|{x}|{y}|{z}|21.5", row * 20)),
+                        turned.table("t_ms|Mag_x|Mag_y|Mag_z|temp_c", |row, [x, y, z]| {
+                            format!("{}|{x}|{y}|{z}|21.5", row * 20)
+                        }),
                     ];
                     for log in logs {
                         let found = read(&log, &[]).unwrap_or_else(|failure| {
@@ -119,11 +124,14 @@ fn a_field_that_no_unit_makes_the_earths_is_neither_offered_nor_accepted() {
         }
     }
     // Stated, and contradicted by the radius, with the unit that is right.
-    for (name, factor, right) in [("mx_ut", 10.0, "mG"), ("mx_mg", 0.1, "uT"), ("mx_ut", 0.01, "G"), ("mx_nt", 1.0, "uT")] {
+    for (name, factor, right) in
+        [("mx_ut", 10.0, "mG"), ("mx_mg", 1.0, "uT"), ("mx_ut", 0.01, "G"), ("mx_nt", 1.0, "uT")]
+    {
         let here = crate::common::folder("cases_tables_stated");
         let names = ["x", "y", "z"].map(|axis| name.replacen('x', axis, 1)).join(",");
         let turned = Turned::new(48.0 * factor, [20.0 * factor, 300.0 * factor, 0.0]);
-        let log = turned.table(&format!("t_s,{names}"), |row, [x, y, z]| format!("{},{x},{y},{z}", row as f64 * 0.5));
+        let log = turned
+            .table(&format!("t_s,{names}"), |row, [x, y, z]| format!("{},{x},{y},{z}", row as f64 * 0.5));
         let path = crate::common::write(&here, "log.csv", log);
         let run = ironout(["fit", text(&path)]);
         assert_eq!(run.status, 2, "{name}: {}{}", run.stdout, run.stderr);
@@ -164,7 +172,12 @@ fn directions_are_refused_under_every_name() {
             let here = crate::common::folder("cases_tables_directions");
             let path = crate::common::write(&here, "log.csv", log);
             let run = ironout(["fit", text(&path)]);
-            assert!(run.status == 2 && run.stderr.contains("directions"), "{length} {header}: {}{}", run.stdout, run.stderr);
+            assert!(
+                run.status == 2 && run.stderr.contains("directions"),
+                "{length} {header}: {}{}",
+                run.stdout,
+                run.stderr
+            );
         }
     }
 }
@@ -188,7 +201,8 @@ fn columns_without_names_are_known_by_what_they_are() {
                 let log = turned.table("", |row, m| {
                     let time = vec![format!("{:.2}", row as f64 * 0.1)];
                     let (m, a, q) = (joined(&m), joined(&gravity(row)), joined(&quaternion(row)));
-                    let norm = vec![format!("{:.5}", turned.reading(row).iter().map(|v| v * v).sum::<f64>().sqrt())];
+                    let norm =
+                        vec![format!("{:.5}", turned.reading(row).iter().map(|v| v * v).sum::<f64>().sqrt())];
                     let parts: Vec<Vec<String>> = match order {
                         0 => vec![time, q, a, m],
                         1 => vec![time, m, norm, a, q],
@@ -198,10 +212,18 @@ fn columns_without_names_are_known_by_what_they_are() {
                     place = [9, 2, 1, 5][order];
                     parts.concat().join(separator)
                 });
-                let found = read(&log, &[]).unwrap_or_else(|failure| panic!("{separator:?} {order} {upward}: {failure}"));
+                let found = read(&log, &[])
+                    .unwrap_or_else(|failure| panic!("{separator:?} {order} {upward}: {failure}"));
                 let said = read_block::text(&found);
-                assert_eq!(source_of(&found, "mx_ut"), format!("column {place}"), "{separator:?} {order} {upward}\n{said}");
-                assert!(unit_of(&found) == "G" && found.time_s.is_some() && found.accel_mps2.is_some(), "{order} {said}");
+                assert_eq!(
+                    source_of(&found, "mx_ut"),
+                    format!("column {place}"),
+                    "{separator:?} {order} {upward}\n{said}"
+                );
+                assert!(
+                    unit_of(&found) == "G" && found.time_s.is_some() && found.accel_mps2.is_some(),
+                    "{order} {said}"
+                );
                 assert!(found.covariates.is_empty(), "{order} {said}");
             }
         }
@@ -211,22 +233,29 @@ fn columns_without_names_are_known_by_what_they_are() {
 #[test]
 fn headers_of_two_lines_shorter_headers_and_sensors_of_other_widths() {
     let turned = Turned::new(48.0, [10.0, -200.0, 5.0]);
-    let row = |values: &[f64], mark: &str| values.iter().map(|v| format!("{v:.4}")).collect::<Vec<_>>().join(mark);
+    let row =
+        |values: &[f64], mark: &str| values.iter().map(|v| format!("{v:.4}")).collect::<Vec<_>>().join(mark);
     for mark in [";", ",", "\t"] {
         let cells = |text: &str| text.replace(';', mark);
         let groups = cells("Time;Accelerometer;;;Magnetometer;;") + "\n" + &cells("s;X;Y;Z;X;Y;Z");
-        let units = cells("time;ax;ay;az;magx;magy;magz") + "\n" + &cells("(s);(m/s²);(m/s²);(m/s²);(µT);(µT);(µT)");
+        let units =
+            cells("time;ax;ay;az;magx;magy;magz") + "\n" + &cells("(s);(m/s²);(m/s²);(m/s²);(µT);(µT);(µT)");
         for header in [groups, units] {
-            let log = turned.table(&header, |at, [x, y, z]| row(&[at as f64 * 0.1, 0.1, 0.2, 9.8, x, y, z], mark));
+            let log =
+                turned.table(&header, |at, [x, y, z]| row(&[at as f64 * 0.1, 0.1, 0.2, 9.8, x, y, z], mark));
             let found = read(&log, &[]).unwrap_or_else(|failure| panic!("{header}: {failure}"));
             let said = read_block::text(&found);
-            assert!(found.rows == 90 && found.field_ut[1][3] == (turned.reading(3)[1] * 1e4).round() / 1e4, "{said}");
+            assert!(
+                found.rows == 90 && found.field_ut[1][3] == (turned.reading(3)[1] * 1e4).round() / 1e4,
+                "{said}"
+            );
             assert!(found.time_s.is_some() && unit_of(&found) == "uT", "{said}");
             assert!(found.read_as.left_out.is_empty(), "{said}");
         }
         let short = cells("Id;MagX;MagY;MagZ");
         for tail in ["", "7.5"] {
-            let log = turned.table(&short, |at, [x, y, z]| row(&[at as f64, x, y, z], mark) + mark + mark + tail + mark);
+            let log = turned
+                .table(&short, |at, [x, y, z]| row(&[at as f64, x, y, z], mark) + mark + mark + tail + mark);
             let found = read(&log, &[]).unwrap_or_else(|failure| panic!("{short} {tail:?}: {failure}"));
             assert_eq!(source_of(&found, "mz_ut"), "MagZ", "{}", read_block::text(&found));
         }
@@ -254,9 +283,14 @@ fn one_axis_a_line_and_slashes() {
         lines.collect::<Vec<_>>().join("\n")
     });
     let found = read(&log, &[]).expect("ESPHome");
-    assert!(found.rows == 90 && unit_of(&found) == "uT" && found.time_s.is_some(), "{}", read_block::text(&found));
+    assert!(
+        found.rows == 90 && unit_of(&found) == "uT" && found.time_s.is_some(),
+        "{}",
+        read_block::text(&found)
+    );
     let log = turned.table("", |_, m| {
-        let lines = ["x", "y", "z"].iter().zip(m).map(|(axis, value)| format!("'Mag {axis}' >> {value:.2} µT"));
+        let lines =
+            ["x", "y", "z"].iter().zip(m).map(|(axis, value)| format!("'Mag {axis}' >> {value:.2} µT"));
         lines.collect::<Vec<_>>().join("\n")
     });
     assert_eq!(read(&log, &[]).expect("ESPHome of 2025").rows, 90);
@@ -273,7 +307,11 @@ fn nothing_that_cannot_be_a_field_is_proposed() {
         let Some(path) = case(name) else { return };
         let run = ironout(["fit", text(&path)]);
         assert_eq!(run.status, 2, "{}", run.stdout);
-        assert!(run.stderr.contains("no magnetometer found") && run.stderr.contains("mx_ut=HEADER"), "{}", run.stderr);
+        assert!(
+            run.stderr.contains("no magnetometer found") && run.stderr.contains("mx_ut=HEADER"),
+            "{}",
+            run.stderr
+        );
     }
 }
 
@@ -294,7 +332,8 @@ fn the_shared_cases_have_their_right_values() {
     ] {
         let Some(path) = case(name) else { return };
         let object = ironout(["fit", text(&path), "--json"]).json();
-        let mx = object["read_as"]["columns"].as_array().expect("columns").iter().find(|c| c["name"] == "mx_ut");
+        let mx =
+            object["read_as"]["columns"].as_array().expect("columns").iter().find(|c| c["name"] == "mx_ut");
         let mx = mx.unwrap_or_else(|| panic!("{name}: {object}"));
         assert_eq!((mx["unit"].as_str(), mx["source"].as_str()), (Some(unit), Some(first)), "{name}");
         let field = object["field_ut"].as_f64().expect("a field");
@@ -309,7 +348,8 @@ fn the_shared_cases_have_their_right_values() {
         ("e5_ros_in_microtesla.mcap", &["1000000 times too large", "48.0 µT", "[uT]"]),
     ] {
         let Some(path) = case(name) else { return };
-        let message = ironout(["fit", text(&path), "--json"]).error()["message"].as_str().expect("words").to_string();
+        let message =
+            ironout(["fit", text(&path), "--json"]).error()["message"].as_str().expect("words").to_string();
         assert!(words.iter().all(|word| message.contains(word)), "{name}: {message}");
     }
     let Some(path) = case("14_motioncal_int.txt") else { return };
@@ -322,7 +362,9 @@ fn the_shared_cases_have_their_right_values() {
 
 #[test]
 fn copies_of_the_field_are_left_out_of_a_diagnosis_and_named() {
-    for (name, verdict) in [("c1_filtered_copies.csv", "complete"), ("c2_filtered_copies_long.csv", "unexplained")] {
+    for (name, verdict) in
+        [("c1_filtered_copies.csv", "complete"), ("c2_filtered_copies_long.csv", "unexplained")]
+    {
         let Some(path) = case(name) else { return };
         let run = ironout(["diagnose", text(&path), "--json"]);
         assert!(run.stderr.contains("heading_deg is left out"), "{}", run.stderr);
@@ -332,7 +374,10 @@ fn copies_of_the_field_are_left_out_of_a_diagnosis_and_named() {
         for column in ["fx_uT", "fy_uT", "fz_uT", "Bf_uT"] {
             let id = format!("offset:{column}");
             let rows = object["candidates"].as_array().expect("candidates");
-            let row = rows.iter().find(|row| row["id"] == id.as_str()).unwrap_or_else(|| panic!("{column}: {object}"));
+            let row = rows
+                .iter()
+                .find(|row| row["id"] == id.as_str())
+                .unwrap_or_else(|| panic!("{column}: {object}"));
             let why = row["why"].as_str().unwrap_or_default();
             assert!(row["status"] == "untestable" && why.contains("of the field"), "{row}");
         }
@@ -351,31 +396,55 @@ fn copies_of_every_kind_are_known_and_causes_are_not() {
         let own = Table::from_columns(log.named()).expect("columns");
         logs += 1;
         for one in no_causes(&own) {
-            alarms.push(format!("{} {number} [{}]: {} is {}", kind.name(), drawn.words, own.covariates[one.covariate].name, one.what));
+            alarms.push(format!(
+                "{} {number} [{}]: {} is {}",
+                kind.name(),
+                drawn.words,
+                own.covariates[one.covariate].name,
+                one.what
+            ));
         }
         if number % 4 != 0 {
             continue;
         }
         let [x, y, z] = own.field_ut;
-        let norm: Vec<f64> = (0..own.rows()).map(|row| own.field(row).iter().map(|v| v * v).sum::<f64>().sqrt()).collect();
+        let norm: Vec<f64> =
+            (0..own.rows()).map(|row| own.field(row).iter().map(|v| v * v).sum::<f64>().sqrt()).collect();
         let smooth = |values: &[f64], weight: f64| {
             let mut mean = values[0];
-            values.iter().map(|value| { mean += weight * (value - mean); mean }).collect::<Vec<f64>>()
+            values
+                .iter()
+                .map(|value| {
+                    mean += weight * (value - mean);
+                    mean
+                })
+                .collect::<Vec<f64>>()
         };
-        let late = |values: &[f64], rows: usize| (0..values.len()).map(|row| values[row.saturating_sub(rows)]).collect::<Vec<f64>>();
+        let late = |values: &[f64], rows: usize| {
+            (0..values.len()).map(|row| values[row.saturating_sub(rows)]).collect::<Vec<f64>>()
+        };
         let copies = [
-            smooth(x, 0.3), smooth(z, 0.1), late(y, 3), x.iter().map(|v| 0.1 * v + 7.0).collect(),
-            norm.clone(), smooth(&norm, 0.2), y.iter().zip(z).map(|(y, z)| 0.6 * y - 0.8 * z).collect(),
+            smooth(x, 0.3),
+            smooth(z, 0.1),
+            late(y, 3),
+            x.iter().map(|v| 0.1 * v + 7.0).collect(),
+            norm.clone(),
+            smooth(&norm, 0.2),
+            y.iter().zip(z).map(|(y, z)| 0.6 * y - 0.8 * z).collect(),
             x.iter().zip(y).map(|(x, y)| (y.atan2(*x).to_degrees() * 10.0).round() / 10.0).collect(),
         ];
         for copy in &copies {
             let mut columns = log.named().collect::<Vec<_>>();
             columns.push(("copy", copy));
             let table = Table::from_columns(columns).expect("columns");
-            let turned = drawn.words.contains("Tumbling") || drawn.words.contains("Eights") || drawn.words.contains("Acro");
+            let turned = drawn.words.contains("Tumbling")
+                || drawn.words.contains("Eights")
+                || drawn.words.contains("Acro");
             if turned {
                 made += 1;
-                known += usize::from(no_causes(&table).iter().any(|one| table.covariates[one.covariate].name == "copy"));
+                known += usize::from(
+                    no_causes(&table).iter().any(|one| table.covariates[one.covariate].name == "copy"),
+                );
             }
         }
     }
@@ -401,10 +470,15 @@ fn no_column_of_a_recording_is_taken_for_a_copy() {
             }
             let options = ReadOptions { default_ut_per_count: Some([0.1; 3]), ..ReadOptions::default() };
             let bytes = std::fs::read(&path).expect("a recording");
-            let log = read_stream(bytes.as_slice(), 0, &options).unwrap_or_else(|failure| panic!("{name}: {failure}"));
+            let log = read_stream(bytes.as_slice(), 0, &options)
+                .unwrap_or_else(|failure| panic!("{name}: {failure}"));
             let table = Table::from(&log);
             let found = no_causes(&table);
-            assert!(found.is_empty(), "{name}: {found:?} of {:?}", log.covariates.iter().map(|c| &c.name).collect::<Vec<_>>());
+            assert!(
+                found.is_empty(),
+                "{name}: {found:?} of {:?}",
+                log.covariates.iter().map(|c| &c.name).collect::<Vec<_>>()
+            );
             assert!(!ironout_analysis::plausible::causes::heading_is_computed(&table), "{name}");
             assert_eq!(ironout_analysis::plausible::directions::equal_magnitudes(&table), None, "{name}");
             looked += 1;

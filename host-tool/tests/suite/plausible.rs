@@ -12,9 +12,7 @@ fn alarms(table: &Table) -> Vec<String> {
     let mut list = Vec::new();
     list.extend(clock::odd(table).map(|odd| format!("clock {odd:?}")));
     list.extend(
-        field::size(table)
-            .filter(field::FieldSize::contradicts_earth)
-            .map(|size| format!("field {size:?}")),
+        field::size(table).filter(field::FieldSize::contradicts_earth).map(|size| format!("field {size:?}")),
     );
     let turning = turning::judge(table);
     list.extend(turning.axes.map(|axes| format!("axes {axes:?}")));
@@ -110,7 +108,7 @@ fn logs_that_are_right_are_left_alone_and_faults_are_found() {
                 .flat_map(|found| UNITS.into_iter().filter(|(_, ut)| found.can_be_earth(*ut)))
                 .map(|(name, _)| name)
                 .collect();
-            if found.is_some() && !can.contains(&unit) {
+            if found.as_ref().is_some_and(field::FieldSize::is_radius) && !can.contains(&unit) {
                 wrong.push(format!("{what}: {unit} taken for {can:?}"));
             }
             named[place] += usize::from(can == [unit]);

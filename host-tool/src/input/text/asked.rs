@@ -77,8 +77,8 @@ fn scale_bounds(grid: &Grid, columns: [usize; 3]) -> Option<[f64; 2]> {
 /// Every magnitude is the same: no unit makes that a field.
 pub fn directions(grid: &Grid, columns: [usize; 3], magnitude: f64) -> Failure {
     let text = format!(
-        "the magnetometer ({}) has the same magnitude in every row, {}: these are directions, and the offset and the matrix are no \
-         longer in them. Fix: log the field as the sensor measures it, before it is normalised",
+        "the magnetometer ({}) has the same magnitude in every row, {}: these are directions,\n  and the offset and the matrix are no \
+         longer in them.\n  Fix: log the field as the sensor measures it, before it is normalised",
         names(grid, columns),
         rounded(magnitude)
     );
@@ -132,7 +132,8 @@ pub fn no_field(grid: &Grid) -> Failure {
     if grid.columns.len() > SHOWN {
         there.push(format!("… ({} columns)", grid.columns.len()));
     }
-    let example = example(grid).unwrap_or_else(|| "mx_ut=HEADER[uT],my_ut=HEADER[uT],mz_ut=HEADER[uT]".to_string());
+    let example =
+        example(grid).unwrap_or_else(|| "mx_ut=HEADER[uT],my_ut=HEADER[uT],mz_ut=HEADER[uT]".to_string());
     let text = format!(
         "no magnetometer found in this {}.\n  looked for: three columns x, y, z of a name like mag, MagX, mx_ut, magnetic_field, \
          B, or of a unit like uT\n  there are: {}\n  name them: --map {}",

@@ -90,7 +90,9 @@ pub fn without_names(grid: &Grid, vectors: &mut Vec<Vector>, choice: &mut Choice
         return Err(asked::no_field(grid));
     }
     // What lies on a sphere of the Earth's field is the magnetometer; where nothing was turned enough to see one, what does not rest.
-    let is_field = |size: &Size| size.is_field() || (size.whole && size.field.as_ref().is_some_and(FieldSize::is_radius));
+    let is_field = |size: &Size| {
+        size.is_field() || (size.whole && size.field.as_ref().is_some_and(FieldSize::is_radius))
+    };
     let can_be = |size: &Size| {
         size.least_share > COMES_TO_REST && (size.whole || !magnitude::field_units(size).is_empty())
     };
@@ -172,14 +174,19 @@ fn parts(grid: &Grid, free: &[usize], choice: &mut Choice) -> Parts {
         let form = views.get(place..).and_then(orientation::beginning_with);
         // Three directions alone may be what somebody takes for the magnetometer.
         let form = form.filter(|form| beside(place, form.width()) && free.len() > form.width());
-        let axes = free.get(place..).and_then(|next| next.first_chunk::<3>()).copied().filter(|_| beside(place, 3));
+        let axes_at = |place: usize| {
+            free.get(place..).and_then(|next| next.first_chunk::<3>()).copied().filter(|_| beside(place, 3))
+        };
         let is_field = |axes: &[usize; 3]| {
             magnitude::size(grid, *axes, &choice.rows).is_some_and(|size| !size.whole && size.is_field())
         };
         let width = if let Some(form) = form {
             aside.extend((place..place + form.width()).map(|at| (free[at], form.words())));
             form.width()
-        } else if let Some(axes) = axes.filter(is_field) {
+        } else if let Some(axes) = axes_at(place).filter(is_field)
+            // A number of the row and two axes lie on a sphere, too, where the third axis rises as evenly.
+            && !(values.iter().skip(place).take(3).any(|values| is_even(values)) && axes_at(place + 1).is_some_and(|next| is_field(&next)))
+        {
             triples.push(axes);
             axes.len()
         } else {
@@ -231,7 +238,9 @@ fn parts(grid: &Grid, free: &[usize], choice: &mut Choice) -> Parts {
     for run in runs {
         // Where columns are left over, the sensors stand where most of them are known.
         let cut = |start: usize| run.get(start..).unwrap_or_default().as_chunks::<3>().0.to_vec();
-        let score = |start: &usize| (cut(*start).iter().filter(|triple| is_sensor(triple)).count(), run.len() - start);
+        let score = |start: &usize| {
+            (cut(*start).iter().filter(|triple| is_sensor(triple)).count(), run.len() - start)
+        };
         let start = match run.len() % 3 {
             0 => 0,
             spare => (0..=spare).max_by_key(score).unwrap_or(0),
@@ -248,11 +257,20 @@ fn parts(grid: &Grid, free: &[usize], choice: &mut Choice) -> Parts {
     Parts { time, triples }
 }
 
+/// Whether a column rises by the same step in every row.
+fn is_even(values: &[f64]) -> bool {
+    let step = values.get(1).zip(values.first()).map_or(0.0, |(second, first)| second - first);
+    step > 0.0 && values.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() <= 1e-3 * step)
+}
+
 /// Whether a column changes after its first row only: the step of an even time.
 fn is_step(values: &[f64]) -> bool {
     let Some((first, rest)) = values.split_first() else { return false };
     let same = rest.first().copied().unwrap_or(f64::NAN);
-    rest.len() > 2 && *first == 0.0 && same > 0.0 && rest.iter().all(|value| (value - same).abs() <= 1e-3 * same)
+    rest.len() > 2
+        && *first == 0.0
+        && same > 0.0
+        && rest.iter().all(|value| (value - same).abs() <= 1e-3 * same)
 }
 
 fn vector(kind: Kind, columns: [usize; 3], unit: Option<Unit>) -> Vector {

@@ -226,7 +226,8 @@ fn field_unit(
         }
         _ if size.whole && scale.is_some() => Ok((None, true)),
         [] if !size.whole => {
-            let one_g = size.field.as_ref().filter(|field| field.is_radius() && (field.field_ut - 1.0).abs() < ONE);
+            let one_g =
+                size.field.as_ref().filter(|field| field.is_radius() && (field.field_ut - 1.0).abs() < ONE);
             let what = if one_g.is_some() { ": an accelerometer in g, or directions" } else { "" };
             let why = format!("{}, which is a field of the Earth in no unit{what}", size.words());
             Err(asked::field_unit(grid, vector.columns, &[], true, &why))

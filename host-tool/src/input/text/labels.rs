@@ -115,7 +115,8 @@ fn state(line: &str) -> Option<Labelled> {
 /// `Raw 0.63/-0.21/0.15 heading 35`: three numbers or more with slashes between them, and words before each number that name it.
 fn between_slashes(line: &str) -> Option<Vec<Labelled>> {
     let is_list = |token: &str| {
-        token.matches('/').count() >= 2 && token.split('/').all(|part| number::parse(part.as_bytes()).is_some())
+        token.matches('/').count() >= 2
+            && token.split('/').all(|part| number::parse(part.as_bytes()).is_some())
     };
     // A date has slashes too, and no point or sign.
     let is_list = |token: &&str| is_list(token) && token.contains(['.', '-']);

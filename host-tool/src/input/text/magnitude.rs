@@ -120,7 +120,8 @@ pub fn field_units(size: &Size) -> Vec<Unit> {
 
 /// The units of time in which the sensor turns no faster than a board does, where there are such.
 pub fn turning_units(clock: &Clock, size: &Size) -> Vec<Unit> {
-    let per_row = size.field.as_ref().filter(|field| field.is_radius()).map(|field| field.jump_ut / field.field_ut);
+    let per_row =
+        size.field.as_ref().filter(|field| field.is_radius()).map(|field| field.jump_ut / field.field_ut);
     let slow = |unit: &&Unit| per_row.is_none_or(|turn| turn <= FASTEST_RADPS * unit.convert(clock.step));
     let slow: Vec<Unit> = clock.units.iter().filter(slow).cloned().collect();
     // Between units it decides; of the only one there is it says nothing.

@@ -109,7 +109,8 @@ pub fn layout(lines: &[Bare<'_>]) -> Option<Layout> {
                     let entry = counts.entry(cells.len()).or_default();
                     entry.rows += 1;
                     entry.numbers += numbers;
-                    entry.of_field += usize::from(numbers < cells.len() && cells.iter().any(|cell| names_field(cell)));
+                    entry.of_field +=
+                        usize::from(numbers < cells.len() && cells.iter().any(|cell| names_field(cell)));
                 }
             }
             // Rows that name their sensor may have another width each: the magnetometer's are wanted.
@@ -119,9 +120,8 @@ pub fn layout(lines: &[Bare<'_>]) -> Option<Layout> {
             let Some((cells, Width { rows, numbers, of_field })) = most else { continue };
             let of_field = of_field * 2 > rows;
             // More rows; or as many, and more numbers in them (a comma that was taken for a text).
-            let better = |best: &Layout| {
-                (rows, numbers / rows.max(1)) > (best.rows, best.numbers / best.rows.max(1))
-            };
+            let better =
+                |best: &Layout| (rows, numbers / rows.max(1)) > (best.rows, best.numbers / best.rows.max(1));
             if best.as_ref().is_none_or(better) {
                 best = Some(Layout { separator, decimal_comma, cells, rows, numbers, of_field });
             }
@@ -140,7 +140,9 @@ struct Width {
 }
 
 fn is_word(cell: &str) -> bool {
-    !cell.is_empty() && cell.chars().all(|c| c.is_alphanumeric() || c == '_') && cell.starts_with(|c: char| c.is_alphabetic())
+    !cell.is_empty()
+        && cell.chars().all(|c| c.is_alphanumeric() || c == '_')
+        && cell.starts_with(|c: char| c.is_alphabetic())
 }
 
 /// Whether a cell is the name of a magnetometer (`mag`, `MAG1`).
@@ -251,7 +253,9 @@ fn header(lines: &[Bare<'_>], first: usize, layout: Layout) -> Option<Header> {
     layout.separator.cut(lines.get(first)?.text.as_ref(), &mut cells);
     let filled = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
     for at in (0..first).rev() {
-        let Some(mut names) = names_in(lines.get(at)?.text.as_ref(), layout, filled, &mut cells) else { continue };
+        let Some(mut names) = names_in(lines.get(at)?.text.as_ref(), layout, filled, &mut cells) else {
+            continue;
+        };
         let mut above = at.checked_sub(1);
         while above.is_some_and(|line| lines.get(line).is_some_and(|line| line.text.trim().is_empty())) {
             above = above.and_then(|line| line.checked_sub(1));
@@ -283,7 +287,12 @@ fn without_mark(text: &str) -> &str {
 }
 
 /// The names in a line, where it can be the header of rows whose first has this many cells with something in them.
-fn names_in<'a>(text: &'a str, layout: Layout, filled: usize, cells: &mut Vec<&'a str>) -> Option<Vec<String>> {
+fn names_in<'a>(
+    text: &'a str,
+    layout: Layout,
+    filled: usize,
+    cells: &mut Vec<&'a str>,
+) -> Option<Vec<String>> {
     let text = without_mark(text);
     if text.trim().is_empty() {
         return None;
@@ -301,8 +310,9 @@ fn names_in<'a>(text: &'a str, layout: Layout, filled: usize, cells: &mut Vec<&'
     };
     // Fewer names than cells are those of the first cells, but not half as many: then commas stand in the numbers, too.
     let half = cells.len() * 2;
-    let is_half = (half == layout.cells || half == layout.cells + 1) && filled > cells.len();
-    let of_the_first = cells.len() < layout.cells && named == cells.len() && !is_half && cells.iter().any(speaks);
+    let is_half = (half == layout.cells || half == layout.cells + 1) && filled == layout.cells;
+    let of_the_first =
+        cells.len() < layout.cells && named == cells.len() && !is_half && cells.iter().any(speaks);
     let fits = (fits && (layout.separator != Separator::Blanks || cells.iter().any(speaks)))
         || (of_the_first && layout.separator != Separator::Blanks);
     if !fits || named < LEAST_NUMBERS || numbers(cells, layout.decimal_comma) * 2 >= named {
@@ -327,7 +337,10 @@ fn joined(above: &[&str], names: &[String]) -> Option<Vec<String>> {
         let bare = cell.trim_matches(|c: char| "()[]".contains(c)).trim().to_string();
         Unit::any(&bare).map(|_| bare)
     };
-    if filled(&above) < 2 || above.len() + 1 < names.len() || !above.iter().filter(|cell| !cell.is_empty()).all(is_text) {
+    if filled(&above) < 2
+        || above.len() + 1 < names.len()
+        || !above.iter().filter(|cell| !cell.is_empty()).all(is_text)
+    {
         return None;
     }
     let units = names.iter().filter(|cell| unit_of(cell).is_some()).count();
@@ -340,7 +353,9 @@ fn joined(above: &[&str], names: &[String]) -> Option<Vec<String>> {
     }
     // Names that repeat need their group; those that do not are whole.
     let repeats = (0..names.len()).any(|at| {
-        names.get(at).is_some_and(|name| !name.is_empty() && names.iter().skip(at + 1).any(|other| other == name))
+        names
+            .get(at)
+            .is_some_and(|name| !name.is_empty() && names.iter().skip(at + 1).any(|other| other == name))
     });
     if !repeats || filled(&above) >= filled(names) {
         return None;
