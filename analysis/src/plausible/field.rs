@@ -155,12 +155,13 @@ fn judge(
         // What moves the readings of a board at rest can run over something round, but never over all of a sphere.
         let all_over = found.spread >= ALL_OVER && found.thickness <= THIN;
         let is_large = large.is_some_and(|large| found.radius * scale >= large);
+        // About the vertical alone a field runs around a circle: a sphere without tilt is none of the turning.
         let is_turned = match tilted {
-            Some(tilted) => tilted && (follows || all_over),
-            None => all_over,
+            Some(tilted) => tilted && (is_large || follows || all_over),
+            None => is_large || all_over,
         };
         let bounds = [found.radius - found.error, found.radius + found.error];
-        if is_large || is_turned {
+        if is_turned {
             return Some(told(found.radius, bounds, Evidence::Sphere));
         }
         let is_shell = found.thickness <= if follows { THIN } else { SHELL };

@@ -3,6 +3,7 @@
 mod blackbox;
 #[cfg(feature = "demo")]
 mod board_link;
+mod cases_copies;
 mod cases_tables;
 mod check_heading;
 mod close_steps;
