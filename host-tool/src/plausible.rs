@@ -3,15 +3,19 @@
 use crate::cal_file::CalFile;
 use crate::cli::{LogArgs, quoted, typed_option};
 use crate::failure::{Failure, Outcome};
-use crate::input::{Log, parse_map};
+use crate::input::{Log, Quantity, Unit, entry, parse_map};
 use ironout_analysis::Table;
+use ironout_analysis::plausible::causes::heading_is_computed;
 use ironout_analysis::plausible::clock::{self, OddClock};
-use ironout_analysis::plausible::field::{self, EARTH_UT, FieldSize};
+use ironout_analysis::plausible::directions::equal_magnitudes;
+use ironout_analysis::plausible::field::{self, Evidence, FieldSize};
 use ironout_analysis::plausible::gravity::{self, OddGravity};
 use ironout_analysis::plausible::turning::{self, OddAxes, OddRate, Whose};
 
 /// A field may be this many times another that is known, or this part of it: gains, and another place.
 const ALIKE: f64 = 4.0;
+/// The true scale of counts is within this factor of the one in the data sheet.
+const SCALE_ERROR: f64 = 1.4;
 /// Gyro and clock name each other's fault where the gyro's factor is within this of the clock's.
 const SAME: f64 = 1.5;
 
@@ -46,10 +50,20 @@ impl Known {
 /// # Errors
 /// A magnetometer or a clock that cannot be in the unit it is read in.
 pub fn hold(log: &mut Log, arguments: &LogArgs, known: &Known) -> Outcome<()> {
-    let (clock, size, turning, gravity) = {
+    let (clock, size, turning, gravity, computed) = {
         let table = Table::from(&*log);
-        (clock::odd(&table), field::size(&table), turning::judge(&table), gravity::odd(&table))
+        if let Some(magnitude) = equal_magnitudes(&table) {
+            return Err(directions(magnitude).in_file(&log.path));
+        }
+        let computed = heading_is_computed(&table);
+        (clock::odd(&table), field::size(&table), turning::judge(&table), gravity::odd(&table), computed)
     };
+    if computed {
+        log.notices.push(
+            "heading_deg is left out: it is computed from this field, so it contains its errors and is not a reference".into(),
+        );
+        log.heading_deg = None;
+    }
     if let Some(size) = size {
         hold_field(log, arguments, known, &size)?;
     }
@@ -85,7 +99,13 @@ pub fn hold(log: &mut Log, arguments: &LogArgs, known: &Known) -> Outcome<()> {
 fn hold_field(log: &mut Log, arguments: &LogArgs, known: &Known, size: &FieldSize) -> Outcome<()> {
     let like = |other: f64| (size.field_ut / other).ln().abs() <= ALIKE.ln();
     let fits = match known {
-        _ if EARTH_UT.contains(&size.field_ut) => true,
+        _ if !size.contradicts_earth() => true,
+        // A scale from a data sheet is nominal.
+        _ if log.ut_per_count.is_some()
+            && [1.0 / SCALE_ERROR, SCALE_ERROR].into_iter().any(|scale| size.can_be_earth(scale)) =>
+        {
+            true
+        }
         Known::Earth => false,
         Known::Given(field) | Known::Calibrated(field) => like(*field),
     };
@@ -94,12 +114,12 @@ fn hold_field(log: &mut Log, arguments: &LogArgs, known: &Known, size: &FieldSiz
     }
     let measured = format!(
         "the magnetometer turned in a field of {}{} µT as it is read ({}, {} readings)",
-        if size.is_radius { "" } else { "at least " },
+        if size.is_radius() { "" } else { "at least " },
         short(size.field_ut),
-        if size.is_radius {
-            "the radius of the sphere that the readings lie on"
-        } else {
-            "half their spread"
+        match size.evidence {
+            Evidence::Sphere | Evidence::PartOfSphere => "the radius of the sphere that the readings lie on",
+            Evidence::Circle => "the radius of the circle that the readings lie on",
+            Evidence::Spread => "half their spread",
         },
         size.readings
     );
@@ -135,36 +155,68 @@ fn scale_remedy(scale: &[f64; 3], field_ut: f64) -> String {
     )
 }
 
-/// For columns in microtesla: the unit they are rather in, and the options that say so.
-fn unit_remedy(log: &Log, arguments: &LogArgs, size: &FieldSize) -> String {
-    let units = size.units();
-    if units.is_empty() {
-        return "No unit makes it one: is this the magnetometer? A field of its own (a coil) is said with --field UT".to_string();
-    }
-    let mut text = String::new();
-    for (unit, field) in units {
-        let micro = field / size.field_ut;
-        text.push_str(&format!("In {unit} it would be {} µT: say so with\n", short(field)));
-        text.push_str(&format!("   {}\n", counts_options(log, arguments, micro)));
-    }
-    text + "A field of its own (a coil) is said with --field UT"
+/// Every magnitude is the same: nothing is left to be calibrated.
+fn directions(magnitude_ut: f64) -> Failure {
+    Failure::usage(format!(
+        "every reading of the magnetometer has the same magnitude, {} µT: these are directions, and the offset and the matrix are no \
+         longer in them. Fix: log the field as the sensor measures it, before it is normalised",
+        short(magnitude_ut)
+    ))
 }
 
-/// The options that read the magnetometer's columns as counts of this scale, and everything else as it was.
-fn counts_options(log: &Log, arguments: &LogArgs, ut_per_count: f64) -> String {
+/// The unit that the columns are rather in, or the factor that they lack, and the options that say so.
+fn unit_remedy(log: &Log, arguments: &LogArgs, size: &FieldSize) -> String {
+    let coil = "A field of its own (a coil) is said with --field UT";
+    let read = log.read_as.columns.iter().find(|column| column.name == "mx_ut");
+    let read = read.and_then(|column| Unit::stated(&column.unit, Some(Quantity::Field)));
+    let read = read.unwrap_or_else(|| Unit::own(Quantity::Field));
+    let factor = |unit: &Unit| unit.convert(1.0) / read.convert(1.0);
+    let can_be = |unit: &Unit| size.can_be_earth(factor(unit));
+    let mut units: Vec<Unit> = Unit::all(Quantity::Field).filter(can_be).collect();
+    // No unit has a name for it: a power of ten of one that has.
+    let decades = [10.0, 100.0, 1000.0, 0.1, 0.01, 0.001];
+    if units.is_empty() && size.is_radius() {
+        let scaled = decades.map(|decade| {
+            Unit::stated(&format!("{} uT", short_power(decade * read.convert(1.0))), Some(Quantity::Field))
+        });
+        units.extend(scaled.into_iter().flatten().find(can_be));
+    }
+    let middle = |unit: &Unit| (size.field_ut * factor(unit) / 45.0).ln().abs();
+    units.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
+    if units.is_empty() {
+        return format!("No unit makes it one: is this the magnetometer? {coil}");
+    }
+    let mut text = String::new();
+    for unit in units {
+        let factor = factor(&unit);
+        let (times, how) = if factor > 1.0 { (factor, "small") } else { (1.0 / factor, "large") };
+        text.push_str(&format!(
+            "In {} it would be {} µT (the numbers are {} times too {how} for {}): say so with\n   {}\n",
+            unit.name,
+            short(size.field_ut * factor),
+            short_power(times),
+            read.name,
+            unit_options(log, arguments, &unit)
+        ));
+    }
+    text + coil
+}
+
+/// The options that read the magnetometer's columns in this unit, and everything else as it was.
+fn unit_options(log: &Log, arguments: &LogArgs, unit: &Unit) -> String {
     let given = parse_map(&arguments.map).unwrap_or_default();
-    let found = |name: &str| {
-        let mapped = given.iter().find(|(own, _)| own == name).map(|(_, header)| header.clone());
-        let read =
-            log.read_as.columns.iter().find(|column| column.name == name).map(|column| column.source.clone());
-        mapped.or(read.filter(|source| !source.is_empty())).unwrap_or_else(|| name.to_string())
+    let names = ["mx_ut", "my_ut", "mz_ut"];
+    let source = |name: &str| {
+        let read = log.read_as.columns.iter().find(|column| column.name == name);
+        read.map(|column| column.source.clone())
+            .filter(|source| !source.is_empty())
+            .unwrap_or_else(|| name.to_string())
     };
-    let field = ["x", "y", "z"].map(|axis| format!("m{axis}_counts={}", found(&format!("m{axis}_ut"))));
-    let is_field = |name: &str| ["mx_ut", "my_ut", "mz_ut"].contains(&name);
-    let others =
-        given.iter().filter(|(name, _)| !is_field(name)).map(|(name, header)| format!("{name}={header}"));
+    let field = names.map(|name| entry(name, &source(name), Some(&unit.name)));
+    let others = given.iter().filter(|(name, _)| !names.contains(&name.as_str()));
+    let others = others.map(|(name, header)| entry(name, header, None));
     let map: Vec<String> = field.into_iter().chain(others).collect();
-    format!("{} --ut-per-count {}", typed_option("--map", &map.join(",")), power(ut_per_count))
+    typed_option("--map", &map.join(","))
 }
 
 fn hold_clock(
@@ -365,9 +417,10 @@ fn short(value: f64) -> String {
     format!("{value:.*}", (2 - digits).max(0) as usize)
 }
 
-/// A power of ten as it is typed.
-fn power(value: f64) -> String {
-    format!("{}", 10.0_f64.powf(value.log10().round()))
+/// A power of ten as it is typed; another number by three digits.
+fn short_power(value: f64) -> String {
+    let power = 10.0_f64.powf(value.log10().round());
+    if (value / power - 1.0).abs() < 1e-9 { format!("{power}") } else { short(value) }
 }
 
 #[cfg(test)]
@@ -386,7 +439,7 @@ mod tests {
             assert_eq!(short(value), text);
         }
         assert_eq!(
-            (power(1e-3), power(0.1), power(100.0), power(1e6)),
+            (short_power(1e-3), short_power(0.1), short_power(100.0), short_power(1e6)),
             ("0.001".into(), "0.1".into(), "100".into(), "1000000".into())
         );
     }

@@ -12,10 +12,11 @@
 
 use crate::base::counted::Counted;
 use crate::base::model::Base;
-use crate::plausible::field::EARTH_UT;
 use crate::table::Table;
 use ironout::fit::{FitError, Method};
 
+/// Magnitudes for which the fit's constants in µT hold, µT.
+const IN_SCALE_UT: std::ops::RangeInclusive<f64> = 12.0..=120.0;
 /// A magnitude in the middle of those that the field has on Earth, µT.
 const TYPICAL_UT: f64 = 50.0;
 
@@ -40,7 +41,7 @@ impl<'a> Ground<'a> {
         };
         let ground = lay(1.0);
         let own_ut = ground.base.as_ref().ok().map(|base| base.solution.measured_field_ut);
-        match own_ut.filter(|field| !EARTH_UT.contains(field)) {
+        match own_ut.filter(|field| !IN_SCALE_UT.contains(field)) {
             None => ground,
             // No field of the Earth: the scale of the counts is not the true one, or --map took another unit.
             Some(odd) => Ground { odd_field_ut: Some(odd), ..lay(TYPICAL_UT / odd) },

@@ -7,6 +7,7 @@ use crate::fit::run::of_ground;
 use crate::outcome::outcome::{Diagnosis, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::study::study;
+use crate::plausible::causes::no_causes;
 use crate::table::Table;
 use crate::threads::with_room;
 
@@ -16,8 +17,34 @@ use crate::threads::with_room;
 /// Only where `options` ask for an effect that is not known or that this log does not allow.
 pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
     with_room(|| {
-        of_ground_searched(&Ground::of(table, options.method, options.scale_ut(), options.dip_deg), options)
+        let mut ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
+        leave_out(&mut ground, options);
+        of_ground_searched(&ground, options)
     })
+}
+
+/// Leaves the columns that cause nothing out of a search, but for those that `options` name.
+pub(crate) fn leave_out(ground: &mut Ground, options: &Options) {
+    if !options.search {
+        return;
+    }
+    let table = ground.counted.table;
+    let named: Vec<_> = options.add.iter().filter_map(|id| options.registry.parse(id)).collect();
+    for one in no_causes(table) {
+        let Some(name) = table.covariates.get(one.covariate).map(|covariate| covariate.name) else {
+            continue;
+        };
+        if named.iter().any(|named| named.column == name) {
+            continue;
+        }
+        let counted = &mut ground.counted;
+        for samples in [Some(&mut counted.samples), counted.with_bursts.as_mut()].into_iter().flatten() {
+            for column in samples.columns.iter_mut().filter(|column| column.name == name) {
+                column.problem = Some(format!("{name} is left out of the candidates: it is {}", one.what));
+                column.causes_nothing = true;
+            }
+        }
+    }
 }
 
 /// The same of a log whose samples are sorted out, with `with_room` to work in.

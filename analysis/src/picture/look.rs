@@ -4,7 +4,7 @@ use crate::base::ground::Ground;
 use crate::calibration::EffectEntry;
 use crate::correct::{CannotCorrect, Corrector};
 use crate::effects::{Calibrated, calibrated};
-use crate::fit::diagnosed::of_ground_searched;
+use crate::fit::diagnosed::{leave_out, of_ground_searched};
 use crate::fit::fitted::Fitted;
 use crate::fit::{ids, run};
 use crate::outcome::outcome::Diagnosis;
@@ -38,8 +38,9 @@ pub struct Look {
 pub fn look(table: &Table, options: &Options, told_ut: Option<f64>) -> Result<Look, Refusal> {
     ids::check(table, &options.add, options.registry)?;
     with_room(|| {
-        let ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
+        let mut ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
         let fitted = run::of_ground(&ground, options)?;
+        leave_out(&mut ground, options);
         let diagnosis = match options.search {
             true => Some(of_ground_searched(&ground, &Options { force_effect: true, ..options.clone() })?),
             false => None,

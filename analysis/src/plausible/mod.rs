@@ -2,9 +2,14 @@
 //!
 //! Each check gives what it measured, and nothing where the log cannot tell. None knows a calibration.
 
+pub mod causes;
 pub mod clock;
+pub mod copies;
+pub mod directions;
 pub mod field;
 pub mod follow;
 pub mod gravity;
+pub mod heading;
 pub mod orders;
+pub mod orientation;
 pub mod turning;

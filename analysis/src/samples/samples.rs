@@ -33,6 +33,8 @@ pub struct Column {
     pub lacks: bool,
     /// Why it cannot be tested.
     pub problem: Option<String>,
+    /// Whether it causes nothing, whatever it does: a copy of the field, an orientation, another time.
+    pub causes_nothing: bool,
 }
 
 /// How a column was while a calibration was recorded.
@@ -148,6 +150,7 @@ fn column(name: &str, mut values: Vec<f64>, not_finite: usize) -> Column {
         reference_square: mean_square,
         lacks,
         problem,
+        causes_nothing: false,
     }
 }
 
@@ -196,6 +199,7 @@ impl Samples {
         for (column, own) in few.columns.iter_mut().zip(&self.columns) {
             (column.reference, column.reference_square) = (own.reference, own.reference_square);
             column.problem.clone_from(&own.problem);
+            column.causes_nothing = own.causes_nothing;
         }
         few.middle_s = self.middle_s;
         few.rest = self.rest.clone();

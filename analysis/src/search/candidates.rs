@@ -268,7 +268,8 @@ impl<'a> Catalogue<'a> {
             for (family, form) in families().filter(|(_, form)| form.column) {
                 let named = Named { family, column: &column.name, form };
                 let name = format!("{} with {}", family.kind(), column.name);
-                add(&named, name, format!("{problem}: log it while it changes"));
+                let remedy = if column.causes_nothing { "" } else { ": log it while it changes" };
+                add(&named, name, format!("{problem}{remedy}"));
             }
         }
         let mut usual: Vec<Usual> = Vec::new();

@@ -3,6 +3,8 @@
 mod blackbox;
 #[cfg(feature = "demo")]
 mod board_link;
+mod cases_copies;
+mod cases_tables;
 mod check_heading;
 mod close_steps;
 mod common;

@@ -12,9 +12,7 @@ fn alarms(table: &Table) -> Vec<String> {
     let mut list = Vec::new();
     list.extend(clock::odd(table).map(|odd| format!("clock {odd:?}")));
     list.extend(
-        field::size(table)
-            .filter(|size| !field::EARTH_UT.contains(&size.field_ut))
-            .map(|size| format!("field {size:?}")),
+        field::size(table).filter(field::FieldSize::contradicts_earth).map(|size| format!("field {size:?}")),
     );
     let turning = turning::judge(table);
     list.extend(turning.axes.map(|axes| format!("axes {axes:?}")));
@@ -98,15 +96,22 @@ fn logs_that_are_right_are_left_alone_and_faults_are_found() {
     let (mut spheres, mut turned, mut moving) = (0, 0, 0);
     for (what, log) in &worlds {
         false_alarms.extend(alarms(&table(log)).into_iter().map(|alarm| format!("{what}: {alarm}")));
-        let is_sphere = field::size(&table(log)).is_some_and(|size| size.is_radius);
+        let is_sphere = field::size(&table(log)).is_some_and(|size| size.is_radius());
         spheres += usize::from(is_sphere);
-        for (place, (unit, size)) in [("nT", 1e-3), ("mG", 0.1), ("G", 100.0)].into_iter().enumerate() {
+        const UNITS: [(&str, f64); 6] =
+            [("nT", 1e-3), ("mG", 0.1), ("G", 100.0), ("uT", 1.0), ("mT", 1e3), ("T", 1e6)];
+        for (place, (unit, size)) in UNITS.into_iter().take(3).enumerate() {
             let other = scaled(log, FIELD, 1.0 / size);
-            let found = field::size(&table(&other)).filter(|size| !field::EARTH_UT.contains(&size.field_ut));
-            let unit_found = found.as_ref().and_then(|size| Some(size.units().first()?.0));
-            let other = unit_found.filter(|name| *name != unit);
-            wrong.extend(other.map(|name| format!("{what}: {unit} taken for {name}")));
-            named[place] += usize::from(unit_found == Some(unit));
+            let found = field::size(&table(&other)).filter(field::FieldSize::contradicts_earth);
+            let can: Vec<&str> = found
+                .iter()
+                .flat_map(|found| UNITS.into_iter().filter(|(_, ut)| found.can_be_earth(*ut)))
+                .map(|(name, _)| name)
+                .collect();
+            if found.as_ref().is_some_and(field::FieldSize::is_radius) && !can.contains(&unit) {
+                wrong.push(format!("{what}: {unit} taken for {can:?}"));
+            }
+            named[place] += usize::from(can == [unit]);
         }
         let sphere = what.contains("Sphere") || what.contains("Hand");
         moving += usize::from(sphere);

@@ -81,8 +81,8 @@ fn a_program_whose_unit_cannot_be_is_a_question() {
 #[test]
 fn numbers_without_names_that_may_be_either_sensor_are_a_question() {
     let log = lines(&rows(), |_, r| {
-        let g = r.g.map(|v| v * 5.0 + 20.0);
-        format!("{:.3},{:.3},{:.3},{:.3},{:.3},{:.3}", g[0], g[1], g[2], r.m[0], r.m[1], r.m[2])
+        let other = r.m.map(|v| 1.1 * v - 90.0);
+        format!("{:.3},{:.3},{:.3},{:.3},{:.3},{:.3}", other[2], other[0], other[1], r.m[0], r.m[1], r.m[2])
     });
     let words = ["which columns", "mx_ut=column 1[uT]", "mx_ut=column 4[uT]"];
     asked(&log, &words);

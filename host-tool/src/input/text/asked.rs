@@ -4,9 +4,12 @@ use crate::failure::Failure;
 use crate::input::map::entry;
 use crate::input::text::choice::{FIELD_COUNTS, FIELD_UT};
 use crate::input::text::grid::Grid;
+use crate::input::text::magnitude;
+use crate::input::text::rest::rounded;
 use crate::input::unit::Unit;
 use crate::input::words::shorten;
 use crate::shell::quoted;
+use ironout_analysis::plausible::field::{EARTH_UT, FieldSize};
 
 /// Names shown of a table.
 const SHOWN: usize = 40;
@@ -49,21 +52,37 @@ pub fn field_unit(grid: &Grid, columns: [usize; 3], units: &[Unit], counts: bool
         "the unit of the magnetometer ({}) is not known:\n  {why}. State it:",
         names(grid, columns)
     )];
-    let shown: Vec<Unit> = if units.is_empty() && !counts {
-        ["uT", "mG"].iter().filter_map(|name| Unit::of(name, crate::input::unit::Quantity::Field)).collect()
-    } else {
-        units.to_vec()
-    };
-    for unit in &shown {
+    for unit in units {
         lines.push(format!("  {}", map_of(grid, columns, FIELD_UT, Some(unit))));
     }
     if counts || units.is_empty() {
+        let between = scale_bounds(grid, columns).map_or(String::new(), |[least, most]| {
+            format!(", between {} and {}", rounded(least), rounded(most))
+        });
         lines.push(format!(
-            "  {} --ut-per-count UT   (counts; UT is the data sheet's microtesla a count)",
+            "  {} --ut-per-count UT   (UT is the data sheet's microtesla a count{between})",
             map_of(grid, columns, FIELD_COUNTS, None)
         ));
     }
     place(grid, Failure::usage(lines.join("\n")).at_column(place_of(grid, columns[0])))
+}
+
+/// The scales that make the radius a field of the Earth.
+fn scale_bounds(grid: &Grid, columns: [usize; 3]) -> Option<[f64; 2]> {
+    let rows: Vec<usize> = (0..grid.rows()).collect();
+    let field = magnitude::size(grid, columns, &rows)?.field.filter(FieldSize::is_radius)?;
+    Some([EARTH_UT.start() / field.field_ut, EARTH_UT.end() / field.field_ut])
+}
+
+/// Every magnitude is the same: no unit makes that a field.
+pub fn directions(grid: &Grid, columns: [usize; 3], magnitude: f64) -> Failure {
+    let text = format!(
+        "the magnetometer ({}) has the same magnitude in every row, {}: these are directions,\n  and the offset and the matrix are no \
+         longer in them.\n  Fix: log the field as the sensor measures it, before it is normalised",
+        names(grid, columns),
+        rounded(magnitude)
+    );
+    place(grid, Failure::usage(text).at_column(place_of(grid, columns[0])))
 }
 
 /// Counts without a scale.
@@ -113,14 +132,8 @@ pub fn no_field(grid: &Grid) -> Failure {
     if grid.columns.len() > SHOWN {
         there.push(format!("… ({} columns)", grid.columns.len()));
     }
-    let example = match grid.columns.len() {
-        0..3 => "mx_ut=HEADER[uT],my_ut=HEADER[uT],mz_ut=HEADER[uT]".to_string(),
-        n => (n - 3..n)
-            .zip(FIELD_UT)
-            .map(|(column, name)| entry(name, header(grid, column), Some("uT")))
-            .collect::<Vec<_>>()
-            .join(","),
-    };
+    let example =
+        example(grid).unwrap_or_else(|| "mx_ut=HEADER[uT],my_ut=HEADER[uT],mz_ut=HEADER[uT]".to_string());
     let text = format!(
         "no magnetometer found in this {}.\n  looked for: three columns x, y, z of a name like mag, MagX, mx_ut, magnetic_field, \
          B, or of a unit like uT\n  there are: {}\n  name them: --map {}",
@@ -129,6 +142,19 @@ pub fn no_field(grid: &Grid) -> Failure {
         quoted(&example)
     );
     place(grid, Failure::usage(text))
+}
+
+/// Three neighbouring columns whose readings lie on a sphere that is the Earth's field in some unit: nothing else is worth a proposal.
+fn example(grid: &Grid) -> Option<String> {
+    let rows: Vec<usize> = (0..grid.rows()).collect();
+    (0..grid.columns.len().saturating_sub(2)).take(SHOWN).find_map(|first| {
+        let columns = [first, first + 1, first + 2];
+        let size = magnitude::size(grid, columns, &rows).filter(magnitude::Size::is_field)?;
+        let unit = magnitude::field_units(&size).into_iter().next()?;
+        let parts = columns.iter().zip(FIELD_UT);
+        let parts = parts.map(|(column, name)| entry(name, header(grid, *column), Some(unit.name.as_ref())));
+        Some(parts.collect::<Vec<_>>().join(","))
+    })
 }
 
 /// An instance that is not there.

@@ -6,14 +6,21 @@ use crate::input::text::asked;
 use crate::input::text::choice::{Choice, FIELD_COUNTS, FIELD_UT, Taken};
 use crate::input::text::grid::Grid;
 use crate::input::text::magnitude::{self, Size};
+use crate::input::text::rest::is_magnitude;
 use crate::input::text::table::MONITOR;
 use crate::input::text::vectors::Vector;
 use crate::input::unit::{Quantity, Unit};
+use ironout_analysis::plausible::field::FieldSize;
+use ironout_analysis::plausible::orientation;
 
 /// A gyroscope comes to rest: its least magnitude is below this share of its greatest.
 const COMES_TO_REST: f64 = 0.1;
+/// What may be a gyroscope beside a magnetometer that is known.
+const RESTS: f64 = 0.5;
 /// In fewer rows an axis may run forward by chance.
 const TELLING: usize = 50;
+/// Rows that are looked at for what columns are.
+const LOOK: usize = 2000;
 /// One g as MotionCal has it, counts.
 const MOTIONCAL_G: f64 = 8192.0;
 
@@ -39,15 +46,8 @@ pub fn without_names(grid: &Grid, vectors: &mut Vec<Vector>, choice: &mut Choice
         return Ok(());
     }
     let free: Vec<usize> = numeric.into_iter().filter(|column| !choice.has(*column)).collect();
-    // A field never runs forward from row to row.
-    let leads = free.len() > 3
-        && !choice.has_name("t_s")
-        && free
-            .first()
-            .and_then(|first| grid.columns.get(*first))
-            .is_some_and(|c| magnitude::clock(&c.values, &choice.rows).is_some());
-    let vectors_from = usize::from(leads);
-    let triples: Vec<[usize; 3]> = free.get(vectors_from..).unwrap_or_default().as_chunks::<3>().0.to_vec();
+    let Parts { time, triples } = parts(grid, &free, choice);
+    let none = triples.is_empty();
     let sizes: Vec<Option<Size>> =
         triples.iter().map(|triple| magnitude::size(grid, *triple, &choice.rows)).collect();
     let one_g = |size: &Size| (size.median / MOTIONCAL_G - 1.0).abs() < 0.1 && size.whole;
@@ -71,34 +71,35 @@ pub fn without_names(grid: &Grid, vectors: &mut Vec<Vector>, choice: &mut Choice
         let Some(size) = size else { continue };
         let unit = magnitude::accel_unit(&size);
         let alone = free.len() < 6;
-        if unit.is_some() && !alone && magnitude::field_units(&size).is_empty() {
+        if unit.is_some() && !alone && !size.is_field() {
             vectors.push(vector(Kind::Accel, triple, unit));
         } else {
             left.push((triple, size));
         }
     }
-    if leads && let Some(first) = free.first() {
-        name_time(grid, *first, choice)?;
-    }
     if mapped {
+        if let Some(time) = time {
+            name_time(grid, time, None, choice)?;
+        }
         if let [(gyro, _)] = left.as_slice() {
             vectors.push(vector(Kind::Gyro, *gyro, None));
         }
         return Ok(());
     }
+    if none && choice.rows.len() >= TELLING {
+        return Err(asked::no_field(grid));
+    }
+    // What lies on a sphere of the Earth's field is the magnetometer; where nothing was turned enough to see one, what does not rest.
+    let is_field = |size: &Size| {
+        size.is_field() || (size.whole && size.field.as_ref().is_some_and(FieldSize::is_radius))
+    };
     let can_be = |size: &Size| {
         size.least_share > COMES_TO_REST && (size.whole || !magnitude::field_units(size).is_empty())
     };
-    // What runs forward from row to row is time or a count, and no axis of a field.
-    let forward = |triple: &[usize; 3]| {
-        triple.iter().any(|column| {
-            grid.columns.get(*column).is_some_and(|c| magnitude::clock(&c.values, &choice.rows).is_some())
-        })
-    };
-    if choice.rows.len() >= TELLING && left.iter().any(|(triple, _)| forward(triple)) {
-        return Err(asked::no_field(grid));
+    let mut candidates: Vec<&([usize; 3], Size)> = left.iter().filter(|(_, size)| is_field(size)).collect();
+    if candidates.is_empty() {
+        candidates = left.iter().filter(|(_, size)| can_be(size)).collect();
     }
-    let candidates: Vec<&([usize; 3], Size)> = left.iter().filter(|(_, size)| can_be(size)).collect();
     let taken = match (left.as_slice(), candidates.as_slice()) {
         ([(only, _)], _) => *only,
         (_, [(only, _)]) => *only,
@@ -117,7 +118,7 @@ pub fn without_names(grid: &Grid, vectors: &mut Vec<Vector>, choice: &mut Choice
     };
     if left.len() + vectors.len() > 1 {
         choice.reasons.push(format!(
-            "there are no names: {} are taken for the magnetometer, by the size of the numbers",
+            "there are no names: {} are taken for the magnetometer, whose readings lie on a sphere or never come to rest",
             asked::names(grid, taken)
         ));
     } else {
@@ -127,23 +128,162 @@ pub fn without_names(grid: &Grid, vectors: &mut Vec<Vector>, choice: &mut Choice
         ));
     }
     vectors.push(vector(Kind::Field, taken, None));
-    let others: Vec<[usize; 3]> =
-        left.iter().map(|(triple, _)| *triple).filter(|triple| *triple != taken).collect();
+    let is_gyro = |(triple, size): &&([usize; 3], Size)| *triple != taken && size.least_share < RESTS;
+    let others: Vec<[usize; 3]> = left.iter().filter(is_gyro).map(|(triple, _)| *triple).collect();
     if let [gyro] = others.as_slice() {
         vectors.push(vector(Kind::Gyro, *gyro, None));
     }
     vectors.sort_by_key(|vector| vector.columns[0]);
+    if let Some(time) = time {
+        let size = left.iter().find(|(triple, _)| *triple == taken).map(|(_, size)| size);
+        name_time(grid, time, size, choice)?;
+    }
     Ok(())
+}
+
+/// Columns without names, by what they are.
+struct Parts {
+    time: Option<usize>,
+    /// Three axes each, in the order of the file.
+    triples: Vec<[usize; 3]>,
+}
+
+/// Finds fields first, by the sphere that they lie on; then sets aside orientations, time, norms and numbers of rows, and cuts what is left
+/// into threes: sensors stand side by side.
+fn parts(grid: &Grid, free: &[usize], choice: &mut Choice) -> Parts {
+    let looked: Vec<usize> = choice.rows.iter().step_by((choice.rows.len() / LOOK).max(1)).copied().collect();
+    let picked = |column: &usize| -> Vec<f64> {
+        let values = grid.columns.get(*column).map(|c| c.values.as_slice()).unwrap_or_default();
+        looked.iter().map(|row| values.get(*row).copied().unwrap_or(f64::NAN)).collect()
+    };
+    let values: Vec<Vec<f64>> = free.iter().map(picked).collect();
+    let views: Vec<&[f64]> = values.iter().map(Vec::as_slice).collect();
+    let forward = |column: usize| {
+        grid.columns.get(column).is_some_and(|c| magnitude::clock(&c.values, &choice.rows).is_some())
+    };
+    let beside = |place: usize, width: usize| {
+        let next = free.get(place..place + width).unwrap_or_default();
+        next.windows(2).all(|pair| pair[1] == pair[0] + 1) && next.len() == width
+    };
+    let mut aside: Vec<(usize, &str)> = Vec::new();
+    let mut triples: Vec<[usize; 3]> = Vec::new();
+    // Which of the columns are known already.
+    let mut known = vec![false; free.len()];
+    let mut place = 0;
+    while place < free.len() {
+        let form = views.get(place..).and_then(orientation::beginning_with);
+        // Three directions alone may be what somebody takes for the magnetometer.
+        let form = form.filter(|form| beside(place, form.width()) && free.len() > form.width());
+        let axes_at = |place: usize| {
+            free.get(place..).and_then(|next| next.first_chunk::<3>()).copied().filter(|_| beside(place, 3))
+        };
+        let is_field = |axes: &[usize; 3]| {
+            magnitude::size(grid, *axes, &choice.rows).is_some_and(|size| !size.whole && size.is_field())
+        };
+        let width = if let Some(form) = form {
+            aside.extend((place..place + form.width()).map(|at| (free[at], form.words())));
+            form.width()
+        } else if let Some(axes) = axes_at(place).filter(is_field)
+            // A number of the row and two axes lie on a sphere, too, where the third axis rises as evenly.
+            && !(values.iter().skip(place).take(3).any(|values| is_even(values)) && axes_at(place + 1).is_some_and(|next| is_field(&next)))
+        {
+            triples.push(axes);
+            axes.len()
+        } else {
+            place += 1;
+            continue;
+        };
+        known.iter_mut().skip(place).take(width).for_each(|known| *known = true);
+        place += width;
+    }
+    let unknown = |place: &usize| !known.get(*place).copied().unwrap_or(true);
+    let wants_time = free.len() > 3 && !choice.has_name("t_s");
+    // In a few rows an axis may run forward by chance, and a first column hardly.
+    let many = choice.rows.len() >= TELLING;
+    let time = (0..if many { free.len() } else { 1 })
+        .filter(unknown)
+        .filter_map(|place| free.get(place).copied())
+        .find(|column| wants_time && forward(*column));
+    let mut runs: Vec<Vec<usize>> = vec![Vec::new()];
+    for (place, &column) in free.iter().enumerate() {
+        let is_norm = || {
+            let before = place.checked_sub(3).and_then(|from| free.get(from..place)?.first_chunk::<3>());
+            let of = |axes: &[usize; 3]| {
+                grid.columns.get(column).is_some_and(|c| is_magnitude(grid, axes, c, &looked))
+            };
+            before.is_some_and(of)
+        };
+        let is_known = !unknown(&place);
+        let why = if is_known || Some(column) == time {
+            None
+        } else if values.get(place).is_some_and(|values| is_step(values)) {
+            Some("constant but for its first row: the step of an even time")
+        } else if many && forward(column) {
+            Some("runs forward with the rows")
+        } else if is_norm() {
+            Some("the magnitude of the three columns before it")
+        } else {
+            if let Some(run) = runs.last_mut() {
+                run.push(column);
+            }
+            continue;
+        };
+        aside.extend(why.map(|why| (column, why)));
+        runs.push(Vec::new());
+    }
+    let is_sensor = |triple: &[usize; 3]| {
+        let size = magnitude::size(grid, *triple, &choice.rows);
+        size.is_some_and(|size| size.is_field() || magnitude::accel_unit(&size).is_some())
+    };
+    for run in runs {
+        // Where columns are left over, the sensors stand where most of them are known.
+        let cut = |start: usize| run.get(start..).unwrap_or_default().as_chunks::<3>().0.to_vec();
+        let score = |start: &usize| {
+            (cut(*start).iter().filter(|triple| is_sensor(triple)).count(), run.len() - start)
+        };
+        let start = match run.len() % 3 {
+            0 => 0,
+            spare => (0..=spare).max_by_key(score).unwrap_or(0),
+        };
+        let own = cut(start);
+        triples.extend(own);
+    }
+    triples.sort_unstable();
+    for (column, why) in aside {
+        choice.set_aside.push(column);
+        let header = grid.columns.get(column).map(|column| column.header.as_str()).unwrap_or_default();
+        choice.not_read.push(format!("{header} ({why})"));
+    }
+    Parts { time, triples }
+}
+
+/// Whether a column rises by the same step in every row.
+fn is_even(values: &[f64]) -> bool {
+    let step = values.get(1).zip(values.first()).map_or(0.0, |(second, first)| second - first);
+    step > 0.0 && values.windows(2).all(|pair| (pair[1] - pair[0] - step).abs() <= 1e-3 * step)
+}
+
+/// Whether a column changes after its first row only: the step of an even time.
+fn is_step(values: &[f64]) -> bool {
+    let Some((first, rest)) = values.split_first() else { return false };
+    let same = rest.first().copied().unwrap_or(f64::NAN);
+    rest.len() > 2
+        && *first == 0.0
+        && same > 0.0
+        && rest.iter().all(|value| (value - same).abs() <= 1e-3 * same)
 }
 
 fn vector(kind: Kind, columns: [usize; 3], unit: Option<Unit>) -> Vector {
     Vector { kind, columns, unit, counts: false, stem: String::new(), rank: 0 }
 }
 
-/// The first column runs forward; it is time where exactly one unit makes it a sensor's step.
-fn name_time(grid: &Grid, column: usize, choice: &mut Choice) -> Outcome<()> {
+/// A column runs forward; it is time where exactly one unit makes it a sensor's step, and no board turns too fast in it.
+fn name_time(grid: &Grid, column: usize, size: Option<&Size>, choice: &mut Choice) -> Outcome<()> {
     let Some(found) = grid.columns.get(column) else { return Ok(()) };
-    let Some(clock) = magnitude::clock(&found.values, &choice.rows) else { return Ok(()) };
+    let Some(mut clock) = magnitude::clock(&found.values, &choice.rows) else { return Ok(()) };
+    if let Some(size) = size {
+        clock.units = magnitude::turning_units(&clock, size);
+    }
     match clock.units.as_slice() {
         [] => {}
         [unit] => {

@@ -23,7 +23,8 @@ const MOST_BACKWARD: f64 = 0.02;
 /// # Errors
 /// No row with a whole magnetometer, or time that runs backward.
 pub fn build(mut grid: Grid, choice: Choice, options: &ReadOptions) -> Outcome<Log> {
-    let Choice { taken, mut rows, instance, pin_instance, program, added, reasons, not_read } = choice;
+    let Choice { taken, mut rows, instance, pin_instance, program, added, reasons, not_read, set_aside: _ } =
+        choice;
     let mut taken_out = Vec::new();
     let order = |taken: &Taken| (rank(Role::of(&taken.name).1), taken.column);
     let mut taken = taken;

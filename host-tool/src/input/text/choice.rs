@@ -32,6 +32,8 @@ pub struct Choice {
     pub added: Vec<[usize; 3]>,
     /// Decisions that the names did not make, and why they were made.
     pub reasons: Vec<String>,
+    /// Columns that are known and are neither sensors nor causes.
+    pub set_aside: Vec<usize>,
     /// What is not read, and why.
     pub not_read: Vec<String>,
 }

@@ -17,6 +17,9 @@ use crate::input::text::times;
 use crate::input::text::vectors::{Vector, meanings, vectors};
 use crate::input::unit::{Quantity, Unit};
 
+/// A sphere of radius one within this is of directions, or of an accelerometer in g.
+const ONE: f64 = 0.1;
+
 /// Decides everything about a table.
 ///
 /// # Errors
@@ -120,7 +123,7 @@ fn field(
             let size = magnitude::size(grid, vector.columns, &choice.rows);
             if let (false, Some(size)) = (sensor_mag, &size)
                 && magnitude::accel_unit(size).is_some()
-                && magnitude::field_units(size).is_empty()
+                && !size.is_field()
             {
                 return Err(asked::field_unit(
                     grid,
@@ -190,50 +193,50 @@ fn field_unit(
     if options.ut_per_count.is_some() {
         return Ok((None, true));
     }
+    if let Some(magnitude) = size.equal_magnitude {
+        return Err(asked::directions(grid, vector.columns, magnitude));
+    }
+    let units = magnitude::field_units(&size);
     let program = choice.program.and_then(|program| Some((program, program.unit(Kind::Field, "")?)));
     if let Some((program, unit)) = program {
         if magnitude::can_be_field(&size, &unit) {
             choice.reasons.push(format!("the unit {} is that of {}", unit.name, program.name()));
             return Ok((Some(unit), false));
         }
-        let fitting = magnitude::field_units(&size);
         let why = format!(
-            "{} write {}, and a magnitude of {} is no field of the Earth in it",
+            "{} write {}, and {}, which is no field of the Earth in it",
             program.name(),
             unit.name,
-            shown(&size)
+            size.words()
         );
-        return Err(asked::field_unit(grid, vector.columns, &fitting, false, &why));
+        return Err(asked::field_unit(grid, vector.columns, &units, false, &why));
     }
     if vector.counts {
         return if scale.is_some() { Ok((None, true)) } else { Err(asked::scale(grid, vector.columns)) };
-    }
-    let units = magnitude::field_units(&size);
-    if size.directions {
-        let why =
-            "every magnitude is 1: these are directions, which hold no calibration; log the field itself";
-        return Err(asked::field_unit(grid, vector.columns, &units, false, why));
     }
     match units.as_slice() {
         // Whole numbers may be counts, whatever their size.
         [unit] if !size.whole => {
             choice.reasons.push(format!(
-                "the unit {} is the only one in which a median of {} can be a field of the Earth",
-                unit.name,
-                shown(&size)
+                "{}, and {} is the only unit that makes it a field of the Earth",
+                size.words(),
+                unit.name
             ));
             Ok((Some(unit.clone()), false))
         }
         _ if size.whole && scale.is_some() => Ok((None, true)),
         [] if !size.whole => {
-            let why = format!("a median of {} is a field of the Earth in no unit", shown(&size));
+            let one_g =
+                size.field.as_ref().filter(|field| field.is_radius() && (field.field_ut - 1.0).abs() < ONE);
+            let what = if one_g.is_some() { ": an accelerometer in g, or directions" } else { "" };
+            let why = format!("{}, which is a field of the Earth in no unit{what}", size.words());
             Err(asked::field_unit(grid, vector.columns, &[], true, &why))
         }
         units => {
             let why = if size.whole {
-                format!("a median of {}, in whole numbers, can be counts of any sensor", shown(&size))
+                format!("{}, in whole numbers, which can be counts of any sensor", size.words())
             } else {
-                format!("a median of {} fits several units", shown(&size))
+                format!("{}: several units fit", size.words())
             };
             Err(asked::field_unit(grid, vector.columns, units, size.whole, &why))
         }
@@ -264,7 +267,7 @@ fn motion(grid: &Grid, vectors: &[Vector], choice: &mut Choice) {
             choice.not_read.push(format!("{listed} (no numbers)"));
             continue;
         };
-        if size.swing == [0.0; 3] && size.median == 0.0 {
+        if size.constant && size.median == 0.0 {
             choice.not_read.push(format!("{listed} (zero throughout: the board has no {what})"));
             continue;
         }

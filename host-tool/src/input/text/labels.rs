@@ -20,6 +20,12 @@ pub fn scan(line: &str, decimal_comma: bool) -> Vec<Labelled> {
     if line.starts_with('{') {
         return json(line);
     }
+    if let Some(one) = state(line) {
+        return vec![one];
+    }
+    if let Some(all) = between_slashes(line) {
+        return all;
+    }
     let mut out: Vec<Labelled> = Vec::new();
     let (mut section, mut label, mut index) = (String::new(), String::new(), 0_usize);
     let mut rest = line;
@@ -92,6 +98,60 @@ pub fn scan(line: &str, decimal_comma: bool) -> Vec<Labelled> {
         name_unit(&mut out, unit);
     }
     out
+}
+
+/// A sensor's state as ESPHome logs it, one line each: `'Field Strength X': Sending state 62.9 µT with 1 decimals of accuracy`, and since
+/// 2025 `'Field Strength X' >> 62.9 µT`.
+fn state(line: &str) -> Option<Labelled> {
+    let (head, said) = line.split_once("': Sending state ").or_else(|| line.split_once("' >> "))?;
+    let (_, name) = head.rsplit_once('\'')?;
+    let mut words = said.split_whitespace();
+    let value = number::parse(words.next()?.as_bytes()).filter(|value| value.is_finite())?;
+    let unit = words.next().filter(|unit| Unit::any(unit).is_some());
+    let name = unit.map_or_else(|| name.to_string(), |unit| format!("{name} ({unit})"));
+    Some(Labelled { name, value, text: None })
+}
+
+/// `Raw 0.63/-0.21/0.15 heading 35`: three numbers or more with slashes between them, and words before each number that name it.
+fn between_slashes(line: &str) -> Option<Vec<Labelled>> {
+    let is_list = |token: &str| {
+        token.matches('/').count() >= 2
+            && token.split('/').all(|part| number::parse(part.as_bytes()).is_some())
+    };
+    // A date has slashes too, and no point or sign.
+    let is_list = |token: &&str| is_list(token) && token.contains(['.', '-']);
+    if !line.contains('/') || !line.split_whitespace().any(|token| is_list(&token)) {
+        return None;
+    }
+    let (mut out, mut label) = (Vec::new(), String::new());
+    for token in line.split_whitespace() {
+        let token = token.trim_matches([',', ';', '|', '(', ')']);
+        if is_list(&token) {
+            let values = token.split('/').filter_map(|part| number::parse(part.as_bytes()));
+            let name = std::mem::take(&mut label);
+            let name = if name.is_empty() { "raw".to_string() } else { name };
+            out.extend(values.enumerate().map(|(at, value)| Labelled {
+                name: format!("{name}[{at}]"),
+                value,
+                text: None,
+            }));
+        } else if let Some(value) = number::parse(token.as_bytes()).filter(|value| value.is_finite()) {
+            if !label.is_empty() {
+                out.push(Labelled { name: std::mem::take(&mut label), value, text: None });
+            }
+        } else {
+            let word = token.trim_end_matches([':', '=']);
+            if Unit::any(word).is_some() && label.is_empty() && !out.is_empty() {
+                name_unit(&mut out, word);
+                continue;
+            }
+            if !label.is_empty() {
+                label.push(' ');
+            }
+            label.push_str(word);
+        }
+    }
+    Some(out)
 }
 
 fn name_unit(out: &mut [Labelled], unit: &str) {

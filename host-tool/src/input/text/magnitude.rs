@@ -1,16 +1,17 @@
-//! What numbers can be: units that their size rules out, and those that it leaves.
+//! What numbers can be: units that the geometry of the readings rules out, and those that it leaves.
 
 use crate::input::text::grid::Grid;
+use crate::input::text::rest::rounded;
 use crate::input::unit::{Quantity, Unit};
+use ironout_analysis::plausible::directions::equal_magnitudes_of;
+use ironout_analysis::plausible::field::{Evidence, FieldSize, size_of};
 
 /// Rows that are looked at.
 const LOOK: usize = 5000;
-/// The median magnitude of a raw, uncalibrated magnetometer on the Earth, µT: the field (22 to 67) and a hard iron of a few times it.
-const RAW_UT: [f64; 2] = [8.0, 250.0];
-/// Half the range of an axis that was turned through the field: at most the strongest field with a gain far off, …
-const SWING_MOST_UT: f64 = 130.0;
-/// … and where all three axes swing alike, at least about the weakest.
-const SWING_LEAST_UT: f64 = 17.0;
+/// Rows after one in which the next different reading is looked for: a log may be faster than its sensor.
+const REPEATS: usize = 16;
+/// A gyroscope comes to rest, a field does not: its least magnitude is above this share of its greatest.
+const LEAST_SHARE: f64 = 0.02;
 /// The step between samples of a log, s: 2 kHz to 3 s.
 const STEP_S: [f64; 2] = [0.000_5, 3.0];
 /// Seconds since 1970 of this century's logs: 2001 to 2096.
@@ -27,12 +28,41 @@ pub struct Size {
     pub median: f64,
     /// The fifth percentile of the magnitude over the 95th: a gyroscope comes to rest, a field does not.
     pub least_share: f64,
-    /// Half the range of each axis, extremes left out, sorted.
-    pub swing: [f64; 3],
+    /// Whether nothing changes.
+    pub constant: bool,
     /// Whether all numbers are whole.
     pub whole: bool,
-    /// Whether all magnitudes are one, as of a direction.
-    pub directions: bool,
+    /// The field that they turned in, as far as they tell.
+    pub field: Option<FieldSize>,
+    /// The magnitude that all have, as directions do.
+    pub equal_magnitude: Option<f64>,
+}
+
+impl Size {
+    /// The field's size in words.
+    pub fn words(&self) -> String {
+        match &self.field {
+            Some(found) => match found.evidence {
+                Evidence::Sphere | Evidence::PartOfSphere => {
+                    format!("the readings lie on a sphere of radius {}", rounded(found.field_ut))
+                }
+                Evidence::Circle => format!(
+                    "the readings lie on a circle of radius {}, which leaves the field open up to three times that",
+                    rounded(found.field_ut)
+                ),
+                Evidence::Spread => format!(
+                    "the sensor was turned too little: the readings spread by {} only, and the offset can be anything",
+                    rounded(found.field_ut)
+                ),
+            },
+            None => "there are too few different readings to see a sphere".to_string(),
+        }
+    }
+
+    /// Whether the readings lie on a sphere that is the Earth's field in some unit.
+    pub fn is_field(&self) -> bool {
+        self.field.as_ref().is_some_and(FieldSize::is_radius) && !field_units(self).is_empty()
+    }
 }
 
 /// The size of a triple of columns in these rows; `None` where there are no numbers.
@@ -40,29 +70,32 @@ pub fn size(grid: &Grid, triple: [usize; 3], rows: &[usize]) -> Option<Size> {
     let step = (rows.len() / LOOK).max(1);
     let columns = triple
         .map(|index| grid.columns.get(index).map(|column| column.values.as_slice()).unwrap_or_default());
-    let vectors: Vec<[f64; 3]> = rows
-        .iter()
-        .step_by(step)
-        .map(|row| columns.map(|values| values.get(*row).copied().unwrap_or(f64::NAN)))
-        .filter(|vector| vector.iter().all(|value| value.is_finite()))
-        .collect();
-    let mut norms: Vec<f64> = vectors.iter().map(|[x, y, z]| (x * x + y * y + z * z).sqrt()).collect();
+    let at = |row: &usize| columns.map(|values| values.get(*row).copied().unwrap_or(f64::NAN));
+    let finite = |vector: &[f64; 3]| vector.iter().all(|value| value.is_finite());
+    let vectors: Vec<[f64; 3]> = rows.iter().step_by(step).map(at).filter(finite).collect();
+    let norm = |v: &[f64; 3]| v.iter().map(|value| value * value).sum::<f64>().sqrt();
+    let mut norms: Vec<f64> = vectors.iter().map(norm).collect();
     norms.sort_by(f64::total_cmp);
     let median = share(&norms, 0.5)?;
     let (low, high) = (share(&norms, 0.05)?, share(&norms, 0.95)?);
-    let mut swing = [0.0; 3];
-    for (axis, slot) in swing.iter_mut().enumerate() {
-        let mut values: Vec<f64> = vectors.iter().map(|vector| vector[axis]).collect();
-        values.sort_by(f64::total_cmp);
-        *slot = (share(&values, 0.98)? - share(&values, 0.02)?) / 2.0;
-    }
-    swing.sort_by(f64::total_cmp);
+    let jumps: Vec<f64> = (0..rows.len())
+        .step_by(step)
+        .filter_map(|from| {
+            let this = at(rows.get(from)?);
+            let after = rows.get(from + 1..(from + 1 + REPEATS).min(rows.len()))?;
+            let next = after.iter().map(at).find(|next| *next != this)?;
+            Some(norm(&[next[0] - this[0], next[1] - this[1], next[2] - this[2]]))
+        })
+        .filter(|jump| jump.is_finite())
+        .collect();
+    let first = vectors.first()?;
     Some(Size {
         median,
         least_share: low / high,
-        swing,
+        constant: vectors.iter().all(|vector| vector == first),
         whole: vectors.iter().flatten().all(|value| value.fract() == 0.0),
-        directions: (low - 1.0).abs() < 0.02 && (high - 1.0).abs() < 0.02,
+        field: size_of(&vectors, &jumps),
+        equal_magnitude: equal_magnitudes_of(&vectors),
     })
 }
 
@@ -71,20 +104,28 @@ fn share(sorted: &[f64], share: f64) -> Option<f64> {
     sorted.get(at).copied()
 }
 
-/// Whether a raw magnetometer can have these numbers in this unit.
+/// Whether the numbers can be a magnetometer's in this unit: the field that they turned in is the Earth's, whatever the offset.
 pub fn can_be_field(size: &Size, unit: &Unit) -> bool {
-    let [median, most, least] = [size.median, size.swing[2], size.swing[0]].map(|value| unit.convert(value));
-    let turned = least > 0.5 * most && most > 0.0;
-    (RAW_UT[0]..=RAW_UT[1]).contains(&median)
-        && most <= SWING_MOST_UT
-        && !(turned && size.swing[2] > 0.3 * size.median && most < SWING_LEAST_UT)
-        && !size.directions
-        && size.least_share > 0.02
+    if size.equal_magnitude.is_some() {
+        return false;
+    }
+    let Some(field) = &size.field else { return true };
+    (field.is_radius() || size.least_share > LEAST_SHARE) && field.can_be_earth(unit.convert(1.0))
 }
 
 /// The units of a field that the numbers can be in.
 pub fn field_units(size: &Size) -> Vec<Unit> {
     Unit::all(Quantity::Field).filter(|unit| can_be_field(size, unit)).collect()
+}
+
+/// The units of time in which the sensor turns no faster than a board does, where there are such.
+pub fn turning_units(clock: &Clock, size: &Size) -> Vec<Unit> {
+    let per_row =
+        size.field.as_ref().filter(|field| field.is_radius()).map(|field| field.jump_ut / field.field_ut);
+    let slow = |unit: &&Unit| per_row.is_none_or(|turn| turn <= FASTEST_RADPS * unit.convert(clock.step));
+    let slow: Vec<Unit> = clock.units.iter().filter(slow).cloned().collect();
+    // Between units it decides; of the only one there is it says nothing.
+    if slow.is_empty() { clock.units.clone() } else { slow }
 }
 
 /// The unit of a specific force that the numbers are in: at rest it is one g.
@@ -171,6 +212,9 @@ mod tests {
     fn the_size_of_a_field_tells_its_unit() {
         for (radius, offset, expected) in [
             (48.13, 10.2, "uT"),
+            (48.13, 480.0, "uT"),
+            (44.0, 200.0, "uT"),
+            (481.3, -4000.0, "mG"),
             (481.3, 102.0, "mG"),
             (0.4813, 0.102, "G"),
             (48_130.0, 10_200.0, "nT"),
@@ -183,7 +227,12 @@ mod tests {
         }
         let (grid, rows) = sphere(1.0, 0.0);
         let directions = size(&grid, [0, 1, 2], &rows).expect("numbers");
-        assert!(directions.directions && field_units(&directions).is_empty());
+        assert!(directions.equal_magnitude.is_some() && field_units(&directions).is_empty());
+        for radius in [1.0, 4.4, 100.0] {
+            let (grid, rows) = sphere(radius, 3.0);
+            let found = size(&grid, [0, 1, 2], &rows).expect("numbers");
+            assert!(field_units(&found).is_empty(), "{radius}: {:?}", field_units(&found));
+        }
         let (grid, rows) = sphere(9.8, 0.0);
         let gravity = size(&grid, [0, 1, 2], &rows).expect("numbers");
         assert_eq!(accel_unit(&gravity).map(|unit| unit.name.to_string()), Some("m/s2".into()));

@@ -140,7 +140,8 @@ pub fn read_stream(lines: &[Bare<'_>], stream: Stream) -> Grid {
     grid
 }
 
-fn add_monitor(grid: &mut Grid, monitor: GridColumn) {
+fn add_monitor(grid: &mut Grid, mut monitor: GridColumn) {
+    monitor.unit = Unit::of("s", Quantity::Time);
     if !grid.lines.is_empty() && monitor.finite() * 2 > grid.rows() {
         grid.columns.push(monitor);
     }

@@ -18,7 +18,11 @@ pub fn covariates(grid: &Grid, meanings: &[Meaning], vectors: &[Vector], choice:
     let field: Vec<usize> = choice.taken.iter().filter(of_field).map(|taken| taken.column).collect();
     let added: Vec<usize> = choice.added.iter().flatten().copied().collect();
     for (index, (column, meaning)) in grid.columns.iter().zip(meanings).enumerate() {
-        if choice.has(index) || sensors.contains(&index) || added.contains(&index) {
+        if choice.has(index)
+            || sensors.contains(&index)
+            || added.contains(&index)
+            || choice.set_aside.contains(&index)
+        {
             continue;
         }
         let header = &column.header;
@@ -69,7 +73,7 @@ pub fn covariates(grid: &Grid, meanings: &[Meaning], vectors: &[Vector], choice:
 }
 
 /// Whether a column is the length of the field in every row, in any unit.
-fn is_magnitude(grid: &Grid, field: &[usize], column: &GridColumn, rows: &[usize]) -> bool {
+pub fn is_magnitude(grid: &Grid, field: &[usize], column: &GridColumn, rows: &[usize]) -> bool {
     let ratio = |row: &usize| -> Option<f64> {
         let square = |index: &usize| grid.columns.get(*index)?.values.get(*row).map(|value| value * value);
         let norm = field.iter().filter_map(square).sum::<f64>().sqrt();

@@ -44,7 +44,8 @@ pub fn vectors(meanings: &[Meaning]) -> Vec<Vector> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for (column, meaning) in meanings.iter().enumerate() {
         let Some(axis) = meaning.axis else { continue };
-        let bare = meaning.kind == Kind::Other && meaning.stem.is_empty();
+        let bare = meaning.kind == Kind::Other
+            && meaning.stem.split('_').all(|word| matches!(word, "" | "raw" | "uncal" | "uncalibrated"));
         if !bare && !matches!(meaning.kind, Kind::Field | Kind::Accel | Kind::Gyro) {
             continue;
         }
