@@ -23,9 +23,9 @@ const THICK: f64 = 0.3;
 const STEPS: f64 = 8.0;
 /// A sphere too small for the Earth is one that the board was turned over where a reading lies this near to the one before,
 /// of the radius: noise jumps.
-const JUMP: f64 = 0.7;
+pub(super) const JUMP: f64 = 0.7;
 /// Without an accelerometer that shows the turning, a small sphere must be covered by this …
-const ALL_OVER: f64 = 0.15;
+pub(super) const ALL_OVER: f64 = 0.15;
 /// … and be this thin.
 const THIN: f64 = 0.15;
 /// Gravity was turned where its mean direction is shorter than this.
@@ -100,7 +100,7 @@ pub fn size(table: &Table) -> Option<FieldSize> {
 }
 
 /// The least distance between two values that occur on an axis.
-fn least_step(points: &[Vector3<f64>], axis: usize) -> f64 {
+pub(super) fn least_step(points: &[Vector3<f64>], axis: usize) -> f64 {
     let mut values: Vec<f64> = points.iter().map(|p| p[axis]).collect();
     values.sort_by(f64::total_cmp);
     let steps = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9);
@@ -109,7 +109,7 @@ fn least_step(points: &[Vector3<f64>], axis: usize) -> f64 {
 }
 
 /// Whether gravity shows that the board was turned; `None` without an accelerometer.
-fn tilted(table: &Table, rows: &[usize]) -> Option<bool> {
+pub(super) fn tilted(table: &Table, rows: &[usize]) -> Option<bool> {
     let accel = table.accel_mps2?;
     let at = |row: usize| Vector3::from_fn(|axis, _| accel[axis].get(row).copied().unwrap_or(f64::NAN));
     let directions = rows.iter().map(|&row| at(row)).filter(|a| a.norm() > 0.0 && a.norm().is_finite());
@@ -124,7 +124,7 @@ fn stride(rows: &[usize]) -> usize {
 }
 
 /// Readings, evenly chosen, and their median; `None` where they are few, or no numbers.
-fn points(table: &Table, rows: &[usize]) -> Option<(Vec<Vector3<f64>>, Vector3<f64>)> {
+pub(super) fn points(table: &Table, rows: &[usize]) -> Option<(Vec<Vector3<f64>>, Vector3<f64>)> {
     let chosen = rows.iter().step_by(stride(rows));
     let points: Vec<Vector3<f64>> = chosen.map(|&row| table.field(row).into()).collect();
     if points.len() < LEAST || points.iter().flatten().any(|value| !value.is_finite()) {
@@ -142,17 +142,18 @@ pub(crate) fn centre(table: &Table) -> Option<Vector3<f64>> {
 }
 
 /// A sphere that points lie on.
-struct Sphere {
+pub(super) struct Sphere {
     centre: Vector3<f64>,
-    radius: f64,
+    /// Its radius.
+    pub(super) radius: f64,
     /// Least eigenvalue of the scatter of the directions.
-    spread: f64,
+    pub(super) spread: f64,
     /// How far the points lie off it, 1σ, as a share of the radius.
     thickness: f64,
 }
 
 /// The sphere that most of the points lie on.
-fn sphere(points: &[Vector3<f64>]) -> Option<Sphere> {
+pub(super) fn sphere(points: &[Vector3<f64>]) -> Option<Sphere> {
     let mut kept: Vec<&Vector3<f64>> = points.iter().collect();
     let mut found = None;
     for _ in 0..4 {

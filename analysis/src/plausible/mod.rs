@@ -2,7 +2,9 @@
 //!
 //! Each check gives what it measured, and nothing where the log cannot tell. None knows a calibration.
 
+pub mod breakage;
 pub mod clock;
+pub mod coarse;
 pub mod field;
 pub mod follow;
 pub mod gravity;

@@ -1,0 +1,217 @@
+//! Single rows that are wrong: a code in place of a reading, every n-th row, an axis that stands still.
+
+use super::repair::Repair;
+use super::series::{half_range, path, usual_step};
+use super::{Breakage, MAX_PATH_SHARE, MIN_EVENTS, MIN_ROWS};
+
+/// A row is out of line if leaving it out shortens the path by this many of the steps next to it: turning points and noise do not
+/// reach twice.
+const MIN_SHORTCUT_STEPS: f64 = 6.0;
+/// … and by this share of half the range of the readings: below, a wrong row does not matter.
+const MIN_SHORTCUT_SHARE: f64 = 0.3;
+/// A diagnosis covers at least this share of all rows that are out of line.
+const MIN_SHARE_OF_EVENTS: f64 = 0.5;
+/// Of rows that are wrong every n-th time, this share of what is out of line lies on them …
+const MIN_ON_GRID: f64 = 0.8;
+/// … and this share of them is out of line; some are right by chance.
+const MIN_OF_GRID: f64 = 0.5;
+/// The longest period that is looked for.
+const MAX_PERIOD: usize = 1024;
+/// Rows that alternate between two sensors make this many times the path of either.
+const MIN_ALTERNATING_PATH: f64 = 6.0;
+/// An axis that stands still for fewer rows is one that turns slowly.
+const MIN_FROZEN_ROWS: usize = 3;
+/// An axis that catches up jumps by this many of its usual steps, and the others went on by as many of theirs.
+const MIN_CATCH_UP_STEPS: f64 = 6.0;
+
+/// Readings without those that repeat the one before.
+struct Runs {
+    /// Row at which each reading begins.
+    starts: Vec<usize>,
+    readings: Vec<[f64; 3]>,
+}
+
+impl Runs {
+    fn new(numbers: [&[f64]; 3], axes: [bool; 3]) -> Runs {
+        let mut runs = Runs { starts: Vec::new(), readings: Vec::new() };
+        for (row, ((x, y), z)) in numbers[0].iter().zip(numbers[1]).zip(numbers[2]).enumerate() {
+            let reading = [(axes[0], *x), (axes[1], *y), (axes[2], *z)].map(|(is, v)| if is { v } else { 0.0 });
+            if runs.readings.last() != Some(&reading) {
+                runs.starts.push(row);
+                runs.readings.push(reading);
+            }
+        }
+        runs
+    }
+}
+
+/// Path between two readings, along the axes: readings between two others on every axis lie on the way, and cost nothing.
+fn way(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    (a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs()
+}
+
+/// A reading that is out of line.
+#[derive(Clone, Copy)]
+struct Event {
+    at: usize,
+    /// Path through it.
+    through: f64,
+    /// Path past it.
+    past: f64,
+}
+
+fn events(readings: &[[f64; 3]], range: f64) -> Vec<Event> {
+    let mut list = Vec::new();
+    for at in 1..readings.len().saturating_sub(1) {
+        let (last, this, next) = (&readings[at - 1], &readings[at], &readings[at + 1]);
+        let (through, past) = (way(last, this) + way(this, next), way(last, next));
+        let shortcut = through - past;
+        if shortcut < MIN_SHORTCUT_SHARE * range {
+            continue;
+        }
+        let before = at.checked_sub(2).map_or(0.0, |other| way(&readings[other], last));
+        let behind = readings.get(at + 2).map_or(0.0, |other| way(next, other));
+        if shortcut >= MIN_SHORTCUT_STEPS * before.max(behind).max(past) {
+            list.push(Event { at, through, past });
+        }
+    }
+    list
+}
+
+fn explained(events: &[Event]) -> f64 {
+    let (through, past) = events.iter().fold((0.0, 0.0), |sum, e| (sum.0 + e.through, sum.1 + e.past));
+    1.0 - past / through
+}
+
+/// Rows that are set aside, the best diagnosis first: of the whole reading, and of each axis by itself.
+pub fn best(numbers: [&[f64]; 3]) -> Option<Breakage> {
+    if numbers[0].len() < MIN_ROWS {
+        return None;
+    }
+    let range = numbers.map(half_range);
+    let widest = range.iter().copied().fold(0.0, f64::max);
+    let subsets = [[true; 3], [true, false, false], [false, true, false], [false, false, true]];
+    let mut found: Vec<Breakage> = Vec::new();
+    for axes in subsets {
+        let runs = Runs::new(numbers, axes);
+        let events = events(&runs.readings, widest);
+        found.extend(code(numbers, &runs, axes, &events));
+        found.extend(every(&runs, &events, numbers[0].len()));
+        // Of the whole reading first: an axis of it shows the same, and only a part.
+        if let Some(first) = found.pop() {
+            return Some(first);
+        }
+    }
+    alternating(numbers).or_else(|| frozen(numbers, widest))
+}
+
+/// A value that recurs out of line.
+fn code(numbers: [&[f64]; 3], runs: &Runs, axes: [bool; 3], events: &[Event]) -> Option<Breakage> {
+    if events.len() < MIN_EVENTS {
+        return None;
+    }
+    let mut values: Vec<([f64; 3], Event)> = events.iter().map(|e| (runs.readings[e.at], *e)).collect();
+    values.sort_by(|a, b| a.0.iter().zip(&b.0).fold(std::cmp::Ordering::Equal, |o, (x, y)| o.then(x.total_cmp(y))));
+    let most = values.chunk_by(|a, b| a.0 == b.0).max_by_key(|chunk| chunk.len())?;
+    let same: Vec<Event> = most.iter().map(|(_, event)| *event).collect();
+    let share = explained(&same);
+    if same.len() < MIN_EVENTS
+        || (same.len() as f64) < MIN_SHARE_OF_EVENTS * events.len() as f64
+        || share < 1.0 - MAX_PATH_SHARE
+    {
+        return None;
+    }
+    let code = most.first()?.0;
+    let repair = Repair::ErrorCode { axes, code };
+    let mut marked = vec![false; numbers[0].len()];
+    repair.set_aside(numbers, &mut marked);
+    of_marked(repair, &marked, share)
+}
+
+fn of_marked(repair: Repair, marked: &[bool], explained: f64) -> Option<Breakage> {
+    let first_row = marked.iter().position(|mark| *mark)?;
+    Some(Breakage { repair, rows: marked.iter().filter(|mark| **mark).count(), first_row, explained })
+}
+
+/// Rows out of line that come every n-th time.
+fn every(runs: &Runs, events: &[Event], rows: usize) -> Option<Breakage> {
+    if events.len() < MIN_EVENTS + 1 {
+        return None;
+    }
+    let places: Vec<usize> = events.iter().map(|event| runs.starts[event.at]).collect();
+    for every in 3..=MAX_PERIOD.min(rows / 4) {
+        // The grid of the rows is that of most of them.
+        let mut counts = vec![0_usize; every];
+        places.iter().for_each(|place| counts[place % every] += 1);
+        let (offset, on) = counts.iter().copied().enumerate().max_by_key(|(_, count)| *count)?;
+        let of_grid = (rows - offset).div_ceil(every) as f64;
+        if on as f64 >= MIN_ON_GRID * places.len() as f64 && on as f64 >= MIN_OF_GRID * of_grid {
+            let repair = Repair::EveryRow { every, offset };
+            let mut marked = vec![false; rows];
+            repair.set_aside([&[]; 3], &mut marked);
+            return of_marked(repair, &marked, explained(events));
+        }
+    }
+    None
+}
+
+/// Every second row is of something else: the two halves of the rows are smooth, or one is, and together they are not.
+fn alternating(numbers: [&[f64]; 3]) -> Option<Breakage> {
+    let rows = numbers[0].len();
+    let of = |offset: usize, step: usize| -> f64 {
+        numbers.iter().map(|axis| path(axis.iter().skip(offset).step_by(step).copied())).sum()
+    };
+    let (all, even, odd) = (of(0, 1), of(0, 2), of(1, 2));
+    let (offset, smooth) = if even <= odd { (1, even) } else { (0, odd) };
+    if !(smooth > 0.0 && all >= MIN_ALTERNATING_PATH * smooth) {
+        return None;
+    }
+    let kept: [Vec<f64>; 3] = numbers.map(|axis| axis.iter().skip(1 - offset).step_by(2).copied().collect());
+    let continuous = kept.iter().all(|axis| super::series::is_continuous(axis));
+    let repair = Repair::EveryRow { every: 2, offset };
+    let mut marked = vec![false; rows];
+    repair.set_aside(numbers, &mut marked);
+    continuous.then(|| of_marked(repair, &marked, 1.0 - smooth / all)).flatten()
+}
+
+/// An axis that keeps its value while the others go on, and then catches up.
+fn frozen(numbers: [&[f64]; 3], widest: f64) -> Option<Breakage> {
+    let rows = numbers[0].len();
+    let mut best: Option<Breakage> = None;
+    for axis in 0..3 {
+        let others = [(axis + 1) % 3, (axis + 2) % 3].map(|other| numbers[other]);
+        let others_step = others.map(usual_step);
+        let own = numbers[axis];
+        let mut stretches = Vec::new();
+        // How far the axis jumps where it catches up, and where it goes on by itself.
+        let (mut caught_up, mut went) = (0.0, Vec::new());
+        let mut from = 0;
+        while from < rows {
+            let to = own[from..].iter().position(|value| *value != own[from]).map_or(rows, |n| from + n);
+            let jump = own.get(to).map_or(0.0, |next| (next - own[from]).abs());
+            let moved = others.iter().zip(others_step).any(|(other, step)| {
+                step > 0.0 && (other[to - 1] - other[from]).abs() >= MIN_CATCH_UP_STEPS * step.max(0.02 * widest)
+            });
+            if to - from >= MIN_FROZEN_ROWS && moved && to < rows {
+                stretches.push((from + 1, to));
+                caught_up += jump;
+            } else if to < rows {
+                went.push(jump);
+            }
+            from = to;
+        }
+        let usual = if went.is_empty() { 0.0 } else { crate::samples::series::median(&mut went) };
+        let count = stretches.len() as f64;
+        if stretches.len() < MIN_EVENTS || caught_up < count * (MIN_CATCH_UP_STEPS * usual).max(0.1 * widest) {
+            continue;
+        }
+        let repair = Repair::FrozenAxis { axis, stretches };
+        let mut marked = vec![false; rows];
+        repair.set_aside(numbers, &mut marked);
+        let found = of_marked(repair, &marked, 1.0 - count * usual / caught_up);
+        if found.as_ref().map_or(0, |f| f.rows) > best.as_ref().map_or(0, |b| b.rows) {
+            best = found;
+        }
+    }
+    best
+}
