@@ -33,6 +33,6 @@ pub use lines::Lines;
 pub use log::{Covariate, Log, ReadOptions};
 pub use map::parse_map;
 pub use mount::{FORMS as ROTATE_FORMS, Mounting, rotate};
-pub use repair::{Asked as AskedRepair, parse as parse_repair};
 pub use read_as::{Instance, LeftOut, ReadAs, ReadColumn};
+pub use repair::{Asked as AskedRepair, parse as parse_repair};
 pub use told::{read_log, read_stream};

@@ -129,7 +129,8 @@ impl Plan {
             }
         }
         let columns = read_columns(&stores);
-        let Repaired { rows, left_out, taken_out, repairs } = repaired(&mut stores, self.field, rows, options)?;
+        let Repaired { rows, left_out, taken_out, repairs } =
+            repaired(&mut stores, self.field, rows, options)?;
         for store in &mut stores {
             if let Some(unit) = &store.column.unit {
                 store.values.iter_mut().for_each(|value| *value = unit.convert(*value));
@@ -202,12 +203,19 @@ struct Repaired {
 }
 
 /// Mends the magnetometer's numbers, and takes the rows out that are no readings.
-fn repaired(stores: &mut [Store], field: [usize; 3], rows: usize, options: &ReadOptions) -> Outcome<Repaired> {
+fn repaired(
+    stores: &mut [Store],
+    field: [usize; 3],
+    rows: usize,
+    options: &ReadOptions,
+) -> Outcome<Repaired> {
     let whole = field.iter().all(|index| stores.get(*index).is_some_and(|store| store.values.len() == rows));
     if !whole {
         return Ok(Repaired { rows, left_out: Vec::new(), taken_out: Vec::new(), repairs: Vec::new() });
     }
-    let numbers = field.map(|index| stores.get_mut(index).map(|store| std::mem::take(&mut store.values)).unwrap_or_default());
+    let numbers = field.map(|index| {
+        stores.get_mut(index).map(|store| std::mem::take(&mut store.values)).unwrap_or_default()
+    });
     let mended = repair::mend(numbers, &options.repair)?;
     if mended.kept.len() < rows {
         for store in stores.iter_mut().filter(|store| store.values.len() == rows) {
@@ -223,7 +231,11 @@ fn repaired(stores: &mut [Store], field: [usize; 3], rows: usize, options: &Read
     let asked = options.repair.iter().map(repair_words::asked);
     Ok(Repaired {
         rows: mended.kept.len(),
-        left_out: mended.left_out.into_iter().map(|(rows, why)| LeftOut { rows, first_line: None, why }).collect(),
+        left_out: mended
+            .left_out
+            .into_iter()
+            .map(|(rows, why)| LeftOut { rows, first_line: None, why })
+            .collect(),
         taken_out: mended.made,
         repairs: asked.chain(mended.codes).collect(),
     })

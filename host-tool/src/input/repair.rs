@@ -37,7 +37,8 @@ pub struct Mended {
 /// # Errors
 /// What is not a repair, with the list of those there are.
 pub fn parse(arguments: &[String]) -> Outcome<Vec<Asked>> {
-    let parts = arguments.iter().flat_map(|text| text.split(',')).map(str::trim).filter(|part| !part.is_empty());
+    let parts =
+        arguments.iter().flat_map(|text| text.split(',')).map(str::trim).filter(|part| !part.is_empty());
     parts.map(|part| one(part).ok_or_else(|| words::not_a_repair(part))).collect()
 }
 
@@ -53,7 +54,9 @@ fn one(text: &str) -> Option<Asked> {
         Some((kind, values)) => {
             let numbers: Option<Vec<f64>> = values
                 .split('/')
-                .map(|value| value.trim().parse().ok().filter(|value: &f64| value.is_finite() && value.abs() < 1e15))
+                .map(|value| {
+                    value.trim().parse().ok().filter(|value: &f64| value.is_finite() && value.abs() < 1e15)
+                })
                 .collect();
             (kind, numbers?)
         }
@@ -204,10 +207,21 @@ mod tests {
             "error-code=0/0/0",
             "x:error-code=-4096",
         ] {
-            let asked = parse(&[text.to_string()]).unwrap_or_else(|failure| panic!("{text}: {}", failure.message));
+            let asked =
+                parse(&[text.to_string()]).unwrap_or_else(|failure| panic!("{text}: {}", failure.message));
             assert_eq!(asked.iter().map(words::asked).collect::<Vec<_>>(), [text]);
         }
-        for text in ["what", "q:unsigned", "unwrap=1", "xy:late=1", "unsigned=0", "unsigned=-1", "late=1", "x:none", ":unsigned"] {
+        for text in [
+            "what",
+            "q:unsigned",
+            "unwrap=1",
+            "xy:late=1",
+            "unsigned=0",
+            "unsigned=-1",
+            "late=1",
+            "x:none",
+            ":unsigned",
+        ] {
             assert!(parse(&[text.to_string()]).is_err(), "{text}");
         }
     }

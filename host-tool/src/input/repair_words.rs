@@ -43,7 +43,8 @@ pub fn option(repair: &Repair) -> String {
         Repair::LateAxis { rows, .. } => format!("{of}late={rows}"),
         Repair::RangeChange { .. } => "range".into(),
         Repair::ErrorCode { axes, code } => {
-            let mut values: Vec<f64> = code.iter().zip(axes).filter(|(_, is)| **is).map(|(v, _)| *v).collect();
+            let mut values: Vec<f64> =
+                code.iter().zip(axes).filter(|(_, is)| **is).map(|(v, _)| *v).collect();
             if values.len() < 3 {
                 values.dedup();
             }
@@ -100,8 +101,10 @@ pub fn recognised(found: &Breakage) -> String {
             );
         }
         Repair::RangeChange { changes } => {
-            let list: Vec<String> =
-                changes.iter().map(|(row, factor)| format!("{} from row {}", short(*factor), row + 1)).collect();
+            let list: Vec<String> = changes
+                .iter()
+                .map(|(row, factor)| format!("{} from row {}", short(*factor), row + 1))
+                .collect();
             return format!(
                 "the scale of the magnetometer changes while the log runs (its range was set): the numbers are larger by the factor {}. \
                  With one scale, {share:.0} % of the distance from an ellipsoid disappears",
@@ -152,5 +155,9 @@ fn ordinal(number: usize) -> &'static str {
 }
 
 fn short(value: f64) -> String {
-    if value >= 1.0 || value <= 0.0 { format!("{}", (value * 1000.0).round() / 1000.0) } else { format!("1/{}", (1000.0 / value).round() / 1000.0) }
+    if value >= 1.0 || value <= 0.0 {
+        format!("{}", (value * 1000.0).round() / 1000.0)
+    } else {
+        format!("1/{}", (1000.0 / value).round() / 1000.0)
+    }
 }

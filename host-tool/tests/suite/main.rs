@@ -3,6 +3,8 @@
 mod blackbox;
 #[cfg(feature = "demo")]
 mod board_link;
+mod cases_numbers;
+mod cases_time;
 mod check_heading;
 mod close_steps;
 mod common;

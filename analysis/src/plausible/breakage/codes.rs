@@ -24,6 +24,9 @@ const MIN_FROZEN_ROWS: usize = 3;
 /// An axis that catches up jumps by this many of its usual steps, and the others went on by as many of theirs.
 const MIN_CATCH_UP_STEPS: f64 = 6.0;
 
+/// … and by this share of half the range of the readings: coarse numbers jump by their own steps.
+const MIN_CATCH_UP_SHARE: f64 = 0.1;
+
 /// Readings without those that repeat the one before.
 struct Runs {
     /// Row at which each reading begins.
@@ -35,7 +38,8 @@ impl Runs {
     fn new(numbers: [&[f64]; 3], axes: [bool; 3]) -> Runs {
         let mut runs = Runs { starts: Vec::new(), readings: Vec::new() };
         for (row, ((x, y), z)) in numbers[0].iter().zip(numbers[1]).zip(numbers[2]).enumerate() {
-            let reading = [(axes[0], *x), (axes[1], *y), (axes[2], *z)].map(|(is, v)| if is { v } else { 0.0 });
+            let reading =
+                [(axes[0], *x), (axes[1], *y), (axes[2], *z)].map(|(is, v)| if is { v } else { 0.0 });
             if runs.readings.last() != Some(&reading) {
                 runs.starts.push(row);
                 runs.readings.push(reading);
@@ -78,43 +82,45 @@ fn events(readings: &[[f64; 3]], range: f64) -> Vec<Event> {
     list
 }
 
-fn explained(events: &[Event]) -> f64 {
+/// The share of the path through these that leaving them out removes, and its length.
+fn explained(events: &[Event]) -> (f64, f64) {
     let (through, past) = events.iter().fold((0.0, 0.0), |sum, e| (sum.0 + e.through, sum.1 + e.past));
-    1.0 - past / through
+    (1.0 - past / through, through - past)
 }
 
 /// Rows that are set aside, the best diagnosis first: of the whole reading, and of each axis by itself.
-pub fn best(numbers: [&[f64]; 3]) -> Option<Breakage> {
+/// With the path length that it removes.
+pub fn best(numbers: [&[f64]; 3]) -> Option<(Breakage, f64)> {
     if numbers[0].len() < MIN_ROWS {
         return None;
     }
     let range = numbers.map(half_range);
     let widest = range.iter().copied().fold(0.0, f64::max);
     let subsets = [[true; 3], [true, false, false], [false, true, false], [false, false, true]];
-    let mut found: Vec<Breakage> = Vec::new();
+    // The whole reading first: an axis of it shows the same, and only a part.
     for axes in subsets {
         let runs = Runs::new(numbers, axes);
         let events = events(&runs.readings, widest);
-        found.extend(code(numbers, &runs, axes, &events));
-        found.extend(every(&runs, &events, numbers[0].len()));
-        // Of the whole reading first: an axis of it shows the same, and only a part.
-        if let Some(first) = found.pop() {
-            return Some(first);
+        let found = code(numbers, &runs, axes, &events).or_else(|| every(&runs, &events, numbers[0].len()));
+        if found.is_some() {
+            return found;
         }
     }
     alternating(numbers).or_else(|| frozen(numbers, widest))
 }
 
 /// A value that recurs out of line.
-fn code(numbers: [&[f64]; 3], runs: &Runs, axes: [bool; 3], events: &[Event]) -> Option<Breakage> {
+fn code(numbers: [&[f64]; 3], runs: &Runs, axes: [bool; 3], events: &[Event]) -> Option<(Breakage, f64)> {
     if events.len() < MIN_EVENTS {
         return None;
     }
     let mut values: Vec<([f64; 3], Event)> = events.iter().map(|e| (runs.readings[e.at], *e)).collect();
-    values.sort_by(|a, b| a.0.iter().zip(&b.0).fold(std::cmp::Ordering::Equal, |o, (x, y)| o.then(x.total_cmp(y))));
+    values.sort_by(|a, b| {
+        a.0.iter().zip(&b.0).fold(std::cmp::Ordering::Equal, |o, (x, y)| o.then(x.total_cmp(y)))
+    });
     let most = values.chunk_by(|a, b| a.0 == b.0).max_by_key(|chunk| chunk.len())?;
     let same: Vec<Event> = most.iter().map(|(_, event)| *event).collect();
-    let share = explained(&same);
+    let (share, gain) = explained(&same);
     if same.len() < MIN_EVENTS
         || (same.len() as f64) < MIN_SHARE_OF_EVENTS * events.len() as f64
         || share < 1.0 - MAX_PATH_SHARE
@@ -125,16 +131,17 @@ fn code(numbers: [&[f64]; 3], runs: &Runs, axes: [bool; 3], events: &[Event]) ->
     let repair = Repair::ErrorCode { axes, code };
     let mut marked = vec![false; numbers[0].len()];
     repair.set_aside(numbers, &mut marked);
-    of_marked(repair, &marked, share)
+    of_marked(repair, &marked, share, gain)
 }
 
-fn of_marked(repair: Repair, marked: &[bool], explained: f64) -> Option<Breakage> {
+fn of_marked(repair: Repair, marked: &[bool], explained: f64, gain: f64) -> Option<(Breakage, f64)> {
     let first_row = marked.iter().position(|mark| *mark)?;
-    Some(Breakage { repair, rows: marked.iter().filter(|mark| **mark).count(), first_row, explained })
+    let rows = marked.iter().filter(|mark| **mark).count();
+    Some((Breakage { repair, rows, first_row, explained }, gain))
 }
 
 /// Rows out of line that come every n-th time.
-fn every(runs: &Runs, events: &[Event], rows: usize) -> Option<Breakage> {
+fn every(runs: &Runs, events: &[Event], rows: usize) -> Option<(Breakage, f64)> {
     if events.len() < MIN_EVENTS + 1 {
         return None;
     }
@@ -149,14 +156,15 @@ fn every(runs: &Runs, events: &[Event], rows: usize) -> Option<Breakage> {
             let repair = Repair::EveryRow { every, offset };
             let mut marked = vec![false; rows];
             repair.set_aside([&[]; 3], &mut marked);
-            return of_marked(repair, &marked, explained(events));
+            let (share, gain) = explained(events);
+            return of_marked(repair, &marked, share, gain);
         }
     }
     None
 }
 
 /// Every second row is of something else: the two halves of the rows are smooth, or one is, and together they are not.
-fn alternating(numbers: [&[f64]; 3]) -> Option<Breakage> {
+fn alternating(numbers: [&[f64]; 3]) -> Option<(Breakage, f64)> {
     let rows = numbers[0].len();
     let of = |offset: usize, step: usize| -> f64 {
         numbers.iter().map(|axis| path(axis.iter().skip(offset).step_by(step).copied())).sum()
@@ -171,45 +179,46 @@ fn alternating(numbers: [&[f64]; 3]) -> Option<Breakage> {
     let repair = Repair::EveryRow { every: 2, offset };
     let mut marked = vec![false; rows];
     repair.set_aside(numbers, &mut marked);
-    continuous.then(|| of_marked(repair, &marked, 1.0 - smooth / all)).flatten()
+    continuous.then(|| of_marked(repair, &marked, 1.0 - smooth / all, all - smooth)).flatten()
 }
 
 /// An axis that keeps its value while the others go on, and then catches up.
-fn frozen(numbers: [&[f64]; 3], widest: f64) -> Option<Breakage> {
+fn frozen(numbers: [&[f64]; 3], widest: f64) -> Option<(Breakage, f64)> {
     let rows = numbers[0].len();
-    let mut best: Option<Breakage> = None;
+    let mut best: Option<(Breakage, f64)> = None;
     for axis in 0..3 {
         let others = [(axis + 1) % 3, (axis + 2) % 3].map(|other| numbers[other]);
         let others_step = others.map(usual_step);
         let own = numbers[axis];
-        let mut stretches = Vec::new();
-        // How far the axis jumps where it catches up, and where it goes on by itself.
-        let (mut caught_up, mut went) = (0.0, Vec::new());
+        let least_jump = (MIN_CATCH_UP_STEPS * usual_step(own)).max(MIN_CATCH_UP_SHARE * widest);
+        let (mut stretches, mut caught_up) = (Vec::new(), 0.0);
         let mut from = 0;
         while from < rows {
             let to = own[from..].iter().position(|value| *value != own[from]).map_or(rows, |n| from + n);
-            let jump = own.get(to).map_or(0.0, |next| (next - own[from]).abs());
+            // A spike goes back; what caught up goes on from there.
+            let jump = match (own.get(to), own.get(to + 1)) {
+                (Some(next), Some(behind)) => (next - own[from]).abs().min((behind - own[from]).abs()),
+                _ => 0.0,
+            };
             let moved = others.iter().zip(others_step).any(|(other, step)| {
-                step > 0.0 && (other[to - 1] - other[from]).abs() >= MIN_CATCH_UP_STEPS * step.max(0.02 * widest)
+                let least = MIN_CATCH_UP_STEPS * step.max(0.02 * widest);
+                step > 0.0 && (other[to - 1] - other[from]).abs() >= least
             });
-            if to - from >= MIN_FROZEN_ROWS && moved && to < rows {
+            if to - from >= MIN_FROZEN_ROWS && moved && jump >= least_jump {
                 stretches.push((from + 1, to));
                 caught_up += jump;
-            } else if to < rows {
-                went.push(jump);
             }
             from = to;
         }
-        let usual = if went.is_empty() { 0.0 } else { crate::samples::series::median(&mut went) };
-        let count = stretches.len() as f64;
-        if stretches.len() < MIN_EVENTS || caught_up < count * (MIN_CATCH_UP_STEPS * usual).max(0.1 * widest) {
+        if stretches.len() < MIN_EVENTS {
             continue;
         }
+        let usual = stretches.len() as f64 * usual_step(own);
         let repair = Repair::FrozenAxis { axis, stretches };
         let mut marked = vec![false; rows];
         repair.set_aside(numbers, &mut marked);
-        let found = of_marked(repair, &marked, 1.0 - count * usual / caught_up);
-        if found.as_ref().map_or(0, |f| f.rows) > best.as_ref().map_or(0, |b| b.rows) {
+        let found = of_marked(repair, &marked, 1.0 - usual / caught_up, caught_up);
+        if found.as_ref().map_or(0, |(f, _)| f.rows) > best.as_ref().map_or(0, |(b, _)| b.rows) {
             best = found;
         }
     }

@@ -2,10 +2,13 @@
 //! makes without making a row jump.
 
 use crate::samples::series::median;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Coefficients of a quadric whose squares sum to a sphere's.
 const TERMS: usize = 9;
+/// Readings fill space where their scatter in the narrowest direction is at least this share of that in the widest: level turns, and
+/// axes that are copies, do not.
+const MIN_SPREAD: f64 = 0.03;
 type Normal = SMatrix<f64, TERMS, TERMS>;
 type Row = SVector<f64, TERMS>;
 
@@ -19,6 +22,17 @@ pub fn misfit(points: &[[f64; 3]]) -> Option<f64> {
     let length = |p: [f64; 3]| (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt();
     let size = median(&mut points.iter().map(|p| length(about(p))).collect::<Vec<_>>());
     if !(size > 0.0 && size.is_finite()) {
+        return None;
+    }
+    // In a plane, or along a line, an ellipsoid is nothing that readings could be off.
+    let scatter = points.iter().fold(Matrix3::zeros(), |sum, point| {
+        let p = Vector3::from(about(point)) / size;
+        sum + p * p.transpose()
+    });
+    let mean = points.iter().fold(Vector3::zeros(), |sum, point| sum + Vector3::from(about(point)) / size)
+        / points.len() as f64;
+    let spread = (scatter / points.len() as f64 - mean * mean.transpose()).symmetric_eigenvalues();
+    if spread.min() < MIN_SPREAD * spread.max() {
         return None;
     }
     let terms = |p: &[f64; 3]| {

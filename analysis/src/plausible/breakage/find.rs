@@ -10,7 +10,8 @@ const MAX_KINDS: usize = 4;
 /// the numbers that the repairs before it leave. Nothing for numbers that are right, or that are too few or too rough to tell.
 pub fn find(numbers: [&[f64]; 3]) -> Vec<Breakage> {
     let rows = numbers[0].len();
-    if rows < MIN_ROWS || numbers.iter().any(|axis| axis.len() != rows || axis.iter().any(|v| !v.is_finite())) {
+    if rows < MIN_ROWS || numbers.iter().any(|axis| axis.len() != rows || axis.iter().any(|v| !v.is_finite()))
+    {
         return Vec::new();
     }
     let mut found = Vec::new();
@@ -22,7 +23,8 @@ pub fn find(numbers: [&[f64]; 3]) -> Vec<Breakage> {
             None => numbers,
         };
         let Some(next) = one(now) else { break };
-        let (mut kept, mut own) = left.take().unwrap_or_else(|| ((0..rows).collect(), numbers.map(<[f64]>::to_vec)));
+        let (mut kept, mut own) =
+            left.take().unwrap_or_else(|| ((0..rows).collect(), numbers.map(<[f64]>::to_vec)));
         let mut in_log = next.clone();
         in_log.first_row = kept.get(next.first_row).copied().unwrap_or(0);
         next.repair.make(&mut own, &mut kept);
@@ -37,15 +39,14 @@ pub fn find(numbers: [&[f64]; 3]) -> Vec<Breakage> {
 
 /// The repair that removes most of the path.
 fn one(numbers: [&[f64]; 3]) -> Option<Breakage> {
-    let mut list: Vec<Breakage> = (0..3)
-        .filter_map(|axis| Some(maps::best(numbers[axis], axis)?.breakage()))
-        .collect();
-    let codes = codes::best(numbers);
-    // A value that means a failed reading looks like a wrap on an axis whose readings lie near an end of the range: setting it aside
-    // leaves no jump at all.
-    if let Some(code) = codes.filter(|code| list.iter().all(|map| code.explained > map.explained)) {
+    let maps: Vec<maps::OfAxis> = (0..3).filter_map(|axis| maps::best(numbers[axis], axis)).collect();
+    let gain: f64 = maps.iter().map(maps::OfAxis::gain).sum();
+    // A value that means a failed reading looks like a wrap on an axis whose readings lie near an end of the range, and noise about
+    // the end of a range gives the same value twice: the repair that removes more is right.
+    if let Some((code, _)) = codes::best(numbers).filter(|(_, of_code)| *of_code > gain) {
         return Some(code);
     }
+    let mut list: Vec<Breakage> = maps.into_iter().map(maps::OfAxis::breakage).collect();
     if list.is_empty() {
         return range::find(numbers);
     }

@@ -16,8 +16,12 @@ const MIN_FACTOR: f64 = 1.2;
 const MIN_JUMP_STEPS: f64 = 4.0;
 /// … and all but this many of them along its own direction.
 const MAX_ASIDE_STEPS: f64 = 2.5;
-/// More changes in one log are disturbances.
+/// More changes in one log are disturbances …
 const MAX_CHANGES: usize = 12;
+/// … and more than so many are of one other range, or each would fit whatever it is at.
+const MAX_FREE_CHANGES: usize = 2;
+/// Factors of one range differ by less than this share of themselves, as one jump shows them.
+const SAME_FACTOR: f64 = 0.2;
 /// Rows that an axis may be late.
 const SHIFTS: [isize; 16] = [1, -1, 2, -2, 3, -3, 4, -4, 6, -6, 8, -8, 12, -12, 16, -16];
 
@@ -43,7 +47,10 @@ pub fn earlier(values: &mut [f64], rows: isize) {
 
 fn points(numbers: [&[f64]; 3], of: impl Fn(usize, usize) -> f64) -> Vec<[f64; 3]> {
     let rows = numbers[0].len();
-    (0..rows).step_by(rows.div_ceil(MAX_POINTS).max(1)).map(|row| [0, 1, 2].map(|axis| of(row, axis))).collect()
+    (0..rows)
+        .step_by(rows.div_ceil(MAX_POINTS).max(1))
+        .map(|row| [0, 1, 2].map(|axis| of(row, axis)))
+        .collect()
 }
 
 /// A change of scale, or a late axis.
@@ -96,8 +103,18 @@ fn change(numbers: [&[f64]; 3], before: f64) -> Option<Breakage> {
         }
         changes.push((row, level));
     }
+    if changes.len() > MAX_FREE_CHANGES {
+        let other = changes.iter().map(|(_, level)| *level).find(|level| *level != 1.0)?;
+        for (_, level) in &mut changes {
+            if *level != 1.0 && (*level / other - 1.0).abs() > SAME_FACTOR {
+                return None;
+            }
+            *level = if *level == 1.0 { 1.0 } else { other };
+        }
+    }
     let mended = |changes: &[(usize, f64)]| {
-        let factor = |row: usize| changes.iter().rev().find(|(from, _)| *from <= row).map_or(1.0, |(_, f)| *f);
+        let factor =
+            |row: usize| changes.iter().rev().find(|(from, _)| *from <= row).map_or(1.0, |(_, f)| *f);
         misfit(&points(numbers, |row, axis| numbers[axis][row] / factor(row)))
     };
     // One jump knows the factor roughly; the ellipsoid knows it better.
@@ -124,9 +141,15 @@ fn change(numbers: [&[f64]; 3], before: f64) -> Option<Breakage> {
         return None;
     }
     let first_row = changes.first()?.0;
-    let other = |row: &usize| changes.iter().rev().find(|(from, _)| from <= row).is_some_and(|(_, f)| *f != 1.0);
+    let other =
+        |row: &usize| changes.iter().rev().find(|(from, _)| from <= row).is_some_and(|(_, f)| *f != 1.0);
     let concerned = (0..rows).filter(other).count();
-    Some(Breakage { repair: Repair::RangeChange { changes }, rows: concerned, first_row, explained: 1.0 - left / before })
+    Some(Breakage {
+        repair: Repair::RangeChange { changes },
+        rows: concerned,
+        first_row,
+        explained: 1.0 - left / before,
+    })
 }
 
 fn whole(factor: f64) -> f64 {

@@ -79,7 +79,9 @@ impl Repair {
             | Repair::SwappedBytes { axes, .. }
             | Repair::SignedLowByte { axes, .. }
             | Repair::ErrorCode { axes, .. } => *axes,
-            Repair::Unwrap { axis, .. } | Repair::FrozenAxis { axis, .. } | Repair::LateAxis { axis, .. } => [0, 1, 2].map(|a| a == *axis),
+            Repair::Unwrap { axis, .. } | Repair::FrozenAxis { axis, .. } | Repair::LateAxis { axis, .. } => {
+                [0, 1, 2].map(|a| a == *axis)
+            }
             Repair::EveryRow { .. } | Repair::RangeChange { .. } => [true; 3],
         }
     }

@@ -38,7 +38,10 @@ fn same_kind(a: &Repair, b: &Repair) -> bool {
 }
 
 fn add_axes(repair: &mut Repair, more: [bool; 3]) {
-    if let Repair::Unsigned { axes, .. } | Repair::SwappedBytes { axes, .. } | Repair::SignedLowByte { axes, .. } = repair {
+    if let Repair::Unsigned { axes, .. }
+    | Repair::SwappedBytes { axes, .. }
+    | Repair::SignedLowByte { axes, .. } = repair
+    {
         for (own, more) in axes.iter_mut().zip(more) {
             *own |= more;
         }

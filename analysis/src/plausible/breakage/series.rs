@@ -9,8 +9,12 @@ const MAX_LOOK_FOR_STEP: usize = 2000;
 
 /// Values, evenly chosen, sorted.
 fn chosen(values: &[f64], most: usize) -> Vec<f64> {
-    let mut few: Vec<f64> =
-        values.iter().step_by(values.len().div_ceil(most).max(1)).copied().filter(|v| v.is_finite()).collect();
+    let mut few: Vec<f64> = values
+        .iter()
+        .step_by(values.len().div_ceil(most).max(1))
+        .copied()
+        .filter(|v| v.is_finite())
+        .collect();
     few.sort_by(f64::total_cmp);
     few
 }
@@ -61,12 +65,14 @@ pub fn count_step(values: &[f64]) -> Option<f64> {
     let sorted = chosen(values, MAX_LOOK_FOR_STEP);
     let widest = sorted.last()?.abs().max(sorted.first()?.abs());
     let tiny = 1e-7 * widest;
-    let least = sorted.windows(2).map(|p| p[1] - p[0]).filter(|step| *step > tiny).fold(f64::INFINITY, f64::min);
+    let least =
+        sorted.windows(2).map(|p| p[1] - p[0]).filter(|step| *step > tiny).fold(f64::INFINITY, f64::min);
     if !least.is_finite() {
         return None;
     }
     // The numbers may be rounded: each larger value makes the step known more exactly.
-    let mut magnitudes: Vec<f64> = sorted.iter().map(|value| value.abs()).filter(|value| *value > tiny).collect();
+    let mut magnitudes: Vec<f64> =
+        sorted.iter().map(|value| value.abs()).filter(|value| *value > tiny).collect();
     magnitudes.sort_by(f64::total_cmp);
     let (mut step, mut known) = (least, least);
     for value in &magnitudes {
@@ -75,6 +81,7 @@ pub fn count_step(values: &[f64]) -> Option<f64> {
             (step, known) = (value / count, *value);
         }
     }
-    let off = magnitudes.iter().filter(|value| ((*value / step) - (*value / step).round()).abs() > 0.1).count();
+    let off =
+        magnitudes.iter().filter(|value| ((*value / step) - (*value / step).round()).abs() > 0.1).count();
     (off * 100 <= magnitudes.len() && step > 0.0).then_some(step)
 }

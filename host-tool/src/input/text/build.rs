@@ -68,9 +68,12 @@ pub fn build(mut grid: Grid, choice: Choice, options: &ReadOptions) -> Outcome<L
         });
     }
     let time = taken.iter().position(|t| Role::of(&t.name).1 == Role::Time);
-    let times = time.and_then(|at| taken.get(at)).map(|time| forward(&mut grid, time, &mut rows, &mut taken_out));
+    let times =
+        time.and_then(|at| taken.get(at)).map(|time| forward(&mut grid, time, &mut rows, &mut taken_out));
     let (times, reasons, not_read) = match times {
-        Some(Ok((times, shared))) => (Some(times), reasons.into_iter().chain(shared).collect::<Vec<_>>(), not_read),
+        Some(Ok((times, shared))) => {
+            (Some(times), reasons.into_iter().chain(shared).collect::<Vec<_>>(), not_read)
+        }
         Some(Err(backward)) => (None, reasons, not_read.into_iter().chain([backward]).collect::<Vec<_>>()),
         None => (None, reasons, not_read),
     };

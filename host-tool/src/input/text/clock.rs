@@ -86,13 +86,20 @@ fn written_out(text: &str) -> Option<f64> {
         (None, None, []) if afternoon.is_some() => return Some(time),
         _ => return None,
     };
-    let date = jiff::civil::Date::new(i16::try_from(year).ok()?, i8::try_from(month).ok()?, i8::try_from(day).ok()?).ok()?;
+    let date =
+        jiff::civil::Date::new(i16::try_from(year).ok()?, i8::try_from(month).ok()?, i8::try_from(day).ok()?)
+            .ok()?;
     let midnight = date.to_zoned(jiff::tz::TimeZone::UTC).ok()?;
     Some(exact(midnight.timestamp()) + time)
 }
 
 /// The parts of a date; `None` for what is neither a number nor a month.
-fn date_parts(text: &str, month: &mut Option<u32>, year: &mut Option<u32>, days: &mut Vec<u32>) -> Option<()> {
+fn date_parts(
+    text: &str,
+    month: &mut Option<u32>,
+    year: &mut Option<u32>,
+    days: &mut Vec<u32>,
+) -> Option<()> {
     for part in text.split(['-', '/', '.']).filter(|part| !part.is_empty()) {
         if let Ok(number) = part.parse::<u32>() {
             match number {

@@ -22,9 +22,12 @@ pub fn share_out(times: &mut [f64]) -> Option<f64> {
     }
     // The first and the last stamp are cut off by the ends of the log: their middle is not that of their time.
     let inner = groups.get(1..groups.len() - 1).filter(|inner| inner.len() > 1).unwrap_or(&groups);
-    let nodes: Vec<(f64, f64)> =
-        inner.iter().map(|(stamp, from, count)| (*from as f64 + (*count as f64 - 1.0) / 2.0, *stamp)).collect();
-    let mut steps: Vec<f64> = nodes.windows(2).map(|pair| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0)).collect();
+    let nodes: Vec<(f64, f64)> = inner
+        .iter()
+        .map(|(stamp, from, count)| (*from as f64 + (*count as f64 - 1.0) / 2.0, *stamp))
+        .collect();
+    let mut steps: Vec<f64> =
+        nodes.windows(2).map(|pair| (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0)).collect();
     steps.sort_by(f64::total_cmp);
     let usual = steps.get(steps.len() / 2).copied()?;
     // Without gaps, all rows together know the step better.
@@ -63,7 +66,8 @@ mod tests {
     #[test]
     fn rows_of_one_second_share_it_out() {
         for (rate, first) in [(8, 3), (4, 4), (50, 1), (3, 2)] {
-            let stamps = (0..10).flat_map(|s| std::iter::repeat_n(f64::from(s), if s == 0 { first } else { rate }));
+            let stamps =
+                (0..10).flat_map(|s| std::iter::repeat_n(f64::from(s), if s == 0 { first } else { rate }));
             let mut times: Vec<f64> = stamps.collect();
             let step = share_out(&mut times).expect("shared");
             assert!((step * rate as f64 - 1.0).abs() < 1e-9, "{step}");
@@ -73,9 +77,13 @@ mod tests {
         let mut rounded: Vec<f64> = (0..60).map(|i| (f64::from(i) * 0.25).round_ties_even()).collect();
         let step = share_out(&mut rounded).expect("shared");
         assert!((step - 0.25).abs() < 0.01 && rounded.is_sorted(), "{step}");
-        let mut paused: Vec<f64> = (0..80).map(|i| f64::from(i / 8) + if i < 40 { 0.0 } else { 100.0 }).collect();
+        let mut paused: Vec<f64> =
+            (0..80).map(|i| f64::from(i / 8) + if i < 40 { 0.0 } else { 100.0 }).collect();
         assert_eq!(share_out(&mut paused), Some(0.125));
-        assert!(paused.is_sorted() && paused.windows(2).filter(|w| w[1] - w[0] > 0.2).count() == 1, "{paused:?}");
+        assert!(
+            paused.is_sorted() && paused.windows(2).filter(|w| w[1] - w[0] > 0.2).count() == 1,
+            "{paused:?}"
+        );
         let mut own: Vec<f64> = (0..50).map(|i| f64::from(i) * 0.02).collect();
         assert_eq!(share_out(&mut own), None);
         assert_eq!(share_out(&mut [1.0; 50]), None);

@@ -52,8 +52,8 @@ pub fn time(grid: &Grid, meanings: &[Meaning], choice: &mut Choice) -> Outcome<(
         };
         // A sensor's own stamp before the time of writing, a known unit before one that is not; the monitor's time last.
         let stamp = column.header.contains("stamp") && column.header.contains("header");
-        let rank =
-            4 * i32::from(unit.is_some()) + 2 * i32::from(stamp) + i32::from(!dated) - 16 * i32::from(monitor);
+        let rank = 4 * i32::from(unit.is_some()) + 2 * i32::from(stamp) + i32::from(!dated)
+            - 16 * i32::from(monitor);
         found.push(Candidate { rank, column: index, unit, clock });
     }
     let Some(best) = found.iter().rev().max_by_key(|candidate| candidate.rank) else { return Ok(()) };

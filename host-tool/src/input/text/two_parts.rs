@@ -14,13 +14,18 @@ const FRACTIONS: [(f64, &str); 3] = [(1e3, "ms"), (1e6, "us"), (1e9, "ns")];
 
 /// Joins the two columns into the one of the seconds. Columns that `--map` names are left as they are, but for the seconds as time.
 pub fn join(grid: &mut Grid, map: &[(String, String)]) {
-    let found = (0..grid.columns.len().saturating_sub(1)).find_map(|first| Some((first, fraction(grid, first)?)));
+    let found =
+        (0..grid.columns.len().saturating_sub(1)).find_map(|first| Some((first, fraction(grid, first)?)));
     let Some((first, (scale, unit))) = found else { return };
-    let header = |index: usize| grid.columns.get(index).map(|column| column.header.clone()).unwrap_or_default();
+    let header =
+        |index: usize| grid.columns.get(index).map(|column| column.header.clone()).unwrap_or_default();
     let (seconds, part) = (header(first), header(first + 1));
-    let named = |header: &str, from: &String| from == header || from.strip_prefix(header).is_some_and(|rest| rest.starts_with('['));
+    let named = |header: &str, from: &String| {
+        from == header || from.strip_prefix(header).is_some_and(|rest| rest.starts_with('['))
+    };
     let is_time = |name: &str| name.starts_with("t_");
-    let taken = map.iter().any(|(name, from)| named(&part, from) || (named(&seconds, from) && !is_time(name)));
+    let taken =
+        map.iter().any(|(name, from)| named(&part, from) || (named(&seconds, from) && !is_time(name)));
     if taken {
         return;
     }
@@ -59,7 +64,10 @@ fn fraction(grid: &Grid, first: usize) -> Option<(f64, &'static str)> {
         let unit_of = |header: &str| {
             let found = meaning(header);
             let words = header.to_lowercase();
-            let by_word = words.rsplit(['.', '_', ' ', '/', ':']).next().and_then(|word| Unit::of(word, Quantity::Time));
+            let by_word = words
+                .rsplit(['.', '_', ' ', '/', ':'])
+                .next()
+                .and_then(|word| Unit::of(word, Quantity::Time));
             (found.kind == Kind::Time || by_word.is_some()).then(|| found.unit.or(by_word)).flatten()
         };
         if unit_of(&seconds.header)?.name != "s" {
@@ -142,7 +150,12 @@ mod tests {
                 assert_eq!(found.columns.len(), 2);
             }
         }
-        for names in [["sec", "nanosec"], ["stamp.secs", "stamp.nsecs"], ["Seconds", "Nanoseconds"], ["tv_sec", "tv_nsec"]] {
+        for names in [
+            ["sec", "nanosec"],
+            ["stamp.secs", "stamp.nsecs"],
+            ["Seconds", "Nanoseconds"],
+            ["tv_sec", "tv_nsec"],
+        ] {
             let mut found = grid(Some(names), 1e9, 0.1);
             join(&mut found, &[]);
             assert_eq!(found.joined_time.as_ref().map(|j| j.2), Some("ns"), "{names:?}");

@@ -73,6 +73,16 @@ pub fn recording(name: &str) -> Option<PathBuf> {
     None
 }
 
+/// A small log with the shape of a public complaint, or `None` (and a word about it) where they are not at hand.
+pub fn case(name: &str) -> Option<PathBuf> {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/cases")).join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    let _ = writeln!(std::io::stderr(), "SKIPPED: the case {name} is not here");
+    None
+}
+
 /// A path as an argument.
 pub fn text(path: &Path) -> &str {
     path.to_str().expect("text")
