@@ -2,7 +2,7 @@
 
 use crate::input::mount::Mounting;
 use crate::input::read_as::ReadAs;
-use crate::input::repair::Asked;
+use crate::input::repair_asked::Asked;
 
 /// How to read a log.
 #[derive(Debug, Clone, Default)]

@@ -1,22 +1,12 @@
 //! `--repair`: broken numbers of the magnetometer, recognised by the repair that undoes them, and mended where it is stated.
 
 use crate::failure::{Failure, Outcome};
+use crate::input::repair_asked::Asked;
 use crate::input::repair_words as words;
 use ironout_analysis::plausible::breakage::{Breakage, Repair, find};
 
 /// The numbers of two bytes.
 const SIXTEEN_BITS: f64 = 65_536.0;
-
-/// What `--repair` asks for.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Asked {
-    /// The numbers are taken as they are: nothing is recognised, and no row is set aside.
-    Nothing,
-    /// One repair.
-    One(Repair),
-    /// Changes of the range while the log ran, found in each log.
-    Range,
-}
 
 /// What the repairs left of the magnetometer's numbers.
 pub struct Mended {

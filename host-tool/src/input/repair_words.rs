@@ -1,7 +1,7 @@
 //! What is said of broken numbers, and how their repairs are typed.
 
 use crate::failure::Failure;
-use crate::input::repair::Asked;
+use crate::input::repair_asked::Asked;
 use crate::shell::typed_option;
 use ironout_analysis::plausible::breakage::{Breakage, Repair};
 

@@ -1,8 +1,8 @@
 //! Single rows that are wrong: a code in place of a reading, every n-th row, an axis that stands still.
 
+use super::evidence::{Breakage, MAX_PATH_SHARE, MIN_EVENTS, MIN_ROWS};
 use super::repair::Repair;
 use super::series::{half_range, path, usual_step};
-use super::{Breakage, MAX_PATH_SHARE, MIN_EVENTS, MIN_ROWS};
 
 /// A row is out of line if leaving it out shortens the path by this many of the steps next to it: turning points and noise do not
 /// reach twice.

@@ -1,7 +1,8 @@
 //! Which repairs a log needs.
 
+use super::evidence::{Breakage, MIN_ROWS};
 use super::rows::joined;
-use super::{Breakage, MIN_ROWS, codes, maps, range};
+use super::{codes, maps, range};
 
 /// Kinds of breakage that one log is looked through for.
 const MAX_KINDS: usize = 4;

@@ -1,8 +1,8 @@
 //! Repairs that give each number another value: unsigned, wrapped, bytes in the wrong order.
 
+use super::evidence::{Breakage, MAX_PATH_SHARE, MAX_PATH_SHARE_OF_ONE, MIN_EVENTS};
 use super::repair::{Repair, swapped, unsigned_low, unwrap, window};
 use super::series::{count_step, ends, is_continuous, path};
-use super::{Breakage, MAX_PATH_SHARE, MAX_PATH_SHARE_OF_ONE, MIN_EVENTS};
 
 /// Numbers of fewer bits than a byte are not counts that wrapped.
 const MIN_COUNTS: f64 = 256.0;

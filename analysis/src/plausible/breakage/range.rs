@@ -1,8 +1,9 @@
 //! A scale that changed while the log ran, and an axis that is of another time than the others.
 
 use super::ellipsoid::misfit;
+use super::evidence::{Breakage, MIN_ROWS};
+use super::repair::Repair;
 use super::series::is_continuous;
-use super::{Breakage, MIN_ROWS, Repair};
 
 /// Readings that the ellipsoid is fitted to, at most.
 const MAX_POINTS: usize = 2500;
@@ -24,26 +25,6 @@ const MAX_FREE_CHANGES: usize = 2;
 const SAME_FACTOR: f64 = 0.2;
 /// Rows that an axis may be late.
 const SHIFTS: [isize; 16] = [1, -1, 2, -2, 3, -3, 4, -4, 6, -6, 8, -8, 12, -12, 16, -16];
-
-/// Divides the numbers from each row on by its factor.
-pub fn scale(numbers: &mut [Vec<f64>; 3], changes: &[(usize, f64)]) {
-    for (at, (from, factor)) in changes.iter().enumerate() {
-        let to = changes.get(at + 1).map_or(usize::MAX, |(next, _)| *next);
-        for axis in numbers.iter_mut() {
-            axis.iter_mut().take(to).skip(*from).for_each(|value| *value /= factor);
-        }
-    }
-}
-
-/// Numbers of an axis that is `rows` late, at their own time. The last keep their value.
-pub fn earlier(values: &mut [f64], rows: isize) {
-    let own = values.to_vec();
-    let last = own.len().saturating_sub(1);
-    for (at, value) in values.iter_mut().enumerate() {
-        let from = at.saturating_add_signed(rows).min(last);
-        *value = own.get(from).copied().unwrap_or(*value);
-    }
-}
 
 fn points(numbers: [&[f64]; 3], of: impl Fn(usize, usize) -> f64) -> Vec<[f64; 3]> {
     let rows = numbers[0].len();

@@ -1,7 +1,5 @@
 //! Repairs of broken numbers.
 
-use super::range;
-
 /// A repair of the magnetometer's numbers, as the file has them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Repair {
@@ -111,10 +109,10 @@ impl Repair {
             }
             Repair::LateAxis { axis, rows } => {
                 if let Some(values) = numbers.get_mut(*axis) {
-                    range::earlier(values, *rows);
+                    earlier(values, *rows);
                 }
             }
-            Repair::RangeChange { changes } => range::scale(numbers, changes),
+            Repair::RangeChange { changes } => scale(numbers, changes),
             Repair::ErrorCode { .. } | Repair::EveryRow { .. } | Repair::FrozenAxis { .. } => {}
         }
     }
@@ -201,5 +199,25 @@ pub(super) fn unwrap(values: &mut [f64], modulus: f64) {
     let back = modulus * (0.5 * (low + high) / modulus).round();
     if back.is_finite() && back != 0.0 {
         values.iter_mut().for_each(|value| *value -= back);
+    }
+}
+
+/// Divides the numbers from each row on by its factor.
+fn scale(numbers: &mut [Vec<f64>; 3], changes: &[(usize, f64)]) {
+    for (at, (from, factor)) in changes.iter().enumerate() {
+        let to = changes.get(at + 1).map_or(usize::MAX, |(next, _)| *next);
+        for axis in numbers.iter_mut() {
+            axis.iter_mut().take(to).skip(*from).for_each(|value| *value /= factor);
+        }
+    }
+}
+
+/// Numbers of an axis that is `rows` late, at their own time. The last keep their value.
+fn earlier(values: &mut [f64], rows: isize) {
+    let own = values.to_vec();
+    let last = own.len().saturating_sub(1);
+    for (at, value) in values.iter_mut().enumerate() {
+        let from = at.saturating_add_signed(rows).min(last);
+        *value = own.get(from).copied().unwrap_or(*value);
     }
 }

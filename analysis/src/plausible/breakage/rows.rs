@@ -1,6 +1,7 @@
 //! One repair for several axes.
 
-use super::{Breakage, Repair};
+use super::evidence::Breakage;
+use super::repair::Repair;
 
 /// Joins the same repair of several axes into one.
 pub fn joined(list: &mut Vec<Breakage>, numbers: [&[f64]; 3]) {

@@ -38,7 +38,7 @@ pub fn usual_step(values: &[f64]) -> f64 {
 
 /// Whether neighbouring values are near each other.
 pub fn is_continuous(values: &[f64]) -> bool {
-    usual_step(values) <= super::MAX_STEP_SHARE * half_range(values)
+    usual_step(values) <= super::evidence::MAX_STEP_SHARE * half_range(values)
 }
 
 /// Path length: the sum of all steps.
