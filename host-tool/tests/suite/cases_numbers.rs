@@ -164,11 +164,9 @@ fn other_scales_axes_and_kinds_end_in_a_fit() {
             "two_faults",
             0.092,
             false,
-            Box::new(
-                move |row, m| {
-                    if row % 23 == 2 { [65_535.0; 3] } else { round(m, 0.092).map(|v| v.rem_euclid(65_536.0)) }
-                },
-            ),
+            Box::new(move |row, m| {
+                if row % 23 == 2 { [65_535.0; 3] } else { round(m, 0.092).map(|v| v.rem_euclid(65_536.0)) }
+            }),
         ),
     ];
     for (name, scale, by_itself, by) in &list {

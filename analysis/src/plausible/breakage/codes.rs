@@ -17,8 +17,11 @@ const MIN_ON_GRID: f64 = 0.8;
 const MIN_OF_GRID: f64 = 0.5;
 /// The longest period that is looked for.
 const MAX_PERIOD: usize = 1024;
-/// Rows that alternate between two sensors make this many times the path of either.
+/// Rows of which every second is wrong make this many times the path of the right ones: all rows of a sensor make at most twice the
+/// path of every second, noise included.
 const MIN_ALTERNATING_PATH: f64 = 6.0;
+/// The wrong half of the rows is rougher than the right one by this factor.
+const MIN_ROUGHER: f64 = 4.0;
 /// An axis that stands still for fewer rows is one that turns slowly.
 const MIN_FROZEN_ROWS: usize = 3;
 /// An axis that catches up jumps by this many of its usual steps, and the others went on by as many of theirs.
@@ -163,14 +166,20 @@ fn every(runs: &Runs, events: &[Event], rows: usize) -> Option<(Breakage, f64)> 
     None
 }
 
-/// Every second row is of something else: the two halves of the rows are smooth, or one is, and together they are not.
+/// Every second row is of something else: one half of the rows is smooth, and all together are not.
 fn alternating(numbers: [&[f64]; 3]) -> Option<(Breakage, f64)> {
     let rows = numbers[0].len();
     let of = |offset: usize, step: usize| -> f64 {
         numbers.iter().map(|axis| path(axis.iter().skip(offset).step_by(step).copied())).sum()
     };
     let (all, even, odd) = (of(0, 1), of(0, 2), of(1, 2));
-    let (offset, smooth) = if even <= odd { (1, even) } else { (0, odd) };
+    // The rows that are wrong: those that never change, or the rougher ones. Two halves that are alike are a sensor that turns half a
+    // turn from row to row.
+    let (offset, smooth) = match (even, odd) {
+        (even, odd) if even == 0.0 || (odd > 0.0 && even >= MIN_ROUGHER * odd) => (0, odd),
+        (even, odd) if odd == 0.0 || even * MIN_ROUGHER <= odd => (1, even),
+        _ => return None,
+    };
     if !(smooth > 0.0 && all >= MIN_ALTERNATING_PATH * smooth) {
         return None;
     }

@@ -9,11 +9,34 @@ const TERMS: usize = 9;
 /// Readings fill space where their scatter in the narrowest direction is at least this share of that in the widest: level turns, and
 /// axes that are copies, do not.
 const MIN_SPREAD: f64 = 0.03;
+/// Readings that are further off than this many times the median are not of the sensor alone.
+const MAX_USUAL: f64 = 5.0;
 type Normal = SMatrix<f64, TERMS, TERMS>;
 type Row = SVector<f64, TERMS>;
 
 /// Root mean square distance from the ellipsoid, as a share of its size; `None` where there is none.
 pub fn misfit(points: &[[f64; 3]]) -> Option<f64> {
+    Some(rms(&off(points)?))
+}
+
+/// The same of the readings without those that are far off, twice: spikes and a passing magnet say nothing of the others.
+pub fn usual_misfit(points: &[[f64; 3]]) -> Option<f64> {
+    let mut kept = points.to_vec();
+    for _ in 0..2 {
+        let far = off(&kept)?;
+        let most = MAX_USUAL * median(&mut far.iter().map(|off| off.abs()).collect::<Vec<_>>());
+        let mut far = far.iter();
+        kept.retain(|_| far.next().is_some_and(|off| off.abs() <= most));
+    }
+    Some(rms(&off(&kept)?))
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+/// How far each reading is off, as a share of the ellipsoid's size.
+fn off(points: &[[f64; 3]]) -> Option<Vec<f64>> {
     if points.len() < 4 * TERMS {
         return None;
     }
@@ -59,11 +82,11 @@ pub fn misfit(points: &[[f64; 3]]) -> Option<f64> {
     // A plane leaves directions that nothing determines.
     normal += Normal::identity() * (1e-9 * normal.trace());
     let solution = normal.cholesky()?.solve(&right);
-    let squares = points.iter().map(|point| {
-        let (row, square) = terms(point);
-        (square - row.dot(&solution)).powi(2)
-    });
     // A radius is off by half of what its square is.
-    let rms = 0.5 * (squares.sum::<f64>() / points.len() as f64).sqrt();
-    rms.is_finite().then_some(rms)
+    let off = points.iter().map(|point| {
+        let (row, square) = terms(point);
+        0.5 * (square - row.dot(&solution))
+    });
+    let off: Vec<f64> = off.collect();
+    off.iter().all(|value| value.is_finite()).then_some(off)
 }

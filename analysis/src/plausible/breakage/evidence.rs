@@ -8,9 +8,6 @@ pub const MAX_PATH_SHARE: f64 = 0.25;
 /// After a repair the usual step from row to row is at most this share of half the range of an axis: otherwise rows are not
 /// neighbours in time (a shuffled log, a few rows per turn), and continuity says nothing.
 pub const MAX_STEP_SHARE: f64 = 0.25;
-/// A single jump is evidence only if the repair leaves this little of it: three jumps that meet by chance have a probability of
-/// `MAX_PATH_SHARE`³, so has one at this share.
-pub const MAX_PATH_SHARE_OF_ONE: f64 = 0.015;
 /// Events that make a kind of breakage: two coincide in a log of many spikes, three with the same value do not.
 pub const MIN_EVENTS: usize = 3;
 /// Rows that a log needs.

@@ -1,6 +1,6 @@
 //! Repairs that give each number another value: unsigned, wrapped, bytes in the wrong order.
 
-use super::evidence::{Breakage, MAX_PATH_SHARE, MAX_PATH_SHARE_OF_ONE, MIN_EVENTS};
+use super::evidence::{Breakage, MAX_PATH_SHARE, MIN_EVENTS};
 use super::repair::{Repair, swapped, unsigned_low, unwrap, window};
 use super::series::{count_step, ends, is_continuous, path};
 
@@ -89,7 +89,10 @@ fn wrapped(values: &[f64], axis: usize, step: f64) -> Option<OfAxis> {
             first = first.or(Some(at + 1));
         }
     }
-    let share = if jumps >= MIN_EVENTS { MAX_PATH_SHARE } else { MAX_PATH_SHARE_OF_ONE };
+    // A spike jumps twice, there and back, and one of any height meets the modulus within this share by chance: fewer events must
+    // meet it better, to be as improbable as three.
+    let events = jumps.div_ceil(2).clamp(1, MIN_EVENTS);
+    let share = MAX_PATH_SHARE.powf(MIN_EVENTS as f64 / events as f64);
     if jumps == 0 || after > share * before {
         return None;
     }

@@ -1,6 +1,6 @@
 //! A scale that changed while the log ran, and an axis that is of another time than the others.
 
-use super::ellipsoid::misfit;
+use super::ellipsoid::{misfit, usual_misfit};
 use super::evidence::{Breakage, MIN_ROWS};
 use super::repair::Repair;
 use super::series::is_continuous;
@@ -43,7 +43,7 @@ pub fn find(numbers: [&[f64]; 3]) -> Option<Breakage> {
     if before < MIN_MISFIT {
         return None;
     }
-    change(numbers, before).or_else(|| late(numbers, before))
+    change(numbers, before).or_else(|| late(numbers))
 }
 
 fn length(v: [f64; 3]) -> f64 {
@@ -138,8 +138,12 @@ fn whole(factor: f64) -> f64 {
     if factor >= 1.0 { round(factor) } else { 1.0 / round(1.0 / factor) }
 }
 
-fn late(numbers: [&[f64]; 3], before: f64) -> Option<Breakage> {
+fn late(numbers: [&[f64]; 3]) -> Option<Breakage> {
     let rows = numbers[0].len();
+    let before = usual_misfit(&points(numbers, |row, axis| numbers[axis][row]))?;
+    if before < MIN_MISFIT {
+        return None;
+    }
     if !numbers.iter().all(|axis| is_continuous(axis)) {
         return None;
     }
@@ -150,7 +154,7 @@ fn late(numbers: [&[f64]; 3], before: f64) -> Option<Breakage> {
                 let row = if a == axis { row.saturating_add_signed(shift).min(rows - 1) } else { row };
                 numbers[a][row]
             };
-            if let Some(left) = misfit(&points(numbers, of)).filter(|left| *left < best.0) {
+            if let Some(left) = usual_misfit(&points(numbers, of)).filter(|left| *left < best.0) {
                 best = (left, axis, shift);
             }
         }
