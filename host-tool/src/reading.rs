@@ -29,6 +29,9 @@ pub struct Reading {
     pub ut_per_count: Option<[f64; 3]>,
     /// Each `--rotate`, in turn.
     pub rotate: Vec<String>,
+    /// Each `--repair`, and the error codes that were recognised.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub repair: Vec<String>,
     /// The format, in words.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub format: String,
@@ -67,6 +70,7 @@ impl Reading {
         Ok(Reading {
             ut_per_count: log.ut_per_count,
             rotate: arguments.rotate.clone(),
+            repair: log.read_as.repairs.clone(),
             format: log.read_as.format.clone(),
             map: if pinned.is_empty() { arguments.map.clone() } else { pinned },
             instance: log.read_as.instance.as_ref().map(|instance| instance.taken).or(arguments.instance),
@@ -87,6 +91,7 @@ impl Reading {
             return Err(not("ut_per_count is not positive"));
         }
         Mounting::parse(&self.rotate).map_err(|failure| not(&failure.message))?;
+        input::parse_repair(&self.repair).map_err(|failure| not(&failure.message))?;
         input::parse_map(&self.map).map_err(|failure| not(&failure.message))?;
         for text in &self.derive {
             Definition::parse(text).map_err(|failure| not(&failure.message))?;
@@ -107,6 +112,7 @@ impl Reading {
         };
         or_kept(&mut filled.map, &self.map);
         or_kept(&mut filled.rotate, &self.rotate);
+        or_kept(&mut filled.repair, &self.repair);
         filled.instance = given.instance.or(self.instance);
         let own = given.derive.iter().map(|text| Definition::parse(text)).collect::<Outcome<Vec<_>>>()?;
         for text in &self.derive {

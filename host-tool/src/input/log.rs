@@ -2,6 +2,7 @@
 
 use crate::input::mount::Mounting;
 use crate::input::read_as::ReadAs;
+use crate::input::repair_asked::Asked;
 
 /// How to read a log.
 #[derive(Debug, Clone, Default)]
@@ -16,6 +17,8 @@ pub struct ReadOptions {
     pub default_ut_per_count: Option<[f64; 3]>,
     /// `--instance`: which sensor of the log; `None` where none was asked for.
     pub instance: Option<usize>,
+    /// `--repair`.
+    pub repair: Vec<Asked>,
     /// Show a progress bar on long work (only where standard error is a terminal).
     pub progress: bool,
 }

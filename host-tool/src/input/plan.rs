@@ -4,7 +4,9 @@ use crate::failure::{Failure, Outcome};
 use crate::input::columns::{self, Column, Role};
 use crate::input::log::{Covariate, Log, ReadOptions};
 use crate::input::mount::{determinant, rotate};
-use crate::input::read_as::{ReadAs, ReadColumn};
+use crate::input::read_as::{LeftOut, ReadAs, ReadColumn};
+use crate::input::repair;
+use crate::input::repair_words;
 use crate::input::store::Store;
 use crate::input::words::shorten;
 
@@ -127,6 +129,8 @@ impl Plan {
             }
         }
         let columns = read_columns(&stores);
+        let Repaired { rows, left_out, taken_out, repairs } =
+            repaired(&mut stores, self.field, rows, options)?;
         for store in &mut stores {
             if let Some(unit) = &store.column.unit {
                 store.values.iter_mut().for_each(|value| *value = unit.convert(*value));
@@ -184,10 +188,57 @@ impl Plan {
             heading_deg,
             earth: None,
             covariates,
-            read_as: ReadAs { columns, ..ReadAs::default() },
+            read_as: ReadAs { columns, left_out, taken_out, repairs, ..ReadAs::default() },
             notices,
         })
     }
+}
+
+/// What the repairs of the magnetometer's numbers made of a log.
+struct Repaired {
+    rows: usize,
+    left_out: Vec<LeftOut>,
+    taken_out: Vec<String>,
+    repairs: Vec<String>,
+}
+
+/// Mends the magnetometer's numbers, and takes the rows out that are no readings.
+fn repaired(
+    stores: &mut [Store],
+    field: [usize; 3],
+    rows: usize,
+    options: &ReadOptions,
+) -> Outcome<Repaired> {
+    let whole = field.iter().all(|index| stores.get(*index).is_some_and(|store| store.values.len() == rows));
+    if !whole {
+        return Ok(Repaired { rows, left_out: Vec::new(), taken_out: Vec::new(), repairs: Vec::new() });
+    }
+    let numbers = field.map(|index| {
+        stores.get_mut(index).map(|store| std::mem::take(&mut store.values)).unwrap_or_default()
+    });
+    let mended = repair::mend(numbers, &options.repair)?;
+    if mended.kept.len() < rows {
+        for store in stores.iter_mut().filter(|store| store.values.len() == rows) {
+            store.values = mended.kept.iter().filter_map(|row| store.values.get(*row)).copied().collect();
+            store.empty = store.values.iter().filter(|value| value.is_nan()).count();
+        }
+    }
+    for (index, values) in field.into_iter().zip(mended.numbers) {
+        if let Some(store) = stores.get_mut(index) {
+            store.values = values;
+        }
+    }
+    let asked = options.repair.iter().map(repair_words::asked);
+    Ok(Repaired {
+        rows: mended.kept.len(),
+        left_out: mended
+            .left_out
+            .into_iter()
+            .map(|(rows, why)| LeftOut { rows, first_line: None, why })
+            .collect(),
+        taken_out: mended.made,
+        repairs: asked.chain(mended.codes).collect(),
+    })
 }
 
 /// What is read, and under which name it stands in the file.

@@ -9,6 +9,7 @@ use crate::input::lines::{Cutter, Line};
 use crate::input::log::{Log, ReadOptions};
 use crate::input::names::{Kind, meaning};
 use crate::input::reader;
+use crate::input::repair_words;
 use crate::input::text;
 use std::fs::File;
 use std::io::{Cursor, Read};
@@ -155,5 +156,9 @@ pub fn read_stream(mut source: impl Read, size_bytes: u64, options: &ReadOptions
         Format::Foreign(what) => Err(Failure::usage(format!("this is no log but {what}"))),
     }?;
     followed::rename(&mut log);
+    if !options.repair.is_empty() {
+        let asked: Vec<String> = options.repair.iter().map(repair_words::asked).collect();
+        log.read_as.pins.push(("--repair".into(), asked.join(",")));
+    }
     Ok(log)
 }

@@ -4,7 +4,9 @@ mod blackbox;
 #[cfg(feature = "demo")]
 mod board_link;
 mod cases_copies;
+mod cases_numbers;
 mod cases_tables;
+mod cases_time;
 mod check_heading;
 mod close_steps;
 mod common;

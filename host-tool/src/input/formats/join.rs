@@ -6,6 +6,8 @@ use crate::input::formats::order::ordered;
 use crate::input::formats::stream::{Column, Recording, Stream};
 use crate::input::log::{Covariate, Log, ReadOptions};
 use crate::input::read_as::{Instance, LeftOut, ReadAs, ReadColumn};
+use crate::input::repair;
+use crate::input::repair_words;
 
 const FIELD_UT: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
 const FIELD_COUNTS: [&str; 3] = ["mx_counts", "my_counts", "mz_counts"];
@@ -41,6 +43,9 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
             left_out.iter().map(|(rows, why)| format!("{rows} with {why}")).collect::<Vec<_>>().join(", ")
         )));
     }
+    let (made, repairs) = repaired(&mut recording.magnetometer, field_names, options, &mut left_out)?;
+    recording.taken_out.extend(made);
+    let rows = recording.magnetometer.time_s.len();
     if let (true, Some(matrix)) = (rows > 0, options.mounting.magnetometer) {
         recording.magnetometer.turn(field_names, &matrix);
     }
@@ -85,6 +90,7 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
             format: recording.format,
             columns,
             taken_out: recording.taken_out,
+            repairs,
             pins: pins(&recording.instance, options, scale),
             instance: recording.instance.map(|(taken, there)| Instance { taken, there }),
             left_out: left_out
@@ -167,6 +173,34 @@ fn usable(stream: &mut Stream, field: [&str; 3], left_out: &mut Vec<(usize, Stri
         }
     }
     stream.time_s.len()
+}
+
+/// Mends the magnetometer's numbers, and takes the rows out that are no readings: what was mended, and what another log needs too.
+fn repaired(
+    stream: &mut Stream,
+    field: [&str; 3],
+    options: &ReadOptions,
+    left_out: &mut Vec<(usize, String)>,
+) -> Outcome<(Vec<String>, Vec<String>)> {
+    let rows = stream.time_s.len();
+    let numbers =
+        field.map(|name| stream.column(name).map(|column| column.values.clone()).unwrap_or_default());
+    let mended = repair::mend(numbers, &options.repair)?;
+    let mut stays = vec![false; rows];
+    for row in &mended.kept {
+        if let Some(stays) = stays.get_mut(*row) {
+            *stays = true;
+        }
+    }
+    keep(stream, &stays);
+    for (name, values) in field.iter().zip(mended.numbers) {
+        if let Some(column) = stream.columns.iter_mut().find(|column| column.name == *name) {
+            column.values = values;
+        }
+    }
+    left_out.extend(mended.left_out);
+    let asked = options.repair.iter().map(repair_words::asked);
+    Ok((mended.made, asked.chain(mended.codes).collect()))
 }
 
 fn keep(stream: &mut Stream, stays: &[bool]) {
