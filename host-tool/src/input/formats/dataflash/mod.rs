@@ -6,6 +6,7 @@ mod collect;
 mod compass;
 mod definition;
 mod text;
+mod units;
 mod wanted;
 
 pub use binary::read_binary;

@@ -4,16 +4,16 @@ use crate::failure::{Failure, Outcome};
 use crate::input::formats::feed::Feed;
 use crate::input::formats::inventory::Inventory;
 use crate::input::formats::mcap::cdr::Encoding;
-use crate::input::formats::mcap::messages::Kind;
+use crate::input::formats::mcap::messages::{Kind, TESLA_UT};
 use crate::input::formats::mcap::records::{self, Channel, op};
+use crate::input::formats::rotation::LEFT_UP;
 use crate::input::formats::stream::{Recording, Stream, choose};
+use ironout_analysis::frame::{Frame, IDENTITY, Program};
 use std::collections::BTreeMap;
 use std::io::Read;
 
 /// More topics of these kinds than any robot has.
 const MOST_TOPICS: usize = 1024;
-/// From x forward, y left, z up (ROS REP 103) to x forward, y right, z down.
-const TURN: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
 
 /// One topic that is read.
 struct Topic {
@@ -162,7 +162,7 @@ fn finish(
     recording.format = format!("MCAP, {clock}");
     recording.instance = (magnetometers.len() > 1).then_some((taken, magnetometers));
     for mut topic in topics {
-        turn(&mut topic, &mut recording.taken_out);
+        let turned = turn(&mut topic, &mut recording.taken_out);
         if topic.kind == Kind::Imu && topic.frame != frame {
             let named = |frame: &Option<String>| frame.clone().unwrap_or_else(|| "no frame".into());
             recording.notices.push(format!(
@@ -173,7 +173,10 @@ fn finish(
             ));
         }
         match topic.kind {
-            Kind::MagneticField => recording.magnetometer = topic.stream,
+            Kind::MagneticField => {
+                recording.magnetometer = topic.stream;
+                recording.frame = Frame::of(Program::Ros, TESLA_UT, turned);
+            }
             _ => recording.others.push(topic.stream),
         }
     }
@@ -206,25 +209,26 @@ fn times(topics: &mut [Topic]) -> &'static str {
     if stamped { "times of header.stamp" } else { "times of recording (not every message has a stamp)" }
 }
 
-/// Axes of ROS to those of the log, unless the frame's name says that it has them already.
-fn turn(topic: &mut Topic, told: &mut Vec<String>) {
+/// Axes of ROS to those of the log, unless the frame's name says that it has them already. Gives the rotation.
+fn turn(topic: &mut Topic, told: &mut Vec<String>) -> [[f64; 3]; 3] {
     let triples: &[[&str; 3]] = match topic.kind {
         Kind::MagneticField => &[["mx_ut", "my_ut", "mz_ut"]],
         Kind::Imu => &[["gx_radps", "gy_radps", "gz_radps"], ["ax_mps2", "ay_mps2", "az_mps2"]],
-        _ => return,
+        _ => return IDENTITY,
     };
     let frame = topic.frame.as_deref().unwrap_or("without a name");
     let down =
         frame.to_lowercase().split(|c: char| !c.is_ascii_alphanumeric()).any(|w| w == "ned" || w == "frd");
     if down {
         told.push(format!("nothing: {}, frame {frame}, has x forward, y right, z down", topic.stream.name));
-        return;
+        return IDENTITY;
     }
     for names in triples {
-        topic.stream.turn(*names, &TURN);
+        topic.stream.turn(*names, &LEFT_UP);
     }
     told.push(format!(
         "{}, frame {frame}: turned from x forward, y left, z up (REP 103) to x forward, y right, z down",
         topic.stream.name
     ));
+    LEFT_UP
 }
