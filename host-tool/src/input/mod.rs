@@ -15,6 +15,7 @@ mod names;
 #[cfg(test)]
 mod names_tests;
 pub mod number;
+mod packed;
 mod plan;
 mod read_as;
 mod reader;

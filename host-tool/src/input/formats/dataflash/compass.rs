@@ -113,7 +113,17 @@ fn owner(taken: usize, parameters: &Parameters, offset_ut: [f64; 3], notices: &m
     }
 }
 
-fn undo(taken: usize, parameters: &Parameters, recording: &mut Recording) -> Outcome<()> {
+/// Whether the offsets of a compass, counted from 0, are known.
+pub fn has_offsets(taken: usize, parameters: &Parameters) -> bool {
+    (1..=3).any(|k| parameters.first(&names("OFS", k)[0]).is_some())
+        && parameters.first(&names("OFS", taken + 1)[0]).is_some()
+}
+
+/// Takes the calibration of a compass, counted from 0, out of the magnetometer of a recording.
+///
+/// # Errors
+/// A matrix that cannot be undone.
+pub fn undo(taken: usize, parameters: &Parameters, recording: &mut Recording) -> Outcome<()> {
     let stream = &mut recording.magnetometer;
     let three = |stream: &Stream, names: [&str; 3], row: usize| {
         names.map(|name| stream.column(name).and_then(|c| c.values.get(row)).copied().unwrap_or(f64::NAN))

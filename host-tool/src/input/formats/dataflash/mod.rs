@@ -10,4 +10,5 @@ mod units;
 mod wanted;
 
 pub use binary::read_binary;
+pub use compass::{has_offsets, undo};
 pub use text::read_text;

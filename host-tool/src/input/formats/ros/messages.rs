@@ -1,6 +1,6 @@
 //! The messages of ROS that are read (common_interfaces, sensor_msgs/msg/*.msg).
 
-use crate::input::formats::mcap::cdr::{Encoding, Reader};
+use crate::input::formats::ros::cdr::{Encoding, Reader};
 use crate::input::formats::stream::{Between, Stream};
 
 /// Microtesla in a tesla.
