@@ -3,7 +3,7 @@
 use crate::cal_file::CalFile;
 use crate::cli::{LogArgs, quoted, typed_option};
 use crate::failure::{Failure, Outcome};
-use crate::input::{Log, parse_map};
+use crate::input::{Log, Quantity, Unit, map_entry as entry, parse_map};
 use ironout_analysis::Table;
 use ironout_analysis::plausible::clock::{self, OddClock};
 use ironout_analysis::plausible::field::{self, EARTH_UT, FieldSize};
@@ -137,6 +137,9 @@ fn scale_remedy(scale: &[f64; 3], field_ut: f64) -> String {
 
 /// For columns in microtesla: the unit they are rather in, and the options that say so.
 fn unit_remedy(log: &Log, arguments: &LogArgs, size: &FieldSize) -> String {
+    if let Some(text) = other_unit(log, size) {
+        return text;
+    }
     let units = size.units();
     if units.is_empty() {
         return "No unit makes it one: is this the magnetometer? A field of its own (a coil) is said with --field UT".to_string();
@@ -148,6 +151,40 @@ fn unit_remedy(log: &Log, arguments: &LogArgs, size: &FieldSize) -> String {
         text.push_str(&format!("   {}\n", counts_options(log, arguments, micro)));
     }
     text + "A field of its own (a coil) is said with --field UT"
+}
+
+/// For numbers whose unit the format or an option says: the units in which they would be a field of the Earth.
+fn other_unit(log: &Log, size: &FieldSize) -> Option<String> {
+    let [x, y, z] = log.frame.ut_per_number;
+    if x == 1.0 || x != y || y != z {
+        return None;
+    }
+    let number = size.field_ut / x;
+    let source = |axis: &str| {
+        let name = format!("m{axis}_ut");
+        log.read_as
+            .columns
+            .iter()
+            .find(|column| column.name == name)
+            .map_or(name.clone(), |column| column.source.clone())
+    };
+    let mut text = format!("The numbers themselves have a radius of {}. ", short(number));
+    let mut found = false;
+    for unit in Unit::all(Quantity::Field) {
+        let field = number * unit.factor();
+        if !(15.0..=100.0).contains(&field) {
+            continue;
+        }
+        found = true;
+        let map = ["x", "y", "z"].map(|axis| entry(&format!("m{axis}_ut"), &source(axis), Some(&unit.name)));
+        text.push_str(&format!(
+            "In {} they are a field of {} µT. Fix: say so with\n   {}\n",
+            unit.name,
+            short(field),
+            typed_option("--map", &map.join(","))
+        ));
+    }
+    found.then(|| text + "A field of its own (a coil) is said with --field UT")
 }
 
 /// The options that read the magnetometer's columns as counts of this scale, and everything else as it was.

@@ -25,6 +25,8 @@ mod exports_cost;
 mod exports_reading;
 mod exports_targets;
 mod extrapolation;
+mod frames;
+mod frames_sources;
 mod fuzz;
 mod journey;
 mod malformed;
