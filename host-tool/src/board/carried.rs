@@ -235,3 +235,32 @@ fn std_errors(covariance: &[[f64; 9]; 9]) -> StdErrors {
         matrix: [[sigma(3), sigma(4), sigma(5)], [0.0, sigma(6), sigma(7)], [0.0, 0.0, sigma(8)]],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_board_corrects_its_own_numbers_to_the_same_field() {
+        let mut cal = CalFile::parse(include_str!("../../tests/fixtures/cal.json")).expect("a calibration");
+        let flip = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
+        let yaw = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        for turn in [flip, yaw] {
+            let frame = Frame { from_source: turn, ..Frame::default() };
+            cal.reading = Some(Reading { frame: Some(frame), ..Reading::default() });
+            let mut notices = Vec::new();
+            let turned = in_source_axes(&cal, &mut notices).expect("no effects");
+            let (own, board) = (cal.calibration().expect("sound"), turned.calibration().expect("sound"));
+            let raw = [20.0, -31.0, 12.5];
+            let body = matrix3(&turn) * Vector3::from(raw);
+            let corrected = matrix3(&turn) * Vector3::from(board.apply(raw));
+            assert!((corrected - Vector3::from(own.apply(body.into()))).norm() < 1e-9, "{turn:?}");
+            assert_eq!(
+                turned.information.is_some(),
+                cal.information.is_some() && turn == flip,
+                "{notices:?}"
+            );
+            assert!(notices[0].contains("turned back"));
+        }
+    }
+}
