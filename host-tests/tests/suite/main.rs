@@ -19,7 +19,7 @@ mod measured;
 mod moments;
 mod monitor;
 mod mountings;
-mod names;
+pub mod names;
 mod oracle;
 mod paper;
 mod pico;

@@ -344,7 +344,7 @@ fn the_c_header_compiles_without_a_warning_and_corrects() {
 
 /// What `export --as rust` wrote: compiled here against the crate.
 mod exported {
-    include!("fixtures/exported.rs");
+    include!("../fixtures/exported.rs");
 }
 
 #[test]

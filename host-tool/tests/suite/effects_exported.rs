@@ -159,7 +159,7 @@ fn the_c_header_and_the_tool_correct_alike() {
 
 /// What `export --as rust` wrote: compiled here against the crate.
 mod exported {
-    include!("fixtures/exported_effects.rs");
+    include!("../fixtures/exported_effects.rs");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::board_link::support::{
     HARD_IRON_UT, PATIENT, ask, cal_with_effects, calibrate, connect, on, read, turned,
 };
-use crate::common::{self, Run, folder, ironout, text, write};
+use crate::common::{Run, folder, ironout, text, write};
 use ironout_rig::board::SimBoard;
 use ironout_rig::served::Served;
 use serde_json::json;

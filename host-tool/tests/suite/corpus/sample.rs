@@ -30,8 +30,6 @@ pub struct Sample {
     pub instance: Option<usize>,
     /// `--map`, where the format itself leaves a question.
     pub map: &'static [&'static str],
-    /// Rows that are left out by design.
-    pub lost: usize,
 }
 
 impl Sample {
@@ -46,7 +44,6 @@ impl Sample {
             scale: None,
             instance: None,
             map: &[],
-            lost: 0,
         }
     }
 

@@ -3,7 +3,6 @@
 use crate::common::{folder, ironout, text, write};
 use crate::page::browser::{scenario, turn, words};
 use crate::page::report::{HOSTILE, assert_text, hostile};
-use crate::{corpus, writers};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::Command;
