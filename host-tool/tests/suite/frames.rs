@@ -52,7 +52,8 @@ fn options(source: &Source) -> ReadOptions {
     }
 }
 
-fn numbers_of(text: &str) -> Vec<f64> {
+/// The numbers in a list of code or parameters.
+pub fn numbers_of(text: &str) -> Vec<f64> {
     text.split([',', '{', '}', '[', ']', ';', ' ', '\n'])
         .filter_map(|word| word.trim().parse().ok())
         .collect()
@@ -94,7 +95,7 @@ fn deviation(case: &Case, form: &str) -> (f64, f64) {
     assert_eq!(run.status, 0, "{} as {form}: {} {}", source.name, run.stdout, run.stderr);
     let object = run.json();
     let file = object["text"].as_str().expect("a file");
-    let lost_deg = object["lost_rotation_deg"].as_f64().unwrap_or(0.0);
+    let aligned = object["lost_rotation_deg"].as_f64();
     let (native, from_sensor) = source.native;
     let own = native == form;
     // In the axes in which the target keeps its numbers.
@@ -104,7 +105,7 @@ fn deviation(case: &Case, form: &str) -> (f64, f64) {
     };
     let mounting = if own { product(&source.from_source, &from_sensor) } else { source.from_source };
     let calibration = CalFile::read(cal).expect("a calibration").calibration().expect("sound");
-    let angle_ut = 80.0 * (lost_deg + 0.01).to_radians();
+    let angle_ut = 80.0 * (aligned.unwrap_or(0.0) + 0.01).to_radians();
     let worst = |rows: std::ops::Range<usize>, target: &dyn Fn(usize) -> (Vector, Vector)| {
         rows.map(|row| {
             let (own, wanted) = target(row);
@@ -113,6 +114,20 @@ fn deviation(case: &Case, form: &str) -> (f64, f64) {
         .fold(0.0, f64::max)
     };
     let all = 0..source.numbers.len();
+    // All of the magnitude, and all of the direction but for the rotation that the target has no room for.
+    let but_for_a_rotation = |target: &dyn Fn(usize) -> (Vector, Vector)| {
+        let magnitude = |row: usize| {
+            let (own, wanted) = target(row);
+            ([norm(own), 0.0, 0.0], [norm(wanted), 0.0, 0.0])
+        };
+        let direction = worst(all.clone(), target);
+        assert!(
+            aligned.is_none_or(|_| direction <= 1e-3 + angle_ut),
+            "{} as {form}: {direction} µT",
+            source.name
+        );
+        (worst(all.clone(), &magnitude), 1e-3)
+    };
     match form {
         "px4" => {
             let p = px4(file);
@@ -132,7 +147,7 @@ fn deviation(case: &Case, form: &str) -> (f64, f64) {
                 let centred = std::array::from_fn(|axis| gauss[axis] - off[axis]);
                 (times(&turn, times(&s, centred)).map(|gauss| gauss * 100.0), corrected[row])
             };
-            (worst(all, &target), 1e-3 + angle_ut)
+            but_for_a_rotation(&target)
         }
         "ardupilot" => {
             let p = ardupilot(file);
@@ -151,7 +166,7 @@ fn deviation(case: &Case, form: &str) -> (f64, f64) {
                 let field = times(&m, std::array::from_fn(|axis| mg[axis] + ofs[axis]));
                 (field.map(|mg| mg / 10.0), corrected[row])
             };
-            (worst(all, &target), 1e-3 + angle_ut)
+            but_for_a_rotation(&target)
         }
         "betaflight" => {
             // An offset alone: held against the field less the offset.
@@ -268,144 +283,15 @@ fn every_export_undoes_what_every_reader_did_and_all_give_one_calibration() {
         }
         table += &format!("\n{:<26}", case.source.name);
         for form in EXPORTS {
-            // Without an accelerometer the rotation is a convention, which these three leave out.
-            let by_magnitude = case.log.accel_mps2.is_none() && ["px4", "ardupilot", "iio"].contains(&form);
             let (off, most) = deviation(&case, form);
             table += &format!("{off:>12.2e}");
-            if !by_magnitude && off > most {
+            if off > most {
                 wrong.push(format!("{} as {form}: {off} µT, at most {most}", case.source.name));
             }
         }
     }
     let _ = writeln!(std::io::stderr(), "{table}");
     assert!(wrong.is_empty(), "{}{table}", wrong.join("\n"));
-}
-
-/// A file of the shared cases, or `None` (and a word about it) where they are not at hand.
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/cases")).join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    let _ = writeln!(std::io::stderr(), "SKIPPED: the case {name} is not here");
-    None
-}
-
-fn near(found: &[f64], wanted: &[f64], most: f64) {
-    assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() <= most), "{found:?} for {wanted:?}");
-}
-
-#[test]
-fn known_offsets_come_back_in_the_numbers_of_their_source() {
-    let here = folder("frames_known");
-    let cal = here.join("cal.json");
-    if let Some(log) = shared("e1_ros_flu_known_offset.mcap") {
-        assert_eq!(ironout(["fit", text(&log), "-o", text(&cal)]).status, 0);
-        let file = exported(&cal, "ros", &[]);
-        let bias = ["x", "y", "z"].map(|axis| {
-            let key = format!("initial_mag_bias_{axis}: ");
-            rows(&file).find_map(|line| line.trim().strip_prefix(&key)?.parse().ok()).expect("a number")
-        });
-        near(&bias, &[7e-6, 8.3e-6, -1.2e-5], 4e-8);
-    }
-    for name in [
-        "e2_blackbox_known_offset.bbl",
-        "e3_blackbox_high_resolution.bbl",
-        "e4_blackbox_3_1_protocol_name.bbl",
-    ] {
-        let Some(log) = shared(name) else { continue };
-        let run = ironout(["fit", text(&log), "--ut-per-count", "0.0333", "-o", text(&cal)]);
-        assert_eq!(run.status, 0, "{name}: {}", run.stderr);
-        assert!(!run.stderr.contains("gyro"), "{name}: {}", run.stderr.replace("gyroADC", ""));
-        let file = exported(&cal, "betaflight", &["--ut-per-count", "0.0333"]);
-        let line =
-            rows(&file).find_map(|line| line.strip_prefix("set mag_calibration = ")).expect("an offset");
-        near(&numbers_of(line), &[209.0, 249.0, -2.0], 1.0);
-    }
-}
-
-#[test]
-fn the_unit_of_a_binary_format_can_be_given() {
-    let Some(log) = shared("e5_ros_in_microtesla.mcap") else { return };
-    let refused = ironout(["fit", text(&log), "--json"]).error();
-    let message = refused["message"].as_str().expect("a message");
-    assert!(message.contains("radius of 48") && message.contains("[uT]"), "{message}");
-    let source = |axis: &str| format!("m{axis}_ut=/imu/mag.magnetic_field.{axis}[uT]");
-    let map = ["x", "y", "z"].map(source).join(",");
-    assert!(message.contains(&map), "{message}");
-    let fit = ironout(["fit", text(&log), "--map", &map, "--json"]).json();
-    assert!((fit["field_ut"].as_f64().expect("a field") - 48.0).abs() < 0.1, "{fit}");
-    assert_eq!(fit["read_as"]["frame"]["ut_per_number"], serde_json::json!([1.0, 1.0, 1.0]));
-    // One axis alone, another column for it, and a unit that is none.
-    for (map, words) in [
-        (source("x"), "all three"),
-        ("mx_ut=/imu/mag.magnetic_field.y[uT]".into(), "not the x axis"),
-        ("mx_ut=/imu/mag.magnetic_field.x[parsec]".into(), "no unit"),
-    ] {
-        let error = ironout(["fit", text(&log), "--map", &map, "--json"]).error();
-        assert!(error["message"].as_str().is_some_and(|text| text.contains(words)), "{map}: {error}");
-    }
-}
-
-#[test]
-fn old_logs_of_ardupilot_hold_hundredths_of_volts_and_amperes() {
-    let Some(path) = shared("a1_ardupilot_3_2_curr.log") else { return };
-    let log = read_log(&path, &ReadOptions::default()).expect("a log");
-    let first = |name: &str| log.covariate(name).unwrap_or_else(|| panic!("no {name}")).values[0];
-    near(&[first("voltage_v"), first("current_a")], &[12.39, 44.0], 1e-9);
-}
-
-/// A DataFlash text of one CURR field, with what stands before it.
-fn curr(letter: char, before: &str, cells: &[&str]) -> Vec<f64> {
-    let mut text = format!(
-        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\nFMT, 172, 31, MAG, Ihhh, TimeMS,MagX,MagY,MagZ\n\
-         FMT, 164, 21, CURR, I{letter}, TimeMS,Curr\n{before}"
-    );
-    for (row, cell) in cells.iter().enumerate() {
-        text += &format!("MAG, {0}, {1}, -113, 492\nCURR, {0}, {cell}\n", 100 * row, 82 + row);
-    }
-    let log =
-        read_with(text.as_bytes(), &ReadOptions::default()).unwrap_or_else(|failure| panic!("{failure}"));
-    log.covariate("current_a").expect("a current").values.clone()
-}
-
-#[test]
-fn letters_and_stated_units_are_applied_once() {
-    let fmtu = "FMT, 130, 44, FMTU, QBNN, TimeUS,FmtType,UnitIds,MultIds\nFMT, 131, 77, UNIT, QbZ, TimeUS,Id,Label\n\
-                FMT, 132, 20, MULT, Qbd, TimeUS,Id,Mult\nUNIT, 1, 65, A\nMULT, 1, 67, 0.001\nMULT, 1, 66, 0.01\n";
-    let milli = format!("{fmtu}FMTU, 1, 164, sA, CC\n");
-    let hundredths = format!("{fmtu}FMTU, 1, 164, sA, CB\n");
-    let whole = ["4400", "4410", "4420", "4430", "4440", "4450"];
-    let printed = ["44.00", "44.10", "44.20", "44.30", "44.40", "44.50"];
-    for (letter, before, cells) in [
-        ('h', "", whole),
-        ('c', "", printed),
-        // A program that prints the stored number.
-        ('c', "", whole),
-        ('h', hundredths.as_str(), whole),
-        ('c', hundredths.as_str(), printed),
-        ('f', "", printed),
-    ] {
-        near(&curr(letter, before, &cells), &[44.0, 44.1, 44.2, 44.3, 44.4, 44.5], 1e-9);
-    }
-    near(&curr('h', &milli, &whole), &[4.4, 4.41, 4.42, 4.43, 4.44, 4.45], 1e-9);
-}
-
-#[test]
-fn a_packed_file_is_read_as_what_is_in_it() {
-    let truth = Truth::new("frames_packed");
-    let plain = std::fs::read(&truth.csv).expect("a file");
-    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
-    packed.write_all(&plain).expect("memory");
-    let packed = packed.finish().expect("memory");
-    let log = read_with(&packed, &ReadOptions::default()).expect("a log");
-    assert_eq!((log.rows, &log.field_ut), (truth.log.rows, &truth.log.field_ut));
-    assert!(log.read_as.format.contains("gzip"));
-    // Cut off: what is whole is read, and the cut is said.
-    match read_with(&packed[..packed.len() / 2], &ReadOptions::default()) {
-        Ok(log) => assert!(log.notices.iter().any(|notice| notice.contains("cut off")), "{:?}", log.notices),
-        Err(failure) => assert!(failure.message.contains("cut off"), "{failure}"),
-    }
 }
 
 #[test]

@@ -26,6 +26,7 @@ mod exports_reading;
 mod exports_targets;
 mod extrapolation;
 mod frames;
+mod frames_cases;
 mod frames_sources;
 mod fuzz;
 mod journey;

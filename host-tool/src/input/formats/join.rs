@@ -6,7 +6,7 @@ use crate::input::formats::interpolate::{GAP_PERIODS, at_times, gap_s};
 use crate::input::formats::order::ordered;
 use crate::input::formats::stream::{Column, Recording, Stream};
 use crate::input::log::{Covariate, Log, ReadOptions};
-use crate::input::map::{missing, no_unit, resolve};
+use crate::input::map::{no_unit, resolve};
 use crate::input::read_as::{Instance, LeftOut, ReadAs, ReadColumn};
 use crate::input::unit::{Quantity, Unit};
 use ironout_analysis::frame::IDENTITY;
@@ -142,7 +142,10 @@ fn rename(recording: &mut Recording, options: &ReadOptions) -> Outcome<Option<[f
             )));
         }
         let Some((index, unit)) = resolve(from, &sources).or_else(|| resolve(from, &names)) else {
-            return Err(missing(name, from, &sources));
+            return Err(Failure::usage(format!(
+                "{entry}: there is no column {from}; there is\n {}",
+                sources.join("\n ")
+            )));
         };
         let axis = axis_of(name);
         let (name, quantity) = match Role::of(name) {
