@@ -3,7 +3,7 @@
 use crate::cal_file::CalFile;
 use crate::cli::{LogArgs, quoted, typed_option};
 use crate::failure::{Failure, Outcome};
-use crate::input::{Log, Quantity, Unit, entry, parse_map};
+use crate::input::{Log, Quantity, Unit, map_entry as entry, parse_map};
 use ironout_analysis::Table;
 use ironout_analysis::plausible::causes::heading_is_computed;
 use ironout_analysis::plausible::clock::{self, OddClock};

@@ -4,6 +4,7 @@ use crate::cli::LogArgs;
 use crate::derive::{Definition, needed};
 use crate::failure::{Failure, Outcome};
 use crate::input::{self, Log, Mounting};
+use ironout_analysis::frame::Frame;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -32,6 +33,9 @@ pub struct Reading {
     /// Each `--repair`, and the error codes that were recognised.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub repair: Vec<String>,
+    /// From the numbers of the file to the field in body axes, with `rotate` in it; absent in files of earlier programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Frame>,
     /// The format, in words.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub format: String,
@@ -71,6 +75,7 @@ impl Reading {
             ut_per_count: log.ut_per_count,
             rotate: arguments.rotate.clone(),
             repair: log.read_as.repairs.clone(),
+            frame: Some(log.frame.clone()),
             format: log.read_as.format.clone(),
             map: if pinned.is_empty() { arguments.map.clone() } else { pinned },
             instance: log.read_as.instance.as_ref().map(|instance| instance.taken).or(arguments.instance),
@@ -92,11 +97,29 @@ impl Reading {
         }
         Mounting::parse(&self.rotate).map_err(|failure| not(&failure.message))?;
         input::parse_repair(&self.repair).map_err(|failure| not(&failure.message))?;
+        if let Some(frame) = &self.frame {
+            frame.check().map_err(not)?;
+        }
         input::parse_map(&self.map).map_err(|failure| not(&failure.message))?;
         for text in &self.derive {
             Definition::parse(text).map_err(|failure| not(&failure.message))?;
         }
         Ok(())
+    }
+
+    /// From the numbers of the calibration's log to its field. A file of an earlier program says scale and mounting alone.
+    ///
+    /// # Errors
+    /// A rotation that is none.
+    pub fn frame(&self) -> Outcome<Frame> {
+        if let Some(frame) = &self.frame {
+            return Ok(frame.clone());
+        }
+        let plain = Frame { ut_per_number: self.ut_per_count.unwrap_or([1.0; 3]), ..Frame::default() };
+        Ok(match Mounting::parse(&self.rotate)?.magnetometer {
+            Some(rotation) => plain.turned(&rotation),
+            None => plain,
+        })
     }
 
     /// The options with which a log is read for this calibration: those that are given, else those that were kept.

@@ -15,6 +15,7 @@ mod names;
 #[cfg(test)]
 mod names_tests;
 pub mod number;
+mod packed;
 mod plan;
 mod read_as;
 mod reader;
@@ -32,7 +33,7 @@ mod words;
 pub use guard::MAX_LINE_BYTES;
 pub use lines::Lines;
 pub use log::{Covariate, Log, ReadOptions};
-pub use map::{entry, parse_map};
+pub use map::{entry as map_entry, parse_map};
 pub use mount::{FORMS as ROTATE_FORMS, Mounting, rotate};
 pub use read_as::{Instance, LeftOut, ReadAs, ReadColumn};
 pub use repair::parse as parse_repair;

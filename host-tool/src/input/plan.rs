@@ -8,7 +8,9 @@ use crate::input::read_as::{LeftOut, ReadAs, ReadColumn};
 use crate::input::repair;
 use crate::input::repair_words;
 use crate::input::store::Store;
+use crate::input::unit::Unit;
 use crate::input::words::shorten;
+use ironout_analysis::frame::{Frame, IDENTITY};
 
 /// Where everything is, once the header is understood.
 pub struct Plan {
@@ -131,6 +133,9 @@ impl Plan {
         let columns = read_columns(&stores);
         let Repaired { rows, left_out, taken_out, repairs } =
             repaired(&mut stores, self.field, rows, options)?;
+        let factor = |index: usize| stores.get(index)?.column.unit.as_ref().map(Unit::factor);
+        let own = self.field.map(|index| factor(index).unwrap_or(1.0));
+        let frame = Frame { ut_per_number: self.scale.unwrap_or(own), ..Frame::default() };
         for store in &mut stores {
             if let Some(unit) = &store.column.unit {
                 store.values.iter_mut().for_each(|value| *value = unit.convert(*value));
@@ -159,6 +164,7 @@ impl Plan {
             }
         }
         turn(&mut field_ut, options.mounting.magnetometer);
+        let frame = frame.turned(&options.mounting.magnetometer.unwrap_or(IDENTITY));
         if let Some(columns) = &mut accel_mps2 {
             turn(columns, options.mounting.accelerometer);
         }
@@ -181,6 +187,7 @@ impl Plan {
             rows,
             time_s,
             field_ut,
+            frame,
             ut_per_count: self.scale,
             counts,
             accel_mps2,

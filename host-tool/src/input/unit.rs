@@ -57,6 +57,11 @@ impl Unit {
         if self.add == 0.0 { scaled } else { scaled + self.add }
     }
 
+    /// What a value is multiplied with on its way to the program's own unit.
+    pub fn factor(&self) -> f64 {
+        self.multiply / self.divide
+    }
+
     /// Whether values stay as they are.
     pub fn is_own(&self) -> bool {
         self.multiply == 1.0 && self.divide == 1.0 && self.add == 0.0

@@ -82,7 +82,7 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     if json {
         line(
             &serde_json::json!({
-                "read_as": read_block::json(&log.read_as),
+                "read_as": read_block::json(&log),
                 "verdict": word.name(), "good": good, "samples": samples.len(), "field_ut": calibration.field_ut,
                 "effects": cal.fit.effects.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
                 "rms_ut": json_number(Some(rms_ut)), "limit_ut": limit_ut, "calibration_rms_ut": cal.fit.rms_ut,
