@@ -46,6 +46,7 @@ fn read(path: &Path) -> Result<Made, String> {
         ut_per_count: scale,
         map: Vec::new(),
         rotate: Vec::new(),
+        repair: Vec::new(),
         instance: None,
         derive: Vec::new(),
         date: None,
