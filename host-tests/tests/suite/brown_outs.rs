@@ -144,12 +144,11 @@ fn a_console_that_nobody_reads_for_ten_minutes_costs_no_sample_and_then_has_each
     while now_ms < 700_000 {
         // The first line is answered, then nothing is read for ten minutes.
         out.is_read = !(5_000..605_000).contains(&now_ms);
-        if now_ms < 1_000 || now_ms >= 10_000 {
-            while (now_ms >= 10_000 || typed.len() > 20)
-                && typed.peek().is_some_and(|&byte| device.take_byte(byte))
-            {
-                typed.next();
-            }
+        // The first line at once, the others while nothing is read.
+        while (now_ms >= 10_000 || typed.len() > 20)
+            && typed.peek().is_some_and(|&byte| device.take_byte(byte))
+        {
+            typed.next();
         }
         turns += 1;
         match device.poll(now_ms, &mut out) {
