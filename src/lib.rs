@@ -65,6 +65,7 @@
 #![forbid(unsafe_code)]
 
 pub mod calibration;
+pub mod clock;
 pub mod coverage;
 mod dense;
 pub mod device;

@@ -167,7 +167,8 @@ impl Monitor {
     }
 
     /// Takes a corrected sample, µT, of this time since power-up, and what the accelerometer said then, m/s² of specific force in the
-    /// same axes, where there is one. A sample that is not finite is passed over, and so is a time that goes backwards.
+    /// same axes, where there is one. A sample that is not finite is passed over, and so is a
+    /// time that goes backwards: of a tick that wraps one sample, or none with [`Extended`](crate::clock::Extended).
     pub fn push(&mut self, t_ms: u64, corrected_ut: [f32; 3], accel_mps2: Option<[f32; 3]>) {
         let length = norm(corrected_ut);
         if !length.is_finite() {

@@ -1,8 +1,8 @@
 //! Builds the page's WebAssembly module from the sources of this workspace, and packs it with the page's files.
 //!
 //! The module is a build of its own (another target, another profile) in a folder of its own, so that the two builds do not wait
-//! for each other's lock. `IRONOUT_WASM=FILE` takes a module that is built already. Where the target wasm32-unknown-unknown is not
-//! installed the page is built without a module: it shows what it was given, and says what it cannot do.
+//! for each other's lock. `IRONOUT_WASM=FILE` takes a module that is built already. A page without its module could not fit, so there is none:
+//! where the target wasm32-unknown-unknown is not installed, the build asks rustup for it, and fails with the command to run where that does not help.
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -37,8 +37,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Some(path) => fs::read(path)?,
         None => module(&root, &out)?,
     };
+    if !module.starts_with(b"\0asm") {
+        return Err("IRONOUT_WASM names a file that is not a WebAssembly module".into());
+    }
     fs::write(out.join("module.wasm.gz"), packed(&module)?)?;
-    println!("cargo:rustc-env=IRONOUT_WASM_BYTES={}", module.len());
 
     // Each file of the page by its name, packed where it is long.
     let mut list = String::from("pub(crate) const FILES: &[(&str, &[u8])] = &[\n");
@@ -65,18 +67,26 @@ fn packed(bytes: &[u8]) -> std::io::Result<Vec<u8>> {
     encoder.finish()
 }
 
-/// The module, or nothing where this toolchain cannot build it.
+/// Whether this toolchain has the library of a target.
+fn has_target(target: &str) -> std::io::Result<bool> {
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let libdir = Command::new(rustc).args(["--print", "target-libdir", "--target", target]).output()?;
+    Ok(Path::new(String::from_utf8_lossy(&libdir.stdout).trim()).exists())
+}
+
+/// Builds the module.
 fn module(root: &Path, out: &Path) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     const TARGET: &str = "wasm32-unknown-unknown";
-    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let sysroot = Command::new(rustc).args(["--print", "target-libdir", "--target", TARGET]).output()?;
-    let library = String::from_utf8_lossy(&sysroot.stdout).trim().to_string();
-    if !Path::new(&library).exists() {
-        println!(
-            "cargo:warning=the target {TARGET} is not installed (rustup target add {TARGET}): the page is built without its module and \
-             cannot fit by itself"
-        );
-        return Ok(Vec::new());
+    if !has_target(TARGET)? {
+        // No rustup, or one that cannot reach its server: the look below says what is left to do.
+        let _ = Command::new("rustup").current_dir(root).args(["target", "add", TARGET]).status();
+        if !has_target(TARGET)? {
+            let error = format!(
+                "the page needs the target {TARGET}, which this toolchain does not have. Fix: rustup target add {TARGET} (or build \
+                 the program without the page: --no-default-features)"
+            );
+            return Err(error.into());
+        }
     }
     // target/PROFILE/build/ironout-web-HASH/out: one folder for all profiles.
     let target = out.ancestors().nth(4).ok_or("no folder to build in")?.join("web-module");

@@ -19,6 +19,7 @@ pub mod correct;
 pub mod effects;
 pub mod export;
 pub mod fit;
+pub mod frame;
 pub mod noise;
 pub mod outcome;
 pub mod outside;

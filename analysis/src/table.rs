@@ -1,6 +1,7 @@
 //! The log as the diagnosis sees it: borrowed columns.
 
 use crate::track::{Place, Track};
+use std::sync::OnceLock;
 
 /// Borrowed columns of equal length. A missing cell is NaN.
 #[derive(Debug, Clone, Default)]
@@ -21,6 +22,15 @@ pub struct Table<'a> {
     pub track: Option<Track>,
     /// Every other numeric column.
     pub covariates: Vec<Named<'a>>,
+    /// What has been worked out of these columns; begins empty.
+    pub derived: Derived,
+}
+
+/// Columns that are worked out of a table's own when they are first asked for.
+#[derive(Debug, Clone, Default)]
+pub struct Derived {
+    /// Specific force without the board's own acceleration, m/s² ([`crate::samples::gravity`]).
+    pub(crate) quiet_force_mps2: OnceLock<Option<[Vec<f64>; 3]>>,
 }
 
 /// A column that the log format asks for and that is not there, or one whose length is not that of the others.
@@ -107,6 +117,7 @@ impl<'a> Table<'a> {
                 .filter(|(name, _)| !known(name))
                 .map(|&(name, values)| Named { name, values, not_finite: 0 })
                 .collect(),
+            derived: Derived::default(),
         })
     }
 

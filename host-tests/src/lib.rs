@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod accuracy;
+pub mod frozen;
 pub mod learning;
 pub mod m4;
 pub mod measured;

@@ -85,6 +85,12 @@ fn append(whole: &mut Log, next: Log, timed: bool, gap_s: f64) {
             }
         }
     }
+    if next.frame != whole.frame {
+        whole.notices.push(format!(
+            "{name}: its numbers are read in another frame (axes, unit or the calibration that was taken out): exports are for the \
+             numbers of the first log"
+        ));
+    }
     for (column, own) in whole.field_ut.iter_mut().zip(next.field_ut) {
         column.extend(own);
     }

@@ -44,6 +44,13 @@ pub struct LogArgs {
         allow_hyphen_values = true
     )]
     pub derive: Vec<String>,
+    /// Broken numbers of the magnetometer, mended (repeatable): unsigned, swapped-bytes, signed-low-byte, x:unwrap=…, x:late=ROWS,
+    /// range, error-code=VALUE; none takes them as they are
+    #[arg(
+        help = "Mend broken numbers of the magnetometer: unsigned | swapped-bytes | signed-low-byte | x:unwrap=MODULUS/FROM | x:late=ROWS | range | error-code=VALUE, with the axes in front where it is not all of them (xy:unsigned); none takes the numbers as they are (repeatable)"
+    )]
+    #[arg(long, value_name = "REPAIR", help_heading = "Reading the log", allow_hyphen_values = true)]
+    pub repair: Vec<String>,
     /// The day of the log: for the field along lat_deg, lon_deg and the height
     #[arg(long, value_name = "YYYY-MM-DD", help_heading = "Reading the log")]
     pub date: Option<String>,
@@ -68,6 +75,7 @@ impl LogArgs {
             ut_per_count: self.ut_per_count.as_deref().map(scale).transpose()?,
             default_ut_per_count: None,
             instance: self.instance,
+            repair: input::parse_repair(&self.repair)?,
             progress: true,
         })
     }
@@ -93,6 +101,7 @@ impl LogArgs {
         let options = self.ut_per_count.iter().map(|value| ("--ut-per-count", value));
         let options = options.chain(self.map.iter().map(|value| ("--map", value)));
         let options = options.chain(self.rotate.iter().map(|value| ("--rotate", value)));
+        let options = options.chain(self.repair.iter().map(|value| ("--repair", value)));
         let options = options.chain(instance.iter().map(|value| ("--instance", value)));
         let options = options.chain(self.derive.iter().map(|value| ("--derive", value)));
         let options = options.chain(self.date.iter().map(|value| ("--date", value)));

@@ -3,10 +3,11 @@
 use crate::cal_file::CalFile;
 use crate::cli::{LogArgs, quoted, typed_option};
 use crate::failure::{Failure, Outcome};
-use crate::input::{Log, Quantity, Unit, entry, parse_map};
+use crate::input::{Log, Quantity, Unit, map_entry as entry, parse_map};
 use ironout_analysis::Table;
 use ironout_analysis::plausible::causes::heading_is_computed;
 use ironout_analysis::plausible::clock::{self, OddClock};
+use ironout_analysis::plausible::coarse::{self, Coarse};
 use ironout_analysis::plausible::directions::equal_magnitudes;
 use ironout_analysis::plausible::field::{self, Evidence, FieldSize};
 use ironout_analysis::plausible::gravity::{self, OddGravity};
@@ -50,13 +51,20 @@ impl Known {
 /// # Errors
 /// A magnetometer or a clock that cannot be in the unit it is read in.
 pub fn hold(log: &mut Log, arguments: &LogArgs, known: &Known) -> Outcome<()> {
-    let (clock, size, turning, gravity, computed) = {
+    let (clock, size, turning, gravity, computed, coarse) = {
         let table = Table::from(&*log);
         if let Some(magnitude) = equal_magnitudes(&table) {
             return Err(directions(magnitude).in_file(&log.path));
         }
         let computed = heading_is_computed(&table);
-        (clock::odd(&table), field::size(&table), turning::judge(&table), gravity::odd(&table), computed)
+        (
+            clock::odd(&table),
+            field::size(&table),
+            turning::judge(&table),
+            gravity::odd(&table),
+            computed,
+            coarse::find(&table),
+        )
     };
     if computed {
         log.notices.push(
@@ -64,6 +72,7 @@ pub fn hold(log: &mut Log, arguments: &LogArgs, known: &Known) -> Outcome<()> {
         );
         log.heading_deg = None;
     }
+    log.notices.extend(coarse.as_ref().map(coarse_words));
     if let Some(size) = size {
         hold_field(log, arguments, known, &size)?;
     }
@@ -94,6 +103,16 @@ pub fn hold(log: &mut Log, arguments: &LogArgs, known: &Known) -> Outcome<()> {
         }
     }
     Ok(())
+}
+
+fn coarse_words(coarse: &Coarse) -> String {
+    format!(
+        "the readings move in steps of {} µT, {:.0} % of the field ({} µT): the low byte of the numbers is lost, or digits are cut off, or \
+         the range is far too wide. Fix: log every bit of the sensor, in a range of a few times the field",
+        short(coarse.step_ut),
+        100.0 * coarse.step_ut / coarse.field_ut,
+        short(coarse.field_ut)
+    )
 }
 
 fn hold_field(log: &mut Log, arguments: &LogArgs, known: &Known, size: &FieldSize) -> Outcome<()> {
@@ -249,6 +268,12 @@ fn hold_clock(
         .collect();
     if !units.is_empty() {
         text.push_str(&format!(". If the time is in another unit:\n{}", units.join("\n")));
+    }
+    if clock.certain && units.is_empty() {
+        // Nothing mends it: a log without time can still be fitted.
+        log.notices.push(format!("{text}; the log is read without time"));
+        log.time_s = None;
+        return Ok(());
     }
     if clock.certain || by_gyro.is_some() {
         return Err(Failure::usage(text).in_file(&log.path).at_column("t_s"));

@@ -74,8 +74,10 @@ pub fn pins(read: &ReadAs) -> String {
 }
 
 /// The same for `--json`, under `read_as`.
-pub fn json(read: &ReadAs) -> Value {
+pub fn json(log: &Log) -> Value {
+    let read = &log.read_as;
     json!({
+        "frame": log.frame,
         "format": read.format,
         "columns": read.columns.iter().map(|c| json!({"name": c.name, "source": c.source, "unit": c.unit})).collect::<Vec<_>>(),
         "reasons": read.reasons,

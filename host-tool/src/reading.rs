@@ -4,6 +4,7 @@ use crate::cli::LogArgs;
 use crate::derive::{Definition, needed};
 use crate::failure::{Failure, Outcome};
 use crate::input::{self, Log, Mounting};
+use ironout_analysis::frame::Frame;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -29,6 +30,12 @@ pub struct Reading {
     pub ut_per_count: Option<[f64; 3]>,
     /// Each `--rotate`, in turn.
     pub rotate: Vec<String>,
+    /// Each `--repair`, and the error codes that were recognised.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub repair: Vec<String>,
+    /// From the numbers of the file to the field in body axes, with `rotate` in it; absent in files of earlier programs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Frame>,
     /// The format, in words.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub format: String,
@@ -67,6 +74,8 @@ impl Reading {
         Ok(Reading {
             ut_per_count: log.ut_per_count,
             rotate: arguments.rotate.clone(),
+            repair: log.read_as.repairs.clone(),
+            frame: Some(log.frame.clone()),
             format: log.read_as.format.clone(),
             map: if pinned.is_empty() { arguments.map.clone() } else { pinned },
             instance: log.read_as.instance.as_ref().map(|instance| instance.taken).or(arguments.instance),
@@ -87,11 +96,30 @@ impl Reading {
             return Err(not("ut_per_count is not positive"));
         }
         Mounting::parse(&self.rotate).map_err(|failure| not(&failure.message))?;
+        input::parse_repair(&self.repair).map_err(|failure| not(&failure.message))?;
+        if let Some(frame) = &self.frame {
+            frame.check().map_err(not)?;
+        }
         input::parse_map(&self.map).map_err(|failure| not(&failure.message))?;
         for text in &self.derive {
             Definition::parse(text).map_err(|failure| not(&failure.message))?;
         }
         Ok(())
+    }
+
+    /// From the numbers of the calibration's log to its field. A file of an earlier program says scale and mounting alone.
+    ///
+    /// # Errors
+    /// A rotation that is none.
+    pub fn frame(&self) -> Outcome<Frame> {
+        if let Some(frame) = &self.frame {
+            return Ok(frame.clone());
+        }
+        let plain = Frame { ut_per_number: self.ut_per_count.unwrap_or([1.0; 3]), ..Frame::default() };
+        Ok(match Mounting::parse(&self.rotate)?.magnetometer {
+            Some(rotation) => plain.turned(&rotation),
+            None => plain,
+        })
     }
 
     /// The options with which a log is read for this calibration: those that are given, else those that were kept.
@@ -107,6 +135,7 @@ impl Reading {
         };
         or_kept(&mut filled.map, &self.map);
         or_kept(&mut filled.rotate, &self.rotate);
+        or_kept(&mut filled.repair, &self.repair);
         filled.instance = given.instance.or(self.instance);
         let own = given.derive.iter().map(|text| Definition::parse(text)).collect::<Outcome<Vec<_>>>()?;
         for text in &self.derive {

@@ -83,7 +83,6 @@ impl Device {
         let _ = self.session.accept();
         self.loading.forget();
         self.put_to_work(slot, &record);
-        self.store_unread = false;
         Ok(slot)
     }
 
@@ -178,7 +177,6 @@ impl Device {
         match outcome {
             Ok(_) => {
                 self.cleared_from_work();
-                self.store_unread = false;
                 if self.stream == StreamMode::Calibrated {
                     // Nothing is left to stream.
                     self.stream = StreamMode::Off;

@@ -188,6 +188,12 @@ impl Device {
                 "monitor condition={condition} residual_ratio={ratio:.2} dip_ratio={dip_ratio:.2}"
             ));
         }
+        if self.store_watch.is_silent() {
+            let [a, b] = self.slots().states;
+            reply.line(format_args!(
+                "store does not answer (slots={a},{b}): check its power and wiring; it is asked again by itself"
+            ));
+        }
         // What went wrong: restarts of the firmware, lost transactions, and samples out of range.
         let faults = [self.restarts.count, self.sensor.faults()]
             .into_iter()

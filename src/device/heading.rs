@@ -53,6 +53,7 @@ impl Device {
 
     /// What the board's lights show at this time.
     pub fn shown(&mut self, now_ms: u64) -> Shown {
+        let now_ms = self.steady(now_ms);
         let light = self.light();
         let seen = match &self.status {
             Some((_, status)) if light == Light::Collecting => status.seen,

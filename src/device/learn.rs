@@ -32,7 +32,7 @@ impl Device {
     /// Takes the value of a column (a temperature, an ADC channel, anything that an effect may follow) from the owner; NaN where it is
     /// not known any more. Says whether it is used or tested.
     pub fn on_column(&mut self, name: &str, value: f32, t_ms: u64) -> bool {
-        self.now_ms = self.now_ms.max(t_ms);
+        self.steady(t_ms);
         let Ok(name) = ColumnName::new(name) else { return false };
         let value = Some(f64::from(value)).filter(|value| value.is_finite());
         let (used, tested) = self.feed(&name, value);

@@ -13,11 +13,12 @@ use super::loading::Loading;
 use super::log::Log;
 use super::output::{MAX_REPLY_BYTES, Output};
 use super::sensor::{SensorAnswer, SensorTask, SensorWatch};
+use super::store_watch::StoreWatch;
 use super::stream;
 use super::streamed;
 use super::view::View;
+use crate::clock::SteadyClock;
 use crate::protocol::{Line, LineSplitter, StreamMode};
-use crate::record::Record;
 use crate::sensor::{Reading, Sample};
 use crate::session::{Session, State, Status};
 use crate::store::{BothSlots, Done, SlotState, StoreAnswer, StoreJob, StoreTask};
@@ -73,9 +74,8 @@ pub struct Device {
     pub(super) status: Option<(u64, Status)>,
     job: Option<(Errand, StoreJob)>,
     pub(super) slots: BothSlots,
-    /// A slot could not be read when the store was looked at last; it is looked at again before the next line is answered.
-    pub(super) store_unread: bool,
-    looked_again: bool,
+    pub(super) store_watch: StoreWatch,
+    clock: SteadyClock,
     button: Button,
     presses: u8,
     event: Option<ButtonEvent>,
@@ -109,8 +109,8 @@ impl Device {
             status: None,
             job: Some((Errand::Boot, StoreJob::inspect())),
             slots: BothSlots { states: [SlotState::Unreadable; 2] },
-            store_unread: true,
-            looked_again: false,
+            store_watch: StoreWatch::new(),
+            clock: SteadyClock::new(),
             button: Button::default(),
             presses: 0,
             event: None,
@@ -140,7 +140,7 @@ impl Device {
         (self.compute_asked_ms, self.status) = (None, None);
         self.job = Some((Errand::Boot, StoreJob::inspect()));
         self.slots = BothSlots { states: [SlotState::Unreadable; 2] };
-        (self.store_unread, self.looked_again) = (true, false);
+        self.store_watch = StoreWatch::new();
         (self.presses, self.event) = (0, None);
     }
 
@@ -155,7 +155,7 @@ impl Device {
     pub fn rest(&mut self) {
         self.sensor.rest();
         self.job = None;
-        self.store_unread = false;
+        self.store_watch.rest();
     }
 
     /// Tells the device how long a turn of the owner's loop was; `version` shows the longest.
@@ -183,6 +183,7 @@ impl Device {
     /// Takes the level of the button, bounces and all: at each change or as often as it is polled, and again at
     /// [`Self::next_deadline_ms`].
     pub fn on_button_level(&mut self, down: bool, now_ms: u64) {
+        let now_ms = self.clock.at(now_ms);
         if self.button.pressed(down, now_ms) {
             self.on_press();
         }
@@ -202,7 +203,7 @@ impl Device {
     /// Takes a measurement (chip axes) that the owner made on its own: with [`Pace::Pushed`](crate::device::Pace::Pushed), all of them. It works without
     /// anything else, too: a sensor that is heard of works.
     pub fn on_sample(&mut self, reading: &Reading, t_ms: u64) {
-        self.now_ms = self.now_ms.max(t_ms);
+        let t_ms = self.steady(t_ms);
         self.sensor.heard(t_ms);
         self.take_sample(self.config.sensor.sample(reading), t_ms);
     }
@@ -241,7 +242,7 @@ impl Device {
 
     /// Takes what came of an [`Action::Sensor`], with the time it is now.
     pub fn complete_sensor(&mut self, answer: SensorAnswer, now_ms: u64) {
-        self.now_ms = self.now_ms.max(now_ms);
+        let now_ms = self.steady(now_ms);
         if let SensorAnswer::Temperature(temp_c) = answer {
             return self.take_temperature(temp_c);
         }
@@ -253,18 +254,26 @@ impl Device {
 
     /// Takes what came of an [`Action::Store`], with the time it is now.
     pub fn complete_store(&mut self, answer: &StoreAnswer, now_ms: u64) {
-        self.now_ms = self.now_ms.max(now_ms);
+        let now_ms = self.steady(now_ms);
         if let Some((_, job)) = &mut self.job {
             job.complete(answer, now_ms);
         }
     }
 
-    /// What has to be done at `now_ms` (since power-up). The same action is returned until it is completed, so that an owner
+    /// The time, ms, of an owner whose clock may wrap or be set back, taken note of.
+    #[inline]
+    pub(super) fn steady(&mut self, owner_ms: u64) -> u64 {
+        let t_ms = self.clock.at(owner_ms);
+        self.now_ms = self.now_ms.max(t_ms);
+        t_ms
+    }
+
+    /// What has to be done at `now_ms` (since power-up; see the [module](super) for a tick that wraps). The same action is returned until it is completed, so that an owner
     /// may give up on one and poll again. The order: streams, the sensor, the store, the button, one line of the console.
     // Not within its owner: a loop's frame would hold what all of it needs, for as long as the loop turns.
     #[inline(never)]
     pub fn poll(&mut self, now_ms: u64, out: &mut impl Output) -> Action {
-        self.now_ms = self.now_ms.max(now_ms);
+        let now_ms = self.steady(now_ms);
         self.sensor.time(now_ms);
         self.write_stream(out);
         if let Some(task) = self.sensor.task(now_ms).or_else(|| self.temperature_task()) {
@@ -279,6 +288,10 @@ impl Device {
                 return Action::Sleep;
             }
             self.finish(out);
+            return Action::Again;
+        }
+        if self.store_watch.is_due(self.now_ms) {
+            self.begin(Errand::Boot, StoreJob::inspect());
             return Action::Again;
         }
         if self.presses > 0 && self.may_compute(self.session.state() == State::Collecting) {
@@ -300,7 +313,7 @@ impl Device {
         if self.begin_to_learn() || self.look_at_coverage() { Action::Again } else { Action::Sleep }
     }
 
-    /// When there is something to do without anything coming from outside; a time past: at once.
+    /// When there is something to do without anything coming from outside, by the owner's clock; a time past: at once.
     pub fn next_deadline_ms(&self) -> u64 {
         let job = match &self.job {
             Some((_, job)) => Some(job.deadline_ms().unwrap_or(self.now_ms + OUTPUT_RETRY_MS)),
@@ -310,11 +323,13 @@ impl Device {
             }
             None => None,
         };
+        let store = self.store_watch.deadline_ms().filter(|_| self.job.is_none());
         let light = self.light().next_change_ms(self.now_ms);
-        [job, self.button.deadline_ms(), light]
+        let deadline_ms = [job, store, self.button.deadline_ms(), light]
             .into_iter()
             .flatten()
-            .fold(self.sensor.deadline_ms(), u64::min)
+            .fold(self.sensor.deadline_ms(), u64::min);
+        self.clock.of_owner(deadline_ms)
     }
 
     fn write_stream(&mut self, out: &mut impl Output) {
@@ -351,8 +366,8 @@ impl Device {
     fn answer_line(&mut self, out: &mut impl Output) -> bool {
         let splitter = mem::take(&mut self.splitter);
         let line = splitter.last().unwrap_or(Line::NotText);
-        if self.store_unread && !self.looked_again {
-            self.looked_again = true;
+        if self.store_watch.is_unread() && !self.store_watch.looked_again {
+            self.store_watch.looked_again = true;
             self.begin(Errand::Boot, StoreJob::inspect());
         } else if !self.may_compute(self.is_long(line)) {
             self.splitter = splitter;
@@ -361,7 +376,7 @@ impl Device {
             self.compute_asked_ms = None;
             let answered = self.answer(line, out);
             // Where the job goes on with it, the line is done all the same: `finish` writes the reply.
-            (self.line_waits, self.looked_again) = (false, false);
+            (self.line_waits, self.store_watch.looked_again) = (false, false);
             if let Some(answered) = answered {
                 // Room was made sure of; an output that fails all the same has nobody at its end.
                 let _ = answered.result();
@@ -385,8 +400,10 @@ impl Device {
         let Some((errand, job)) = &self.job else { return };
         let (errand, Some(outcome)) = (*errand, job.outcome()) else { return };
         self.job = None;
-        if let Ok(Done::Inspected(slots, record)) = &outcome {
-            self.adopt(*slots, record.as_ref());
+        match &outcome {
+            Ok(Done::Inspected(slots, record)) => self.adopt(*slots, record.as_ref()),
+            Ok(Done::Saved(..) | Done::Erased) => self.store_watch.answered(),
+            Err(_) => self.store_watch.failed(self.now_ms),
         }
         let answered = match errand {
             Errand::Boot => return,
@@ -407,32 +424,9 @@ impl Device {
         let _ = answered.result();
     }
 
-    /// Takes note of what stands in the slots. The record found is put to work where none was found before, or not all could
-    /// be read; one that is at work already goes on with the columns it was fed.
-    #[inline(never)]
-    fn adopt(&mut self, slots: BothSlots, record: Option<&Record>) {
-        self.slots = slots;
-        if !self.store_unread {
-            return;
-        }
-        self.store_unread = slots.unreadable().is_some();
-        if let (Some((slot, _)), Some(record)) = (slots.current(), record) {
-            let at_work = self.active.as_ref().is_some_and(|active| active.record == *record);
-            if !at_work {
-                self.lessons.learner.begin(&record.calibration);
-                Active::install(&mut self.active, slot, record, self.config.sensor.axes);
-            }
-        }
-    }
-
     /// Takes note of a button's event.
     pub(super) fn tell(&mut self, event: ButtonEvent) {
         self.event = Some(event);
-    }
-
-    /// What stood in the slots when they were looked at last.
-    pub const fn slots(&self) -> BothSlots {
-        self.slots
     }
 
     /// Whether all that came from outside is dealt with: no line waits for its answer, no press for its effect, and nothing is

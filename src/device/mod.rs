@@ -35,13 +35,19 @@
 //! assert!(console.contains("ok ironout=") && console.contains("ok stream=raw"));
 //! ```
 //!
+//! Time is milliseconds since power-up. A firmware whose tick has 32 bits passes it as it is, `u64::from(tick)`: the device notices that
+//! it has wrapped (after 49.7 days) and goes on, and the firmware sleeps *for* `device.next_deadline_ms() as u32 − tick` (wrapping)
+//! milliseconds, not *until* then.
+//!
 //! [`Device::turn`] does one round of it with a driver and a memory that are waited for. What holds whatever goes wrong:
 //! - a calibration in use is replaced only by one that was accepted, stored and read back;
 //! - each line is answered exactly once, in the order they came, and never before the sensor has had its turn: a console that
 //!   sends without end starves neither samples nor the button, and a solve begins right after a sample was taken;
-//! - a sensor that fails is tried again for ever.
+//! - a sensor that fails is tried again for ever, and so is a memory that does not answer: the calibration in it is put to work as soon
+//!   as it does.
 
 mod active;
+mod adopted;
 mod button;
 mod calibrate;
 mod columns;
@@ -67,6 +73,7 @@ mod packet;
 mod sensor;
 mod serve;
 mod shown;
+mod store_watch;
 mod stream;
 mod streamed;
 #[cfg(test)]

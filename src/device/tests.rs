@@ -128,7 +128,7 @@ fn status_says_what_keeps_a_calibration_from_use() {
     let turned = AxisMap::new([Axis::Y, Axis::MinusX, Axis::Z]);
     let drift = record(BuiltIn::Drift(Drift { reference_s: 100.0 }));
     let mounted_otherwise = Record { axes: turned, ..drift };
-    device.store_unread = false;
+    device.store_watch.answered();
     for (record, hint) in [
         (
             mounted_otherwise,
@@ -156,7 +156,8 @@ fn a_device_that_begins_anew_is_as_good_as_a_new_one() {
         answer(&mut used, "", now_ms);
         answer(&mut new, "", now_ms);
     }
-    (used.store_unread, new.store_unread) = (false, false);
+    used.store_watch.answered();
+    new.store_watch.answered();
     for (line, now_ms) in [("status", 4000), ("effect list", 4001), ("cal show", 4002), ("help", 4003)] {
         assert_eq!(answer(&mut used, line, now_ms), answer(&mut new, line, now_ms), "{line}");
     }
@@ -168,7 +169,7 @@ fn calibrated() -> Device {
     let mut device = plain_device();
     let plain = Record { effects: Effects::none(), ..record(BuiltIn::Drift(Drift { reference_s: 0.0 })) };
     Active::install(&mut device.active, Slot::A, &plain, AxisMap::IDENTITY);
-    device.store_unread = false;
+    device.store_watch.answered();
     device
 }
 

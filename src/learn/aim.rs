@@ -143,7 +143,7 @@ impl Learner {
     fn most(&self, index: usize) -> f32 {
         match Candidate::at(index) {
             Some(Candidate::Column(place)) => self.columns.get(usize::from(place)).map_or(0.0, |column| {
-                let [least, most] = column.range;
+                let [least, most] = column.range();
                 (most - column.first).max(column.first - least)
             }),
             _ => self.last_ms.saturating_sub(self.first_ms) as f32 / DRIFT_UNIT_MS,

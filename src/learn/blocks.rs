@@ -6,9 +6,13 @@ use super::sums::Sums;
 pub(super) const BLOCKS: usize = 4;
 /// The shortest block, rows.
 const LEAST_ROWS: u32 = 100;
+/// The most rows of all blocks together, an hour at 50 samples per second: what begins today is not to be outweighed by the days
+/// before it, and sums in single precision are exact enough up to here.
+pub(super) const MOST_ROWS: u32 = 180_000;
 
-/// Sums by block of time. Where all blocks are full, the two neighbours that are shortest together become one, and a block is
-/// as long as a fourth of all that came before: there are always three of like length, and one that fills.
+/// Sums by block of time. A block is as long as a fourth of all rows. Where all blocks are full, the two neighbours that are shortest
+/// together become one; with more rows than three fourths of [`MOST_ROWS`] the oldest blocks are forgotten instead. There are always
+/// three of like length, and one that fills.
 #[derive(Clone, Debug)]
 pub(super) struct Blocks<const P: usize, const E: usize> {
     blocks: [Sums<P, E>; BLOCKS],
@@ -44,22 +48,32 @@ impl<const P: usize, const E: usize> Blocks<P, E> {
         self.blocks.iter().take(block).map(|block| block.rows).fold(0, u32::saturating_add)
     }
 
+    /// Adds a row. `forget` is told of the oldest block before its rows leave the sums.
     #[inline]
-    pub(super) fn push(&mut self, row: &[f32], residual: f32) {
+    pub(super) fn push(&mut self, row: &[f32], residual: f32, forget: impl FnMut(&Sums<P, E>)) {
         let filling = usize::from(self.full).min(BLOCKS - 1);
         let Some(block) = self.blocks.get_mut(filling) else { return };
         block.push(row, residual);
         if block.rows >= LEAST_ROWS && block.rows >= self.rows() / BLOCKS as u32 {
-            self.close();
+            self.close(forget);
         }
     }
 
     /// The block that fills is full.
-    fn close(&mut self) {
-        if usize::from(self.full) + 1 < BLOCKS {
-            self.full += 1;
+    fn close(&mut self, mut forget: impl FnMut(&Sums<P, E>)) {
+        self.full += 1;
+        while self.rows() > MOST_ROWS - MOST_ROWS / BLOCKS as u32 {
+            if let Some(oldest) = self.blocks.first_mut() {
+                forget(oldest);
+                oldest.clear();
+            }
+            first_to_end(&mut self.blocks);
+            self.full = self.full.saturating_sub(1);
+        }
+        if usize::from(self.full) < BLOCKS {
             return;
         }
+        self.full -= 1;
         let together = |pair: &[Sums<P, E>]| pair.iter().map(|block| block.rows).fold(0, u32::saturating_add);
         let shortest = self.blocks.windows(2).enumerate().min_by_key(|(_, pair)| together(pair));
         let Some((first, _)) = shortest else { return };
@@ -90,18 +104,24 @@ pub(super) fn first_to_end<T>(all: &mut [T]) {
 
 #[cfg(test)]
 mod tests {
-    use super::Blocks;
+    use super::{Blocks, MOST_ROWS};
 
     #[test]
-    fn every_row_is_in_one_block_and_blocks_stay_alike() {
+    fn every_row_is_in_one_block_or_forgotten_with_the_oldest_and_blocks_stay_alike() {
         let mut blocks: Blocks<2, 3> = Blocks::new();
-        for row in 1..200_000u32 {
-            blocks.push(&[1.0, (row % 7) as f32], 0.5);
-            assert_eq!(blocks.rows(), row);
+        let mut forgotten = 0;
+        for row in 1..2_000_000u32 {
+            blocks.push(&[1.0, (row % 7) as f32], 0.5, |oldest| forgotten += oldest.rows);
+            assert_eq!(blocks.rows() + forgotten, row);
+            assert!(blocks.rows() <= MOST_ROWS && (forgotten == 0 || blocks.rows() > MOST_ROWS / 3));
             if row > 1000 {
                 let longest = blocks.iter().map(|block| block.rows).max().unwrap_or(0);
-                assert!(longest <= row * 2 / 3, "{longest} of {row}");
+                assert!(longest <= blocks.rows() * 2 / 3, "{longest} of {row}");
             }
         }
+        assert!(forgotten > 1_500_000);
+        // Each row counts as much as any other, however long it has gone on.
+        let total: f32 = blocks.iter().map(|block| block.entries[0]).sum();
+        assert_eq!(total, blocks.rows() as f32);
     }
 }

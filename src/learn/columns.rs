@@ -10,11 +10,13 @@ pub const MAX_TESTED: usize = 3;
 pub(super) struct Column {
     pub(super) name: ColumnName,
     pub(super) now: f32,
-    /// The value it is held against: its first.
+    /// The value it is held against: its first, or the mean of what is not yet forgotten.
     pub(super) first: f32,
-    /// Over the rows: the sum of its distances from the first, and its least and greatest.
+    /// Over the rows: the sum of its distances from the first, ...
     sum: f32,
-    pub(super) range: [f32; 2],
+    /// ... and its least and greatest, of late and before.
+    late: [f32; 2],
+    early: [f32; 2],
 }
 
 impl Column {
@@ -23,9 +25,15 @@ impl Column {
         f64::from(self.first) + f64::from(self.sum) / f64::from(rows.max(1))
     }
 
+    /// Its least and greatest over the rows.
+    pub(super) fn range(&self) -> [f32; 2] {
+        let ([least, most], [before, after]) = (self.early, self.late);
+        [least.min(before), most.max(after)]
+    }
+
     /// What went through it changed by nothing that counts.
     pub(super) fn is_constant(&self) -> bool {
-        let [least, most] = self.range;
+        let [least, most] = self.range();
         !(most - least > 1e-6 * least.abs().max(most.abs()))
     }
 }
@@ -70,7 +78,7 @@ impl Columns {
     pub(super) fn add(&mut self, name: ColumnName, value: f32) -> Option<usize> {
         let place = self.places.iter().position(Option::is_none)?;
         *self.places.get_mut(place)? =
-            Some(Column { name, now: value, first: value, sum: 0.0, range: [value; 2] });
+            Some(Column { name, now: value, first: value, sum: 0.0, late: [value; 2], early: [value; 2] });
         Some(place)
     }
 
@@ -90,7 +98,22 @@ impl Columns {
     /// Begins anew with the values of now.
     pub(super) fn begin(&mut self) {
         for column in self.places.iter_mut().flatten() {
-            (column.first, column.sum, column.range) = (column.now, 0.0, [column.now; 2]);
+            let now = column.now;
+            (column.first, column.sum, column.late, column.early) = (now, 0.0, [now; 2], [now; 2]);
+        }
+    }
+
+    /// Holds a column against its mean over the rows that are left, `further` from where it was held against.
+    pub(super) fn hold_against(&mut self, place: usize, further: f32) {
+        if let Some(column) = self.places.get_mut(place).and_then(Option::as_mut) {
+            (column.first, column.sum) = (column.first + further, 0.0);
+        }
+    }
+
+    /// Forgets what the ranges were before, and lets what they are of late become it.
+    pub(super) fn forget_ranges(&mut self) {
+        for column in self.places.iter_mut().flatten() {
+            (column.early, column.late) = (column.late, [column.now; 2]);
         }
     }
 
@@ -99,8 +122,8 @@ impl Columns {
     pub(super) fn take(&mut self) {
         for column in self.places.iter_mut().flatten() {
             column.sum += column.now - column.first;
-            let [least, most] = column.range;
-            column.range = [least.min(column.now), most.max(column.now)];
+            let [least, most] = column.late;
+            column.late = [least.min(column.now), most.max(column.now)];
         }
     }
 }

@@ -48,6 +48,13 @@ impl Cross {
         self.0.iter_mut().zip(&other.0).for_each(|(sum, value)| *sum += times * value);
     }
 
+    /// The same with `times` the offset's own columns taken off those of an effect.
+    pub(super) fn take_off_offset(&mut self, effect: usize, times: f32) {
+        let (own, effects) = self.0.split_at_mut(EFFECT);
+        let effect = effects.iter_mut().skip(6 * effect).take(6);
+        effect.zip(own).for_each(|(sum, value)| *sum -= times * *value);
+    }
+
     /// Those of the samples between two moments.
     pub(super) fn less(mut self, before: &Self) -> Self {
         self.add(before, -1.0);

@@ -306,7 +306,7 @@ impl Learner {
                 [Some([self.first_ms, self.last_ms].map(|ms| f64::from(ms as f32 * 1e-3))), None]
             }
             Candidate::Column(place) => {
-                [self.columns.get(usize::from(place)).map(|column| column.range.map(f64::from)), None]
+                [self.columns.get(usize::from(place)).map(|column| column.range().map(f64::from)), None]
             }
             // What was attached stays attached.
             Candidate::Step | Candidate::Lag => [None, None],

@@ -1,6 +1,6 @@
 //! Whether the sensor is late, which the magnitude cannot see: by the angle between field and gravity, and by how a gyro turns.
 
-use super::blocks::Blocks;
+use super::blocks::{Blocks, MOST_ROWS};
 use super::memory::Memory;
 use super::point::dip;
 use super::sums::Sums;
@@ -99,6 +99,9 @@ impl Late {
                 }
                 if let Turning::Gyro(gyro) = &mut self.turning {
                     gyro.push(direction, turn_radps, t_ms, &mut self.by_gyro);
+                    if self.by_gyro.rows > MOST_ROWS {
+                        self.by_gyro.halve();
+                    }
                 }
                 let Some(down) = motion.down() else { return };
                 (direction, down, scaled(cross(turn_radps, direction), -1.0))
@@ -121,7 +124,7 @@ impl Late {
         if !(look.residual.is_finite() && look.row.iter().all(|value| value.is_finite())) {
             return;
         }
-        self.blocks.push(&look.row, look.residual);
+        self.blocks.push(&look.row, look.residual, |_| {});
         self.memory.push(look.residual);
         if self.blocks.rows() == self.look_at {
             self.look();

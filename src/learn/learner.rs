@@ -49,6 +49,8 @@ pub struct Learner {
     pub(super) lost: u32,
     /// Changes whenever what was learned is forgotten.
     pub(super) epoch: u16,
+    /// The last block that was forgotten was an odd one.
+    pub(super) is_odd: bool,
 }
 
 /// Of what is new from sample to sample, a settled jump leaves at least this share: less is made of the wrong assumption.
@@ -71,6 +73,7 @@ impl Learner {
             last_ms: 0,
             lost: 0,
             epoch: 0,
+            is_odd: false,
         }
     }
 
@@ -202,7 +205,8 @@ impl Learner {
         })
     }
 
-    /// Learns from a sample, µT, from which the effects in use were taken off.
+    /// Learns from a sample, µT, from which the effects in use were taken off. The time goes on: a tick that wraps is extended first
+    /// ([`Extended`](crate::clock::Extended)).
     pub fn push(&mut self, measured_ut: [f32; 3], t_ms: u64, motion: &Motion) {
         let Some(point) = &self.point else { return };
         let first_ms = if self.blocks.rows() == 0 { t_ms } else { self.first_ms };
@@ -238,7 +242,14 @@ impl Learner {
             self.marks.take(&self.blocks, t_ms as u32);
         }
         let width = DRIFT + 3 + 3 * self.columns.width();
-        self.blocks.push(row.get(..width).unwrap_or(&row), look.residual);
+        let (marks, mut has_forgotten) = (&mut self.marks, false);
+        self.blocks.push(row.get(..width).unwrap_or(&row), look.residual, |oldest| {
+            marks.forget(oldest);
+            has_forgotten = true;
+        });
+        if has_forgotten {
+            self.hold_against_what_is_left();
+        }
         self.memory.push(look.residual);
         self.late.push(look.direction, motion, t_ms);
         let rows = rows + 1;

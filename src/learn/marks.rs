@@ -9,7 +9,7 @@ use super::cross::Cross;
 use super::jump::{At, Base};
 use super::layout::{ENTRIES, STEP, STREAMED};
 use super::solve::{Chosen, Factor};
-use super::sums::Work;
+use super::sums::{Sums, Work};
 
 /// Snapshots that are kept.
 const MARKS: usize = 5;
@@ -274,6 +274,41 @@ impl Marks {
             since.add(&later, -1.0);
             since.write(work);
         }
+    }
+
+    /// The oldest block leaves the sums. What happened within it happened before all rows that are left.
+    pub(super) fn forget(&mut self, oldest: &Sums<STREAMED, ENTRIES>) {
+        let mut cross = Cross::NONE;
+        cross.add_block(oldest);
+        let gone =
+            self.marks.iter().take(usize::from(self.used)).filter(|mark| mark.rows <= oldest.rows).count()
+                as u8;
+        for _ in 0..gone {
+            first_to_end(&mut self.marks);
+        }
+        self.used -= gone;
+        for mark in self.marks.iter_mut().take(usize::from(self.used)) {
+            mark.rows -= oldest.rows;
+            mark.cross.add(&cross, -1.0);
+        }
+        match self.best.checked_sub(gone) {
+            Some(best) if self.best != NONE => {
+                if best == 0 && self.part < 0.0 {
+                    // The mark on its other side is gone.
+                    (self.part, self.before) = (0.0, [0.0; 3]);
+                }
+                self.best = best;
+            }
+            _ => {
+                (self.best, self.firm, self.pinned) = (NONE, false, false);
+                (self.part, self.before) = (0.0, [0.0; 3]);
+            }
+        }
+    }
+
+    /// An effect's column is held against another value, by `times` further.
+    pub(super) fn hold_against(&mut self, effect: usize, times: f32) {
+        self.marks.iter_mut().for_each(|mark| mark.cross.take_off_offset(effect, times));
     }
 
     /// The snapshots about another point: streamed columns and the best step moved by `delta`.

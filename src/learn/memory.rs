@@ -5,24 +5,49 @@ use crate::whiteness::{Pairs, share_of_pairs};
 
 /// Samples between the two of a far pair.
 const LAG: usize = 7;
+/// From so many pairs on all count half: as long a memory as that of the blocks, and sums that single precision still adds to.
+const MOST_PAIRS: u32 = 1 << 17;
 /// No correlation of neighbours beyond this is told from two differences.
 const MOST_CORRELATED: f64 = 0.97;
 
-/// Sums of squared differences of a residual, of neighbours and of samples seven apart.
+/// A sum of squared differences.
+#[derive(Clone, Copy, Debug)]
+struct Differences {
+    squares: f32,
+    pairs: u32,
+}
+
+impl Differences {
+    const NONE: Self = Self { squares: 0.0, pairs: 0 };
+
+    #[inline]
+    fn push(&mut self, difference: f32) {
+        self.squares += difference * difference;
+        self.pairs += 1;
+        if self.pairs == MOST_PAIRS {
+            *self = Self { squares: 0.5 * self.squares, pairs: self.pairs / 2 };
+        }
+    }
+
+    fn mean(self) -> Option<Pairs> {
+        let Self { squares, pairs } = self;
+        (pairs > 0).then(|| Pairs { mean_square: f64::from(squares) / f64::from(pairs), pairs })
+    }
+}
+
+/// Squared differences of a residual, of neighbours and of samples seven apart.
 #[derive(Clone, Debug)]
 pub(super) struct Memory {
     last: [f32; LAG],
     next: u8,
     in_a_row: u8,
-    near: f32,
-    far: f32,
-    near_pairs: u32,
-    far_pairs: u32,
+    near: Differences,
+    far: Differences,
 }
 
 impl Memory {
     pub(super) const fn new() -> Self {
-        Self { last: [0.0; LAG], next: 0, in_a_row: 0, near: 0.0, far: 0.0, near_pairs: 0, far_pairs: 0 }
+        Self { last: [0.0; LAG], next: 0, in_a_row: 0, near: Differences::NONE, far: Differences::NONE }
     }
 
     #[inline]
@@ -30,13 +55,11 @@ impl Memory {
         let next = usize::from(self.next) % LAG;
         let before = self.last.get((next + LAG - 1) % LAG).copied().unwrap_or(0.0);
         if self.in_a_row > 0 {
-            self.near += (residual - before) * (residual - before);
-            self.near_pairs = self.near_pairs.saturating_add(1);
+            self.near.push(residual - before);
         }
         if let Some(slot) = self.last.get_mut(next) {
             if usize::from(self.in_a_row) == LAG {
-                self.far += (residual - *slot) * (residual - *slot);
-                self.far_pairs = self.far_pairs.saturating_add(1);
+                self.far.push(residual - *slot);
             }
             *slot = residual;
         }
@@ -50,14 +73,12 @@ impl Memory {
     }
 
     fn pairs(&self) -> Option<(Pairs, Pairs)> {
-        let of = |sum: f32, pairs: u32| Pairs { mean_square: f64::from(sum) / f64::from(pairs), pairs };
-        (self.near_pairs > 0 && self.far_pairs > 0)
-            .then(|| (of(self.near, self.near_pairs), of(self.far, self.far_pairs)))
+        Some((self.near.mean()?, self.far.mean()?))
     }
 
     /// The variance of what is new from one sample to the next; zero where that is not known.
     pub(super) fn quick(&self) -> f32 {
-        0.5 * self.near / self.near_pairs.max(1) as f32
+        0.5 * self.near.squares / self.near.pairs.max(1) as f32
     }
 
     /// How many samples are as good as one independent one, of a residual of this variance; at least 1.

@@ -13,6 +13,7 @@ mod candidate;
 mod columns;
 mod cross;
 mod finding;
+mod forget;
 mod gain;
 mod inquiry;
 mod jump;
@@ -29,6 +30,8 @@ mod test;
 #[cfg(test)]
 mod tests;
 mod turning;
+#[cfg(test)]
+mod years;
 
 pub use candidate::{Candidate, Found};
 pub use columns::MAX_TESTED;

@@ -102,6 +102,33 @@ impl<const P: usize, const E: usize> Sums<P, E> {
         self.rows = self.rows.saturating_sub(other.rows);
     }
 
+    /// Lets every row count half.
+    pub(super) fn halve(&mut self) {
+        let all = self.entries.iter_mut().chain(&mut self.right).chain([&mut self.squares]);
+        all.for_each(|sum| *sum *= 0.5);
+        self.rows /= 2;
+    }
+
+    /// The same rows with `times` the column `from` taken off another one.
+    pub(super) fn take_off_column(&mut self, column: usize, from: usize, times: f32) {
+        let own = self.entry(column, column)
+            + times * (times * self.entry(from, from) - 2.0 * self.entry(from, column));
+        for other in 0..P {
+            let value = if other == column {
+                own
+            } else {
+                self.entry(column, other) - times * self.entry(from, other)
+            };
+            if let Some(entry) = self.entries.get_mut(at(column, other)) {
+                *entry = value;
+            }
+        }
+        let right = times * self.right(from);
+        if let Some(value) = self.right.get_mut(column) {
+            *value -= right;
+        }
+    }
+
     /// `Σ_j N_ij δ_j`.
     fn along(&self, i: usize, delta: &[f32; P]) -> f32 {
         let mut sum = 0.0;

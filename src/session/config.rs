@@ -2,7 +2,7 @@
 
 use crate::fit::Method;
 use crate::gate::block_samples;
-use crate::sensor::Sensor;
+use crate::sensor::{AxisMap, Sensor};
 
 /// What a session needs to know of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,10 +15,13 @@ pub struct SessionConfig {
     pub method: Method,
     /// Samples in a block of the rest gate; see [`crate::gate::block_samples`].
     pub samples_per_block: u16,
+    /// How the sensor is mounted, as the record of [`Session::accept`](super::Session::accept) says it; `None` where the samples are in
+    /// the chip's own axes and nobody asks.
+    pub axes: Option<AxisMap>,
 }
 
 impl SessionConfig {
-    /// For a sensor whose every conversion is taken: its scale in the board's axes, its rate; the default method, and no
+    /// For a sensor whose every conversion is taken: its scale in the board's axes, its rate, its mounting; the default method, and no
     /// expected magnitude.
     pub fn of(sensor: &Sensor) -> Self {
         Self {
@@ -26,6 +29,7 @@ impl SessionConfig {
             field_ut: None,
             method: Method::default(),
             samples_per_block: block_samples(f64::from(sensor.rate_hz)),
+            axes: Some(sensor.axes),
         }
     }
 

@@ -127,7 +127,8 @@ impl Session {
     /// # Errors
     /// [`StateError`] unless solved.
     pub fn accept(&mut self) -> Result<Record, StateError> {
-        let record = self.solution().map(Record::of).ok_or(StateError { state: self.state() })?;
+        let mut record = self.solution().map(Record::of).ok_or(StateError { state: self.state() })?;
+        record.axes = self.config.axes;
         self.cancel();
         Ok(record)
     }
@@ -170,6 +171,7 @@ impl Session {
 mod tests {
     use super::*;
     use crate::math;
+    use crate::sensor::{Axis, AxisMap, Sensor};
 
     fn collecting() -> Session {
         let mut session = Session::new(SessionConfig {
@@ -177,6 +179,7 @@ mod tests {
             field_ut: Some(50.0),
             method: Method::Adjusted,
             samples_per_block: 16,
+            axes: None,
         });
         session.start();
         session
@@ -267,6 +270,19 @@ mod tests {
             let told = outcome.coverage.missing_side();
             assert!(told.split('-').any(|word| word == missing), "{missing}: the outcome says {told}");
         }
+    }
+
+    #[test]
+    fn a_record_says_how_the_sensor_was_mounted() {
+        let turned = AxisMap::new([Axis::Y, Axis::MinusX, Axis::Z]).expect("a rotation");
+        let sensor = Sensor::uniform("a chip", 0.05, 50.0).mounted(turned);
+        let mut session = Session::new(SessionConfig::of(&sensor));
+        session.start();
+        for i in 0..3000 {
+            session.push(Sample::valid(smooth(i).map(|u| math::round(1000.0 * u + 300.0) as i16)));
+        }
+        assert!(session.stop().is_ok_and(|outcome| outcome.verdict.accepted));
+        assert_eq!(session.accept().map(|record| record.axes), Ok(Some(turned)));
     }
 
     #[test]

@@ -36,6 +36,7 @@ fn solve(seed: u64, speed_radps: f64, noise_ut: f64, rho: f64) -> (bool, FitRepo
         field_ut: Some(50.0),
         method: Method::Adjusted,
         samples_per_block: 16,
+        axes: None,
     };
     let mut noise = Noise(seed);
     for _ in 0..10 {

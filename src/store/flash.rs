@@ -9,13 +9,16 @@ use crate::record::MAX_RECORD_BYTES;
 
 /// The two slots in NOR flash, on neighbouring erase units from `base` on.
 ///
-/// A slot is erased when its first bytes are written. Power that fails while it is erased or written leaves the other slot as it
-/// was, and a torn record that its checksum tells. The slots take turns, so that a cell wears half as fast as calibrations are
+/// A slot is erased when its first bytes are written, and again where writing fails half-way: no cell is programmed twice. Power that
+/// fails while it is erased or written leaves the other slot as it was, and a torn record that its checksum tells, or with error
+/// correction (STM32 G4, H7, L4, U5) one that cannot be read, which counts as empty. The slots take turns, so that a cell wears half as fast as calibrations are
 /// accepted: at 100 000 erases a unit, 200 000 of them.
 #[derive(Debug)]
 pub struct FlashSlots<F> {
     flash: F,
     base: u32,
+    /// Slots in which a write has failed since they were erased.
+    half_written: [bool; 2],
 }
 
 impl<F: NorFlash> FlashSlots<F> {
@@ -27,7 +30,8 @@ impl<F: NorFlash> FlashSlots<F> {
     /// # Errors
     /// [`BadPlace`].
     pub fn new(flash: F, base: u32) -> Result<Self, BadPlace> {
-        const { assert!(CHUNK_BYTES.is_multiple_of(F::WRITE_SIZE) && F::READ_SIZE == 1) };
+        const { assert!(CHUNK_BYTES.is_multiple_of(F::WRITE_SIZE), "WRITE_SIZE of 1, 2, 4, 8, 16 or 32") };
+        const { assert!(CHUNK_BYTES.is_multiple_of(F::READ_SIZE), "READ_SIZE of 1, 2, 4, 8, 16 or 32") };
         if !base.is_multiple_of(F::ERASE_SIZE as u32) {
             return Err(BadPlace::SharedPage { base, page_bytes: F::ERASE_SIZE as u32 });
         }
@@ -35,7 +39,7 @@ impl<F: NorFlash> FlashSlots<F> {
         if end > u64::from(u32::MAX) || end > capacity as u64 {
             return Err(BadPlace::BeyondEnd { end, capacity });
         }
-        Ok(Self { flash, base })
+        Ok(Self { flash, base, half_written: [false; 2] })
     }
 
     /// Gives the flash back.
@@ -57,7 +61,23 @@ impl<F: NorFlash> FlashSlots<F> {
 impl<F: NorFlash> Store for FlashSlots<F> {
     fn read_slot(&mut self, slot: Slot, at: usize, bytes: &mut [u8]) -> Result<(), StoreError> {
         let offset = self.offset(slot, at, bytes.len()).ok_or(StoreError::Read(slot))?;
-        self.flash.read(offset, bytes).map_err(|_| StoreError::Read(slot))
+        if F::READ_SIZE == 1 {
+            return self.flash.read(offset, bytes).map_err(|_| StoreError::Read(slot));
+        }
+        // What the flash reads at once begins before these bytes and ends behind them, within the slot.
+        let mut skipped = at % F::READ_SIZE;
+        let (mut from, mut left) = (offset - skipped as u32, bytes);
+        while !left.is_empty() {
+            let mut chunk = [0; CHUNK_BYTES];
+            let length = (skipped + left.len()).next_multiple_of(F::READ_SIZE).min(CHUNK_BYTES);
+            let read = chunk.get_mut(..length).ok_or(StoreError::Read(slot))?;
+            self.flash.read(from, read).map_err(|_| StoreError::Read(slot))?;
+            let wanted = read.get(skipped..).unwrap_or_default();
+            let (now, later) = left.split_at_mut(wanted.len().min(left.len()));
+            now.iter_mut().zip(wanted).for_each(|(to, from)| *to = *from);
+            (from, left, skipped) = (from + length as u32, later, 0);
+        }
+        Ok(())
     }
 
     fn write_slot(&mut self, slot: Slot, at: usize, bytes: &[u8]) -> Result<(), StoreError> {
@@ -69,11 +89,19 @@ impl<F: NorFlash> Store for FlashSlots<F> {
             return Err(StoreError::Write(slot));
         };
         place.copy_from_slice(bytes);
+        let begin = self.begin(slot);
+        let [a, b] = &mut self.half_written;
+        let half_written = match slot {
+            Slot::A => a,
+            Slot::B => b,
+        };
         if at == 0 {
-            let begin = self.begin(slot);
-            self.flash.erase(begin, begin + Self::STRIDE).map_err(|_| StoreError::Write(slot))?;
+            *half_written = self.flash.erase(begin, begin + Self::STRIDE).is_err();
         }
-        let padded = chunk.get(..length).unwrap_or_default();
-        self.flash.write(offset, padded).map_err(|_| StoreError::Write(slot))
+        if !*half_written {
+            let padded = chunk.get(..length).unwrap_or_default();
+            *half_written = self.flash.write(offset, padded).is_err();
+        }
+        if *half_written { Err(StoreError::HalfWritten(slot)) } else { Ok(()) }
     }
 }

@@ -19,6 +19,12 @@ const ATTEMPTS: u8 = 3;
 const TRIES: u8 = 16;
 const PAUSE_MS: u64 = 1;
 
+/// How often both slots are looked at where one of them cannot be read and the other can, and the pause before. A memory that wakes
+/// up late, or whose bus is held, fails in both or comes back; what fails each time while the other slot answers before and after
+/// it is the cells themselves.
+const LOOKS: u8 = 3;
+const LOOK_PAUSE_MS: u64 = 50;
+
 /// What has to be done with the memory now.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StoreTask {
@@ -51,6 +57,9 @@ pub enum StoreAnswer {
     Written,
     /// It failed, perhaps only because the memory was still writing; it will be asked for again.
     Failed,
+    /// A write failed half-way in cells that have to be erased before they are written again ([`StoreError::HalfWritten`]): the slot
+    /// is begun again.
+    HalfWritten,
 }
 
 /// What a job came to.
@@ -97,6 +106,11 @@ pub struct StoreJob {
     end: usize,
     attempts: u8,
     tries: u8,
+    /// How often both slots were looked at, and whether one was not read again that had been.
+    looks: u8,
+    is_lost: bool,
+    /// The slot that was to be written took nothing: this is the other one.
+    is_other: bool,
     not_before_ms: u64,
     buffer: [u8; MAX_RECORD_BYTES],
     found: [SlotState; 2],
@@ -114,6 +128,9 @@ impl StoreJob {
             end: RECORD_BYTES,
             attempts: 0,
             tries: 0,
+            looks: 0,
+            is_lost: false,
+            is_other: false,
             not_before_ms: 0,
             buffer: [0; MAX_RECORD_BYTES],
             found: [SlotState::Unreadable; 2],
@@ -128,8 +145,9 @@ impl StoreJob {
 
     /// Writes `record` with the next sequence number into the slot that is not in use, and reads it back. `in_use` is the
     /// slot of the record in use, where the caller knows it: it is not touched, even if it cannot be read properly now. A
-    /// slot that cannot be read before is an error: without knowing what it holds, the slot in use might be the one
-    /// overwritten.
+    /// memory that does not answer is an error: without knowing what a slot holds, the record in use might be the one overwritten. A
+    /// slot whose bytes cannot be read while the other slot answers before and after it, [`LOOKS`] times in a row, holds nothing
+    /// ([`SlotState::Damaged`]) and is written as an empty one.
     pub const fn save(in_use: Option<Slot>, record: Record) -> Self {
         Self::new(Purpose::Save { in_use }, Some(record))
     }
@@ -188,6 +206,11 @@ impl StoreJob {
     /// Takes what came of the task.
     pub fn complete(&mut self, answer: &StoreAnswer, now_ms: u64) {
         let length = self.end.saturating_sub(self.at).min(CHUNK_BYTES);
+        if self.phase == Phase::Writing && *answer == StoreAnswer::HalfWritten {
+            self.not_before_ms = now_ms.saturating_add(PAUSE_MS);
+            self.write_again(StoreError::Write(self.slot));
+            return;
+        }
         let done = match (self.phase, answer) {
             (Phase::Writing, StoreAnswer::Written) => true,
             (Phase::Inspecting | Phase::Confirming, StoreAnswer::Read(bytes)) => bytes.len() == length,
@@ -203,7 +226,7 @@ impl StoreJob {
         match answer {
             StoreAnswer::Read(bytes) if self.phase == Phase::Confirming => {
                 if self.buffer.get(chunk) != Some(bytes.as_slice()) {
-                    self.write_again();
+                    self.write_again(StoreError::NotConfirmed(self.slot));
                     return;
                 }
             }
@@ -212,7 +235,7 @@ impl StoreJob {
                     place.copy_from_slice(bytes);
                 }
             }
-            StoreAnswer::Written | StoreAnswer::Failed => {}
+            StoreAnswer::Written | StoreAnswer::Failed | StoreAnswer::HalfWritten => {}
         }
         self.at += length;
         if self.phase == Phase::Inspecting {
@@ -231,18 +254,35 @@ impl StoreJob {
             return;
         }
         match self.phase {
-            Phase::Inspecting => self.note(SlotState::Unreadable),
-            Phase::Writing => self.phase = Phase::Finished(Some(StoreError::Write(self.slot))),
-            Phase::Confirming => self.phase = Phase::Finished(Some(StoreError::Read(self.slot))),
+            Phase::Inspecting => {
+                self.not_before_ms = now_ms;
+                self.note(SlotState::Unreadable);
+            }
+            Phase::Writing => self.give_up(StoreError::Write(self.slot)),
+            // Cells that took it and cannot be read are erased and written again.
+            Phase::Confirming => self.write_again(StoreError::Read(self.slot)),
             Phase::Finished(_) => {}
         }
     }
 
-    fn write_again(&mut self) {
+    /// Writes the slot again from its first byte, a few times; `why` tells what was wrong.
+    fn write_again(&mut self, why: StoreError) {
         self.attempts += 1;
-        (self.phase, self.at) = (Phase::Writing, 0);
+        (self.phase, self.at, self.tries) = (Phase::Writing, 0, 0);
         if self.attempts >= ATTEMPTS {
-            self.phase = Phase::Finished(Some(StoreError::NotConfirmed(self.slot)));
+            self.give_up(why);
+        }
+    }
+
+    /// The slot takes nothing any more. The other one does, where nothing is lost with it.
+    fn give_up(&mut self, why: StoreError) {
+        let slots = BothSlots { states: self.found };
+        match self.purpose {
+            Purpose::Save { in_use } if !self.is_other && slots.may_write_other(self.slot, in_use) => {
+                self.is_other = true;
+                self.write(self.slot.other());
+            }
+            _ => self.phase = Phase::Finished(Some(why)),
         }
     }
 
@@ -285,17 +325,41 @@ impl StoreJob {
     /// What a slot holds is known.
     fn note(&mut self, state: SlotState) {
         (self.at, self.end, self.attempts, self.tries) = (0, RECORD_BYTES, 0, 0);
-        match self.slot {
-            Slot::A => {
-                self.found[0] = state;
-                self.slot = Slot::B;
-            }
-            Slot::B => {
-                self.found[1] = state;
-                self.compare();
-                self.act();
-            }
+        let [a, b] = &mut self.found;
+        let known = match self.slot {
+            Slot::A => a,
+            Slot::B => b,
+        };
+        if state == SlotState::Unreadable && *known != SlotState::Unreadable {
+            // The memory has gone silent: what was read before is what is there.
+            self.is_lost = true;
+        } else {
+            *known = state;
         }
+        if self.slot == Slot::A {
+            self.slot = Slot::B;
+        } else if !self.looks_again() {
+            self.compare();
+            self.act();
+        }
+    }
+
+    /// Looks at both slots again where one cannot be read and the other can. One that stays so is damaged.
+    fn looks_again(&mut self) -> bool {
+        let [a, b] = &mut self.found;
+        let unread = match (*a == SlotState::Unreadable, *b == SlotState::Unreadable) {
+            (true, false) if !self.is_lost => a,
+            (false, true) if !self.is_lost => b,
+            _ => return false,
+        };
+        self.looks += 1;
+        if self.looks >= LOOKS {
+            *unread = SlotState::Damaged;
+            return false;
+        }
+        self.slot = Slot::A;
+        self.not_before_ms = self.not_before_ms.saturating_add(LOOK_PAUSE_MS);
+        true
     }
 
     /// Of two sound records the older one is stale.

@@ -16,14 +16,16 @@ pub trait Store {
     /// Reads from byte `at` of a slot on.
     ///
     /// # Errors
-    /// [`StoreError::Read`] where the memory does not answer, perhaps only because it is still writing.
+    /// [`StoreError::Read`] where the memory does not answer, perhaps only because it is still writing, or where these bytes cannot be
+    /// read: a flash with error correction has to say so with an error, and not with an interrupt or a fault.
     fn read_slot(&mut self, slot: Slot, at: usize, bytes: &mut [u8]) -> Result<(), StoreError>;
 
     /// Writes from byte `at` of a slot on, a multiple of [`CHUNK_BYTES`](super::CHUNK_BYTES) and ascending. Must leave the
     /// other slot alone.
     ///
     /// # Errors
-    /// [`StoreError::Write`] where the memory does not take them, perhaps only because it is still writing.
+    /// [`StoreError::Write`] where the memory does not take them, perhaps only because it is still writing;
+    /// [`StoreError::HalfWritten`] where the same bytes cannot be written again without an erase.
     fn write_slot(&mut self, slot: Slot, at: usize, bytes: &[u8]) -> Result<(), StoreError>;
 }
 
@@ -46,6 +48,7 @@ pub fn serve(store: &mut impl Store, task: &StoreTask) -> StoreAnswer {
         }
         StoreTask::Write { slot, at, bytes } => match store.write_slot(*slot, *at, bytes) {
             Ok(()) => StoreAnswer::Written,
+            Err(StoreError::HalfWritten(_)) => StoreAnswer::HalfWritten,
             Err(_) => StoreAnswer::Failed,
         },
     }

@@ -49,6 +49,9 @@ pub enum StoreError {
     Read(Slot),
     /// A slot could not be written.
     Write(Slot),
+    /// Writing failed half-way in cells that have to be erased before they are written again: the slot is to be written from its
+    /// first byte again.
+    HalfWritten(Slot),
     /// A slot was written, and reads back as something else.
     NotConfirmed(Slot),
     /// The record's effects take more room than a slot has.
@@ -59,7 +62,9 @@ impl fmt::Display for StoreError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             StoreError::Read(slot) => write!(f, "slot {slot} cannot be read"),
-            StoreError::Write(slot) => write!(f, "slot {slot} cannot be written"),
+            StoreError::Write(slot) | StoreError::HalfWritten(slot) => {
+                write!(f, "slot {slot} cannot be written")
+            }
             StoreError::NotConfirmed(slot) => write!(f, "slot {slot} does not read back as written"),
             StoreError::DoesNotFit => DoesNotFit.fmt(f),
         }
@@ -77,6 +82,9 @@ pub enum SlotState {
     Stale(u32),
     /// No usable record, and why.
     Unusable(RecordError),
+    /// Its bytes cannot be read, though the memory answers elsewhere: power was lost while a flash with error correction was
+    /// written. It holds nothing, and is erased and written as an empty one.
+    Damaged,
     /// The memory did not answer.
     Unreadable,
 }
@@ -87,6 +95,7 @@ impl fmt::Display for SlotState {
             SlotState::Current(sequence) => write!(f, "current-{sequence}"),
             SlotState::Stale(sequence) => write!(f, "stale-{sequence}"),
             SlotState::Unusable(why) => write!(f, "{why}"),
+            SlotState::Damaged => f.write_str("damaged"),
             SlotState::Unreadable => f.write_str("unreadable"),
         }
     }
@@ -101,20 +110,29 @@ impl SlotState {
             | SlotState::Unusable(
                 RecordError::Unsupported { sequence, .. } | RecordError::Unsound { sequence },
             ) => Some(*sequence),
-            SlotState::Unusable(RecordError::Empty | RecordError::Torn) | SlotState::Unreadable => None,
+            SlotState::Unusable(RecordError::Empty | RecordError::Torn)
+            | SlotState::Damaged
+            | SlotState::Unreadable => None,
         }
     }
 
-    /// How much is lost where this is overwritten: nothing, a broken record, one that other firmware may still read.
+    /// How much is lost where this is overwritten: nothing, a broken record, one that other firmware may still read. A damaged slot
+    /// comes before an empty one, so that a second cut in a row spoils no second slot.
     const fn worth(&self) -> u8 {
         match self {
-            SlotState::Unusable(RecordError::Empty) => 0,
-            SlotState::Unusable(RecordError::Torn) => 1,
-            SlotState::Unusable(RecordError::Unsound { .. }) => 2,
-            SlotState::Unusable(RecordError::Unsupported { .. }) => 3,
-            SlotState::Stale(_) => 4,
-            SlotState::Unreadable | SlotState::Current(_) => 5,
+            SlotState::Damaged => 0,
+            SlotState::Unusable(RecordError::Empty) => 1,
+            SlotState::Unusable(RecordError::Torn) => 2,
+            SlotState::Unusable(RecordError::Unsound { .. }) => 3,
+            SlotState::Unusable(RecordError::Unsupported { .. }) => 4,
+            SlotState::Stale(_) => 5,
+            SlotState::Unreadable | SlotState::Current(_) => 6,
         }
+    }
+
+    /// Whether no record is lost where this is overwritten.
+    const fn is_free(&self) -> bool {
+        self.worth() <= SlotState::Unusable(RecordError::Torn).worth()
     }
 }
 
@@ -154,6 +172,16 @@ impl BothSlots {
         if b.worth() < a.worth() || (b.worth() == a.worth() && b_is_older) { Slot::B } else { Slot::A }
     }
 
+    /// Whether the other slot may be written, too, where this one takes nothing.
+    pub(super) fn may_write_other(&self, slot: Slot, in_use: Option<Slot>) -> bool {
+        let [a, b] = &self.states;
+        let state = match slot.other() {
+            Slot::A => a,
+            Slot::B => b,
+        };
+        in_use != Some(slot.other()) && state.is_free()
+    }
+
     /// The sequence number of the next record: above the newest in either slot, of unusable records too.
     pub(super) fn next_sequence(&self) -> u32 {
         let newest = self.states.iter().filter_map(SlotState::sequence);
@@ -186,6 +214,10 @@ mod tests {
             ([newer_firmware(7), SlotState::Current(3)], None, Slot::A),
             ([SlotState::Current(3), EMPTY], None, Slot::B),
             ([TORN, SlotState::Stale(3)], Some(Slot::A), Slot::B),
+            ([EMPTY, SlotState::Damaged], None, Slot::B),
+            ([SlotState::Damaged, newer_firmware(7)], None, Slot::A),
+            ([SlotState::Current(3), SlotState::Damaged], None, Slot::B),
+            ([SlotState::Damaged, SlotState::Stale(3)], Some(Slot::A), Slot::B),
         ] {
             assert_eq!(BothSlots { states }.target(in_use), target, "{states:?} {in_use:?}");
         }

@@ -81,7 +81,7 @@ fn a_byte_that_memory_keeps_otherwise_is_noticed_before_the_record_counts() {
     }
     let mut memory = Stuck(Ram([[0xff; MAX_RECORD_BYTES]; 2]));
     let saved = run(StoreJob::save(None, record()), &mut memory, |_| ());
-    assert!(saved == Err(StoreError::NotConfirmed(Slot::A)), "{saved:?}");
+    assert!(saved == Err(StoreError::NotConfirmed(Slot::B)), "both slots were tried: {saved:?}");
     let found = run(StoreJob::inspect(), &mut memory, |_| ());
     let Ok(Done::Inspected(slots, None)) = found else { panic!("{found:?}") };
     assert!(matches!(slots.states, [SlotState::Unusable(_), SlotState::Unusable(_)]), "{slots:?}");

@@ -1,12 +1,11 @@
 // The analysis, in a worker: questions go in turn, the page stays alive meanwhile.
 
 export class Engine {
-  /** Of the worker's address and a promise of the module's bytes (null: the page has none). */
+  /** Of the worker's address and a promise of the module's bytes. */
   constructor(address, module) {
     this.waiting = new Map();
     this.next = 1;
     this.ready = module.then((bytes) => {
-      if (!bytes) throw new Error("this page was built without its analysis, and shows only what it was given");
       this.worker = new Worker(address);
       this.worker.onmessage = ({ data }) => this.answered(data);
       this.worker.onerror = (event) => this.failed(new Error(event.message || "the worker stopped"));

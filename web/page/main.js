@@ -59,7 +59,7 @@ class Page {
     fill(by("sentence"), "Drop a log of your magnetometer here");
     by("drop").hidden = false;
     const input = h("input", { type: "file", id: "file", multiple: true, onchange: ({ target }) => this.take([...target.files]) });
-    const options = ["map", "rotate", "ut_per_count", "instance", "derive"].map((name) => [name, h("input", { type: "text", id: `option-${name}`, size: 28 })]);
+    const options = ["map", "rotate", "repair", "ut_per_count", "instance", "derive"].map((name) => [name, h("input", { type: "text", id: `option-${name}`, size: 28 })]);
     this.options = Object.fromEntries(options);
     this.search = h("input", { type: "checkbox", id: "search", checked: true });
     this.field = h("input", { type: "text", id: "option-field", size: 8 });
@@ -87,7 +87,7 @@ class Page {
   asked(name) {
     const several = (field) => this.options[field].value.split(";").map((text) => text.trim()).filter(Boolean);
     const one = (field) => this.options[field].value.trim() || null;
-    return { name, map: several("map"), rotate: several("rotate"), derive: several("derive"), ut_per_count: one("ut_per_count"), instance: one("instance") === null ? null : Number(one("instance")) };
+    return { name, map: several("map"), rotate: several("rotate"), repair: several("repair"), derive: several("derive"), ut_per_count: one("ut_per_count"), instance: one("instance") === null ? null : Number(one("instance")) };
   }
 
   async take(files) {

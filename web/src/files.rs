@@ -5,17 +5,12 @@ use std::io::Read;
 
 include!(concat!(env!("OUT_DIR"), "/files.rs"));
 
-/// The analysis as WebAssembly, packed by gzip; empty where the toolchain could not build it.
+/// The analysis as WebAssembly, packed by gzip.
 pub(crate) const MODULE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/module.wasm.gz"));
-
-/// Whether the page can read and fit by itself.
-pub fn has_module() -> bool {
-    env!("IRONOUT_WASM_BYTES") != "0"
-}
 
 /// Bytes of the module as it is sent: packed by gzip.
 pub fn module_bytes() -> usize {
-    if has_module() { MODULE.len() } else { 0 }
+    MODULE.len()
 }
 
 /// A file of the page, packed; nothing of a name that there is not.

@@ -11,5 +11,5 @@
 mod files;
 mod page;
 
-pub use files::{has_module, licences, module_bytes};
+pub use files::{licences, module_bytes};
 pub use page::{Mode, Page};

@@ -1,6 +1,6 @@
 //! Puts the page together.
 
-use crate::files::{MODULE, has_module, licences, packed, text};
+use crate::files::{MODULE, licences, packed, text};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
@@ -110,9 +110,7 @@ impl Page {
             data(&mut out, "script", name, packed(name));
         }
         data(&mut out, "worker", WORKER, packed(WORKER));
-        if !MODULE.is_empty() && has_module() {
-            data(&mut out, "bytes", "module", MODULE);
-        }
+        data(&mut out, "bytes", "module", MODULE);
         data(&mut out, "bytes", "licences", &gzip(licences().as_bytes()));
         for (name, bytes) in &self.data {
             let name: String = name.chars().filter(|c| c.is_ascii_alphabetic() || *c == '-').collect();

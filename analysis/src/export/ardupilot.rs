@@ -7,6 +7,7 @@ use crate::export::error::CannotExport;
 use crate::export::held::{Cause, Held, Room, Shape, Turns};
 use crate::export::rotations::euler_deg;
 use crate::export::words::{About, decimal, top};
+use crate::frame::Program;
 use nalgebra::Vector3;
 
 /// What ArduPilot holds.
@@ -16,6 +17,7 @@ pub const ROOM: Room = Room {
     turns: Turns::Numbered,
     power: true,
     temperature: false,
+    program: Program::Ardupilot,
 };
 
 /// Milligauss in a µT.
@@ -87,8 +89,8 @@ pub fn text(
         ));
         put("COMPASS_MOTCT".into(), kind.to_string());
     }
-    let obeyed = "COMPASS_ORIENT is obeyed by external compasses. The log is taken as in the sensor's own axes; one of ArduPilot's \
-                  own is turned by its COMPASS_ORIENT already, and these numbers are not for that.";
+    let obeyed =
+        "COMPASS_ORIENT is obeyed by external compasses. The log is taken as in the sensor's own axes.";
     if held.room.turns == Turns::Any {
         notes.push(format!(
             "{obeyed} CUST_ROT1 needs ArduPilot 4.3 or later, and must not be in use for something else."
@@ -100,6 +102,13 @@ pub fn text(
         }
     } else if let Some(mounting) = held.mounting.filter(|mounting| !mounting.is_none()) {
         notes.push(obeyed.into());
+        if held.is_own_log() {
+            notes.push(
+                "The calibration shows another mounting than the one in use when the log was made: COMPASS_ORIENT changes with \
+                 these numbers."
+                    .into(),
+            );
+        }
         put(format!("COMPASS_ORIENT{suffix}"), mounting.number.to_string());
     }
     let notes: Vec<&str> = notes.iter().map(String::as_str).collect();

@@ -6,7 +6,9 @@
 
 use crate::export::error::CannotExport;
 use crate::export::held::{Held, Room, Shape, Turns};
+use crate::export::rotations::euler_deg;
 use crate::export::words::{About, top};
+use crate::frame::Program;
 use nalgebra::{Matrix3, Vector3};
 
 /// What Betaflight holds.
@@ -16,6 +18,7 @@ pub const ROOM: Room = Room {
     turns: Turns::Numbered,
     power: false,
     temperature: false,
+    program: Program::Betaflight,
 };
 
 /// `align_mag` by its word: which axes of the sensor become Betaflight's x, y, z.
@@ -57,31 +60,49 @@ pub fn text(
     ];
     // From x forward, y right, z down to Betaflight's x forward, y left, z up.
     let up = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0));
-    let known = held.mounting.filter(|mounting| !mounting.is_none() && held.lost_deg.is_some());
+    // A blackbox log is behind align_mag, which stays as it is.
+    let aligned = matches!(held.source, Program::Betaflight | Program::Inav);
+    let known = held.mounting.filter(|mounting| !aligned && !mounting.is_none() && held.lost_deg.is_some());
     let wanted = known.map(|mounting| up * mounting.matrix);
     let named = |matrix: &Matrix3<f64>| {
         let of = |rows: &[[f64; 3]; 3]| Matrix3::from_fn(|i, j| rows[i][j]);
         ALIGNMENTS.iter().map(|(word, rows)| (*word, of(rows))).find(|(_, own)| (own - matrix).norm() < 1e-6)
     };
     let alignment = wanted.as_ref().and_then(named).filter(|(word, _)| *word != "CW0");
-    let mut rows = String::new();
+    let (mut rows, mut custom) = (String::new(), None);
     match (wanted, alignment) {
         (_, Some((word, _))) => {
-            notes.push(
-                "The log is taken as the driver's own axes; that of a blackbox is turned by align_mag already, and then the \
-                 line align_mag must go, and the offset is that of an export without --rotate."
-                    .into(),
-            );
+            notes.push("The log is taken as in the driver's own axes.".into());
             rows += &format!("set align_mag = {word}\n");
         }
-        (Some(matrix), None) if named(&matrix).is_none() => notes.push(
-            "The mounting is none of the eight that align_mag names: set mag_align_roll, mag_align_pitch and mag_align_yaw by \
-             hand, and export the calibration of a log of that."
-                .into(),
-        ),
+        (Some(matrix), None) if named(&matrix).is_none() => {
+            notes.push(
+                "The log is taken as in the driver's own axes. The mounting is none of the eight that align_mag names. The angles \
+                 are in tenths of a degree, and need Betaflight 2026.6 or later: earlier versions turn by the inverse rotation."
+                    .into(),
+            );
+            custom = Some(matrix);
+            rows += "set align_mag = CUSTOM\n";
+            for (name, angle_deg) in ["roll", "pitch", "yaw"].iter().zip(euler_deg(&matrix)) {
+                rows += &format!("set mag_align_{name} = {:.0}\n", angle_deg * 10.0);
+            }
+        }
+        _ if aligned => {
+            notes.push(
+                "align_mag is left as it is: the offset stands in the axes of the log, behind align_mag."
+                    .into(),
+            );
+            if held.source == Program::Inav {
+                notes.push(
+                    "The log is one of INAV, which subtracts magzero_x, magzero_y, magzero_z before align_mag, in the axes of \
+                     its driver: there these numbers are right only with align_mag CW0."
+                        .into(),
+                );
+            }
+        }
         _ => notes.push("align_mag is left as it is: the offset stands in the axes of the log.".into()),
     }
-    let turn = alignment.map_or_else(Matrix3::identity, |(_, matrix)| matrix);
+    let turn = alignment.map(|(_, matrix)| matrix).or(custom).unwrap_or_else(Matrix3::identity);
     let whole = (turn * counts).map(f64::round);
     if let Some(value) = whole.iter().find(|value| value.abs() > f64::from(i16::MAX)) {
         let parameter = "mag_calibration".to_string();

@@ -3,8 +3,9 @@
 use crate::effects::Calibrated;
 use crate::export::bound;
 use crate::export::error::CannotExport;
+use crate::export::measured;
 use crate::export::range::{Range, ranges};
-use crate::export::reading::Reading;
+use crate::frame::Frame;
 use ironout::calibration::{Calibration, inverse_3x3};
 use ironout::effect::{ColumnName, Effect, Id, Made, TIME};
 use ironout::extended::FittedEffect;
@@ -22,14 +23,14 @@ const END: &str = "#endif /* IRONOUT_CALIBRATION_H */\n";
 ///
 /// # Errors
 /// Two columns that have the same name in C, or a matrix without an inverse.
-pub fn text(calibration: &Calibrated, reading: &Reading, summary: &str) -> Result<String, CannotExport> {
+pub fn text(calibration: &Calibrated, frame: &Frame, summary: &str) -> Result<String, CannotExport> {
     let (text, scalar) = if calibration.effects.is_empty() {
         (plain(&calibration.base, summary), "float")
     } else {
         (extended(calibration, summary)?, "ironout_real")
     };
     let text = match text.strip_suffix(END) {
-        Some(body) => format!("{body}{}{END}", reading.c(scalar)),
+        Some(body) => format!("{body}{}{END}", measured::c(frame, scalar)),
         None => text,
     };
     Ok(text.replace('µ', "u").replace('·', "*").replace('−', "-").replace('°', "deg ").replace('²', "^2"))

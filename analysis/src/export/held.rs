@@ -1,17 +1,20 @@
 //! What a target holds of a calibration: offset, matrix and effects in the sensor's own axes, in the shape that it has room
 //! for, and what is left out.
 //!
-//! With the reading `measured = R·raw` a calibration is `corrected = M·R·(raw − Rᵀb − …)`. The polar decomposition
+//! With the frame `measured = R·raw` a calibration is `corrected = M·R·(raw − Rᵀb − …)`. The polar decomposition
 //! `M·R = U·S` splits it into a symmetric matrix, which alone makes the magnitude, and a rotation: the mounting, and beside
 //! it a misalignment that a target without a full matrix cannot hold. Where the calibration was not aligned to an accelerometer
 //! the rotation of its triangular matrix is a convention, and nothing is lost without it.
 
 use crate::effects::Calibrated;
 use crate::export::error::CannotExport;
-use crate::export::reading::Reading;
 use crate::export::rotations::{Rotation, angle_deg};
+use crate::frame::{Frame, Program};
 use ironout::effect::Id;
 use nalgebra::{Matrix3, Vector3};
+
+/// Angle up to which a target's mounting counts as the one that the calibration shows, degrees. The numbered mountings lie 45 apart.
+const MAX_SAME_MOUNTING_DEG: f64 = 20.0;
 
 /// The matrices that a target has room for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +51,8 @@ pub struct Room {
     pub power: bool,
     /// An offset that follows one temperature, and its square.
     pub temperature: bool,
+    /// The program that it is.
+    pub program: Program,
 }
 
 /// What an effect that a target holds follows.
@@ -131,7 +136,12 @@ pub struct Held {
     pub offset_ut: Vector3<f64>,
     /// In the sensor's axes, of the target's shape.
     pub matrix: Matrix3<f64>,
-    /// The mounting among the numbered ones; `None` where the sensor's axes are mirrored, which only a full matrix holds.
+    /// From the axes of [`Held::offset_ut`] to those of the calibration.
+    pub rotation: Matrix3<f64>,
+    /// Program whose log the calibration is of.
+    pub source: Program,
+    /// The mounting to be set, among the numbered ones; `None` where the sensor's axes are mirrored, which only a full matrix
+    /// holds, and where the target has the right one already.
     pub mounting: Option<Rotation>,
     /// From the sensor's axes to the body's after the matrix, as the target does it.
     pub turn: Matrix3<f64>,
@@ -154,11 +164,11 @@ impl Held {
     ///
     /// # Errors
     /// A matrix without an inverse, or axes that are mirrored.
-    pub fn of(calibration: &Calibrated, reading: &Reading, room: Room) -> Result<Self, CannotExport> {
+    pub fn of(calibration: &Calibrated, frame: &Frame, room: Room) -> Result<Self, CannotExport> {
         let base = &calibration.base;
         let matrix = Matrix3::from_fn(|i, j| base.matrix[i][j]);
         let aligned = [(1, 0), (2, 0), (2, 1)].iter().any(|&(i, j)| base.matrix[i][j] != 0.0);
-        let rotation = reading.matrix();
+        let rotation = frame.rotation_for(room.program);
         // A triangular matrix has a rotation that nothing was asked about.
         let matrix = if aligned || room.shape == Shape::Full { matrix } else { polar(&matrix)?.1 };
         let whole = matrix * rotation;
@@ -167,8 +177,12 @@ impl Held {
         if mirrored && room.shape != Shape::Full {
             return Err(CannotExport::Mirrored(room.name));
         }
-        let mounting = (!mirrored).then(|| Rotation::nearest(&turned));
-        let out = mounting.map_or_else(Matrix3::identity, |mounting| mounting.matrix);
+        // What the target does to its sensor already is right unless the calibration shows another mounting.
+        let there = frame.mounting_of(room.program);
+        let there = there.filter(|there| angle_deg(&(turned * there.transpose())) < MAX_SAME_MOUNTING_DEG);
+        let mounting = (!mirrored && there.is_none()).then(|| Rotation::nearest(&turned));
+        let set = mounting.map(|mounting| mounting.matrix);
+        let out = there.or(set).unwrap_or_else(Matrix3::identity);
         let (kept, turn) = match (room.shape, room.turns) {
             (Shape::Full, _) => (out.transpose() * whole, out),
             (_, Turns::Any) => (symmetric, turned),
@@ -177,12 +191,14 @@ impl Held {
         let shaped = of_shape(&kept, room.shape);
         let lost = turned * turn.transpose();
         let left_deg = if room.shape == Shape::Full { 0.0 } else { angle_deg(&lost) };
-        let (effects, dropped) = effects(calibration, reading, room);
+        let (effects, dropped) = effects(calibration, &rotation, room);
         Ok(Held {
             room,
-            offset_ut: reading.to_sensor(base.offset_ut),
+            offset_ut: rotation.transpose() * Vector3::from(base.offset_ut),
             narrowed: (shaped - kept).norm() > 1e-9 * kept.norm(),
             matrix: shaped,
+            rotation,
+            source: frame.program,
             mounting,
             turn,
             lost_deg: aligned.then_some(left_deg),
@@ -202,6 +218,16 @@ impl Held {
     /// of [`Held::effects`], in their order.
     pub fn apply(&self, sensor_ut: Vector3<f64>, values: &[f64]) -> Vector3<f64> {
         self.turn * self.matrix * self.centred(sensor_ut, values)
+    }
+
+    /// Whether the log is the target's own.
+    pub fn is_own_log(&self) -> bool {
+        self.source == self.room.program && self.source != Program::Other
+    }
+
+    /// A vector of the calibration's axes in those of the target's numbers, µT.
+    pub(crate) fn to_sensor(&self, vector_ut: [f64; 3]) -> Vector3<f64> {
+        self.rotation.transpose() * Vector3::from(vector_ut)
     }
 
     /// `sensor − offset − effects`, µT in the sensor's axes.
@@ -244,7 +270,7 @@ fn of_shape(matrix: &Matrix3<f64>, shape: Shape) -> Matrix3<f64> {
 }
 
 /// What a target has room for among the effects, and the rest with the reason.
-fn effects(calibration: &Calibrated, reading: &Reading, room: Room) -> (Vec<Carried>, Vec<Dropped>) {
+fn effects(calibration: &Calibrated, rotation: &Matrix3<f64>, room: Room) -> (Vec<Carried>, Vec<Dropped>) {
     let (mut carried, mut dropped): (Vec<Carried>, Vec<Dropped>) = (Vec::new(), Vec::new());
     let nowhere = |id: &str| Dropped { id: id.into(), why: format!("{} has no place for it", room.name) };
     for (place, fitted) in calibration.effects.iter().enumerate() {
@@ -266,7 +292,8 @@ fn effects(calibration: &Calibrated, reading: &Reading, room: Room) -> (Vec<Carr
                 column: parts.column.to_string(),
                 cause,
                 squared,
-                coefficient_ut: reading.to_sensor([0, 1, 2].map(|axis| fitted.coefficients[axis])),
+                coefficient_ut: rotation.transpose()
+                    * Vector3::from([0, 1, 2].map(|axis| fitted.coefficients[axis])),
                 reference: parts.reference().unwrap_or(0.0),
                 range: fitted.ranges[0],
             }),
@@ -302,6 +329,7 @@ mod tests {
         turns: Turns::Numbered,
         power: true,
         temperature: true,
+        program: Program::Other,
     };
 
     fn plain(matrix: [[f64; 3]; 3]) -> Calibrated {
@@ -311,13 +339,13 @@ mod tests {
     #[test]
     fn a_symmetric_matrix_is_held_as_it_is_and_a_rotation_is_told() {
         let symmetric = [[1.1, 0.05, -0.02], [0.05, 0.9, 0.03], [-0.02, 0.03, 1.0]];
-        let held = Held::of(&plain(symmetric), &Reading::default(), ROOM).expect("held");
+        let held = Held::of(&plain(symmetric), &Frame::default(), ROOM).expect("held");
         assert!(held.is_whole() && held.lost_deg.is_some_and(|lost| lost < 1e-9), "{held:?}");
         let (sin, cos) = 3_f64.to_radians().sin_cos();
         let turned = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
             * Matrix3::from_fn(|i, j| symmetric[i][j]);
         let rows: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| turned[(i, j)]));
-        let held = Held::of(&plain(rows), &Reading::default(), ROOM).expect("held");
+        let held = Held::of(&plain(rows), &Frame::default(), ROOM).expect("held");
         assert!((held.lost_deg.expect("aligned") - 3.0).abs() < 1e-9, "{held:?}");
         assert!((held.matrix - Matrix3::from_fn(|i, j| symmetric[i][j])).norm() < 1e-12);
     }
@@ -325,7 +353,7 @@ mod tests {
     #[test]
     fn a_triangular_matrix_loses_only_a_convention() {
         let triangle = [[1.1, 0.1, -0.05], [0.0, 0.9, 0.2], [0.0, 0.0, 1.0]];
-        let held = Held::of(&plain(triangle), &Reading::default(), ROOM).expect("held");
+        let held = Held::of(&plain(triangle), &Frame::default(), ROOM).expect("held");
         assert!(held.lost_deg.is_none() && held.is_whole());
         let v = Vector3::new(20.0, -30.0, 10.0);
         let own = Matrix3::from_fn(|i, j| triangle[i][j]) * (v - held.offset_ut);
@@ -334,8 +362,8 @@ mod tests {
 
     #[test]
     fn a_mirror_fits_into_a_full_matrix_alone() {
-        let mirror =
-            Reading { ut_per_count: None, rotation: [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
+        let from_source = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let mirror = Frame { from_source, ..Frame::default() };
         let calibration = plain([[1.1, 0.05, -0.02], [0.05, 0.9, 0.03], [-0.02, 0.03, 1.0]]);
         assert_eq!(Held::of(&calibration, &mirror, ROOM), Err(CannotExport::Mirrored("a target")));
         let full = Room { shape: Shape::Full, ..ROOM };

@@ -6,10 +6,17 @@
 use crate::export::error::CannotExport;
 use crate::export::held::{Held, Room, Shape, Turns};
 use crate::export::words::{About, decimal, top};
+use crate::frame::Program;
 
 /// What a driver and its user hold.
-pub const ROOM: Room =
-    Room { name: "IIO", shape: Shape::Diagonal, turns: Turns::Any, power: false, temperature: false };
+pub const ROOM: Room = Room {
+    name: "IIO",
+    shape: Shape::Diagonal,
+    turns: Turns::Any,
+    power: false,
+    temperature: false,
+    program: Program::Other,
+};
 
 /// µT in a gauss.
 const GAUSS: f64 = 100.0;

@@ -9,11 +9,18 @@ use crate::export::error::CannotExport;
 use crate::export::held::{Cause, Held, Room, Shape, Turns};
 use crate::export::rotations::euler_deg;
 use crate::export::words::{About, decimal, top};
+use crate::frame::Program;
 use nalgebra::Vector3;
 
 /// What PX4 holds.
-pub const ROOM: Room =
-    Room { name: "PX4", shape: Shape::Symmetric, turns: Turns::Numbered, power: true, temperature: true };
+pub const ROOM: Room = Room {
+    name: "PX4",
+    shape: Shape::Symmetric,
+    turns: Turns::Numbered,
+    power: true,
+    temperature: true,
+    program: Program::Px4,
+};
 
 /// µT in a gauss.
 const GAUSS: f64 = 100.0;
@@ -92,6 +99,8 @@ pub fn text(
         for (name, angle_deg) in ["ROLL", "PITCH", "YAW"].iter().zip(euler_deg(&held.turn)) {
             put(format!("CAL_MAG{n}_{name}"), decimal(angle_deg), REAL32);
         }
+    } else if held.is_own_log() && held.mounting.is_none() {
+        notes.push(format!("CAL_MAG{n}_ROT is left as it is: the log was made with it."));
     } else if let Some(mounting) = held.mounting.filter(|mounting| !mounting.is_none()) {
         notes.push(obeyed.into());
         put(format!("CAL_MAG{n}_ROT"), mounting.number.to_string(), INT32);

@@ -5,7 +5,6 @@ use crate::base::heading::{HeadingError, difference_deg, heading_deg};
 use crate::correct::Corrector;
 use crate::effects::Calibrated;
 use crate::export::held::{Held, Shape};
-use crate::export::reading::Reading;
 use crate::table::Table;
 use ironout::calibration::norm;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
@@ -81,12 +80,7 @@ struct Row {
 ///
 /// # Errors
 /// Where the log does not tell.
-pub fn refit(
-    held: &Held,
-    calibration: &Calibrated,
-    reading: &Reading,
-    table: &Table,
-) -> Result<(Held, Cost), NoCost> {
+pub fn refit(held: &Held, calibration: &Calibrated, table: &Table) -> Result<(Held, Cost), NoCost> {
     let counted = Counted::of(table, 1.0);
     let corrector = Corrector::new(*calibration, table)
         .map_err(|error| NoCost::Column(error.column.clone(), error.why.clone()))?;
@@ -100,7 +94,7 @@ pub fn refit(
         let conditions = corrector.conditions(row);
         let value = |place: usize| conditions.inputs.get(place).map_or(f64::NAN, |inputs| inputs[0]);
         rows.push(Row {
-            sensor_ut: reading.to_sensor(table.field(row)),
+            sensor_ut: held.to_sensor(table.field(row)),
             field_ut: held.field_ut * table.place(row).share,
             values: held.effects.iter().map(|effect| value(effect.place)).collect(),
             whole_ut,

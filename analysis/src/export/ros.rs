@@ -4,10 +4,17 @@
 
 use crate::export::held::{Held, Room, Shape, Turns};
 use crate::export::words::{About, top};
+use crate::frame::Program;
 
 /// What the node holds.
-pub const ROOM: Room =
-    Room { name: "ROS", shape: Shape::Full, turns: Turns::Numbered, power: false, temperature: false };
+pub const ROOM: Room = Room {
+    name: "ROS",
+    shape: Shape::Full,
+    turns: Turns::Numbered,
+    power: false,
+    temperature: false,
+    program: Program::Ros,
+};
 
 /// µT in a tesla.
 const TESLA: f64 = 1e6;
@@ -21,7 +28,9 @@ pub fn text(held: &Held, about: About) -> String {
             .to_string(),
         "Load it with: ros2 run magnetometer_pipeline magnetometer_bias_remover_node --ros-args --params-file THIS.yaml".into(),
     ];
-    if held.mounting.is_some_and(|mounting| !mounting.is_none()) {
+    if held.is_own_log() {
+        notes.push("Bias and matrix are in the axes of the topic, as the log has them.".into());
+    } else if held.mounting.is_some_and(|mounting| !mounting.is_none()) {
         notes.push(
             "The mounting belongs to the frames (tf): the rotation from the sensor's frame to x forward, y right, z down. \
              ROS has y to the left and z up."

@@ -2,8 +2,9 @@
 
 use crate::effects::Calibrated;
 use crate::export::bound;
+use crate::export::measured;
 use crate::export::range::{Range, ranges};
-use crate::export::reading::Reading;
+use crate::frame::Frame;
 use ironout::calibration::Calibration;
 use ironout::effect::{ColumnName, Effect, Made, RustCode, TIME};
 use ironout::extended::{FittedEffect, MAX_EFFECTS, Ranges};
@@ -29,13 +30,13 @@ fn list(scalar: &str, values: &[f64]) -> String {
 }
 
 /// The file, with how the log was read.
-pub fn text(calibration: &Calibrated, reading: &Reading, summary: &str) -> String {
+pub fn text(calibration: &Calibrated, frame: &Frame, summary: &str) -> String {
     let text = if calibration.effects.is_empty() {
         plain(&calibration.base, summary)
     } else {
         extended(calibration, summary) + &outside(&ranges(calibration))
     };
-    text + &reading.rust()
+    text + &measured::rust(frame)
 }
 
 /// The ranges and the function that says whether a value lies outside; nothing where no range is known.

@@ -22,9 +22,9 @@ const THICK: f64 = 0.3;
 /// A sphere is this many of the sensor's steps large: the corners of a cube of one step lie on a sphere too.
 const STEPS: f64 = 8.0;
 /// Noise jumps: on a sphere that was turned through, a reading lies this near to the one before, of the radius.
-const JUMP: f64 = 0.7;
+pub(super) const JUMP: f64 = 0.7;
 /// Readings that are not shown to follow each other must cover this of the directions …
-const ALL_OVER: f64 = 0.15;
+pub(super) const ALL_OVER: f64 = 0.15;
 /// … and be this thin.
 const THIN: f64 = 0.15;
 /// Noise fills a ball; readings on a shell this thin were turned, even where each is far from the one before.
@@ -188,7 +188,7 @@ fn middle_of(points: &[Vector3<f64>]) -> Vector3<f64> {
 }
 
 /// The least distance between two values that occur on an axis.
-fn least_step(points: &[Vector3<f64>], axis: usize) -> f64 {
+pub(super) fn least_step(points: &[Vector3<f64>], axis: usize) -> f64 {
     let mut values: Vec<f64> = points.iter().map(|p| p[axis]).collect();
     values.sort_by(f64::total_cmp);
     let steps = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9);
@@ -197,7 +197,7 @@ fn least_step(points: &[Vector3<f64>], axis: usize) -> f64 {
 }
 
 /// Whether gravity shows that the board was turned; `None` without an accelerometer.
-fn tilted(table: &Table, rows: &[usize]) -> Option<bool> {
+pub(super) fn tilted(table: &Table, rows: &[usize]) -> Option<bool> {
     let accel = table.accel_mps2?;
     let at = |row: usize| Vector3::from_fn(|axis, _| accel[axis].get(row).copied().unwrap_or(f64::NAN));
     let directions = rows.iter().map(|&row| at(row)).filter(|a| a.norm() > 0.0 && a.norm().is_finite());
@@ -209,6 +209,17 @@ fn tilted(table: &Table, rows: &[usize]) -> Option<bool> {
 /// Between two readings that are looked at.
 fn stride(rows: usize) -> usize {
     rows.div_ceil(MOST).max(1)
+}
+
+/// Readings, evenly chosen, and their median; `None` where they are few, or no numbers.
+pub(super) fn points(table: &Table, rows: &[usize]) -> Option<(Vec<Vector3<f64>>, Vector3<f64>)> {
+    let chosen = rows.iter().step_by(stride(rows.len()));
+    let points: Vec<Vector3<f64>> = chosen.map(|&row| table.field(row).into()).collect();
+    if points.len() < LEAST || points.iter().flatten().any(|value| !value.is_finite()) {
+        return None;
+    }
+    let middle = Vector3::from_fn(|axis, _| median(&mut points.iter().map(|p| p[axis]).collect::<Vec<_>>()));
+    Some((points, middle))
 }
 
 /// The centre of the sphere that the readings lie on: the offset, but for soft iron. `None` where they lie on none.
@@ -225,19 +236,20 @@ pub(crate) fn centre(table: &Table) -> Option<Vector3<f64>> {
 }
 
 /// A sphere that points lie on.
-struct Sphere {
+pub(super) struct Sphere {
     centre: Vector3<f64>,
-    radius: f64,
+    /// Its radius.
+    pub(super) radius: f64,
     /// How far the field can be from the radius: the axes of an ellipsoid, and what the directions leave open.
     error: f64,
     /// Least eigenvalue of the scatter of the directions.
-    spread: f64,
+    pub(super) spread: f64,
     /// How far the points lie off it, 1σ, as a share of the radius.
     thickness: f64,
 }
 
 /// The sphere that most of the points lie on.
-fn sphere(points: &[Vector3<f64>]) -> Option<Sphere> {
+pub(super) fn sphere(points: &[Vector3<f64>]) -> Option<Sphere> {
     let mut kept: Vec<&Vector3<f64>> = points.iter().collect();
     let mut found = None;
     for _ in 0..4 {

@@ -2,8 +2,10 @@
 //!
 //! Each check gives what it measured, and nothing where the log cannot tell. None knows a calibration.
 
+pub mod breakage;
 pub mod causes;
 pub mod clock;
+pub mod coarse;
 pub mod copies;
 pub mod directions;
 pub mod field;

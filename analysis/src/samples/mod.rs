@@ -6,6 +6,7 @@ pub mod data;
 pub mod families;
 pub mod faults;
 pub mod fft;
+pub mod gravity;
 pub mod samples;
 pub mod series;
 pub mod work;

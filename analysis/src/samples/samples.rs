@@ -1,5 +1,6 @@
 //! The samples of a study: repeated triples dropped, faulty rows set aside, long logs thinned.
 
+use crate::samples::gravity;
 use crate::samples::work::Work;
 use crate::table::Table;
 use crate::track::Place;
@@ -254,7 +255,7 @@ impl Samples {
 
     /// Directions down, where the accelerometer measures little besides gravity.
     fn find_down(&mut self, table: &Table, late_s: f64) {
-        let Some(accel) = late(table, &table.accel_mps2, late_s) else { return };
+        let Some(accel) = late(table, &gravity::of_table(table), late_s) else { return };
         let norm = |a: [f64; 3]| (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt();
         let vectors: Vec<[f64; 3]> =
             self.row.iter().map(|&row| accel.each_ref().map(|axis| axis[row])).collect();

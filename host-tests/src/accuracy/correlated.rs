@@ -194,6 +194,7 @@ pub fn judge(case: &Case, log: &Log) -> Option<Judged> {
         field_ut: Some(FIELD_UT),
         method: Method::Adjusted,
         samples_per_block: block_samples(case.rate_hz()),
+        axes: None,
     });
     session.start();
     for counts in &log.counts {

@@ -51,6 +51,7 @@ fn judge_session(log: &Log, method: Method) -> Judged {
         field_ut: Some(FIELD_UT),
         method,
         samples_per_block: block_samples(RATE_HZ),
+        axes: None,
     });
     session.start();
     for counts in &log.counts {

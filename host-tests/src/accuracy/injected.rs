@@ -85,7 +85,7 @@ impl Source {
 }
 
 /// Columns of a recording by name, µT for the field.
-type Columns = Vec<(String, Vec<f64>)>;
+pub type Columns = Vec<(String, Vec<f64>)>;
 
 /// Reads a recording; `None` where it is not there.
 fn read(file: &str, ut_per_count: f64) -> Option<Columns> {
@@ -170,7 +170,7 @@ struct Drawn {
 }
 
 /// The laid column that an effect follows.
-fn laid_column(id: &str) -> Option<&str> {
+pub fn laid_column(id: &str) -> Option<&str> {
     let (_, of) = id.split_once(':')?;
     let name = of.split(['^', '@']).next()?;
     LAID.contains(&name).then_some(name)
@@ -277,6 +277,11 @@ impl Source {
             text += &cells.join(",");
         }
         Some(text + "\n")
+    }
+
+    /// The columns of one of its logs, and the effects that were put in; `None` where the recording is not there.
+    pub fn columns(self, number: u64) -> Option<(Columns, Vec<String>)> {
+        self.draw(number).map(|drawn| (drawn.columns, drawn.hidden))
     }
 
     /// The lines of the table.

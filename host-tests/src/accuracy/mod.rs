@@ -12,6 +12,7 @@ pub mod injected;
 pub mod irrelevant;
 pub mod irrelevant_table;
 pub mod log;
+pub mod optical;
 pub mod paper_table;
 pub mod pooled;
 pub mod simulated;

@@ -2,17 +2,20 @@
 
 mod accuracy;
 mod board_and_host;
+mod brown_outs;
 mod common;
 mod console;
 mod correlated;
 mod coverage;
 mod device_machine;
 mod diagnose_dip;
+mod ecc_store;
 mod effect_table;
 mod effects_on_board;
 mod endurance;
 mod flash_store;
 mod irrelevant_effects;
+mod late_store;
 mod learning_board;
 mod loading;
 mod measured;
@@ -20,10 +23,13 @@ mod moments;
 mod monitor;
 mod mountings;
 pub mod names;
+mod optical;
 mod oracle;
 mod paper;
+#[cfg(all(unix, feature = "emulated"))]
 mod pico;
 mod properties;
+#[cfg(all(unix, feature = "emulated"))]
 mod qemu;
 mod record;
 mod refusals;
@@ -35,3 +41,10 @@ mod store;
 mod store_on_bus;
 mod truths;
 mod world;
+mod wrapping_clock;
+
+/// Stands in the summary for what this build leaves out.
+#[cfg(not(feature = "emulated"))]
+#[test]
+#[ignore = "emulated boards: cargo test --workspace --features emulated"]
+fn emulated_boards() {}

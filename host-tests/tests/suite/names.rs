@@ -5,6 +5,7 @@
 #[deny(ambiguous_glob_reexports)]
 pub mod all_rooms {
     pub use ironout::calibration::*;
+    pub use ironout::clock::*;
     pub use ironout::coverage::*;
     pub use ironout::device::*;
     pub use ironout::effect::*;

@@ -292,7 +292,13 @@ proptest! {
         samples_per_block in any::<u16>(),
         method in method(),
     ) {
-        let mut session = Session::new(SessionConfig { ut_per_count: scale, field_ut, method, samples_per_block });
+        let mut session = Session::new(SessionConfig {
+            ut_per_count: scale,
+            field_ut,
+            method,
+            samples_per_block,
+            axes: None,
+        });
         for call in calls {
             match call {
                 Call::Start => session.start(),

@@ -146,6 +146,7 @@ fn session() -> Session {
         field_ut: Some(FIELD_UT),
         method: Method::Adjusted,
         samples_per_block: 16,
+        axes: None,
     });
     session.start();
     session

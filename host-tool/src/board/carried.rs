@@ -3,7 +3,6 @@
 use super::console::Identity;
 use crate::cal_file::{CalFile, FitObject, VERSION};
 use crate::failure::{Failure, Outcome};
-use crate::input::Mounting;
 use crate::reading::Reading;
 use ironout::effect::Id;
 use ironout::extended::{Effects, Live, LiveError, MAX_DELAYED};
@@ -11,6 +10,8 @@ use ironout::fit::{Method, Order};
 use ironout::record::{Covariance, MAX_RECORD_BYTES, PredictedError, Record};
 use ironout_analysis::calibration::{EffectEntry, Information, StdErrors};
 use ironout_analysis::effects::{entry, of_library};
+use ironout_analysis::frame::{Frame, IDENTITY, matrix3, rows};
+use nalgebra::Vector3;
 
 /// Scales that differ by less than this share are the same: a board holds its own in single precision.
 const SAME_SCALE: f64 = 1e-6;
@@ -30,6 +31,9 @@ pub struct Carried {
 /// What this board cannot hold or would apply wrongly, with what to do.
 pub fn carried(cal: &CalFile, board: &Identity) -> Outcome<Carried> {
     right_for(cal, board)?;
+    let mut notices = Vec::new();
+    let turned = in_source_axes(cal, &mut notices)?;
+    let cal = &turned;
     let calibrated = cal.extended()?;
     for fitted in calibrated.effects.iter() {
         if fitted.effect.parts().form.tag == 0 {
@@ -74,7 +78,6 @@ pub fn carried(cal: &CalFile, board: &Identity) -> Outcome<Carried> {
             "its effects do not fit into a board's record of {MAX_RECORD_BYTES} bytes: fit again with one fewer"
         ))
     })?;
-    let mut notices = Vec::new();
     // As it is stored: without a covariance that finds no room.
     let covariance = Record::decode(encoded.as_bytes()).ok().and_then(|stored| stored.covariance);
     let record = Record { covariance, ..record };
@@ -113,14 +116,62 @@ fn right_for(cal: &CalFile, board: &Identity) -> Outcome<()> {
             words(of_board)
         )));
     }
-    let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let turned = Mounting::parse(&reading.rotate)?.magnetometer.unwrap_or(identity);
-    if turned.iter().flatten().zip(identity.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-9) {
-        return Err(cannot(
-            "it is of a log read with --rotate, and the board corrects in its own axes: fit the log without it",
-        ));
-    }
     Ok(())
+}
+
+/// The calibration in the axes of the numbers that its log held, which a board corrects in: `Rᵀ·M·R·(raw − Rᵀ·b − …)`.
+///
+/// # Errors
+/// An effect whose coefficients are no vectors.
+fn in_source_axes(cal: &CalFile, notices: &mut Vec<String>) -> Outcome<CalFile> {
+    let frame = cal.reading.as_ref().map_or_else(|| Ok(Frame::default()), Reading::frame)?;
+    let (mut turned, r) = (cal.clone(), frame.rotation());
+    if frame.from_source == IDENTITY {
+        return Ok(turned);
+    }
+    let back = r.transpose();
+    turned.fit.offset_ut = cal.fit.offset_ut.map(|offset| (back * Vector3::from(offset)).into());
+    turned.fit.matrix = cal.fit.matrix.map(|matrix| rows(&(back * matrix3(&matrix) * r)));
+    for entry in &mut turned.fit.effects {
+        let kind = entry.id.split([':', '#']).next().unwrap_or_default();
+        if !["offset", "drift", "step"].contains(&kind) {
+            return Err(cannot(&format!(
+                "its log was read in other axes than the sensor's, and the effect {} cannot be turned back to them. Fix: fit the \
+                 log again with --rotate so that its axes are the board's",
+                entry.id
+            )));
+        }
+        for three in entry.coefficients.chunks_exact_mut(3) {
+            three.copy_from_slice((back * Vector3::from_column_slice(three)).as_slice());
+        }
+        for three in entry.std_errors.chunks_exact_mut(3) {
+            let before: Vec<Option<f64>> = three.to_vec();
+            for (axis, sigma) in three.iter_mut().enumerate() {
+                let parts = before.iter().enumerate().filter(|(j, _)| back[(axis, *j)] != 0.0);
+                let squares: Option<f64> =
+                    parts.map(|(j, own)| own.map(|s| (back[(axis, j)] * s).powi(2))).sum();
+                *sigma = squares.map(f64::sqrt);
+            }
+        }
+    }
+    let signs = [0, 1, 2].map(|axis| r[(axis, axis)]);
+    let flips = signs.iter().all(|sign| sign.abs() == 1.0);
+    let covariance = cal.information.as_ref().and_then(Information::covariance).filter(|_| flips);
+    turned.information = covariance.and_then(|mut covariance| {
+        let [x, y, z] = signs;
+        let of = [x, y, z, x * x, x * y, x * z, y * y, y * z, z * z];
+        for (i, row) in covariance.iter_mut().enumerate() {
+            row.iter_mut().enumerate().for_each(|(j, value)| *value *= of[i] * of[j]);
+        }
+        Information::from_covariance(&covariance)
+    });
+    notices.push(
+        "its log was read in other axes than the sensor's: it is turned back to those of the sensor".into(),
+    );
+    if cal.information.is_some() && turned.information.is_none() {
+        notices.push("what the fit knows (information) is left out, as it cannot be turned: keep the file for fit --prior".into());
+    }
+    Ok(turned)
 }
 
 /// The order of the model, as its matrix shows it: the file does not say.
@@ -182,5 +233,34 @@ fn std_errors(covariance: &[[f64; 9]; 9]) -> StdErrors {
     StdErrors {
         offset_ut: [sigma(0), sigma(1), sigma(2)],
         matrix: [[sigma(3), sigma(4), sigma(5)], [0.0, sigma(6), sigma(7)], [0.0, 0.0, sigma(8)]],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_board_corrects_its_own_numbers_to_the_same_field() {
+        let mut cal = CalFile::parse(include_str!("../../tests/fixtures/cal.json")).expect("a calibration");
+        let flip = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
+        let yaw = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        for turn in [flip, yaw] {
+            let frame = Frame { from_source: turn, ..Frame::default() };
+            cal.reading = Some(Reading { frame: Some(frame), ..Reading::default() });
+            let mut notices = Vec::new();
+            let turned = in_source_axes(&cal, &mut notices).expect("no effects");
+            let (own, board) = (cal.calibration().expect("sound"), turned.calibration().expect("sound"));
+            let raw = [20.0, -31.0, 12.5];
+            let body = matrix3(&turn) * Vector3::from(raw);
+            let corrected = matrix3(&turn) * Vector3::from(board.apply(raw));
+            assert!((corrected - Vector3::from(own.apply(body.into()))).norm() < 1e-9, "{turn:?}");
+            assert_eq!(
+                turned.information.is_some(),
+                cal.information.is_some() && turn == flip,
+                "{notices:?}"
+            );
+            assert!(notices[0].contains("turned back"));
+        }
     }
 }

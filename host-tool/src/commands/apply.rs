@@ -82,7 +82,7 @@ fn one(
         "after": {"rms_ut": json_number(Some(after)), "rms_percent": json_number(Some(after / field * 100.0)),
                   "worst_ut": json_number(Some(worst))},
         "outside": extrapolation.outside, "range_unknown": extrapolation.unknown,
-        "read_as": read_block::json(&log.read_as),
+        "read_as": read_block::json(log),
         "output": arguments.output.as_ref().map(|path| path.display().to_string()),
     });
     if json {

@@ -37,7 +37,7 @@ pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
     if as_json {
         let mut object = json::object(&diagnosis);
         if let Some(fields) = object.as_object_mut() {
-            fields.insert("read_as".into(), read_block::json(&log.read_as));
+            fields.insert("read_as".into(), read_block::json(&log));
         }
         output::line(&object.to_string());
     } else {

@@ -61,8 +61,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         });
     }
     if json {
-        let object =
-            Said { fit: FitObject::of(&fitted, method.name()), read_as: read_block::json(&log.read_as) };
+        let object = Said { fit: FitObject::of(&fitted, method.name()), read_as: read_block::json(&log) };
         output::line(&serde_json::to_string(&object).map_err(to_text)?);
     } else {
         output::text(&fit_words::text(arguments, &log, &fitted, &expected));

@@ -29,7 +29,7 @@ pub fn run(arguments: &ImportArgs, json: bool) -> Outcome<u8> {
         line(
             &serde_json::json!({
                 "log": log.path.display().to_string(), "rows": log.rows, "output": arguments.output.display().to_string(),
-                "counts": counts, "read_as": read_block::json(&log.read_as),
+                "counts": counts, "read_as": read_block::json(&log),
             })
             .to_string(),
         );

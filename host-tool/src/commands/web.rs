@@ -3,16 +3,10 @@
 use crate::cli::WebArgs;
 use crate::failure::{EXIT_OK, Failure, Outcome};
 use crate::{atomic, output};
-use ironout_web::{Mode, Page, has_module, licences};
+use ironout_web::{Mode, Page, licences};
 
 /// Writes the page into a folder.
 pub fn run(arguments: &WebArgs, json: bool) -> Outcome<u8> {
-    if !has_module() {
-        return Err(Failure::usage(
-            "this program was built without the target wasm32-unknown-unknown, and its page cannot fit by itself: rustup target add \
-             wasm32-unknown-unknown, and build again",
-        ));
-    }
     let folder = &arguments.output;
     std::fs::create_dir_all(folder).map_err(|error| Failure::io("make the folder", folder, &error))?;
     let html = Page::new(Mode::Alone, "ironout").html();

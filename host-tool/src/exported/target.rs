@@ -7,10 +7,10 @@ use crate::input::Log;
 use ironout_analysis::Table;
 use ironout_analysis::export::error::CannotExport;
 use ironout_analysis::export::held::{Held, Room, Turns};
-use ironout_analysis::export::reading::Reading;
 use ironout_analysis::export::refit::{Cost, NoCost, refit};
 use ironout_analysis::export::words::About;
 use ironout_analysis::export::{ardupilot, betaflight, iio, px4, ros};
+use ironout_analysis::frame::Frame;
 
 /// A file, and what its target holds of the calibration.
 pub struct Exported {
@@ -27,7 +27,7 @@ pub(super) fn export(
     cal: &CalFile,
     arguments: &ExportArgs,
     log: Option<&Log>,
-    reading: &Reading,
+    frame: &Frame,
     summary: &str,
 ) -> Outcome<Exported> {
     let room = match arguments.form {
@@ -44,11 +44,11 @@ pub(super) fn export(
         other => Failure::usage(other.to_string()),
     };
     let calibration = cal.extended()?;
-    let mut held = Held::of(&calibration, reading, room).map_err(refuse)?;
+    let mut held = Held::of(&calibration, frame, room).map_err(refuse)?;
     let mut cost = None;
     if let Some(log) = log {
         let (fitted, found) =
-            refit(&held, &calibration, reading, &Table::from(log)).map_err(|error| match &error {
+            refit(&held, &calibration, &Table::from(log)).map_err(|error| match &error {
                 NoCost::Column(column, why) => {
                     Failure::usage(why.clone()).in_file(&log.path).at_column(column.clone())
                 }
@@ -58,7 +58,7 @@ pub(super) fn export(
     }
     let counts = match &arguments.ut_per_count {
         Some(text) => Some(scale(text)?),
-        None => reading.ut_per_count,
+        None => cal.reading.as_ref().and_then(|reading| reading.ut_per_count),
     };
     let about = About { summary, cost: cost.as_ref() };
     let (number, id) = (arguments.number, arguments.device_id);

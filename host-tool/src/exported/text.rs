@@ -4,10 +4,11 @@ use crate::cal_file::CalFile;
 use crate::cli::{ExportArgs, ExportForm};
 use crate::exported::target::{self, Exported};
 use crate::failure::{Failure, Outcome};
-use crate::input::{Log, Mounting};
+use crate::input::Log;
+use crate::reading::Reading;
 use ironout_analysis::export::error::CannotExport;
-use ironout_analysis::export::reading::Reading;
 use ironout_analysis::export::{c, rust};
+use ironout_analysis::frame::Frame;
 
 /// Whether the options say something to the form.
 ///
@@ -33,25 +34,15 @@ pub fn text(cal: &CalFile, arguments: &ExportArgs, log: Option<&Log>) -> Outcome
         if error == CannotExport::Singular { failure.at_column("matrix") } else { failure }
     };
     let plain = |text: String| Exported { text, held: None, cost: None };
-    let reading = reading(cal)?;
+    let frame = cal.reading.as_ref().map_or_else(|| Ok(Frame::default()), Reading::frame)?;
     match arguments.form {
         ExportForm::Json => serde_json::to_string_pretty(cal)
             .map(|text| plain(text + "\n"))
             .map_err(|error| Failure::usage(error.to_string())),
-        ExportForm::Rust => Ok(plain(rust::text(&cal.extended()?, &reading, &summary(cal)))),
-        ExportForm::C => c::text(&cal.extended()?, &reading, &summary(cal)).map(plain).map_err(refuse),
-        _ => target::export(cal, arguments, log, &reading, &summary(cal)),
+        ExportForm::Rust => Ok(plain(rust::text(&cal.extended()?, &frame, &summary(cal)))),
+        ExportForm::C => c::text(&cal.extended()?, &frame, &summary(cal)).map(plain).map_err(refuse),
+        _ => target::export(cal, arguments, log, &frame, &summary(cal)),
     }
-}
-
-/// How the log of the calibration was read, as numbers.
-fn reading(cal: &CalFile) -> Outcome<Reading> {
-    let Some(reading) = &cal.reading else { return Ok(Reading::default()) };
-    let plain = Reading::default();
-    Ok(Reading {
-        ut_per_count: reading.ut_per_count,
-        rotation: Mounting::parse(&reading.rotate)?.magnetometer.unwrap_or(plain.rotation),
-    })
 }
 
 fn summary(cal: &CalFile) -> String {

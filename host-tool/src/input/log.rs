@@ -2,6 +2,8 @@
 
 use crate::input::mount::Mounting;
 use crate::input::read_as::ReadAs;
+use crate::input::repair_asked::Asked;
+use ironout_analysis::frame::Frame;
 
 /// How to read a log.
 #[derive(Debug, Clone, Default)]
@@ -16,6 +18,8 @@ pub struct ReadOptions {
     pub default_ut_per_count: Option<[f64; 3]>,
     /// `--instance`: which sensor of the log; `None` where none was asked for.
     pub instance: Option<usize>,
+    /// `--repair`.
+    pub repair: Vec<Asked>,
     /// Show a progress bar on long work (only where standard error is a terminal).
     pub progress: bool,
 }
@@ -44,6 +48,8 @@ pub struct Log {
     pub time_s: Option<Vec<f64>>,
     /// The magnetometer in µT, three columns, finite.
     pub field_ut: [Vec<f64>; 3],
+    /// From the numbers of the file to the field in body axes, as the reader did it.
+    pub frame: Frame,
     /// Scale, where the log holds counts.
     pub ut_per_count: Option<[f64; 3]>,
     /// The raw counts, where the log holds 16-bit integers and `--rotate` left them alone: from these the fit

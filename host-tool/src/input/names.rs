@@ -345,8 +345,13 @@ fn kind_of(words: &[String], axis: Option<usize>, base: &str) -> Kind {
     if has(COUNTER) || COUNTER.contains(&whole.as_str()) {
         return Kind::Counter;
     }
+    // `sec`, `nanosec`: a unit of time and no more.
+    let unit_alone = words.len() == 1 && whole.len() > 2 && Unit::of(&whole, Quantity::Time).is_some();
     if axis.is_none()
-        && (vector(TIME) || TIME.contains(&whole.as_str()) || (words.len() == 1 && whole == "t"))
+        && (unit_alone
+            || vector(TIME)
+            || TIME.contains(&whole.as_str())
+            || (words.len() == 1 && whole == "t"))
     {
         return Kind::Time;
     }

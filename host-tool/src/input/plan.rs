@@ -4,9 +4,13 @@ use crate::failure::{Failure, Outcome};
 use crate::input::columns::{self, Column, Role};
 use crate::input::log::{Covariate, Log, ReadOptions};
 use crate::input::mount::{determinant, rotate};
-use crate::input::read_as::{ReadAs, ReadColumn};
+use crate::input::read_as::{LeftOut, ReadAs, ReadColumn};
+use crate::input::repair;
+use crate::input::repair_words;
 use crate::input::store::Store;
+use crate::input::unit::Unit;
 use crate::input::words::shorten;
+use ironout_analysis::frame::{Frame, IDENTITY};
 
 /// Where everything is, once the header is understood.
 pub struct Plan {
@@ -127,6 +131,11 @@ impl Plan {
             }
         }
         let columns = read_columns(&stores);
+        let Repaired { rows, left_out, taken_out, repairs } =
+            repaired(&mut stores, self.field, rows, options)?;
+        let factor = |index: usize| stores.get(index)?.column.unit.as_ref().map(Unit::factor);
+        let own = self.field.map(|index| factor(index).unwrap_or(1.0));
+        let frame = Frame { ut_per_number: self.scale.unwrap_or(own), ..Frame::default() };
         for store in &mut stores {
             if let Some(unit) = &store.column.unit {
                 store.values.iter_mut().for_each(|value| *value = unit.convert(*value));
@@ -155,6 +164,7 @@ impl Plan {
             }
         }
         turn(&mut field_ut, options.mounting.magnetometer);
+        let frame = frame.turned(&options.mounting.magnetometer.unwrap_or(IDENTITY));
         if let Some(columns) = &mut accel_mps2 {
             turn(columns, options.mounting.accelerometer);
         }
@@ -177,6 +187,7 @@ impl Plan {
             rows,
             time_s,
             field_ut,
+            frame,
             ut_per_count: self.scale,
             counts,
             accel_mps2,
@@ -184,10 +195,57 @@ impl Plan {
             heading_deg,
             earth: None,
             covariates,
-            read_as: ReadAs { columns, ..ReadAs::default() },
+            read_as: ReadAs { columns, left_out, taken_out, repairs, ..ReadAs::default() },
             notices,
         })
     }
+}
+
+/// What the repairs of the magnetometer's numbers made of a log.
+struct Repaired {
+    rows: usize,
+    left_out: Vec<LeftOut>,
+    taken_out: Vec<String>,
+    repairs: Vec<String>,
+}
+
+/// Mends the magnetometer's numbers, and takes the rows out that are no readings.
+fn repaired(
+    stores: &mut [Store],
+    field: [usize; 3],
+    rows: usize,
+    options: &ReadOptions,
+) -> Outcome<Repaired> {
+    let whole = field.iter().all(|index| stores.get(*index).is_some_and(|store| store.values.len() == rows));
+    if !whole {
+        return Ok(Repaired { rows, left_out: Vec::new(), taken_out: Vec::new(), repairs: Vec::new() });
+    }
+    let numbers = field.map(|index| {
+        stores.get_mut(index).map(|store| std::mem::take(&mut store.values)).unwrap_or_default()
+    });
+    let mended = repair::mend(numbers, &options.repair)?;
+    if mended.kept.len() < rows {
+        for store in stores.iter_mut().filter(|store| store.values.len() == rows) {
+            store.values = mended.kept.iter().filter_map(|row| store.values.get(*row)).copied().collect();
+            store.empty = store.values.iter().filter(|value| value.is_nan()).count();
+        }
+    }
+    for (index, values) in field.into_iter().zip(mended.numbers) {
+        if let Some(store) = stores.get_mut(index) {
+            store.values = values;
+        }
+    }
+    let asked = options.repair.iter().map(repair_words::asked);
+    Ok(Repaired {
+        rows: mended.kept.len(),
+        left_out: mended
+            .left_out
+            .into_iter()
+            .map(|(rows, why)| LeftOut { rows, first_line: None, why })
+            .collect(),
+        taken_out: mended.made,
+        repairs: asked.chain(mended.codes).collect(),
+    })
 }
 
 /// What is read, and under which name it stands in the file.

@@ -52,6 +52,9 @@ pub struct ReadAs {
     pub reasons: Vec<String>,
     /// Columns that are there and not read, and why.
     pub not_read: Vec<String>,
+    /// The repairs that another log of this sensor needs too, as `--repair` takes them.
+    #[serde(default)]
+    pub repairs: Vec<String>,
     /// Whether the file is this program's own CSV, whose lines can be copied as they are.
     pub own_csv: bool,
 }

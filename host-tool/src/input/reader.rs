@@ -82,7 +82,8 @@ pub fn read_own(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Ou
     }
     let mut log = plan.finish(stores.into_iter().map(|(store, _)| store).collect(), rows, options)?;
     log.read_as.format = FORMAT.to_string();
-    log.read_as.own_csv = true;
+    // Rows that were taken out are not copied.
+    log.read_as.own_csv = log.rows == rows;
     let pins: Vec<String> = options.map.iter().map(|(name, from)| entry(name, from, None)).collect();
     if !pins.is_empty() {
         log.read_as.pins.push(("--map".into(), pins.join(",")));

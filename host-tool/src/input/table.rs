@@ -30,6 +30,7 @@ impl<'a> From<&'a Log> for Table<'a> {
                     not_finite: column.not_finite,
                 })
                 .collect(),
+            derived: Default::default(),
         }
     }
 }

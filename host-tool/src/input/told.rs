@@ -8,7 +8,9 @@ use crate::input::guard::MAX_LINE_BYTES;
 use crate::input::lines::{Cutter, Line};
 use crate::input::log::{Log, ReadOptions};
 use crate::input::names::{Kind, meaning};
+use crate::input::packed::{self, Packing};
 use crate::input::reader;
+use crate::input::repair_words;
 use crate::input::text;
 use std::fs::File;
 use std::io::{Cursor, Read};
@@ -32,11 +34,6 @@ pub enum Format {
 
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"PK\x03\x04", "a ZIP archive (or a spreadsheet): unpack it, or save the table as CSV"),
-    (
-        b"\x1f\x8b",
-        "a gzip file: unpack it first (gunzip), or give its content on standard input: gunzip -c FILE | ironout … -",
-    ),
-    (b"SQLite format 3\0", "an SQLite database: export its table as CSV"),
     (b"#ROSBAG V2.0", "a ROS 1 bag: write its topic as CSV with rostopic echo -p -b FILE TOPIC"),
     (b"MATLAB 5.0 MAT-file", "a MATLAB file: write the columns as CSV with writematrix"),
     (b"%PDF", "a PDF"),
@@ -143,6 +140,27 @@ pub fn read_stream(mut source: impl Read, size_bytes: u64, options: &ReadOptions
     let mut first = Vec::new();
     source
         .by_ref()
+        .take(packed::MARK_BYTES)
+        .read_to_end(&mut first)
+        .map_err(|error| Failure::usage(format!("cannot read: {error}")))?;
+    let Some(packing) = Packing::told(&first) else {
+        return read_plain(Cursor::new(first).chain(source), size_bytes, options);
+    };
+    let mut unpacked = packing.unpack(Cursor::new(first).chain(source))?;
+    // A dynamic source: what is packed in what was packed is read no further.
+    let mut log = read_plain(&mut unpacked as &mut dyn Read, 0, options)?;
+    log.read_as.format = format!("{}, packed by {}", log.read_as.format, packing.name());
+    log.read_as.own_csv = false;
+    if let Some(why) = unpacked.broken() {
+        log.notices.push(format!("the packed file is cut off or broken ({why}): read up to there"));
+    }
+    Ok(log)
+}
+
+fn read_plain(mut source: impl Read, size_bytes: u64, options: &ReadOptions) -> Outcome<Log> {
+    let mut first = Vec::new();
+    source
+        .by_ref()
         .take(LOOK_BYTES)
         .read_to_end(&mut first)
         .map_err(|error| Failure::usage(format!("cannot read: {error}")))?;
@@ -155,5 +173,9 @@ pub fn read_stream(mut source: impl Read, size_bytes: u64, options: &ReadOptions
         Format::Foreign(what) => Err(Failure::usage(format!("this is no log but {what}"))),
     }?;
     followed::rename(&mut log);
+    if !options.repair.is_empty() {
+        let asked: Vec<String> = options.repair.iter().map(repair_words::asked).collect();
+        log.read_as.pins.push(("--repair".into(), asked.join(",")));
+    }
     Ok(log)
 }

@@ -57,6 +57,11 @@ impl Unit {
         if self.add == 0.0 { scaled } else { scaled + self.add }
     }
 
+    /// What a value is multiplied with on its way to the program's own unit.
+    pub fn factor(&self) -> f64 {
+        self.multiply / self.divide
+    }
+
     /// Whether values stay as they are.
     pub fn is_own(&self) -> bool {
         self.multiply == 1.0 && self.divide == 1.0 && self.add == 0.0
@@ -157,9 +162,30 @@ const UNITS: &[Row] = &[
     ("G", Quantity::Field, 1e2, 1.0, 0.0, &["g", "ga", "gs", "gauss"]),
     ("mG", Quantity::Field, 1.0, 10.0, 0.0, &["mg", "mga", "mgs", "mgauss", "milligauss"]),
     ("s", Quantity::Time, 1.0, 1.0, 0.0, &["s", "sec", "secs", "second", "seconds", "sek", "sekunden"]),
-    ("ms", Quantity::Time, 1.0, 1e3, 0.0, &["ms", "msec", "msecs", "millis", "millisecond", "milliseconds"]),
-    ("us", Quantity::Time, 1.0, 1e6, 0.0, &["us", "usec", "usecs", "micros", "microsecond", "microseconds"]),
-    ("ns", Quantity::Time, 1.0, 1e9, 0.0, &["ns", "nsec", "nsecs", "nanos", "nanosecond", "nanoseconds"]),
+    (
+        "ms",
+        Quantity::Time,
+        1.0,
+        1e3,
+        0.0,
+        &["ms", "msec", "msecs", "millisec", "millis", "millisecond", "milliseconds"],
+    ),
+    (
+        "us",
+        Quantity::Time,
+        1.0,
+        1e6,
+        0.0,
+        &["us", "usec", "usecs", "microsec", "micros", "microsecond", "microseconds"],
+    ),
+    (
+        "ns",
+        Quantity::Time,
+        1.0,
+        1e9,
+        0.0,
+        &["ns", "nsec", "nsecs", "nanosec", "nanosecs", "nanos", "nanosecond", "nanoseconds"],
+    ),
     ("ISO", Quantity::Time, 1.0, 1.0, 0.0, &["iso", "iso8601"]),
     (
         "m/s2",

@@ -16,6 +16,9 @@ pub struct ReadAsked {
     pub map: Vec<String>,
     /// Each `--rotate`.
     pub rotate: Vec<String>,
+    /// Each `--repair`.
+    #[serde(default)]
+    pub repair: Vec<String>,
     /// `--instance`.
     pub instance: Option<usize>,
     /// Each `--derive`.
@@ -32,6 +35,7 @@ impl ReadAsked {
             ut_per_count: arguments.ut_per_count.clone(),
             map: arguments.map.clone(),
             rotate: arguments.rotate.clone(),
+            repair: arguments.repair.clone(),
             instance: arguments.instance,
             derive: arguments.derive.clone(),
             date: arguments.date.clone(),
@@ -46,6 +50,7 @@ impl ReadAsked {
             ut_per_count: self.ut_per_count.clone(),
             map: self.map.clone(),
             rotate: self.rotate.clone(),
+            repair: self.repair.clone(),
             instance: self.instance,
             derive: self.derive.clone(),
             date: self.date.clone(),

@@ -51,7 +51,7 @@ impl Held {
         json!({
             "name": log.path.display().to_string(), "rows": log.rows, "seconds": json_number(seconds),
             "covariates": names, "accelerometer": log.accel_mps2.is_some(), "gyro": log.gyro_radps.is_some(),
-            "heading": log.heading_deg.is_some(), "notices": log.notices, "read_as": read_block::json(&log.read_as),
+            "heading": log.heading_deg.is_some(), "notices": log.notices, "read_as": read_block::json(log),
             "read_words": read_block::text(log),
         })
     }

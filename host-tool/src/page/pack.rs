@@ -3,6 +3,7 @@
 use crate::failure::{Failure, Outcome};
 use crate::input::{Covariate, Log, ReadAs};
 use crate::page::asked::ReadAsked;
+use ironout_analysis::frame::Frame;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -39,6 +40,8 @@ struct Head {
     read_as: ReadAs,
     notices: Vec<String>,
     rows: usize,
+    #[serde(default)]
+    frame: Frame,
     ut_per_count: Option<[f64; 3]>,
     counts: bool,
     not_finite: Vec<usize>,
@@ -136,6 +139,7 @@ pub fn pack(log: &Log, asked: &ReadAsked) -> (Vec<u8>, Vec<String>) {
         read_as: log.read_as.clone(),
         notices: log.notices.clone(),
         rows: log.rows,
+        frame: log.frame.clone(),
         ut_per_count: log.ut_per_count,
         counts: log.counts.is_some(),
         not_finite: log.covariates.iter().map(|column| column.not_finite).collect(),
@@ -215,6 +219,7 @@ fn parse(bytes: &[u8]) -> Option<(Log, ReadAsked)> {
     let mut log = Log {
         path: head.asked.name.clone().into(),
         rows: head.rows,
+        frame: head.frame,
         ut_per_count: head.ut_per_count,
         read_as: head.read_as,
         notices: head.notices,

@@ -71,7 +71,7 @@ fn the_documented_program_calibrates_the_simulated_board() {
 }
 
 /// The firmware in QEMU: the program calibrates it, and then the tool sends, fetches and records. Its field turns by its own samples.
-#[cfg(unix)]
+#[cfg(all(unix, feature = "emulated"))]
 #[test]
 fn the_emulated_board_is_calibrated_by_the_program_and_speaks_to_the_tool() {
     use ironout_rig::qemu::{self, Emulator, Firmware, Options};

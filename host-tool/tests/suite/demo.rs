@@ -55,7 +55,7 @@ fn a_hidden_effect_is_named_learnt_and_kept() {
     }
 }
 
-#[cfg(unix)]
+#[cfg(all(unix, feature = "emulated"))]
 #[test]
 fn the_firmware_names_a_temperature_that_its_chip_feels() {
     if let Some(_turn) = ironout_rig::qemu::turn("demo --hidden") {
@@ -63,7 +63,7 @@ fn the_firmware_names_a_temperature_that_its_chip_feels() {
     }
 }
 
-#[cfg(unix)]
+#[cfg(all(unix, feature = "emulated"))]
 #[test]
 fn the_demo_runs_the_firmware_on_the_emulated_board() {
     let Some(_turn) = ironout_rig::qemu::turn("demo") else { return };

@@ -1,7 +1,7 @@
 //! `diagnose` on logs whose columns are broken in every way a recorder has been seen to break them: it answers or refuses,
 //! never panics, and what it answers holds no NaN.
 //!
-//! `IRONOUT_FUZZ_CASES=10000 cargo test -p ironout-cli --test diagnose_fuzz` for a long run; `IRONOUT_FUZZ_FROM=4000` begins
+//! `IRONOUT_FUZZ_CASES=10000 cargo test -p ironout-cli --test suite -- diagnose_fuzz::` for a long run; `IRONOUT_FUZZ_FROM=4000` begins
 //! it there.
 
 use crate::common::{folder, ironout, write};

@@ -1,7 +1,7 @@
 //! Every parser on broken input: seeded mutations of good input, on stable Rust. A parser answers or refuses; it never
 //! panics, and what it accepts is sound.
 //!
-//! `IRONOUT_FUZZ_CASES=1000000 cargo test -p ironout-cli --test fuzz` for a long run.
+//! `IRONOUT_FUZZ_CASES=1000000 cargo test -p ironout-cli --test suite -- fuzz::` for a long run.
 
 use ironout::calibration::Calibration;
 use ironout::extended::Effects;

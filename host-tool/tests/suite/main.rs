@@ -4,7 +4,9 @@ mod blackbox;
 #[cfg(feature = "demo")]
 mod board_link;
 mod cases_copies;
+mod cases_numbers;
 mod cases_tables;
+mod cases_time;
 mod check_heading;
 mod close_steps;
 mod common;
@@ -27,12 +29,15 @@ mod exports_cost;
 mod exports_reading;
 mod exports_targets;
 mod extrapolation;
+mod frames;
+mod frames_cases;
+mod frames_sources;
 mod fuzz;
 mod journey;
 mod malformed;
 mod mcap;
 mod one_truth;
-#[cfg(all(feature = "demo", feature = "page"))]
+#[cfg(all(feature = "emulated", feature = "page"))]
 mod page;
 mod passes;
 mod plausible;
@@ -46,3 +51,9 @@ mod text_questions;
 mod tutorial;
 mod ulog;
 mod writers;
+
+/// Stands in the summary for what this build leaves out.
+#[cfg(not(feature = "emulated"))]
+#[test]
+#[ignore = "emulated boards and the browser: cargo test --workspace --features emulated"]
+fn emulated_boards_and_browser() {}

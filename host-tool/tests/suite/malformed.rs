@@ -136,7 +136,8 @@ fn binary_and_other_encodings() {
     for (name, head, words) in [
         ("ulog", &b"ULog\x01\x12\x35\x01"[..], "ULog"),
         ("zip", b"PK\x03\x04rest", "unpack"),
-        ("gzip", b"\x1f\x8b\x08", "gunzip"),
+        ("gzip", b"\x1f\x8b\x08", "empty"),
+        ("sqlite", b"SQLite format 3\0", "SQLite"),
     ] {
         refused(name, head, None, None, &[words]);
     }

@@ -211,6 +211,7 @@ fn session(name: &str, samples: impl Iterator<Item = [i16; 3]>) {
         field_ut: Some(50.0),
         method: Method::Adjusted,
         samples_per_block: 16,
+        axes: None,
     });
     session.start();
     let pushed = each_of(samples, |counts| push_session(&mut session, counts));

@@ -3,6 +3,7 @@
 mod akm;
 mod at24c;
 mod bosch;
+mod ecc_flash;
 mod field;
 mod honeywell;
 mod isentek;
@@ -16,6 +17,7 @@ mod st;
 pub use akm::{Ak09916Model, Icm20948Model, Switch};
 pub use at24c::{At24cChip, TornPage};
 pub use bosch::{Bmm150Model, Trimming};
+pub use ecc_flash::{EccFlash, SECTOR_BYTES, TornErase};
 pub use field::FieldSource;
 pub use honeywell::Hmc5883lModel;
 pub use isentek::Ist8310Model;

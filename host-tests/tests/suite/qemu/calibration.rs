@@ -57,6 +57,7 @@ fn turned_calibrated_cut_from_power_and_still_calibrated() {
         field_ut: Some(FIELD_UT),
         method: Default::default(),
         samples_per_block: block_samples(50.0),
+        axes: None,
     });
     session.start();
     let mut raw_squares = 0.0;

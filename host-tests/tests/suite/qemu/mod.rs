@@ -1,8 +1,6 @@
-//! The firmware on the emulated board: `cargo test -p ironout-host-tests --test qemu`.
+//! The firmware on the emulated board: `cargo test -p ironout-host-tests --features emulated --test suite -- qemu::`.
 //!
 //! Without QEMU every test says that it was skipped; with `IRONOUT_REQUIRE_QEMU=1` it fails instead.
-#![cfg(unix)]
-
 mod calibration;
 mod console;
 mod cost;

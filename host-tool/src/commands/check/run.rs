@@ -19,6 +19,14 @@ const LEAST_SAMPLES: usize = 20;
 const GROWTH: f64 = 1.5;
 /// … or by this share of the field, whichever is more.
 const MARGIN: f64 = 0.01;
+/// Whether a calibration of the log's own is accepted and leaves no more than this, µT.
+fn explains_itself(table: &Table<'_>, limit_ut: f64) -> bool {
+    let fitted = ironout_analysis::fit(table, &ironout_analysis::Options::default());
+    fitted.is_ok_and(|fitted| {
+        fitted.accepted && fitted.solution.is_some_and(|solution| solution.rms_ut <= limit_ut)
+    })
+}
+
 /// Compares the log's error with that of the calibration's own log.
 pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     let cal = CalFile::read(&arguments.cal)?;
@@ -53,8 +61,9 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
         _ if rms_ut <= limit_ut => Word::Good,
         // Which of the two it is, only many directions tell.
         None => Word::Unknown,
-        Some(shift) if !shift.known => Word::Unknown,
-        Some(_) if about_mean_ut <= limit_ut => Word::Field,
+        Some(shift) if !shift.known && !explains_itself(&table, limit_ut) => Word::Unknown,
+        Some(shift) if shift.known && about_mean_ut <= limit_ut => Word::Field,
+        Some(_) if explains_itself(&table, limit_ut) => Word::Other,
         Some(_) => Word::Worse,
     };
     let headings = headings(&table, &corrector, cal.fit.heading_error_deg, arguments.declination)?;
@@ -64,13 +73,16 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     };
     let good = matches!(word, Word::Good | Word::Field);
     let mut map = CoverageMap::new();
-    corrected.iter().for_each(|field| map.add(field.map(|value| value as f32)));
+    // About the log's own centre: a moved offset sees all directions from one side.
+    let centre_ut = shift.as_ref().filter(|shift| shift.known).map_or([0.0; 3], |shift| shift.centre_ut);
+    let from_centre = |field: &[f64; 3]| [0, 1, 2].map(|axis| (field[axis] - centre_ut[axis]) as f32);
+    corrected.iter().for_each(|field| map.add(from_centre(field)));
     let coverage = f64::from(map.coverage().fraction);
     let known = shift.as_ref().filter(|shift| shift.known);
     if json {
         line(
             &serde_json::json!({
-                "read_as": read_block::json(&log.read_as),
+                "read_as": read_block::json(&log),
                 "verdict": word.name(), "good": good, "samples": samples.len(), "field_ut": calibration.field_ut,
                 "effects": cal.fit.effects.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
                 "rms_ut": json_number(Some(rms_ut)), "limit_ut": limit_ut, "calibration_rms_ut": cal.fit.rms_ut,

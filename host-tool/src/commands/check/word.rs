@@ -6,6 +6,7 @@ pub(super) enum Word {
     Good,
     Field,
     Moved,
+    Other,
     Worse,
     Heading,
     Unknown,
@@ -17,6 +18,7 @@ impl Word {
             Word::Good => "good",
             Word::Field => "field",
             Word::Moved => "moved",
+            Word::Other => "other",
             Word::Worse => "worse",
             Word::Heading => "heading",
             Word::Unknown => "unknown",
@@ -33,6 +35,10 @@ impl Word {
             Word::Moved => {
                 "the offset has moved (a magnet, a new part, a shock): calibrate again with ironout fit"
             }
+            Word::Other => {
+                "this log is that of another sensor, another mounting or another scale: by itself it gives a good calibration, and its matrix is not \
+                 this one. Fix: use the calibration of this sensor, or calibrate with ironout fit"
+            }
             Word::Worse => {
                 "the errors grew, and neither a moved offset nor another field explains it: calibrate again, and see \
                  what is missing with ironout diagnose"
@@ -41,7 +47,9 @@ impl Word {
                 "the magnitude fits, but the heading does not: axes, a mirrored driver, a sensor that lags, or iron that turns with the board; see \
                  ironout diagnose"
             }
-            Word::Unknown => "the log cannot tell: turn the board through more directions",
+            Word::Unknown => {
+                "this log does not determine a change. Fix: turn the board through more directions"
+            }
         }
     }
 }

@@ -15,6 +15,7 @@ pub fn read(arguments: &ExportArgs, cal: &CalFile, json: bool) -> Outcome<Option
         derive: Vec::new(),
         ut_per_count: None,
         map: arguments.map.clone(),
+        repair: Vec::new(),
         rotate: cal.reading.as_ref().map_or_else(Vec::new, |reading| reading.rotate.clone()),
         instance: None,
         date: None,

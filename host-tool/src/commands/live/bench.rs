@@ -131,6 +131,7 @@ pub fn replay(path: &Path, speed: f64) -> Outcome<Link> {
         ut_per_count: None,
         map: Vec::new(),
         rotate: Vec::new(),
+        repair: Vec::new(),
         instance: None,
         derive: Vec::new(),
         date: None,

@@ -1,11 +1,17 @@
 //! A recording of several streams becomes one log: the magnetometer gives the rows, the rest is read at their times.
 
 use crate::failure::{Failure, Outcome};
+use crate::input::columns::Role;
 use crate::input::formats::interpolate::{GAP_PERIODS, at_times, gap_s};
 use crate::input::formats::order::ordered;
 use crate::input::formats::stream::{Column, Recording, Stream};
 use crate::input::log::{Covariate, Log, ReadOptions};
+use crate::input::map::{no_unit, resolve};
 use crate::input::read_as::{Instance, LeftOut, ReadAs, ReadColumn};
+use crate::input::repair;
+use crate::input::repair_words;
+use crate::input::unit::{Quantity, Unit};
+use ironout_analysis::frame::IDENTITY;
 
 const FIELD_UT: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
 const FIELD_COUNTS: [&str; 3] = ["mx_counts", "my_counts", "mz_counts"];
@@ -19,18 +25,19 @@ const TOLD_SHARE: f64 = 0.05;
 /// # Errors
 /// No row is usable, the magnetometer is in counts and no scale is given, or `--map` names what is not there.
 pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
-    rename(&mut recording, options)?;
+    let stated = rename(&mut recording, options)?;
     let counts = recording.magnetometer.column(FIELD_COUNTS[0]).is_some();
     let field_names = if counts { FIELD_COUNTS } else { FIELD_UT };
     let mut notices = std::mem::take(&mut recording.notices);
-    let scale = match (counts, options.ut_per_count, options.default_ut_per_count) {
+    let given = options.ut_per_count.or(stated);
+    let scale = match (counts, given, options.default_ut_per_count) {
         (true, Some(scale), _) | (true, None, Some(scale)) => Some(scale),
         (true, None, None) => return Err(no_scale(&recording.magnetometer, &recording.format)),
-        (false, Some(_), _) => {
+        (false, Some(_), _) if options.ut_per_count.is_some() => {
             notices.push("--ut-per-count is not used: this log knows its unit".into());
             None
         }
-        (false, None, _) => None,
+        (false, ..) => None,
     };
     let mut left_out = std::mem::take(&mut recording.left_out);
     let rows = usable(&mut recording.magnetometer, field_names, &mut left_out);
@@ -41,9 +48,15 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
             left_out.iter().map(|(rows, why)| format!("{rows} with {why}")).collect::<Vec<_>>().join(", ")
         )));
     }
+    let (made, repairs) = repaired(&mut recording.magnetometer, field_names, options, &mut left_out)?;
+    recording.taken_out.extend(made);
+    let rows = recording.magnetometer.time_s.len();
     if let (true, Some(matrix)) = (rows > 0, options.mounting.magnetometer) {
         recording.magnetometer.turn(field_names, &matrix);
     }
+    let mut frame = std::mem::take(&mut recording.frame);
+    frame.ut_per_number = scale.unwrap_or(frame.ut_per_number);
+    let frame = frame.turned(&options.mounting.magnetometer.unwrap_or(IDENTITY));
     let joined = others(&mut recording, options, &mut notices);
     let mut columns = vec![ReadColumn {
         name: "t_s".into(),
@@ -74,6 +87,7 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
         rows,
         time_s: Some(time_s),
         field_ut,
+        frame,
         ut_per_count: scale,
         counts: whole,
         accel_mps2,
@@ -85,6 +99,7 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
             format: recording.format,
             columns,
             taken_out: recording.taken_out,
+            repairs,
             pins: pins(&recording.instance, options, scale),
             instance: recording.instance.map(|(taken, there)| Instance { taken, there }),
             left_out: left_out
@@ -116,31 +131,100 @@ fn pins(
     pins
 }
 
-/// `--map NAME=SOURCE` gives a column another name; the magnetometer is chosen by `--instance`.
-fn rename(recording: &mut Recording, options: &ReadOptions) -> Outcome<()> {
+/// `--map NAME=SOURCE[UNIT]` gives a column another name, another unit, or both; the magnetometer itself is chosen by `--instance`.
+/// Gives the scale of counts, where their unit is stated so.
+fn rename(recording: &mut Recording, options: &ReadOptions) -> Outcome<Option<[f64; 3]>> {
+    let all = || {
+        std::iter::once(&recording.magnetometer).chain(&recording.others).flat_map(|stream| &stream.columns)
+    };
+    let sources: Vec<String> = all().map(|column| column.source.clone()).collect();
+    let names: Vec<String> = all().map(|column| column.name.clone()).collect();
+    let mut field: [Option<Unit>; 3] = Default::default();
     for (name, from) in &options.map {
-        if name.starts_with("t_") || [FIELD_UT, FIELD_COUNTS].as_flattened().contains(&name.as_str()) {
+        let entry = format!("--map {name}={from}");
+        if name.starts_with("t_") {
             return Err(Failure::usage(format!(
-                "--map {name}={from}: in this format time and magnetometer are known; another magnetometer of the log \
-                 is taken with --instance"
+                "{entry}: this format tells the time by itself. Fix: leave this entry out"
             )));
         }
-        let streams = std::iter::once(&mut recording.magnetometer).chain(&mut recording.others);
-        let mut columns = streams.flat_map(|stream| &mut stream.columns);
-        match columns.find(|column| column.source == *from || column.name == *from) {
-            Some(column) => column.name = name.clone(),
-            None => {
-                let all = std::iter::once(&recording.magnetometer).chain(&recording.others);
-                let names: Vec<&str> =
-                    all.flat_map(|stream| &stream.columns).map(|column| column.source.as_str()).collect();
+        let Some((index, unit)) = resolve(from, &sources).or_else(|| resolve(from, &names)) else {
+            return Err(Failure::usage(format!(
+                "{entry}: there is no column {from}; there is\n {}",
+                sources.join("\n ")
+            )));
+        };
+        let axis = axis_of(name);
+        let (name, quantity) = match Role::of(name) {
+            (own, role, _) if role.quantity().is_some() => (own, role.quantity()),
+            (own, Role::FieldCounts(_), _) => (own, Some(Quantity::Field)),
+            (own, ..) => (own, None),
+        };
+        let unit = match unit {
+            Some(unit) => Some(Unit::stated(unit, quantity).ok_or_else(|| no_unit(&name, unit))?),
+            None => None,
+        };
+        if let Some(axis) = axis {
+            let known = |column: &Column| axis_of(&column.name) == Some(axis);
+            let own = recording.magnetometer.columns.get(index).filter(|column| known(column));
+            if own.is_none() {
                 return Err(Failure::usage(format!(
-                    "--map {name}={from}: there is no column {from}; there is\n {}",
-                    names.join("\n ")
+                    "{entry}: {} is not the {} axis of the magnetometer that is read. Fix: choose another magnetometer of the log \
+                     with --instance, turn its axes with --rotate",
+                    sources.get(index).map_or("it", String::as_str),
+                    ["x", "y", "z"].get(axis).copied().unwrap_or_default()
                 )));
+            }
+            if let Some(slot) = field.get_mut(axis) {
+                *slot = unit;
+            }
+            continue;
+        }
+        let streams = std::iter::once(&mut recording.magnetometer).chain(&mut recording.others);
+        if let Some(column) = streams.flat_map(|stream| &mut stream.columns).nth(index) {
+            column.name.clone_from(&name);
+            if let Some(unit) = unit {
+                column.values.iter_mut().for_each(|value| *value = unit.convert(*value / column.scale));
+                column.unit = unit.name.to_string();
             }
         }
     }
-    Ok(())
+    restated(recording, field)
+}
+
+/// Which axis of the magnetometer a name stands for.
+fn axis_of(name: &str) -> Option<usize> {
+    match Role::of(name).1 {
+        Role::FieldUt(axis) | Role::FieldCounts(axis) => Some(axis),
+        _ => None,
+    }
+}
+
+/// The magnetometer in another unit than its format has. Counts stay counts: gives their scale.
+fn restated(recording: &mut Recording, units: [Option<Unit>; 3]) -> Outcome<Option<[f64; 3]>> {
+    let [Some(x), Some(y), Some(z)] = &units else {
+        return match units.iter().any(Option::is_some) {
+            true => Err(Failure::usage(
+                "--map states the unit of one axis of the magnetometer. Fix: state it for all three",
+            )),
+            false => Ok(None),
+        };
+    };
+    let factors = [x.factor(), y.factor(), z.factor()];
+    if recording.magnetometer.column(FIELD_COUNTS[0]).is_some() {
+        return Ok(Some(factors));
+    }
+    if factors != [x.factor(); 3] {
+        return Err(Failure::usage(
+            "--map states different units for the axes of the magnetometer, whose axes may have been turned. Fix: state one unit",
+        ));
+    }
+    for column in recording.magnetometer.columns.iter_mut().filter(|column| axis_of(&column.name).is_some()) {
+        let ratio = x.factor() / column.scale;
+        column.values.iter_mut().for_each(|value| *value *= ratio);
+        column.unit = x.name.to_string();
+    }
+    recording.frame.ut_per_number = factors;
+    Ok(None)
 }
 
 /// Leaves out rows without a number in the field, and rows out of the order of time. Gives how many stay.
@@ -167,6 +251,34 @@ fn usable(stream: &mut Stream, field: [&str; 3], left_out: &mut Vec<(usize, Stri
         }
     }
     stream.time_s.len()
+}
+
+/// Mends the magnetometer's numbers, and takes the rows out that are no readings: what was mended, and what another log needs too.
+fn repaired(
+    stream: &mut Stream,
+    field: [&str; 3],
+    options: &ReadOptions,
+    left_out: &mut Vec<(usize, String)>,
+) -> Outcome<(Vec<String>, Vec<String>)> {
+    let rows = stream.time_s.len();
+    let numbers =
+        field.map(|name| stream.column(name).map(|column| column.values.clone()).unwrap_or_default());
+    let mended = repair::mend(numbers, &options.repair)?;
+    let mut stays = vec![false; rows];
+    for row in &mended.kept {
+        if let Some(stays) = stays.get_mut(*row) {
+            *stays = true;
+        }
+    }
+    keep(stream, &stays);
+    for (name, values) in field.iter().zip(mended.numbers) {
+        if let Some(column) = stream.columns.iter_mut().find(|column| column.name == *name) {
+            column.values = values;
+        }
+    }
+    left_out.extend(mended.left_out);
+    let asked = options.repair.iter().map(repair_words::asked);
+    Ok((mended.made, asked.chain(mended.codes).collect()))
 }
 
 fn keep(stream: &mut Stream, stays: &[bool]) {

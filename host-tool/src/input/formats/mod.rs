@@ -1,8 +1,10 @@
-//! Logs of other programs that are no table: PX4 ULog, ArduPilot DataFlash, Betaflight and INAV blackbox, MCAP of ROS.
+//! Logs of other programs that are no table: PX4 ULog, ArduPilot DataFlash, MAVLink telemetry, Betaflight and INAV blackbox, samples
+//! of Betaflight Configurator, MCAP and rosbag2 of ROS.
 //!
 //! Each is read into a [`Recording`]: streams on time bases of their own, in body axes and the program's units, with the
 //! calibration that an autopilot had applied taken out. One join makes a [`Log`](crate::input::log::Log) of it.
 
+mod betaflight_json;
 mod blackbox;
 mod correction;
 mod dataflash;
@@ -10,10 +12,11 @@ mod feed;
 mod interpolate;
 mod inventory;
 mod join;
-mod mcap;
+mod mavlink;
 mod order;
 mod parameters;
 mod read;
+mod ros;
 mod rotation;
 mod stream;
 mod told;

@@ -35,6 +35,11 @@ impl Parameters {
         known.map(|(_, value)| *value)
     }
 
+    /// Whether it has this value at any time.
+    pub fn is_ever(&self, name: &str, matches: impl Fn(f64) -> bool) -> bool {
+        self.values.get(name).is_some_and(|values| values.iter().any(|(_, value)| matches(*value)))
+    }
+
     /// The value it begins with.
     pub fn first(&self, name: &str) -> Option<f64> {
         self.values.get(name)?.first().map(|(_, value)| *value)

@@ -4,7 +4,7 @@ use crate::failure::Outcome;
 use crate::input::formats::feed::Feed;
 use crate::input::formats::join::join;
 use crate::input::formats::told::Format;
-use crate::input::formats::{blackbox, dataflash, mcap, ulog};
+use crate::input::formats::{betaflight_json, blackbox, dataflash, mavlink, ros, ulog};
 use crate::input::log::{Log, ReadOptions};
 use crate::progress::Progress;
 use std::io::Read;
@@ -22,7 +22,10 @@ pub fn read(format: Format, source: impl Read, size_bytes: u64, options: &ReadOp
         }
         Format::DataflashText => dataflash::read_text(&mut Feed::new(source, progress), options.instance)?,
         Format::Blackbox => blackbox::read(source, options.instance)?,
-        Format::Mcap => mcap::read(&mut Feed::new(source, progress), size_bytes, options.instance)?,
+        Format::BetaflightJson => betaflight_json::read(source)?,
+        Format::Mavlink => mavlink::read(&mut Feed::new(source, progress), options.instance)?,
+        Format::Mcap => ros::read(&mut Feed::new(source, progress), size_bytes, options.instance)?,
+        Format::Rosbag => ros::read_bag(source, options.instance)?,
     };
     join(recording, options)
 }

@@ -79,6 +79,9 @@ fn sin_cos(degrees: f64) -> (f64, f64) {
     }
 }
 
+/// From x forward, y left, z up (ROS REP 103, Betaflight, INAV) to x forward, y right, z down.
+pub const LEFT_UP: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
+
 /// In words: `roll 180°, yaw 90°`.
 pub fn words(angles_deg: [f64; 3]) -> String {
     let parts: Vec<String> = ["roll", "pitch", "yaw"]

@@ -1,5 +1,7 @@
 //! What a recording holds: columns that share a time base of their own.
 
+use ironout_analysis::frame::Frame;
+
 /// How a column is read between two of its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Between {
@@ -21,6 +23,8 @@ pub struct Column {
     pub source: String,
     /// The unit there.
     pub unit: String,
+    /// What a number of the file is multiplied with, but for a sign: its unit in the log's own.
+    pub scale: f64,
     /// How it is read between two samples.
     pub between: Between,
     /// One value a sample, NaN where it has none.
@@ -44,13 +48,20 @@ impl Stream {
         Stream { name: name.into(), ..Stream::default() }
     }
 
-    /// Adds an empty column.
+    /// Adds an empty column whose numbers are in the log's own unit.
     #[must_use]
-    pub fn with(mut self, name: &str, source: &str, unit: &str, between: Between) -> Self {
+    pub fn with(self, name: &str, source: &str, unit: &str, between: Between) -> Self {
+        self.scaled(name, source, unit, 1.0, between)
+    }
+
+    /// Adds an empty column whose numbers are in `unit`, which is `scale` of the log's own.
+    #[must_use]
+    pub fn scaled(mut self, name: &str, source: &str, unit: &str, scale: f64, between: Between) -> Self {
         self.columns.push(Column {
             name: name.into(),
             source: source.into(),
             unit: unit.into(),
+            scale,
             between,
             values: Vec::new(),
         });
@@ -91,6 +102,8 @@ pub struct Recording {
     pub format: String,
     /// The magnetometer: `mx_ut,my_ut,mz_ut` (or `mx_counts,…`) first, then what comes with it.
     pub magnetometer: Stream,
+    /// From its numbers in the file to the field in body axes.
+    pub frame: Frame,
     /// The rest. Where two columns have one name, the first stream with values in it wins.
     pub others: Vec<Stream>,
     /// What was undone or turned.

@@ -1,5 +1,7 @@
 //! Which binary format a file is in, told by its first bytes.
 
+use crate::input::formats::{betaflight_json, mavlink};
+
 /// How many first bytes [`told`] wants to see; fewer are fine where the file has no more.
 pub const FIRST_BYTES: usize = 4096;
 
@@ -14,8 +16,14 @@ pub enum Format {
     DataflashText,
     /// Betaflight or INAV blackbox.
     Blackbox,
+    /// Samples of Betaflight Configurator.
+    BetaflightJson,
+    /// MAVLink telemetry (`.tlog`).
+    Mavlink,
     /// MCAP, as ROS 2 records it.
     Mcap,
+    /// An SQLite file, as rosbag2 writes it (`.db3`).
+    Rosbag,
 }
 
 /// The format whose mark `first` holds; `None` where it is none of them. Most marks stand at the very beginning, that of a
@@ -30,6 +38,15 @@ pub fn told(first: &[u8]) -> Option<Format> {
     }
     if first.starts_with(b"\x89MCAP0\r\n") {
         return Some(Format::Mcap);
+    }
+    if first.starts_with(b"SQLite format 3\0") {
+        return Some(Format::Rosbag);
+    }
+    if mavlink::is_log(first) {
+        return Some(Format::Mavlink);
+    }
+    if betaflight_json::is_export(first) {
+        return Some(Format::BetaflightJson);
     }
     if first.windows(BLACKBOX.len()).any(|window| window == BLACKBOX) {
         return Some(Format::Blackbox);

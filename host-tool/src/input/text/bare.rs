@@ -281,6 +281,10 @@ fn vector(kind: Kind, columns: [usize; 3], unit: Option<Unit>) -> Vector {
 fn name_time(grid: &Grid, column: usize, size: Option<&Size>, choice: &mut Choice) -> Outcome<()> {
     let Some(found) = grid.columns.get(column) else { return Ok(()) };
     let Some(mut clock) = magnitude::clock(&found.values, &choice.rows) else { return Ok(()) };
+    if let Some(unit) = &found.unit {
+        choice.taken.push(Taken { column, name: "t_s".into(), unit: Some(unit.clone()) });
+        return Ok(());
+    }
     if let Some(size) = size {
         clock.units = magnitude::turning_units(&clock, size);
     }

@@ -10,6 +10,9 @@ use crate::input::store::Store;
 use crate::input::text::choice::{Choice, Taken};
 use crate::input::text::clock::DAY_S;
 use crate::input::text::grid::Grid;
+use crate::input::text::rest::rounded;
+use crate::input::text::shared::share_out;
+use crate::input::text::table::MONITOR;
 
 /// Times later than this are dates: the log counts from its first row.
 const DATE_S: f64 = 1e8;
@@ -66,9 +69,22 @@ pub fn build(mut grid: Grid, choice: Choice, options: &ReadOptions) -> Outcome<L
         });
     }
     let time = taken.iter().position(|t| Role::of(&t.name).1 == Role::Time);
-    let times = match time.and_then(|at| taken.get(at)) {
-        Some(time) => Some(forward(&mut grid, time, &mut rows, &mut taken_out)?),
-        None => None,
+    let times =
+        time.and_then(|at| taken.get(at)).map(|time| forward(&mut grid, time, &mut rows, &mut taken_out));
+    let (times, reasons, not_read) = match times {
+        Some(Ok((times, shared))) => {
+            (Some(times), reasons.into_iter().chain(shared).collect::<Vec<_>>(), not_read)
+        }
+        Some(Err(backward)) => (None, reasons, not_read.into_iter().chain([backward]).collect::<Vec<_>>()),
+        None => (None, reasons, not_read),
+    };
+    // A time that is none is not read.
+    let time = match (time, &times) {
+        (Some(at), None) => {
+            taken.remove(at);
+            None
+        }
+        (time, _) => time,
     };
     let mut stores = Vec::with_capacity(taken.len());
     let mut columns = Vec::with_capacity(taken.len());
@@ -103,8 +119,8 @@ pub fn build(mut grid: Grid, choice: Choice, options: &ReadOptions) -> Outcome<L
         format.push_str(", no header");
     }
     log.read_as.format = format;
-    log.read_as.taken_out = taken_out;
-    log.read_as.left_out = std::mem::take(&mut grid.left_out);
+    log.read_as.taken_out.splice(0..0, taken_out);
+    log.read_as.left_out.splice(0..0, std::mem::take(&mut grid.left_out));
     log.read_as.reasons = reasons;
     log.read_as.not_read = not_read;
     log.read_as.pins = pins(&grid, &taken);
@@ -146,18 +162,18 @@ fn take_out(grid: &mut Grid, taken: &[Taken], added: [usize; 3]) {
     }
 }
 
-/// Time in seconds, running forward: midnights and overflowing counters undone, dates counted from the first row, rows that
+/// Time in seconds, and how rows share it out; or why it is not read. Running forward: midnights and overflowing counters undone, dates counted from the first row, rows that
 /// run backward left out.
 fn forward(
     grid: &mut Grid,
     time: &Taken,
     rows: &mut Vec<usize>,
     taken_out: &mut Vec<String>,
-) -> Outcome<Vec<f64>> {
-    let Some(column) = grid.columns.get(time.column) else { return Ok(Vec::new()) };
+) -> Result<(Vec<f64>, Option<String>), String> {
+    let Some(column) = grid.columns.get(time.column) else { return Ok((Vec::new(), None)) };
     let header = column.header.clone();
     let raw: Vec<f64> = rows.iter().filter_map(|row| column.values.get(*row)).copied().collect();
-    let of_day = time.unit.as_ref().is_some_and(|unit| unit.is_date)
+    let of_day = (header == MONITOR || time.unit.as_ref().is_some_and(|unit| unit.is_date))
         && raw.iter().all(|value| (0.0..=DAY_S).contains(value));
     let counter =
         time.unit.as_ref().is_some_and(|unit| !unit.is_date) && raw.iter().all(|v| v.fract() == 0.0);
@@ -197,15 +213,12 @@ fn forward(
         kept.1.push(*row);
     }
     if backward as f64 > MOST_BACKWARD * rows.len() as f64 {
-        let failure = Failure::usage(format!(
-            "time runs backward, in {backward} of {} rows: sort the log, or cut it where the recorder started again",
+        let first = first_line.map_or(String::new(), |line| format!(", first on line {line}"));
+        return Err(format!(
+            "{header} (it runs backward in {backward} of {} rows{first}: the log is read without time. To use it, sort the log, or cut it \
+             where the recorder started again)",
             rows.len()
-        ))
-        .at_column(header);
-        return Err(match first_line {
-            Some(line) => failure.at_line(line),
-            None => failure,
-        });
+        ));
     }
     if backward > 0 {
         grid.left_out.push(LeftOut {
@@ -215,7 +228,10 @@ fn forward(
         });
     }
     *rows = kept.1;
-    Ok(kept.0)
+    let shared = share_out(&mut kept.0).map(|step_s| {
+        format!("{header} has one time for several rows: they share it out, {} s per row", rounded(step_s))
+    });
+    Ok((kept.0, shared))
 }
 
 /// The options that read the same again.

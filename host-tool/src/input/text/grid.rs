@@ -97,6 +97,8 @@ pub struct Grid {
     pub header_line: Option<u64>,
     /// Whether columns have names of their own.
     pub named: bool,
+    /// A time in two columns that were joined: the column of seconds, that of their parts, and the unit of the parts.
+    pub joined_time: Option<(String, String, &'static str)>,
     /// What was left out so far.
     pub left_out: Vec<LeftOut>,
 }

@@ -174,8 +174,11 @@ pub fn clock(values: &[f64], rows: &[usize]) -> Option<Clock> {
         return None;
     }
     steps.sort_by(f64::total_cmp);
-    let step = share(&steps, 0.5)?;
     let first = times.first().copied()?;
+    // Several rows of one stamp share its step out.
+    let is_shared = times.len() >= 2 * (steps.len() + 1);
+    let step =
+        if is_shared { (times.last()? - first) / (times.len() - 1) as f64 } else { share(&steps, 0.5)? };
     let units = || Unit::all(Quantity::Time);
     let epoch: Vec<Unit> =
         units().filter(|unit| (EPOCH_S[0]..=EPOCH_S[1]).contains(&unit.convert(first))).collect();

@@ -19,8 +19,10 @@ mod prefix;
 mod program;
 mod records;
 mod rest;
+mod shared;
 mod table;
 mod times;
+mod two_parts;
 mod vectors;
 mod whole;
 

@@ -5,7 +5,7 @@ use crate::input::columns::MAX_COLUMNS;
 use crate::input::log::{Log, ReadOptions};
 use crate::input::text::grid::Grid;
 use crate::input::text::prefix::{Bare, bare};
-use crate::input::text::{build, choose, decode, records, table};
+use crate::input::text::{build, choose, decode, records, table, two_parts};
 use crate::input::words::shorten;
 use std::io::Read;
 
@@ -27,6 +27,7 @@ pub fn read(source: impl Read, options: &ReadOptions) -> Outcome<Log> {
     if !decoded.encoding.is_empty() {
         grid.format = format!("{}, {}", grid.format, decoded.encoding);
     }
+    two_parts::join(&mut grid, &options.map);
     let choice = choose::choose(&grid, options)?;
     build::build(grid, choice, options)
 }

@@ -22,6 +22,7 @@ fn what_cannot_be_sent_is_refused_before_anything_is() {
     });
     let unknown = change("unknown.json", &|value| value["effects"][0]["id"] = json!("servo"));
     let rotated = change("rotated.json", &|value| {
+        value["effects"][0]["id"] = json!("gain:temp_c");
         value["reading"] = json!({"ut_per_count": null, "rotate": ["yaw90"]});
     });
     let scaled = change("scaled.json", &|value| {
@@ -30,7 +31,7 @@ fn what_cannot_be_sent_is_refused_before_anything_is() {
     for (file, words) in [
         (&five, "more than 4 effects"),
         (&unknown, "there is no effect servo"),
-        (&rotated, "--rotate"),
+        (&rotated, "cannot be turned back"),
         (&scaled, "counts"),
     ] {
         let run = on(&board, &["send", text(file), "--json"]);

@@ -73,7 +73,7 @@ pub fn recording(name: &str) -> Option<PathBuf> {
     None
 }
 
-/// A case of the shared folder, or `None` (and a word about it) where it is not at hand.
+/// A small log with the shape of a public complaint, or `None` (and a word about it) where they are not at hand.
 pub fn case(name: &str) -> Option<PathBuf> {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/cases")).join(name);
     if path.exists() {

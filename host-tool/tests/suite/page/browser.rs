@@ -29,8 +29,6 @@ fn missing() -> Option<String> {
         Some("there is no Node".into())
     } else if !node_side().join("node_modules/playwright-core").exists() {
         Some("its driver is not installed (npm ci in host-tests/web)".into())
-    } else if !ironout_web::has_module() {
-        Some("the target wasm32-unknown-unknown is not installed".into())
     } else {
         None
     }

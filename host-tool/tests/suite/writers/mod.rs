@@ -3,6 +3,8 @@
 pub mod blackbox;
 pub mod dataflash;
 pub mod fuzz;
+pub mod mavlink;
 pub mod ros;
+pub mod sqlite;
 pub mod truth;
 pub mod ulog;

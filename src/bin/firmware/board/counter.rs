@@ -4,6 +4,7 @@ use super::sampler::{Ground, Seat};
 use core::cell::Cell;
 use core::marker::PhantomData;
 use critical_section::Mutex;
+use ironout::clock::Extended;
 
 /// The longest sleep: the watchdog is told of every turn, and wants one now and then.
 const LONGEST_SLEEP_US: u64 = 1_000_000;
@@ -29,9 +30,8 @@ pub trait Counter: 'static {
     fn pend();
 }
 
-/// The counter when it was read last, and how often it had wrapped until then. It wraps after 71 minutes, and the sampler's interrupt
-/// alone reads it ten times a second.
-static EXTENDED: Mutex<Cell<(u32, u32)>> = Mutex::new(Cell::new((0, 0)));
+/// The counter with its wraps. It wraps after 71 minutes, and the sampler's interrupt alone reads it ten times a second.
+static EXTENDED: Mutex<Cell<Extended>> = Mutex::new(Cell::new(Extended::new()));
 
 /// When the sampler is due.
 static DUE_US: Mutex<Cell<u64>> = Mutex::new(Cell::new(u64::MAX));
@@ -41,11 +41,10 @@ static DUE_US: Mutex<Cell<u64>> = Mutex::new(Cell::new(u64::MAX));
 #[inline(never)]
 pub fn now_us<C: Counter>() -> u64 {
     critical_section::with(|section| {
-        let (last, wraps) = EXTENDED.borrow(section).get();
-        let now = C::count();
-        let wraps = wraps + u32::from(now < last);
-        EXTENDED.borrow(section).set((now, wraps));
-        u64::from(wraps) << 32 | u64::from(now)
+        let mut extended = EXTENDED.borrow(section).get();
+        let now_us = extended.at(C::count());
+        EXTENDED.borrow(section).set(extended);
+        now_us
     })
 }
 

@@ -1,5 +1,6 @@
 //! The header lines of a blackbox log.
 
+use crate::input::formats::blackbox::firmware::Firmware;
 use std::collections::HashMap;
 
 /// The line that every session begins with.
@@ -28,47 +29,45 @@ fn rows(data: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
     })
 }
 
-/// Makes the decoder read firmware that is newer, or another, than it knows: how frames are written stands in the header itself,
-/// and what depends on the firmware (names of modes, features, protocols) is not read here. Lengths do not change. Gives the
-/// firmware as it was named, where something was changed.
-pub fn generalise(data: &mut [u8]) -> Option<String> {
-    let firmware = lines(data).get("Firmware revision")?.to_string();
-    let mut words = firmware.split_whitespace();
-    let (name, version) = (words.next()?.to_ascii_lowercase(), words.next()?);
-    let mut numbers = version.split('.').map(|part| part.parse::<u32>().ok());
-    let (major, minor) = (numbers.next().flatten()?, numbers.next().flatten()?);
-    let inav = name == "inav";
-    let known = match name.as_str() {
-        "betaflight" => major == 4 && (2..6).contains(&minor),
-        "inav" => (5..9).contains(&major),
-        _ => false,
-    };
-    let neutral: &[u8] = if inav { b"INAV 8.0.0" } else { b"Betaflight 4.5.0" };
-    if known || firmware.len() < neutral.len() {
-        return None;
+/// Makes the decoder read firmware that is newer, older, or another than it knows: how frames are written stands in the header
+/// itself, and what depends on the firmware (names of modes, features, protocols) is not read here. Lines that the decoder asks for
+/// and the firmware does not write under that name (Betaflight 3.0 and 3.1: `motor_pwm_protocol`) are added. Gives the firmware as
+/// it was named, where that is not known.
+pub fn generalise(data: &mut Vec<u8>) -> Option<String> {
+    let firmware = Firmware::of(lines(data).get("Firmware revision").copied().unwrap_or_default());
+    let named = lines(data).get("Firmware revision").map(|name| name.to_string()).unwrap_or_default();
+    let known = firmware.is_decoded();
+    let mut header: Vec<u8> = Vec::new();
+    let mut end = 0;
+    let (mut revision, mut protocol) = (false, false);
+    for (at, line) in rows(data) {
+        end = at + line.len() + 1;
+        let name = line.get(2..memchr::memchr(b':', line).unwrap_or(2)).unwrap_or_default();
+        revision |= name == b"Firmware revision";
+        protocol |= name == b"motor_pwm_protocol";
+        let instead: Option<&[u8]> = match name {
+            _ if known => None,
+            b"Firmware revision" if firmware.inav => Some(b"H Firmware revision:INAV 8.0.0"),
+            b"Firmware revision" => Some(b"H Firmware revision:Betaflight 4.5.0"),
+            b"debug_mode" => Some(b"H debug_mode:0"),
+            b"features" => Some(b"H features:0"),
+            b"motor_pwm_protocol" => Some(b"H motor_pwm_protocol:0"),
+            b"fields_disabled_mask" => Some(b"H fields_disabled_mask:0"),
+            _ => None,
+        };
+        header.extend(instead.unwrap_or(line));
+        header.push(b'\n');
     }
-    let places: Vec<(usize, usize, &[u8])> = rows(data)
-        .filter_map(|(at, line)| {
-            let colon = memchr::memchr(b':', line)?;
-            let (value, end) = (at + colon + 1, at + line.len());
-            match line.get(2..colon)? {
-                b"Firmware revision" => Some((value, end, neutral)),
-                b"debug_mode" | b"features" | b"motor_pwm_protocol" | b"fields_disabled_mask" => {
-                    Some((value, end, &b"0"[..]))
-                }
-                _ => None,
-            }
-        })
-        .collect();
-    for (from, to, content) in places {
-        let fill = if content == b"0" { b'0' } else { b' ' };
-        if let Some(value) = data.get_mut(from..to) {
-            for (index, byte) in value.iter_mut().enumerate() {
-                *byte = content.get(index).copied().unwrap_or(fill);
-            }
-        }
+    if !revision {
+        header.extend(b"H Firmware revision:Betaflight 4.5.0\n");
     }
-    Some(firmware)
+    if !protocol {
+        header.extend(b"H motor_pwm_protocol:0\n");
+    }
+    if !known || !protocol {
+        data.splice(..end.min(data.len()), header);
+    }
+    (!known).then_some(if named.is_empty() { "unnamed firmware".into() } else { named })
 }
 
 #[cfg(test)]
@@ -79,12 +78,17 @@ mod tests {
     fn newer_firmware_is_named_as_one_that_is_known() {
         let mut data = MARK.to_vec();
         data.extend(b"H Data version:2\nH Firmware revision:Betaflight 2025.12.1 (abc) STM32F405\nH debug_mode:97\nI\x01");
-        let length = data.len();
         assert_eq!(generalise(&mut data).as_deref(), Some("Betaflight 2025.12.1 (abc) STM32F405"));
         let after = lines(&data);
         assert_eq!(after["Firmware revision"], "Betaflight 4.5.0");
-        assert_eq!(after["debug_mode"], "00");
-        assert_eq!(data.len(), length);
+        assert_eq!((after["debug_mode"], after["motor_pwm_protocol"]), ("0", "0"));
+        assert!(data.ends_with(b"\nI\x01"));
         assert_eq!(generalise(&mut data), None);
+        // Betaflight 3.0 names its revision alone, and its protocol otherwise.
+        let mut data = MARK.to_vec();
+        data.extend(b"H Firmware revision:c8a3ae8\nH fast_pwm_protocol:7\nI\x01");
+        assert_eq!(generalise(&mut data).as_deref(), Some("c8a3ae8"));
+        assert_eq!(lines(&data)["Firmware revision"], "Betaflight 4.5.0");
+        assert!(lines(&data).contains_key("motor_pwm_protocol") && data.ends_with(b"\nI\x01"));
     }
 }

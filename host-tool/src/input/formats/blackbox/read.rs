@@ -5,13 +5,16 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::input::formats::blackbox::averages::Averages;
+use crate::input::formats::blackbox::firmware::Firmware;
 use crate::input::formats::blackbox::header::{MARK, generalise, lines};
 use crate::input::formats::inventory::Inventory;
+use crate::input::formats::rotation::LEFT_UP;
 use crate::input::formats::stream::{Between, Recording, Stream, choose};
 use blackbox_log::Headers;
 use blackbox_log::frame::{Frame, FrameDef, GpsValue};
 use blackbox_log::prelude::ParserEvent;
 use blackbox_log::units::si::length::meter;
+use ironout_analysis::frame::{self, Program};
 use std::collections::HashMap;
 use std::io::Read;
 
@@ -64,7 +67,8 @@ pub fn read(mut source: impl Read, instance: Option<usize>) -> Outcome<Recording
         }
         None => return Err(Failure::usage("this blackbox log has no session")),
     };
-    frames(&parsed, &headers, &mut recording)?;
+    let firmware = Firmware::of(&named);
+    frames(&parsed, &headers, &firmware, &mut recording)?;
     Ok(recording)
 }
 
@@ -75,7 +79,12 @@ struct Place {
     scale: f64,
 }
 
-fn frames(parsed: &Headers<'_>, headers: &HashMap<&str, &str>, recording: &mut Recording) -> Outcome<()> {
+fn frames(
+    parsed: &Headers<'_>,
+    headers: &HashMap<&str, &str>,
+    firmware: &Firmware,
+    recording: &mut Recording,
+) -> Outcome<()> {
     let mut parser = parsed.data_parser();
     let names: Vec<(String, bool)> =
         parser.main_frame_def().iter().map(|field| (field.name.to_string(), field.signed)).collect();
@@ -91,7 +100,7 @@ fn frames(parsed: &Headers<'_>, headers: &HashMap<&str, &str>, recording: &mut R
             unreadable.join(", ")
         ));
     }
-    let (mut main, mut places) = main_stream(&names, headers);
+    let (mut main, mut places) = main_stream(&names, headers, firmware);
     places.retain(|place| names.get(place.field).is_none_or(|(name, _)| !unreadable.contains(name)));
     let mut gps = Stream::new("GPS frames")
         .with("lat_deg", "GPS_coord[0]", "°", Between::Line)
@@ -147,13 +156,24 @@ fn frames(parsed: &Headers<'_>, headers: &HashMap<&str, &str>, recording: &mut R
             "the log has no end mark: the recorder was cut off; read up to its last whole frame".into(),
         );
     }
-    finish(main, gps, parsed, recording)
+    let program = if firmware.inav { Program::Inav } else { Program::Betaflight };
+    finish(main, gps, parsed, program, recording)
 }
 
 /// The stream of the main frames, and where each field of them goes.
-fn main_stream(names: &[(String, bool)], headers: &HashMap<&str, &str>) -> (Stream, Vec<Place>) {
+fn main_stream(
+    names: &[(String, bool)],
+    headers: &HashMap<&str, &str>,
+    firmware: &Firmware,
+) -> (Stream, Vec<Place>) {
     let acceleration =
         headers.get("acc_1G").and_then(|text| text.parse::<f64>().ok()).filter(|one| *one > 0.0);
+    // Gyroscope, sticks and setpoints are logged ten times as large then (blackbox.c, blackboxHighResolutionScale).
+    let high_resolution = headers
+        .get("blackbox_high_resolution")
+        .and_then(|text| text.parse::<i64>().ok())
+        .is_some_and(|on| on > 0);
+    let finer = if high_resolution { 0.1 } else { 1.0 };
     let rotation = headers.get("gyro_scale").or(headers.get("gyro.scale")).and_then(|text| {
         let bits = match text.strip_prefix("0x") {
             Some(hex) => u32::from_str_radix(hex, 16).ok()?,
@@ -173,7 +193,10 @@ fn main_stream(names: &[(String, bool)], headers: &HashMap<&str, &str>) -> (Stre
         let (column, unit, scale) = match (base, axis, index) {
             ("magADC", Some(axis), _) => (format!("m{axis}_counts"), "counts", sign),
             ("gyroADC", Some(axis), _) => match rotation {
-                Some(scale) => (format!("g{axis}_radps"), "°/s", sign * scale.to_radians()),
+                Some(scale) => {
+                    let unit = if high_resolution { "0.1 °/s" } else { "°/s" };
+                    (format!("g{axis}_radps"), unit, sign * finer * scale.to_radians())
+                }
                 None => continue,
             },
             ("accSmooth", Some(axis), _) => match acceleration {
@@ -181,22 +204,34 @@ fn main_stream(names: &[(String, bool)], headers: &HashMap<&str, &str>) -> (Stre
                 None => continue,
             },
             ("motor", _, Some(index)) => (format!("motor_{}", index + 1), "", 1.0),
-            ("amperageLatest" | "amperage", _, None) => ("current_a".into(), "0.01 A", 0.01),
-            ("vbatLatest" | "vbat", _, None) => ("voltage_v".into(), "0.01 V", 0.01),
+            ("amperageLatest" | "amperage", _, None) => match firmware.current(headers) {
+                Some((unit, scale)) => ("current_a".into(), unit, scale),
+                None => continue,
+            },
+            ("vbatLatest" | "vbat", _, None) => match firmware.voltage(headers) {
+                Some((unit, scale)) => ("voltage_v".into(), unit, scale),
+                None => continue,
+            },
             ("baroAlt" | "BaroAlt", _, None) => ("height_m".into(), "cm", 0.01),
-            ("rcCommand", _, Some(3)) => ("throttle".into(), "", 1.0),
+            ("rcCommand", _, Some(3)) => ("throttle".into(), "", finer),
             ("escTemperature", _, None) => ("esc_c".into(), "°C", 1.0),
             _ => continue,
         };
         if stream.column(&column).is_none() {
             places.push(Place { field, column: stream.columns.len(), scale });
-            stream = stream.with(&column, name, unit, Between::Line);
+            stream = stream.scaled(&column, name, unit, scale.abs(), Between::Line);
         }
     }
     (stream, places)
 }
 
-fn finish(mut main: Stream, gps: Stream, parsed: &Headers<'_>, recording: &mut Recording) -> Outcome<()> {
+fn finish(
+    mut main: Stream,
+    gps: Stream,
+    parsed: &Headers<'_>,
+    program: Program,
+    recording: &mut Recording,
+) -> Outcome<()> {
     let field = ["mx_counts", "my_counts", "mz_counts"];
     let measured = field
         .iter()
@@ -214,13 +249,14 @@ fn finish(mut main: Stream, gps: Stream, parsed: &Headers<'_>, recording: &mut R
     recording.taken_out.push("turned from x forward, y left, z up to x forward, y right, z down".into());
     recording.notices.push(
         "magADC is what the firmware made of its sensor: aligned to the board, mag_calibration (INAV: maggain too) applied. \
-         The log does not hold these: a calibration of this log goes on top of them"
+         The log does not hold these, nor a calibration during the flight: a calibration of this log goes on top of them"
             .into(),
     );
     // Rows of the magnetometer and of the rest are the same frames: nothing has to be joined.
     main.columns
         .sort_by_key(|column| field.iter().position(|name| *name == column.name).unwrap_or(field.len()));
     recording.magnetometer = main;
+    recording.frame = frame::Frame::of(program, 1.0, LEFT_UP);
     recording.others = vec![gps];
     Ok(())
 }

@@ -1,7 +1,8 @@
 //! From messages of ArduPilot, however they were written, to streams and parameters.
 
 use crate::input::formats::dataflash::definition::Definition;
-use crate::input::formats::dataflash::wanted::{Field, Message, wanted};
+use crate::input::formats::dataflash::units::{Units, Written};
+use crate::input::formats::dataflash::wanted::{Message, wanted};
 use crate::input::formats::inventory::Inventory;
 use crate::input::formats::parameters::Parameters;
 use crate::input::formats::stream::Stream;
@@ -17,6 +18,12 @@ pub enum Plan {
     Parameter(Option<usize>, usize, usize),
     /// A line of text: its field.
     Words(usize),
+    /// Units of the fields of a message: fields of number, units, multipliers.
+    FieldUnits(usize, usize, usize),
+    /// What a letter of a multiplier stands for: fields of letter and value.
+    Multiplier(usize, usize),
+    /// What a letter of a unit stands for: fields of letter and label.
+    UnitLabel(usize, usize),
     /// Samples.
     Samples(Samples),
 }
@@ -32,7 +39,7 @@ pub struct Samples {
     time_scale: f64,
     /// The field that numbers the sensor from 0, or the number at the end of the message's name.
     instance: Result<usize, u8>,
-    fields: Vec<(usize, Field)>,
+    fields: Vec<Written>,
 }
 
 impl Plan {
@@ -46,6 +53,15 @@ impl Plan {
                 let (name, value) = (label(&["Name"])?, label(&["Value"])?);
                 return Some(Plan::Parameter(micros.map(|(field, _)| field), name, value));
             }
+            "FMTU" => {
+                return Some(Plan::FieldUnits(
+                    label(&["FmtType"])?,
+                    label(&["UnitIds"])?,
+                    label(&["MultIds"])?,
+                ));
+            }
+            "MULT" => return Some(Plan::Multiplier(label(&["Id"])?, label(&["Mult"])?)),
+            "UNIT" => return Some(Plan::UnitLabel(label(&["Id"])?, label(&["Label"])?)),
             "MSG" => return Some(Plan::Words(label(&["Message", "Msg"])?)),
             _ => {}
         }
@@ -54,13 +70,15 @@ impl Plan {
         let number: u8 = definition.name.get(base.len()..).and_then(|rest| rest.parse().ok()).unwrap_or(1);
         let instance = label(&["I", "Inst", "Instance"]).ok_or(number.saturating_sub(1));
         let (time, time_scale) = time?;
-        let mut found: Vec<(usize, Field)> = Vec::new();
+        let mut found: Vec<Written> = Vec::new();
         for field in fields {
             if let Some(at) = definition.label(field.label)
                 && at != time
-                && !found.iter().any(|(_, known)| known.name == field.name)
+                && !found.iter().any(|known| known.field.name == field.name)
             {
-                found.push((at, field.clone()));
+                let letter = definition.letter(at).unwrap_or(0);
+                let (kind, field) = (definition.kind, field.clone());
+                found.push(Written { kind, at, letter, field, printed: 0, pointed: false });
             }
         }
         (!found.is_empty()).then(|| {
@@ -82,6 +100,11 @@ impl Plan {
 pub struct Collected {
     /// By place of the message and instance.
     pub streams: BTreeMap<(u8, u8), Stream>,
+    /// How the columns of each stream were written, and the units that the log states.
+    written: BTreeMap<(u8, u8), Vec<Written>>,
+    units: Units,
+    /// Whether the log is text.
+    printed: bool,
     /// The parameters.
     pub parameters: Parameters,
     /// The first words of the log that name a vehicle and its version.
@@ -92,6 +115,11 @@ pub struct Collected {
 }
 
 impl Collected {
+    /// Of a log that is text.
+    pub fn printed() -> Self {
+        Collected { printed: true, ..Collected::default() }
+    }
+
     /// Takes one message whose fields `number` and `text` give.
     pub fn take(&mut self, plan: &Plan, number: impl Fn(usize) -> f64, text: impl Fn(usize) -> String) {
         match plan {
@@ -111,11 +139,16 @@ impl Collected {
                         version.then(|| words.chars().filter(|c| !c.is_control()).take(40).collect());
                 }
             }
-            Plan::Samples(samples) => self.sample(samples, number),
+            Plan::FieldUnits(kind, units, multipliers) => {
+                self.units.of_fields(number(*kind) as u8, &text(*units), &text(*multipliers));
+            }
+            Plan::Multiplier(letter, value) => self.units.multiplier(number(*letter) as u8, number(*value)),
+            Plan::UnitLabel(letter, label) => self.units.label(number(*letter) as u8, text(*label)),
+            Plan::Samples(samples) => self.sample(samples, number, text),
         }
     }
 
-    fn sample(&mut self, samples: &Samples, number: impl Fn(usize) -> f64) {
+    fn sample(&mut self, samples: &Samples, number: impl Fn(usize) -> f64, text: impl Fn(usize) -> String) {
         let instance = match samples.instance {
             Ok(field) => number(field) as u8,
             Err(number) => number,
@@ -124,20 +157,37 @@ impl Collected {
             return;
         }
         self.row.clear();
-        self.row.extend(samples.fields.iter().map(|(at, field)| number(*at) * field.scale));
+        self.row.extend(samples.fields.iter().map(|written| number(written.at)));
         let time_s = number(samples.time) * samples.time_scale;
-        let stream = self
-            .streams
-            .entry((samples.place, instance))
-            .or_insert_with(|| empty(&samples.base, instance, &samples.fields));
+        let key = (samples.place, instance);
+        let stream =
+            self.streams.entry(key).or_insert_with(|| empty(&samples.base, instance, &samples.fields));
         stream.push(time_s, &self.row);
+        let written = self.written.entry(key).or_insert_with(|| samples.fields.clone());
+        for one in written.iter_mut().filter(|one| self.printed && one.by_letter() && !one.pointed) {
+            one.printed += 1;
+            one.pointed = text(one.at).contains('.');
+        }
+    }
+
+    /// Brings every column to the log's unit: units may be stated behind the first messages.
+    pub fn scaled(&mut self) {
+        for (key, stream) in &mut self.streams {
+            let Some(written) = self.written.get(key) else { continue };
+            for (column, written) in stream.columns.iter_mut().zip(written) {
+                let finite = column.values.iter().filter(|value| value.is_finite());
+                let most = finite.fold(0.0_f64, |most, value| most.max(value.abs()));
+                column.scale = written.scale(&self.units, most);
+                column.values.iter_mut().for_each(|value| *value *= column.scale);
+            }
+        }
     }
 }
 
-fn empty(base: &str, instance: u8, fields: &[(usize, Field)]) -> Stream {
+fn empty(base: &str, instance: u8, fields: &[Written]) -> Stream {
     let number = u16::from(instance) + 1;
     let name = format!("{base}[{instance}]");
-    fields.iter().fold(Stream::new(name.as_str()), |stream, (_, field)| {
+    fields.iter().map(|written| &written.field).fold(Stream::new(name.as_str()), |stream, field| {
         let column = if field.name.contains("_#") {
             field.name.replace('#', &number.to_string())
         } else if instance == 0 {

@@ -8,7 +8,9 @@ use crate::failure::{Failure, Outcome};
 use crate::input::formats::correction::Correction;
 use crate::input::formats::dataflash::collect::Collected;
 use crate::input::formats::parameters::Parameters;
+use crate::input::formats::rotation;
 use crate::input::formats::stream::{Recording, Stream, choose};
+use ironout_analysis::frame::{Frame, IDENTITY, MAX_REMOVED, Program, Removed, Rows, rows};
 use nalgebra::Vector3;
 
 const FIELD: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
@@ -31,6 +33,7 @@ pub fn finish(
     instance: Option<usize>,
     notices: Vec<String>,
 ) -> Outcome<Recording> {
+    collected.scaled();
     let compasses: Vec<(usize, String)> = collected
         .streams
         .iter()
@@ -110,7 +113,17 @@ fn owner(taken: usize, parameters: &Parameters, offset_ut: [f64; 3], notices: &m
     }
 }
 
-fn undo(taken: usize, parameters: &Parameters, recording: &mut Recording) -> Outcome<()> {
+/// Whether the offsets of a compass, counted from 0, are known.
+pub fn has_offsets(taken: usize, parameters: &Parameters) -> bool {
+    (1..=3).any(|k| parameters.first(&names("OFS", k)[0]).is_some())
+        && parameters.first(&names("OFS", taken + 1)[0]).is_some()
+}
+
+/// Takes the calibration of a compass, counted from 0, out of the magnetometer of a recording.
+///
+/// # Errors
+/// A matrix that cannot be undone.
+pub fn undo(taken: usize, parameters: &Parameters, recording: &mut Recording) -> Outcome<()> {
     let stream = &mut recording.magnetometer;
     let three = |stream: &Stream, names: [&str; 3], row: usize| {
         names.map(|name| stream.column(name).and_then(|c| c.values.get(row)).copied().unwrap_or(f64::NAN))
@@ -148,20 +161,23 @@ fn undo(taken: usize, parameters: &Parameters, recording: &mut Recording) -> Out
             join(diagonal, 4),
             join(off, 4)
         ));
-        epochs.push((since, undo, offset));
+        epochs.push((since, undo, offset, correction.matrix));
     }
+    let mut frame = Frame::of(Program::Ardupilot, UT, IDENTITY);
+    (frame.from_sensor, frame.mounting) = mounting(k, parameters);
     let motors = (0..stream.time_s.len())
         .any(|row| three(stream, MOTOR, row).iter().any(|value| value.is_finite() && *value != 0.0));
     if motors {
         recording.taken_out.push("MOX,MOY,MOZ: what was added for motors or current".into());
     }
     let mut epoch = 0;
+    let mut before: Option<f64> = None;
     for row in 0..stream.time_s.len() {
         let time = stream.time_s.get(row).copied().unwrap_or(f64::NAN);
         while epochs.get(epoch + 1).is_some_and(|(since, ..)| *since < time) {
             epoch += 1;
         }
-        let Some((_, undo, parameter)) = epochs.get(epoch) else { break };
+        let Some((_, undo, parameter, matrix)) = epochs.get(epoch) else { break };
         let finite = |values: [f64; 3]| values.map(|value| if value.is_finite() { value } else { 0.0 });
         let motor = Vector3::from(finite(three(stream, MOTOR, row)));
         let in_message = finite(three(stream, OFFSET, row));
@@ -171,6 +187,20 @@ fn undo(taken: usize, parameters: &Parameters, recording: &mut Recording) -> Out
             (own, _) => own.copied().unwrap_or(0.0),
         });
         let corrected = Vector3::from(three(stream, FIELD, row));
+        let removed = Removed {
+            from_s: before,
+            offset: offset.map(|value| -value / UT),
+            matrix: rows(matrix),
+            power: motors,
+        };
+        before = Some(time);
+        let same = |last: &Removed| last.offset == removed.offset && last.matrix == removed.matrix;
+        if !frame.removed.last().is_some_and(same) {
+            if frame.removed.len() == MAX_REMOVED {
+                frame.removed.remove(1);
+            }
+            frame.removed.push(removed);
+        }
         let raw = undo.apply(corrected - motor) - Vector3::from(offset);
         for (name, value) in FIELD.iter().zip(raw.iter()) {
             let column = stream.columns.iter_mut().find(|column| column.name == *name);
@@ -180,7 +210,33 @@ fn undo(taken: usize, parameters: &Parameters, recording: &mut Recording) -> Out
         }
     }
     stream.columns.retain(|column| FIELD.contains(&column.name.as_str()));
+    let applied = |one: &Removed| one.offset != [0.0; 3] || one.matrix != IDENTITY || one.power;
+    if !frame.removed.iter().any(applied) {
+        frame.removed.clear();
+    }
+    recording.frame = frame;
     Ok(())
+}
+
+/// From the sensor's axes to the body's, where the parameters tell: `COMPASS_ORIENT` for an external compass, that of the board
+/// for one on it (`rotate_field`). Without them the message's own axes are all that is known.
+fn mounting(k: usize, parameters: &Parameters) -> (Option<Rows>, Option<Rows>) {
+    let external = match k {
+        1 => ["COMPASS_EXTERNAL", "COMPASS_EXTERN"],
+        2 => ["COMPASS_EXTERN2", "COMPASS_EXTERN2"],
+        _ => ["COMPASS_EXTERN3", "COMPASS_EXTERN3"],
+    };
+    let external = external.iter().find_map(|name| parameters.first(name));
+    let name = match external {
+        Some(0.0) => "AHRS_ORIENTATION".to_string(),
+        Some(_) => format!("COMPASS_ORIENT{}", number(k)),
+        None => return (None, Some(IDENTITY)),
+    };
+    let angles = parameters.first(&name).and_then(|number| rotation::angles_deg(number as i64));
+    match angles.map(rotation::matrix) {
+        Some(matrix) => (Some(matrix), Some(matrix)),
+        None => (None, Some(IDENTITY)),
+    }
 }
 
 fn join(values: [f64; 3], digits: usize) -> String {

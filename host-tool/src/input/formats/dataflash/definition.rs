@@ -10,6 +10,8 @@ pub const FMT: (u8, usize) = (128, 89);
 /// One kind of message.
 #[derive(Debug, Clone)]
 pub struct Definition {
+    /// Its number, by which other messages name it.
+    pub kind: u8,
     /// Its name: `MAG`.
     pub name: String,
     /// Its labels: `TimeUS`, `MagX`, …
@@ -21,8 +23,8 @@ pub struct Definition {
 }
 
 impl Definition {
-    /// From name, letters, labels and length with header; `None` where a letter is unknown, or the fields do not fit.
-    pub fn new(name: &str, letters: &str, labels: &str, length: usize) -> Option<Self> {
+    /// From number, name, letters, labels and length with header; `None` where a letter is unknown, or the fields do not fit.
+    pub fn new(kind: u8, name: &str, letters: &str, labels: &str, length: usize) -> Option<Self> {
         let mut at = 0;
         let mut fields = Vec::new();
         for letter in letters.trim().bytes() {
@@ -31,6 +33,7 @@ impl Definition {
         }
         let labels: Vec<String> = labels.split(',').map(|label| label.trim().to_string()).collect();
         (length >= HEADER_BYTES + at).then(|| Definition {
+            kind,
             name: name.trim().to_string(),
             labels,
             fields,
@@ -42,12 +45,17 @@ impl Definition {
     pub fn from_fmt(body: &[u8]) -> Option<(u8, Option<Self>)> {
         let (kind, length) = (*body.first()?, usize::from(*body.get(1)?));
         let text = |from: usize, to: usize| Some(string(body.get(from..to)?));
-        Some((kind, Self::new(&text(2, 6)?, &text(6, 22)?, &text(22, 86)?, length)))
+        Some((kind, Self::new(kind, &text(2, 6)?, &text(6, 22)?, &text(22, 86)?, length)))
     }
 
     /// Which field has a label.
     pub fn label(&self, label: &str) -> Option<usize> {
         self.labels.iter().position(|known| known == label)
+    }
+
+    /// The letter of a field.
+    pub fn letter(&self, field: usize) -> Option<u8> {
+        self.fields.get(field).map(|(letter, _)| *letter)
     }
 
     /// The number in a field of a binary body; NaN for text and where there is none.
@@ -121,7 +129,7 @@ mod tests {
 
     #[test]
     fn letters_are_numbers_of_their_size_and_scale() {
-        let definition = Definition::new("X", "QBhcCLfeg", "TimeUS,I,a,b,c,d,e,f,g", 64).expect("sound");
+        let definition = Definition::new(1, "X", "QBhcCLfeg", "TimeUS,I,a,b,c,d,e,f,g", 64).expect("sound");
         let mut body = Vec::new();
         body.extend(1_500_000_u64.to_le_bytes());
         body.push(3);
@@ -135,7 +143,7 @@ mod tests {
         let found: Vec<f64> = (0..9).map(|field| definition.number(&body, field)).collect();
         assert_eq!(found, [1.5e6, 3.0, -7.0, -2.5, 400.0, -35.363_262, 2.5, 1234.56, -5.0]);
         assert!(definition.number(&body[..20], 8).is_nan() && definition.number(&body, 9).is_nan());
-        assert!(Definition::new("X", "Q?", "a,b", 64).is_none());
-        assert!(Definition::new("X", "Q", "a", 5).is_none());
+        assert!(Definition::new(1, "X", "Q?", "a,b", 64).is_none());
+        assert!(Definition::new(1, "X", "Q", "a", 5).is_none());
     }
 }

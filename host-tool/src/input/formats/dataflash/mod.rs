@@ -6,7 +6,9 @@ mod collect;
 mod compass;
 mod definition;
 mod text;
+mod units;
 mod wanted;
 
 pub use binary::read_binary;
+pub use compass::{has_offsets, undo};
 pub use text::read_text;

@@ -24,7 +24,7 @@ type Definitions = HashMap<String, (Definition, Option<Plan>, u64)>;
 /// It cannot be read, or has no magnetometer.
 pub fn read_text(feed: &mut Feed<impl Read>, instance: Option<usize>) -> Outcome<Recording> {
     let mut definitions = Definitions::new();
-    let mut collected = Collected::default();
+    let mut collected = Collected::printed();
     let (mut strange, mut first_strange, mut line) = (0_u64, 0_u64, 0_u64);
     loop {
         let ahead = feed.ahead(LINE_BYTES)?;
@@ -62,10 +62,11 @@ fn message(text: &[u8], definitions: &mut Definitions, collected: &mut Collected
     let Some((name, cells)) = cells.split_first() else { return false };
     let words = |cell: &[u8]| String::from_utf8_lossy(cell).into_owned();
     if *name == b"FMT" {
-        let [_, _, name, letters, labels @ ..] = cells else { return false };
+        let [kind, _, name, letters, labels @ ..] = cells else { return false };
+        let kind = std::str::from_utf8(kind).ok().and_then(|text| text.parse().ok()).unwrap_or(0);
         let labels = labels.iter().map(|label| words(label)).collect::<Vec<_>>().join(",");
         // The length is that of the binary form, and of no use here.
-        let definition = Definition::new(&words(name), &words(letters), &labels, usize::MAX);
+        let definition = Definition::new(kind, &words(name), &words(letters), &labels, usize::MAX);
         let known = definitions.len() < MOST_KINDS;
         return match definition {
             Some(definition) if known => {

@@ -4,6 +4,9 @@ use crate::input::formats::feed::u64_at;
 use crate::input::formats::stream::{Between, Stream};
 use crate::input::formats::ulog::layout::{Field, Kind, Layout};
 
+/// More changes of the device than any flight has.
+const MOST_CHANGES: usize = 10_000;
+
 /// One field that is wanted of a topic.
 #[derive(Debug, Clone)]
 pub struct Want {
@@ -43,6 +46,8 @@ pub struct Collector {
     pub stream: Stream,
     /// The device that the samples are of, where the messages name it; 0 where they do not.
     pub device_id: u32,
+    /// Rows from which on the samples are of another device.
+    devices: Vec<(usize, u32)>,
     /// Whether the messages say that the sensor is external.
     pub external: Option<bool>,
     /// Whether the messages carry counts beside the values: then the driver had corrected the values already.
@@ -77,7 +82,7 @@ impl Collector {
                 continue;
             }
             let source = format!("{}.{}", stream.name, want.path);
-            stream = stream.with(&want.name, &source, want.unit, want.between);
+            stream = stream.scaled(&want.name, &source, want.unit, want.scale.abs(), want.between);
             readings.push(Reading { field, scale: want.scale, none: want.none, over_us });
         }
         (!readings.is_empty()).then(|| Collector {
@@ -88,6 +93,7 @@ impl Collector {
             readings,
             stream,
             device_id: 0,
+            devices: Vec::new(),
             external: None,
             with_counts: layout.field("x_raw").is_some(),
             time,
@@ -95,6 +101,34 @@ impl Collector {
             device: layout.field("device_id"),
             is_external: layout.field("is_external"),
         })
+    }
+
+    /// The same, apart by device: PX4 goes on in one topic with another sensor where the first fails.
+    pub fn by_device(self) -> Vec<Self> {
+        let mut ids: Vec<u32> = self.devices.iter().map(|(_, id)| *id).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        if ids.len() < 2 {
+            return vec![self];
+        }
+        let of_row = |row: usize| {
+            let change = self.devices.iter().rev().find(|(from, _)| *from <= row);
+            change.or(self.devices.first()).map_or(0, |(_, id)| *id)
+        };
+        let of_rows: Vec<u32> = (0..self.stream.time_s.len()).map(of_row).collect();
+        ids.iter()
+            .map(|id| {
+                let mut one = self.clone();
+                let keep = |values: &mut Vec<f64>| {
+                    let mut rows = of_rows.iter();
+                    values.retain(|_| rows.next() == Some(id));
+                };
+                keep(&mut one.stream.time_s);
+                one.stream.columns.iter_mut().for_each(|column| keep(&mut column.values));
+                (one.device_id, one.devices) = (*id, vec![(0, *id)]);
+                one
+            })
+            .collect()
     }
 
     /// Takes one message; `start_us` is the beginning of the log. Gives its time.
@@ -105,10 +139,14 @@ impl Collector {
         let stamp = u64_at(data, self.time)?;
         let sampled = self.time_sample.and_then(|at| u64_at(data, at)).filter(|time| *time > 0);
         let seconds = |time: u64| time.wrapping_sub(start_us).cast_signed() as f64 / 1e6;
-        if self.device_id == 0
-            && let Some(field) = self.device
+        if let Some(device) = self.device.map(|field| field.value(data) as u32).filter(|id| *id != 0)
+            && self.devices.last().is_none_or(|(_, last)| *last != device)
+            && self.devices.len() < MOST_CHANGES
         {
-            self.device_id = field.value(data) as u32;
+            self.devices.push((self.stream.time_s.len(), device));
+            if self.device_id == 0 {
+                self.device_id = device;
+            }
         }
         if self.external.is_none() {
             self.external = self.is_external.map(|field| field.value(data) > 0.0);

@@ -11,6 +11,7 @@ use crate::input::formats::parameters::Parameters;
 use crate::input::formats::rotation;
 use crate::input::formats::stream::{Between, Recording, Stream, choose};
 use crate::input::formats::ulog::collector::Collector;
+use ironout_analysis::frame::{Frame, IDENTITY, MAX_REMOVED, Program, Removed, rows};
 use nalgebra::{Matrix3, Vector3};
 
 const FIELD: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
@@ -56,6 +57,7 @@ pub fn take(
     release: Option<[u8; 2]>,
     wanted: Option<usize>,
 ) -> Outcome<Option<Recording>> {
+    let in_use = in_use(collectors);
     let candidates = candidates(collectors, parameters, release);
     if candidates.is_empty() {
         return Ok(None);
@@ -63,15 +65,25 @@ pub fn take(
     let most = candidates.iter().map(|one| one.collector.stream.time_s.len()).max();
     let there: Vec<(usize, String)> =
         candidates.iter().map(|candidate| (candidate.number, describe(candidate))).collect();
-    // Without a wish the one with the most samples: a second sensor is often logged once a second only.
+    // Without a wish the compass that PX4 flew with, else the one with the most samples: a second sensor is often logged once a
+    // second only.
+    let flown = candidates.iter().find(|one| in_use.is_some() && Some(one.device_id) == in_use);
     let fullest = candidates.iter().find(|one| Some(one.collector.stream.time_s.len()) == most);
-    let taken = choose(wanted.or(fullest.map(|one| one.number)), &there, "magnetometer")?;
+    let taken = choose(wanted.or(flown.or(fullest).map(|one| one.number)), &there, "magnetometer")?;
     let Some(candidate) = candidates.into_iter().find(|one| one.number == taken) else { return Ok(None) };
     let mut recording =
         Recording { instance: (there.len() > 1).then_some((taken, there)), ..Recording::default() };
     let stream = undo(candidate, collectors, parameters, release, &mut recording)?;
     recording.magnetometer = stream;
     Ok(Some(recording))
+}
+
+/// The device whose field PX4 used the longest: that of `vehicle_magnetometer`.
+fn in_use(collectors: &[Collector]) -> Option<u32> {
+    let used = collectors.iter().filter(|one| one.topic == "vehicle_magnetometer" && finite(&one.stream));
+    let first = used.min_by_key(|one| one.instance)?.clone();
+    let apart = first.by_device();
+    apart.iter().max_by_key(|one| one.stream.time_s.len()).map(|one| one.device_id).filter(|id| *id != 0)
 }
 
 fn describe(candidate: &Candidate) -> String {
@@ -92,7 +104,8 @@ fn candidates(
     let by_driver = release.is_some_and(|release| release < DRIVERS_STOPPED);
     let mut of = |topic: &str| -> Vec<Collector> {
         let is = |one: &mut Collector| one.topic == topic && finite(&one.stream);
-        let mut found: Vec<Collector> = collectors.extract_if(.., is).collect();
+        let mut found: Vec<Collector> =
+            collectors.extract_if(.., is).flat_map(Collector::by_device).collect();
         found.sort_by_key(|one| one.instance);
         found
     };
@@ -109,7 +122,9 @@ fn candidates(
         .collect();
     for mut collector in corrected {
         let device_id = if collector.device_id != 0 { collector.device_id } else { prime };
-        let own = found.iter().position(|one| one.device_id == device_id && device_id != 0);
+        let own = found
+            .iter()
+            .position(|one| one.device_id == device_id && device_id != 0 && one.state != State::Corrected);
         let next = found.iter().map(|one| one.number + 1).max().unwrap_or(0);
         let number = match own.and_then(|at| found.get(at)) {
             Some(raw) if collector.stream.time_s.len() < DENSER * raw.collector.stream.time_s.len() => {
@@ -147,11 +162,11 @@ fn finite(stream: &Stream) -> bool {
     })
 }
 
-/// The number n of CAL_MAGn_* for a device.
-fn calibration(parameters: &Parameters, device_id: u32) -> Option<usize> {
+/// The numbers n of CAL_MAGn_* that are of a device at any time.
+fn slots(parameters: &Parameters, device_id: u32) -> Vec<usize> {
     // A parameter is a signed number of 32 bits, a device id an unsigned one.
-    let id = |n: usize| parameters.first(&format!("CAL_MAG{n}_ID")).map(|id| id as i64 as u32);
-    (0..SENSORS).find(|n| device_id != 0 && id(*n) == Some(device_id))
+    let own = |n: &usize| parameters.is_ever(&format!("CAL_MAG{n}_ID"), |id| id as i64 as u32 == device_id);
+    (0..SENSORS).filter(|n| device_id != 0 && own(n)).collect()
 }
 
 /// The mounting: the sensor's own where it is external, and the board's fine adjustment. With words.
@@ -200,8 +215,18 @@ fn undo(
     recording: &mut Recording,
 ) -> Outcome<Stream> {
     let Candidate { state, device_id, collector, .. } = candidate;
-    let n = calibration(parameters, device_id);
+    let slots = slots(parameters, device_id);
+    let n = slots.first().copied();
     let (turn, turn_words) = mounting(parameters, n, collector.external, release);
+    let own = rows(&turn);
+    let mut frame = match (state, n) {
+        // What no calibration is known of has been turned already, and by what is not known.
+        (State::Corrected, None) => Frame::of(Program::Px4, UT, IDENTITY),
+        (State::Corrected, Some(_)) => {
+            Frame { from_sensor: Some(own), mounting: Some(own), ..Frame::of(Program::Px4, UT, IDENTITY) }
+        }
+        _ => Frame { mounting: Some(own), ..Frame::of(Program::Px4, UT, own) },
+    };
     let mut stream = collector.stream;
     let told = &mut recording.taken_out;
     match (state, n) {
@@ -213,9 +238,11 @@ fn undo(
         (_, Some(n)) => {
             let back = if state == State::Corrected { turn } else { Matrix3::identity() };
             let power = power(&stream, state, n, collectors, parameters, told);
-            remove(&mut stream, n, back, parameters, power.as_deref(), told)?;
+            let device = Device { id: device_id, slots: &slots };
+            frame.removed = remove(&mut stream, device, back, parameters, power.as_deref(), told)?;
         }
     }
+    recording.frame = frame;
     if turn != Matrix3::identity() {
         told.push(format!("turned from the sensor's axes to the body's by {turn_words}"));
         // A corrected stream that no calibration is known of stays as it is: it has been turned already.
@@ -226,18 +253,54 @@ fn undo(
     Ok(stream)
 }
 
-/// Takes `CAL_MAGn_*` out of the values, with the parameters as they were at each time.
+/// A sensor, and the numbers n of CAL_MAGn_* that are its own at some time.
+#[derive(Clone, Copy)]
+struct Device<'a> {
+    id: u32,
+    slots: &'a [usize],
+}
+
+impl Device<'_> {
+    /// The number at a time.
+    fn slot_at(&self, parameters: &Parameters, since: f64) -> Option<usize> {
+        let own = |n: &&usize| {
+            parameters.at(&format!("CAL_MAG{n}_ID"), since).is_some_and(|id| id as i64 as u32 == self.id)
+        };
+        self.slots.iter().find(own).copied()
+    }
+}
+
+/// Takes `CAL_MAGn_*` out of the values, with the parameters as they were at each time. Gives what was taken out.
 fn remove(
     stream: &mut Stream,
-    n: usize,
+    device: Device<'_>,
     back: Matrix3<f64>,
     parameters: &Parameters,
     power: Option<&[[f64; 3]]>,
     told: &mut Vec<String>,
-) -> Outcome<()> {
-    let starts = parameters.changes(|name| name.starts_with(&format!("CAL_MAG{n}_")));
+) -> Outcome<Vec<Removed>> {
+    let starts = parameters.changes(|name| {
+        device.slots.iter().any(|n| {
+            let part = name.strip_prefix(&format!("CAL_MAG{n}_")).unwrap_or_default();
+            ["OFF", "SCALE", "ODIAG", "ID"].iter().any(|end| part.ends_with(end))
+        })
+    });
     let mut epochs: Vec<(f64, Undo)> = Vec::new();
+    let mut removed = Vec::new();
     for since in std::iter::once(f64::NEG_INFINITY).chain(starts) {
+        let from = if since.is_finite() { format!(" (from {since:.1} s on)") } else { String::new() };
+        let Some(n) = device.slot_at(parameters, since) else {
+            told.push(format!("nothing: no CAL_MAGn_ID is that of the sensor{from}"));
+            let none = Correction { offset: Vector3::zeros(), matrix: Matrix3::identity() };
+            epochs.extend(none.inverse().map(|undo| (since, undo)));
+            removed.push(Removed {
+                from_s: since.is_finite().then_some(since),
+                offset: [0.0; 3],
+                matrix: IDENTITY,
+                power: false,
+            });
+            continue;
+        };
         let three = |what: &str, unset: f64| {
             parameters.three(["X", "Y", "Z"].map(|axis| format!("CAL_MAG{n}_{axis}{what}")), since, unset)
         };
@@ -247,7 +310,12 @@ fn remove(
         let undo = correction.inverse().ok_or_else(|| {
             Failure::usage(format!("CAL_MAG{n}_* of the log cannot be undone: its scale is not invertible"))
         })?;
-        let from = if since.is_finite() { format!(" (from {since:.1} s on)") } else { String::new() };
+        removed.push(Removed {
+            from_s: since.is_finite().then_some(since),
+            offset: (back * Vector3::from(offset)).into(),
+            matrix: rows(&(back * correction.matrix * back.transpose())),
+            power: power.is_some(),
+        });
         if correction.is_identity() {
             told.push(format!("nothing: CAL_MAG{n}_* corrects nothing{from}"));
         } else {
@@ -280,7 +348,14 @@ fn remove(
             }
         }
     }
-    Ok(())
+    let applied = |one: &Removed| one.offset != [0.0; 3] || one.matrix != IDENTITY || one.power;
+    if !removed.iter().any(applied) {
+        removed.clear();
+    }
+    if removed.len() > MAX_REMOVED {
+        removed.drain(1..=removed.len() - MAX_REMOVED);
+    }
+    Ok(removed)
 }
 
 /// What the compensation of throttle or current had added, µT a row; `None` where there was none.
@@ -314,6 +389,14 @@ fn power(
     };
     if comp == [0.0; 3] {
         return None;
+    }
+    let of_power = |name: &str| {
+        name == "CAL_MAG_COMP_TYP" || ["X", "Y", "Z"].iter().any(|a| name == format!("CAL_MAG{n}_{a}COMP"))
+    };
+    if let Some(at) = parameters.changes(of_power).first() {
+        told.push(format!(
+            "not the change of CAL_MAG{n}_XCOMP,… at {at:.1} s: that of the beginning is taken out throughout"
+        ));
     }
     let Some(signal) = signal else {
         told.push(format!("not CAL_MAG{n}_XCOMP,…: its {words} is not in the log"));

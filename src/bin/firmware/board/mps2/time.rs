@@ -72,16 +72,18 @@ impl Clock {
     /// Sleeps until `deadline_ms` or any interrupt (a byte, room for one). Not at all where `awake` says so, which is asked with
     /// interrupts held back: one that comes after the question ends the sleep.
     pub fn sleep_until_ms(&mut self, deadline_ms: u64, awake: impl FnOnce() -> bool) {
-        let left_us = deadline_ms.saturating_mul(1000).saturating_sub(self.now_us()).min(LONGEST_SLEEP_US);
-        if left_us == 0 {
+        let now_us = self.now_us();
+        let end_us = deadline_ms.saturating_mul(1000).min(now_us + LONGEST_SLEEP_US);
+        if end_us <= now_us {
             return;
         }
-        let ticks = left_us as u32 * TICKS_PER_US;
+        let ticks = (end_us - now_us) as u32 * TICKS_PER_US;
         RELOAD.write(ticks);
         VALUE.write(ticks);
         CONTROL.write(ENABLE | INTERRUPT_ENABLE);
+        // The timer may have come and gone before this: then nothing else would end the sleep.
         critical_section::with(|_| {
-            if !awake() {
+            if !awake() && self.now_us() < end_us {
                 cortex_m::asm::wfi();
             }
         });

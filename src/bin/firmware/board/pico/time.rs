@@ -72,8 +72,9 @@ impl Clock {
             return;
         }
         Alarm(SLEEP_ALARM).set(end_us);
+        // The alarm may have come and gone before this: then nothing else would end the sleep.
         critical_section::with(|_| {
-            if !awake() {
+            if !awake() && self::now_us() < end_us {
                 cortex_m::asm::wfi();
             }
         });

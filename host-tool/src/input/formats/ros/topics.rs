@@ -1,19 +1,20 @@
-//! The topics of an MCAP file.
+//! The topics of a recording of ROS, whatever file they are from.
 
 use crate::failure::{Failure, Outcome};
-use crate::input::formats::feed::Feed;
 use crate::input::formats::inventory::Inventory;
-use crate::input::formats::mcap::cdr::Encoding;
-use crate::input::formats::mcap::messages::Kind;
-use crate::input::formats::mcap::records::{self, Channel, op};
+use crate::input::formats::ros::cdr::Encoding;
+use crate::input::formats::ros::messages::{Kind, TESLA_UT};
+use crate::input::formats::rotation::LEFT_UP;
 use crate::input::formats::stream::{Recording, Stream, choose};
+use ironout_analysis::frame::{Frame, IDENTITY, Program};
 use std::collections::BTreeMap;
-use std::io::Read;
 
 /// More topics of these kinds than any robot has.
 const MOST_TOPICS: usize = 1024;
-/// From x forward, y left, z up (ROS REP 103) to x forward, y right, z down.
-const TURN: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
+/// Longest message that is packed by itself, bytes once unpacked.
+const LARGEST_MESSAGE: u64 = 1 << 20;
+/// Mark of Zstandard, which rosbag2 packs messages with one by one.
+const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
 /// One topic that is read.
 struct Topic {
@@ -24,68 +25,34 @@ struct Topic {
     stamp_ns: Vec<i64>,
 }
 
-/// What is known while a file is read.
+/// A message as a file holds it.
+pub struct Raw<'a> {
+    /// Its topic.
+    pub topic: &'a str,
+    /// The name of its schema.
+    pub schema: &'a str,
+    /// How it is written: `cdr`, `ros1`.
+    pub encoding: &'a str,
+    /// When it was recorded.
+    pub log_ns: i64,
+    /// Its bytes.
+    pub data: &'a [u8],
+}
+
+/// All topics of a recording.
 #[derive(Default)]
-struct Topics {
-    schemas: BTreeMap<u16, String>,
-    channels: BTreeMap<u16, Channel>,
+pub struct Topics {
     topics: BTreeMap<String, Topic>,
-    counts: BTreeMap<u16, u64>,
-    broken: u64,
+    /// Messages that are not as their schema says.
+    pub broken: u64,
     other_encoding: Option<String>,
 }
 
-/// Reads an MCAP file from its first byte; `size_bytes` (0: unknown) bounds what it may ask memory for.
-///
-/// # Errors
-/// Not readable, or no magnetometer in it.
-pub fn read(feed: &mut Feed<impl Read>, size_bytes: u64, instance: Option<usize>) -> Outcome<Recording> {
-    let mut all = Topics::default();
-    let notices = records::records(feed, size_bytes, &mut |kind, content| all.take(kind, content))?;
-    let mut recording = Recording { format: "MCAP".into(), notices, ..Recording::default() };
-    if all.broken > 0 {
-        recording
-            .notices
-            .push(format!("{} messages are not as their schema says and are left out", all.broken));
-    }
-    if let Some(encoding) = &all.other_encoding {
-        recording
-            .notices
-            .push(format!("messages in the encoding {encoding} are left out: cdr (ROS 2) and ros1 are read"));
-    }
-    let mut inventory = Inventory::default();
-    for (id, count) in &all.counts {
-        if let Some(channel) = all.channels.get(id) {
-            let schema = all.schemas.get(&channel.schema).map_or("without a schema", String::as_str);
-            inventory.add(&format!("{} {schema}", channel.topic), *count);
-        }
-    }
-    finish(all.topics, inventory, instance, recording)
-}
-
 impl Topics {
-    fn take(&mut self, kind: u8, content: &[u8]) {
-        match kind {
-            op::SCHEMA => self.schemas.extend(records::schema(content)),
-            op::CHANNEL => self.channels.extend(records::channel(content)),
-            op::MESSAGE => match records::message(content) {
-                Some((channel, log_ns, data)) => self.message(channel, log_ns, data),
-                None => self.broken += 1,
-            },
-            _ => {}
-        }
-    }
-
-    fn message(&mut self, id: u16, log_ns: i64, data: &[u8]) {
-        let Some(channel) = self.channels.get(&id) else {
-            self.broken += 1;
-            return;
-        };
-        *self.counts.entry(id).or_default() += 1;
-        let Some(kind) = self.schemas.get(&channel.schema).and_then(|schema| Kind::of(schema)) else {
-            return;
-        };
-        let encoding = match channel.encoding.as_str() {
+    /// Takes one message.
+    pub fn take(&mut self, raw: &Raw<'_>) {
+        let Some(kind) = Kind::of(raw.schema) else { return };
+        let encoding = match raw.encoding {
             "cdr" => Encoding::Cdr,
             "ros1" => Encoding::Ros1,
             other => {
@@ -93,11 +60,12 @@ impl Topics {
                 return;
             }
         };
-        let Some(decoded) = kind.decode(data, encoding) else {
+        let unpacked = raw.data.starts_with(&ZSTD).then(|| unpacked(raw.data)).flatten();
+        let Some(decoded) = kind.decode(unpacked.as_deref().unwrap_or(raw.data), encoding) else {
             self.broken += 1;
             return;
         };
-        let name = &channel.topic;
+        let name = raw.topic;
         if !self.topics.contains_key(name) {
             if self.topics.len() >= MOST_TOPICS {
                 return;
@@ -110,14 +78,47 @@ impl Topics {
                 log_ns: Vec::new(),
                 stamp_ns: Vec::new(),
             };
-            self.topics.insert(name.clone(), topic);
+            self.topics.insert(name.to_string(), topic);
         }
         if let Some(topic) = self.topics.get_mut(name).filter(|topic| topic.kind == kind) {
-            topic.log_ns.push(log_ns);
+            topic.log_ns.push(raw.log_ns);
             topic.stamp_ns.push(decoded.stamp_ns);
             topic.stream.push(0.0, &decoded.values);
         }
     }
+
+    /// The recording of a `format`, with what is to be said of the file.
+    ///
+    /// # Errors
+    /// No magnetometer in it, or not the one asked for.
+    pub fn finish(
+        self,
+        format: &str,
+        inventory: Inventory,
+        instance: Option<usize>,
+        notices: Vec<String>,
+    ) -> Outcome<Recording> {
+        let mut recording = Recording { format: format.into(), notices, ..Recording::default() };
+        if self.broken > 0 {
+            recording
+                .notices
+                .push(format!("{} messages are not as their schema says and are left out", self.broken));
+        }
+        if let Some(encoding) = &self.other_encoding {
+            recording.notices.push(format!(
+                "messages in the encoding {encoding} are left out: cdr (ROS 2) and ros1 are read"
+            ));
+        }
+        finish(self.topics, inventory, instance, recording)
+    }
+}
+
+fn unpacked(data: &[u8]) -> Option<Vec<u8>> {
+    use std::io::Read;
+    let mut out = Vec::new();
+    let decoder = ruzstd::decoding::StreamingDecoder::new(data).ok()?;
+    decoder.take(LARGEST_MESSAGE).read_to_end(&mut out).ok()?;
+    Some(out)
 }
 
 fn finish(
@@ -159,10 +160,10 @@ fn finish(
         topics.iter().find(|topic| topic.kind == Kind::MagneticField).and_then(|topic| topic.frame.clone());
     one_imu(&mut topics, frame.as_deref(), &mut recording.notices);
     let clock = times(&mut topics);
-    recording.format = format!("MCAP, {clock}");
+    recording.format = format!("{}, {clock}", recording.format);
     recording.instance = (magnetometers.len() > 1).then_some((taken, magnetometers));
     for mut topic in topics {
-        turn(&mut topic, &mut recording.taken_out);
+        let turned = turn(&mut topic, &mut recording.taken_out);
         if topic.kind == Kind::Imu && topic.frame != frame {
             let named = |frame: &Option<String>| frame.clone().unwrap_or_else(|| "no frame".into());
             recording.notices.push(format!(
@@ -173,7 +174,10 @@ fn finish(
             ));
         }
         match topic.kind {
-            Kind::MagneticField => recording.magnetometer = topic.stream,
+            Kind::MagneticField => {
+                recording.magnetometer = topic.stream;
+                recording.frame = Frame::of(Program::Ros, TESLA_UT, turned);
+            }
             _ => recording.others.push(topic.stream),
         }
     }
@@ -206,25 +210,26 @@ fn times(topics: &mut [Topic]) -> &'static str {
     if stamped { "times of header.stamp" } else { "times of recording (not every message has a stamp)" }
 }
 
-/// Axes of ROS to those of the log, unless the frame's name says that it has them already.
-fn turn(topic: &mut Topic, told: &mut Vec<String>) {
+/// Axes of ROS to those of the log, unless the frame's name says that it has them already. Gives the rotation.
+fn turn(topic: &mut Topic, told: &mut Vec<String>) -> [[f64; 3]; 3] {
     let triples: &[[&str; 3]] = match topic.kind {
         Kind::MagneticField => &[["mx_ut", "my_ut", "mz_ut"]],
         Kind::Imu => &[["gx_radps", "gy_radps", "gz_radps"], ["ax_mps2", "ay_mps2", "az_mps2"]],
-        _ => return,
+        _ => return IDENTITY,
     };
     let frame = topic.frame.as_deref().unwrap_or("without a name");
     let down =
         frame.to_lowercase().split(|c: char| !c.is_ascii_alphanumeric()).any(|w| w == "ned" || w == "frd");
     if down {
         told.push(format!("nothing: {}, frame {frame}, has x forward, y right, z down", topic.stream.name));
-        return;
+        return IDENTITY;
     }
     for names in triples {
-        topic.stream.turn(*names, &TURN);
+        topic.stream.turn(*names, &LEFT_UP);
     }
     told.push(format!(
         "{}, frame {frame}: turned from x forward, y left, z up (REP 103) to x forward, y right, z down",
         topic.stream.name
     ));
+    LEFT_UP
 }

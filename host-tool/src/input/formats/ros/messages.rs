@@ -1,7 +1,10 @@
 //! The messages of ROS that are read (common_interfaces, sensor_msgs/msg/*.msg).
 
-use crate::input::formats::mcap::cdr::{Encoding, Reader};
+use crate::input::formats::ros::cdr::{Encoding, Reader};
 use crate::input::formats::stream::{Between, Stream};
+
+/// Microtesla in a tesla.
+pub const TESLA_UT: f64 = 1e6;
 
 /// A kind of message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -78,7 +81,8 @@ impl Kind {
                 }
                 _ => String::new(),
             };
-            stream.with(&name, &format!("{topic}.{field}{axis}"), unit, between)
+            let scale = if self == Kind::MagneticField { TESLA_UT } else { 1.0 };
+            stream.scaled(&name, &format!("{topic}.{field}{axis}"), unit, scale, between)
         })
     }
 
@@ -94,7 +98,7 @@ impl Kind {
         let stamp_ns = i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds);
         let frame = reader.text()?;
         let values = match self {
-            Kind::MagneticField => reader.doubles::<3>()?.map(|tesla| tesla * 1e6).into(),
+            Kind::MagneticField => reader.doubles::<3>()?.map(|tesla| tesla * TESLA_UT).into(),
             Kind::Imu => imu(reader)?,
             Kind::Temperature => vec![reader.f64()?],
             Kind::Battery => {

@@ -3,7 +3,7 @@
 
 use crate::failure::Outcome;
 use crate::input::formats::feed::{Feed, bytes_at, u16_at, u64_at};
-use crate::input::formats::mcap::packed::{self, Packing};
+use crate::input::formats::ros::packed::{self, Packing};
 use std::io::Read;
 
 /// The kinds of records that are read.

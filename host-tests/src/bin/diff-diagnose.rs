@@ -1,0 +1,86 @@
+//! `cargo diff-diagnose`: what a change does to the diagnoses of some 600 logs, against a snapshot.
+//!
+//! It prints, per set of logs and log by log, what became better or worse by the truth where that is known, and fails when anything
+//! changed. `--accept` writes the snapshot. A word runs only the sets whose name contains it. `--csv SET LOG` prints one log.
+
+use ironout_host_tests::frozen::compare::compare;
+use ironout_host_tests::frozen::entry::{Entry, Rows};
+use ironout_host_tests::frozen::row::Row;
+use ironout_host_tests::frozen::{run, snapshot};
+use std::io::Write;
+use std::process::ExitCode;
+use std::time::Instant;
+
+fn main() -> ExitCode {
+    match command(std::env::args().skip(1).collect()) {
+        Ok(0) => ExitCode::SUCCESS,
+        Ok(changed) => {
+            println!("{changed} rows changed. If the change is meant: cargo diff-diagnose --accept");
+            ExitCode::FAILURE
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn command(words: Vec<String>) -> Result<usize, Box<dyn std::error::Error>> {
+    let accept = words.iter().any(|word| word == "--accept");
+    let chosen: Vec<&String> = words.iter().filter(|word| !word.starts_with("--")).collect();
+    if let Some(unknown) =
+        words.iter().find(|word| word.starts_with("--") && !["--accept", "--csv"].contains(&word.as_str()))
+    {
+        return Err(
+            format!("no option {unknown}: --accept, --csv SET LOG, or words that sets contain").into()
+        );
+    }
+    let mut entries = run::entries();
+    if words.iter().any(|word| word == "--csv") {
+        let [set, log] = chosen[..] else { return Err("--csv needs a set and a log".into()) };
+        return print_log(&entries, set, log).map(|()| 0);
+    }
+    if accept && !chosen.is_empty() {
+        return Err("--accept writes the whole snapshot: leave the sets out".into());
+    }
+    entries.retain(|entry| chosen.is_empty() || chosen.iter().any(|word| entry.set.contains(word.as_str())));
+    let (start, of) = (Instant::now(), entries.len());
+    let rows = run::rows(&entries, |done| {
+        if done % 20 == 0 || done == of {
+            eprint!("\r{done} of {of} logs, {:.0} s", start.elapsed().as_secs_f64());
+            let _ = std::io::stderr().flush();
+        }
+    });
+    eprintln!();
+    let text = snapshot::text(&rows)?;
+    if accept {
+        std::fs::write(snapshot::path(), &text)?;
+    }
+    let mut stored: Vec<Row> = match std::fs::read_to_string(snapshot::path()) {
+        Ok(text) => snapshot::rows(&text)?,
+        Err(error) => return Err(format!("{}: {error}", snapshot::path().display()).into()),
+    };
+    stored.retain(|row| entries.iter().any(|entry| entry.set == row.key().0));
+    let comparison = compare(&stored, &snapshot::rows(&text)?);
+    print!("{}", comparison.text);
+    Ok(comparison.changed)
+}
+
+/// Prints the rows of one generated log as CSV.
+fn print_log(entries: &[Entry], set: &str, log: &str) -> Result<(), Box<dyn std::error::Error>> {
+    let entry = entries.iter().find(|entry| entry.set == set && entry.log == log);
+    let made = (entry.ok_or_else(|| format!("no log {log} in the set {set}"))?.make)()?;
+    let Rows::Columns(columns) = made.rows else {
+        return Err("this log is a file beside the project".into());
+    };
+    let mut writer = csv::Writer::from_writer(std::io::stdout().lock());
+    writer.write_record(columns.iter().map(|(name, _)| name))?;
+    for row in 0..columns.first().map_or(0, |(_, values)| values.len()) {
+        writer.write_record(columns.iter().map(|(_, values)| match values[row] {
+            value if value.is_nan() => String::new(),
+            value => value.to_string(),
+        }))?;
+    }
+    writer.flush()?;
+    Ok(())
+}

@@ -1,0 +1,124 @@
+//! Simulated logs of the frozen set: effects of the catalogue, harder truths, effects put into recordings, and a second generator.
+
+use crate::accuracy::effect_table::{self, CASES};
+use crate::accuracy::injected::Source;
+use crate::frozen::entry::{Entry, Hidden, Made, Rows};
+use ironout_analysis::outcome::outcome::Verdict;
+use ironout_simulation::Log;
+use ironout_simulation::truths::{Kind, draw};
+use second_generator::Kind as SecondKind;
+
+/// Logs per row of the table of effects.
+const LOGS_PER_EFFECT: u64 = 3;
+/// Logs per kind of harder truth.
+const LOGS_PER_KIND: u64 = 15;
+/// Logs per recording into which effects are put.
+const LOGS_PER_RECORDING: u64 = 10;
+/// Logs per kind of the second generator.
+const LOGS_PER_SECOND_KIND: usize = 7;
+/// Seeds apart from those that tables are measured on and thresholds were tuned on.
+const FAMILY: u64 = 0xf0_2e;
+/// Longer logs are left to the tables: the command is to take minutes.
+const MAX_ROWS: f64 = 4000.0;
+
+fn made(log: Log, hidden: Hidden) -> Made {
+    let columns = log.names.into_iter().zip(log.columns).collect();
+    // A fault that removes rows leaves the truth longer than the log.
+    let rows = |columns: &Vec<(String, Vec<f64>)>| columns.first().map_or(0, |(_, values)| values.len());
+    let truth = (log.truth.body_field_ut.len() == rows(&columns)).then_some(log.truth.body_field_ut);
+    Made { rows: Rows::Columns(columns), hidden, body_field_ut: truth }
+}
+
+/// The table of effects: every row of it.
+pub fn effects() -> Vec<Entry> {
+    let each = CASES.iter().enumerate().flat_map(|(place, case)| {
+        (0..LOGS_PER_EFFECT).map(move |seed| {
+            let name = if case.hidden.is_empty() { "nothing" } else { case.hidden };
+            Entry::new("effects", format!("{place} {name} {seed}"), move || {
+                let log = effect_table::log(case, 1000 + seed);
+                let hidden = match case.verdict {
+                    Verdict::Unexplained => Hidden::ColumnMissing,
+                    _ => Hidden::Effects(log.truth.effects.iter().map(|effect| effect.kind.id()).collect()),
+                };
+                Ok(made(log, hidden))
+            })
+        })
+    });
+    each.collect()
+}
+
+/// Harder truths, those that are short enough.
+pub fn truths() -> Vec<Entry> {
+    let each = Kind::ALL.into_iter().flat_map(|kind| {
+        let short = move |number: &u64| {
+            let drawn = draw(kind, FAMILY, *number);
+            drawn.world.options().seconds * drawn.world.options().rate_hz <= MAX_ROWS
+        };
+        (0..).filter(short).take(LOGS_PER_KIND as usize).map(move |number| {
+            Entry::new(kind.name(), number.to_string(), move || {
+                let drawn = draw(kind, FAMILY, number);
+                let hidden = match kind {
+                    Kind::Deleted => Hidden::ColumnMissing,
+                    _ => Hidden::Effects(drawn.hidden),
+                };
+                Ok(made(drawn.world.run(), hidden))
+            })
+        })
+    });
+    each.collect()
+}
+
+/// Effects put into real recordings, and the recordings untouched beside columns that cause nothing.
+pub fn injected() -> Vec<Entry> {
+    let each = Source::ALL.into_iter().flat_map(|source| {
+        (0..LOGS_PER_RECORDING).map(move |number| {
+            Entry::new(source.name(), number.to_string(), move || {
+                // Other numbers than those of the table.
+                let (columns, hidden) =
+                    source.columns(1000 + number).ok_or("SKIPPED: the recording is not here")?;
+                Ok(Made {
+                    rows: Rows::Columns(columns),
+                    hidden: Hidden::Injected(hidden),
+                    body_field_ut: None,
+                })
+            })
+        })
+    });
+    each.collect()
+}
+
+/// What a log of the second generator hides, as a diagnosis names it.
+fn hidden_by_second(kind: SecondKind, truth: &second_generator::Truth) -> Hidden {
+    match kind {
+        SecondKind::Deleted => Hidden::ColumnMissing,
+        // No effect of the catalogue is the right answer.
+        SecondKind::Beyond => Hidden::Unknown,
+        _ => {
+            // A delay in seconds behind the sign, where a diagnosis has the word.
+            let id = |hidden: &second_generator::Hidden| match hidden.id.split_once('@') {
+                Some((plain, _)) => format!("{plain}@delay"),
+                None => hidden.id.clone(),
+            };
+            Hidden::Effects(truth.hidden.iter().map(id).collect())
+        }
+    }
+}
+
+/// Logs of the second generator, those that are short enough.
+pub fn second() -> Vec<Entry> {
+    let of_kind = |kind: SecondKind| {
+        let drawn = (0..).map(move |number| second_generator::draw(kind, number));
+        let short =
+            drawn.filter(|drawn| drawn.columns.first().is_some_and(|(_, t)| t.len() as f64 <= MAX_ROWS));
+        short.take(LOGS_PER_SECOND_KIND).map(move |drawn| {
+            let made = Made {
+                hidden: hidden_by_second(kind, &drawn.truth),
+                rows: Rows::Columns(drawn.columns),
+                body_field_ut: Some(drawn.truth.field_body_ut),
+            };
+            let set = format!("second-{}", kind.name());
+            Entry::new(&set, drawn.truth.number.to_string(), move || Ok(made.clone()))
+        })
+    };
+    SecondKind::ALL.into_iter().flat_map(of_kind).collect()
+}
