@@ -379,12 +379,13 @@ mod tests {
     fn one_turn_about_one_axis_bounds_the_field() {
         let axes = log(1.0, 20.0, 0.0);
         let readings: Vec<[f64; 3]> = (0..2000).map(|i| [axes[0][i], axes[1][i], axes[2][i]]).collect();
-        let found = size_of(&readings, &[]).expect("a circle");
+        let found = size_of(&readings, &[0.0; 9]).expect("a circle");
         assert_eq!(found.evidence, Evidence::Circle, "{found:?}");
         assert!(found.bounds_ut[0] < 55.0 && found.bounds_ut[1] > 100.0, "{found:?}");
         let can: Vec<&str> =
             UNITS.iter().filter(|(_, ut)| found.can_be_earth(*ut)).map(|(name, _)| *name).collect();
-        assert_eq!(can, ["uT"], "{found:?}");
+        // Soft iron makes the circle of 52 an ellipse: what is no circle bounds less.
+        assert_eq!(can, ["uT", "mG"], "{found:?}");
     }
 
     #[test]

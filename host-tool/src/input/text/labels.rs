@@ -20,10 +20,14 @@ pub fn scan(line: &str, decimal_comma: bool) -> Vec<Labelled> {
     if line.starts_with('{') {
         return json(line);
     }
-    if let Some(one) = state(line) {
+    if line.contains('\'')
+        && let Some(one) = state(line)
+    {
         return vec![one];
     }
-    if let Some(all) = between_slashes(line) {
+    if line.contains('/')
+        && let Some(all) = between_slashes(line)
+    {
         return all;
     }
     let mut out: Vec<Labelled> = Vec::new();
@@ -120,7 +124,7 @@ fn between_slashes(line: &str) -> Option<Vec<Labelled>> {
     };
     // A date has slashes too, and no point or sign.
     let is_list = |token: &&str| is_list(token) && token.contains(['.', '-']);
-    if !line.contains('/') || !line.split_whitespace().any(|token| is_list(&token)) {
+    if !line.split_whitespace().any(|token| is_list(&token)) {
         return None;
     }
     let (mut out, mut label) = (Vec::new(), String::new());
