@@ -170,13 +170,14 @@ fn what_an_arm_does_to_the_dip_is_no_delay_of_a_coupling() {
 }
 
 #[test]
-fn where_the_accelerometer_tells_nothing_a_coupling_turns_with_the_gyro() {
+fn an_arm_that_shakes_the_accelerometer_hides_no_coupling_from_one_with_a_gyro() {
     for seed in 1..4 {
         let (found, named) = study(&flown(seed, [6.0, 1.2, -1.8]));
         let spread_deg = found.dip.as_ref().expect("a dip").rms_deg_after;
         let last = found.steps.last().map_or(f64::NAN, |step| step.rms_ut);
         assert!(
-            spread_deg > 15.0 && named == ["lag"] && last < 0.28,
+            // The accelerometer alone spreads by more than 15 degrees.
+            spread_deg < 6.0 && named == ["lag"] && last < 0.28,
             "{seed}: {named:?} leaves {last} uT, {spread_deg} deg"
         );
     }

@@ -42,7 +42,7 @@ pub fn merit(row: &Row) -> Option<u8> {
                 0
             } else if named.len() == effects.len() && (!effects.is_empty() || claims) {
                 3
-            } else if !named.is_empty() || effects.iter().all(is_one_of) {
+            } else if !named.is_empty() || (!effects.is_empty() && effects.iter().all(is_one_of)) {
                 2
             } else {
                 1

@@ -73,7 +73,7 @@ fn the_unit_of_a_binary_format_can_be_given() {
     let Some(log) = shared("e5_ros_in_microtesla.mcap") else { return };
     let refused = ironout(["fit", text(&log), "--json"]).error();
     let message = refused["message"].as_str().expect("a message");
-    assert!(message.contains("radius of 48") && message.contains("[uT]"), "{message}");
+    assert!(message.contains("48.0 µT") && message.contains("[uT]"), "{message}");
     let source = |axis: &str| format!("m{axis}_ut=/imu/mag.magnetic_field.{axis}[uT]");
     let map = ["x", "y", "z"].map(source).join(",");
     assert!(message.contains(&map), "{message}");

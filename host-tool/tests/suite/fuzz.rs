@@ -9,7 +9,7 @@ use ironout::fit::{Method, Order};
 use ironout::protocol::{Line, LineSplitter, parse};
 use ironout::record::Record;
 use ironout_cli::cal_file::CalFile;
-use ironout_cli::input::{Mounting, ReadOptions, read_stream};
+use ironout_cli::input::{ReadOptions, read_stream};
 use rand::{RngExt, SeedableRng, rngs::ChaCha12Rng};
 
 /// Mutates seeds of a corpus; the same for the same seed.
@@ -185,14 +185,7 @@ fn csv_logs() {
     .map(|text| text.as_bytes().to_vec())
     .collect();
     fuzz("csv", &corpus, 20_000, |bytes| {
-        let options = ReadOptions {
-            map: vec![],
-            mounting: Mounting::default(),
-            ut_per_count: Some([0.1; 3]),
-            default_ut_per_count: None,
-            instance: None,
-            progress: false,
-        };
+        let options = ReadOptions { ut_per_count: Some([0.1; 3]), ..ReadOptions::default() };
         match read_stream(bytes, bytes.len() as u64, &options) {
             Ok(log) => {
                 for row in log.samples() {

@@ -35,11 +35,14 @@ fn log(name: &str, seed: u64, columns: &[&str], at: impl Fn(f64) -> Row) -> Path
     let mut attitude = Rotation3::identity();
     for sample in 0..(SECONDS * RATE_HZ) as usize {
         let t = sample as f64 / RATE_HZ;
-        let turn = Vector3::new(
-            0.9 * (0.41 * t).sin() + 0.4 * (1.3 * t).cos(),
-            0.8 * (0.53 * t + 1.0).sin() + 0.3 * (1.7 * t).sin(),
-            0.7 * (0.29 * t + 2.0).cos() + 0.5,
-        );
+        let turn_at = |t: f64| {
+            Vector3::new(
+                0.9 * (0.41 * t).sin() + 0.4 * (1.3 * t).cos(),
+                0.8 * (0.53 * t + 1.0).sin() + 0.3 * (1.7 * t).sin(),
+                0.7 * (0.29 * t + 2.0).cos() + 0.5,
+            )
+        };
+        let turn = turn_at(t);
         let Row { ned_ut, offset_ut, cells } = at(t);
         let field = attitude.inverse() * ned_ut;
         let m = soft * field + Vector3::from(OFFSET_UT) + offset_ut + Vector3::from_fn(|_, _| noise());
@@ -48,7 +51,8 @@ fn log(name: &str, seed: u64, columns: &[&str], at: impl Fn(f64) -> Row) -> Path
         write!(out, "{t:.4},{}", numbers.join(",")).expect("text");
         cells.iter().for_each(|cell| write!(out, ",{cell:.7}").expect("text"));
         out.push('\n');
-        attitude *= Rotation3::new(turn / RATE_HZ);
+        // The gyro reads the rate of its moment; between two rows the board turns at the one in the middle.
+        attitude *= Rotation3::new(turn_at(t + 0.5 / RATE_HZ) / RATE_HZ);
     }
     self::write(&folder(name), "log.csv", out)
 }

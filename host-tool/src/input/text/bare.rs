@@ -47,6 +47,9 @@ pub fn without_names(grid: &Grid, vectors: &mut Vec<Vector>, choice: &mut Choice
     }
     let free: Vec<usize> = numeric.into_iter().filter(|column| !choice.has(*column)).collect();
     let Parts { time, triples } = parts(grid, &free, choice);
+    // A clock that is written as one goes before a number that runs forward, unless that stands in front: it may be a temperature.
+    let has_clock = grid.columns.iter().any(|column| column.header == MONITOR);
+    let time = time.filter(|time| !has_clock || free.first() == Some(time));
     let none = triples.is_empty();
     let sizes: Vec<Option<Size>> =
         triples.iter().map(|triple| magnitude::size(grid, *triple, &choice.rows)).collect();

@@ -52,7 +52,18 @@ const MONTHS: [&str; 12] =
 /// be the month, the first is: only differences are used.
 fn written_out(text: &str) -> Option<f64> {
     let (mut month, mut year, mut days, mut time, mut afternoon) = (None, None, Vec::new(), None, None);
-    for part in text.split([' ', ',', 'T']).filter(|part| !part.is_empty()) {
+    // A T between two digits stands for a blank; that of a day of the week or a month does not.
+    let bytes = text.as_bytes();
+    let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_digit);
+    let between = |at: usize| bytes[at] == b'T' && at > 0 && is_digit(at - 1) && is_digit(at + 1);
+    let parts = (0..text.len()).filter(|&at| matches!(bytes[at], b' ' | b',') || between(at));
+    let ends = parts.chain([text.len()]);
+    let parts = ends.scan(0, |from, at| {
+        let part = text.get(*from..at);
+        *from = at + 1;
+        Some(part.unwrap_or_default())
+    });
+    for part in parts.filter(|part| !part.is_empty()) {
         if part.contains(':') && time.is_none() {
             // `22/May/2021:11:42:54`.
             let clock = match part.split_once(':') {

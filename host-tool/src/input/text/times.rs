@@ -4,7 +4,7 @@ use crate::failure::Outcome;
 use crate::input::names::{Kind, Meaning};
 use crate::input::text::asked;
 use crate::input::text::choice::{Choice, Taken};
-use crate::input::text::grid::Grid;
+use crate::input::text::grid::{Grid, GridColumn};
 use crate::input::text::magnitude::{self, Clock};
 use crate::input::text::rest::rounded;
 use crate::input::text::table::MONITOR;
@@ -37,9 +37,13 @@ pub fn time(grid: &Grid, meanings: &[Meaning], choice: &mut Choice) -> Outcome<(
         return Ok(());
     }
     let mut found: Vec<Candidate> = Vec::new();
+    let mut backward: Vec<String> = Vec::new();
     for index in named {
         let (Some(column), Some(meaning)) = (grid.columns.get(index), meanings.get(index)) else { continue };
-        let Some(clock) = magnitude::clock(&column.values, &choice.rows) else { continue };
+        let Some(clock) = magnitude::clock(&column.values, &choice.rows) else {
+            backward.extend(runs_backward(column, &choice.rows));
+            continue;
+        };
         let dated = column.dates * 2 > choice.rows.len();
         let monitor = column.header == MONITOR;
         let by_program = choice.program.and_then(|program| program.unit(Kind::Time, &column.header));
@@ -56,7 +60,10 @@ pub fn time(grid: &Grid, meanings: &[Meaning], choice: &mut Choice) -> Outcome<(
             - 16 * i32::from(monitor);
         found.push(Candidate { rank, column: index, unit, clock });
     }
-    let Some(best) = found.iter().rev().max_by_key(|candidate| candidate.rank) else { return Ok(()) };
+    let Some(best) = found.iter().rev().max_by_key(|candidate| candidate.rank) else {
+        choice.not_read.extend(backward);
+        return Ok(());
+    };
     if let Some((column, unit, why)) = finer(grid, best, &found, &choice.rows) {
         choice.reasons.push(why);
         choice.taken.push(Taken { column, name: "t_s".into(), unit: Some(unit) });
@@ -86,6 +93,19 @@ pub fn time(grid: &Grid, meanings: &[Meaning], choice: &mut Choice) -> Outcome<(
     };
     choice.taken.push(Taken { column: *column, name: "t_s".into(), unit: Some(unit) });
     Ok(())
+}
+
+/// What is said of a column named as a time that runs backward; `None` where it does not.
+fn runs_backward(column: &GridColumn, rows: &[usize]) -> Option<String> {
+    let times: Vec<f64> = rows.iter().filter_map(|row| column.values.get(*row).copied()).collect();
+    let backward = times.windows(2).filter(|pair| pair[1] < pair[0]).count();
+    (backward > 0).then(|| {
+        format!(
+            "{} (it runs backward in {backward} of {} rows: the log is read without time. To use it, sort the log)",
+            column.header,
+            rows.len()
+        )
+    })
 }
 
 /// A column that can be time.

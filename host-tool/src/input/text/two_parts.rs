@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn seconds_and_their_parts_are_one_time() {
         for (scale, unit) in FRACTIONS {
-            for step in [0.4, 0.013, 1.7] {
+            for step in [0.4, 0.03, 1.7] {
                 let mut found = grid(None, scale, step);
                 join(&mut found, &[]);
                 assert_eq!(found.joined_time.as_ref().map(|j| j.2), Some(unit), "{scale} {step}");
