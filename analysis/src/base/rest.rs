@@ -7,6 +7,10 @@ use nalgebra::{DMatrix, DVector};
 
 /// A turning board turns faster than this for half of the time, rad/s.
 const RESTING_RADPS: f64 = 0.05;
+/// A board that turns now and then, as a car does, turns by more than this within [`TURN_TIME_S`], rad rms over the log.
+const RESTING_TURN_RAD: f64 = 0.15;
+/// A turn is summed over so long, s: less than the drift of a gyro's zero makes anything of.
+const TURN_TIME_S: f64 = 10.0;
 /// A resting board's direction down stays within this angle's sine.
 const RESTING_TILT: f64 = 0.06;
 /// Without gyro and accelerometer: the share of the vector's variance that the columns must explain.
@@ -25,16 +29,33 @@ pub fn at_rest(samples: &Samples) -> bool {
     let downs: Vec<[f64; 3]> = samples.readings.iter().filter_map(|reading| reading.down).collect();
     let enough = |n: usize| 2 * n > samples.len();
     if enough(downs.len()) {
-        return tilt(&downs) < RESTING_TILT && (!enough(turns.len()) || slow(turns));
+        return tilt(&downs) < RESTING_TILT
+            && (!enough(turns.len()) || slow(turns) && turned_rad(samples) < RESTING_TURN_RAD);
     }
     if enough(turns.len()) {
-        return slow(turns);
+        return slow(turns) && turned_rad(samples) < RESTING_TURN_RAD;
     }
     told_by_columns(samples)
 }
 
 fn slow(mut turns: Vec<f64>) -> bool {
     median(&mut turns) < RESTING_RADPS
+}
+
+/// Rms of the turns that the gyro sums up, beyond its zero rate, rad; 0 without time.
+fn turned_rad(samples: &Samples) -> f64 {
+    let Some(time) = &samples.time else { return 0.0 };
+    let rate = |axis: usize| samples.readings.iter().filter_map(move |r| Some(r.turn_radps?[axis]));
+    let zero = [0, 1, 2].map(|axis| median(&mut rate(axis).collect::<Vec<_>>()));
+    let (mut angle, mut squares) = ([0.0; 3], 0.0);
+    for (at, reading) in samples.readings.iter().enumerate().skip(1) {
+        let step_s = (time[at] - time[at - 1]).clamp(0.0, 1.0);
+        let fade = (-step_s / TURN_TIME_S).exp();
+        let rate = reading.turn_radps.unwrap_or(zero);
+        angle = [0, 1, 2].map(|axis| angle[axis] * fade + (rate[axis] - zero[axis]) * step_s);
+        squares += angle.iter().map(|a| a * a).sum::<f64>();
+    }
+    (squares / samples.len().max(1) as f64).sqrt()
 }
 
 fn tilt(downs: &[[f64; 3]]) -> f64 {
