@@ -105,14 +105,17 @@ fn quiet_force_mps2(
 mod tests {
     use super::*;
 
+    type Axes = [Vec<f64>; 3];
+    type Shaken = (Vec<f64>, Axes, Axes, Vec<Vector3<f64>>);
+
     const ROWS: usize = 4000;
     const STEP_S: f64 = 0.02;
 
     /// A board that turns about changing axes while a hand shakes it by some 4 m/s²: time, specific force, rate, and true down.
-    fn shaken() -> (Vec<f64>, [Vec<f64>; 3], [Vec<f64>; 3], Vec<Vector3<f64>>) {
+    fn shaken() -> Shaken {
         let mut attitude = UnitQuaternion::identity();
         let (mut time, mut down) = (Vec::new(), Vec::new());
-        let (mut accel, mut gyro): ([Vec<f64>; 3], [Vec<f64>; 3]) = Default::default();
+        let (mut accel, mut gyro): (Axes, Axes) = Default::default();
         for row in 0..ROWS {
             let t = row as f64 * STEP_S;
             let rate = Vector3::new((0.7 * t).sin(), 1.2 * (0.43 * t).cos(), 0.8 * (0.31 * t + 1.0).sin());
