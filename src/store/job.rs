@@ -146,7 +146,7 @@ impl StoreJob {
     /// Writes `record` with the next sequence number into the slot that is not in use, and reads it back. `in_use` is the
     /// slot of the record in use, where the caller knows it: it is not touched, even if it cannot be read properly now. A
     /// memory that does not answer is an error: without knowing what a slot holds, the record in use might be the one overwritten. A
-    /// slot whose bytes cannot be read while the other slot answers before and after it, [`LOOKS`] times in a row, holds nothing
+    /// slot whose bytes cannot be read while the other slot answers before and after it, three times in a row, holds nothing
     /// ([`SlotState::Damaged`]) and is written as an empty one.
     pub const fn save(in_use: Option<Slot>, record: Record) -> Self {
         Self::new(Purpose::Save { in_use }, Some(record))

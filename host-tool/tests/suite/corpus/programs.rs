@@ -82,8 +82,7 @@ pub fn samples(rows: &[Row]) -> Vec<Sample> {
                 format!("{stamp},{},imu_link,{x:.6e},{y:.6e},{z:.6e},0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0,0.0", ns % 1_000_000_000)
             }),
             1e-4,
-        )
-        .untimed(),
+        ),
         Sample::new(
             "PlotJuggler",
             format!(
