@@ -83,7 +83,7 @@ fn module(root: &Path, out: &Path) -> Result<Vec<u8>, Box<dyn std::error::Error>
         if !has_target(TARGET)? {
             let error = format!(
                 "the page needs the target {TARGET}, which this toolchain does not have. Fix: rustup target add {TARGET} (or build \
-                 the program without the page: --no-default-features)"
+                 the program without --features page)"
             );
             return Err(error.into());
         }

@@ -37,8 +37,23 @@ fn cargo(arguments: &[&str]) -> String {
 /// Names and versions of the crates of others that are compiled into a package; macros are not in what they make.
 fn crates(package: &str, target: &str) -> BTreeSet<(String, String)> {
     let edges = "normal,no-proc-macro";
+    // The program that the page is in.
+    let features = if package == "ironout-cli" { "page" } else { "" };
     let tree = cargo(&[
-        "tree", "--locked", "-p", package, "--target", target, "-e", edges, "--prefix", "none", "-f", "{p}",
+        "tree",
+        "--locked",
+        "-p",
+        package,
+        "--features",
+        features,
+        "--target",
+        target,
+        "-e",
+        edges,
+        "--prefix",
+        "none",
+        "-f",
+        "{p}",
     ]);
     tree.lines()
         .filter(|line| !line.starts_with("ironout"))
@@ -53,7 +68,15 @@ fn crates(package: &str, target: &str) -> BTreeSet<(String, String)> {
 fn packages() -> BTreeMap<(String, String), Value> {
     let mut all = BTreeMap::new();
     for (_, target, _) in BUILT {
-        let said = cargo(&["metadata", "--locked", "--format-version", "1", "--filter-platform", target]);
+        let said = cargo(&[
+            "metadata",
+            "--all-features",
+            "--locked",
+            "--format-version",
+            "1",
+            "--filter-platform",
+            target,
+        ]);
         let said: Value = serde_json::from_str(&said).expect("JSON");
         for package in said["packages"].as_array().expect("packages") {
             let word = |key: &str| package[key].as_str().unwrap_or_default().to_string();

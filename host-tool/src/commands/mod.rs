@@ -10,6 +10,8 @@ mod fit;
 mod import;
 #[cfg(feature = "page")]
 mod live;
+#[cfg(not(feature = "page"))]
+mod page_on_demand;
 mod record;
 #[cfg(feature = "page")]
 mod report;
@@ -41,9 +43,7 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         #[cfg(feature = "page")]
         Command::Live(arguments) => live::run(arguments, cli.json),
         #[cfg(not(feature = "page"))]
-        Command::Report(_) | Command::Web(_) | Command::Live(_) => Err(crate::failure::Failure::usage(
-            "this program was built without the page: build it with --features page",
-        )),
+        Command::Report(_) | Command::Web(_) | Command::Live(_) => page_on_demand::run(),
         Command::Import(arguments) => import::run(arguments, cli.json),
     }
 }

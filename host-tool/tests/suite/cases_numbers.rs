@@ -58,7 +58,7 @@ fn rows_of_zeros_are_set_aside_counted_and_said() {
     let run = ironout(["fit", text(&log), "-o", text(&cal)]);
     assert_eq!(run.status, 0, "{}", run.stderr);
     assert!(
-        run.stderr.contains("left out: 82 lines: 0, 0, 0 in the three axes is an error code"),
+        run.said().contains("left out: 82 lines: 0, 0, 0 in the three axes is an error code"),
         "{}",
         run.stderr
     );
@@ -200,7 +200,7 @@ fn a_repair_of_numbers_that_were_right_is_undone() {
     assert_eq!(remedy(&run.stderr), ["--repair", "unsigned"], "{}", run.stderr);
     for bad in ["swap", "unsigned=0", "y:late=x"] {
         let run = ironout(["fit", text(&log), "--ut-per-count", "0.092", "--repair", bad]);
-        assert!(run.status == 2 && run.stderr.contains("expected unsigned"), "{bad}: {}", run.stderr);
+        assert!(run.status == 2 && run.said().contains("expected unsigned"), "{bad}: {}", run.stderr);
     }
 }
 
@@ -220,7 +220,7 @@ fn recordings_are_left_alone() {
         let run = ironout(["import", text(&path), "-o", text(&here.join("out.csv"))]);
         assert_eq!(run.status, 0, "{name}: {}", run.stderr);
         for word in ["--repair", "error code", "does not belong", "stands still"] {
-            assert!(!run.stderr.contains(word), "{name}: {}", run.stderr);
+            assert!(!run.said().contains(word), "{name}: {}", run.stderr);
         }
         read += 1;
     }

@@ -120,7 +120,7 @@ fn a_field_that_no_unit_makes_the_earths_is_neither_offered_nor_accepted() {
         let path = crate::common::write(&here, "log.csv", log);
         let run = ironout(["fit", text(&path)]);
         assert_eq!(run.status, 2, "{name}: {}{}", run.stdout, run.stderr);
-        assert!(run.stderr.contains(&format!("mx_ut={name}[{right}]")), "{name}: {}", run.stderr);
+        assert!(run.said().contains(&format!("mx_ut={name}[{right}]")), "{name}: {}", run.stderr);
     }
 }
 
@@ -158,7 +158,7 @@ fn directions_are_refused_under_every_name() {
             let path = crate::common::write(&here, "log.csv", log);
             let run = ironout(["fit", text(&path)]);
             assert!(
-                run.status == 2 && run.stderr.contains("directions"),
+                run.status == 2 && run.said().contains("directions"),
                 "{length} {header}: {}{}",
                 run.stdout,
                 run.stderr
@@ -293,7 +293,7 @@ fn nothing_that_cannot_be_a_field_is_proposed() {
         let run = ironout(["fit", text(&path)]);
         assert_eq!(run.status, 2, "{}", run.stdout);
         assert!(
-            run.stderr.contains("no magnetometer found") && run.stderr.contains("mx_ut=HEADER"),
+            run.said().contains("no magnetometer found") && run.said().contains("mx_ut=HEADER"),
             "{}",
             run.stderr
         );

@@ -166,7 +166,7 @@ fn what_cannot_be_a_time_is_said_and_the_log_is_read_without() {
     ] {
         let path = log(&here, name, "time,mx,my,mz", row);
         let run = ironout(["fit", text(&path)]);
-        assert!(run.status < 2 && run.stderr.contains("without time"), "{name}: {}", run.stderr);
+        assert!(run.status < 2 && run.said().contains("without time"), "{name}: {}", run.stderr);
         assert!(
             run.stderr.split_whitespace().collect::<Vec<_>>().join(" ").contains(told),
             "{name}: {}",

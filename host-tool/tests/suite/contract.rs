@@ -139,7 +139,7 @@ fn a_refused_fit_prints_its_object_and_never_touches_a_good_file() {
     assert_eq!(object["accepted"], false);
     assert!(object["offset_ut"].is_null() && object["matrix"].is_null());
     assert!(object["reasons"][0].as_str().is_some_and(|reason| reason.len() > 20), "{object}");
-    assert!(run.stderr.contains("left as it was"), "{}", run.stderr);
+    assert!(run.said().contains("left as it was"), "{}", run.stderr);
     assert_eq!(std::fs::read(&cal).expect("the calibration"), before);
     let new = here.join("new.json");
     assert_eq!(ironout(["fit", text(&rest), "-o", text(&new)]).status, 1);
@@ -292,7 +292,7 @@ fn counts_axes_and_headers_of_others_come_to_the_same_calibration() {
         "--rotate",
         "yaw180",
     ]);
-    assert!(run.stderr.contains("column note is ignored"), "{}", run.stderr);
+    assert!(run.said().contains("column note is ignored"), "{}", run.stderr);
     let object = run.json();
     for axis in 0..3 {
         let (a, b) = (number(&object["offset_ut"][axis]), number(&reference["offset_ut"][axis]));

@@ -142,7 +142,7 @@ fn wrong_expressions_name_what_is_near() {
         }
     }
     let run = ironout(["fit", text(&log), "--derive", "a=ln(throttle-0.4)"]);
-    assert!(run.status == 0 && run.stderr.contains("has no finite value in"), "{}", run.stderr);
+    assert!(run.status == 0 && run.said().contains("has no finite value in"), "{}", run.stderr);
 }
 
 /// What was fitted, whatever the columns are called in the file.

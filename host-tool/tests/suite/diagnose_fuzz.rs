@@ -242,7 +242,7 @@ fn odd_columns_are_told_in_words() {
         let log = write(&here, "log.csv", case(seed));
         let run = ironout(["diagnose", log.to_str().expect("text")]);
         assert!((0..=2).contains(&run.status), "case {seed}: status {}, {}", run.status, run.stderr);
-        assert!(!run.stderr.contains("panicked"), "case {seed}: {}", run.stderr);
+        assert!(!run.said().contains("panicked"), "case {seed}: {}", run.stderr);
         assert!(!run.stdout.contains("NaN"), "case {seed}: {}", run.stdout);
     }
 }

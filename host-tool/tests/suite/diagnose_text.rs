@@ -196,7 +196,7 @@ fn a_strength_that_makes_no_numbers_is_refused() {
         let strong = ["--seed", seed, "--seconds", "20", "--noise", "0.8", "--effect", "nonlinearity=4"];
         let run = ironout(["simulate", "-o", log].iter().chain(&strong));
         assert!(
-            run.status == 2 && run.stderr.contains("choose less"),
+            run.status == 2 && run.said().contains("choose less"),
             "{seed}: {} {}",
             run.status,
             run.stderr

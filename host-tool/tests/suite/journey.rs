@@ -101,14 +101,14 @@ fn travelling_is_no_effect_where_the_log_tells_where_it_was() {
     // Several degrees of dip too.
     assert!(seen["dip"]["rms_deg_after"].as_f64().expect("a number") < 0.5, "{}", seen["dip"]);
     assert!(
-        run.stderr.contains("along the way") && run.stderr.contains("2026-01-01, assumed"),
+        run.said().contains("along the way") && run.said().contains("2026-01-01, assumed"),
         "{}",
         run.stderr
     );
 
     let cal = folder("journey_cal").join("cal.json");
     let fit = ironout(["fit", text(&known), "-o", text(&cal), "--json", "--date", "2026-01-01"]);
-    assert!(fit.stderr.contains("2026-01-01, as given"), "{}", fit.stderr);
+    assert!(fit.said().contains("2026-01-01, as given"), "{}", fit.stderr);
     let fit = fit.json();
     assert_eq!(fit["accepted"], true, "{}", fit["reasons"]);
     for (axis, offset) in OFFSET_UT.iter().enumerate() {

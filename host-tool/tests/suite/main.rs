@@ -37,7 +37,7 @@ mod journey;
 mod malformed;
 mod mcap;
 mod one_truth;
-#[cfg(all(feature = "emulated", feature = "page"))]
+#[cfg(feature = "emulated")]
 mod page;
 mod passes;
 mod plausible;

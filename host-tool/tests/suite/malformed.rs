@@ -216,6 +216,7 @@ fn usage_errors_are_status_2_and_objects_with_json() {
     }
 }
 
+#[cfg(feature = "page")]
 #[test]
 fn a_page_that_cannot_be_made_says_why() {
     let here = folder("bad_page");
@@ -311,7 +312,7 @@ fn a_column_mapped_to_no_sensor_is_pointed_out() {
     let log = write(&folder("map_covariate"), "log.csv", format!("{HEADER}0,1,2,3,20\n"));
     let path = log.to_str().expect("text");
     let run = ironout(["fit", path, "--map", "bogus=temp_c"]);
-    assert!(run.stderr.contains("temp_c is read as bogus"), "{}", run.stderr);
+    assert!(run.said().contains("temp_c is read as bogus"), "{}", run.stderr);
     let run = ironout(["fit", path, "--map", "my_ut=my_ut"]);
-    assert!(!run.stderr.contains("is read as"), "{}", run.stderr);
+    assert!(!run.said().contains("is read as"), "{}", run.stderr);
 }

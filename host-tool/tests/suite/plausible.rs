@@ -182,7 +182,7 @@ fn recordings_are_left_alone_unless_their_sensors_disagree() {
         let Some(log) = recording(name) else { continue };
         let run = ironout(["fit", text(&log)].iter().chain(options));
         assert!(run.status <= 1, "{name}: {}", run.stderr);
-        assert_eq!(run.stderr.contains("note: "), !told.is_empty(), "{name}: {}", run.stderr);
+        assert_eq!(run.said().contains("note: "), !told.is_empty(), "{name}: {}", run.stderr);
         let words = run.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(told.iter().all(|word| words.contains(word)), "{name}: {words}");
     }
@@ -241,7 +241,7 @@ fn a_field_in_another_unit_is_refused_with_the_options_that_read_it() {
         for command in ["fit", "diagnose"] {
             let run = ironout([command, text(&log)]);
             assert_eq!(run.status, 2, "{command} {unit}: {}", run.stdout);
-            assert!(run.stderr.contains(&format!("In {unit} it would be")), "{}", run.stderr);
+            assert!(run.said().contains(&format!("In {unit} it would be")), "{}", run.stderr);
             assert!(run.stderr.lines().all(|line| line.chars().count() <= 110 || line.starts_with("    ")));
         }
         let message =
@@ -275,22 +275,22 @@ fn a_coil_is_said_with_field_and_a_scale_is_found_with_it() {
     for command in ["apply", "check"] {
         let run = ironout([command, text(&nano), "--cal", text(&cal)]);
         assert!(
-            run.status == 2 && run.stderr.contains("the calibration's log showed"),
+            run.status == 2 && run.said().contains("the calibration's log showed"),
             "{command}: {}",
             run.stderr
         );
     }
     // A field that is said and is not there.
     let run = ironout(["fit", text(&nano), "--field", "50"]);
-    assert!(run.status == 2 && run.stderr.contains("--field or --at says 50"), "{}", run.stderr);
+    assert!(run.status == 2 && run.said().contains("--field or --at says 50"), "{}", run.stderr);
     // Counts of an unknown scale.
     let options = ["--map", "mx_counts=mx_ut,my_counts=my_ut,mz_counts=mz_ut", "--ut-per-count", "1"];
     let counts = |more: &[&str]| ironout(["fit", text(&coil)].iter().chain(&options).chain(more));
     let refused = counts(&[]);
-    assert!(refused.status == 2 && refused.stderr.contains("--ut-per-count 0.1"), "{}", refused.stderr);
+    assert!(refused.status == 2 && refused.said().contains("--ut-per-count 0.1"), "{}", refused.stderr);
     let found = counts(&["--field", "50"]);
     assert!(
-        found.status == 0 && found.stderr.contains("the scale of the counts is rather 0.12"),
+        found.status == 0 && found.said().contains("the scale of the counts is rather 0.12"),
         "{}",
         found.stderr
     );
@@ -305,7 +305,7 @@ fn a_gyro_in_degrees_is_left_out_and_read_as_told() {
     let run = ironout(["fit", text(&log)]);
     assert_eq!(run.status, 0, "{}", run.stderr);
     assert!(
-        run.stderr.contains("the gyro is left out") && run.stderr.contains("57.3 times"),
+        run.said().contains("the gyro is left out") && run.said().contains("57.3 times"),
         "{}",
         run.stderr
     );
@@ -323,7 +323,7 @@ fn a_gyro_in_degrees_is_left_out_and_read_as_told() {
     let swapped = swapped.replacen("gx_radps,gy_radps", "gy_radps,gx_radps", 1);
     let swapped = write(&here, "swapped.csv", swapped);
     let run = ironout(["fit", text(&swapped)]);
-    assert!(run.stderr.contains("gyro's axes") && run.stderr.contains("a mirror"), "{}", run.stderr);
+    assert!(run.said().contains("gyro's axes") && run.said().contains("a mirror"), "{}", run.stderr);
     let mended = shell(&format!("\"$IRONOUT\" fit {} {}", text(&swapped), pasteable(&run.stderr)[0]));
     let told = String::from_utf8_lossy(&mended.stderr).into_owned();
     assert!(mended.status.success() && !told.contains("gyro's axes"), "{told}");
@@ -335,7 +335,7 @@ fn an_accelerometer_in_g_is_said() {
     let right = ironout(["fit", text(&multiplied(&here, "mps2.csv", &[])), "--json"]).json();
     let log = multiplied(&here, "g.csv", &ACCEL.map(|name| (name, 1.0 / 9.806_65)));
     let run = ironout(["fit", text(&log), "--json"]);
-    assert!(run.stderr.contains("gravity in g and not in m/s²"), "{}", run.stderr);
+    assert!(run.said().contains("gravity in g and not in m/s²"), "{}", run.stderr);
     let heading = |object: &serde_json::Value| object["heading_error_deg"].as_f64().expect("a number");
     assert!((heading(&run.json()) - heading(&right)).abs() < 1e-3);
 }
@@ -364,15 +364,15 @@ fn a_time_that_no_sensor_has_is_left_out() {
     let slow = write(&here, "slow.csv", slow);
     let run = ironout(["fit", text(&slow)]);
     assert_eq!(run.status, 0, "{}", run.stderr);
-    assert!(run.stderr.contains("20.0 s apart") && run.stderr.contains("[ms]"), "{}", run.stderr);
+    assert!(run.said().contains("20.0 s apart") && run.said().contains("[ms]"), "{}", run.stderr);
     for factor in [1e6, 1e-6] {
         let log = multiplied(&here, "odd.csv", &[("t_s", factor)]);
         let run = ironout(["fit", text(&log)]);
         assert!(
-            run.stderr.contains("which no magnetometer is")
+            run.said().contains("which no magnetometer is")
                 // One unit would make it right, or none: then it is read without time.
-                && (run.status == 2 && run.stderr.contains("t_s=t_s[us]") && factor > 1.0
-                    || run.status < 2 && run.stderr.contains("read without time") && factor < 1.0),
+                && (run.status == 2 && run.said().contains("t_s=t_s[us]") && factor > 1.0
+                    || run.status < 2 && run.said().contains("read without time") && factor < 1.0),
             "{factor}: {}",
             run.stderr
         );

@@ -116,7 +116,7 @@ fn the_columns_of_a_calibration_are_kept() {
         // The names of the format need no map, and that it was not used is said.
         let own = run(&[command, "--json", "--cal"], &[&cal, &own]);
         assert_eq!(own.status, 0, "{command}: {}", own.stderr);
-        assert!(own.stderr.contains("by its own names"), "{}", own.stderr);
+        assert!(own.said().contains("by its own names"), "{}", own.stderr);
         let other = run(&[command, "--json", "--cal"], &[&cal, &others]).error();
         let message = other["message"].as_str().expect("a message").to_string();
         assert!(message.contains("kept  --map mx_ut=Foo X") && message.contains("here  "), "{message}");
@@ -173,6 +173,6 @@ fn what_a_diagnosis_names_a_fit_takes_whatever_the_column_is_called() {
         assert!(id.starts_with("offset:") && id.ends_with(name), "{header}: {id}");
         let fitted = run(&["fit", "--json", "--add", id], &[&log]);
         assert_eq!(fitted.status, 0, "{header} as {id}: {}", fitted.stderr);
-        assert!(run(&["diagnose"], &[&log]).stderr.contains(&format!("from {header}")), "it is said");
+        assert!(run(&["diagnose"], &[&log]).said().contains(&format!("from {header}")), "it is said");
     }
 }

@@ -34,7 +34,7 @@ fn two_logs_are_one_calibration() {
     let whole = ironout(["fit", text(&here.join("whole.csv")), "--json"]).json();
     let both = ironout(["fit", text(&a), text(&b), "--json", "-o", text(&cal)]);
     assert_eq!(both.status, 0, "{}", both.stderr);
-    assert!(both.stderr.contains("its 2500 rows follow, and its times begin at 50."), "{}", both.stderr);
+    assert!(both.said().contains("its 2500 rows follow, and its times begin at 50."), "{}", both.stderr);
     let both = both.json();
     assert_eq!(
         number(&both, "samples_used") + number(&both, "samples_set_aside"),
@@ -97,7 +97,7 @@ fn columns_that_one_log_lacks_are_empty_there_and_other_scales_are_refused() {
         &["--seed", "32", "--effect", "offset:temp_c=8", "--recording", "2", "--without", "current_a"],
     );
     let run = ironout(["diagnose", text(&a), text(&b), "--json"]);
-    assert!(run.stderr.contains("it lacks current_a"), "{}", run.stderr);
+    assert!(run.said().contains("it lacks current_a"), "{}", run.stderr);
     assert_eq!(run.json()["steps"][1]["added"], "offset:temp_c");
     let counts = std::fs::read_to_string(&b).expect("text").replacen(
         "mx_ut,my_ut,mz_ut",

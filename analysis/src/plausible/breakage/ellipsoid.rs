@@ -1,14 +1,21 @@
 //! How far readings lie off the ellipsoid that they lie nearest to: the roughness that a change of scale, or an axis of another time,
 //! makes without making a row jump.
 
+use super::series::half_range;
 use crate::samples::series::median;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
+/// A repair leaves at most this share of the distance from the ellipsoid.
+pub const MAX_MISFIT_SHARE: f64 = 0.4;
 /// Coefficients of a quadric whose squares sum to a sphere's.
 const TERMS: usize = 9;
 /// Readings fill space where their scatter in the narrowest direction is at least this share of that in the widest: level turns, and
 /// axes that are copies, do not.
 const MIN_SPREAD: f64 = 0.03;
+/// Readings lie within this many half ranges of the median of each axis: a median at one end of a range is two away from the other.
+const MAX_REACH: f64 = 2.2;
+/// How often what is far off is left out and the rest fitted again: each fit is bent less.
+const TRIMS: usize = 3;
 /// Readings that are further off than this many times the median are not of the sensor alone.
 const MAX_USUAL: f64 = 5.0;
 type Normal = SMatrix<f64, TERMS, TERMS>;
@@ -19,16 +26,22 @@ pub fn misfit(points: &[[f64; 3]]) -> Option<f64> {
     Some(rms(&off(points)?))
 }
 
-/// The same of the readings without those that are far off, twice: spikes and a passing magnet say nothing of the others.
-pub fn usual_misfit(points: &[[f64; 3]]) -> Option<f64> {
+/// The same of the readings without those that are far off: spikes and a passing magnet say nothing of the others. What lies outside of
+/// the readings' own range goes first: it would bend every fit. With how many readings it is of.
+pub fn usual_misfit(points: &[[f64; 3]]) -> Option<(f64, usize)> {
     let mut kept = points.to_vec();
-    for _ in 0..2 {
+    for axis in 0..3 {
+        let values: Vec<f64> = points.iter().map(|point| point[axis]).collect();
+        let (middle, reach) = (median(&mut values.clone()), MAX_REACH * half_range(&values));
+        kept.retain(|point| (point[axis] - middle).abs() <= reach);
+    }
+    for _ in 0..TRIMS {
         let far = off(&kept)?;
         let most = MAX_USUAL * median(&mut far.iter().map(|off| off.abs()).collect::<Vec<_>>());
         let mut far = far.iter();
         kept.retain(|_| far.next().is_some_and(|off| off.abs() <= most));
     }
-    Some(rms(&off(&kept)?))
+    Some((rms(&off(&kept)?), kept.len()))
 }
 
 fn rms(values: &[f64]) -> f64 {

@@ -1,14 +1,12 @@
 //! A scale that changed while the log ran, and an axis that is of another time than the others.
 
-use super::ellipsoid::{misfit, usual_misfit};
+use super::ellipsoid::{MAX_MISFIT_SHARE, misfit, usual_misfit};
 use super::evidence::{Breakage, MIN_ROWS};
 use super::repair::Repair;
 use super::series::is_continuous;
 
 /// Readings that the ellipsoid is fitted to, at most.
 const MAX_POINTS: usize = 2500;
-/// A repair leaves at most this share of the distance from the ellipsoid.
-const MAX_MISFIT_SHARE: f64 = 0.4;
 /// Nearer to an ellipsoid than this share of its size, readings need no repair.
 const MIN_MISFIT: f64 = 0.01;
 /// Sensors' ranges differ by more than this factor.
@@ -23,6 +21,8 @@ const MAX_CHANGES: usize = 12;
 const MAX_FREE_CHANGES: usize = 2;
 /// Factors of one range differ by less than this share of themselves, as one jump shows them.
 const SAME_FACTOR: f64 = 0.2;
+/// The ellipsoid of a moved axis leaves out hardly more readings than that of the axis where it was.
+const MIN_READINGS_KEPT: f64 = 0.98;
 /// Rows that an axis may be late.
 const SHIFTS: [isize; 16] = [1, -1, 2, -2, 3, -3, 4, -4, 6, -6, 8, -8, 12, -12, 16, -16];
 
@@ -140,7 +140,7 @@ fn whole(factor: f64) -> f64 {
 
 fn late(numbers: [&[f64]; 3]) -> Option<Breakage> {
     let rows = numbers[0].len();
-    let before = usual_misfit(&points(numbers, |row, axis| numbers[axis][row]))?;
+    let (before, readings) = usual_misfit(&points(numbers, |row, axis| numbers[axis][row]))?;
     if before < MIN_MISFIT {
         return None;
     }
@@ -154,7 +154,11 @@ fn late(numbers: [&[f64]; 3]) -> Option<Breakage> {
                 let row = if a == axis { row.saturating_add_signed(shift).min(rows - 1) } else { row };
                 numbers[a][row]
             };
-            if let Some(left) = usual_misfit(&points(numbers, of)).filter(|left| *left < best.0) {
+            // Nearer to an ellipsoid, and not merely of fewer readings.
+            let of_as_many = |(left, kept): &(f64, usize)| {
+                *left < best.0 && *kept as f64 >= MIN_READINGS_KEPT * readings as f64
+            };
+            if let Some((left, _)) = usual_misfit(&points(numbers, of)).filter(of_as_many) {
                 best = (left, axis, shift);
             }
         }

@@ -31,6 +31,7 @@ fn sampled(board: &mut Pico) -> (u64, u64) {
 }
 
 #[test]
+#[ignore = "minutes on the emulated chip: .ci/long runs it"]
 fn after_hours_no_sample_is_missing_the_calibration_stands_and_nothing_has_grown() {
     if !pico::available("hours") {
         return;

@@ -152,6 +152,7 @@ fn tells(hidden: Hidden, id: &str) {
 }
 
 #[test]
+#[ignore = "minutes on the emulated chip: .ci/long runs it"]
 fn a_hidden_current_is_named_learnt_kept_and_missed_again() {
     if pico::available("learning") {
         tells(Hidden::Current, "offset:current_a");
@@ -159,6 +160,7 @@ fn a_hidden_current_is_named_learnt_kept_and_missed_again() {
 }
 
 #[test]
+#[ignore = "minutes on the emulated chip: .ci/long runs it"]
 fn a_hidden_temperature_is_too() {
     if pico::available("learning") {
         tells(Hidden::Temperature, "offset:temp_c");

@@ -93,6 +93,7 @@ fn why_names_the_current_that_is_fed_and_it_stays_over_a_power_cut() {
 
 /// Two of the traces that the program `learning-qemu` runs; of those whose accelerometer a busy host cannot delay.
 #[test]
+#[ignore = "minutes on the emulated board: .ci/long runs it"]
 fn a_hidden_current_is_named_learnt_kept_and_missed_again_and_a_clean_trace_is_not_accused() {
     let Some(_turn) = qemu::turn("learning") else { return };
     let lengths = EmulatedLengths { collect_s: 60.0, stream_s: 12.0 };

@@ -43,10 +43,10 @@ fn what_cannot_be_sent_is_refused_before_anything_is() {
     // A board that collects says no, and goes on collecting.
     board.with(|bench| bench.board.command("cal start"));
     let run = on(&board, &["send", text(&cal)]);
-    assert!(run.status == 1 && run.stderr.contains("samples are being collected"), "{}", run.stderr);
+    assert!(run.status == 1 && run.said().contains("samples are being collected"), "{}", run.stderr);
     let none = turned(67);
     let run = on(&none, &["fetch", "-o", text(&here.join("none.json"))]);
-    assert!(run.status == 1 && run.stderr.contains("there is no calibration"), "{}", run.stderr);
+    assert!(run.status == 1 && run.said().contains("there is no calibration"), "{}", run.stderr);
     assert!(!here.join("none.json").exists());
 }
 
@@ -62,15 +62,15 @@ fn what_is_no_board_is_told_apart() {
         listener.local_addr().expect("an address").to_string()
     };
     let run = ironout(["send", text(&cal), "--tcp", &gone]);
-    assert!(run.status == 2 && run.stderr.contains("nothing listens there"), "{}", run.stderr);
+    assert!(run.status == 2 && run.said().contains("nothing listens there"), "{}", run.stderr);
     let run = ironout(["fetch", "-o", "x.json", "--port", "/dev/no-such-port"]);
     assert!(
-        run.status == 2 && run.stderr.contains("cannot open the serial port /dev/no-such-port"),
+        run.status == 2 && run.said().contains("cannot open the serial port /dev/no-such-port"),
         "{}",
         run.stderr
     );
     let run = ironout(["fetch", "-o", "x.json"]);
-    assert!(run.status == 2 && run.stderr.contains("--port"), "{}", run.stderr);
+    assert!(run.status == 2 && run.said().contains("--port"), "{}", run.stderr);
     // One that says nothing, one of another speed, one of another kind: each for one connection.
     let other = std::thread::spawn(move || {
         for said in [&b""[..], b"\xf0\x80\x00\xfe\n\x80\xff\n", b"HTTP/1.1 400 Bad Request\r\n"] {
@@ -82,7 +82,7 @@ fn what_is_no_board_is_told_apart() {
     });
     for words in ["nothing has answered", "no text", "HTTP/1.1 400"] {
         let run = ironout(["send", text(&cal), "--tcp", &address, "--wait", "1"]);
-        assert!(run.status == 2 && run.stderr.contains(words), "{words}: {}", run.stderr);
+        assert!(run.status == 2 && run.said().contains(words), "{words}: {}", run.stderr);
     }
     other.join().expect("no panic");
 }

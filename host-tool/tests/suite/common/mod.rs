@@ -25,6 +25,11 @@ impl Run {
         value
     }
 
+    /// Standard error with one blank between words: where its lines break depends on the length of paths.
+    pub fn said(&self) -> String {
+        self.stderr.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
     /// The error object, of exit status 2.
     pub fn error(&self) -> serde_json::Value {
         assert_eq!(self.status, 2, "stdout {} stderr {}", self.stdout, self.stderr);
