@@ -39,22 +39,10 @@ fn crates(package: &str, target: &str) -> BTreeSet<(String, String)> {
     let edges = "normal,no-proc-macro";
     // The program that the page is in.
     let features = if package == "ironout-cli" { "page" } else { "" };
-    let tree = cargo(&[
-        "tree",
-        "--locked",
-        "-p",
-        package,
-        "--features",
-        features,
-        "--target",
-        target,
-        "-e",
-        edges,
-        "--prefix",
-        "none",
-        "-f",
-        "{p}",
-    ]);
+    let arguments = format!(
+        "tree --locked -p {package} --features={features} --target {target} -e {edges} --prefix none -f {{p}}"
+    );
+    let tree = cargo(&arguments.split(' ').collect::<Vec<_>>());
     tree.lines()
         .filter(|line| !line.starts_with("ironout"))
         .filter_map(|line| {

@@ -146,6 +146,44 @@ fn cases() -> Vec<Case> {
     list
 }
 
+/// A board that turns level, slowly: its readings lie in a plane, which no ellipsoid is fitted to.
+fn level_turns() -> (String, Numbers) {
+    let at = |row: usize| row as f64 * 0.02;
+    let noise = |row: usize| 0.1 * (f64::from((row as u32).wrapping_mul(2_654_435_761) >> 22) / 512.0 - 1.0);
+    let axis =
+        |of: fn(f64) -> f64, phase: usize| (0..1500).map(|row| of(at(row)) + noise(row + phase)).collect();
+    let field = [axis(|t| 12.0 + 22.0 * t.cos(), 0), axis(|t| 22.0 * t.sin() - 5.0, 7), axis(|_| -41.0, 19)];
+    ("level turns 50 Hz".into(), field)
+}
+
+/// The rows between the right ones: of something else, of nothing, or of a code; in motions that hardly turn from row to row.
+#[test]
+fn every_second_row_that_is_wrong_is_set_aside_in_space_and_in_a_plane() {
+    let slow = |what: &str| ["25", "50", "100", "200"].iter().any(|hz| what.ends_with(&format!(" {hz} Hz")));
+    let mut logs: Vec<_> = logs().into_iter().filter(|(what, _)| slow(what)).collect();
+    logs.push(level_turns());
+    let random = |row: usize| f64::from((row as u32).wrapping_mul(2_654_435_761) >> 17) - 16_384.0;
+    let kinds: [(&str, &dyn Fn(usize) -> f64); 3] =
+        [("random", &random), ("code", &|_| -32_768.0), ("a still sensor", &|_| 117.0)];
+    let mut missed = Vec::new();
+    for (what, field) in &logs {
+        let whole = counts(field, 0.05);
+        for (kind, wrong) in &kinds {
+            let numbers = broken(&whole, [true; 3], |row, v| if row % 2 == 1 { wrong(row) } else { v });
+            let found = find(slices(&numbers));
+            let set_aside = |repair: &Repair| {
+                let mut marked = vec![false; numbers[0].len()];
+                repair.set_aside(slices(&numbers), &mut marked);
+                marked.iter().enumerate().all(|(row, is)| *is == (row % 2 == 1))
+            };
+            if !found.first().is_some_and(|first| set_aside(&first.repair)) {
+                missed.push(format!("{what}, {kind}: {found:?}"));
+            }
+        }
+    }
+    assert!(missed.is_empty(), "{} of {}: {missed:#?}", missed.len(), kinds.len() * logs.len());
+}
+
 /// Axes that are of another time than the others.
 #[test]
 fn an_axis_that_stands_still_or_comes_late_is_recognised() {

@@ -17,12 +17,13 @@ pub fn run() -> Outcome<u8> {
              install --path host-tool --locked --profile host --features page",
         ));
     };
-    eprintln!("the page is built once (some minutes) …");
+    eprintln!("this command needs the page; where it is not built yet, that takes some minutes …");
     let profile = if cfg!(debug_assertions) { "dev" } else { "host" };
     let mut command = Command::new(cargo);
     command.args(["run", "--locked", "--profile", profile, "--manifest-path"]);
     command.arg(format!("{folder}/Cargo.toml"));
     command.args(["--features", "demo,page", "--bin", "ironout", "--"]).args(env::args_os().skip(1));
     let status = command.status().map_err(|error| Failure::usage(format!("cargo did not start: {error}")))?;
-    Ok(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1))
+    // Of the program: 0, 1 or 2. Of cargo, where it could not build: 101.
+    Ok(status.code().and_then(|code| u8::try_from(code).ok()).filter(|code| *code <= 2).unwrap_or(2))
 }

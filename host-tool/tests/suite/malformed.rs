@@ -216,6 +216,22 @@ fn usage_errors_are_status_2_and_objects_with_json() {
     }
 }
 
+/// Run by no cargo: that one would have the page built.
+#[cfg(not(feature = "page"))]
+#[test]
+fn a_program_without_the_page_says_how_to_get_one_and_writes_nothing() {
+    let here = folder("no_page");
+    let log = write(&here, "log.csv", "mx_ut,my_ut,mz_ut\n1,2,3\n");
+    let out = here.join("report.html");
+    for arguments in [vec!["report", text(&log), "-o", text(&out)], vec!["web"], vec!["live", "--tcp", "x"]] {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_ironout"));
+        let run = command.env_remove("CARGO").args(&arguments).output().expect("the command starts");
+        let said = String::from_utf8_lossy(&run.stderr);
+        assert!(run.status.code() == Some(2) && said.contains("--features page"), "{arguments:?}: {said}");
+        assert!(!out.exists(), "{arguments:?}");
+    }
+}
+
 #[cfg(feature = "page")]
 #[test]
 fn a_page_that_cannot_be_made_says_why() {

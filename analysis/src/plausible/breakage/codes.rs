@@ -1,9 +1,9 @@
 //! Single rows that are wrong: a code in place of a reading, every n-th row, an axis that stands still.
 
-use super::ellipsoid::{MAX_MISFIT_SHARE, misfit};
-use super::evidence::{Breakage, MAX_PATH_SHARE, MIN_EVENTS, MIN_ROWS};
+use super::ellipsoid::{MAX_MISFIT_SHARE, misfit, points};
+use super::evidence::{Breakage, MAX_PATH_SHARE, MAX_STEP_SHARE, MIN_EVENTS, MIN_ROWS};
 use super::repair::Repair;
-use super::series::{half_range, is_continuous, path, usual_step};
+use super::series::{half_range, path, usual_step};
 
 /// A row is out of line if leaving it out shortens the path by this many of the steps next to it: turning points and noise do not
 /// reach twice.
@@ -21,8 +21,6 @@ const MAX_PERIOD: usize = 1024;
 /// Rows of which every second is wrong make this many times the path of the right ones: all rows of a sensor make at most twice the
 /// path of every second, noise included.
 const MIN_ALTERNATING_PATH: f64 = 6.0;
-/// Rows that an ellipsoid is fitted to, at most.
-const MAX_POINTS: usize = 5000;
 /// The wrong half of the rows is rougher than the right one by this factor.
 const MIN_ROUGHER: f64 = 4.0;
 /// An axis that stands still for fewer rows is one that turns slowly.
@@ -187,15 +185,13 @@ fn alternating(numbers: [&[f64]; 3]) -> Option<(Breakage, f64)> {
         return None;
     }
     let kept: [Vec<f64>; 3] = numbers.map(|axis| axis.iter().skip(1 - offset).step_by(2).copied().collect());
-    let continuous = kept.iter().all(|axis| is_continuous(axis));
-    // What turns far from row to row is on one ellipsoid all the same.
-    let points = |numbers: [&[f64]; 3]| -> Vec<[f64; 3]> {
-        let few = numbers[0].len().min(MAX_POINTS);
-        (0..few).map(|row| [0, 1, 2].map(|axis| numbers[axis][row])).collect()
-    };
-    let before = misfit(&points(numbers))?;
-    let after = misfit(&points([&kept[0], &kept[1], &kept[2]]))?;
-    if after > MAX_MISFIT_SHARE * before {
+    // An axis that hardly moves is noise within its own range: its steps are small beside the field's.
+    let widest = kept.iter().map(|axis| half_range(axis)).fold(0.0, f64::max);
+    let continuous = kept.iter().all(|axis| usual_step(axis) <= MAX_STEP_SHARE * widest);
+    // Rows that turn far from one to the next are on one ellipsoid all the same. Readings in a plane have none that could tell.
+    let before = misfit(&points(rows, |row, axis| numbers[axis][row]));
+    let after = misfit(&points(kept[0].len(), |row, axis| kept[axis][row]));
+    if before.zip(after).is_some_and(|(before, after)| after > MAX_MISFIT_SHARE * before) {
         return None;
     }
     let repair = Repair::EveryRow { every: 2, offset };

@@ -5,6 +5,8 @@ use super::series::half_range;
 use crate::samples::series::median;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
+/// Readings that an ellipsoid is fitted to, at most.
+const MAX_POINTS: usize = 2500;
 /// A repair leaves at most this share of the distance from the ellipsoid.
 pub const MAX_MISFIT_SHARE: f64 = 0.4;
 /// Coefficients of a quadric whose squares sum to a sphere's.
@@ -20,6 +22,13 @@ const TRIMS: usize = 3;
 const MAX_USUAL: f64 = 5.0;
 type Normal = SMatrix<f64, TERMS, TERMS>;
 type Row = SVector<f64, TERMS>;
+
+/// Readings from all over a log, from the numbers by row and axis. Their distance is an odd number of rows, so that where every second row is
+/// of another kind, both kinds are among them.
+pub fn points(rows: usize, of: impl Fn(usize, usize) -> f64) -> Vec<[f64; 3]> {
+    let every = rows.div_ceil(MAX_POINTS) | 1;
+    (0..rows).step_by(every).map(|row| [0, 1, 2].map(|axis| of(row, axis))).collect()
+}
 
 /// Root mean square distance from the ellipsoid, as a share of its size; `None` where there is none.
 pub fn misfit(points: &[[f64; 3]]) -> Option<f64> {

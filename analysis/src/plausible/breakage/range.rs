@@ -1,12 +1,10 @@
 //! A scale that changed while the log ran, and an axis that is of another time than the others.
 
-use super::ellipsoid::{MAX_MISFIT_SHARE, misfit, usual_misfit};
+use super::ellipsoid::{MAX_MISFIT_SHARE, misfit, points, usual_misfit};
 use super::evidence::{Breakage, MIN_ROWS};
 use super::repair::Repair;
 use super::series::is_continuous;
 
-/// Readings that the ellipsoid is fitted to, at most.
-const MAX_POINTS: usize = 2500;
 /// Nearer to an ellipsoid than this share of its size, readings need no repair.
 const MIN_MISFIT: f64 = 0.01;
 /// Sensors' ranges differ by more than this factor.
@@ -26,20 +24,13 @@ const MIN_READINGS_KEPT: f64 = 0.98;
 /// Rows that an axis may be late.
 const SHIFTS: [isize; 16] = [1, -1, 2, -2, 3, -3, 4, -4, 6, -6, 8, -8, 12, -12, 16, -16];
 
-fn points(numbers: [&[f64]; 3], of: impl Fn(usize, usize) -> f64) -> Vec<[f64; 3]> {
-    let rows = numbers[0].len();
-    (0..rows)
-        .step_by(rows.div_ceil(MAX_POINTS).max(1))
-        .map(|row| [0, 1, 2].map(|axis| of(row, axis)))
-        .collect()
-}
-
 /// A change of scale, or a late axis.
 pub fn find(numbers: [&[f64]; 3]) -> Option<Breakage> {
-    if numbers[0].len() < MIN_ROWS {
+    let rows = numbers[0].len();
+    if rows < MIN_ROWS {
         return None;
     }
-    let before = misfit(&points(numbers, |row, axis| numbers[axis][row]))?;
+    let before = misfit(&points(rows, |row, axis| numbers[axis][row]))?;
     if before < MIN_MISFIT {
         return None;
     }
@@ -96,7 +87,7 @@ fn change(numbers: [&[f64]; 3], before: f64) -> Option<Breakage> {
     let mended = |changes: &[(usize, f64)]| {
         let factor =
             |row: usize| changes.iter().rev().find(|(from, _)| *from <= row).map_or(1.0, |(_, f)| *f);
-        misfit(&points(numbers, |row, axis| numbers[axis][row] / factor(row)))
+        misfit(&points(rows, |row, axis| numbers[axis][row] / factor(row)))
     };
     // One jump knows the factor roughly; the ellipsoid knows it better.
     let with = |share: f64| -> Vec<(usize, f64)> {
@@ -140,7 +131,7 @@ fn whole(factor: f64) -> f64 {
 
 fn late(numbers: [&[f64]; 3]) -> Option<Breakage> {
     let rows = numbers[0].len();
-    let (before, readings) = usual_misfit(&points(numbers, |row, axis| numbers[axis][row]))?;
+    let (before, readings) = usual_misfit(&points(rows, |row, axis| numbers[axis][row]))?;
     if before < MIN_MISFIT {
         return None;
     }
@@ -158,7 +149,7 @@ fn late(numbers: [&[f64]; 3]) -> Option<Breakage> {
             let of_as_many = |(left, kept): &(f64, usize)| {
                 *left < best.0 && *kept as f64 >= MIN_READINGS_KEPT * readings as f64
             };
-            if let Some((left, _)) = usual_misfit(&points(numbers, of)).filter(of_as_many) {
+            if let Some((left, _)) = usual_misfit(&points(rows, of)).filter(of_as_many) {
                 best = (left, axis, shift);
             }
         }
