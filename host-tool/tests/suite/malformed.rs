@@ -223,7 +223,11 @@ fn a_program_without_the_page_says_how_to_get_one_and_writes_nothing() {
     let here = folder("no_page");
     let log = write(&here, "log.csv", "mx_ut,my_ut,mz_ut\n1,2,3\n");
     let out = here.join("report.html");
-    for arguments in [vec!["report", text(&log), "-o", text(&out)], vec!["web"], vec!["live", "--tcp", "x"]] {
+    for arguments in [
+        vec!["report", text(&log), "-o", text(&out)],
+        vec!["web", "-o", text(&out)],
+        vec!["live", "--tcp", "x"],
+    ] {
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_ironout"));
         let run = command.env_remove("CARGO").args(&arguments).output().expect("the command starts");
         let said = String::from_utf8_lossy(&run.stderr);
