@@ -25,6 +25,31 @@ impl std::fmt::Display for CannotCorrect {
 
 impl std::error::Error for CannotCorrect {}
 
+/// Ids of the effects that go by the time and change anything.
+fn timed(calibration: &Calibrated) -> Vec<String> {
+    let effects = calibration.effects.iter().filter(|fitted| is_timed(fitted));
+    effects.map(|fitted| ironout::effect::Id(&fitted.effect).to_string()).collect()
+}
+
+fn is_timed(fitted: &FittedEffect<f64, Made<ColumnName>>) -> bool {
+    fitted.effect.parts().time_reference_s().is_some()
+        && fitted.coefficients.iter().any(|value| *value != 0.0)
+}
+
+/// A calibration for another log than it was fitted to: without what goes by the clock of that one, and the ids of that.
+pub fn on_another_clock(calibration: &Calibrated) -> (Calibrated, Vec<String>) {
+    let (mut left, ids) = (Calibrated::plain(calibration.base), timed(calibration));
+    for fitted in calibration.effects.iter() {
+        let mut fitted = *fitted;
+        if is_timed(&fitted) {
+            fitted.coefficients.fill(0.0);
+        }
+        // As many as there were.
+        let _ = left.effects.push(fitted);
+    }
+    (left, ids)
+}
+
 /// Corrects the rows of one log: every column of every effect at hand, at the time at which it acts.
 pub struct Corrector<'a> {
     calibration: Calibrated,
@@ -49,6 +74,11 @@ impl<'a> Corrector<'a> {
                 why: format!("{why}; the calibration's effect {id} needs it"),
             };
             let mut own: [Option<Vec<f64>>; MAX_INPUTS] = Default::default();
+            // What changes nothing needs nothing.
+            if fitted.coefficients.iter().all(|value| *value == 0.0) {
+                inputs.push(own.map(|_| Some(vec![0.0; table.rows()])));
+                continue;
+            }
             for (slot, column) in own.iter_mut().zip(fitted.effect.columns()) {
                 let Some(column) = column else { continue };
                 if column.name == TIME {
@@ -124,12 +154,7 @@ impl<'a> Corrector<'a> {
 
     /// What the user should know where effects go by the time: a log's clock is its own.
     pub fn notice(&self) -> Option<String> {
-        let timed = |fitted: &&FittedEffect<f64, Made<ColumnName>>| {
-            fitted.effect.parts().time_reference_s().is_some()
-        };
-        let names: Vec<String> = (self.calibration.effects.iter().filter(timed))
-            .map(|fitted| ironout::effect::Id(&fitted.effect).to_string())
-            .collect();
+        let names = timed(&self.calibration);
         (!names.is_empty()).then(|| {
             format!(
                 "{} by this log's clock: right for a log on the same clock as the one it was fitted to",

@@ -33,7 +33,7 @@ pub mod table;
 mod threads;
 pub mod track;
 
-pub use correct::{CannotCorrect, Corrector};
+pub use correct::{CannotCorrect, Corrector, on_another_clock};
 pub use fit::diagnosed::diagnose;
 pub use fit::fitted::Fitted;
 pub use fit::run::fit;

@@ -25,9 +25,10 @@ pub struct Outside {
     pub range: [f64; 2],
     /// The reading furthest from it.
     pub furthest: f64,
-    /// Error (1σ) that the coefficients' standard errors alone make there, µT; `None` where one is not known.
+    /// Error (1σ) there, µT: of the coefficients at the end of the range, and what the effect would change by from there on;
+    /// `None` where it is not known.
     pub error_ut: Option<f64>,
-    /// The same at the end of the range, µT.
+    /// Error (1σ) that the coefficients' standard errors make at the end of the range, µT.
     pub error_at_range_ut: Option<f64>,
 }
 
@@ -45,6 +46,9 @@ impl Corrector<'_> {
     pub fn extrapolation(&self, entries: &[EffectEntry]) -> Extrapolation {
         let mut found = Extrapolation::default();
         for (index, (fitted, entry)) in self.calibration().effects.iter().zip(entries).enumerate() {
+            if fitted.coefficients.iter().all(|value| *value == 0.0) {
+                continue;
+            }
             for (slot, column) in fitted.effect.columns().into_iter().enumerate() {
                 let Some(column) = column else { continue };
                 match entry.range.as_ref().and_then(|ranges| ranges.get(column.name)) {
@@ -99,11 +103,11 @@ impl Outside {
         let [least, most] = self.range.map(short);
         let error = match (self.error_ut, self.error_at_range_ut) {
             (Some(there), Some(here)) => format!(
-                "there the standard errors of its coefficients alone make {there:.3} µT ({:.2} % of the field), {here:.3} at the \
-                 end of the range",
+                "it is held at the end of the range, so the corrected field may be off by {there:.3} µT ({:.2} % of the field) there, \
+                 by {here:.3} µT at the end of the range",
                 100.0 * there / field_ut
             ),
-            _ => "the error there is not known".into(),
+            _ => "it is held at the end of the range, and the error there is not known".into(),
         };
         format!(
             "{} of {} rows have {} outside {least} … {most}, which {} was fitted over, as far as {}: {error}",

@@ -8,6 +8,7 @@ use ironout::fit::Method;
 use ironout_analysis::Fitted;
 use ironout_analysis::calibration::{EffectEntry, Information, StdErrors};
 use ironout_analysis::effects::{Calibrated, calibrated};
+use ironout_analysis::outcome::contradiction::Contradiction;
 use ironout_analysis::samples::samples::Condition;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
@@ -45,6 +46,8 @@ pub struct FitObject {
     pub gap_deg: Option<f64>,
     pub accepted: bool,
     pub reasons: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contradiction: Option<Contradiction>,
 }
 
 impl FitObject {
@@ -70,6 +73,7 @@ impl FitObject {
             gap_deg: fitted.gap_deg,
             accepted: fitted.accepted,
             reasons: fitted.reasons.clone(),
+            contradiction: fitted.contradiction.clone(),
         }
     }
 }
@@ -87,6 +91,10 @@ pub struct CalFile {
     /// How the log's columns were over the samples of the fit; absent in files of earlier programs and of boards.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub conditions: BTreeMap<String, Condition>,
+    /// Which log the fit is of, by its first and last readings; absent in files of earlier programs and of boards. What goes by the
+    /// time is applied to that log alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fitted_to: Option<String>,
     /// How the log was read; absent in files of earlier programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reading: Option<Reading>,
@@ -101,6 +109,7 @@ impl CalFile {
             fit: FitObject::of(fitted, method),
             information,
             conditions: fitted.conditions.clone(),
+            fitted_to: Some(fitted.log.clone()),
             reading: None,
         }
     }
@@ -274,9 +283,11 @@ mod tests {
                 gap_deg: None,
                 accepted: true,
                 reasons: vec![],
+                contradiction: None,
             },
             information: Information::from_covariance(&covariance),
             conditions: BTreeMap::from([("temp_c".into(), Condition { mean: 21.5, mean_square: 463.0 })]),
+            fitted_to: None,
             reading: Some(Reading {
                 ut_per_count: Some([0.1; 3]),
                 rotate: vec!["roll180".into()],

@@ -4,7 +4,7 @@ use crate::failure::{Failure, Outcome};
 use crate::input::Log;
 use ironout_analysis::calibration::EffectEntry;
 use ironout_analysis::effects::Calibrated;
-use ironout_analysis::{Corrector, Extrapolation, Table};
+use ironout_analysis::{Corrector, Extrapolation, Table, on_another_clock};
 
 /// Corrects the rows of one log.
 pub struct Corrected<'a> {
@@ -13,11 +13,28 @@ pub struct Corrected<'a> {
 }
 
 impl<'a> Corrected<'a> {
-    /// Finds what the calibration's effects need in the log, and says on standard error what to know about them.
+    /// Finds what the calibration's effects need in the log, and says on standard error what to know about them. What goes by the time
+    /// is left out in another log than the calibration is `of`, where that is known.
     ///
     /// # Errors
     /// The column that is missing, empty or not finite, and the effect that needs it.
-    pub fn new(calibration: Calibrated, log: &'a Log, table: &'a Table<'a>) -> Outcome<Self> {
+    pub fn new(
+        calibration: Calibrated,
+        of: Option<&str>,
+        log: &'a Log,
+        table: &'a Table<'a>,
+    ) -> Outcome<Self> {
+        let (calibration, left_out) = match of.is_some_and(|of| of != table.fingerprint()) {
+            true => on_another_clock(&calibration),
+            false => (calibration, Vec::new()),
+        };
+        if !left_out.is_empty() {
+            eprintln!(
+                "note: {}: {} left out: it goes by the clock of the log that the calibration was fitted to, and this is another log",
+                log.path.display(),
+                left_out.join(" and ")
+            );
+        }
         let corrector = Corrector::new(calibration, table)
             .map_err(|error| Failure::usage(error.why).in_file(&log.path).at_column(error.column))?;
         if let Some(notice) = corrector.notice() {

@@ -56,6 +56,7 @@ fn samples(log: &Log, fitted: &Fitted, out: &mut Lines) {
             Why::Clipping { axis } => format!("clipped on {}", ["x", "y", "z"][axis]),
             Why::Burst => "set aside as bursts".to_string(),
             Why::Stuck => "stuck".to_string(),
+            Why::Copy => "copies of earlier readings".to_string(),
         };
         part(aside.samples, &what);
     }

@@ -99,6 +99,9 @@ macro_rules! built_in_effects {
             fn time_s(&self, now_s: f64) -> f64 {
                 match self { $($(BuiltIn::$variant(effect) => Effect::<T>::time_s(effect, now_s),)+)+ }
             }
+            fn repeats(&self) -> bool {
+                match self { $($(BuiltIn::$variant(effect) => Effect::<T>::repeats(effect),)+)+ }
+            }
             fn reads_centre(&self) -> bool {
                 match self { $($(BuiltIn::$variant(effect) => Effect::<T>::reads_centre(effect),)+)+ }
             }

@@ -32,6 +32,10 @@ pub trait Effect<T: Real> {
     fn time_s(&self, now_s: f64) -> f64 {
         now_s
     }
+    /// Whether the shape repeats in time: then it goes on after the time that it was fitted over, and is not held at its end.
+    fn repeats(&self) -> bool {
+        false
+    }
     /// Whether the shape reads [`Quantities::centred_ut`] or [`Quantities::turning_ut_per_s`], which themselves depend on
     /// the disturbance: the live correction then looks again until it stands. An effect that says no is cheaper.
     fn reads_centre(&self) -> bool {
@@ -88,6 +92,9 @@ impl<T: Real, E: Effect<T> + ?Sized> Effect<T> for &E {
     }
     fn time_s(&self, now_s: f64) -> f64 {
         (**self).time_s(now_s)
+    }
+    fn repeats(&self) -> bool {
+        (**self).repeats()
     }
     fn reads_centre(&self) -> bool {
         (**self).reads_centre()

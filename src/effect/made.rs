@@ -74,6 +74,9 @@ impl<C: AsRef<str>> Effect<f64> for Made<C> {
     fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
         self.family.with(&self.parts.borrowed(), &mut |effect| effect.shape(at, shape));
     }
+    fn repeats(&self) -> bool {
+        self.ask(false, |effect| effect.repeats())
+    }
     fn reads_centre(&self) -> bool {
         self.ask(true, |effect| effect.reads_centre())
     }

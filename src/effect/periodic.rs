@@ -129,6 +129,10 @@ impl<T: Real> Effect<T> for Periodic {
         if first.is_finite() { first } else { now_s }
     }
 
+    fn repeats(&self) -> bool {
+        true
+    }
+
     fn shape(&self, at: &Quantities<T>, shape: &mut Shape<T>) {
         let [time, _] = at.inputs;
         // Whole turns removed in double precision before the sine.

@@ -5,7 +5,7 @@ use crate::calibration::Calibration;
 use crate::effect::{Coefficients, Effect, MAX_INPUTS, Quantities};
 use crate::math::Real;
 use crate::model::settle;
-use crate::vector::{cross, inverse_3x3, minus, scaled, times, turned};
+use crate::vector::{cross, inverse_3x3, minus, norm, scaled, times, turned};
 use core::fmt;
 
 /// What a sample was measured under, besides its vector.
@@ -36,7 +36,13 @@ pub enum NotCorrected {
     Shape(usize),
     /// The measured vector is not finite.
     NotFinite,
+    /// The effects take the vector to more than [`MOST`] times the field, and to as many times what offset and matrix alone make of
+    /// it: they were never fitted to such a reading.
+    TooFar,
 }
+
+/// A vector that the effects make this many times longer, and this many times longer than the field, is not given out.
+pub const MOST: f64 = 10.0;
 
 impl fmt::Display for NotCorrected {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -44,6 +50,7 @@ impl fmt::Display for NotCorrected {
             Self::Column(effect) => write!(f, "a column that effect {effect} reads is not known"),
             Self::RateOfTurn(effect) => write!(f, "effect {effect} needs the rate of turn"),
             Self::Shape(effect) => write!(f, "the shape of effect {effect} is not finite"),
+            Self::TooFar => f.write_str("the effects would take the vector to more than ten times the field"),
             Self::NotFinite => f.write_str("the measured vector is not finite"),
         }
     }
@@ -116,6 +123,11 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
         }
     }
     if is_finite(corrected) {
+        let limit = base.field_ut * T::of(MOST);
+        let is_far = |by: T| square(corrected) > by * by;
+        if is_far(limit) && is_far(norm(times(&base.matrix, centred)) * T::of(MOST)) {
+            return Err(NotCorrected::TooFar);
+        }
         return Ok(corrected);
     }
     // Whose fault it is, is looked for only now.
@@ -126,6 +138,11 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
         }
     }
     Err(NotCorrected::NotFinite)
+}
+
+#[inline]
+fn square<T: Real>([x, y, z]: [T; 3]) -> T {
+    x * x + y * y + z * z
 }
 
 #[inline]

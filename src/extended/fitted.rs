@@ -23,7 +23,7 @@ pub struct FittedEffect<T, E = BuiltIn<T>> {
     pub coefficients: Coefficients<T>,
     /// Their standard errors, from noise; NaN for a coefficient that the data did not show.
     pub std_errors: Coefficients<T>,
-    /// Over which values of its columns it was fitted: outside it is extrapolated.
+    /// Over which values of its columns it was fitted: outside, a column counts as the end of the range that is nearer.
     pub ranges: Ranges<T>,
 }
 
@@ -45,20 +45,33 @@ impl<T, E> FittedEffect<T, E> {
 }
 
 impl<T: Real, E: Effect<T>> FittedEffect<T, E> {
-    /// Error (1σ) that the standard errors of the coefficients make of a corrected vector, µT, each taken by itself: it is
-    /// not kept how they hang together. `measured_ut` is the measured vector, `inputs` are the values of the effect's columns;
-    /// what a rate of turn adds is left out. `None` where it is not known.
+    /// The values of its columns held at the ends of the ranges that it was fitted over, which is how it is applied: nothing is known
+    /// of how it goes on. An effect that repeats in time is not held.
+    pub fn held(&self, inputs: [T; MAX_INPUTS]) -> [T; MAX_INPUTS] {
+        held(&self.effect, &self.ranges, inputs)
+    }
+
+    /// Error (1σ) of a corrected vector, µT, that the standard errors of the coefficients make, each taken by itself: it is not kept how
+    /// they hang together. Outside of the ranges it holds what the effect would change by from the end of the range if it went on in
+    /// the same way. `measured_ut` is the measured vector, `inputs` are the values of the effect's columns; what a rate of turn adds is
+    /// left out. `None` where it is not known.
     pub fn error_ut(&self, base: &Calibration<T>, measured_ut: [T; 3], inputs: [T; MAX_INPUTS]) -> Option<T> {
         let centred_ut = minus(measured_ut, base.offset_ut);
-        let at = Quantities { centred_ut, inputs, ..Quantities::of_vector(measured_ut) };
+        let inside = self.held(inputs);
+        let at = |inputs| Quantities { centred_ut, inputs, ..Quantities::of_vector(measured_ut) };
         let mut shape = no_shape();
-        self.effect.shape(&at, &mut shape);
+        self.effect.shape(&at(inside), &mut shape);
         let k = self.effect.coefficients().min(MAX_COEFFICIENTS);
         let errors = shape.iter().zip(&self.std_errors).take(k);
-        let square = errors.fold(T::zero(), |sum, (column, error)| {
+        let mut square = errors.fold(T::zero(), |sum, (column, error)| {
             let one = norm(times(&base.matrix, *column)) * *error;
             sum + one * one
         });
+        if inside != inputs {
+            let disturbance = |inputs| self.effect.disturbance(&at(inputs), &self.coefficients);
+            let beyond = norm(times(&base.matrix, minus(disturbance(inputs), disturbance(inside))));
+            square = square + beyond * beyond;
+        }
         Some(square.root()).filter(|error| error.is_finite())
     }
 
@@ -77,6 +90,27 @@ impl<T: Real, E: Effect<T>> FittedEffect<T, E> {
     pub(super) fn has_sound_ranges(&self) -> bool {
         self.ranges.iter().flatten().all(|[least, most]| least <= most)
     }
+}
+
+/// [`FittedEffect::held`] of its parts.
+#[inline]
+pub(super) fn held<T: Real, E: Effect<T>>(
+    effect: &E,
+    ranges: &Ranges<T>,
+    mut inputs: [T; MAX_INPUTS],
+) -> [T; MAX_INPUTS] {
+    if !effect.repeats() {
+        for (value, [least, most]) in
+            inputs.iter_mut().zip(ranges).filter_map(|(v, range)| Some((v, (*range)?)))
+        {
+            if *value < least {
+                *value = least;
+            } else if *value > most {
+                *value = most;
+            }
+        }
+    }
+    inputs
 }
 
 /// Up to [`MAX_EFFECTS`] effects.

@@ -3,7 +3,7 @@
 use super::calibration::ExtendedCalibration;
 use super::correction::{NotCorrected, Prepared, correct};
 use super::delay::DelayLine;
-use super::fitted::{MAX_EFFECTS, Ranges};
+use super::fitted::{MAX_EFFECTS, Ranges, held};
 use super::outside::Outside;
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, Coefficients, Effect, MAX_INPUTS, TIME};
@@ -91,7 +91,7 @@ struct Late<T> {
 /// live.set_slots(temperature, 35.0); // ... then without
 /// assert_eq!(live.apply([25.0, 10.0, 39.0], None)?, [20.0, 10.0, 40.0]);
 /// assert!(live.outside().next().is_none());
-/// live.set_slots(temperature, 55.0); // corrected all the same, and known to be extrapolated by 15 °C
+/// live.set_slots(temperature, 55.0); // corrected as at 40 °C, and known to be 15 °C outside
 /// assert_eq!(live.outside().next().map(|outside| outside.distance()), Some(15.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -223,8 +223,8 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
         columns.into_iter().nth(missing % MAX_INPUTS).flatten().map(|column| column.name)
     }
 
-    /// The columns that are known and outside the range that their effect was fitted over: there the correction goes on and is
-    /// extrapolated. It costs nothing until it is asked. Of an effect whose range is not known, nothing is told.
+    /// The columns that are known and outside the range that their effect was fitted over: there the correction goes on with the
+    /// end of the range that is nearer. It costs nothing until it is asked. Of an effect whose range is not known, nothing is told.
     pub fn outside(&self) -> impl Iterator<Item = Outside<'_, T>> {
         self.places.iter().zip(&self.inputs).enumerate().flat_map(move |(index, (place, inputs))| {
             let columns = place.effect.columns().into_iter().zip(place.ranges).zip(inputs).enumerate();
@@ -265,7 +265,11 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
             let turning = self.places.iter().position(|place| place.effect.needs_gyro());
             return Err(NotCorrected::RateOfTurn(turning.unwrap_or_default()));
         }
-        let effects = self.places.iter().zip(&self.inputs);
+        let mut inputs = self.inputs;
+        for (place, inputs) in self.places.iter().zip(&mut inputs) {
+            *inputs = held(&place.effect, &place.ranges, *inputs);
+        }
+        let effects = self.places.iter().zip(&inputs);
         let effects = effects.map(|(place, inputs)| (&place.effect, &place.coefficients, inputs));
         correct(&self.base, &self.prepared, measured_ut, turn_radps, effects)
     }

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use serde::Serialize;
 
 /// A calibration whose predicted error is beyond this share of the field says nothing about directions.
-const ALIGNABLE: f64 = 0.05;
+pub const ALIGNABLE: f64 = 0.05;
 /// A rotation is used where its standard error is below this, degrees.
 const KNOWN_DEG: f64 = 3.0;
 /// An accelerometer whose dip spreads by more than this, at best, shows no gravity (or is another board's), degrees.

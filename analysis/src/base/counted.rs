@@ -28,6 +28,8 @@ pub enum Why {
     Burst,
     /// The reading stood still while the board turned.
     Stuck,
+    /// The same readings are earlier in the log.
+    Copy,
 }
 
 /// Samples set aside for one reason.
@@ -235,19 +237,24 @@ fn aside(list: &[DataFault], faulty: usize) -> Vec<Aside> {
         None if samples > 0 => counts.push(Aside { why, samples }),
         None => {}
     };
-    let mut clipped = 0;
+    // Of the faulty samples, those that are counted by another reason than that they stand out.
+    let mut counted = 0;
     for fault in list {
         match fault.kind {
             FaultKind::Clipping => {
                 let axis = faults::AXES.iter().position(|name| fault.columns.iter().any(|own| own == name));
                 add(Why::Clipping { axis: axis.unwrap_or_default() }, fault.samples);
-                clipped += fault.samples;
+                counted += fault.samples;
             }
             // The first of the repeated readings is a sample as any other.
             FaultKind::Stuck => add(Why::Stuck, fault.samples.saturating_sub(1)),
+            FaultKind::CopiedRows => {
+                add(Why::Copy, fault.samples);
+                counted += fault.samples;
+            }
             FaultKind::Burst | FaultKind::Gap | FaultKind::CopiedAxis => {}
         }
     }
-    add(Why::Burst, faulty.saturating_sub(clipped));
+    add(Why::Burst, faulty.saturating_sub(counted));
     counts
 }

@@ -12,6 +12,21 @@ pub struct Earlier {
     pub information: [[f64; 9]; 9],
 }
 
+impl Earlier {
+    /// The same as if it were known from `factor` times as much.
+    pub fn times(&self, factor: f64) -> Earlier {
+        let information = self.information.map(|row| row.map(|value| value * factor));
+        Earlier { information, ..self.clone() }
+    }
+}
+
+/// Offset (3) and the upper triangle (6) of a model.
+pub fn parameters(model: &Model<f64>) -> [f64; 9] {
+    let c = &model.matrix;
+    let [x, y, z] = model.offset_ut;
+    [x, y, z, c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]]
+}
+
 /// What is known besides the data.
 #[derive(Debug, Clone)]
 pub struct Known {
@@ -59,9 +74,7 @@ impl Known {
             }
         }
         if let (Some(earlier), Residual::Magnitude) = (&self.earlier, residual) {
-            let c = &model.matrix;
-            let [x, y, z] = model.offset_ut;
-            let now = [x, y, z, c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]];
+            let now = parameters(model);
             for i in 0..9 {
                 for j in 0..9 {
                     let weight = earlier.information[i][j] * sigma * sigma;

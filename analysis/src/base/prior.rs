@@ -53,6 +53,21 @@ impl Prior {
         Model::new([x, y, z], triangle, field_ut.unwrap_or(self.field_ut), NO_ROTATION, 0.0)
     }
 
+    /// The same with nothing known along these directions of offset (3) and triangle (6): Λ − Λv (vᵀΛv)⁻¹ vᵀΛ, one after the other.
+    pub fn without(&self, directions: &[[f64; 9]]) -> Prior {
+        let mut left = self.clone();
+        for v in directions {
+            let pull: [f64; 9] = std::array::from_fn(|i| (0..9).map(|j| left.information[i][j] * v[j]).sum());
+            let along: f64 = pull.iter().zip(v).map(|(a, b)| a * b).sum();
+            if along > 0.0 {
+                for (row, a) in left.information.iter_mut().zip(pull) {
+                    row.iter_mut().zip(pull).for_each(|(value, b)| *value -= a * b / along);
+                }
+            }
+        }
+        left
+    }
+
     /// The information with what no noise tells: a board is not quite the same at another place and day.
     fn loosened(&self) -> [[f64; 9]; 9] {
         let spread = |i: usize| OTHER_DAY * if i < 3 { self.field_ut } else { 1.0 };

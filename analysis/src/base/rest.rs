@@ -13,6 +13,10 @@ const RESTING_TURN_RAD: f64 = 0.15;
 const TURN_TIME_S: f64 = 10.0;
 /// A resting board's direction down stays within this angle's sine.
 const RESTING_TILT: f64 = 0.06;
+/// Readings that spread across their widest direction by more than this share of it go round ...
+const ROUND: f64 = 0.3;
+/// ... where that is so many times what neighbours differ by.
+const ROUND_NOISES: f64 = 5.0;
 /// Without gyro and accelerometer: the share of the vector's variance that the columns must explain.
 const EXPLAINED: f64 = 0.6;
 /// ... and what they leave is no more than this many times what neighbours differ by, or less than a sphere leaves.
@@ -29,8 +33,13 @@ pub fn at_rest(samples: &Samples) -> bool {
     let downs: Vec<[f64; 3]> = samples.readings.iter().filter_map(|reading| reading.down).collect();
     let enough = |n: usize| 2 * n > samples.len();
     if enough(downs.len()) {
+        let is_still = |turns| slow(turns) && turned_rad(samples) < RESTING_TURN_RAD;
         return tilt(&downs) < RESTING_TILT
-            && (!enough(turns.len()) || slow(turns) && turned_rad(samples) < RESTING_TURN_RAD);
+            && if enough(turns.len()) {
+                is_still(turns)
+            } else {
+                !goes_round(samples) || told_by_columns(samples)
+            };
     }
     if enough(turns.len()) {
         return slow(turns) && turned_rad(samples) < RESTING_TURN_RAD;
@@ -56,6 +65,24 @@ fn turned_rad(samples: &Samples) -> f64 {
         squares += angle.iter().map(|a| a * a).sum::<f64>();
     }
     (squares / samples.len().max(1) as f64).sqrt()
+}
+
+/// Whether the readings spread in a plane or further, as those of a level board that is turned: one cause moves them along a line.
+fn goes_round(samples: &Samples) -> bool {
+    let mean = nalgebra::Vector3::from(samples.mean_vector());
+    let off = |m: [f64; 3]| nalgebra::Vector3::from(m) - mean;
+    let scatter: nalgebra::Matrix3<f64> = samples
+        .readings
+        .iter()
+        .map(|reading| off(reading.measured_ut))
+        .map(|off| off * off.transpose())
+        .sum();
+    let mut spread =
+        scatter.symmetric_eigenvalues().map(|value| (value.max(0.0) / samples.len().max(1) as f64).sqrt());
+    spread.as_mut_slice().sort_by(f64::total_cmp);
+    let axis = |axis: usize| samples.readings.iter().map(move |reading| reading.measured_ut[axis]);
+    let noise = (0..3).map(|i| second_difference_sigma(&axis(i).collect::<Vec<f64>>())).fold(0.0, f64::max);
+    spread[1] > ROUND * spread[2] && spread[1] > ROUND_NOISES * noise
 }
 
 fn tilt(downs: &[[f64; 3]]) -> f64 {

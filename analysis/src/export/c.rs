@@ -91,6 +91,18 @@ fn parameter(name: &str, late: bool) -> String {
     if late { format!("{word}_late") } else { word }
 }
 
+/// What a parameter is called once it is held at the ends of its range.
+const HELD: &str = "_held";
+
+/// Whether an effect goes by this column held at the ends of its range.
+fn held(calibration: &Calibrated, column: &str) -> bool {
+    let holds = |fitted: &&Fitted| !fitted.effect.repeats();
+    calibration.effects.iter().filter(holds).any(|fitted| {
+        let columns = fitted.effect.columns().into_iter().zip(fitted.ranges);
+        columns.filter(|(_, range)| range.is_some()).any(|(own, _)| own.is_some_and(|own| own.name == column))
+    })
+}
+
 struct Parameter {
     name: String,
     column: String,
@@ -118,7 +130,7 @@ fn parameters(calibration: &Calibrated) -> Result<Vec<Parameter>, CannotExport> 
 
 fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExport> {
     let base = &calibration.base;
-    let list = parameters(calibration)?;
+    let (list, ranges) = (parameters(calibration)?, ranges(calibration));
     let turning = calibration.effects.iter().any(|fitted| fitted.effect.needs_gyro());
     let delays = calibration.effects.iter().filter_map(|fitted| fitted.effect.delay_s(&fitted.coefficients));
     let delay_s = delays.reduce(|sum, delay| sum + delay);
@@ -155,7 +167,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
             rows(&inverse)
         );
     }
-    text.push_str("/* Corrects one measured vector; both in microtesla, and they may be the same array.");
+    text.push_str("/* Corrects one measured vector; both in microtesla, and they may be the same array. Where the effects would take it to more than\n   ten times the field, it is no number.");
     text.push_str(match list.is_empty() && !turning {
         true => " It needs nothing else.\n",
         false => "\n   Besides it needs:\n",
@@ -180,9 +192,21 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
     if turning {
         text.push_str(", const ironout_real turn_radps[3]");
     }
-    text.push_str(", ironout_real corrected_ut[3])\n{\n    ironout_real centred[3], left[3], sum[3];\n");
+    text.push_str(", ironout_real corrected_ut[3])\n{\n    ironout_real centred[3], left[3], sum[3], with = 0, without = 0;\n");
     if looks > 1 {
         text.push_str("    ironout_real moved, size;\n");
+    }
+    for Parameter { name, column, delay_s } in &list {
+        let range = ranges.iter().find(|range| range.column == *column && range.delay_s == *delay_s);
+        if let Some(Range { ends: [least, most], .. }) = range.filter(|_| held(calibration, column)) {
+            let scalar = if column == TIME { "double" } else { "ironout_real" };
+            let end = |end: &f64| format!("({scalar}){end:?}");
+            let (least, most) = (end(least), end(most));
+            let _ = writeln!(
+                text,
+                "    const {scalar} {name}{HELD} = {name} < {least} ? {least} : {name} > {most} ? {most} : {name};"
+            );
+        }
     }
     text.push_str(
         "    int i, look;\n\n    for (i = 0; i < 3; i++) {\n        centred[i] = measured_ut[i] - ironout_offset_ut[i];\n        \
@@ -202,10 +226,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
         1 => "        for (i = 0; i < 3; i++) {\n            left[i] = centred[i] - sum[i];\n        }\n    }\n",
         _ => STANDS,
     });
-    text.push_str(
-        "    for (i = 0; i < 3; i++) {\n        corrected_ut[i] = ironout_matrix[i][0] * left[0] + ironout_matrix[i][1] * left[1] + \
-         ironout_matrix[i][2] * left[2];\n    }\n",
-    );
+    text.push_str(CORRECTED);
     if let Some(delay_s) = delay_s {
         let _ = write!(
             text,
@@ -214,7 +235,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
         );
     }
     text.push_str("}\n\n");
-    text.push_str(&outside(&list, &ranges(calibration)));
+    text.push_str(&outside(&list, &ranges));
     text.push_str("#endif /* IRONOUT_CALIBRATION_H */\n");
     Ok(text)
 }
@@ -249,7 +270,7 @@ fn outside(list: &[Parameter], ranges: &[Range]) -> String {
     }
     format!(
         "/* Which columns lie outside the range that their effects were fitted over, a bit each; 0 where none does. Outside the\n   \
-         effects are extrapolated, and the error grows with the distance.\n{told}*/\nstatic inline unsigned \
+         effects are those of the end of the range that is nearer, and the error grows with the distance.\n{told}*/\nstatic inline unsigned \
          ironout_outside({})\n{{\n    unsigned outside = 0u;\n\n{body}    return outside;\n}}\n\n",
         arguments.join(", ")
     )
@@ -266,6 +287,21 @@ const STANDS: &str = "        moved = 0;
         }
         if (!(moved > (ironout_real)1e-10 * size)) {
             break;
+        }
+    }
+";
+
+/// `corrected = C left`, or no number where the effects make of it what they were never fitted to, as in the library.
+const CORRECTED: &str = "    for (i = 0; i < 3; i++) {
+        ironout_real plain = ironout_matrix[i][0] * centred[0] + ironout_matrix[i][1] * centred[1] + ironout_matrix[i][2] * centred[2];
+
+        corrected_ut[i] = ironout_matrix[i][0] * left[0] + ironout_matrix[i][1] * left[1] + ironout_matrix[i][2] * left[2];
+        without += plain * plain;
+        with += corrected_ut[i] * corrected_ut[i];
+    }
+    if (with > 100 * without && with > 100 * IRONOUT_FIELD_UT * IRONOUT_FIELD_UT) {
+        for (i = 0; i < 3; i++) {
+            corrected_ut[i] = (with - with) / (with - with);
         }
     }
 ";
@@ -320,8 +356,13 @@ fn body(fitted: &Fitted, text: &mut String) -> std::fmt::Result {
         "            static const ironout_real theta[{k}] = {};",
         triple(&fitted.coefficients[..k])
     )?;
-    let names =
+    let mut names =
         made.inputs().map(|column| column.map_or(String::new(), |c| parameter(c.name, c.delay_s > 0.0)));
+    for (name, _) in
+        names.iter_mut().zip(fitted.ranges).filter(|(_, range)| range.is_some() && !made.repeats())
+    {
+        name.push_str(HELD);
+    }
     let [first, second] = &names;
     made.family().c(&made.parts().borrowed(), [first, second], text)?;
     text.push_str("        }\n");

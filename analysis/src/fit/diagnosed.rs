@@ -4,12 +4,14 @@ use crate::base::ground::Ground;
 use crate::base::mounting;
 use crate::fit::fitted::Fitted;
 use crate::fit::run::of_ground;
+use crate::outcome::contradiction::freed;
 use crate::outcome::outcome::{Diagnosis, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::study::study;
 use crate::plausible::causes::no_causes;
 use crate::table::Table;
 use crate::threads::with_room;
+use std::borrow::Cow;
 
 /// The diagnosis of a log.
 ///
@@ -49,7 +51,8 @@ pub(crate) fn leave_out(ground: &mut Ground, options: &Options) {
 
 /// The same of a log whose samples are sorted out, with `with_room` to work in.
 pub(crate) fn of_ground_searched(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
-    let mut diagnosis = study(ground, options)?;
+    let Believed { mut diagnosis, options } = believed(ground, options)?;
+    let options = options.as_ref();
     if let Some(why) = refused(ground, options, &diagnosis) {
         let instead = match diagnosis.verdict {
             // What is at the end of the range is told among the faults, and the model is what it is.
@@ -67,6 +70,35 @@ pub(crate) fn of_ground_searched(ground: &Ground, options: &Options) -> Result<D
         diagnosis.fit_refuses = Some(why.words);
     }
     Ok(diagnosis)
+}
+
+/// A diagnosis with what of an earlier calibration it builds on.
+struct Believed<'o> {
+    diagnosis: Diagnosis,
+    options: Cow<'o, Options>,
+}
+
+/// The diagnosis on top of as much of the earlier calibration as the log bears out. What contradicts it may be an effect that was not
+/// there then: the earlier calibration stands where the effects that are named agree with it, and the log names as many without it or
+/// is undetermined.
+fn believed<'o>(ground: &Ground, options: &'o Options) -> Result<Believed<'o>, Refusal> {
+    let diagnosis = study(ground, options)?;
+    let Some((without, contradiction)) = freed(ground, options)? else {
+        return Ok(Believed { diagnosis, options: Cow::Borrowed(options) });
+    };
+    let mut anew = study(ground, &without)?;
+    let named = |one: &Diagnosis| one.steps.iter().filter_map(|step| step.added.clone()).collect::<Vec<_>>();
+    let effects = named(&diagnosis);
+    let as_many = effects.len() <= named(&anew).len() || anew.verdict == Verdict::Undetermined;
+    if effects.len() > options.add.len() && as_many {
+        let with = Options { add: effects, ..options.clone() };
+        if freed(ground, &with)?.is_none() {
+            return Ok(Believed { diagnosis, options: Cow::Borrowed(options) });
+        }
+    }
+    anew.reasons.push(contradiction.words());
+    anew.contradiction = Some(contradiction);
+    Ok(Believed { diagnosis: anew, options: Cow::Owned(without) })
 }
 
 /// Why a fit is refused.

@@ -5,6 +5,7 @@ use crate::base::counted::{Aside, Counted, Why};
 use crate::base::ground::Ground;
 use crate::base::quality::error_beyond;
 use crate::base::solution::Solution;
+use crate::outcome::contradiction::Contradiction;
 use crate::outcome::outcome::Diagnosis;
 use crate::outcome::request::Options;
 use crate::samples::samples::{Condition, Samples};
@@ -25,6 +26,9 @@ const ALL_ROUND_GAP_DEG: f32 = 40.0;
 pub struct Fitted {
     /// The magnitude of the field as it was given, µT.
     pub expected_field_ut: Option<f64>,
+    /// [`crate::table::Table::fingerprint`] of the log.
+    #[serde(skip)]
+    pub log: String,
     /// Rows of the log.
     pub rows: usize,
     /// Rows that repeat the one before them.
@@ -58,6 +62,9 @@ pub struct Fitted {
     pub gap_deg: Option<f64>,
     /// How the columns were over the samples: what acts by them had its mean effect meanwhile.
     pub conditions: BTreeMap<String, Condition>,
+    /// What the log says against the earlier calibration that it was fitted on top of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contradiction: Option<Contradiction>,
     /// Whether the calibration may be used.
     pub accepted: bool,
     /// Why not, or what to know.
@@ -75,6 +82,7 @@ impl Fitted {
     pub(crate) fn new(counted: &Counted, options: &Options) -> Self {
         Fitted {
             expected_field_ut: options.field_ut,
+            log: counted.table.fingerprint(),
             rows: counted.table.rows(),
             repeated: counted.repeated,
             at_rest: counted.at_rest,
@@ -91,6 +99,7 @@ impl Fitted {
             coverage: None,
             gap_deg: None,
             conditions: counted.samples.conditions(),
+            contradiction: None,
             accepted: false,
             reasons: Vec::new(),
             only_saturated: false,

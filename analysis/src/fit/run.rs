@@ -4,6 +4,7 @@
 use crate::base::ground::Ground;
 use crate::fit::fitted::Fitted;
 use crate::fit::{extended, ids};
+use crate::outcome::contradiction::freed;
 use crate::outcome::request::{Options, Refusal};
 use crate::table::Table;
 use crate::threads::with_room;
@@ -19,9 +20,19 @@ pub fn fit(table: &Table, options: &Options) -> Result<Fitted, Refusal> {
 
 /// The same of a log whose samples are sorted out, with `with_room` to work in; the ids are checked.
 pub(crate) fn of_ground(ground: &Ground, options: &Options) -> Result<Fitted, Refusal> {
+    let freed = freed(ground, options)?;
+    let (options, contradiction) = match &freed {
+        Some((freed, contradiction)) => (freed, Some(contradiction)),
+        None => (options, None),
+    };
     let fitted = Fitted::new(&ground.counted, options);
-    if options.add.is_empty() && options.prior.is_none() {
-        return Ok(fitted.of_base(ground));
+    let mut fitted = match options.add.is_empty() && options.prior.is_none() {
+        true => fitted.of_base(ground),
+        false => extended::run(ground, options, fitted)?,
+    };
+    if let Some(contradiction) = contradiction {
+        fitted.reasons.push(format!("note: {}", contradiction.words()));
+        fitted.contradiction = Some(contradiction.clone());
     }
-    extended::run(ground, options, fitted)
+    Ok(fitted)
 }

@@ -142,6 +142,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         effects,
         shows,
         prior: "none".into(),
+        contradiction: None,
         traces,
         ..undetermined(table, samples, options.registry, String::new())
     })

@@ -138,6 +138,7 @@ impl View<'_, '_> {
             samples_used: 0,
             samples_set_aside: 0,
             prior: self.prior_words(),
+            contradiction: None,
             lower_order: self.lower_order.is_some(),
             shown: self.shown(&dip, force_lag),
             traces,

@@ -147,6 +147,9 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
     });
     if let Some(map) = object.as_object_mut() {
         map.insert("effects".into(), effects(diagnosis));
+        if let Some(contradiction) = &diagnosis.contradiction {
+            map.insert("contradiction".into(), json!(contradiction));
+        }
         // With swapped axes the log is to be repaired first.
         let calibration = diagnosis.calibration.filter(|_| diagnosis.axis_order().is_none());
         let entry = |calibration: Calibration<f64>, std_errors: Option<&StdErrors>| {

@@ -3,6 +3,7 @@
 pub mod asked;
 pub mod at_rest;
 pub mod blank;
+pub mod contradiction;
 pub mod doubts;
 pub mod explain;
 pub mod finish;

@@ -7,6 +7,7 @@ use crate::base::order::AxisOrder;
 use crate::base::quality::Residue;
 use crate::calibration::{FittedEffect, Information, StdErrors};
 use crate::noise::colour::Colour;
+use crate::outcome::contradiction::Contradiction;
 use crate::plain;
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
@@ -240,6 +241,9 @@ pub struct Diagnosis {
     pub samples_set_aside: usize,
     /// The prior that was used, in words.
     pub prior: String,
+    /// What the log says against the earlier calibration that it was studied on top of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contradiction: Option<Contradiction>,
     /// Whether a lower-order base (no soft iron) was used.
     pub lower_order: bool,
     /// Whether the log shows the effects that were asked for. A search tests in another way, and leaves this to the steps.

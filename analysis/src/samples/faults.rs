@@ -1,5 +1,6 @@
 //! Faults of the data, found and set aside before any effect is tested.
 
+use crate::samples::copied::copied;
 use crate::samples::samples::{Samples, unique_rows};
 use crate::samples::series::{median, quantum, second_difference_sigma};
 use crate::table::Table;
@@ -19,6 +20,8 @@ pub enum FaultKind {
     Gap,
     /// An axis is a copy of another.
     CopiedAxis,
+    /// Readings are there a second time.
+    CopiedRows,
 }
 
 impl FaultKind {
@@ -30,6 +33,7 @@ impl FaultKind {
             FaultKind::Stuck => "stuck",
             FaultKind::Gap => "gap",
             FaultKind::CopiedAxis => "copied-axis",
+            FaultKind::CopiedRows => "copied-rows",
         }
     }
 }
@@ -121,11 +125,22 @@ pub fn find(table: &Table) -> Faults {
     let unique = unique_rows(table);
     stuck(table, &unique, &mut faults);
     gap(table, &unique, &mut faults);
+    copied_rows(table, &unique, &mut faults);
     glitches(table, &unique, &mut faults);
     for axis in 0..3 {
         clipping(table, &unique, axis, &mut faults);
     }
     faults
+}
+
+/// Readings that the log holds already.
+fn copied_rows(table: &Table, unique: &[usize], faults: &mut Faults) {
+    let readings: Vec<[f64; 3]> = unique.iter().map(|&row| table.field(row)).collect();
+    for (from, to) in copied(&readings) {
+        let rows = (unique[from], unique[to]);
+        faults.set_aside[rows.0..=rows.1].fill(true);
+        faults.list.push(span(table, FaultKind::CopiedRows, rows.0, rows.1, to - from + 1, &[0, 1, 2]));
+    }
 }
 
 fn copied_axis(table: &Table, faults: &mut Faults) {

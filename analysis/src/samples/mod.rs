@@ -2,6 +2,7 @@
 
 pub mod clock;
 pub mod common;
+pub mod copied;
 pub mod data;
 pub mod families;
 pub mod faults;

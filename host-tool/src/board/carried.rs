@@ -214,9 +214,11 @@ pub fn cal_file(record: &Record, covariance: Option<&[[f64; 9]; 9]>, board: &Ide
             gap_deg: None,
             accepted: true,
             reasons: vec![format!("note: from the board {} ({})", board.board, board.sensor)],
+            contradiction: None,
         },
         information: covariance.and_then(Information::from_covariance),
         conditions: Default::default(),
+        fitted_to: None,
         reading: board.ut_per_count.map(|scale| Reading { ut_per_count: Some(scale), ..Reading::default() }),
     };
     let text = serde_json::to_string(&cal).map_err(|error| Failure::usage(error.to_string()))?;

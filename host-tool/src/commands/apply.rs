@@ -3,7 +3,7 @@
 use crate::cal_file::CalFile;
 use crate::cli::ApplyArgs;
 use crate::corrected::Corrected;
-use crate::failure::{EXIT_OK, Failure, Outcome};
+use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::input::{Lines, Log};
 use crate::output::{json_number, line};
 use crate::{atomic, output, progress::Progress, read_block, source, written};
@@ -29,13 +29,15 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
         atomic::not_over(&arguments.cal, output)?;
     }
     let calibration = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
-    let mut objects = Vec::new();
+    let (mut objects, mut worse) = (Vec::new(), false);
     for (place, log) in source::read_each_for(&arguments.log, &cal, &arguments.cal, json)?.iter().enumerate()
     {
         if place > 0 && !json {
             line("");
         }
-        objects.push(one(arguments, &cal, calibration, log, json)?);
+        let object = one(arguments, &cal, calibration, log, json)?;
+        worse |= object["worse"] == true;
+        objects.push(object);
     }
     if json {
         let all = |objects: Vec<serde_json::Value>| serde_json::json!({ "logs": objects });
@@ -43,7 +45,7 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
         let object = if objects.len() == 1 { objects.pop() } else { None };
         line(&object.unwrap_or_else(|| all(objects)).to_string());
     }
-    Ok(EXIT_OK)
+    Ok(if worse { EXIT_REFUSED } else { EXIT_OK })
 }
 
 /// One log: the object of `--json`; without it the words are printed.
@@ -55,7 +57,7 @@ fn one(
     json: bool,
 ) -> Outcome<serde_json::Value> {
     let table = Table::from(log);
-    let corrector = Corrected::new(calibration, log, &table)?;
+    let corrector = Corrected::new(calibration, cal.fitted_to.as_deref(), log, &table)?;
     if let Some(output) = &arguments.output {
         // The program's own file keeps its lines and comments; another program's is written anew.
         if log.read_as.own_csv && log.path != Path::new("-") {
@@ -73,14 +75,17 @@ fn one(
     let after = (residuals.iter().map(|r| r * r).sum::<f64>() / samples.len() as f64).sqrt();
     let worst = residuals.iter().map(|r| r.abs()).fold(0.0, f64::max);
     let field = calibration.base.field_ut;
+    let (before_share, after_share) = (before / mean, after / field);
+    let worse = after_share > before_share;
     let extrapolation = corrector.extrapolation(&cal.fit.effects);
     let object = serde_json::json!({
         "log": log.path.display().to_string(), "samples": samples.len(), "field_ut": field,
         "effects": cal.fit.effects.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
         "before": {"mean_ut": json_number(Some(mean)), "rms_ut": json_number(Some(before)),
-                   "rms_percent": json_number(Some(before / mean * 100.0))},
-        "after": {"rms_ut": json_number(Some(after)), "rms_percent": json_number(Some(after / field * 100.0)),
+                   "rms_percent": json_number(Some(before_share * 100.0))},
+        "after": {"rms_ut": json_number(Some(after)), "rms_percent": json_number(Some(after_share * 100.0)),
                   "worst_ut": json_number(Some(worst))},
+        "worse": worse,
         "outside": extrapolation.outside, "range_unknown": extrapolation.unknown,
         "read_as": read_block::json(log),
         "output": arguments.output.as_ref().map(|path| path.display().to_string()),
@@ -95,13 +100,21 @@ fn one(
     }
     line(&format!(
         "error before  {before:9.3} µT  {:6.2} %   of the measured magnitude about its mean of {mean:.1} µT",
-        before / mean * 100.0
+        before_share * 100.0
     ));
     line(&format!(
         "error after   {after:9.3} µT  {:6.2} %   of the corrected magnitude about {field:.1} µT; worst {worst:.2} µT",
-        after / field * 100.0
+        after_share * 100.0
     ));
-    extrapolation.notices(field).iter().for_each(|notice| line(&format!("extrapolated: {notice}")));
+    if worse {
+        line(&format!(
+            "WORSE: this calibration makes the error of this log larger. It is of another sensor, mounting or place, or the board has \
+             changed since. See what: ironout check {} --cal {}",
+            log.path.display(),
+            arguments.cal.display()
+        ));
+    }
+    extrapolation.notices(field).iter().for_each(|notice| line(&format!("outside the range: {notice}")));
     if let Some(path) = arguments.output.as_ref().filter(|path| !output::is_standard(path)) {
         line(&format!("wrote {} with {} added", path.display(), NEW_COLUMNS.join(", ")));
     }

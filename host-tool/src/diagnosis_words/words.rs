@@ -51,6 +51,9 @@ fn explain_fault(kind: FaultKind) -> &'static str {
         FaultKind::Gap => {
             "rows are missing here, or cells of the column named: such samples are left out, the rest is good"
         }
+        FaultKind::CopiedRows => {
+            "the same readings are earlier in the log: the recording was joined to itself, or named twice"
+        }
         FaultKind::CopiedAxis => "an axis is a copy of another: the driver reads one register twice",
     }
 }

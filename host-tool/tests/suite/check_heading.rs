@@ -1,29 +1,7 @@
 //! `check` where the log has a reference heading: a wrong heading is not good.
 
-use crate::common::{folder, ironout, simulate, text, write};
-use std::path::{Path, PathBuf};
-
-/// The log with its rows changed: cells by the names of their columns.
-fn changed(
-    here: &Path,
-    log: &Path,
-    name: &str,
-    change: impl Fn(&dyn Fn(&str) -> usize, &mut Vec<f64>),
-) -> PathBuf {
-    let content = std::fs::read_to_string(log).expect("text");
-    let mut lines = content.lines().filter(|line| !line.starts_with('#'));
-    let header = lines.next().expect("a header").to_string();
-    let names: Vec<String> = header.split(',').map(String::from).collect();
-    let place = |name: &str| names.iter().position(|own| own == name).expect("a column");
-    let mut out = header.clone() + "\n";
-    for line in lines {
-        let mut cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
-        change(&place, &mut cells);
-        let cells: Vec<String> = cells.iter().map(|cell| format!("{cell:.5}")).collect();
-        out += &(cells.join(",") + "\n");
-    }
-    write(here, name, out)
-}
+use crate::common::{changed, folder, ironout, simulate, text, write};
+use std::path::Path;
 
 #[test]
 fn a_wrong_heading_is_not_good() {

@@ -34,6 +34,7 @@ mod frames_cases;
 mod frames_sources;
 mod fuzz;
 mod journey;
+mod judged;
 mod malformed;
 mod mcap;
 mod one_truth;

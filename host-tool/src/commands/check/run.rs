@@ -34,7 +34,7 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     let calibration = extended.base;
     let log = source::read_for(&arguments.log, &cal, &arguments.cal, json)?;
     let table = Table::from(&log);
-    let corrector = Corrected::new(extended, &log, &table)?;
+    let corrector = Corrected::new(extended, cal.fitted_to.as_deref(), &log, &table)?;
     let extrapolation = corrector.extrapolation(&cal.fit.effects);
     let data = Data::new(&table);
     let all: Vec<u32> = (0..data.rows.len() as u32).collect();
@@ -127,7 +127,7 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
             line(&format!("  {words}"));
         }
         let notices = extrapolation.notices(calibration.field_ut);
-        notices.iter().for_each(|notice| line(&format!("  extrapolated: {notice}")));
+        notices.iter().for_each(|notice| line(&format!("  outside the range: {notice}")));
     }
     Ok(if good { EXIT_OK } else { EXIT_REFUSED })
 }

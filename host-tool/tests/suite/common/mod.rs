@@ -100,3 +100,25 @@ pub fn simulate(here: &Path, name: &str, options: &[&str]) -> PathBuf {
     assert_eq!(run.status, 0, "{}", run.stderr);
     log
 }
+
+/// The log with its rows changed: cells by the names of their columns.
+pub fn changed(
+    here: &Path,
+    log: &Path,
+    name: &str,
+    change: impl Fn(&dyn Fn(&str) -> usize, &mut Vec<f64>),
+) -> PathBuf {
+    let content = std::fs::read_to_string(log).expect("text");
+    let mut lines = content.lines().filter(|line| !line.starts_with('#'));
+    let header = lines.next().expect("a header").to_string();
+    let names: Vec<String> = header.split(',').map(String::from).collect();
+    let place = |name: &str| names.iter().position(|own| own == name).expect("a column");
+    let mut out = header.clone() + "\n";
+    for line in lines {
+        let mut cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        change(&place, &mut cells);
+        let cells: Vec<String> = cells.iter().map(|cell| format!("{cell:.5}")).collect();
+        out += &(cells.join(",") + "\n");
+    }
+    write(here, name, out)
+}

@@ -1,0 +1,229 @@
+//! Whether a log contradicts the earlier calibration that it is studied on top of, and what is freed of that then.
+//!
+//! Nested models are compared by `T`, the rise of `−2 ln L` to second order: the earlier calibration as it is, with its offset free, with
+//! its field free (another place), with both, and not used at all. The variance is that of the loosest fit's residual, times how many
+//! samples say as much as one independent sample. `T / k`, of k freed parameters, is F-distributed where the calibration still holds.
+
+use crate::base::axes::ALIGNABLE;
+use crate::base::engine::{Fitted, Pass};
+use crate::base::ground::Ground;
+use crate::base::known::{Earlier, Known, parameters};
+use crate::base::piece::{Matrix, Piece};
+use crate::base::prior::Prior;
+use crate::base::quality::residue;
+use crate::outcome::asked::asked_for;
+use crate::outcome::request::{Options, Refusal};
+use crate::search::candidates::Catalogue;
+use crate::search::state::Greedy;
+use ironout::study::{Model, Residual, f_tail};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+use serde::{Deserialize, Serialize};
+
+/// An earlier calibration that holds is called contradicted by one log of so many. It is asked of every log, and an answer costs the
+/// user the calibration: rarer than anything else that is decided here.
+const CONTRADICTED: f64 = 1e-6;
+/// Parameters of offset and triangle.
+const PARAMETERS: f64 = 9.0;
+/// Fewer independent samples say nothing about them.
+const FEWEST: f64 = 2.0 * PARAMETERS;
+
+/// What of an earlier calibration is found anew.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Freed {
+    /// The offset; the matrix is kept.
+    Offset,
+    /// The magnitude of the field, and with it one factor of the matrix.
+    Field,
+    /// Both.
+    OffsetAndField,
+    /// All of it: the log is fitted by itself.
+    All,
+}
+
+impl Freed {
+    const ALL: [Freed; 4] = [Freed::Offset, Freed::Field, Freed::OffsetAndField, Freed::All];
+
+    /// Degrees of freedom.
+    fn freedom(self) -> f64 {
+        match self {
+            Freed::Offset => 3.0,
+            Freed::Field => 1.0,
+            Freed::OffsetAndField => 4.0,
+            Freed::All => PARAMETERS,
+        }
+    }
+
+    /// What is left of an earlier calibration.
+    fn of(self, prior: &Prior) -> Option<Prior> {
+        let offset = [0, 1, 2].map(|axis| std::array::from_fn(|i| f64::from(u8::from(i == axis))));
+        let c = &prior.triangle;
+        let field = [0.0, 0.0, 0.0, c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]];
+        match self {
+            Freed::Offset => Some(prior.without(&offset)),
+            Freed::Field => Some(prior.without(&[field])),
+            Freed::OffsetAndField => Some(prior.without(&offset).without(&[field])),
+            Freed::All => None,
+        }
+    }
+}
+
+/// What a log says against an earlier calibration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Contradiction {
+    /// What was found anew.
+    pub freed: Freed,
+    /// By how many standard deviations the log contradicts: √T.
+    pub sigmas: f64,
+    /// How far the offset has moved, µT.
+    pub moved_ut: [f64; 3],
+    /// The field here as a share of that of the earlier calibration.
+    pub field_ratio: f64,
+}
+
+impl Contradiction {
+    /// In words.
+    pub fn words(&self) -> String {
+        let [x, y, z] = self.moved_ut;
+        let offset = format!("the offset has moved by ({x:+.1}, {y:+.1}, {z:+.1}) µT");
+        let field = format!("the field is {:.1} % of what it was", 100.0 * self.field_ratio);
+        let (what, done) = match self.freed {
+            Freed::Offset => (offset, "it is fitted anew, the matrix is the earlier one"),
+            Freed::Field => (field, "offset and shape of the matrix are the earlier ones"),
+            Freed::OffsetAndField => (
+                format!("{offset}, and {field}"),
+                "both are fitted anew, the shape of the matrix is the earlier one",
+            ),
+            Freed::All => (
+                "no other offset and no other field explain that, so the matrix is another too".into(),
+                "the earlier calibration is not used",
+            ),
+        };
+        format!("this log contradicts the earlier calibration by {:.0} σ: {what} since; {done}", self.sigmas)
+    }
+}
+
+/// The request without what this log contradicts, and what that is; `None` where the earlier calibration holds.
+pub(crate) fn freed(ground: &Ground, options: &Options) -> Result<Option<(Options, Contradiction)>, Refusal> {
+    let Some(prior) = &options.prior else { return Ok(None) };
+    let counted = &ground.counted;
+    if counted.rests || counted.axes != [true; 3] {
+        return Ok(None);
+    }
+    let samples = counted.samples.known_at(&prior.conditions);
+    let catalogue = Catalogue::new(&samples, counted.table, options.registry);
+    let Some(begin) = prior.model(options.field_ut) else { return Ok(None) };
+    let log = Log { pass: Pass::new(&samples, Residual::Magnitude), catalogue: &catalogue, options, begin };
+    let earlier = prior.earlier(options.field_ut);
+    // Where the log says little of the matrix a freer one is fitted to the noise across the plane or the cap of its directions.
+    let tells_all = ground.base.as_ref().is_ok_and(|base| base.predicted_share() <= ALIGNABLE);
+    let freed = if tells_all { &Freed::ALL[..] } else { &Freed::ALL[..2] };
+    let information = |freed: Freed| freed.of(prior).map(|kept| kept.earlier(options.field_ut));
+    let (mut looser, mut memory, mut independent) = (Vec::new(), 1.0, 0.0);
+    for &freed in freed.iter().rev() {
+        let kept = information(freed);
+        let Some(mut fitted) = log.with(kept.as_ref(), memory)? else { continue };
+        if looser.is_empty() {
+            let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
+            let residuals = log.pass.residuals(&fitted.model, &pieces)?;
+            let turning = log.pass.turning(&fitted.model);
+            memory =
+                residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s(), &turning).memory;
+            independent = fitted.rows / memory - PARAMETERS;
+            fitted = log.with(kept.as_ref(), memory)?.unwrap_or(fitted);
+        }
+        looser.push((freed, Looser::of(&fitted, memory, earlier.parameters, kept)));
+    }
+    if independent < FEWEST {
+        return Ok(None);
+    }
+    // A model holds where none that frees more is better by more than chance.
+    let stands = |own: Option<&Earlier>, parameters: f64| {
+        looser.iter().filter(|(freed, _)| freed.freedom() > parameters).all(|(freed, looser)| {
+            let more = freed.freedom() - parameters;
+            let rise = own.and_then(|own| looser.rises_under(own));
+            rise.is_none_or(|rise| f_tail(rise / more, more, independent) >= CONTRADICTED)
+        })
+    };
+    if stands(Some(&earlier), 0.0) {
+        return Ok(None);
+    }
+    let found = looser.iter().rev().find(|(freed, _)| stands(information(*freed).as_ref(), freed.freedom()));
+    let Some((freed, looser)) = found else { return Ok(None) };
+    let (then, moved) = (earlier.parameters, looser.departs);
+    let size = |diagonal: [f64; 3]| diagonal.iter().product::<f64>().abs().cbrt();
+    let contradiction = Contradiction {
+        freed: *freed,
+        sigmas: looser.rises_under(&earlier).unwrap_or_default().sqrt(),
+        moved_ut: [0, 1, 2].map(|axis| moved[axis]),
+        field_ratio: size([3, 6, 8].map(|i| then[i])) / size([3, 6, 8].map(|i| then[i] + moved[i])),
+    };
+    Ok(Some((Options { prior: freed.of(prior), ..options.clone() }, contradiction)))
+}
+
+/// What a fit says of one that keeps more, to second order: a fit at the foot points is no least sum of squares, so that their sums
+/// cannot be compared.
+struct Looser {
+    /// How far it is from the earlier calibration.
+    departs: SVector<f64, 9>,
+    /// Information of the data, all columns.
+    information: DMatrix<f64>,
+    /// Half the slope of `−2 ln L` of the data.
+    slope: DVector<f64>,
+    /// What is kept of the earlier calibration.
+    kept: Option<Earlier>,
+}
+
+fn nine(earlier: &Earlier) -> SMatrix<f64, 9, 9> {
+    SMatrix::from_fn(|i, j| earlier.information[i][j])
+}
+
+impl Looser {
+    fn of(fitted: &Fitted, memory: f64, then: [f64; 9], kept: Option<Earlier>) -> Self {
+        let data = Matrix::total(&fitted.blocks, None);
+        let (columns, variance) = (data.columns(), fitted.sigma().powi(2) * memory);
+        let entry = |i: usize, j: usize| data.entry(i.min(j), i.max(j)) / variance;
+        let now = parameters(&fitted.model);
+        Looser {
+            departs: SVector::from_fn(|i, _| now[i] - then[i]),
+            information: DMatrix::from_fn(columns, columns, entry),
+            slope: DVector::from_fn(columns, |i, _| data.right(i) / variance),
+            kept,
+        }
+    }
+
+    /// `T`: by how much `−2 ln L` rises where this is known instead of what is kept; `None` where nothing is determined.
+    fn rises_under(&self, known: &Earlier) -> Option<f64> {
+        let known = nine(known);
+        let pull = known * self.departs;
+        let (mut information, mut slope) = (self.information.clone(), self.slope.clone());
+        for i in 0..9 {
+            slope[i] += pull[i];
+            (0..9).for_each(|j| information[(i, j)] += known[(i, j)]);
+        }
+        let step = -information.cholesky()?.solve(&slope);
+        let kept = self.kept.as_ref().map_or(0.0, |kept| self.departs.dot(&(nine(kept) * self.departs)));
+        Some((self.departs.dot(&pull) + step.dot(&slope) - kept).max(0.0))
+    }
+}
+
+/// A log under one of several earlier calibrations.
+struct Log<'a> {
+    pass: Pass<'a>,
+    catalogue: &'a Catalogue<'a>,
+    options: &'a Options,
+    begin: Model<f64>,
+}
+
+impl<'a> Log<'a> {
+    /// The fit, with the effects that are asked for; `None` where there is none. `memory` samples say as much as one.
+    fn with(&self, earlier: Option<&Earlier>, memory: f64) -> Result<Option<Fitted<'a>>, Refusal> {
+        let known = Known { earlier: earlier.map(|earlier| earlier.times(memory)), ..Known::default() };
+        let Some(base) = self.pass.fit(self.begin, Vec::new(), &known)? else { return Ok(None) };
+        if self.options.add.is_empty() {
+            return Ok(Some(base));
+        }
+        let greedy = Greedy::new(self.pass, self.catalogue, &known);
+        Ok(asked_for(&greedy, &base, self.options)?.ok().map(|added| added.start))
+    }
+}
