@@ -204,7 +204,7 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut L
     out.line(&format!("sensor noise        {:>9} µT            per axis", number(fitted.noise_floor_ut, 3)));
     out.line(&format!(
         "predicted error     {}   1σ of a corrected vector, worst direction",
-        both(Some(solution.predicted_error_ut))
+        both(Some(solution.vector_error_ut()))
     ));
     match fitted.heading_error_deg {
         Some(degrees) => out.line(&format!(

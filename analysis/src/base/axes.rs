@@ -65,6 +65,8 @@ pub struct Aligned {
     pub std_errors: StdErrors,
     /// Whether it is aligned, and why not.
     pub alignment: Alignment,
+    /// 1σ that the rotation turns a corrected vector by, rad rms in the worst direction; zero where there is no rotation.
+    pub rotation_error_rad: f64,
 }
 
 impl Aligned {
@@ -87,7 +89,11 @@ impl Aligned {
             Alignment::Done { .. } => (*full, full_errors(&triangle, full, covariance, rotation)),
             _ => (triangle, full_errors(&triangle, &triangle, covariance, None)),
         };
-        Some(Aligned { matrix, std_errors: StdErrors { offset_ut, matrix: errors }, alignment })
+        let is_done = matches!(alignment, Alignment::Done { .. });
+        let rotation_error_rad =
+            rotation.filter(|_| is_done).map_or(0.0, |rotation| across(&rotation.covariance(covariance)));
+        let std_errors = StdErrors { offset_ut, matrix: errors };
+        Some(Aligned { matrix, std_errors, alignment, rotation_error_rad })
     }
 }
 
@@ -115,6 +121,11 @@ fn alignment(found: &Found, covariance: &[[f64; 9]; 9]) -> Alignment {
         },
         _ => Alignment::None,
     }
+}
+
+/// Rms length of `φ × u` for the unit vector `u` where it is largest: across the axis about which least is uncertain.
+fn across(rotation: &Matrix3<f64>) -> f64 {
+    (rotation.trace() - rotation.symmetric_eigenvalues().min().max(0.0)).max(0.0).sqrt()
 }
 
 fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {

@@ -4,9 +4,11 @@ use crate::base::alignment::align;
 use crate::base::axes::{Aligned, Found};
 use crate::base::counted::Counted;
 use crate::base::dip_errors::DipErrors;
+use crate::base::engine::Pass;
 use crate::base::hemisphere::{Evidence, settle};
 use crate::base::holdout;
-use crate::base::quality::{Residue, residue};
+use crate::base::known::Known;
+use crate::base::quality::{Residue, memory_of_scores, residue};
 use crate::base::solution::Solution;
 use crate::base::start::{self, NO_ROTATION};
 use crate::noise::turning::Turning;
@@ -14,7 +16,7 @@ use crate::plain;
 use crate::samples::data::Data;
 use ironout::calibration::{Calibration, norm};
 use ironout::fit::{FitError, FitOptions, FitReport, Method, fit};
-use ironout::study::Model;
+use ironout::study::{Model, Residual};
 use serde::Serialize;
 
 /// The offset of a journey stands when it moves by less than this share of the field ...
@@ -74,7 +76,8 @@ impl Base {
             residue(residual, report.model.parameters(), counted.samples.quantum_ut, step_s, &turning)
         };
         // Where noise has a memory, or structure remains, averaging removes less of it.
-        let independent = used.len() as f64 / of(&residual, &first).memory;
+        let memory = of(&residual, &first).memory.max(scores_memory(counted, &first.calibration));
+        let independent = used.len() as f64 / memory;
         let options = FitOptions { effective_samples: Some(independent.max(1.0)), ..white };
         let report = fit_samples(data, used, &options)?;
         let residue = of(&data.residual(used, &report.calibration), &report);
@@ -128,6 +131,16 @@ impl Base {
         let covariance = self.report.spread.covariance();
         Aligned::of(&model.full_matrix(), &covariance, self.predicted_share(), Some(dip))
     }
+}
+
+/// [`memory_of_scores`] of the core's fit; 1 where there is no such model.
+fn scores_memory(counted: &Counted, calibration: &Calibration<f64>) -> f64 {
+    let Calibration { offset_ut, matrix, field_ut } = *calibration;
+    let pass = Pass::new(&counted.samples, Residual::Magnitude);
+    let model = Model::new(offset_ut, matrix, field_ut, NO_ROTATION, 0.0);
+    // There is no effect here whose shape could fail.
+    let held = model.and_then(|model| pass.hold(model, Vec::new(), &Known::default()).ok());
+    held.map_or(1.0, |held| memory_of_scores(&pass, &held))
 }
 
 /// The samples of a journey as if the field were one, which the core's fit needs; `None` where it is. The offset about which they are

@@ -11,9 +11,13 @@ use crate::samples::series::{Autocorrelation, rms, second_difference_sigma};
 use ironout::effect::{Quantities, no_shape};
 use ironout::study::{PhysicalPrior, Residual};
 use ironout::whiteness::independent_share;
-use nalgebra::{Matrix3, SMatrix, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
 use serde::Serialize;
 
+/// Parts of a log whose scores are compared.
+pub const BATCHES: usize = 24;
+/// So many values of the columns stand for all.
+const CONDITIONS: usize = 8;
 /// Structure is certain where the correlation beyond the noise's memory exceeds chance this much (mean squares).
 const STRUCTURE_RATIO: f64 = 6.0;
 /// Or a slow part stands beside independent noise by this many standard errors ...
@@ -178,8 +182,8 @@ pub fn covariance_of(total: &Matrix, fitted: &Fitted, time: f64) -> Option<Vec<[
 }
 
 /// Predicted 1σ error (rms length) of the corrected vector in the worst direction, in units of the field:
-/// `δh = δC y − C δb − C Φ δθ` with `y = A h`. Of the effects those count that read nothing but the field: the offset
-/// trades against them, and only together do their errors mean anything. Those of a column vanish at its reference.
+/// `δh = δC y − C δb − C Φ δθ` with `y = A h`, in the mean over what the effects' columns were: offset and matrix trade against them, and
+/// only together do their errors mean anything.
 pub fn predicted_error(pass: &Pass, fitted: &Fitted, known: &Known, left: &Residue) -> Option<f64> {
     // What is known besides stands against the data as they count: as of so many fewer samples.
     let data = Matrix::total(&fitted.blocks, None);
@@ -187,7 +191,34 @@ pub fn predicted_error(pass: &Pass, fitted: &Fitted, known: &Known, left: &Resid
     let sigma = fitted.sigma() * left.memory.sqrt();
     let prior = known.matrix(pass.residual, &fitted.model, sigma, &list, &data);
     let total = Matrix::total(&fitted.blocks, Some(&prior));
-    error_of_vector(fitted, &covariance_of(&total, fitted, left.memory)?)
+    error_of_vector(fitted, &covariance_of(&total, fitted, left.memory.max(memory_of_scores(pass, fitted)))?)
+}
+
+/// How many samples say as much about the parameters as one independent sample, by batch means of the score: what the sums of `Jᵀr` over
+/// parts of the log spread by, over what independent samples would make of it, in the mean over the parameters. A residual that is
+/// correlated where the rows are alike counts, and one that is not does not (Liang and Zeger 1986, Flegal and Jones 2010).
+pub fn memory_of_scores(pass: &Pass, fitted: &Fitted) -> f64 {
+    let columns = fitted.columns();
+    let list: Vec<&Piece> = fitted.pieces.iter().collect();
+    let mut scores = vec![DVector::<f64>::zeros(columns); BATCHES];
+    let n = pass.samples.len().max(1);
+    let done = pass.rows(0..n, &fitted.model, &list, |sample, row, residual| {
+        if let Some(score) = scores.get_mut(sample * BATCHES / n) {
+            score.iter_mut().zip(row).for_each(|(sum, value)| *sum += value * residual);
+        }
+    });
+    let Some(factor) = held(&fitted.total(), fitted).factor().filter(|_| done.is_ok()) else { return 1.0 };
+    let parts = BATCHES as f64;
+    let mean = scores.iter().fold(DVector::zeros(columns), |sum: DVector<f64>, score| sum + score) / parts;
+    // tr(N⁻¹ M), with M the sum of the squared scores about their mean.
+    let inverse = DMatrix::from_fn(columns, columns, |i, j| factor.inverse_column(j)[i]);
+    let spread: f64 = scores.iter().map(|score| score - &mean).map(|off| off.dot(&(&inverse * &off))).sum();
+    let variance = fitted.sigma().powi(2);
+    let memory = spread * parts / (parts - 1.0) / (columns as f64 * variance);
+    // As much of it as is certain: independent samples make it 1 within this standard error.
+    let error = (2.0 / ((parts - 1.0) * columns as f64)).sqrt();
+    let memory = memory / (1.0 + 2.0 * error);
+    if memory.is_finite() { memory.max(1.0) } else { 1.0 }
 }
 
 /// The same as the attitude alone decides it: were the effects known, and every sample's noise its own. A log that is
@@ -208,6 +239,12 @@ fn error_of_vector(fitted: &Fitted, covariance: &[[f64; COLUMNS]]) -> Option<f64
     let matrix = Matrix3::from_fn(|i, j| fitted.model.matrix[i][j]);
     let inverse = matrix.try_inverse()?;
     let columns = fitted.columns();
+    // At the columns' values of some samples: what a column does has its error where the column is.
+    let samples = fitted.pieces.iter().map(|piece| piece.inputs.len()).max().unwrap_or_default();
+    let conditions: Vec<usize> = match samples {
+        0 => vec![0],
+        _ => (0..CONDITIONS).map(|place| (2 * place + 1) * samples / (2 * CONDITIONS)).collect(),
+    };
     let triangle = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
     let directions = 200;
     let mut worst = 0.0_f64;
@@ -216,39 +253,42 @@ fn error_of_vector(fitted: &Fitted, covariance: &[[f64; COLUMNS]]) -> Option<f64
         let z = 1.0 - (2.0 * f64::from(index) + 1.0) / f64::from(directions);
         let (r, angle) = ((1.0 - z * z).sqrt(), f64::from(index) * 2.399_963_229_728_653);
         let y = inverse * Vector3::new(r * angle.cos(), r * angle.sin(), z) * fitted.model.field_ut;
-        let shapes = shapes_of_attitude(fitted, y);
         let mut square = 0.0;
-        for row in 0..3 {
-            let mut weights = [0.0; COLUMNS];
-            for axis in 0..3 {
-                weights[axis] = -matrix[(row, axis)];
-            }
-            for (slot, (_, j)) in triangle.into_iter().enumerate().filter(|(_, (i, _))| *i == row) {
-                weights[3 + slot] = y[j];
-            }
-            for (column, shape) in &shapes {
-                weights[*column] = -(matrix * shape)[row];
-            }
-            let used: Vec<usize> = (0..columns).filter(|column| weights[*column] != 0.0).collect();
-            for &i in &used {
-                square += used.iter().map(|&j| weights[i] * covariance[i][j] * weights[j]).sum::<f64>();
+        for &condition in &conditions {
+            let shapes = shapes_of_effects(fitted, y, condition);
+            for row in 0..3 {
+                let mut weights = [0.0; COLUMNS];
+                for axis in 0..3 {
+                    weights[axis] = -matrix[(row, axis)];
+                }
+                for (slot, (_, j)) in triangle.into_iter().enumerate().filter(|(_, (i, _))| *i == row) {
+                    weights[3 + slot] = y[j];
+                }
+                for (column, shape) in &shapes {
+                    weights[*column] = -(matrix * shape)[row];
+                }
+                let used: Vec<usize> = (0..columns).filter(|column| weights[*column] != 0.0).collect();
+                for &i in &used {
+                    square += used.iter().map(|&j| weights[i] * covariance[i][j] * weights[j]).sum::<f64>();
+                }
             }
         }
-        worst = worst.max(square);
+        worst = worst.max(square / conditions.len() as f64);
     }
     Some(worst.sqrt() / fitted.model.field_ut).filter(|error| error.is_finite())
 }
 
-/// The columns of the effects that read nothing but the field, each with its shape where the undisturbed sensor reads
-/// `centred_ut` beside its offset.
-fn shapes_of_attitude(fitted: &Fitted, centred_ut: Vector3<f64>) -> Vec<(usize, Vector3<f64>)> {
+/// The columns of the effects but those of a turning board, each with its shape where the undisturbed sensor reads `centred_ut` beside its
+/// offset and the columns are as at this sample.
+fn shapes_of_effects(fitted: &Fitted, centred_ut: Vector3<f64>, sample: usize) -> Vec<(usize, Vector3<f64>)> {
     let mut out = Vec::new();
     let mut column = Residual::Magnitude.base_columns();
-    let offset = Vector3::from(fitted.model.offset_ut);
-    let at =
-        Quantities { centred_ut: centred_ut.into(), ..Quantities::of_vector((offset + centred_ut).into()) };
+    let measured_ut = (Vector3::from(fitted.model.offset_ut) + centred_ut).into();
     for piece in &fitted.pieces {
-        if piece.effect.columns().iter().all(Option::is_none) {
+        if !piece.effect.needs_gyro() {
+            let inputs = piece.inputs.get(sample).copied().unwrap_or_default();
+            let at =
+                Quantities { centred_ut: centred_ut.into(), inputs, ..Quantities::of_vector(measured_ut) };
             let mut shape = no_shape();
             piece.effect.shape(&at, &mut shape);
             out.extend(

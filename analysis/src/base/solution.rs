@@ -20,8 +20,10 @@ pub struct Solution {
     pub effects: Vec<FittedEffect>,
     /// Rms of the corrected magnitude about the field, µT.
     pub rms_ut: f64,
-    /// Predicted 1σ error of a corrected vector in the worst direction, µT.
+    /// Predicted 1σ error of a corrected vector in the worst direction, µT, in the sensor's own axes.
     pub predicted_error_ut: f64,
+    /// 1σ that the rotation to the accelerometer turns a corrected vector by, rad; zero where there is none.
+    pub rotation_error_rad: f64,
     /// The magnitude the measurements have themselves, µT.
     pub measured_field_ut: f64,
     /// Which parameters the data carried.
@@ -58,6 +60,7 @@ impl Solution {
             effects: Vec::new(),
             rms_ut: report.rms_ut,
             predicted_error_ut: report.predicted_error_ut,
+            rotation_error_rad: 0.0,
             measured_field_ut: report.measured_field_ut,
             model: report.model,
             information: Information::from_covariance(&report.spread.covariance()),
@@ -72,6 +75,12 @@ impl Solution {
         self.calibration.matrix = aligned.matrix;
         self.std_errors.matrix = aligned.std_errors.matrix;
         self.alignment = aligned.alignment;
+        self.rotation_error_rad = aligned.rotation_error_rad;
+    }
+
+    /// Predicted 1σ error of a corrected vector in the worst direction, µT, in the axes that it is given in.
+    pub fn vector_error_ut(&self) -> f64 {
+        self.predicted_error_ut.hypot(self.rotation_error_rad * self.calibration.field_ut)
     }
 
     /// What it is judged by.

@@ -107,6 +107,7 @@ fn solution(counted: &Counted, diagnosis: &Diagnosis, options: &Options) -> Opti
         effects: diagnosis.effects.clone(),
         rms_ut: last.rms_ut,
         predicted_error_ut: diagnosis.predicted_error_ut.unwrap_or(f64::INFINITY),
+        rotation_error_rad: diagnosis.rotation_error_rad,
         measured_field_ut: (squares / counted.used.len().max(1) as f64).sqrt(),
         model: if diagnosis.lower_order { Order::Sphere } else { Order::Ellipsoid },
         information: diagnosis.information.clone(),

@@ -145,7 +145,7 @@ impl Fitted {
         };
         self.heading_error_deg = self.dip_deg.map(|dip_deg| {
             let level_ut = calibration.field_ut * dip_deg.to_radians().cos();
-            let error_ut = solution.predicted_error_ut.hypot(solution.rms_ut);
+            let error_ut = solution.vector_error_ut().hypot(solution.rms_ut);
             error_ut.atan2(level_ut.abs()).to_degrees()
         });
         let mut map = CoverageMap::new();

@@ -2,7 +2,7 @@
 
 use crate::base::applied::Applied;
 use crate::base::mounting::AXIS_ORDER;
-use crate::base::quality::{covariance, information, noise_gain, predicted_error, residue};
+use crate::base::quality::{covariance, information, memory_of_scores, noise_gain, predicted_error, residue};
 use crate::calibration::Information;
 use crate::outcome::outcome::{Diagnosis, Dip, NoiseRow, StepRow, Verdict};
 use crate::outcome::request::Refusal;
@@ -40,7 +40,8 @@ impl View<'_, '_> {
             Some(base) => Some(base.predicted_share()),
             None => predicted_error(&self.pass, fitted, self.known, &left),
         };
-        let covariance = covariance(fitted, left.time);
+        let time = left.time.max(memory_of_scores(&self.pass, fitted));
+        let covariance = covariance(fitted, time);
         if let (Some(dip), Some(rows)) = (&mut dip, &covariance) {
             dip.delay_error_s =
                 dip.errors.as_ref().map_or(f64::NAN, |errors| errors.delay_variance(rows).sqrt());
@@ -93,7 +94,7 @@ impl View<'_, '_> {
                 dip_rms_deg: Some(dip.after_deg),
             });
         }
-        let effects = self.effects(&left, &dip)?;
+        let effects = self.effects(time, &dip)?;
         let full = if dip.is_some() { fitted.model.full_matrix() } else { fitted.model.matrix };
         let headings = self.heading(&dip)?;
         let mut diagnosis = Diagnosis {
@@ -123,11 +124,12 @@ impl View<'_, '_> {
             std_errors: None,
             alignment: Default::default(),
             standing,
-            information: (information(&self.pass, fitted, self.known, left.time))
+            information: (information(&self.pass, fitted, self.known, time))
                 .and_then(|matrix| Information::of(&matrix)),
             converged: fitted.converged,
             base: None,
             predicted_error_ut: predicted.map(|error| error * field),
+            rotation_error_rad: 0.0,
             bursts_explained: false,
             stands_out,
             field_varies,

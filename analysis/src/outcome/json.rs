@@ -143,7 +143,7 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
         "samples_set_aside": diagnosis.samples_set_aside,
         "prior": diagnosis.prior,
         "lower_order": diagnosis.lower_order,
-        "predicted_error_ut": number(diagnosis.predicted_error_ut),
+        "predicted_error_ut": number(diagnosis.vector_error_ut()),
     });
     if let Some(map) = object.as_object_mut() {
         map.insert("effects".into(), effects(diagnosis));
@@ -169,7 +169,7 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
                     ("holdout_rms_ut", base.holdout_rms_ut),
                     ("noise_floor_ut", Some(base.noise_floor_ut)),
                     ("residual_floor_ut", Some(base.residual_floor_ut)),
-                    ("predicted_error_ut", Some(base.solution.predicted_error_ut)),
+                    ("predicted_error_ut", Some(base.solution.vector_error_ut())),
                 ];
                 map.extend(figures.map(|(key, value)| (key.to_string(), number(value))));
             }

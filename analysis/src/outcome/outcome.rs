@@ -209,8 +209,10 @@ pub struct Diagnosis {
     pub converged: bool,
     /// The base model as `fit` gives it; `None` where the samples alone carry none.
     pub base: Option<Base>,
-    /// Predicted error of a corrected vector in the worst direction, µT.
+    /// Predicted error of a corrected vector in the worst direction, µT, in the sensor's own axes.
     pub predicted_error_ut: Option<f64>,
+    /// 1σ that the rotation to the accelerometer turns a corrected vector by, rad; zero where there is none.
+    pub rotation_error_rad: f64,
     /// Whether effects explain what stood out of the base model, so that nothing was set aside for it.
     #[serde(skip)]
     pub bursts_explained: bool,
@@ -256,6 +258,13 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
+    /// Predicted error of a corrected vector in the worst direction, µT, in the axes that it is given in.
+    pub fn vector_error_ut(&self) -> Option<f64> {
+        let rotated =
+            self.rotation_error_rad * self.calibration.map_or(0.0, |calibration| calibration.field_ut);
+        self.predicted_error_ut.map(|error| error.hypot(rotated))
+    }
+
     /// How the axes stand in the log, where they do not stand for themselves. Where nothing tells a mounting from its mirror
     /// image, the mounting.
     pub fn axis_order(&self) -> Option<AxisOrder> {

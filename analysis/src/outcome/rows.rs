@@ -4,7 +4,7 @@ use crate::base::alignment::SWAPPED_DEG;
 use crate::base::engine::Fitted;
 use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT, Standing};
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::{Residue, covariance, covariance_of};
+use crate::base::quality::{covariance, covariance_of};
 use crate::calibration::FittedEffect;
 use crate::outcome::blank::untestable;
 use crate::outcome::outcome::{CandidateRow, Status, Verdict};
@@ -314,16 +314,12 @@ impl View<'_, '_> {
         }
     }
 
-    pub(crate) fn effects(
-        &self,
-        left: &Residue,
-        dip: &Option<DipStudy>,
-    ) -> Result<Vec<FittedEffect>, BadShape> {
+    pub(crate) fn effects(&self, time: f64, dip: &Option<DipStudy>) -> Result<Vec<FittedEffect>, BadShape> {
         let fitted = &self.explanation.fitted;
         let covariance = match crate::search::parameter::with_slopes(&self.pass, fitted)? {
             // A log may tell a tone's numbers and not where between them its frequency lies.
-            Some(total) => covariance_of(&total, fitted, left.time).or_else(|| covariance(fitted, left.time)),
-            None => covariance(fitted, left.time),
+            Some(total) => covariance_of(&total, fitted, time).or_else(|| covariance(fitted, time)),
+            None => covariance(fitted, time),
         };
         let delay = dip.as_ref().filter(|dip| dip.lag.is_some()).and_then(|dip| dip.errors.as_ref());
         let mut column = Residual::Magnitude.base_columns();

@@ -33,6 +33,7 @@ pub(crate) fn take_axes(
     calibration.matrix = aligned.matrix;
     diagnosis.std_errors = Some(aligned.std_errors);
     diagnosis.alignment = aligned.alignment;
+    diagnosis.rotation_error_rad = aligned.rotation_error_rad;
 }
 
 /// Says beside the misalignment whether the calibration's matrix contains it.
@@ -76,6 +77,7 @@ pub(crate) fn first_row(diagnosis: &mut Diagnosis, base: &Base, plain: bool) {
         diagnosis.calibration = Some(solution.calibration);
         diagnosis.std_errors = Some(solution.std_errors.clone());
         diagnosis.alignment = solution.alignment.clone();
+        diagnosis.rotation_error_rad = solution.rotation_error_rad;
         if let Alignment::Done { angle_deg, before_deg, after_deg, .. } = solution.alignment {
             diagnosis.dip = Some(Dip {
                 rms_deg_before: before_deg,

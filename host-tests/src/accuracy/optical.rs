@@ -90,7 +90,7 @@ fn row(log: &Path) -> Option<Row> {
             Alignment::Done { angle_deg, .. } => Some(angle_deg),
             _ => None,
         },
-        predicted_percent: 100.0 * solution.predicted_error_ut / field_ut,
+        predicted_percent: 100.0 * solution.vector_error_ut() / field_ut,
         vector_percent: 100.0 * scatter / field_ut,
         predicted_heading_deg: fitted.heading_error_deg.unwrap_or(f64::NAN),
         heading_deg: (off.sum::<f64>() / n).sqrt().to_degrees(),

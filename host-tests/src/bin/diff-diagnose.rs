@@ -1,7 +1,7 @@
 //! `cargo diff-diagnose`: what a change does to the diagnoses of some 600 logs, against a snapshot.
 //!
 //! It prints, per set of logs and log by log, what became better or worse by the truth where that is known, and fails when anything
-//! changed. `--accept` writes the snapshot. A word runs only the sets whose name contains it. `--csv SET LOG` prints one log.
+//! changed. `--accept` writes the snapshot. A word runs only the sets whose name contains it. `--csv SET LOG` prints one log, `--rows` the rows themselves.
 
 use ironout_host_tests::frozen::compare::compare;
 use ironout_host_tests::frozen::entry::{Entry, Rows};
@@ -28,12 +28,14 @@ fn main() -> ExitCode {
 fn command(words: Vec<String>) -> Result<usize, Box<dyn std::error::Error>> {
     let accept = words.iter().any(|word| word == "--accept");
     let chosen: Vec<&String> = words.iter().filter(|word| !word.starts_with("--")).collect();
-    if let Some(unknown) =
-        words.iter().find(|word| word.starts_with("--") && !["--accept", "--csv"].contains(&word.as_str()))
+    if let Some(unknown) = words
+        .iter()
+        .find(|word| word.starts_with("--") && !["--accept", "--csv", "--rows"].contains(&word.as_str()))
     {
-        return Err(
-            format!("no option {unknown}: --accept, --csv SET LOG, or words that sets contain").into()
-        );
+        return Err(format!(
+            "no option {unknown}: --accept, --rows, --csv SET LOG, or words that sets contain"
+        )
+        .into());
     }
     let mut entries = run::entries();
     if words.iter().any(|word| word == "--csv") {
@@ -53,6 +55,10 @@ fn command(words: Vec<String>) -> Result<usize, Box<dyn std::error::Error>> {
     });
     eprintln!();
     let text = snapshot::text(&rows)?;
+    if words.iter().any(|word| word == "--rows") {
+        print!("{text}");
+        return Ok(0);
+    }
     if accept {
         std::fs::write(snapshot::path(), &text)?;
     }

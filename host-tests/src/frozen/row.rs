@@ -107,7 +107,7 @@ impl Row {
             number(last.map(|step| step.rms_ut)),
             number(last.and_then(|step| step.holdout_rms_ut)),
             number(diagnosis.noise_floor_ut),
-            number(diagnosis.predicted_error_ut),
+            number(diagnosis.vector_error_ut()),
             number(true_error),
             coefficients.collect::<Vec<_>>().join(" "),
         ])

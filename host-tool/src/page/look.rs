@@ -121,7 +121,7 @@ fn figures(fitted: &Fitted, floor_ut: Option<f64>) -> Value {
         "after_percent": percent(solution.map(|solution| solution.rms_ut)),
         "after_heading_deg": json_number(fitted.heading_error_deg),
         "without_effects_ut": json_number(solution.and_then(|s| s.without_effects.as_ref()).map(|base| base.rms_ut)),
-        "predicted_ut": json_number(solution.map(|solution| solution.predicted_error_ut)),
+        "predicted_ut": json_number(solution.map(|solution| solution.vector_error_ut())),
         "floor_ut": json_number(floor_ut),
         "floor_percent": percent(floor_ut),
         "dip_deg": json_number(fitted.dip_deg),
