@@ -44,6 +44,9 @@ pub struct LogArgs {
         allow_hyphen_values = true
     )]
     pub derive: Vec<String>,
+    /// Leave a column out, as if the log had not got it: one that is a consequence, or that is known to be harmless (repeatable)
+    #[arg(long, value_name = "COLUMN", help_heading = "Reading the log")]
+    pub ignore: Vec<String>,
     /// Broken numbers of the magnetometer, mended (repeatable): unsigned, swapped-bytes, signed-low-byte, x:unwrap=…, x:late=ROWS,
     /// range, error-code=VALUE; none takes them as they are
     #[arg(
@@ -57,6 +60,22 @@ pub struct LogArgs {
 }
 
 impl LogArgs {
+    /// A log without any option.
+    pub fn of(log: &Path) -> LogArgs {
+        LogArgs {
+            log: log.to_path_buf(),
+            more: Vec::new(),
+            ut_per_count: None,
+            map: Vec::new(),
+            rotate: Vec::new(),
+            instance: None,
+            derive: Vec::new(),
+            ignore: Vec::new(),
+            repair: Vec::new(),
+            date: None,
+        }
+    }
+
     /// Every log that is named.
     pub fn logs(&self) -> impl Iterator<Item = &PathBuf> {
         std::iter::once(&self.log).chain(&self.more)
@@ -104,6 +123,7 @@ impl LogArgs {
         let options = options.chain(self.repair.iter().map(|value| ("--repair", value)));
         let options = options.chain(instance.iter().map(|value| ("--instance", value)));
         let options = options.chain(self.derive.iter().map(|value| ("--derive", value)));
+        let options = options.chain(self.ignore.iter().map(|value| ("--ignore", value)));
         let options = options.chain(self.date.iter().map(|value| ("--date", value)));
         options.map(|(option, value)| typed_option(option, value)).collect()
     }

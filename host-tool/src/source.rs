@@ -141,8 +141,24 @@ fn finished(mut log: Log, arguments: &LogArgs, path: &Path, kept: &[String]) -> 
     derive::add(&mut log, &definitions, &Mounting::parse(&arguments.rotate)?)
         .map_err(|failure| failure.in_file(path))?;
     along::know(&mut log, arguments.date.as_deref())?;
+    ignore(&mut log, &arguments.ignore).map_err(|failure| failure.in_file(path))?;
     tell(&log, 0);
     Ok(log)
+}
+
+/// Leaves columns out, by name. A column that a derived one was computed from may be left out beside it.
+fn ignore(log: &mut Log, names: &[String]) -> Outcome<()> {
+    for name in names {
+        if log.covariate(name).is_none() {
+            let known: Vec<&str> = log.covariates.iter().map(|column| column.name.as_str()).collect();
+            let has = if known.is_empty() { "none".into() } else { known.join(", ") };
+            return Err(Failure::usage(format!(
+                "--ignore {name}: there is no such column to leave out; the log has {has}"
+            )));
+        }
+        log.covariates.retain(|column| column.name != *name);
+    }
+    Ok(())
 }
 
 /// Reads a log that is in memory already, under the name that `arguments` give it, and holds it against what is known of the

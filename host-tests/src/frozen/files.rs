@@ -40,17 +40,7 @@ fn is_log(path: &Path) -> bool {
 fn read(path: &Path) -> Result<Made, String> {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let scale = UT_PER_COUNT.iter().find(|(own, _)| *own == name).map(|(_, scale)| (*scale).to_owned());
-    let arguments = LogArgs {
-        log: name.into(),
-        more: Vec::new(),
-        ut_per_count: scale,
-        map: Vec::new(),
-        rotate: Vec::new(),
-        repair: Vec::new(),
-        instance: None,
-        derive: Vec::new(),
-        date: None,
-    };
+    let arguments = LogArgs { ut_per_count: scale, ..LogArgs::of(Path::new(name)) };
     let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
     let log = source::read_bytes(&arguments, &bytes, &Known::Earth).map_err(|failure| failure.message)?;
     Ok(Made { rows: Rows::Read(Box::new(log)), hidden: Hidden::Unknown, body_field_ut: None })

@@ -23,6 +23,9 @@ pub struct ReadAsked {
     pub instance: Option<usize>,
     /// Each `--derive`.
     pub derive: Vec<String>,
+    /// Each `--ignore`.
+    #[serde(default)]
+    pub ignore: Vec<String>,
     /// `--date`.
     pub date: Option<String>,
 }
@@ -38,6 +41,7 @@ impl ReadAsked {
             repair: arguments.repair.clone(),
             instance: arguments.instance,
             derive: arguments.derive.clone(),
+            ignore: arguments.ignore.clone(),
             date: arguments.date.clone(),
         }
     }
@@ -53,6 +57,7 @@ impl ReadAsked {
             repair: self.repair.clone(),
             instance: self.instance,
             derive: self.derive.clone(),
+            ignore: self.ignore.clone(),
             date: self.date.clone(),
         }
     }

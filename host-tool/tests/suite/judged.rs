@@ -144,3 +144,24 @@ fn a_calibration_that_makes_a_log_worse_is_told_and_is_no_success() {
     assert!(run.stdout.contains("WORSE") && run.stdout.contains("ironout check"), "{}", run.stdout);
     assert_eq!(ironout(["apply", text(&log), "--cal", text(&cal)]).status, 0);
 }
+
+#[test]
+fn a_column_that_is_ignored_is_no_candidate() {
+    let here = folder("ignored");
+    let options = ["--seconds", "60", "--seed", "3", "--effect", "offset:current_a=5"];
+    let log = simulate(&here, "log.csv", &options);
+    let ids = |more: &[&str]| {
+        let run = ironout(["diagnose", text(&log), "--json"].iter().chain(more));
+        let found = run.json();
+        let rows = found["candidates"].as_array().expect("a list").clone();
+        rows.iter().map(|row| row["id"].as_str().expect("an id").to_string()).collect::<Vec<_>>()
+    };
+    assert!(ids(&[]).iter().any(|id| id == "offset:current_a"));
+    assert!(!ids(&["--ignore", "current_a"]).iter().any(|id| id.contains("current_a")));
+    let error = ironout(["diagnose", text(&log), "--ignore", "curent_a", "--json"]).error();
+    let words = error["message"].as_str().expect("words");
+    assert!(words.contains("no such column") && words.contains("current_a"), "{words}");
+    // The command that comes next leaves it out too.
+    let words = ironout(["diagnose", text(&log), "--ignore", "height_m"]).stdout;
+    assert!(words.contains("--add offset:current_a") && words.contains("--ignore height_m"), "{words}");
+}

@@ -10,15 +10,9 @@ use crate::source;
 pub fn read(arguments: &ExportArgs, cal: &CalFile, json: bool) -> Outcome<Option<Log>> {
     let Some(path) = &arguments.log else { return Ok(None) };
     let log = LogArgs {
-        log: path.clone(),
-        more: Vec::new(),
-        derive: Vec::new(),
-        ut_per_count: None,
         map: arguments.map.clone(),
-        repair: Vec::new(),
         rotate: cal.reading.as_ref().map_or_else(Vec::new, |reading| reading.rotate.clone()),
-        instance: None,
-        date: None,
+        ..LogArgs::of(path)
     };
     source::read_for(&log, cal, &arguments.cal, json).map(Some)
 }

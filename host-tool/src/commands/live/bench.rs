@@ -125,17 +125,7 @@ pub fn emulated(_wait: Duration, _hidden: Option<HiddenArg>) -> Outcome<(Link, B
 
 /// A simulated board in the field of a log, fed its columns, at so many times the log's own pace.
 pub fn replay(path: &Path, speed: f64) -> Outcome<Link> {
-    let arguments = LogArgs {
-        log: path.to_path_buf(),
-        more: Vec::new(),
-        ut_per_count: None,
-        map: Vec::new(),
-        rotate: Vec::new(),
-        repair: Vec::new(),
-        instance: None,
-        derive: Vec::new(),
-        date: None,
-    };
+    let arguments = LogArgs::of(path);
     let (log, _) = source::read_held(&arguments, None, &Known::Earth, false)?;
     if log.time_s.is_none() || log.rows == 0 {
         return Err(Failure::usage("a log without a time column has no pace to be replayed at").in_file(path));
