@@ -25,7 +25,7 @@ pub struct Outside {
     pub range: [f64; 2],
     /// The reading furthest from it.
     pub furthest: f64,
-    /// Error (1σ) there, µT: of the coefficients at the end of the range, and what the effect would change by from there on;
+    /// Error (1σ) there, µT: of the coefficients, and where it is held what the effect would change by from there on;
     /// `None` where it is not known.
     pub error_ut: Option<f64>,
     /// Error (1σ) that the coefficients' standard errors make at the end of the range, µT.
@@ -103,11 +103,11 @@ impl Outside {
         let [least, most] = self.range.map(short);
         let error = match (self.error_ut, self.error_at_range_ut) {
             (Some(there), Some(here)) => format!(
-                "it is held at the end of the range, so the corrected field may be off by {there:.3} µT ({:.2} % of the field) there, \
+                "beyond a quarter of the range's width it is held, and the corrected field may be off by {there:.3} µT ({:.2} % of the field) there, \
                  by {here:.3} µT at the end of the range",
                 100.0 * there / field_ut
             ),
-            _ => "it is held at the end of the range, and the error there is not known".into(),
+            _ => "beyond a quarter of the range's width it is held, and the error there is not known".into(),
         };
         format!(
             "{} of {} rows have {} outside {least} … {most}, which {} was fitted over, as far as {}: {error}",

@@ -10,6 +10,10 @@ use crate::vector::{minus, norm, times};
 /// The most effects a calibration carries.
 pub const MAX_EFFECTS: usize = 4;
 
+/// An effect goes on beyond the range that it was fitted over by this share of its width: there the errors of its coefficients make at most
+/// one and a half times what they make at the end.
+pub const BEYOND: f64 = 0.25;
+
 /// The least and the greatest value of each column of an effect, in the order of [`Effect::columns`], in the column's unit;
 /// `None` where it has no such column, or its range is not known.
 pub type Ranges<T> = [Option<[T; 2]>; MAX_INPUTS];
@@ -23,7 +27,7 @@ pub struct FittedEffect<T, E = BuiltIn<T>> {
     pub coefficients: Coefficients<T>,
     /// Their standard errors, from noise; NaN for a coefficient that the data did not show.
     pub std_errors: Coefficients<T>,
-    /// Over which values of its columns it was fitted: outside, a column counts as the end of the range that is nearer.
+    /// Over which values of its columns it was fitted: beyond them by more than [`BEYOND`] of their width it is held.
     pub ranges: Ranges<T>,
 }
 
@@ -45,8 +49,8 @@ impl<T, E> FittedEffect<T, E> {
 }
 
 impl<T: Real, E: Effect<T>> FittedEffect<T, E> {
-    /// The values of its columns held at the ends of the ranges that it was fitted over, which is how it is applied: nothing is known
-    /// of how it goes on. An effect that repeats in time is not held.
+    /// The values of its columns as it is applied: held where they are beyond the range that it was fitted over by more than [`BEYOND`] of
+    /// its width, since nothing is known of how it goes on. An effect that repeats in time is not held.
     pub fn held(&self, inputs: [T; MAX_INPUTS]) -> [T; MAX_INPUTS] {
         held(&self.effect, &self.ranges, inputs)
     }
@@ -100,13 +104,15 @@ pub(super) fn held<T: Real, E: Effect<T>>(
     mut inputs: [T; MAX_INPUTS],
 ) -> [T; MAX_INPUTS] {
     if !effect.repeats() {
+        let beyond = T::of(BEYOND);
         for (value, [least, most]) in
             inputs.iter_mut().zip(ranges).filter_map(|(v, range)| Some((v, (*range)?)))
         {
-            if *value < least {
-                *value = least;
-            } else if *value > most {
-                *value = most;
+            let margin = (most - least) * beyond;
+            if *value < least - margin {
+                *value = least - margin;
+            } else if *value > most + margin {
+                *value = most + margin;
             }
         }
     }

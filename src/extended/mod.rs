@@ -101,7 +101,7 @@ mod turning;
 pub use calibration::ExtendedCalibration;
 pub use correction::{Conditions, NotCorrected};
 pub use delay::{DELAY_PLACES, DelayLine};
-pub use fitted::{Effects, FittedEffect, MAX_EFFECTS, Ranges};
+pub use fitted::{BEYOND, Effects, FittedEffect, MAX_EFFECTS, Ranges};
 pub use live::{Live, LiveError, MAX_DELAYED, Slots};
 pub use outside::Outside;
 pub use turning::TurningField;

@@ -15,7 +15,7 @@ use crate::noise::turning::Turning;
 use crate::plain;
 use crate::samples::data::Data;
 use ironout::calibration::{Calibration, norm};
-use ironout::fit::{FitError, FitOptions, FitReport, Method, fit};
+use ironout::fit::{FitError, FitOptions, FitReport, Method, Order, fit};
 use ironout::study::{Model, Residual};
 use serde::Serialize;
 
@@ -76,10 +76,17 @@ impl Base {
             residue(residual, report.model.parameters(), counted.samples.quantum_ut, step_s, &turning)
         };
         // Where noise has a memory, or structure remains, averaging removes less of it.
-        let memory = of(&residual, &first).memory.max(scores_memory(counted, &first.calibration));
+        let memory = of(&residual, &first).memory;
         let independent = used.len() as f64 / memory;
         let options = FitOptions { effective_samples: Some(independent.max(1.0)), ..white };
-        let report = fit_samples(data, used, &options)?;
+        let mut report = fit_samples(data, used, &options)?;
+        let by_scores = scores_memory(counted, &report.calibration);
+        if by_scores > memory {
+            // The order stays: what is left may be an effect that is not known yet, and says nothing of it.
+            let lower_orders = report.model != Order::Ellipsoid;
+            let effective_samples = Some((used.len() as f64 / by_scores).max(1.0));
+            report = fit_samples(data, used, &FitOptions { effective_samples, lower_orders, ..options })?;
+        }
         let residue = of(&data.residual(used, &report.calibration), &report);
         // rms‖Cᵀu‖: what a unit of noise on each axis makes of the corrected magnitude.
         let gain = report.residual_floor_ut / report.noise_ut;

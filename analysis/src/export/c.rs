@@ -8,7 +8,7 @@ use crate::export::range::{Range, ranges};
 use crate::frame::Frame;
 use ironout::calibration::{Calibration, inverse_3x3};
 use ironout::effect::{ColumnName, Effect, Id, Made, TIME};
-use ironout::extended::FittedEffect;
+use ironout::extended::{BEYOND, FittedEffect};
 use std::fmt::Write as _;
 
 type Fitted = FittedEffect<f64, Made<ColumnName>>;
@@ -200,8 +200,8 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
         let range = ranges.iter().find(|range| range.column == *column && range.delay_s == *delay_s);
         if let Some(Range { ends: [least, most], .. }) = range.filter(|_| held(calibration, column)) {
             let scalar = if column == TIME { "double" } else { "ironout_real" };
-            let end = |end: &f64| format!("({scalar}){end:?}");
-            let (least, most) = (end(least), end(most));
+            let (end, margin) = (|end: f64| format!("({scalar}){end:?}"), (most - least) * BEYOND);
+            let (least, most) = (end(least - margin), end(most + margin));
             let _ = writeln!(
                 text,
                 "    const {scalar} {name}{HELD} = {name} < {least} ? {least} : {name} > {most} ? {most} : {name};"
@@ -270,7 +270,7 @@ fn outside(list: &[Parameter], ranges: &[Range]) -> String {
     }
     format!(
         "/* Which columns lie outside the range that their effects were fitted over, a bit each; 0 where none does. Outside the\n   \
-         effects are those of the end of the range that is nearer, and the error grows with the distance.\n{told}*/\nstatic inline unsigned \
+         error grows with the distance; beyond a quarter of the range's width the effects are held.\n{told}*/\nstatic inline unsigned \
          ironout_outside({})\n{{\n    unsigned outside = 0u;\n\n{body}    return outside;\n}}\n\n",
         arguments.join(", ")
     )

@@ -11,6 +11,7 @@ use crate::base::known::{Earlier, Known, parameters};
 use crate::base::piece::{Matrix, Piece};
 use crate::base::prior::Prior;
 use crate::base::quality::residue;
+use crate::base::start::sphere;
 use crate::outcome::asked::asked_for;
 use crate::outcome::request::{Options, Refusal};
 use crate::search::candidates::Catalogue;
@@ -158,7 +159,12 @@ pub(crate) fn freed(ground: &Ground, options: &Options) -> Result<Option<(Option
         moved_ut: [0, 1, 2].map(|axis| moved[axis]),
         field_ratio: size([3, 6, 8].map(|i| then[i])) / size([3, 6, 8].map(|i| then[i] + moved[i])),
     };
-    Ok(Some((Options { prior: freed.of(prior), ..options.clone() }, contradiction)))
+    let mut prior = freed.of(prior);
+    if let Some(prior) = prior.as_mut().filter(|_| *freed != Freed::Field) {
+        // Nothing is known of it any more: where the next fit begins.
+        (0..3).for_each(|axis| prior.offset_ut[axis] += moved[axis]);
+    }
+    Ok(Some((Options { prior, ..options.clone() }, contradiction)))
 }
 
 /// What a fit says of one that keeps more, to second order: a fit at the foot points is no least sum of squares, so that their sums
@@ -219,7 +225,22 @@ impl<'a> Log<'a> {
     /// The fit, with the effects that are asked for; `None` where there is none. `memory` samples say as much as one.
     fn with(&self, earlier: Option<&Earlier>, memory: f64) -> Result<Option<Fitted<'a>>, Refusal> {
         let known = Known { earlier: earlier.map(|earlier| earlier.times(memory)), ..Known::default() };
-        let Some(base) = self.pass.fit(self.begin, Vec::new(), &known)? else { return Ok(None) };
+        // From where it was, and from where the readings lie: an offset that has moved by as much as the field is far away.
+        let mut begins = vec![self.begin];
+        if let Some((centre, _)) = sphere(self.pass.samples) {
+            let Model { matrix, field_ut, rotation, sin_dip, .. } = self.begin;
+            begins.extend(Model::new(centre, matrix, field_ut, rotation, sin_dip));
+        }
+        let mut best: Option<Fitted> = None;
+        for begin in begins {
+            let found = self.pass.fit(begin, Vec::new(), &known)?;
+            if let Some(found) =
+                found.filter(|found| best.as_ref().is_none_or(|best| found.squares < best.squares))
+            {
+                best = Some(found);
+            }
+        }
+        let Some(base) = best else { return Ok(None) };
         if self.options.add.is_empty() {
             return Ok(Some(base));
         }

@@ -157,7 +157,8 @@ fn an_effect_fitted_on_the_host_runs_on_the_board_to_the_printed_digits() {
     }
     let (rows, out) = (write(&here, "rows.csv", rows), here.join("out.csv"));
     let applied = ironout(["apply", text(&rows), "--cal", text(&cal), "-o", text(&out)]);
-    assert_eq!(applied.status, 0, "{}", applied.stderr);
+    // Four fields of different sizes: no calibration makes them one, and that is told.
+    assert!(applied.status == 1 && applied.stdout.contains("WORSE"), "{} {}", applied.stdout, applied.stderr);
     let corrected = std::fs::read_to_string(&out).expect("a file");
     for (line, board) in corrected.lines().skip(1).zip(&streamed) {
         let host: Vec<f64> = line.split(',').skip(5).map(|word| word.parse().expect("a number")).collect();
