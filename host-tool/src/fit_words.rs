@@ -202,8 +202,16 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut L
         }
     ));
     out.line(&format!("sensor noise        {:>9} µT            per axis", number(fitted.noise_floor_ut, 3)));
+    // Where most of it is the rotation, that is not what the verdict is of.
+    let rotation = match solution.vector_error_ut() > solution.predicted_error_ut * MOSTLY {
+        true => format!(
+            "; {} µT without the rotation to the accelerometer",
+            number(Some(solution.predicted_error_ut), 3)
+        ),
+        false => String::new(),
+    };
     out.line(&format!(
-        "predicted error     {}   1σ of a corrected vector, worst direction",
+        "predicted error     {}   1σ of a corrected vector, worst direction{rotation}",
         both(Some(solution.vector_error_ut()))
     ));
     match fitted.heading_error_deg {
@@ -236,6 +244,9 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut L
         ));
     }
 }
+
+/// The rotation is told apart where it makes the predicted error larger by this factor.
+const MOSTLY: f64 = 1.5;
 
 /// A dip that spreads by more than this, degrees, ...
 const LOOSE_DEG: f64 = 1.0;

@@ -42,7 +42,7 @@ pub enum NotCorrected {
 }
 
 /// A vector that the effects make this many times longer, and this many times longer than the field, is not given out.
-pub const MOST: f64 = 10.0;
+pub const MOST: f64 = 2.0;
 
 impl fmt::Display for NotCorrected {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -50,7 +50,7 @@ impl fmt::Display for NotCorrected {
             Self::Column(effect) => write!(f, "a column that effect {effect} reads is not known"),
             Self::RateOfTurn(effect) => write!(f, "effect {effect} needs the rate of turn"),
             Self::Shape(effect) => write!(f, "the shape of effect {effect} is not finite"),
-            Self::TooFar => f.write_str("the effects would take the vector to more than ten times the field"),
+            Self::TooFar => f.write_str("the effects would take the vector to more than twice the field"),
             Self::NotFinite => f.write_str("the measured vector is not finite"),
         }
     }

@@ -10,9 +10,9 @@ use crate::vector::{minus, norm, times};
 /// The most effects a calibration carries.
 pub const MAX_EFFECTS: usize = 4;
 
-/// An effect goes on beyond the range that it was fitted over by this share of its width: there the errors of its coefficients make at most
-/// one and a half times what they make at the end.
-pub const BEYOND: f64 = 0.25;
+/// An effect goes on beyond the range that it was fitted over by this many times its width: there the errors of its coefficients make three
+/// times what they make at the end.
+pub const BEYOND: f64 = 1.0;
 
 /// The least and the greatest value of each column of an effect, in the order of [`Effect::columns`], in the column's unit;
 /// `None` where it has no such column, or its range is not known.
@@ -27,7 +27,7 @@ pub struct FittedEffect<T, E = BuiltIn<T>> {
     pub coefficients: Coefficients<T>,
     /// Their standard errors, from noise; NaN for a coefficient that the data did not show.
     pub std_errors: Coefficients<T>,
-    /// Over which values of its columns it was fitted: beyond them by more than [`BEYOND`] of their width it is held.
+    /// Over which values of its columns it was fitted: beyond them by more than [`BEYOND`] times their width it is held.
     pub ranges: Ranges<T>,
 }
 
@@ -49,8 +49,8 @@ impl<T, E> FittedEffect<T, E> {
 }
 
 impl<T: Real, E: Effect<T>> FittedEffect<T, E> {
-    /// The values of its columns as it is applied: held where they are beyond the range that it was fitted over by more than [`BEYOND`] of
-    /// its width, since nothing is known of how it goes on. An effect that repeats in time is not held.
+    /// The values of its columns as it is applied: held where they are beyond the range that it was fitted over by more than [`BEYOND`]
+    /// times its width, since nothing is known of how it goes on. An effect that repeats in time is not held.
     pub fn held(&self, inputs: [T; MAX_INPUTS]) -> [T; MAX_INPUTS] {
         held(&self.effect, &self.ranges, inputs)
     }

@@ -91,7 +91,7 @@ struct Late<T> {
 /// live.set_slots(temperature, 35.0); // ... then without
 /// assert_eq!(live.apply([25.0, 10.0, 39.0], None)?, [20.0, 10.0, 40.0]);
 /// assert!(live.outside().next().is_none());
-/// live.set_slots(temperature, 55.0); // corrected as at 47.5 °C, and known to be 15 °C outside
+/// live.set_slots(temperature, 55.0); // corrected all the same, and known to be 15 °C outside
 /// assert_eq!(live.outside().next().map(|outside| outside.distance()), Some(15.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -223,8 +223,8 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
         columns.into_iter().nth(missing % MAX_INPUTS).flatten().map(|column| column.name)
     }
 
-    /// The columns that are known and outside the range that their effect was fitted over: there the correction goes on, beyond a quarter
-    /// of the range's width with the value there. It costs nothing until it is asked. Of an effect whose range is not known, nothing is told.
+    /// The columns that are known and outside the range that their effect was fitted over: there the correction goes on, further than the
+    /// range is wide with the value there. It costs nothing until it is asked. Of an effect whose range is not known, nothing is told.
     pub fn outside(&self) -> impl Iterator<Item = Outside<'_, T>> {
         self.places.iter().zip(&self.inputs).enumerate().flat_map(move |(index, (place, inputs))| {
             let columns = place.effect.columns().into_iter().zip(place.ranges).zip(inputs).enumerate();

@@ -2,8 +2,8 @@
 
 use crate::math::Real;
 
-/// A column that is now outside the values that an effect was fitted over: beyond a quarter of the range's width the effect
-/// is held, and its error grows with the distance.
+/// A column that is now outside the values that an effect was fitted over: further than the range is wide the effect is
+/// held, and its error grows with the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outside<'a, T> {
     /// The effect's place in the calibration.

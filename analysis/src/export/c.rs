@@ -167,7 +167,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
             rows(&inverse)
         );
     }
-    text.push_str("/* Corrects one measured vector; both in microtesla, and they may be the same array. Where the effects would take it to more than\n   ten times the field, it is no number.");
+    text.push_str("/* Corrects one measured vector; both in microtesla, and they may be the same array. Where the effects would take it to more than\n   twice the field, it is no number.");
     text.push_str(match list.is_empty() && !turning {
         true => " It needs nothing else.\n",
         false => "\n   Besides it needs:\n",
@@ -270,7 +270,7 @@ fn outside(list: &[Parameter], ranges: &[Range]) -> String {
     }
     format!(
         "/* Which columns lie outside the range that their effects were fitted over, a bit each; 0 where none does. Outside the\n   \
-         error grows with the distance; beyond a quarter of the range's width the effects are held.\n{told}*/\nstatic inline unsigned \
+         error grows with the distance; further out than the range is wide the effects are held.\n{told}*/\nstatic inline unsigned \
          ironout_outside({})\n{{\n    unsigned outside = 0u;\n\n{body}    return outside;\n}}\n\n",
         arguments.join(", ")
     )
@@ -299,7 +299,7 @@ const CORRECTED: &str = "    for (i = 0; i < 3; i++) {
         without += plain * plain;
         with += corrected_ut[i] * corrected_ut[i];
     }
-    if (with > 100 * without && with > 100 * IRONOUT_FIELD_UT * IRONOUT_FIELD_UT) {
+    if (with > 4 * without && with > 4 * IRONOUT_FIELD_UT * IRONOUT_FIELD_UT) {
         for (i = 0; i < 3; i++) {
             corrected_ut[i] = (with - with) / (with - with);
         }

@@ -120,36 +120,35 @@ pub(crate) fn freed(ground: &Ground, options: &Options) -> Result<Option<(Option
     let tells_all = ground.base.as_ref().is_ok_and(|base| base.predicted_share() <= ALIGNABLE);
     let freed = if tells_all { &Freed::ALL[..] } else { &Freed::ALL[..2] };
     let information = |freed: Freed| freed.of(prior).map(|kept| kept.earlier(options.field_ut));
-    let (mut looser, mut memory, mut independent) = (Vec::new(), 1.0, 0.0);
-    for &freed in freed.iter().rev() {
+    let mut looser = Vec::new();
+    for &freed in freed {
         let kept = information(freed);
-        let Some(mut fitted) = log.with(kept.as_ref(), memory)? else { continue };
-        if looser.is_empty() {
-            let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
-            let residuals = log.pass.residuals(&fitted.model, &pieces)?;
-            let turning = log.pass.turning(&fitted.model);
-            memory =
-                residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s(), &turning).memory;
-            independent = fitted.rows / memory - PARAMETERS;
-            fitted = log.with(kept.as_ref(), memory)?.unwrap_or(fitted);
+        let Some(fitted) = log.with(kept.as_ref(), 1.0)? else { continue };
+        let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
+        let residuals = log.pass.residuals(&fitted.model, &pieces)?;
+        let turning = log.pass.turning(&fitted.model);
+        let memory =
+            residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s(), &turning).memory;
+        let independent = fitted.rows / memory - PARAMETERS;
+        // What does not fit says nothing of what is kept.
+        if independent < FEWEST {
+            continue;
         }
-        looser.push((freed, Looser::of(&fitted, memory, earlier.parameters, kept)));
-    }
-    if independent < FEWEST {
-        return Ok(None);
+        let fitted = log.with(kept.as_ref(), memory)?.unwrap_or(fitted);
+        looser.push((freed, Looser::of(&fitted, memory, independent, earlier.parameters, kept)));
     }
     // A model holds where none that frees more is better by more than chance.
     let stands = |own: Option<&Earlier>, parameters: f64| {
         looser.iter().filter(|(freed, _)| freed.freedom() > parameters).all(|(freed, looser)| {
             let more = freed.freedom() - parameters;
             let rise = own.and_then(|own| looser.rises_under(own));
-            rise.is_none_or(|rise| f_tail(rise / more, more, independent) >= CONTRADICTED)
+            rise.is_none_or(|rise| f_tail(rise / more, more, looser.independent) >= CONTRADICTED)
         })
     };
     if stands(Some(&earlier), 0.0) {
         return Ok(None);
     }
-    let found = looser.iter().rev().find(|(freed, _)| stands(information(*freed).as_ref(), freed.freedom()));
+    let found = looser.iter().find(|(freed, _)| stands(information(*freed).as_ref(), freed.freedom()));
     let Some((freed, looser)) = found else { return Ok(None) };
     let (then, moved) = (earlier.parameters, looser.departs);
     let size = |diagonal: [f64; 3]| diagonal.iter().product::<f64>().abs().cbrt();
@@ -178,6 +177,8 @@ struct Looser {
     slope: DVector<f64>,
     /// What is kept of the earlier calibration.
     kept: Option<Earlier>,
+    /// Independent samples beyond the parameters.
+    independent: f64,
 }
 
 fn nine(earlier: &Earlier) -> SMatrix<f64, 9, 9> {
@@ -185,7 +186,7 @@ fn nine(earlier: &Earlier) -> SMatrix<f64, 9, 9> {
 }
 
 impl Looser {
-    fn of(fitted: &Fitted, memory: f64, then: [f64; 9], kept: Option<Earlier>) -> Self {
+    fn of(fitted: &Fitted, memory: f64, independent: f64, then: [f64; 9], kept: Option<Earlier>) -> Self {
         let data = Matrix::total(&fitted.blocks, None);
         let (columns, variance) = (data.columns(), fitted.sigma().powi(2) * memory);
         let entry = |i: usize, j: usize| data.entry(i.min(j), i.max(j)) / variance;
@@ -195,6 +196,7 @@ impl Looser {
             information: DMatrix::from_fn(columns, columns, entry),
             slope: DVector::from_fn(columns, |i, _| data.right(i) / variance),
             kept,
+            independent,
         }
     }
 

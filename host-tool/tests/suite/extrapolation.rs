@@ -81,8 +81,8 @@ fn readings_outside_the_range_of_the_fit_are_told() {
         assert_eq!((&one["rows"], &one["range"]), (&json!(values.len()), &json!(ends)), "{one}");
         let number = |key: &str| one[key].as_f64().unwrap_or_else(|| panic!("no {key} in {one}"));
         assert!((number("furthest") - ends[1] - 30.0).abs() < 1e-4, "{one}");
-        // What the offset would change by over 30 °C less a quarter of the range, with what the coefficients' own errors make.
-        let held = 30.0 - 0.25 * (ends[1] - ends[0]);
+        // What the offset would change by over 30 °C less the width of the range, with what the coefficients' own errors make.
+        let held = 30.0 - (ends[1] - ends[0]);
         let coefficients = run.json()["effects"][0]["coefficients"].clone();
         let per_degree: f64 =
             (0..3).map(|axis| coefficients[axis].as_f64().expect("a number").powi(2)).sum::<f64>().sqrt();
@@ -128,7 +128,7 @@ fn exports_say_what_lies_outside() {
     let program = "#include <stdio.h>\n#include \"calibration.h\"\nint main(void) {\n    float m[3] = {1, 2, 3}, c[3], d[3];\n    \
                    ironout_apply(m, 25.0f, c);\n    printf(\"%u %u %u %u\", ironout_outside(25.0f), ironout_outside(30.0f), \
                    ironout_outside(30.5f), ironout_outside(19.0f));\n    \
-                   ironout_apply(m, 32.5f, c);\n    ironout_apply(m, 90.0f, d);\n    printf(\" %d\", c[0] == d[0] && c[1] == d[1] && c[2] == d[2]);\n    return 0;\n}\n";
+                   ironout_apply(m, 40.0f, c);\n    ironout_apply(m, 90.0f, d);\n    printf(\" %d\", c[0] == d[0] && c[1] == d[1] && c[2] == d[2]);\n    return 0;\n}\n";
     let source = write(&here, "main.c", program);
     let binary = here.join("main");
     let flags =
