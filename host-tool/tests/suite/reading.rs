@@ -86,7 +86,9 @@ fn the_scale_and_the_mounting_of_a_calibration_are_kept() {
     assert_eq!(run(&["apply", "--json", "--cal"], &[&older, &log]).status, 0);
     value.as_object_mut().expect("an object").remove("reading");
     let old = write(&here, "old.json", value.to_string());
-    assert_eq!(run(&["apply", "--json", "--ut-per-count", "0.05", "--cal"], &[&old, &log]).status, 0);
+    // Read in the sensor's axes, which are not those that it was fitted in: worse, and told.
+    let unturned = run(&["apply", "--json", "--ut-per-count", "0.05", "--cal"], &[&old, &log]);
+    assert_eq!((unturned.status, &unturned.json()["worse"]), (1, &serde_json::json!(true)));
     let missing = run(&["apply", "--json", "--cal"], &[&old, &log]).error();
     assert!(missing["message"].as_str().expect("a message").contains("--ut-per-count"), "{missing}");
 }

@@ -10,7 +10,7 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
     let Some(_turn) = turn("a report") else { return };
     let here = folder("page-report");
     let log =
-        simulate(&here, "log.csv", &["--seed", "17", "--seconds", "40", "--effect", "offset:current_a=3"]);
+        simulate(&here, "log.csv", &["--seed", "17", "--seconds", "120", "--effect", "offset:current_a=3"]);
     let file = here.join("report.html");
     let run = ironout(["report", text(&log), "-o", text(&file), "--json"]);
     assert_eq!(run.status, 0, "{}", run.stderr);
