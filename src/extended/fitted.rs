@@ -74,7 +74,7 @@ impl<T: Real, E: Effect<T>> FittedEffect<T, E> {
         if inside != inputs {
             let disturbance = |inputs| self.effect.disturbance(&at(inputs), &self.coefficients);
             let beyond = norm(times(&base.matrix, minus(disturbance(inputs), disturbance(inside))));
-            square = square + beyond * beyond;
+            square += beyond * beyond;
         }
         Some(square.root()).filter(|error| error.is_finite())
     }

@@ -31,7 +31,7 @@ pub fn copied(readings: &[[f64; 3]]) -> Vec<(usize, usize)> {
         let window = mix(rolling);
         rolling = rolling.wrapping_sub(hash(&readings[from]).wrapping_mul(oldest));
         let is_known = runs.last().is_some_and(|(_, last)| from + WINDOW <= last + 1);
-        if window % ONE_OF != 0 || is_known {
+        if !window.is_multiple_of(ONE_OF) || is_known {
             continue;
         }
         let Some(&earlier) = seen.get(&window) else {
