@@ -36,7 +36,7 @@ pub enum NotCorrected {
     Shape(usize),
     /// The measured vector is not finite.
     NotFinite,
-    /// The effects take the vector to more than [`MOST`] times the field, and to as many times what offset and matrix alone make of
+    /// The effects take the vector to more than twice the field, and to more than twice what offset and matrix alone make of
     /// it: they were never fitted to such a reading.
     TooFar,
 }
