@@ -124,8 +124,7 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
     }
     if is_finite(corrected) {
         let limit = base.field_ut * T::of(MOST);
-        let is_far = |by: T| square(corrected) > by * by;
-        if is_far(limit) && is_far(norm(times(&base.matrix, centred)) * T::of(MOST)) {
+        if square(corrected) > limit * limit && is_too_far(base, centred, corrected) {
             return Err(NotCorrected::TooFar);
         }
         return Ok(corrected);
@@ -138,6 +137,13 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
         }
     }
     Err(NotCorrected::NotFinite)
+}
+
+/// Whether the effects have made the vector so long, and not the field itself.
+#[inline]
+fn is_too_far<T: Real>(base: &Calibration<T>, centred: [T; 3], corrected: [T; 3]) -> bool {
+    let limit = norm(times(&base.matrix, centred)) * T::of(MOST);
+    square(corrected) > limit * limit
 }
 
 #[inline]

@@ -51,8 +51,27 @@ impl<T, E> FittedEffect<T, E> {
 impl<T: Real, E: Effect<T>> FittedEffect<T, E> {
     /// The values of its columns as it is applied: held where they are beyond the range that it was fitted over by more than [`BEYOND`]
     /// times its width, since nothing is known of how it goes on. An effect that repeats in time is not held.
-    pub fn held(&self, inputs: [T; MAX_INPUTS]) -> [T; MAX_INPUTS] {
-        held(&self.effect, &self.ranges, inputs)
+    pub fn held(&self, mut inputs: [T; MAX_INPUTS]) -> [T; MAX_INPUTS] {
+        for (value, [least, most]) in inputs.iter_mut().zip(self.limits()) {
+            if *value < least {
+                *value = least;
+            } else if *value > most {
+                *value = most;
+            }
+        }
+        inputs
+    }
+
+    /// Where the value of each column is held.
+    pub(super) fn limits(&self) -> [[T; 2]; MAX_INPUTS] {
+        let (repeats, beyond) = (self.effect.repeats(), T::of(BEYOND));
+        self.ranges.map(|range| match range {
+            Some([least, most]) if !repeats => {
+                let margin = (most - least) * beyond;
+                [least - margin, most + margin]
+            }
+            _ => [T::of(f64::NEG_INFINITY), T::of(f64::INFINITY)],
+        })
     }
 
     /// Error (1σ) of a corrected vector, µT, that the standard errors of the coefficients make, each taken by itself: it is not kept how
@@ -94,29 +113,6 @@ impl<T: Real, E: Effect<T>> FittedEffect<T, E> {
     pub(super) fn has_sound_ranges(&self) -> bool {
         self.ranges.iter().flatten().all(|[least, most]| least <= most)
     }
-}
-
-/// [`FittedEffect::held`] of its parts.
-#[inline]
-pub(super) fn held<T: Real, E: Effect<T>>(
-    effect: &E,
-    ranges: &Ranges<T>,
-    mut inputs: [T; MAX_INPUTS],
-) -> [T; MAX_INPUTS] {
-    if !effect.repeats() {
-        let beyond = T::of(BEYOND);
-        for (value, [least, most]) in
-            inputs.iter_mut().zip(ranges).filter_map(|(v, range)| Some((v, (*range)?)))
-        {
-            let margin = (most - least) * beyond;
-            if *value < least - margin {
-                *value = least - margin;
-            } else if *value > most + margin {
-                *value = most + margin;
-            }
-        }
-    }
-    inputs
 }
 
 /// Up to [`MAX_EFFECTS`] effects.
