@@ -103,11 +103,13 @@ impl Outside {
         let [least, most] = self.range.map(short);
         let error = match (self.error_ut, self.error_at_range_ut) {
             (Some(there), Some(here)) => format!(
-                "further out than the range is wide it is held, and the corrected field may be off by {there:.3} µT ({:.2} % of the field) there, \
-                 by {here:.3} µT at the end of the range",
+                "ironout extrapolates by at most the width of the range. The error of the corrected field is {there:.3} µT ({:.2} % of the \
+                 field) there and {here:.3} µT at the end of the range",
                 100.0 * there / field_ut
             ),
-            _ => "further out than the range is wide it is held, and the error there is not known".into(),
+            _ => {
+                "ironout extrapolates by at most the width of the range. The error there is not known".into()
+            }
         };
         format!(
             "{} of {} rows have {} outside {least} … {most}, which {} was fitted over, as far as {}: {error}",

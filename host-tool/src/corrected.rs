@@ -30,7 +30,7 @@ impl<'a> Corrected<'a> {
         };
         if !left_out.is_empty() {
             eprintln!(
-                "note: {}: {} left out: it goes by the clock of the log that the calibration was fitted to, and this is another log",
+                "note: {}: ironout leaves out {}: effects of time depend on the clock of the log that was fitted, and this is another log",
                 log.path.display(),
                 left_out.join(" and ")
             );

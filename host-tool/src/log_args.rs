@@ -44,7 +44,7 @@ pub struct LogArgs {
         allow_hyphen_values = true
     )]
     pub derive: Vec<String>,
-    /// Leave a column out, as if the log had not got it: one that is a consequence, or that is known to be harmless (repeatable)
+    /// Leave a column out, as if the log did not contain it (repeatable)
     #[arg(long, value_name = "COLUMN", help_heading = "Reading the log")]
     pub ignore: Vec<String>,
     /// Broken numbers of the magnetometer, mended (repeatable): unsigned, swapped-bytes, signed-low-byte, x:unwrap=…, x:late=ROWS,

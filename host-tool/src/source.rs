@@ -153,7 +153,7 @@ fn ignore(log: &mut Log, names: &[String]) -> Outcome<()> {
             let known: Vec<&str> = log.covariates.iter().map(|column| column.name.as_str()).collect();
             let has = if known.is_empty() { "none".into() } else { known.join(", ") };
             return Err(Failure::usage(format!(
-                "--ignore {name}: there is no such column to leave out; the log has {has}"
+                "--ignore {name}: the log has no such column. Fix: take one of {has}"
             )));
         }
         log.covariates.retain(|column| column.name != *name);

@@ -44,12 +44,9 @@ impl<T: Real, E: Effect<T>> ExtendedCalibration<T, E> {
     pub fn apply(&self, measured_ut: [T; 3], conditions: &Conditions<T>) -> Result<[T; 3], NotCorrected> {
         let prepared = Prepared::of(&self.base, &self.effects).ok_or(NotCorrected::NotFinite)?;
         let Conditions { turn_radps, inputs } = conditions;
-        let mut held = *inputs;
-        for (place, inputs) in self.effects.0.iter().zip(&mut held) {
-            *inputs = place.as_ref().map_or(*inputs, |fitted| fitted.held(*inputs));
-        }
-        let list =
-            || self.effects.0.iter().zip(&held).filter_map(|(place, inputs)| Some((place.as_ref()?, inputs)));
+        let list = || {
+            self.effects.0.iter().zip(inputs).filter_map(|(place, inputs)| Some((place.as_ref()?, inputs)))
+        };
         for (index, (fitted, inputs)) in list().enumerate() {
             let columns = fitted.effect.columns();
             if columns.iter().zip(inputs).any(|(column, value)| column.is_some() && !value.is_finite()) {
@@ -59,7 +56,8 @@ impl<T: Real, E: Effect<T>> ExtendedCalibration<T, E> {
                 return Err(NotCorrected::RateOfTurn(index));
             }
         }
-        let list = list().map(|(fitted, inputs)| (&fitted.effect, &fitted.coefficients, inputs));
+        let list =
+            list().map(|(fitted, inputs)| (&fitted.effect, &fitted.coefficients, fitted.held(*inputs)));
         correct(&self.base, &prepared, measured_ut, *turn_radps, list)
     }
 

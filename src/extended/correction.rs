@@ -5,7 +5,7 @@ use crate::calibration::Calibration;
 use crate::effect::{Coefficients, Effect, MAX_INPUTS, Quantities};
 use crate::math::Real;
 use crate::model::settle;
-use crate::vector::{cross, inverse_3x3, minus, norm, scaled, times, turned};
+use crate::vector::{cross, inverse_3x3, minus, scaled, times, turned};
 use core::fmt;
 
 /// What a sample was measured under, besides its vector.
@@ -36,13 +36,16 @@ pub enum NotCorrected {
     Shape(usize),
     /// The measured vector is not finite.
     NotFinite,
-    /// The effects take the vector to more than twice the field, and to more than twice what offset and matrix alone make of
-    /// it: they were never fitted to such a reading.
+    /// The effects make the vector longer than [`MAX_RATIO_TO_FIELD`] allows.
     TooFar,
 }
 
-/// A vector that the effects make this many times longer, and this many times longer than the field, is not given out.
-pub const MOST: f64 = 2.0;
+/// A corrected vector longer than this many fields is an error if it is also this many times longer than without the effects: their
+/// coefficients then do not apply to this reading.
+pub const MAX_RATIO_TO_FIELD: f64 = 2.0;
+
+/// The same of squares.
+const LIMIT: f64 = MAX_RATIO_TO_FIELD * MAX_RATIO_TO_FIELD;
 
 impl fmt::Display for NotCorrected {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -64,6 +67,8 @@ pub(super) struct Prepared<T> {
     inverse: [[T; 3]; 3],
     pub(super) turning: bool,
     looks_again: bool,
+    /// The square of the length that effects may give a vector, µT².
+    most_square: T,
 }
 
 impl<T: Real> Prepared<T> {
@@ -79,6 +84,7 @@ impl<T: Real> Prepared<T> {
             inverse: inverse_3x3(&base.matrix)?,
             turning: effects().any(|effect| effect.needs_gyro()),
             looks_again: effects().any(|effect| effect.reads_centre()),
+            most_square: T::of(LIMIT) * base.field_ut * base.field_ut,
         })
     }
 }
@@ -91,7 +97,7 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
     prepared: &Prepared<T>,
     measured_ut: [T; 3],
     turn_radps: Option<[T; 3]>,
-    effects: impl Iterator<Item = (&'e E, &'e Coefficients<T>, &'e [T; MAX_INPUTS])> + Clone,
+    effects: impl Iterator<Item = (&'e E, &'e Coefficients<T>, [T; MAX_INPUTS])> + Clone,
 ) -> Result<[T; 3], NotCorrected> {
     let centred = minus(measured_ut, base.offset_ut);
     let mut at = Quantities {
@@ -107,7 +113,7 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
         }
         let mut left = centred;
         for (effect, coefficients, inputs) in effects.clone() {
-            at.inputs = *inputs;
+            at.inputs = inputs;
             left = minus(left, effect.disturbance(&at, coefficients));
         }
         Ok::<_, NotCorrected>(left)
@@ -123,27 +129,20 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
         }
     }
     if is_finite(corrected) {
-        let limit = base.field_ut * T::of(MOST);
-        if square(corrected) > limit * limit && is_too_far(base, centred, corrected) {
+        let size = square(corrected);
+        if size > prepared.most_square && size > T::of(LIMIT) * square(times(&base.matrix, centred)) {
             return Err(NotCorrected::TooFar);
         }
         return Ok(corrected);
     }
     // Whose fault it is, is looked for only now.
     for (index, (effect, coefficients, inputs)) in effects.clone().enumerate() {
-        at.inputs = *inputs;
+        at.inputs = inputs;
         if is_finite(measured_ut) && !is_finite(effect.disturbance(&at, coefficients)) {
             return Err(NotCorrected::Shape(index));
         }
     }
     Err(NotCorrected::NotFinite)
-}
-
-/// Whether the effects have made the vector so long, and not the field itself.
-#[inline]
-fn is_too_far<T: Real>(base: &Calibration<T>, centred: [T; 3], corrected: [T; 3]) -> bool {
-    let limit = norm(times(&base.matrix, centred)) * T::of(MOST);
-    square(corrected) > limit * limit
 }
 
 #[inline]

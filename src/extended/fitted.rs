@@ -10,13 +10,30 @@ use crate::vector::{minus, norm, times};
 /// The most effects a calibration carries.
 pub const MAX_EFFECTS: usize = 4;
 
-/// An effect goes on beyond the range that it was fitted over by this many times its width: there the errors of its coefficients make three
-/// times what they make at the end.
-pub const BEYOND: f64 = 1.0;
+/// An effect is extrapolated up to this many widths of its range outside the range. The standard error of a line there is three times that at
+/// the end of the range.
+pub const MAX_WIDTHS_OUTSIDE: f64 = 1.0;
 
 /// The least and the greatest value of each column of an effect, in the order of [`Effect::columns`], in the column's unit;
 /// `None` where it has no such column, or its range is not known.
 pub type Ranges<T> = [Option<[T; 2]>; MAX_INPUTS];
+
+/// The least and the greatest value of each column that a correction uses.
+pub(super) type Limits<T> = [[T; 2]; MAX_INPUTS];
+
+/// The inputs within their limits.
+#[inline]
+pub(super) fn held<T: Real>(limits: &Limits<T>, mut inputs: [T; MAX_INPUTS]) -> [T; MAX_INPUTS] {
+    for (value, [least, most]) in inputs.iter_mut().zip(limits) {
+        // Not `clamp`: NaN means unknown and stays NaN.
+        if *value < *least {
+            *value = *least;
+        } else if *value > *most {
+            *value = *most;
+        }
+    }
+    inputs
+}
 
 /// An effect with its coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +44,7 @@ pub struct FittedEffect<T, E = BuiltIn<T>> {
     pub coefficients: Coefficients<T>,
     /// Their standard errors, from noise; NaN for a coefficient that the data did not show.
     pub std_errors: Coefficients<T>,
-    /// Over which values of its columns it was fitted: beyond them by more than [`BEYOND`] times their width it is held.
+    /// The ranges of its columns in the log of the fit. Far outside of them the effect is held ([`FittedEffect::held`]).
     pub ranges: Ranges<T>,
 }
 
@@ -49,35 +66,27 @@ impl<T, E> FittedEffect<T, E> {
 }
 
 impl<T: Real, E: Effect<T>> FittedEffect<T, E> {
-    /// The values of its columns as it is applied: held where they are beyond the range that it was fitted over by more than [`BEYOND`]
-    /// times its width, since nothing is known of how it goes on. An effect that repeats in time is not held.
-    pub fn held(&self, mut inputs: [T; MAX_INPUTS]) -> [T; MAX_INPUTS] {
-        for (value, [least, most]) in inputs.iter_mut().zip(self.limits()) {
-            if *value < least {
-                *value = least;
-            } else if *value > most {
-                *value = most;
-            }
-        }
-        inputs
+    /// The values of its columns that the correction uses: a column further outside its range than [`MAX_WIDTHS_OUTSIDE`] widths is held at
+    /// that limit. A shape that repeats in time has no limit.
+    pub fn held(&self, inputs: [T; MAX_INPUTS]) -> [T; MAX_INPUTS] {
+        held(&self.limits(), inputs)
     }
 
-    /// Where the value of each column is held.
-    pub(super) fn limits(&self) -> [[T; 2]; MAX_INPUTS] {
-        let (repeats, beyond) = (self.effect.repeats(), T::of(BEYOND));
+    /// The least and the greatest value of each column that the correction uses.
+    pub(super) fn limits(&self) -> Limits<T> {
         self.ranges.map(|range| match range {
-            Some([least, most]) if !repeats => {
-                let margin = (most - least) * beyond;
+            Some([least, most]) if !self.effect.repeats() => {
+                let margin = (most - least) * T::of(MAX_WIDTHS_OUTSIDE);
                 [least - margin, most + margin]
             }
             _ => [T::of(f64::NEG_INFINITY), T::of(f64::INFINITY)],
         })
     }
 
-    /// Error (1σ) of a corrected vector, µT, that the standard errors of the coefficients make, each taken by itself: it is not kept how
-    /// they hang together. Outside of the ranges it holds what the effect would change by from the end of the range if it went on in
-    /// the same way. `measured_ut` is the measured vector, `inputs` are the values of the effect's columns; what a rate of turn adds is
-    /// left out. `None` where it is not known.
+    /// Error (1σ) of a corrected vector, µT, from the standard errors of the coefficients, each taken by itself: their correlations are not
+    /// kept. If a column is held ([`FittedEffect::held`]), the change of the effect from the limit to the column's value counts too.
+    /// `measured_ut` is the measured vector, `inputs` are the values of the effect's columns; a rate of turn is left out. `None` if it is
+    /// not known.
     pub fn error_ut(&self, base: &Calibration<T>, measured_ut: [T; 3], inputs: [T; MAX_INPUTS]) -> Option<T> {
         let centred_ut = minus(measured_ut, base.offset_ut);
         let inside = self.held(inputs);

@@ -3,7 +3,7 @@
 use super::calibration::ExtendedCalibration;
 use super::correction::{NotCorrected, Prepared, correct};
 use super::delay::DelayLine;
-use super::fitted::{MAX_EFFECTS, Ranges};
+use super::fitted::{Limits, MAX_EFFECTS, Ranges, held};
 use super::outside::Outside;
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, Coefficients, Effect, MAX_INPUTS, TIME};
@@ -64,6 +64,7 @@ struct Place<T, E> {
     effect: E,
     coefficients: Coefficients<T>,
     ranges: Ranges<T>,
+    limits: Limits<T>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,10 +102,6 @@ pub struct Live<T, E = BuiltIn<T>> {
     prepared: Prepared<T>,
     places: Vec<Place<T, E>, MAX_EFFECTS>,
     inputs: [[T; MAX_INPUTS]; MAX_EFFECTS],
-    /// The inputs as the effects are applied ([`FittedEffect::held`](super::FittedEffect::held)).
-    held: [[T; MAX_INPUTS]; MAX_EFFECTS],
-    /// Where each input is held.
-    limits: [[[T; 2]; MAX_INPUTS]; MAX_EFFECTS],
     /// Inputs that some effect reads, …
     needed: Slots,
     /// … and those that are known.
@@ -126,23 +123,19 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
             prepared: Prepared::of(&calibration.base, &calibration.effects).ok_or(LiveError::Singular)?,
             places: Vec::new(),
             inputs: [[T::zero(); MAX_INPUTS]; MAX_EFFECTS],
-            held: [[T::zero(); MAX_INPUTS]; MAX_EFFECTS],
-            limits: [[[T::of(f64::NEG_INFINITY), T::of(f64::INFINITY)]; MAX_INPUTS]; MAX_EFFECTS],
             needed: Slots::default(),
             known: Slots::default(),
             late: Vec::new(),
             time: Slots::default(),
             now_s: f64::NAN,
         };
-        for (limits, fitted) in live.limits.iter_mut().zip(calibration.effects.iter()) {
-            *limits = fitted.limits();
-        }
         for (index, fitted) in calibration.effects.iter().enumerate() {
             // As many places as a calibration has effects.
             let _ = live.places.push(Place {
                 effect: fitted.effect.clone(),
                 coefficients: fitted.coefficients,
                 ranges: fitted.ranges,
+                limits: fitted.limits(),
             });
             for (input, column) in fitted.effect.columns().into_iter().enumerate() {
                 let Some(column) = column else { continue };
@@ -193,7 +186,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
 
     #[inline]
     fn put(&mut self, slots: Slots, value: T) {
-        put(&mut self.known, (&mut self.inputs, &mut self.held), &self.limits, slots, value);
+        put(&mut self.known, &mut self.inputs, slots, value);
     }
 
     /// Moves the time on, s, in double precision also where the correction is in single: what effects of time and of delayed columns go by. Not needed where there are none
@@ -205,7 +198,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
             let own = Slots(self.time.0 & Slots::all_of(index).0);
             if !own.is_empty() {
                 let time_s = T::of(place.effect.time_s(now_s));
-                put(&mut self.known, (&mut self.inputs, &mut self.held), &self.limits, own, time_s);
+                put(&mut self.known, &mut self.inputs, own, time_s);
             }
         }
         for index in 0..self.late.len() {
@@ -232,8 +225,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
         columns.into_iter().nth(missing % MAX_INPUTS).flatten().map(|column| column.name)
     }
 
-    /// The columns that are known and outside the range that their effect was fitted over: there the correction goes on, further than the
-    /// range is wide with the value there. It costs nothing until it is asked. Of an effect whose range is not known, nothing is told.
+    /// The columns that are known and outside the range that their effect was fitted over. The correction goes on. It costs nothing until it is asked. Of an effect whose range is not known, nothing is told.
     pub fn outside(&self) -> impl Iterator<Item = Outside<'_, T>> {
         self.places.iter().zip(&self.inputs).enumerate().flat_map(move |(index, (place, inputs))| {
             let columns = place.effect.columns().into_iter().zip(place.ranges).zip(inputs).enumerate();
@@ -274,8 +266,9 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
             let turning = self.places.iter().position(|place| place.effect.needs_gyro());
             return Err(NotCorrected::RateOfTurn(turning.unwrap_or_default()));
         }
-        let effects = self.places.iter().zip(&self.held);
-        let effects = effects.map(|(place, inputs)| (&place.effect, &place.coefficients, inputs));
+        let effects = self.places.iter().zip(&self.inputs);
+        let effects =
+            effects.map(|(place, inputs)| (&place.effect, &place.coefficients, held(&place.limits, *inputs)));
         correct(&self.base, &self.prepared, measured_ut, turn_radps, effects)
     }
 
@@ -301,12 +294,11 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
     }
 }
 
-/// Sets inputs to a value, which is known from now on if it is finite, and the same held within its limits.
+/// Sets inputs to a value, which is known from now on if it is finite.
 #[inline]
 fn put<T: Real>(
     known: &mut Slots,
-    (inputs, held): (&mut [[T; MAX_INPUTS]; MAX_EFFECTS], &mut [[T; MAX_INPUTS]; MAX_EFFECTS]),
-    limits: &[[[T; 2]; MAX_INPUTS]; MAX_EFFECTS],
+    inputs: &mut [[T; MAX_INPUTS]; MAX_EFFECTS],
     Slots(mut slots): Slots,
     value: T,
 ) {
@@ -315,21 +307,10 @@ fn put<T: Real>(
     } else {
         known.0 &= !slots;
     }
-    let (inputs, held) = (inputs.as_flattened_mut(), held.as_flattened_mut());
-    let limits = limits.as_flattened();
+    let inputs = inputs.as_flattened_mut();
     while slots != 0 {
-        let at = slots.trailing_zeros() as usize % INPUTS;
-        if let (Some(input), Some(held), Some([least, most])) =
-            (inputs.get_mut(at), held.get_mut(at), limits.get(at))
-        {
+        if let Some(input) = inputs.get_mut(slots.trailing_zeros() as usize % INPUTS) {
             *input = value;
-            *held = if value < *least {
-                *least
-            } else if value > *most {
-                *most
-            } else {
-                value
-            };
         }
         slots &= slots - 1;
     }

@@ -99,9 +99,9 @@ mod tests;
 mod turning;
 
 pub use calibration::ExtendedCalibration;
-pub use correction::{Conditions, NotCorrected};
+pub use correction::{Conditions, MAX_RATIO_TO_FIELD, NotCorrected};
 pub use delay::{DELAY_PLACES, DelayLine};
-pub use fitted::{BEYOND, Effects, FittedEffect, MAX_EFFECTS, Ranges};
+pub use fitted::{Effects, FittedEffect, MAX_EFFECTS, MAX_WIDTHS_OUTSIDE, Ranges};
 pub use live::{Live, LiveError, MAX_DELAYED, Slots};
 pub use outside::Outside;
 pub use turning::TurningField;

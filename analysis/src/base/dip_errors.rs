@@ -7,7 +7,7 @@
 
 use crate::base::engine::Pass;
 use crate::base::piece::{BadShape, COLUMNS, Piece};
-use crate::base::quality::BATCHES;
+use crate::base::scores::Scores;
 use crate::samples::samples::Samples;
 use crate::samples::series::Autocorrelation;
 use ironout::study::{Model, Residual};
@@ -54,7 +54,7 @@ impl DipErrors {
         let mut normal = DMatrix::<f64>::zeros(own_columns, own_columns);
         let mut cross = DMatrix::<f64>::zeros(own_columns, others);
         let mut residuals = Vec::with_capacity(samples.len());
-        let mut scores = vec![DVector::<f64>::zeros(own_columns); BATCHES];
+        let mut scores = Scores::new(own_columns, samples.len());
         let mut own = DVector::<f64>::zeros(own_columns);
         let mut given = DVector::<f64>::zeros(others);
         pass.rows(0..samples.len(), model, &list, |sample, row, residual| {
@@ -83,9 +83,7 @@ impl DipErrors {
             normal.ger(1.0, &own, &own, 1.0);
             cross.ger(1.0, &own, &given, 1.0);
             residuals.push(residual);
-            if let Some(score) = scores.get_mut(sample * BATCHES / samples.len().max(1)) {
-                score.axpy(residual, &own, 1.0);
-            }
+            scores.add(sample, own.as_slice(), residual);
         })?;
         let scale = DVector::from_fn(own_columns, |i, _| 1.0 / normal[(i, i)].max(1e-300).sqrt());
         let scaled = DMatrix::from_fn(own_columns, own_columns, |i, j| normal[(i, j)] * scale[i] * scale[j]);
@@ -95,7 +93,7 @@ impl DipErrors {
         let freedom = residuals.len().saturating_sub(own_columns).max(1) as f64;
         let squares: f64 = residuals.iter().map(|r| r * r).sum();
         let variance = squares / freedom * Autocorrelation::of(&residuals).time;
-        let own = never_below(&inverse * variance, &batch_means(&inverse, &scores));
+        let own = never_below(&inverse * variance, &(&inverse * scores.spread() * &inverse));
         let errors = DipErrors { follows: -(&inverse * cross), own };
         let finite = errors.own.iter().chain(errors.follows.iter()).all(|value| value.is_finite());
         Ok(finite.then_some(errors))
@@ -157,19 +155,6 @@ impl DipErrors {
         }
         errors
     }
-}
-
-/// Covariance of an estimate by batch means of its score, `N⁻¹ Σ(g gᵀ) N⁻¹` with the sums `g` of `Jᵀr` over parts of the log: right for
-/// residuals with any memory that is short beside a part (Liang and Zeger 1986, Flegal and Jones 2010).
-fn batch_means(inverse: &DMatrix<f64>, scores: &[DVector<f64>]) -> DMatrix<f64> {
-    let parts = scores.len() as f64;
-    let mean =
-        scores.iter().fold(DVector::zeros(inverse.nrows()), |sum: DVector<f64>, score| sum + score) / parts;
-    let mut spread = DMatrix::zeros(inverse.nrows(), inverse.nrows());
-    for off in scores.iter().map(|score| score - &mean) {
-        spread.ger(parts / (parts - 1.0), &off, &off, 1.0);
-    }
-    inverse * spread * inverse
 }
 
 /// The first covariance, each of its standard errors raised to that of the second where that is larger.

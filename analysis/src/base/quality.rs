@@ -3,6 +3,7 @@
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::piece::{COLUMNS, Matrix, Piece};
+use crate::base::scores::Scores;
 use crate::noise::colour::{Colour, Seen};
 use crate::noise::shared::together;
 use crate::noise::still::Still;
@@ -11,12 +12,10 @@ use crate::samples::series::{Autocorrelation, rms, second_difference_sigma};
 use ironout::effect::{Quantities, no_shape};
 use ironout::study::{PhysicalPrior, Residual};
 use ironout::whiteness::independent_share;
-use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
+use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};
 use serde::Serialize;
 
-/// Parts of a log whose scores are compared.
-pub const BATCHES: usize = 24;
-/// So many values of the columns stand for all.
+/// The error of an effect is averaged over its columns' values at so many samples of the log.
 const CONDITIONS: usize = 8;
 /// Structure is certain where the correlation beyond the noise's memory exceeds chance this much (mean squares).
 const STRUCTURE_RATIO: f64 = 6.0;
@@ -194,29 +193,22 @@ pub fn predicted_error(pass: &Pass, fitted: &Fitted, known: &Known, left: &Resid
     error_of_vector(fitted, &covariance_of(&total, fitted, left.memory.max(memory_of_scores(pass, fitted)))?)
 }
 
-/// How many samples say as much about the parameters as one independent sample, by batch means of the score: what the sums of `Jᵀr` over
-/// parts of the log spread by, over what independent samples would make of it, in the mean over the parameters. A residual that is
-/// correlated where the rows are alike counts, and one that is not does not (Liang and Zeger 1986, Flegal and Jones 2010).
+/// Number of samples that say as much about the parameters as one independent sample, by batch means of the score ([`Scores`]): the spread
+/// of the sums of `Jᵀr` over that of independent samples, mean over the parameters.
 pub fn memory_of_scores(pass: &Pass, fitted: &Fitted) -> f64 {
     let columns = fitted.columns();
     let list: Vec<&Piece> = fitted.pieces.iter().collect();
-    let mut scores = vec![DVector::<f64>::zeros(columns); BATCHES];
-    let n = pass.samples.len().max(1);
-    let done = pass.rows(0..n, &fitted.model, &list, |sample, row, residual| {
-        if let Some(score) = scores.get_mut(sample * BATCHES / n) {
-            score.iter_mut().zip(row).for_each(|(sum, value)| *sum += value * residual);
-        }
-    });
+    let n = pass.samples.len();
+    let mut scores = Scores::new(columns, n);
+    let done =
+        pass.rows(0..n, &fitted.model, &list, |sample, row, residual| scores.add(sample, row, residual));
     let Some(factor) = held(&fitted.total(), fitted).factor().filter(|_| done.is_ok()) else { return 1.0 };
-    let parts = BATCHES as f64;
-    let mean = scores.iter().fold(DVector::zeros(columns), |sum: DVector<f64>, score| sum + score) / parts;
-    // tr(N⁻¹ M), with M the sum of the squared scores about their mean.
     let inverse = DMatrix::from_fn(columns, columns, |i, j| factor.inverse_column(j)[i]);
-    let spread: f64 = scores.iter().map(|score| score - &mean).map(|off| off.dot(&(&inverse * &off))).sum();
-    let variance = fitted.sigma().powi(2);
-    let memory = spread * parts / (parts - 1.0) / (columns as f64 * variance);
-    // As much of it as is certain: independent samples make it 1 within this standard error.
-    let error = (2.0 / ((parts - 1.0) * columns as f64)).sqrt();
+    // tr(N⁻¹ M), with M the spread of the scores.
+    let spread = inverse.component_mul(&scores.spread()).sum();
+    let memory = spread / (columns as f64 * fitted.sigma().powi(2));
+    // Independent samples make it 1 within this standard error; as much of it as is certain by two of them counts.
+    let error = (2.0 / (Scores::FREEDOM * columns as f64)).sqrt();
     let memory = memory / (1.0 + 2.0 * error);
     if memory.is_finite() { memory.max(1.0) } else { 1.0 }
 }

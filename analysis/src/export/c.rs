@@ -8,7 +8,7 @@ use crate::export::range::{Range, ranges};
 use crate::frame::Frame;
 use ironout::calibration::{Calibration, inverse_3x3};
 use ironout::effect::{ColumnName, Effect, Id, Made, TIME};
-use ironout::extended::{BEYOND, FittedEffect};
+use ironout::extended::{FittedEffect, MAX_RATIO_TO_FIELD, MAX_WIDTHS_OUTSIDE};
 use std::fmt::Write as _;
 
 type Fitted = FittedEffect<f64, Made<ColumnName>>;
@@ -167,7 +167,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
             rows(&inverse)
         );
     }
-    text.push_str("/* Corrects one measured vector; both in microtesla, and they may be the same array. Where the effects would take it to more than\n   twice the field, it is no number.");
+    text.push_str("/* Corrects one measured vector; both in microtesla, and they may be the same array. If the effects make the vector longer than\n   twice the field and twice its length without them, it is NaN.");
     text.push_str(match list.is_empty() && !turning {
         true => " It needs nothing else.\n",
         false => "\n   Besides it needs:\n",
@@ -200,7 +200,8 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
         let range = ranges.iter().find(|range| range.column == *column && range.delay_s == *delay_s);
         if let Some(Range { ends: [least, most], .. }) = range.filter(|_| held(calibration, column)) {
             let scalar = if column == TIME { "double" } else { "ironout_real" };
-            let (end, margin) = (|end: f64| format!("({scalar}){end:?}"), (most - least) * BEYOND);
+            let (end, margin) =
+                (|end: f64| format!("({scalar}){end:?}"), (most - least) * MAX_WIDTHS_OUTSIDE);
             let (least, most) = (end(least - margin), end(most + margin));
             let _ = writeln!(
                 text,
@@ -226,7 +227,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
         1 => "        for (i = 0; i < 3; i++) {\n            left[i] = centred[i] - sum[i];\n        }\n    }\n",
         _ => STANDS,
     });
-    text.push_str(CORRECTED);
+    text.push_str(&CORRECTED.replace("LIMIT", &number(MAX_RATIO_TO_FIELD * MAX_RATIO_TO_FIELD)));
     if let Some(delay_s) = delay_s {
         let _ = write!(
             text,
@@ -269,8 +270,8 @@ fn outside(list: &[Parameter], ranges: &[Range]) -> String {
         }
     }
     format!(
-        "/* Which columns lie outside the range that their effects were fitted over, a bit each; 0 where none does. Outside the\n   \
-         error grows with the distance; further out than the range is wide the effects are held.\n{told}*/\nstatic inline unsigned \
+        "/* Which columns lie outside the range that their effects were fitted over, a bit each; 0 where none does. Outside, the\n   \
+         effects are extrapolated by at most the width of the range, and the error grows with the distance.\n{told}*/\nstatic inline unsigned \
          ironout_outside({})\n{{\n    unsigned outside = 0u;\n\n{body}    return outside;\n}}\n\n",
         arguments.join(", ")
     )
@@ -299,7 +300,7 @@ const CORRECTED: &str = "    for (i = 0; i < 3; i++) {
         without += plain * plain;
         with += corrected_ut[i] * corrected_ut[i];
     }
-    if (with > 4 * without && with > 4 * IRONOUT_FIELD_UT * IRONOUT_FIELD_UT) {
+    if (with > LIMIT * without && with > LIMIT * IRONOUT_FIELD_UT * IRONOUT_FIELD_UT) {
         for (i = 0; i < 3; i++) {
             corrected_ut[i] = (with - with) / (with - with);
         }

@@ -51,8 +51,8 @@ fn outside(ranges: &[Range]) -> String {
     format!(
         "\n/// Column, how late it acts (s), and the range that its effects were fitted over.\n#[allow(dead_code)]\n\
          pub const RANGES: [(&str, f64, [f64; 2]); {}] = [\n{rows}];\n\n\
-         /// Whether a value of a column lies outside the range that its effects were fitted over: there the error grows with\n\
-         /// the distance, and further out than the range is wide the effects are held.\n#[allow(dead_code)]\n\
+         /// Whether a value of a column lies outside the range that its effects were fitted over: there the effects are\n\
+         /// extrapolated by at most the width of the range, and the error grows with the distance.\n#[allow(dead_code)]\n\
          pub fn is_outside(column: &str, value: f64) -> bool {{\n    \
          RANGES.iter().any(|(name, _, [least, most])| *name == column && !(*least..=*most).contains(&value))\n}}\n",
         ranges.len()

@@ -20,15 +20,15 @@ use ironout::study::{Model, Residual, f_tail};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-/// An earlier calibration that holds is called contradicted by one log of so many. It is asked of every log, and an answer costs the
-/// user the calibration: rarer than anything else that is decided here.
-const CONTRADICTED: f64 = 1e-6;
+/// Significance level of a contradiction. Every log with an earlier calibration is tested, and a false alarm costs the user that
+/// calibration, so that one in a million is accepted.
+const MAX_P_VALUE: f64 = 1e-6;
 /// Parameters of offset and triangle.
 const PARAMETERS: f64 = 9.0;
 /// Fewer independent samples say nothing about them.
 const FEWEST: f64 = 2.0 * PARAMETERS;
 
-/// What of an earlier calibration is found anew.
+/// Parameters of an earlier calibration that are fitted again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Freed {
@@ -72,7 +72,7 @@ impl Freed {
 /// What a log says against an earlier calibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Contradiction {
-    /// What was found anew.
+    /// The parameters that are fitted again.
     pub freed: Freed,
     /// By how many standard deviations the log contradicts: √T.
     pub sigmas: f64,
@@ -86,21 +86,20 @@ impl Contradiction {
     /// In words.
     pub fn words(&self) -> String {
         let [x, y, z] = self.moved_ut;
-        let offset = format!("the offset has moved by ({x:+.1}, {y:+.1}, {z:+.1}) µT");
-        let field = format!("the field is {:.1} % of what it was", 100.0 * self.field_ratio);
+        let offset = format!("the offset has changed by ({x:+.1}, {y:+.1}, {z:+.1}) µT");
+        let field = format!("the field is {:.1} % of the earlier one", 100.0 * self.field_ratio);
         let (what, done) = match self.freed {
-            Freed::Offset => (offset, "it is fitted anew, the matrix is the earlier one"),
-            Freed::Field => (field, "offset and shape of the matrix are the earlier ones"),
-            Freed::OffsetAndField => (
-                format!("{offset}, and {field}"),
-                "both are fitted anew, the shape of the matrix is the earlier one",
-            ),
+            Freed::Offset => (offset, "fits the offset again and keeps the matrix"),
+            Freed::Field => (field, "fits the field again and keeps the offset and the shape of the matrix"),
+            Freed::OffsetAndField => {
+                (format!("{offset} and {field}"), "fits both again and keeps the shape of the matrix")
+            }
             Freed::All => (
-                "no other offset and no other field explain that, so the matrix is another too".into(),
-                "the earlier calibration is not used",
+                "the matrix has changed too".into(),
+                "does not use the earlier calibration and fits this log alone",
             ),
         };
-        format!("this log contradicts the earlier calibration by {:.0} σ: {what} since; {done}", self.sigmas)
+        format!("this log contradicts the earlier calibration ({:.0} σ): {what}. ironout {done}", self.sigmas)
     }
 }
 
@@ -142,7 +141,7 @@ pub(crate) fn freed(ground: &Ground, options: &Options) -> Result<Option<(Option
         looser.iter().filter(|(freed, _)| freed.freedom() > parameters).all(|(freed, looser)| {
             let more = freed.freedom() - parameters;
             let rise = own.and_then(|own| looser.rises_under(own));
-            rise.is_none_or(|rise| f_tail(rise / more, more, looser.independent) >= CONTRADICTED)
+            rise.is_none_or(|rise| f_tail(rise / more, more, looser.independent) >= MAX_P_VALUE)
         })
     };
     if stands(Some(&earlier), 0.0) {

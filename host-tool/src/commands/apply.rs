@@ -108,8 +108,8 @@ fn one(
     ));
     if worse {
         line(&format!(
-            "WORSE: this calibration makes the error of this log larger. It is of another sensor, mounting or place, or the board has \
-             changed since. See what: ironout check {} --cal {}",
+            "WORSE: this calibration increases the error of this log. It may belong to another sensor, mounting or place, or the board \
+             has changed. Fix: ironout check {} --cal {} tells which.",
             log.path.display(),
             arguments.cal.display()
         ));

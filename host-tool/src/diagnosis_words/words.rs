@@ -52,7 +52,7 @@ fn explain_fault(kind: FaultKind) -> &'static str {
             "rows are missing here, or cells of the column named: such samples are left out, the rest is good"
         }
         FaultKind::CopiedRows => {
-            "the same readings are earlier in the log: the recording was joined to itself, or named twice"
+            "the log contains the same readings earlier: a recording was joined to itself or named twice"
         }
         FaultKind::CopiedAxis => "an axis is a copy of another: the driver reads one register twice",
     }

@@ -1,14 +1,13 @@
 //! `check` where the log has a reference heading: a wrong heading is not good.
 
-use crate::common::{changed, folder, ironout, simulate, text, write};
+use crate::common::{calibrate, changed, folder, ironout, simulate, text, write};
 use std::path::Path;
 
 #[test]
 fn a_wrong_heading_is_not_good() {
     let here = folder("check_heading");
     let log = simulate(&here, "log.csv", &["--seconds", "40", "--seed", "6"]);
-    let cal = here.join("cal.json");
-    assert_eq!(ironout(["fit", text(&log), "-o", text(&cal)]).status, 0);
+    let cal = calibrate(&here, &log, &[]);
     let check = |log: &Path, more: &[&str]| {
         let run = ironout(["check", text(log), "--cal", text(&cal), "--json"].iter().chain(more));
         let object = run.json();

@@ -89,7 +89,10 @@ fn readings_outside_the_range_of_the_fit_are_told() {
         assert!((number("error_ut") / (held * per_degree) - 1.0).abs() < 0.2, "{one}");
         assert!(number("error_at_range_ut") < 0.1, "{one}");
         let words = ironout([command, text(&hot), "--cal", text(&cal)]).stdout;
-        assert!(words.contains("it is held") && words.contains("temp_c outside"), "{words}");
+        assert!(
+            words.contains("at most the width of the range") && words.contains("temp_c outside"),
+            "{words}"
+        );
     }
 
     // A file of an earlier program does not say the range.

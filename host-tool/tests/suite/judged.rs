@@ -1,7 +1,7 @@
 //! What is accepted holds: on top of a calibration that no longer does, with a log that is named twice, on another log, and beyond
 //! the range of a column.
 
-use crate::common::{case, changed, folder, ironout, simulate, text, write};
+use crate::common::{calibrate, case, changed, folder, ironout, simulate, text, write};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -24,8 +24,7 @@ fn error_percent(log: &Path, cal: &Path) -> f64 {
 fn an_earlier_calibration_that_the_log_contradicts_is_freed_where_it_has_changed() {
     let here = folder("contradicted");
     let turned = simulate(&here, "turned.csv", &["--seed", "5", "--seconds", "80"]);
-    let bench = here.join("bench.json");
-    assert_eq!(ironout(["fit", text(&turned), "-o", text(&bench)]).status, 0);
+    let bench = calibrate(&here, &turned, &[]);
     let every_way = simulate(&here, "every_way.csv", &["--seed", "5", "--recording", "3", "--seconds", "60"]);
     for motion in ["sphere", "planar", "cap=0.15"] {
         let name = |what: &str| format!("{}_{what}", motion.replace(['=', '.'], "_"));
@@ -34,8 +33,7 @@ fn an_earlier_calibration_that_the_log_contradicts_is_freed_where_it_has_changed
         for size_ut in [0.0, 2.0, 6.0, 20.0, 50.0] {
             let by_ut = [0.6, -0.5, 0.62].map(|share| share * size_ut);
             let own = moved(&here, &log, &name("moved.csv"), by_ut);
-            let cal = here.join(name("cal.json"));
-            let _ = std::fs::remove_file(&cal);
+            let cal = here.join(format!("{size_ut}_{}", name("cal.json")));
             let run = ironout(["fit", text(&own), "--prior", text(&bench), "-o", text(&cal), "--json"]);
             let object = run.json();
             let case = format!("{motion}, {size_ut} µT: {object}");
@@ -93,8 +91,7 @@ fn a_correction_far_outside_the_range_of_a_column_is_held() {
 
     // Further out than the range is wide nothing changes any more.
     let log = simulate(&here, "log.csv", &["--seconds", "60", "--seed", "21", "--effect", "offset:temp_c=6"]);
-    let cal = here.join("cal.json");
-    assert_eq!(ironout(["fit", text(&log), "--add", "offset:temp_c", "-o", text(&cal)]).status, 0);
+    let cal = calibrate(&here, &log, &["--add", "offset:temp_c"]);
     let fitted: serde_json::Value = serde_json::from_slice(&std::fs::read(&cal).expect("cal")).expect("JSON");
     let [least, most] =
         [0, 1].map(|end| fitted["effects"][0]["range"]["temp_c"][end].as_f64().expect("a number"));
@@ -111,23 +108,20 @@ fn what_goes_by_the_clock_of_one_log_is_left_out_of_another() {
     let here = folder("other_clock");
     let options = ["--seconds", "60", "--seed", "4", "--effect", "drift=8"];
     let log = simulate(&here, "log.csv", &options);
-    let cal = here.join("cal.json");
-    let run = ironout(["fit", text(&log), "--add", "drift", "-o", text(&cal)]);
-    assert_eq!(run.status, 0, "{}", run.stdout);
+    let cal = calibrate(&here, &log, &["--add", "drift"]);
     let own = ironout(["apply", text(&log), "--cal", text(&cal)]);
-    assert!(!own.said().contains("left out"), "{}", own.stderr);
+    assert!(!own.said().contains("leaves out"), "{}", own.stderr);
     // The same board on another day, when nothing drifts.
     let other = simulate(&here, "other.csv", &["--seconds", "60", "--seed", "4", "--recording", "2"]);
     let run = ironout(["apply", text(&other), "--cal", text(&cal)]);
-    assert!(run.said().contains("drift left out") && run.said().contains("another log"), "{}", run.stderr);
+    assert!(run.said().contains("leaves out drift") && run.said().contains("another log"), "{}", run.stderr);
 }
 
 #[test]
 fn a_calibration_that_makes_a_log_worse_is_told_and_is_no_success() {
     let here = folder("worse");
     let log = simulate(&here, "log.csv", &["--seed", "9", "--seconds", "40"]);
-    let cal = here.join("cal.json");
-    assert_eq!(ironout(["fit", text(&log), "-o", text(&cal)]).status, 0);
+    let cal = calibrate(&here, &log, &[]);
     let mut wrong: serde_json::Value =
         serde_json::from_slice(&std::fs::read(&cal).expect("cal")).expect("JSON");
     for axis in 0..3 {

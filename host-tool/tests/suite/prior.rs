@@ -1,6 +1,6 @@
 //! A log on top of an earlier calibration: what was off when the board was calibrated and ran all through the log is found.
 
-use crate::common::{folder, ironout, simulate, text, write};
+use crate::common::{calibrate, folder, ironout, simulate, text, write};
 use std::path::{Path, PathBuf};
 
 /// µT for each ampere.
@@ -31,8 +31,7 @@ fn what_was_off_at_the_calibration_and_ran_all_through_the_log_is_found() {
     let here = folder("prior");
     let turned = simulate(&here, "turned.csv", &["--seed", "5", "--seconds", "80"]);
     let bench = with_current(&here, &turned, "bench.csv", |_| 0.0);
-    let cal = here.join("cal.json");
-    assert_eq!(ironout(["fit", text(&bench), "-o", text(&cal)]).status, 0);
+    let cal = calibrate(&here, &bench, &[]);
     let stored: serde_json::Value = serde_json::from_slice(&std::fs::read(&cal).expect("cal")).expect("JSON");
     assert_eq!(stored["conditions"]["current_a"]["mean"], 0.0, "{}", stored["conditions"]);
 
@@ -76,8 +75,7 @@ fn what_was_off_at_the_calibration_and_ran_all_through_the_log_is_found() {
 fn a_calibration_that_was_given_is_not_asked_for() {
     let here = folder("prior_given");
     let turned = simulate(&here, "turned.csv", &["--seed", "6", "--seconds", "60"]);
-    let cal = here.join("cal.json");
-    assert_eq!(ironout(["fit", text(&turned), "-o", text(&cal)]).status, 0);
+    let cal = calibrate(&here, &turned, &[]);
     // Half a second says nothing, with the calibration or without.
     let content = std::fs::read_to_string(&turned).expect("text");
     let rows = content.lines().filter(|line| !line.starts_with('#')).take(26);

@@ -122,3 +122,11 @@ pub fn changed(
     }
     write(here, name, out)
 }
+
+/// The calibration of a log that is accepted.
+pub fn calibrate(here: &Path, log: &Path, options: &[&str]) -> PathBuf {
+    let cal = here.join("cal.json");
+    let run = ironout(["fit", text(log), "-o", text(&cal)].iter().chain(options));
+    assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
+    cal
+}
