@@ -57,6 +57,30 @@ fn an_earlier_calibration_that_the_log_contradicts_is_freed_where_it_has_changed
     }
 }
 
+/// Public complaints: a board that was moved, turned level with and without a gyro, and one that rested at eight headings and was not.
+#[test]
+fn level_turns_and_rests_on_top_of_a_bench_calibration_give_the_offset() {
+    let Some(bench) = case("bench.json") else { return };
+    for (name, expected_ut, is_contradicted) in [
+        ("03_prior_moved_level.csv", [32.0, -33.0, 46.0], true),
+        ("03b_level_turns_no_gyro.csv", [32.0, -33.0, 46.0], true),
+        ("23_eight_headings.csv", [12.0, -25.0, 31.0], false),
+    ] {
+        let Some(log) = case(name) else { return };
+        let run = ironout(["fit", text(&log), "--prior", text(&bench), "--json"]);
+        let object = run.json();
+        assert_eq!(
+            (run.status, object["contradiction"].is_object()),
+            (0, is_contradicted),
+            "{name}: {object}"
+        );
+        for (axis, expected) in expected_ut.into_iter().enumerate() {
+            let offset = object["offset_ut"][axis].as_f64().expect("a number");
+            assert!((offset - expected).abs() < 0.3, "{name}, axis {axis}: {object}");
+        }
+    }
+}
+
 #[test]
 fn a_log_that_is_named_ten_times_counts_once() {
     let here = folder("copies");

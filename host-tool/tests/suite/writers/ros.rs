@@ -90,6 +90,7 @@ impl File {
         File { writer, form, channels: BTreeMap::new(), sequence: 0 }
     }
 
+    #[cfg(feature = "emulated")]
     pub fn form(&self) -> Form {
         self.form
     }
