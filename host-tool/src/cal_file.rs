@@ -6,6 +6,7 @@ use crate::registry::REGISTRY;
 use ironout::calibration::Calibration;
 use ironout::fit::Method;
 use ironout_analysis::Fitted;
+use ironout_analysis::base::beside_gyro::BesideGyro;
 use ironout_analysis::calibration::{EffectEntry, Information, StdErrors};
 use ironout_analysis::effects::{Calibrated, calibrated};
 use ironout_analysis::outcome::contradiction::Contradiction;
@@ -41,6 +42,8 @@ pub struct FitObject {
     pub residual_floor_ut: Option<f64>,
     #[serde(default)]
     pub residual_floor_least_ut: Option<f64>,
+    #[serde(default)]
+    pub predicted_error_ut: Option<f64>,
     pub heading_error_deg: Option<f64>,
     pub coverage: Option<f64>,
     pub gap_deg: Option<f64>,
@@ -48,6 +51,8 @@ pub struct FitObject {
     pub reasons: Vec<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contradiction: Option<Contradiction>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beside_gyro: Option<BesideGyro>,
 }
 
 impl FitObject {
@@ -68,12 +73,14 @@ impl FitObject {
             noise_floor_ut: fitted.noise_floor_ut,
             residual_floor_ut: fitted.residual_floor_ut,
             residual_floor_least_ut: fitted.residual_floor_least_ut,
+            predicted_error_ut: solution.map(|s| s.vector_error_ut()).filter(|error| error.is_finite()),
             heading_error_deg: fitted.heading_error_deg,
             coverage: fitted.coverage,
             gap_deg: fitted.gap_deg,
             accepted: fitted.accepted,
             reasons: fitted.reasons.clone(),
             contradiction: fitted.contradiction.clone(),
+            beside_gyro: fitted.beside_gyro,
         }
     }
 }
@@ -278,12 +285,14 @@ mod tests {
                 noise_floor_ut: None,
                 residual_floor_ut: None,
                 residual_floor_least_ut: None,
+                predicted_error_ut: None,
                 heading_error_deg: None,
                 coverage: None,
                 gap_deg: None,
                 accepted: true,
                 reasons: vec![],
                 contradiction: None,
+                beside_gyro: None,
             },
             information: Information::from_covariance(&covariance),
             conditions: BTreeMap::from([("temp_c".into(), Condition { mean: 21.5, mean_square: 463.0 })]),

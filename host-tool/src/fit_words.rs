@@ -214,6 +214,12 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut L
         "predicted error     {}   1σ of a corrected vector, worst direction{rotation}",
         both(Some(solution.vector_error_ut()))
     ));
+    if let Some(beside) = fitted.beside_gyro {
+        out.line(&format!(
+            "beside the gyro     {}   what it leaves of the field's direction within two seconds, rms of an axis",
+            both(Some(beside.field * solution.calibration.field_ut))
+        ));
+    }
     match fitted.heading_error_deg {
         Some(degrees) => out.line(&format!(
             "heading error       {degrees:9.2} °             1σ of a level reading at a dip of {}°, {}",

@@ -153,6 +153,12 @@ fn refine(
     }))
 }
 
+/// Direction of the field at a sample, in the model's triangular frame.
+fn direction(samples: &Samples, model: &Model<f64>, at: usize) -> Vector3<f64> {
+    let centred = Vector3::from(samples.readings[at].measured_ut) - Vector3::from(model.offset_ut);
+    (matrix(&model.matrix) * centred).normalize()
+}
+
 /// Aligns a model. `samples` have no effects left in them ([`without_effects`]).
 pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>, BadShape> {
     let offset = Vector3::from(model.offset_ut);
@@ -183,7 +189,7 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
     let undecided = angle_deg(&matrix(&model.rotation)) > SWAPPED_DEG && !by_dip;
     let mut by_gyro = false;
     if (after_deg > SWAPPED_MOST_DEG || undecided)
-        && let Some(rotation) = by_gyro::rotation(samples, &model)
+        && let Some(rotation) = by_gyro::rotation(samples, &|at| direction(samples, &model, at))
         && let Some((spread, sine)) = spread(samples, &(rotation * matrix(&model.matrix)), &offset)
         && let Some(turned) = Model::new(model.offset_ut, model.matrix, model.field_ut, rows(&rotation), sine)
     {

@@ -5,7 +5,6 @@
 //! `2 tan(|φ|/2)` (Cayley). That is linear in the nine entries of `Rᵀ`. No acceleration of the board's own disturbs it.
 
 use crate::samples::samples::Samples;
-use ironout::study::Model;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Turns of so much are compared, rad: beside them the noise of a direction is small.
@@ -31,12 +30,8 @@ struct Turn {
 }
 
 /// The turns of a log, one after the other.
-fn turns(samples: &Samples, model: &Model<f64>) -> Vec<Turn> {
+fn turns(samples: &Samples, direction: &dyn Fn(usize) -> Vector3<f64>) -> Vec<Turn> {
     let Some(time) = &samples.time else { return Vec::new() };
-    let triangle = Matrix3::from_fn(|i, j| model.matrix[i][j]);
-    let offset = Vector3::from(model.offset_ut);
-    let direction =
-        |at: usize| (triangle * (Vector3::from(samples.readings[at].measured_ut) - offset)).normalize();
     let rate = |at: usize| samples.readings[at].turn_radps.map(Vector3::from);
     let mut list = Vec::new();
     let (mut from, mut turn_rad) = (0, Vector3::zeros());
@@ -61,10 +56,10 @@ fn turns(samples: &Samples, model: &Model<f64>) -> Vec<Turn> {
     list
 }
 
-/// The rotation from the model's triangular frame to the gyro's. `samples` have no effects left in them. `None` where the log
-/// has no gyro or too few turns about different axes.
-pub fn rotation(samples: &Samples, model: &Model<f64>) -> Option<Matrix3<f64>> {
-    let turns = turns(samples, model);
+/// The rotation from the frame of the field's `direction` at each sample to the gyro's. `None` where the log has no gyro or too few
+/// turns about different axes.
+pub fn rotation(samples: &Samples, direction: &dyn Fn(usize) -> Vector3<f64>) -> Option<Matrix3<f64>> {
+    let turns = turns(samples, direction);
     if turns.len() < LEAST_TURNS {
         return None;
     }

@@ -4,6 +4,7 @@
 pub mod alignment;
 pub mod applied;
 pub mod axes;
+pub mod beside_gyro;
 pub mod by_gyro;
 pub mod counted;
 pub mod dip_errors;

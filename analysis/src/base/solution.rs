@@ -24,6 +24,8 @@ pub struct Solution {
     pub predicted_error_ut: f64,
     /// 1σ that the rotation to the accelerometer turns a corrected vector by, rad; zero where there is none.
     pub rotation_error_rad: f64,
+    /// Rms of one axis by which the gyro says that the field is another one from place to place, µT; zero where it does not.
+    pub field_varies_by_ut: f64,
     /// The magnitude the measurements have themselves, µT.
     pub measured_field_ut: f64,
     /// Which parameters the data carried.
@@ -61,6 +63,7 @@ impl Solution {
             rms_ut: report.rms_ut,
             predicted_error_ut: report.predicted_error_ut,
             rotation_error_rad: 0.0,
+            field_varies_by_ut: 0.0,
             measured_field_ut: report.measured_field_ut,
             model: report.model,
             information: Information::from_covariance(&report.spread.covariance()),
@@ -80,7 +83,9 @@ impl Solution {
 
     /// Predicted 1σ error of a corrected vector in the worst direction, µT, in the axes that it is given in.
     pub fn vector_error_ut(&self) -> f64 {
-        self.predicted_error_ut.hypot(self.rotation_error_rad * self.calibration.field_ut)
+        // Of one axis along each of the two directions across the field.
+        (self.predicted_error_ut.hypot(self.rotation_error_rad * self.calibration.field_ut))
+            .hypot(self.field_varies_by_ut * std::f64::consts::SQRT_2)
     }
 
     /// What it is judged by.

@@ -34,7 +34,7 @@ pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fit
     fitted.noise_floor_ut = diagnosis.noise_floor_ut;
     fitted.residual_floor_ut = diagnosis.residual_floor_ut;
     fitted.residual_floor_least_ut = diagnosis.residual_floor_least_ut;
-    fitted.judge(&ground.counted, solution);
+    fitted.judge(&ground.counted, solution, options.registry);
     fitted.reasons.extend(ground.note());
     if !diagnosis.converged {
         (fitted.accepted, fitted.only_saturated) = (false, false);
@@ -108,6 +108,7 @@ fn solution(counted: &Counted, diagnosis: &Diagnosis, options: &Options) -> Opti
         rms_ut: last.rms_ut,
         predicted_error_ut: diagnosis.predicted_error_ut.unwrap_or(f64::INFINITY),
         rotation_error_rad: diagnosis.rotation_error_rad,
+        field_varies_by_ut: 0.0,
         measured_field_ut: (squares / counted.used.len().max(1) as f64).sqrt(),
         model: if diagnosis.lower_order { Order::Sphere } else { Order::Ellipsoid },
         information: diagnosis.information.clone(),

@@ -1,10 +1,14 @@
 //! What came out of a fit.
 
 use crate::base::axes::Alignment;
+use crate::base::beside_gyro::{BesideGyro, beside_gyro};
 use crate::base::counted::{Aside, Counted, Why};
 use crate::base::ground::Ground;
 use crate::base::quality::error_beyond;
 use crate::base::solution::Solution;
+use crate::calibration::EffectEntry;
+use crate::correct::Corrector;
+use crate::effects::calibrated;
 use crate::outcome::contradiction::Contradiction;
 use crate::outcome::outcome::Diagnosis;
 use crate::outcome::request::Options;
@@ -12,6 +16,7 @@ use crate::samples::samples::{Condition, Samples};
 use crate::samples::series::median;
 use ironout::calibration::{Calibration, norm};
 use ironout::coverage::CoverageMap;
+use ironout::effect::Registry;
 use ironout::fit::{FitError, MAX_PREDICTED_ERROR};
 use ironout::quality::{Reason, Verdict, judge_figures};
 use serde::Serialize;
@@ -62,6 +67,9 @@ pub struct Fitted {
     pub gap_deg: Option<f64>,
     /// How the columns were over the samples: what acts by them had its mean effect meanwhile.
     pub conditions: BTreeMap<String, Condition>,
+    /// What the gyro leaves of field and gravity, where the log has one that turns as the field does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beside_gyro: Option<BesideGyro>,
     /// What the log says against the earlier calibration that it was fitted on top of.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contradiction: Option<Contradiction>,
@@ -99,6 +107,7 @@ impl Fitted {
             coverage: None,
             gap_deg: None,
             conditions: counted.samples.conditions(),
+            beside_gyro: None,
             contradiction: None,
             accepted: false,
             reasons: Vec::new(),
@@ -107,7 +116,7 @@ impl Fitted {
         }
     }
 
-    pub(crate) fn of_base(mut self, ground: &Ground) -> Self {
+    pub(crate) fn of_base(mut self, ground: &Ground, registry: Registry) -> Self {
         match &ground.base {
             Err(error) => self.refuse(*error),
             Ok(base) => {
@@ -115,7 +124,7 @@ impl Fitted {
                 self.noise_floor_ut = Some(base.noise_floor_ut);
                 self.residual_floor_ut = Some(base.residual_floor_ut);
                 self.residual_floor_least_ut = Some(base.residual_floor_least_ut);
-                self.judge(&ground.counted, base.solution.clone());
+                self.judge(&ground.counted, base.solution.clone(), registry);
             }
         }
         self.reasons.extend(ground.note());
@@ -127,7 +136,7 @@ impl Fitted {
     }
 
     /// What a solution is worth: coverage, heading, verdict.
-    pub(crate) fn judge(&mut self, counted: &Counted, mut solution: Solution) {
+    pub(crate) fn judge(&mut self, counted: &Counted, mut solution: Solution, registry: Registry) {
         // What unseen time shows is a lower bound, whatever the noise of the residual says.
         let unseen_ut = self.unseen_error_ut(&solution).unwrap_or(0.0);
         let shown_by_unseen = unseen_ut > solution.predicted_error_ut;
@@ -135,6 +144,10 @@ impl Fitted {
         let calibration = solution.calibration;
         let fields = || counted.used.iter().map(|&sample| counted.data.field(sample));
         self.before = Some(spread_of_magnitude(fields().map(norm)));
+        self.beside_gyro = Self::held_against_gyro(counted, &solution, registry);
+        if let Some(beside) = self.varying_field(&solution) {
+            solution.field_varies_by_ut = beside * calibration.field_ut;
+        }
         // Axes that are not told from their mirror image have no dip, and no heading.
         let unknown = matches!(solution.alignment, Alignment::Mirrored(_) | Alignment::Open(_));
         self.dip_deg = match unknown {
@@ -169,11 +182,35 @@ impl Fitted {
                 other => in_words(other, all_round),
             })
             .collect();
+        if let Some(beside) = self.varying_field(&solution) {
+            (self.accepted, self.only_saturated) = (false, false);
+            // A longer log is no remedy for another field.
+            self.reasons.clear();
+            self.reasons.push(of_another_field(beside, solution.rms_ut / calibration.field_ut));
+        }
         if let Alignment::Mirrored(standing) | Alignment::Open(standing) = &solution.alignment {
             (self.accepted, self.only_saturated) = (false, false);
             self.reasons.splice(0..0, standing.words());
         }
         self.solution = Some(solution);
+    }
+
+    /// The corrected field beside the gyro.
+    fn held_against_gyro(counted: &Counted, solution: &Solution, registry: Registry) -> Option<BesideGyro> {
+        let entries: Vec<EffectEntry> = solution.effects.iter().map(EffectEntry::from).collect();
+        let whole = calibrated(solution.calibration, &entries, registry).ok()?;
+        let corrector = Corrector::new(whole, counted.table).ok()?;
+        let corrected: Option<Vec<[f64; 3]>> =
+            counted.samples.row.iter().map(|&row| corrector.correct(row).ok()).collect();
+        beside_gyro(&counted.samples, &corrected?, solution.calibration.field_ut)
+    }
+
+    /// Rms of one axis across the field, over the field, where the gyro says that the field is another one from place to place.
+    fn varying_field(&self, solution: &Solution) -> Option<f64> {
+        let beside = self
+            .beside_gyro
+            .filter(|beside| beside.varies(solution.rms_ut / solution.calibration.field_ut))?;
+        Some(beside.field)
     }
 
     /// The error of the calibration that held-out blocks of time show, µT rms along the field at the attitudes of the log.
@@ -197,6 +234,17 @@ impl Fitted {
     pub fn set_aside(&self) -> usize {
         self.aside.iter().map(|one| one.samples).sum()
     }
+}
+
+/// The reason where the gyro turns otherwise than the field; both figures are over the field.
+fn of_another_field(across: f64, along: f64) -> String {
+    format!(
+        "the field is not the same everywhere the board was: within two seconds its direction goes {:.1} % of the field away from where the \
+         gyro says it must be, {:.1} times the error of the magnitude; a calibration needs one field: keep away from magnets, steel and \
+         cables, and turn the board about one spot",
+        100.0 * across,
+        across / along
+    )
 }
 
 /// The reason where the error on unseen time says more than the noise does.

@@ -27,7 +27,7 @@ pub(crate) fn of_ground(ground: &Ground, options: &Options) -> Result<Fitted, Re
     };
     let fitted = Fitted::new(&ground.counted, options);
     let mut fitted = match options.add.is_empty() && options.prior.is_none() {
-        true => fitted.of_base(ground),
+        true => fitted.of_base(ground, options.registry),
         false => extended::run(ground, options, fitted)?,
     };
     if let Some(contradiction) = contradiction {

@@ -1,5 +1,6 @@
 //! The analysis by its public functions.
 
+mod another_field;
 mod borne_out;
 mod broken_numbers;
 mod modes;

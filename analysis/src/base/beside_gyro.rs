@@ -1,0 +1,147 @@
+//! What the gyro says of the field's direction over seconds: whether it is the same field everywhere the board was.
+//!
+//! With `Q` the turn of a window as the gyro sums it up, a constant vector has `Q v₁ − v₀ = 0`. What a gyro gets wrong by itself is
+//! regressed out over all windows: its bias (3), its gains and axes (9), and that the vector is late (1), each by its first order,
+//! `∂(Q v₁) = −[Q v₁]ₓ ∫Q δω dt`. The magnitude sees an error along the field only; this sees both directions across it, and where
+//! a magnet stands in the room the one may be small while the other is large.
+
+use crate::base::by_gyro;
+use crate::samples::samples::Samples;
+use nalgebra::{DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// Length of a window, s: long enough to carry the board to another place, short beside the wandering of a gyro's bias.
+const WINDOW_S: f64 = 2.0;
+/// A longer pause between samples ends a window, s ...
+const PAUSE_S: f64 = 0.3;
+/// ... and so does a turn between two of them that is not summed up well, rad.
+const MOST_RAD: f64 = 0.25;
+/// Fewer windows tell nothing.
+const LEAST_WINDOWS: usize = 30;
+/// What is regressed out: bias, gains and axes, delay.
+const COLUMNS: usize = 13;
+/// Across the field noise and effects make about the error that they make along it (1.0 to 1.6 times as much in 20 recordings and
+/// simulated logs); so much more is another field ...
+const ACROSS: f64 = 3.0;
+/// ... beside what a gyro, a room and the times of a log make in a window, rad.
+const GYRO_RAD: f64 = 0.05;
+
+/// What is left beside the gyro, rms of one axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BesideGyro {
+    /// Of the corrected field, over its magnitude.
+    pub field: f64,
+    /// Windows of two seconds.
+    pub windows: usize,
+}
+
+/// Sums of a least squares fit over windows.
+#[derive(Default)]
+struct Sums {
+    normal: SMatrix<f64, COLUMNS, COLUMNS>,
+    right: SVector<f64, COLUMNS>,
+    squares: f64,
+    windows: usize,
+}
+
+/// The turn of a window, and how it follows the gyro's bias, gains and axes.
+struct Window {
+    first: usize,
+    last: usize,
+    turn: Rotation3<f64>,
+    follows: SMatrix<f64, 3, 12>,
+}
+
+impl Sums {
+    fn add(&mut self, window: &Window, before: [Vector3<f64>; 2], after: [Vector3<f64>; 2]) {
+        let ([v0, rate0], [v1, rate1]) = (before, after);
+        let there = window.turn * v1;
+        let by_gyro = -(there.cross_matrix() * window.follows);
+        let late = rate0.cross(&v0) - window.turn * rate1.cross(&v1);
+        let left = there - v0;
+        for axis in 0..3 {
+            let mut row = SVector::<f64, COLUMNS>::zeros();
+            (0..12).for_each(|column| row[column] = by_gyro[(axis, column)]);
+            row[12] = late[axis];
+            self.normal += row * row.transpose();
+            self.right += row * left[axis];
+            self.squares += left[axis] * left[axis];
+        }
+        self.windows += 1;
+    }
+
+    /// Rms of one axis across the vector, of one end of a window.
+    fn left(&self) -> Option<f64> {
+        if self.windows < LEAST_WINDOWS {
+            return None;
+        }
+        let mut normal = self.normal;
+        // A board that is not turned about an axis leaves that axis's gains open: they are then no part of what is left either.
+        let ridge = 1e-9 * normal.trace() / COLUMNS as f64;
+        (0..COLUMNS).for_each(|i| normal[(i, i)] += ridge);
+        let explained = normal.cholesky()?.solve(&self.right).dot(&self.right);
+        let freedom = (2 * self.windows - COLUMNS) as f64;
+        Some(((self.squares - explained).max(0.0) / freedom / 2.0).sqrt()).filter(|left| left.is_finite())
+    }
+}
+
+/// The windows of a log, one after the other; the gyro's rates are turned into the corrected field's axes.
+fn windows(time: &[f64], rate: &[Option<Vector3<f64>>]) -> Vec<Window> {
+    let mut list = Vec::new();
+    let start = |first| Window { first, last: first, turn: Rotation3::identity(), follows: SMatrix::zeros() };
+    let mut window = start(0);
+    for next in 1..time.len() {
+        let pause_s = time[next] - time[next - 1];
+        let rates = rate[next - 1].zip(rate[next]);
+        let Some((one, two)) = rates.filter(|_| pause_s > 0.0 && pause_s < PAUSE_S) else {
+            window = start(next);
+            continue;
+        };
+        let mean = 0.5 * (one + two);
+        if !(mean.norm() * pause_s < MOST_RAD) {
+            window = start(next);
+            continue;
+        }
+        let turn: Matrix3<f64> = *window.turn.matrix() * pause_s;
+        for axis in 0..3 {
+            for from in 0..3 {
+                let entry = turn[(axis, from)];
+                window.follows[(axis, from)] += entry;
+                (0..3).for_each(|by| window.follows[(axis, 3 + 3 * by + from)] += entry * mean[by]);
+            }
+        }
+        window.turn *= Rotation3::new(mean * pause_s);
+        window.last = next;
+        if time[next] - time[window.first] >= WINDOW_S {
+            list.push(std::mem::replace(&mut window, start(next)));
+        }
+    }
+    list
+}
+
+/// Holds the corrected field (µT, one vector a sample) against the gyro. `None` where the log has no gyro that turns as the field does.
+pub fn beside_gyro(samples: &Samples, corrected_ut: &[[f64; 3]], field_ut: f64) -> Option<BesideGyro> {
+    let time = samples.time.as_ref().filter(|time| time.len() == corrected_ut.len() && field_ut > 0.0)?;
+    let field: DVector<Vector3<f64>> =
+        DVector::from_iterator(time.len(), corrected_ut.iter().map(|v| Vector3::from(*v) / field_ut));
+    let unit = |at: usize| field[at].normalize();
+    let frame = by_gyro::rotation(samples, &unit)?;
+    // `frame` takes the field's axes to the gyro's.
+    let rate: Vec<Option<Vector3<f64>>> = (samples.readings.iter())
+        .map(|reading| reading.turn_radps.map(|rate| frame.transpose() * Vector3::from(rate)))
+        .collect();
+    let mut sums = Sums::default();
+    for window in windows(time, &rate) {
+        let (first, last) = (window.first, window.last);
+        let (Some(before), Some(after)) = (rate[first], rate[last]) else { continue };
+        sums.add(&window, [field[first], before], [field[last], after]);
+    }
+    Some(BesideGyro { field: sums.left()?, windows: sums.windows })
+}
+
+impl BesideGyro {
+    /// Whether the field is another one from place to place; `along` is the rms of the corrected magnitude, over the field.
+    pub fn varies(&self, along: f64) -> bool {
+        self.field > (ACROSS * along).hypot(GYRO_RAD)
+    }
+}
