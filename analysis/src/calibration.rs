@@ -152,6 +152,30 @@ fn positive_definite(mut a: Vec<Vec<f64>>) -> bool {
     true
 }
 
+/// Standard gravity (CGPM 1901), m/s².
+pub const STANDARD_GRAVITY_MPS2: f64 = 9.80665;
+
+/// How an accelerometer is corrected: `matrix · (measured − offset)`, of the length of standard gravity at rest.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Accelerometer {
+    /// What it reads without gravity, m/s².
+    pub offset_mps2: [f64; 3],
+    /// Gains and axes, symmetric: it turns nothing.
+    pub matrix: [[f64; 3]; 3],
+    /// Rms of the length about its mean before, m/s².
+    pub before_mps2: f64,
+    /// The same after, each tenth of the log under the fit of the others, m/s².
+    pub after_mps2: f64,
+}
+
+impl Accelerometer {
+    /// The corrected specific force, m/s².
+    pub fn apply(&self, measured_mps2: [f64; 3]) -> [f64; 3] {
+        let centred: [f64; 3] = std::array::from_fn(|axis| measured_mps2[axis] - self.offset_mps2[axis]);
+        self.matrix.map(|row| (0..3).map(|axis| row[axis] * centred[axis]).sum())
+    }
+}
+
 /// An effect with fitted coefficients.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FittedEffect {

@@ -1,5 +1,6 @@
 //! The log as the diagnosis sees it: borrowed columns.
 
+use crate::calibration::Accelerometer;
 use crate::track::{Place, Track};
 use std::sync::OnceLock;
 
@@ -31,6 +32,10 @@ pub struct Table<'a> {
 pub struct Derived {
     /// Specific force without the board's own acceleration, m/s² ([`crate::samples::gravity`]).
     pub(crate) quiet_force_mps2: OnceLock<Option<[Vec<f64>; 3]>>,
+    /// What its own calibration makes of the accelerometer, m/s².
+    pub(crate) corrected_force_mps2: OnceLock<Option<[Vec<f64>; 3]>>,
+    /// That calibration, where it has something to correct.
+    pub(crate) accelerometer: OnceLock<Option<Accelerometer>>,
 }
 
 /// A column that the log format asks for and that is not there, or one whose length is not that of the others.

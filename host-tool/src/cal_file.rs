@@ -7,6 +7,7 @@ use ironout::calibration::Calibration;
 use ironout::fit::Method;
 use ironout_analysis::Fitted;
 use ironout_analysis::base::beside_gyro::BesideGyro;
+use ironout_analysis::calibration::Accelerometer;
 use ironout_analysis::calibration::{EffectEntry, Information, StdErrors};
 use ironout_analysis::effects::{Calibrated, calibrated};
 use ironout_analysis::outcome::contradiction::Contradiction;
@@ -53,6 +54,8 @@ pub struct FitObject {
     pub contradiction: Option<Contradiction>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beside_gyro: Option<BesideGyro>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accelerometer: Option<Accelerometer>,
 }
 
 impl FitObject {
@@ -81,6 +84,7 @@ impl FitObject {
             reasons: fitted.reasons.clone(),
             contradiction: fitted.contradiction.clone(),
             beside_gyro: fitted.beside_gyro,
+            accelerometer: fitted.accelerometer,
         }
     }
 }
@@ -293,6 +297,7 @@ mod tests {
                 reasons: vec![],
                 contradiction: None,
                 beside_gyro: None,
+                accelerometer: None,
             },
             information: Information::from_covariance(&covariance),
             conditions: BTreeMap::from([("temp_c".into(), Condition { mean: 21.5, mean_square: 463.0 })]),

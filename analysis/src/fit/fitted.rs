@@ -6,12 +6,13 @@ use crate::base::counted::{Aside, Counted, Why};
 use crate::base::ground::Ground;
 use crate::base::quality::error_beyond;
 use crate::base::solution::Solution;
-use crate::calibration::EffectEntry;
+use crate::calibration::{Accelerometer, EffectEntry};
 use crate::correct::Corrector;
 use crate::effects::calibrated;
 use crate::outcome::contradiction::Contradiction;
 use crate::outcome::outcome::Diagnosis;
 use crate::outcome::request::Options;
+use crate::samples::gravity::accelerometer;
 use crate::samples::samples::{Condition, Samples};
 use crate::samples::series::median;
 use ironout::calibration::{Calibration, norm};
@@ -67,7 +68,10 @@ pub struct Fitted {
     pub gap_deg: Option<f64>,
     /// How the columns were over the samples: what acts by them had its mean effect meanwhile.
     pub conditions: BTreeMap<String, Condition>,
-    /// What the gyro leaves of field and gravity, where the log has one that turns as the field does.
+    /// The calibration of the accelerometer, where it has something to correct: heading and rotation are by it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub accelerometer: Option<Accelerometer>,
+    /// What the gyro leaves of the field's direction, where the log has one that turns as the field does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside_gyro: Option<BesideGyro>,
     /// What the log says against the earlier calibration that it was fitted on top of.
@@ -107,6 +111,7 @@ impl Fitted {
             coverage: None,
             gap_deg: None,
             conditions: counted.samples.conditions(),
+            accelerometer: accelerometer(counted.table),
             beside_gyro: None,
             contradiction: None,
             accepted: false,

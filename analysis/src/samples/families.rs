@@ -1,6 +1,7 @@
 //! Columns that move together: several channels of one cause.
 
 use crate::samples::samples::Samples;
+use ironout::effect::ColumnKind;
 
 /// Columns are of one family from this correlation on.
 const TOGETHER: f64 = 0.8;
@@ -68,10 +69,16 @@ impl Families {
             if others.is_empty() {
                 continue;
             }
-            members.push((name(centre).to_string(), family, true));
-            for j in others {
+            // A current has the field itself; a command and the speed of a motor follow it.
+            let is_current = |i: &usize| ColumnKind::of(name(*i)) == ColumnKind::Current;
+            let central = Some(centre).filter(is_current).or_else(|| {
+                let mut currents = others.iter().copied().filter(is_current);
+                currents.next().filter(|_| currents.next().is_none())
+            });
+            let central = central.unwrap_or(centre);
+            for j in std::iter::once(centre).chain(others) {
                 taken[j] = true;
-                members.push((name(j).to_string(), family, false));
+                members.push((name(j).to_string(), family, j == central));
             }
             family += 1;
         }

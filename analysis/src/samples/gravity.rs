@@ -7,6 +7,8 @@
 //! "VQF: Highly accurate IMU orientation estimation", Information Fusion 2023). On ten recordings with optical truth it leaves
 //! 0.3 to 4.4 degrees rms where the accelerometer alone leaves 3.8 to 40.
 
+use crate::calibration::{Accelerometer, STANDARD_GRAVITY_MPS2};
+use crate::samples::accelerometer;
 use crate::samples::series::median;
 use crate::table::Table;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -17,21 +19,39 @@ const TIME_CONSTANT_S: f64 = 2.0;
 const MAX_STEP_S: f64 = 0.5;
 /// A larger turn between two rows is not integrated well, rad.
 const MAX_TURN_RAD: f64 = 0.7;
-/// Standard gravity (CGPM 1901), m/s².
-const STANDARD_GRAVITY_MPS2: f64 = 9.80665;
 /// Fewer rows say nothing, as in [`crate::base::alignment`].
 const MIN_ROWS: usize = 20;
 /// Averages that a right gyro brings into one frame keep the length of gravity; turned by a wrong one they cancel. Right gyros of ten recordings
 /// leave 99.5 % and more in the median, gyros with swapped axes or signs 40 to 92 %.
 const MIN_LENGTH_KEPT: f64 = 0.97;
 
-/// Specific force of a table, m/s², without the board's own acceleration where the gyro tells it; else as the accelerometer has it.
+/// Specific force of a table, m/s², calibrated where it needs it, without the board's own acceleration where the gyro tells it; else as the accelerometer has it.
 pub fn of_table<'t>(table: &'t Table<'_>) -> Option<[&'t [f64]; 3]> {
+    let accel = corrected(table);
     let quiet = table
         .derived
         .quiet_force_mps2
-        .get_or_init(|| quiet_force_mps2(table.time_s?, table.accel_mps2?, table.gyro_radps?));
-    quiet.as_ref().map(|axes| axes.each_ref().map(Vec::as_slice)).or(table.accel_mps2)
+        .get_or_init(|| quiet_force_mps2(table.time_s?, accel?, table.gyro_radps?));
+    quiet.as_ref().map(|axes| axes.each_ref().map(Vec::as_slice)).or(accel)
+}
+
+/// The calibration of the accelerometer that a table shows, where there is something to correct.
+pub fn accelerometer(table: &Table<'_>) -> Option<Accelerometer> {
+    *table.derived.accelerometer.get_or_init(|| accelerometer::accelerometer(table))
+}
+
+/// Specific force of a table, m/s², as the accelerometer has it once it is calibrated.
+fn corrected<'t>(table: &'t Table<'_>) -> Option<[&'t [f64]; 3]> {
+    let corrected = table.derived.corrected_force_mps2.get_or_init(|| {
+        let (own, axes) = (accelerometer(table)?, table.accel_mps2?);
+        let mut out: [Vec<f64>; 3] = std::array::from_fn(|_| Vec::with_capacity(table.rows()));
+        for row in 0..table.rows() {
+            let force = own.apply(axes.map(|axis| axis[row]));
+            out.iter_mut().zip(force).for_each(|(axis, value)| axis.push(value));
+        }
+        Some(out)
+    });
+    corrected.as_ref().map(|axes| axes.each_ref().map(Vec::as_slice)).or(table.accel_mps2)
 }
 
 /// Specific force without the board's own acceleration, m/s², in body axes: against gravity, with its usual length. A row is NaN where

@@ -1,5 +1,6 @@
 //! The samples of a log, and what is wrong with them.
 
+pub mod accelerometer;
 pub mod clock;
 pub mod common;
 pub mod copied;

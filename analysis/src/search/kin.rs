@@ -3,7 +3,7 @@
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
 use crate::search::physics::field_of_a_temperature;
-use crate::search::screen::{RELEVANCE, SIGNIFICANCE, screen, stands};
+use crate::search::screen::{RELEVANCE, SIGNIFICANCE, stands};
 use crate::search::state::{Greedy, Judged, held_out_rms};
 use ironout::effect::{Acts, Follows, Named};
 pub(crate) use ironout::study::rule::NEARLY;
@@ -63,8 +63,8 @@ impl<'a> Greedy<'_, 'a> {
         ids.len()
     }
 
-    /// One channel of several that move together: what they have in common comes first, unless the channel is
-    /// significantly better.
+    /// One channel of several that move together: what they have in common comes first, unless the channel predicts unseen time
+    /// better.
     pub(crate) fn for_its_family(
         &self,
         fitted: &Fitted<'a>,
@@ -90,11 +90,12 @@ impl<'a> Greedy<'_, 'a> {
         else {
             return Ok(winner);
         };
-        // Large effects bend the model: the channel is tested beside the common one once that is in it.
+        // Whichever predicts unseen time better; as well as the other, what they have in common.
         let Some(with) = self.with(fitted, &common.piece)? else { return Ok(winner) };
-        let falls = held_out_rms(fitted)
-            .zip(held_out_rms(&with))
-            .is_some_and(|(before, after)| after * after < before * before * (1.0 - RELEVANCE));
+        let squares = |fit: &Fitted| held_out_rms(fit).map(|rms| rms * rms);
+        let falls = squares(fitted)
+            .zip(squares(&with))
+            .is_some_and(|(before, after)| after < before * (1.0 - RELEVANCE));
         let sure = common.tested.accepted
             || (falls
                 && stands(&self.pass, &with)?
@@ -102,8 +103,8 @@ impl<'a> Greedy<'_, 'a> {
         if !sure {
             return Ok(winner);
         }
-        let tested = screen(&self.pass, &with, std::slice::from_ref(&winner.piece), count)?;
-        let better = tested.first().is_some_and(|tested| tested.accepted);
+        let own = self.with(fitted, &winner.piece)?.as_ref().and_then(squares);
+        let better = own.zip(squares(&with)).is_some_and(|(own, common)| own * (1.0 + RELEVANCE) < common);
         Ok(if better { winner } else { common.clone() })
     }
 }

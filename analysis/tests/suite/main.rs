@@ -1,7 +1,9 @@
 //! The analysis by its public functions.
 
+mod accelerometer;
 mod another_field;
 mod borne_out;
 mod broken_numbers;
+mod kin;
 mod modes;
 mod search;

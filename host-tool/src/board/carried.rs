@@ -217,6 +217,7 @@ pub fn cal_file(record: &Record, covariance: Option<&[[f64; 9]; 9]>, board: &Ide
             reasons: vec![format!("note: from the board {} ({})", board.board, board.sensor)],
             contradiction: None,
             beside_gyro: None,
+            accelerometer: None,
         },
         information: covariance.and_then(Information::from_covariance),
         conditions: Default::default(),
