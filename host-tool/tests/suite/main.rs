@@ -38,6 +38,7 @@ mod judged;
 mod malformed;
 mod mcap;
 mod one_truth;
+mod packed;
 #[cfg(feature = "emulated")]
 mod page;
 mod passes;
