@@ -48,6 +48,7 @@ mod reader;
 mod reading;
 mod recordings;
 mod several;
+mod telemetry;
 mod text_corpus;
 mod text_questions;
 mod tutorial;
