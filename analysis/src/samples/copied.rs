@@ -7,6 +7,11 @@ use std::collections::HashMap;
 const WINDOW: usize = 16;
 /// ... so many of them different, are the same again only where they were copied.
 const DIFFERENT: usize = 12;
+/// So many bits of chance a run of equal readings holds, if it is a copy: in coarse steps a board that turns evenly comes by the same
+/// readings again.
+const LEAST_BITS: f64 = 60.0;
+/// A reading that goes on by one step at most is foretold by the ones before; of many such, some are not.
+const BITS_OF_ONE_STEP: f64 = 0.25;
 /// One window of so many is looked up, chosen by what it holds: the same ones in a copy.
 const ONE_OF: u64 = 8;
 
@@ -47,7 +52,7 @@ pub fn copied(readings: &[[f64; 3]]) -> Vec<(usize, usize)> {
         let first = from - before.count();
         let after = (from..readings.len()).take_while(|&at| readings[at] == readings[earlier + at - from]);
         let length = after.count();
-        if length >= WINDOW {
+        if length >= WINDOW && bits(&readings[from..from + length]) >= LEAST_BITS {
             runs.push((first, from + length - 1));
         }
     }
@@ -60,6 +65,16 @@ fn is_telling(window: &[[f64; 3]]) -> bool {
     words.sort_unstable();
     words.dedup();
     words.len() >= DIFFERENT
+}
+
+/// How much the readings of a run leave open, each after the one before: how many steps of an axis it might have gone.
+fn bits(run: &[[f64; 3]]) -> f64 {
+    let ways = |axis: usize| run.windows(2).map(move |pair| (pair[1][axis] - pair[0][axis]).abs());
+    let of_axis = |axis: usize| {
+        let step = ways(axis).filter(|way| *way > 0.0).fold(f64::INFINITY, f64::min);
+        ways(axis).map(|way| (way / step).max(1.0).log2()).sum::<f64>()
+    };
+    (0..3).map(of_axis).sum::<f64>() + BITS_OF_ONE_STEP * run.len() as f64
 }
 
 /// The end of MurmurHash3, which mixes every bit with every other.
@@ -89,5 +104,28 @@ mod tests {
         let coarse: Vec<[f64; 3]> = (0..400).map(|i| [f64::from(i % 2), 1.0, 2.0]).collect();
         assert_eq!(copied(&coarse), []);
         assert_eq!(copied(&log[..10]), []);
+    }
+
+    /// A board that turns evenly, in steps that hide the noise: the same readings again are no copy, and in fine steps a copy is found.
+    #[test]
+    fn turns_in_coarse_steps_are_no_copies() {
+        let turns = |step: f64| -> Vec<[f64; 3]> {
+            let angle = |i: u64| i as f64 * std::f64::consts::TAU / 600.0;
+            let noise = |i: u64, axis: u64| 0.08 * ((super::mix(3 * i + axis) % 1000) as f64 / 500.0 - 1.0);
+            let reading = |i: u64| {
+                let exact = [48.0 * angle(i).cos(), 48.0 * angle(i).sin(), 20.0 * (2.0 * angle(i)).sin()];
+                [0, 1, 2].map(|axis| ((exact[axis] + noise(i, axis as u64)) / step).round() * step)
+            };
+            let mut all: Vec<[f64; 3]> = (0..6000).map(reading).collect();
+            all.dedup();
+            all
+        };
+        for step in [2.0, 3.4, 5.0] {
+            let found = copied(&turns(step));
+            assert!(found.is_empty(), "{step}: {found:?}");
+        }
+        let fine = turns(0.01);
+        assert_eq!(copied(&fine), []);
+        assert_eq!(copied(&[fine.clone(), fine[..300].to_vec()].concat()), [(fine.len(), fine.len() + 299)]);
     }
 }

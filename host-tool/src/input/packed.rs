@@ -1,7 +1,9 @@
 //! Logs that are packed as a whole, by gzip or Zstandard: read as what is in them.
 
 use crate::failure::{Failure, Outcome};
-use std::io::{self, ErrorKind, Read};
+use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
+use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
+use std::io::{self, Cursor, ErrorKind, Read};
 
 /// Bytes that tell how a file is packed.
 pub const MARK_BYTES: u64 = 4;
@@ -22,7 +24,8 @@ impl Packing {
     pub fn told(first: &[u8]) -> Option<Self> {
         match first {
             [0x1f, 0x8b, ..] => Some(Packing::Gzip),
-            [0x28, 0xb5, 0x2f, 0xfd] => Some(Packing::Zstd),
+            // The mark of a frame, and those of a frame that is skipped.
+            [0x28, 0xb5, 0x2f, 0xfd] | [0x50..=0x5f, 0x2a, 0x4d, 0x18] => Some(Packing::Zstd),
             _ => None,
         }
     }
@@ -42,9 +45,15 @@ impl Packing {
     pub fn unpack<'s>(self, source: impl Read + 's) -> Outcome<Unpacked<'s>> {
         let content: Box<dyn Read + 's> = match self {
             Packing::Gzip => Box::new(flate2::read::MultiGzDecoder::new(source)),
-            Packing::Zstd => Box::new(ruzstd::decoding::StreamingDecoder::new(source).map_err(|error| {
-                Failure::usage(format!("this file is packed by zstd and broken: {error}. Fix: copy it again"))
-            })?),
+            Packing::Zstd => {
+                let mut frames = Frames { source, decoder: FrameDecoder::new(), in_frame: false };
+                frames.next().map_err(|error| {
+                    Failure::usage(format!(
+                        "this file is packed by zstd and broken: {error}. Fix: copy it again"
+                    ))
+                })?;
+                Box::new(frames)
+            }
         };
         Ok(Unpacked { content, left: LONGEST, broken: None })
     }
@@ -84,5 +93,63 @@ impl Read for Unpacked<'_> {
             }
             interrupted => interrupted,
         }
+    }
+}
+
+/// Frames of Zstandard one behind the other, as `cat` and programs with several threads write them.
+struct Frames<S> {
+    source: S,
+    decoder: FrameDecoder,
+    in_frame: bool,
+}
+
+impl<S: Read> Frames<S> {
+    /// Goes on to the next frame that holds something; gives whether there is one.
+    fn next(&mut self) -> io::Result<bool> {
+        loop {
+            let mut first = Vec::new();
+            if self.source.by_ref().take(1).read_to_end(&mut first)? == 0 {
+                return Ok(false);
+            }
+            match self.decoder.reset(Cursor::new(first).chain(&mut self.source)) {
+                Ok(()) => {
+                    self.in_frame = true;
+                    return Ok(true);
+                }
+                Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame {
+                    length,
+                    ..
+                })) => {
+                    let length = u64::from(length);
+                    if io::copy(&mut self.source.by_ref().take(length), &mut io::sink())? < length {
+                        return Err(ErrorKind::UnexpectedEof.into());
+                    }
+                }
+                Err(error) => return Err(io::Error::other(error)),
+            }
+        }
+    }
+}
+
+impl<S: Read> Read for Frames<S> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        while !buffer.is_empty() && (self.in_frame || self.next()?) {
+            while self.decoder.can_collect() == 0 && !self.decoder.is_finished() {
+                let some = BlockDecodingStrategy::UptoBytes(buffer.len());
+                self.decoder.decode_blocks(&mut self.source, some).map_err(io::Error::other)?;
+            }
+            match self.decoder.read(buffer)? {
+                0 => {
+                    self.in_frame = false;
+                    let (own, stated) =
+                        (self.decoder.get_calculated_checksum(), self.decoder.get_checksum_from_data());
+                    if stated.is_some() && own != stated {
+                        return Err(io::Error::other("its content has another checksum than it states"));
+                    }
+                }
+                count => return Ok(count),
+            }
+        }
+        Ok(0)
     }
 }

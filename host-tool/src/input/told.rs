@@ -148,7 +148,18 @@ pub fn read_stream(mut source: impl Read, size_bytes: u64, options: &ReadOptions
     };
     let mut unpacked = packing.unpack(Cursor::new(first).chain(source))?;
     // A dynamic source: what is packed in what was packed is read no further.
-    let mut log = read_plain(&mut unpacked as &mut dyn Read, 0, options)?;
+    let read = read_plain(&mut unpacked as &mut dyn Read, 0, options);
+    let mut log = read.map_err(|mut failure| {
+        if let Some(why) = unpacked.broken() {
+            failure.message = format!(
+                "this file is packed by {} and cut off or broken ({why}), and what is in it before that is no log: {}. \
+                 Fix: copy it again",
+                packing.name(),
+                failure.message
+            );
+        }
+        failure
+    })?;
     log.read_as.format = format!("{}, packed by {}", log.read_as.format, packing.name());
     log.read_as.own_csv = false;
     if let Some(why) = unpacked.broken() {

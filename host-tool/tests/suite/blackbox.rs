@@ -129,7 +129,7 @@ fn broken_files_are_answered_or_refused() {
     let truth = Truth::new("blackbox-fuzz");
     let rows = rows(&truth);
     let (one, newer) =
-        (session(BETAFLIGHT, &rows[..400]), session("Betaflight 2025.12.2 (abc) STM32H743", &rows[..400]));
-    let accepted = fuzz("blackbox", &[&one, &newer], 1500);
+        (session(BETAFLIGHT, &rows[..150]), session("Betaflight 2025.12.2 (abc) STM32H743", &rows[..150]));
+    let accepted = fuzz("blackbox", &[&one, &newer], 4000);
     assert!(accepted > 300, "{accepted}");
 }

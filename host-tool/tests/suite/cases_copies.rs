@@ -4,6 +4,7 @@
 use crate::common::{case, ironout, text};
 use ironout_analysis::Table;
 use ironout_analysis::plausible::causes::no_causes;
+use ironout_analysis::samples::faults::{FaultKind, find};
 use ironout_cli::input::{ReadOptions, read_stream};
 use ironout_simulation::truths::{Kind, draw};
 use std::io::Write;
@@ -102,6 +103,62 @@ fn copies_of_every_kind_are_known_and_causes_are_not() {
     assert!(known * 10 >= made * 9, "{known} of {made}");
 }
 
+/// First and last time of readings that are a copy of earlier ones.
+fn copied_rows(table: &Table) -> Vec<(Option<f64>, Option<f64>)> {
+    let faults = find(table).list.into_iter().filter(|fault| fault.kind == FaultKind::CopiedRows);
+    faults.map(|fault| (fault.from_s, fault.to_s)).collect()
+}
+
+/// Logs as they are and in coarse steps, where a board that turns evenly comes by the same readings again and again; and the same with
+/// a part of them written twice.
+#[test]
+fn readings_that_are_there_twice_are_found_and_no_others_are() {
+    let wanted: u64 = std::env::var("IRONOUT_COPIES_LOGS").ok().and_then(|n| n.parse().ok()).unwrap_or(48);
+    let (mut alarms, mut found, mut made) = (Vec::new(), 0, 0);
+    for number in 0..wanted {
+        let kind = Kind::ALL[(number % Kind::ALL.len() as u64) as usize];
+        let drawn = draw(kind, 0x00c0_91ed, number);
+        let log = drawn.world.run();
+        let own: Vec<(&str, &[f64])> = log.named().collect();
+        for step_ut in [0.0, 0.15, 1.0, 3.4] {
+            let coarse = |name: &str, values: &[f64]| -> Vec<f64> {
+                let is_field = ["mx_ut", "my_ut", "mz_ut"].contains(&name) && step_ut > 0.0;
+                values.iter().map(|v| if is_field { (v / step_ut).round() * step_ut } else { *v }).collect()
+            };
+            let columns: Vec<(&str, Vec<f64>)> =
+                own.iter().map(|(name, values)| (*name, coarse(name, values))).collect();
+            let table = Table::from_columns(columns.iter().map(|(name, values)| (*name, values.as_slice())));
+            if let [(from, to), ..] = copied_rows(&table.expect("columns"))[..] {
+                alarms.push(format!(
+                    "{} {number} [{}] in {step_ut} µT: {from:?} to {to:?} s",
+                    kind.name(),
+                    drawn.words
+                ));
+            }
+            // Some tenth of the log again, behind it, on a clock that goes on.
+            let rows = columns[0].1.len();
+            let (from, count) = (rows / 3, rows / 10);
+            let twice: Vec<(&str, Vec<f64>)> = columns
+                .iter()
+                .map(|(name, values)| {
+                    let again = values[from..from + count].iter();
+                    let late = if *name == "t_s" { values[rows - 1] - values[from] + 1.0 } else { 0.0 };
+                    (*name, values.iter().copied().chain(again.map(|value| value + late)).collect())
+                })
+                .collect();
+            let table = Table::from_columns(twice.iter().map(|(name, values)| (*name, values.as_slice())));
+            if step_ut == 0.15 {
+                made += 1;
+                found += usize::from(!copied_rows(&table.expect("columns")).is_empty());
+            }
+        }
+    }
+    println!("{wanted} logs, four ways each: {} false alarms; {found} of {made} copies found", alarms.len());
+    assert!(alarms.is_empty(), "{alarms:#?}");
+    // A board at rest in coarse steps has nothing that tells a copy.
+    assert!(found * 10 >= made * 9, "{found} of {made}");
+}
+
 #[test]
 fn no_column_of_a_recording_is_taken_for_a_copy() {
     let shared = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
@@ -129,6 +186,7 @@ fn no_column_of_a_recording_is_taken_for_a_copy() {
                 log.covariates.iter().map(|c| &c.name).collect::<Vec<_>>()
             );
             assert!(!ironout_analysis::plausible::causes::heading_is_computed(&table), "{name}");
+            assert_eq!(copied_rows(&table), [], "{name}");
             assert_eq!(ironout_analysis::plausible::directions::equal_magnitudes(&table), None, "{name}");
             looked += 1;
         }

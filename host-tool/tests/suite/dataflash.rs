@@ -191,7 +191,7 @@ fn broken_files_are_answered_or_refused() {
     let truth = Truth::new("dataflash-fuzz");
     let file = flight(&truth, &APPLIED);
     let (binary, text) = (&file.binary[..30_000], &file.text.as_bytes()[..30_000]);
-    let accepted = fuzz("DataFlash", &[binary, text], 1500);
+    let accepted = fuzz("DataFlash", &[binary, text], 4000);
     assert!(accepted > 300, "{accepted}");
     // A definition of a length that cannot be.
     for length in [0, 1, 2, 3] {

@@ -210,6 +210,40 @@ fn betaflight_takes_away_whole_counts_in_its_own_axes() {
             assert!((own - wanted).abs() <= 0.5, "{rotate:?}: {own} for {wanted}");
         }
     }
+    // A mounting that none of the eight words names: as angles in tenths of a degree, those of boardalignment.c from 2026.6 on.
+    for rotate in [&["mag:roll90"][..], &["mag:pitch90"], &["mag:y,z,x"], &["mag:-z,-x,y"]] {
+        let counts = json!({"ut_per_count": [0.092, 0.092, 0.092], "rotate": rotate});
+        let file = exported(&self::cal(&here, &matrix, &[], counts), "betaflight", &[]);
+        let value = |key: &str| {
+            let found = rows(&file).find_map(|line| line.strip_prefix(&format!("set {key} = ")));
+            found.unwrap_or_else(|| panic!("no {key}: {file}"))
+        };
+        assert_eq!(value("align_mag"), "CUSTOM", "{rotate:?}");
+        let [roll, pitch, yaw] = ["roll", "pitch", "yaw"].map(|name| {
+            let tenths: i16 = value(&format!("mag_align_{name}")).parse().expect("a whole number");
+            assert!((-1800..=3600).contains(&tenths), "{rotate:?}: {tenths}");
+            f64::from(tenths) / 10.0
+        });
+        assert!(file.contains("2026.6"), "{file}");
+        let zero: Vec<f64> =
+            value("mag_calibration").split(',').map(|count| count.parse().expect("a count")).collect();
+        // Counts of the driver that the calibration makes zero are zero in Betaflight too, to half a count.
+        let mount = Mounting::parse(&rotate.iter().map(|one| one.to_string()).collect::<Vec<_>>());
+        let to_body = mount.expect("a mounting").magnetometer.unwrap_or(identity);
+        let transposed = std::array::from_fn(|i| std::array::from_fn(|j| to_body[j][i]));
+        let sensor = times(&transposed, offset_ut).map(|ut| ut / 0.092);
+        for (own, wanted) in zero.iter().zip(times(&euler(roll, pitch, yaw), sensor)) {
+            assert!((own - wanted).abs() <= 0.5 + 1e-6, "{rotate:?}: {own} for {wanted}: {file}");
+        }
+        // And its axes are x forward, y left, z up.
+        for axis in 0..3 {
+            let unit: Vector = std::array::from_fn(|i| f64::from(i == axis));
+            let [x, y, z] = times(&to_body, unit);
+            let off =
+                norm(std::array::from_fn(|i| times(&euler(roll, pitch, yaw), unit)[i] - [x, -y, -z][i]));
+            assert!(off < 1e-9, "{rotate:?}: {file}");
+        }
+    }
     // A log in microtesla has no counts.
     let cal = cal(&here, &matrix, &[], reading(&[]));
     let error = ironout(["export", text(&cal), "--as", "betaflight", "--json"]).error();

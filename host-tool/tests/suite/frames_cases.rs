@@ -1,8 +1,10 @@
 //! Logs whose truth is known, and units of programs: the shared cases and small files of the test's own.
 
 use crate::common::target::*;
-use crate::common::{folder, ironout, text};
+use crate::common::{folder, ironout, text, write};
 use crate::frames::numbers_of;
+use crate::writers::ros::{Form, Message};
+use crate::writers::sqlite::Sqlite;
 use crate::writers::truth::{Truth, read_with};
 use ironout_cli::input::{ReadOptions, read_log};
 use std::io::Write;
@@ -88,6 +90,38 @@ fn the_unit_of_a_binary_format_can_be_given() {
     ] {
         let error = ironout(["fit", text(&log), "--map", &map, "--json"]).error();
         assert!(error["message"].as_str().is_some_and(|text| text.contains(words)), "{map}: {error}");
+    }
+}
+
+#[test]
+fn directions_in_a_bag_are_refused_and_a_field_is_not() {
+    let truth = Truth::new("frames_directions");
+    let here = folder("frames_directions_bag");
+    for (name, length, is_direction) in
+        [("ones.db3", 1.0, true), ("tesla.db3", 48e-6, true), ("field.db3", 0.0, false)]
+    {
+        let messages: Vec<(i64, i64, Vec<u8>)> = (0..600)
+            .map(|row| {
+                let ns = 1_700_000_000_000_000_000 + truth.micros(row) * 1000;
+                let field = truth.field(row);
+                let factor = if is_direction { length / norm(field) } else { 1e-6 };
+                let message = Message::new(Form::Little, ns, "imu_link");
+                (1, ns as i64, message.doubles(&field.map(|v| v * factor)).doubles(&[0.0; 9]).finish())
+            })
+            .collect();
+        let bag = Sqlite::bag(&[("/imu/mag", "sensor_msgs/msg/MagneticField")], &messages);
+        let path = write(&here, name, bag);
+        let run = ironout(["fit", text(&path)]);
+        let said = run.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(run.status, if is_direction { 2 } else { 0 }, "{name}: {said}");
+        if is_direction {
+            assert!(said.contains("directions"), "{name}: {said}");
+            // Another unit, or a scale of its own, makes no field of it.
+            let source = |axis: &str| format!("m{axis}_ut=/imu/mag.magnetic_field.{axis}[uT]");
+            let map = ["x", "y", "z"].map(source).join(",");
+            let run = ironout(["fit", text(&path), "--map", &map]);
+            assert!(run.status == 2 && run.said().contains("directions"), "{name}: {}", run.stderr);
+        }
     }
 }
 

@@ -38,6 +38,7 @@ mod judged;
 mod malformed;
 mod mcap;
 mod one_truth;
+mod packed;
 #[cfg(feature = "emulated")]
 mod page;
 mod passes;
@@ -47,6 +48,7 @@ mod reader;
 mod reading;
 mod recordings;
 mod several;
+mod telemetry;
 mod text_corpus;
 mod text_questions;
 mod tutorial;

@@ -3,6 +3,7 @@
 
 use crate::common::{folder, ironout, text, write};
 use crate::corpus::{Row, Sample};
+use crate::writers::fuzz::fuzz;
 use ironout_analysis::{Options, Table, fit};
 use ironout_cli::cal_file::FitObject;
 use ironout_cli::input::{Log, ReadOptions, parse_map, read_stream};
@@ -193,4 +194,14 @@ fn the_printed_options_can_be_pasted_into_a_shell() {
         assert_eq!(pasted["offset_ut"], object["offset_ut"], "{command}");
         assert_eq!(pasted["read_as"]["columns"], object["read_as"]["columns"], "{command}");
     }
+}
+
+#[test]
+fn broken_tables_are_answered_or_refused() {
+    let rows = crate::corpus::rows();
+    let samples = crate::corpus::all(&rows);
+    let short: Vec<&[u8]> =
+        samples.iter().map(|sample| sample.bytes.get(..8000).unwrap_or(&sample.bytes)).collect();
+    let accepted = fuzz("text of other programs", &short, 4000);
+    assert!(accepted > 400, "{accepted}");
 }

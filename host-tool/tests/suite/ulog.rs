@@ -272,6 +272,56 @@ fn the_denser_stream_of_a_sensor_is_taken_and_instances_are_told() {
     );
 }
 
+/// Another compass from the 300th of 500 rows on, and back again for the last 20.
+fn switched(with_raw: bool) -> Vec<u8> {
+    const SECOND: u32 = 77;
+    let mut file = head(None);
+    let topics = [(0, 0, "vehicle_magnetometer"), (0, 1, "sensor_mag"), (1, 2, "sensor_mag")];
+    topics.iter().for_each(|(instance, id, name)| file.subscribe(*instance, *id, name));
+    for row in 0..500_u64 {
+        let stamp = (START_US + row * 20_000).to_le_bytes();
+        let first = [0.2 + row as f64 * 1e-4, -0.1, 0.3];
+        let second = [0.9, 0.5 + row as f64 * 1e-4, -0.4];
+        let (device, field) = if (300..480).contains(&row) { (SECOND, second) } else { (DEVICE, first) };
+        file.data(0, &[&stamp, &stamp, &device.to_le_bytes(), &floats(field), &[0; 8]]);
+        if with_raw {
+            // The one that PX4 flew with is not the first of the two, and has fewer samples.
+            let raw =
+                |device: u32, field| [device.to_le_bytes().to_vec(), floats(field).to_vec(), vec![0; 8]];
+            file.data(1, &[&stamp, &stamp, &raw(SECOND, second).concat()]);
+            if row % 2 == 0 {
+                file.data(2, &[&stamp, &stamp, &raw(DEVICE, first).concat()]);
+            }
+        }
+    }
+    file.bytes
+}
+
+#[test]
+fn a_compass_that_takes_over_in_mid_log_is_apart_from_the_one_in_use() {
+    // The corrected stream alone: each compass is an instance, and no row of the other is in it.
+    let bytes = switched(false);
+    let log = read(&bytes).expect("a good log");
+    assert_eq!(log.rows, 320, "the compass that flew longer");
+    let time = log.time_s.clone().expect("a time");
+    let row = |at: usize| if at < 300 { at } else { at + 180 };
+    assert_column("time", &time, |at| row(at) as f64 * 0.02, 1e-6);
+    assert_column("field", &log.field_ut[0], |at| 20.0 + row(at) as f64 * 0.01, 2e-4);
+    let instance = log.read_as.instance.expect("two of them");
+    assert_eq!(instance.there.len(), 2, "{:?}", instance.there);
+    let other = instance.there.iter().map(|(number, _)| *number).find(|number| *number != instance.taken);
+    let options = ReadOptions { instance: other, ..ReadOptions::default() };
+    let log = read_with(&bytes, &options).expect("the other compass");
+    assert_eq!(log.rows, 180);
+    assert_column("field", &log.field_ut[1], |at| 50.0 + (300 + at) as f64 * 0.01, 2e-4);
+    // Beside raw streams: the sensor in use, though it is the second and has half the samples.
+    let log = read(&switched(true)).expect("a good log");
+    assert_eq!(log.rows, 250);
+    assert_column("field", &log.field_ut[0], |at| 20.0 + 2.0 * at as f64 * 0.01, 2e-4);
+    let instance = log.read_as.instance.expect("two of them");
+    assert_eq!((instance.taken, instance.there.len()), (1, 2), "{:?}", instance.there);
+}
+
 #[test]
 fn what_is_cut_off_or_missing_is_said() {
     let truth = Truth::new("ulog-broken");
@@ -400,6 +450,6 @@ fn broken_files_are_answered_or_refused() {
     let truth = Truth::new("ulog-fuzz");
     let (raw, corrected) = (flight(&truth, Mag::Raw), flight(&truth, Mag::Corrected));
     let short = |bytes: &[u8]| bytes[..bytes.len().min(30_000)].to_vec();
-    let accepted = fuzz("ULog", &[&short(&raw), &short(&corrected)], 1500);
+    let accepted = fuzz("ULog", &[&short(&raw), &short(&corrected)], 4000);
     assert!(accepted > 300, "{accepted}: most changes hit little of a log");
 }

@@ -4,6 +4,7 @@ use super::ellipsoid::{MAX_MISFIT_SHARE, misfit, points};
 use super::evidence::{Breakage, MAX_PATH_SHARE, MAX_STEP_SHARE, MIN_EVENTS, MIN_ROWS};
 use super::repair::Repair;
 use super::series::{half_range, path, usual_step};
+use crate::samples::series::median;
 
 /// A row is out of line if leaving it out shortens the path by this many of the steps next to it: turning points and noise do not
 /// reach twice.
@@ -184,6 +185,12 @@ fn alternating(numbers: [&[f64]; 3]) -> Option<(Breakage, f64)> {
     if !(smooth > 0.0 && all >= MIN_ALTERNATING_PATH * smooth) {
         return None;
     }
+    // One row that is far off makes a path as long, and is in one half of the rows: here they go there and back all along.
+    let usual =
+        |offset: usize, step: usize| usual_way(numbers.map(|axis| axis.iter().skip(offset).step_by(step)));
+    if usual(0, 1) < 0.5 * MIN_ALTERNATING_PATH * usual(1 - offset, 2) {
+        return None;
+    }
     let kept: [Vec<f64>; 3] = numbers.map(|axis| axis.iter().skip(1 - offset).step_by(2).copied().collect());
     // An axis that hardly moves is noise within its own range: its steps are small beside the field's.
     let widest = kept.iter().map(|axis| half_range(axis)).fold(0.0, f64::max);
@@ -198,6 +205,15 @@ fn alternating(numbers: [&[f64]; 3]) -> Option<(Breakage, f64)> {
     let mut marked = vec![false; rows];
     repair.set_aside(numbers, &mut marked);
     continuous.then(|| of_marked(repair, &marked, 1.0 - smooth / all, all - smooth)).flatten()
+}
+
+/// The median way from one row to the next, over all axes.
+fn usual_way<'v>([x, y, z]: [impl Iterator<Item = &'v f64>; 3]) -> f64 {
+    let rows: Vec<[f64; 3]> = x.zip(y).zip(z).map(|((x, y), z)| [*x, *y, *z]).collect();
+    let ways =
+        rows.windows(2).map(|pair| (0..3).map(|axis| (pair[1][axis] - pair[0][axis]).abs()).sum::<f64>());
+    let mut ways: Vec<f64> = ways.filter(|way| way.is_finite()).collect();
+    if ways.is_empty() { 0.0 } else { median(&mut ways) }
 }
 
 /// An axis that keeps its value while the others go on, and then catches up.

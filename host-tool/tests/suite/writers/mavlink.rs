@@ -58,3 +58,49 @@ pub fn status(version: u8, stamp_us: u64, volts: f64, amperes: f64) -> Vec<u8> {
     payload.extend([0; 13]);
     packet(version, stamp_us, 1, 124, &payload)
 }
+
+/// `SCALED_IMU` (26), `SCALED_IMU2` (116), `SCALED_IMU3` (129): mG of gravity, mrad/s, milligauss, hundredths of a degree.
+pub fn scaled_imu(
+    version: u8,
+    stamp_us: u64,
+    boot_ms: u64,
+    id: u8,
+    values: [i16; 9],
+    centidegrees: i16,
+) -> Vec<u8> {
+    let extra = match id {
+        26 => 170,
+        116 => 76,
+        129 => 46,
+        other => panic!("message {other}"),
+    };
+    let mut payload = (boot_ms as u32).to_le_bytes().to_vec();
+    values.iter().for_each(|value| payload.extend(value.to_le_bytes()));
+    if version == 2 {
+        payload.extend(centidegrees.to_le_bytes());
+    }
+    packet(version, stamp_us, id, extra, &payload)
+}
+
+/// `HIGHRES_IMU`: m/s², rad/s, gauss, degrees.
+pub fn highres_imu(version: u8, stamp_us: u64, boot_us: u64, values: [[f64; 3]; 3], celsius: f64) -> Vec<u8> {
+    let mut payload = boot_us.to_le_bytes().to_vec();
+    let pressures = [1013.2, 0.1, 12.0];
+    let all = values.iter().flatten().chain(&pressures).chain(std::iter::once(&celsius));
+    all.for_each(|value| payload.extend((*value as f32).to_le_bytes()));
+    payload.extend(0x1fff_u16.to_le_bytes());
+    packet(version, stamp_us, 105, 93, &payload)
+}
+
+/// `BATTERY_STATUS`: amperes and degrees, where they are measured.
+pub fn battery(version: u8, stamp_us: u64, id: u8, amperes: Option<f64>, celsius: Option<f64>) -> Vec<u8> {
+    let hundredths =
+        |value: Option<f64>, none: i16| value.map_or(none, |value| (value * 100.0).round() as i16);
+    let mut payload = 0_i32.to_le_bytes().to_vec();
+    payload.extend(0_i32.to_le_bytes());
+    payload.extend(hundredths(celsius, i16::MAX).to_le_bytes());
+    (0..10).for_each(|cell| payload.extend(if cell < 4 { 4020_u16 } else { u16::MAX }.to_le_bytes()));
+    payload.extend(hundredths(amperes, -1).to_le_bytes());
+    payload.extend([id, 0, 1, 80]);
+    packet(version, stamp_us, 147, 154, &payload)
+}
