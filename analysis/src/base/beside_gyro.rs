@@ -20,6 +20,10 @@ const MOST_RAD: f64 = 0.25;
 const LEAST_WINDOWS: usize = 30;
 /// What is regressed out: bias, gains and axes, delay.
 const COLUMNS: usize = 13;
+/// So many of the windows are asked; the others may hold what passed by ...
+const MOST: f64 = 0.7;
+/// ... and are left out of what is regressed from so many times theirs.
+const BEYOND: f64 = 3.0;
 /// Across the field noise and effects make about the error that they make along it (1.0 to 1.6 times as much in 20 recordings and
 /// simulated logs); so much more is another field ...
 const ACROSS: f64 = 3.0;
@@ -35,15 +39,6 @@ pub struct BesideGyro {
     pub windows: usize,
 }
 
-/// Sums of a least squares fit over windows.
-#[derive(Default)]
-struct Sums {
-    normal: SMatrix<f64, COLUMNS, COLUMNS>,
-    right: SVector<f64, COLUMNS>,
-    squares: f64,
-    windows: usize,
-}
-
 /// The turn of a window, and how it follows the gyro's bias, gains and axes.
 struct Window {
     first: usize,
@@ -52,37 +47,59 @@ struct Window {
     follows: SMatrix<f64, 3, 12>,
 }
 
-impl Sums {
-    fn add(&mut self, window: &Window, before: [Vector3<f64>; 2], after: [Vector3<f64>; 2]) {
+/// What a window leaves, and how that follows what is regressed out.
+struct Left {
+    left: Vector3<f64>,
+    follows: SMatrix<f64, 3, COLUMNS>,
+}
+
+impl Left {
+    /// Of the field and the turn of the board at the window's two ends.
+    fn of(window: &Window, before: [Vector3<f64>; 2], after: [Vector3<f64>; 2]) -> Left {
         let ([v0, rate0], [v1, rate1]) = (before, after);
         let there = window.turn * v1;
-        let by_gyro = -(there.cross_matrix() * window.follows);
-        let late = rate0.cross(&v0) - window.turn * rate1.cross(&v1);
-        let left = there - v0;
-        for axis in 0..3 {
-            let mut row = SVector::<f64, COLUMNS>::zeros();
-            (0..12).for_each(|column| row[column] = by_gyro[(axis, column)]);
-            row[12] = late[axis];
-            self.normal += row * row.transpose();
-            self.right += row * left[axis];
-            self.squares += left[axis] * left[axis];
-        }
-        self.windows += 1;
+        let mut follows = SMatrix::<f64, 3, COLUMNS>::zeros();
+        follows.fixed_columns_mut::<12>(0).copy_from(&-(there.cross_matrix() * window.follows));
+        follows.set_column(12, &(rate0.cross(&v0) - window.turn * rate1.cross(&v1)));
+        Left { left: there - v0, follows }
     }
 
-    /// Rms of one axis across the vector, of one end of a window.
-    fn left(&self) -> Option<f64> {
-        if self.windows < LEAST_WINDOWS {
-            return None;
-        }
-        let mut normal = self.normal;
-        // A board that is not turned about an axis leaves that axis's gains open: they are then no part of what is left either.
-        let ridge = 1e-9 * normal.trace() / COLUMNS as f64;
-        (0..COLUMNS).for_each(|i| normal[(i, i)] += ridge);
-        let explained = normal.cholesky()?.solve(&self.right).dot(&self.right);
-        let freedom = (2 * self.windows - COLUMNS) as f64;
-        Some(((self.squares - explained).max(0.0) / freedom / 2.0).sqrt()).filter(|left| left.is_finite())
+    fn beside(&self, found: &SVector<f64, COLUMNS>) -> f64 {
+        (self.left - self.follows * found).norm()
     }
+}
+
+/// What is regressed out, by least squares over these windows.
+fn regressed<'l>(list: impl Iterator<Item = &'l Left>) -> Option<SVector<f64, COLUMNS>> {
+    let mut normal = SMatrix::<f64, COLUMNS, COLUMNS>::zeros();
+    let mut right = SVector::<f64, COLUMNS>::zeros();
+    for one in list {
+        normal += one.follows.transpose() * one.follows;
+        right += one.follows.transpose() * one.left;
+    }
+    // A board that is not turned about an axis leaves that axis's gains open: they are then no part of what is left either.
+    let ridge = 1e-9 * normal.trace() / COLUMNS as f64;
+    (0..COLUMNS).for_each(|i| normal[(i, i)] += ridge);
+    Some(normal.cholesky()?.solve(&right))
+}
+
+/// Rms of one axis across the field, of one end of a window, as most windows have it: a magnet that passes by is none of the place's.
+fn of_most(list: &[Left]) -> Option<f64> {
+    if list.len() < LEAST_WINDOWS {
+        return None;
+    }
+    // A length across two axes stays below this many times the rms of one in `MOST` of all windows (Rayleigh).
+    let of_rms = (-2.0 * (1.0 - MOST).ln()).sqrt();
+    let quantile = |found: &SVector<f64, COLUMNS>| {
+        let mut lengths: Vec<f64> = list.iter().map(|one| one.beside(found)).collect();
+        lengths.sort_by(f64::total_cmp);
+        lengths[(MOST * (lengths.len() - 1) as f64) as usize]
+    };
+    let found = regressed(list.iter())?;
+    let limit = BEYOND * quantile(&found);
+    let found = regressed(list.iter().filter(|one| one.beside(&found) < limit))?;
+    let freedom = 1.0 - COLUMNS as f64 / (2 * list.len()) as f64;
+    Some(quantile(&found) / of_rms / (2.0 * freedom).sqrt()).filter(|left| left.is_finite())
 }
 
 /// The windows of a log, one after the other; the gyro's rates are turned into the corrected field's axes.
@@ -130,13 +147,13 @@ pub fn beside_gyro(samples: &Samples, corrected_ut: &[[f64; 3]], field_ut: f64) 
     let rate: Vec<Option<Vector3<f64>>> = (samples.readings.iter())
         .map(|reading| reading.turn_radps.map(|rate| frame.transpose() * Vector3::from(rate)))
         .collect();
-    let mut sums = Sums::default();
+    let mut list = Vec::new();
     for window in windows(time, &rate) {
         let (first, last) = (window.first, window.last);
         let (Some(before), Some(after)) = (rate[first], rate[last]) else { continue };
-        sums.add(&window, [field[first], before], [field[last], after]);
+        list.push(Left::of(&window, [field[first], before], [field[last], after]));
     }
-    Some(BesideGyro { field: sums.left()?, windows: sums.windows })
+    Some(BesideGyro { field: of_most(&list)?, windows: list.len() })
 }
 
 impl BesideGyro {

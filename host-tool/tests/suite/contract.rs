@@ -4,7 +4,7 @@ use crate::common::{Run, folder, ironout, write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const FIT_KEYS: [&str; 18] = [
+const FIT_KEYS: [&str; 19] = [
     "method",
     "samples_used",
     "samples_set_aside",
@@ -19,6 +19,7 @@ const FIT_KEYS: [&str; 18] = [
     "residual_floor_ut",
     "residual_floor_least_ut",
     "heading_error_deg",
+    "predicted_error_ut",
     "coverage",
     "gap_deg",
     "accepted",
