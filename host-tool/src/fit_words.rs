@@ -217,18 +217,18 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut L
     if let Some(own) = fitted.accelerometer {
         let triple = |v: [f64; 3]| v.map(|v| format!("{v:9.3}")).concat();
         out.line(&format!(
-            "accelerometer       {:9.3} m/s²          spread of its length; {:.3} m/s² once it is calibrated, as this fit does:",
+            "accelerometer       {:9.3} m/s²          spread of its magnitude; {:.3} m/s² with this calibration, which the fit uses:",
             own.before_mps2, own.after_mps2
         ));
         out.line(&format!("  its offset        {} m/s²", triple(own.offset_mps2)));
         for (row, values) in own.matrix.into_iter().enumerate() {
             out.line(&format!("  {:<18}{}", if row == 0 { "its matrix" } else { "" }, triple(values)));
         }
-        out.line("  heading and alignment hold with these: gravity = matrix · (measured − offset)");
+        out.line("  use it for the heading too: gravity = matrix · (measured − offset)");
     }
     if let Some(beside) = fitted.beside_gyro {
         out.line(&format!(
-            "beside the gyro     {}   what it leaves of the field's direction within two seconds, rms of an axis",
+            "beside the gyro     {}   departure of the field's direction over two seconds, rms per axis",
             both(Some(beside.field * solution.calibration.field_ut))
         ));
     }

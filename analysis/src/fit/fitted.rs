@@ -202,6 +202,7 @@ impl Fitted {
 
     /// The corrected field beside the gyro.
     fn held_against_gyro(counted: &Counted, solution: &Solution, registry: Registry) -> Option<BesideGyro> {
+        counted.table.gyro_radps?;
         let entries: Vec<EffectEntry> = solution.effects.iter().map(EffectEntry::from).collect();
         let whole = calibrated(solution.calibration, &entries, registry).ok()?;
         let corrector = Corrector::new(whole, counted.table).ok()?;
@@ -244,9 +245,8 @@ impl Fitted {
 /// The reason where the gyro turns otherwise than the field; both figures are over the field.
 fn of_another_field(across: f64, along: f64) -> String {
     format!(
-        "the field is not the same everywhere the board was: within two seconds its direction goes {:.1} % of the field away from where the \
-         gyro says it must be, {:.1} times the error of the magnitude; a calibration needs one field: keep away from magnets, steel and \
-         cables, and turn the board about one spot",
+        "the field differs from place to place: over two seconds its direction departs from the gyro by {:.1} % of the field, {:.1} times the \
+         error of the magnitude. Keep away from magnets, steel and cables, and turn the board about one spot",
         100.0 * across,
         across / along
     )
