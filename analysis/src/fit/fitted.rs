@@ -9,6 +9,7 @@ use crate::base::solution::Solution;
 use crate::calibration::{Accelerometer, EffectEntry};
 use crate::correct::Corrector;
 use crate::effects::calibrated;
+use crate::fit::turn::where_to_turn;
 use crate::outcome::contradiction::Contradiction;
 use crate::outcome::outcome::Diagnosis;
 use crate::outcome::request::Options;
@@ -178,13 +179,23 @@ impl Fitted {
         let mut refusals = verdict.reasons.iter().filter(|reason| reason.refuses()).peekable();
         self.only_saturated =
             refusals.peek().is_some() && refusals.all(|reason| matches!(reason, Reason::Saturated { .. }));
+        let vector_percent = 100.0 * solution.vector_error_ut() / calibration.field_ut;
         let all_round = coverage.fraction > ALL_ROUND && coverage.gap_deg < ALL_ROUND_GAP_DEG;
         self.reasons = (verdict.reasons.iter())
             .map(|reason| match reason {
                 Reason::ErrorTooLarge { percent, .. } if shown_by_unseen => {
                     of_unseen_time(*percent, self.adds)
                 }
-                other => in_words(other, all_round),
+                Reason::ErrorTooLarge { .. } if !all_round => {
+                    let start_down = counted.samples.readings.iter().find_map(|reading| reading.down);
+                    format!(
+                        "the predicted error of the corrected vector is {vector_percent:.1} % of the field, more than {:.0} %: {}",
+                        100.0 * MAX_PREDICTED_ERROR,
+                        where_to_turn(coverage.gap_direction, start_down, self.dip_deg)
+                    )
+                }
+                Reason::ErrorTooLarge { .. } => of_a_short_log(vector_percent),
+                other => other.to_string(),
             })
             .collect();
         if let Some(beside) = self.varying_field(&solution) {
@@ -267,17 +278,14 @@ fn of_unseen_time(percent: f64, adds: bool) -> String {
     )
 }
 
-/// A reason; where the board was turned `all_round`, more directions are no remedy.
-fn in_words(reason: &Reason, all_round: bool) -> String {
-    match reason {
-        Reason::ErrorTooLarge { percent, .. } if all_round => format!(
-            "the predicted error of the corrected vector is {percent:.1} % of the field, more than {:.0} %, though all directions \
-             were seen: the error is too large beside the length of the log; record longer, and see with ironout diagnose what \
-             is missing in the model",
-            MAX_PREDICTED_ERROR * 100.0
-        ),
-        other => other.to_string(),
-    }
+/// The reason where the board was turned all round: more directions are no remedy.
+fn of_a_short_log(percent: f64) -> String {
+    format!(
+        "the predicted error of the corrected vector is {percent:.1} % of the field, more than {:.0} %, though all directions \
+         were seen: the error is too large beside the length of the log; record longer, and see with ironout diagnose what \
+         is missing in the model",
+        100.0 * MAX_PREDICTED_ERROR
+    )
 }
 
 /// Median angle of the corrected field below the horizon that the accelerometer shows, degrees; `None` without one. The

@@ -5,3 +5,4 @@ pub mod extended;
 pub mod fitted;
 pub mod ids;
 pub mod run;
+pub(crate) mod turn;

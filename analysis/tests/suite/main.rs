@@ -6,4 +6,5 @@ mod borne_out;
 mod broken_numbers;
 mod kin;
 mod modes;
+mod one_column;
 mod search;
