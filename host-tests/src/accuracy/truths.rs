@@ -188,6 +188,15 @@ pub fn each(
     of: impl Fn(u64) -> Outcome + Sync,
     say: impl Fn(&Outcome) + Sync,
 ) -> Vec<Outcome> {
+    in_parallel(numbers, |number| {
+        let outcome = of(number);
+        say(&outcome);
+        outcome
+    })
+}
+
+/// What is `of` each number, on two threads, in their order.
+pub fn in_parallel<T: Send>(numbers: std::ops::Range<u64>, of: impl Fn(u64) -> T + Sync) -> Vec<T> {
     let next = AtomicU64::new(numbers.start);
     let list = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
@@ -198,16 +207,15 @@ pub fn each(
                     if number >= numbers.end {
                         return;
                     }
-                    let outcome = of(number);
-                    say(&outcome);
-                    list.lock().unwrap_or_else(PoisonError::into_inner).push(outcome);
+                    let made = of(number);
+                    list.lock().unwrap_or_else(PoisonError::into_inner).push((number, made));
                 }
             });
         }
     });
     let mut list = list.into_inner().unwrap_or_else(PoisonError::into_inner);
-    list.sort_by_key(|outcome| outcome.number);
-    list
+    list.sort_by_key(|(number, _)| *number);
+    list.into_iter().map(|(_, made)| made).collect()
 }
 
 /// How many of them.

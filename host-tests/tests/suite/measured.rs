@@ -32,7 +32,7 @@ fn every_marked_table_is_that_of_a_snapshot() {
     assert_eq!(tables.len(), document.matches(":begin -->\n").count(), "a marked table is not plain text");
     for name in ["m4", TIMES, "accuracy-paper", "accuracy-sweep", "accuracy-verdicts", "accuracy-correlated"]
         .into_iter()
-        .chain(["accuracy-effects", "accuracy-irrelevant", "accuracy-truths"])
+        .chain(["accuracy-effects", "accuracy-irrelevant", "accuracy-truths", "accuracy-predicted"])
     {
         assert!(tables.iter().any(|(own, _)| own == name), "the document has lost its table {name}");
     }
@@ -46,7 +46,7 @@ fn every_marked_table_is_that_of_a_snapshot() {
 fn every_snapshot_is_shown() {
     let document = document();
     let shown: Vec<&str> = document.lines().collect();
-    for name in ["accuracy.txt", "effects.txt", "irrelevant.txt", "m4.txt", "truths.txt"] {
+    for name in ["accuracy.txt", "effects.txt", "irrelevant.txt", "m4.txt", "truths.txt", "predicted.txt"] {
         let file = format!("{}/snapshots/{name}", env!("CARGO_MANIFEST_DIR"));
         let text = std::fs::read_to_string(file).expect("the snapshot lies in the repository");
         // The first line of this one is a heading of its own.
