@@ -26,12 +26,19 @@ fn main() -> ExitCode {
         }
     }
     if errors {
-        return alone_predicted(&measured_predicted(), json, accept);
+        let table = measured_predicted();
+        let printed = if json { table.json().to_string() } else { table.text() };
+        let held = if accept { table.store() } else { table.hold() };
+        return exit_code(alone("--predicted", &printed, held));
     }
     eprintln!("calibrations and verdicts …");
     let solvers = table::measure(table::FULL);
     if calibrations {
-        return alone(&solvers, json, accept);
+        let printed = if json { solvers.json().to_string() } else { solvers.text() };
+        let held =
+            if accept { solvers.store() } else { snapshot::hold(&table::snapshot_path(), &solvers.text()) };
+        let is_held = alone("--calibrations", &printed, held);
+        return exit_code(accepts_none_wrongly(&solvers) && is_held);
     }
     eprintln!("hidden effects, minutes …");
     let effects = Effects::measure(SEEDS, |line| eprintln!("{line}"));
@@ -81,49 +88,28 @@ fn main() -> ExitCode {
         eprintln!("irrelevant effects are accepted too often");
         good = false;
     }
+    exit_code(good)
+}
+
+fn exit_code(good: bool) -> ExitCode {
     if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// The table of predicted errors by itself.
-fn alone_predicted(table: &Predicted, json: bool, accept: bool) -> ExitCode {
-    if json {
-        println!("{}", table.json());
-    } else {
-        print!("{}", table.text());
-    }
-    match if accept { table.store() } else { table.hold() } {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!(
-                "{error}\nif the change is meant: cargo accuracy --predicted --accept, and look at the difference"
-            );
-            ExitCode::FAILURE
-        }
-    }
-}
-
-/// Measures it, a line for each kind as it begins.
+/// The table of predicted errors, a line for each kind as it begins.
 fn measured_predicted() -> Predicted {
     eprintln!("predicted errors, minutes …");
     Predicted::measure(predicted::LOGS, |kind| eprintln!("{kind}"))
 }
 
-/// The table of calibrations and verdicts by itself.
-fn alone(solvers: &table::Report, json: bool, accept: bool) -> ExitCode {
-    if json {
-        println!("{}", solvers.json());
-    } else {
-        print!("{}", solvers.text());
-    }
-    let held =
-        if accept { solvers.store() } else { snapshot::hold(&table::snapshot_path(), &solvers.text()) };
+/// A table by itself, measured by this `option` alone: `printed`, and `held` to its snapshot or stored as one.
+fn alone(option: &str, printed: &dyn std::fmt::Display, held: std::io::Result<()>) -> bool {
+    println!("{printed}");
     if let Err(error) = &held {
         eprintln!(
-            "{error}\nif the change is meant: cargo accuracy --calibrations --accept, and look at the difference"
+            "{error}\nif the change is meant: cargo accuracy {option} --accept, and look at the difference"
         );
     }
-    let good = accepts_none_wrongly(solvers);
-    if held.is_ok() && good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    held.is_ok()
 }
 
 /// Whether no calibration of limited attitude was accepted that is off; says so where one was.
