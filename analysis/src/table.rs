@@ -1,7 +1,9 @@
 //! The log as the diagnosis sees it: borrowed columns.
 
 use crate::calibration::Accelerometer;
+use crate::samples::gravity::QuietForce;
 use crate::track::{Place, Track};
+use nalgebra::Matrix3;
 use std::sync::OnceLock;
 
 /// Borrowed columns of equal length. A missing cell is NaN.
@@ -31,11 +33,13 @@ pub struct Table<'a> {
 #[derive(Debug, Clone, Default)]
 pub struct Derived {
     /// Specific force without the board's own acceleration, m/s² ([`crate::samples::gravity`]).
-    pub(crate) quiet_force_mps2: OnceLock<Option<[Vec<f64>; 3]>>,
+    pub(crate) quiet_force: OnceLock<Option<QuietForce>>,
     /// What its own calibration makes of the accelerometer, m/s².
     pub(crate) corrected_force_mps2: OnceLock<Option<[Vec<f64>; 3]>>,
     /// That calibration, where it has something to correct.
     pub(crate) accelerometer: OnceLock<Option<Accelerometer>>,
+    /// Second moment of the zero error that is left, (m/s²)².
+    pub(crate) zero_error_square: OnceLock<Matrix3<f64>>,
 }
 
 /// A column that the log format asks for and that is not there, or one whose length is not that of the others.

@@ -3,12 +3,12 @@
 //! The dip is fitted with offset, triangle and effects as the magnitude gave them. Their errors pass on: with `N = JᵀJ` of
 //! the dip's own columns `J` and `K = ∂dip/∂β` the estimate moves by `G δβ`, `G = −N⁻¹JᵀK`. The two residuals share
 //! hardly any noise (one sees it along the field, the other across), so
-//! `Cov = σ²τ N⁻¹ + G Cov(β) Gᵀ`.
+//! `Cov = σ²τ N⁻¹ + G Cov(β) Gᵀ + Z Cov(z) Zᵀ`, where `z` are the zero errors that accelerometer and gyro may have, and `Z = N⁻¹Jᵀ∂dip/∂z`.
 
 use crate::base::engine::Pass;
 use crate::base::piece::{BadShape, COLUMNS, Piece};
-use crate::base::scores::Scores;
 use crate::samples::samples::Samples;
+use crate::samples::scores::Scores;
 use crate::samples::series::Autocorrelation;
 use ironout::study::{Model, Residual};
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, Vector3};
@@ -19,7 +19,7 @@ pub type Rows = [[f64; COLUMNS]];
 /// Errors of the dip's parameters: rotation (3), sine of the dip, and the delay if there is one.
 #[derive(Debug, Clone)]
 pub struct DipErrors {
-    /// Covariance from the dip's own noise.
+    /// Covariance from the dip's own noise and the accelerometer's zero error.
     own: DMatrix<f64>,
     /// `G`: how they follow offset (3), triangle (6) and the effects' coefficients.
     follows: DMatrix<f64>,
@@ -53,6 +53,8 @@ impl DipErrors {
         let list: Vec<&Piece> = pieces.iter().chain(lag).collect();
         let mut normal = DMatrix::<f64>::zeros(own_columns, own_columns);
         let mut cross = DMatrix::<f64>::zeros(own_columns, others);
+        let mut accel_zero = DMatrix::<f64>::zeros(own_columns, 3);
+        let mut gyro_zero = accel_zero.clone();
         let mut residuals = Vec::with_capacity(samples.len());
         let mut scores = Scores::new(own_columns, samples.len());
         let mut own = DVector::<f64>::zeros(own_columns);
@@ -80,6 +82,10 @@ impl DipErrors {
             for (slot, value) in row[..base].iter().chain(&row[base + effects..][..late]).enumerate() {
                 own[slot] = *value;
             }
+            let by_down = (u - down * sine) / (1.0 - sine * sine).max(0.01).sqrt();
+            let (by_accel, by_gyro) = samples.down_follows(sample, &down);
+            accel_zero.ger(1.0, &own, &(by_accel.transpose() * by_down), 1.0);
+            gyro_zero.ger(1.0, &own, &(by_gyro.transpose() * by_down), 1.0);
             normal.ger(1.0, &own, &own, 1.0);
             cross.ger(1.0, &own, &given, 1.0);
             residuals.push(residual);
@@ -94,6 +100,10 @@ impl DipErrors {
         let squares: f64 = residuals.iter().map(|r| r * r).sum();
         let variance = squares / freedom * Autocorrelation::of(&residuals).time;
         let own = never_below(&inverse * variance, &(&inverse * scores.spread() * &inverse));
+        let (by_accel, by_gyro) = (&inverse * accel_zero, &inverse * gyro_zero);
+        let own = own
+            + &by_accel * samples.zero_error_square * by_accel.transpose()
+            + &by_gyro * samples.gyro_zero_covariance * by_gyro.transpose();
         let errors = DipErrors { follows: -(&inverse * cross), own };
         let finite = errors.own.iter().chain(errors.follows.iter()).all(|value| value.is_finite());
         Ok(finite.then_some(errors))

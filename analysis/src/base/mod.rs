@@ -25,6 +25,5 @@ pub mod prior;
 pub mod quality;
 pub mod residuals;
 pub mod rest;
-pub mod scores;
 pub mod solution;
 pub mod start;

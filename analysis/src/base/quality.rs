@@ -3,11 +3,11 @@
 use crate::base::engine::{Fitted, Pass};
 use crate::base::known::Known;
 use crate::base::piece::{COLUMNS, Matrix, Piece};
-use crate::base::scores::Scores;
 use crate::noise::colour::{Colour, Seen};
 use crate::noise::shared::together;
 use crate::noise::still::Still;
 use crate::noise::turning::Turning;
+use crate::samples::scores::Scores;
 use crate::samples::series::{Autocorrelation, rms, second_difference_sigma};
 use ironout::effect::{Quantities, no_shape};
 use ironout::study::{PhysicalPrior, Residual};

@@ -5,10 +5,11 @@
 //! error of the sensor, and no calibration lowers it).
 
 use crate::calibration::{Accelerometer, STANDARD_GRAVITY_MPS2};
+use crate::samples::told::Told;
 use crate::table::Table;
 use ironout::fit::{FitOptions, MAX_PREDICTED_ERROR, fit};
 use ironout::scatter::ScatterBuilder;
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 
 /// Parts of a log.
 const PARTS: usize = 10;
@@ -70,6 +71,38 @@ pub fn accelerometer(table: &Table<'_>) -> Option<Accelerometer> {
     (certain && matters && is_known).then_some(Accelerometer { before_mps2, after_mps2, ..whole })
 }
 
+/// Zero errors before a log says more, m/s²: typical ones in the data sheets of LSM6DSO and BMI270 are 20 mg, of LIS3DH and LSM303AGR 40.
+const ZERO_MPS2: f64 = 0.2;
+/// Gains before a log says more, in m/s² at gravity: tenfold what data sheets allow, since a hand's acceleration makes readings longer.
+const GAIN_MPS2: f64 = 1.0;
+
+/// Second moment of the zero error that an accelerometer is expected to have, (m/s²)²: what data sheets allow, narrowed by what the
+/// lengths of its readings say. `|a| − g = a₀·û + Σ gᵢûᵢ²` is linear in zero `a₀` and gains; the errors of these are those of batch means, since a
+/// hand's acceleration goes with the motion. The zero itself is not corrected, so that it is part of the moment.
+pub fn zero_error_square(axes: [&[f64]; 3]) -> Matrix3<f64> {
+    let rows = axes[0].len();
+    let row = |row: usize| {
+        let force = Vector3::from_fn(|axis, _| axes[axis][row]);
+        let length = force.norm();
+        let u = force / length;
+        let known = length.is_finite() && length > 0.0;
+        known.then(|| (SVector::from([u.x, u.y, u.z, u.x * u.x, u.y * u.y, u.z * u.z]), length))
+    };
+    let prior = SVector::from([ZERO_MPS2, ZERO_MPS2, ZERO_MPS2, GAIN_MPS2, GAIN_MPS2, GAIN_MPS2])
+        .map(|spread| 1.0 / (spread * spread));
+    let (mut normal, mut right) = (SMatrix::<f64, 6, 6>::zeros(), SVector::<f64, 6>::zeros());
+    for (column, length) in (0..rows).filter_map(row) {
+        normal += column * column.transpose();
+        right += column * (length - STANDARD_GRAVITY_MPS2);
+    }
+    let mut told = Told::new(normal, right, prior, rows);
+    for (at, (column, length)) in (0..rows).filter_map(|at| Some((at, row(at)?))) {
+        told.add(at, column, length - STANDARD_GRAVITY_MPS2);
+    }
+    let (mean, covariance) = told.posterior();
+    (covariance + mean * mean.transpose()).fixed_view::<3, 3>(0, 0).into_owned()
+}
+
 /// Of all parts but one, and the predicted error of what it corrects, m/s².
 fn fitted(sums: &[ScatterBuilder], without: Option<usize>) -> Option<(Accelerometer, f64)> {
     let mut sum = ScatterBuilder::new([0.0; 3]);
@@ -92,4 +125,50 @@ fn fitted(sums: &[ScatterBuilder], without: Option<usize>) -> Option<(Accelerome
         after_mps2: 0.0,
     };
     known.then_some((own, report.predicted_error_ut / AS_FIELD))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Attitudes all around, one after the other, of a gravity that an accelerometer with this zero error reads; a hand adds so much, slowly.
+    fn moment(zero: [f64; 3], hand_mps2: f64, level: bool) -> Matrix3<f64> {
+        let rows = 3000;
+        let mut axes: [Vec<f64>; 3] = Default::default();
+        for row in 0..rows {
+            let t = f64::from(row) * 0.02;
+            let z = if level { 1.0 } else { (0.9 * t).sin() };
+            let across = (1.0_f64 - z * z).max(0.0).sqrt();
+            let u = [across * (0.37 * t).cos(), across * (0.37 * t).sin(), z];
+            let hand =
+                [hand_mps2 * (5.3 * t).sin(), hand_mps2 * (4.1 * t).cos(), hand_mps2 * (6.7 * t).sin()];
+            (0..3).for_each(|i| axes[i].push(STANDARD_GRAVITY_MPS2 * u[i] + zero[i] + hand[i]));
+        }
+        zero_error_square(axes.each_ref().map(Vec::as_slice))
+    }
+
+    #[test]
+    fn lengths_tell_a_zero_error_as_far_as_the_attitudes_go() {
+        let zero = [0.1, -0.05, 0.02];
+        let told = moment(zero, 0.0, false);
+        for (axis, value) in zero.into_iter().enumerate() {
+            assert!((told[(axis, axis)].sqrt() - value.abs()).abs() < 0.02, "{told}");
+        }
+        let none = moment([0.0; 3], 0.0, false);
+        assert!((0..3).all(|axis| none[(axis, axis)].sqrt() < 0.01), "{none}");
+        let level = moment([0.0; 3], 0.0, true);
+        assert!((0..2).all(|axis| (level[(axis, axis)].sqrt() - ZERO_MPS2).abs() < 1e-3), "{level}");
+        // A hand makes it less certain, and never more than what chips have.
+        let shaken = moment([0.0; 3], 2.0, false);
+        assert!((0..3).all(|axis| shaken[(axis, axis)] > none[(axis, axis)]), "{shaken}");
+    }
+
+    #[test]
+    fn nothing_is_known_of_nothing() {
+        let none = [f64::NAN; 30];
+        for moment in [zero_error_square([&none; 3]), zero_error_square([&[]; 3])] {
+            let prior = Matrix3::from_diagonal_element(ZERO_MPS2 * ZERO_MPS2);
+            assert!((moment - prior).norm() < 1e-12, "{moment}");
+        }
+    }
 }

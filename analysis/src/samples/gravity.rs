@@ -10,8 +10,9 @@
 use crate::calibration::{Accelerometer, STANDARD_GRAVITY_MPS2};
 use crate::samples::accelerometer;
 use crate::samples::series::median;
+use crate::samples::told::Told;
 use crate::table::Table;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// Time constant of the average, s: the accelerations of a hand are shorter, and what the gyro's drift adds to it is small.
 const TIME_CONSTANT_S: f64 = 2.0;
@@ -21,18 +22,64 @@ const MAX_STEP_S: f64 = 0.5;
 const MAX_TURN_RAD: f64 = 0.7;
 /// Fewer rows say nothing, as in [`crate::base::alignment`].
 const MIN_ROWS: usize = 20;
+/// At most so many rows are marked with what they follow: neighbours follow the same.
+const MAX_MARKS: usize = 50_000;
+/// The first step comes within a twentieth of an error of 5 °/s, the second to a four-hundredth.
+const GAUSS_NEWTON_STEPS: usize = 2;
+/// Zero errors of gyros before a log says more, rad/s: data sheets have 1 °/s (LSM6DSO), 3 (BMI160), 5 (ICM-20948).
+const GYRO_ZERO_RADPS: f64 = 0.05;
 /// Averages that a right gyro brings into one frame keep the length of gravity; turned by a wrong one they cancel. Right gyros of ten recordings
 /// leave 99.5 % and more in the median, gyros with swapped axes or signs 40 to 92 %.
 const MIN_LENGTH_KEPT: f64 = 0.97;
 
+/// Specific force without the board's own acceleration, in body axes, against gravity and with its usual length.
+#[derive(Debug, Clone)]
+pub struct QuietForce {
+    /// m/s²; NaN where nothing is known.
+    pub mps2: [Vec<f64>; 3],
+    /// How it follows errors of the sensors, at every so many rows.
+    follows: Vec<Follows>,
+    every: usize,
+    /// Covariance of what is left of the gyro's zero error, (rad/s)².
+    pub gyro_zero_covariance: Matrix3<f64>,
+}
+
+/// How the quiet force of a row follows constant errors of the sensors.
+#[derive(Debug, Clone, Copy)]
+pub struct Follows {
+    /// An error of the accelerometer's zero turns with the board and partly averages out: m/s² per m/s², the length apart.
+    pub accel: Matrix3<f64>,
+    /// An error of the gyro's zero turns the rows before and after against each other: rotation vector in body axes, rad per rad/s.
+    pub gyro_s: Matrix3<f64>,
+}
+
+impl QuietForce {
+    /// At a row.
+    pub fn follows(&self, row: usize) -> Option<Follows> {
+        self.follows.get(row / self.every).copied()
+    }
+}
+
 /// Specific force of a table, m/s², calibrated where it needs it, without the board's own acceleration where the gyro tells it; else as the accelerometer has it.
 pub fn of_table<'t>(table: &'t Table<'_>) -> Option<[&'t [f64]; 3]> {
-    let accel = corrected(table);
-    let quiet = table
+    match quiet(table) {
+        Some(quiet) => Some(quiet.mps2.each_ref().map(Vec::as_slice)),
+        None => corrected(table),
+    }
+}
+
+/// The same where the gyro tells the board's own acceleration.
+pub fn quiet<'t>(table: &'t Table<'_>) -> Option<&'t QuietForce> {
+    let make = || quiet_force(table.time_s?, corrected(table)?, table.gyro_radps?);
+    table.derived.quiet_force.get_or_init(make).as_ref()
+}
+
+/// Second moment of the zero error that the specific force of a table is still expected to have, (m/s²)².
+pub fn zero_error_square(table: &Table<'_>) -> Matrix3<f64> {
+    *table
         .derived
-        .quiet_force_mps2
-        .get_or_init(|| quiet_force_mps2(table.time_s?, accel?, table.gyro_radps?));
-    quiet.as_ref().map(|axes| axes.each_ref().map(Vec::as_slice)).or(accel)
+        .zero_error_square
+        .get_or_init(|| corrected(table).map_or_else(Matrix3::zeros, accelerometer::zero_error_square))
 }
 
 /// The calibration of the accelerometer that a table shows, where there is something to correct.
@@ -54,18 +101,9 @@ fn corrected<'t>(table: &'t Table<'_>) -> Option<[&'t [f64]; 3]> {
     corrected.as_ref().map(|axes| axes.each_ref().map(Vec::as_slice)).or(table.accel_mps2)
 }
 
-/// Specific force without the board's own acceleration, m/s², in body axes: against gravity, with its usual length. A row is NaN where
-/// nothing is known. `None` where the gyro does not turn as the accelerometer does.
-fn quiet_force_mps2(
-    time_s: &[f64],
-    accel_mps2: [&[f64]; 3],
-    gyro_radps: [&[f64]; 3],
-) -> Option<[Vec<f64>; 3]> {
+/// `None` where the gyro does not turn as the accelerometer does.
+fn quiet_force(time_s: &[f64], accel_mps2: [&[f64]; 3], gyro_radps: [&[f64]; 3]) -> Option<QuietForce> {
     let rows = time_s.len();
-    let vector = |axes: &[&[f64]; 3], row: usize| {
-        let vector = Vector3::from_fn(|axis, _| axes[axis][row]);
-        vector.iter().all(|value| value.is_finite()).then_some(vector)
-    };
     let mut lengths: Vec<f64> =
         (0..rows).filter_map(|row| Some(vector(&accel_mps2, row)?.norm())).filter(|n| *n > 0.0).collect();
     if lengths.len() < MIN_ROWS {
@@ -73,52 +111,191 @@ fn quiet_force_mps2(
     }
     // Shaking makes the readings longer than gravity, and no scale error is that large.
     let gravity_mps2 = median(&mut lengths).min(STANDARD_GRAVITY_MPS2);
-    // How the board turned from the row before; `None` begins a new stretch.
-    let turn = |row: usize| {
-        let step_s = time_s[row] - time_s[row - 1];
-        let turn = 0.5 * (vector(&gyro_radps, row - 1)? + vector(&gyro_radps, row)?) * step_s;
-        (step_s <= MAX_STEP_S && turn.norm() <= MAX_TURN_RAD).then(|| UnitQuaternion::from_scaled_axis(turn))
-    };
-    let mut frames = vec![UnitQuaternion::identity(); rows];
-    let mut begins = vec![true; rows];
-    for row in 1..rows {
-        if let Some(turn) = turn(row) {
-            frames[row] = frames[row - 1] * turn;
-            begins[row] = false;
-        }
+    let mut windows = Windows::new(time_s, accel_mps2, gyro_radps, Vector3::zeros());
+    for _ in 0..GAUSS_NEWTON_STEPS {
+        let (gyro_zero, _) = windows.gyro_zero();
+        windows = Windows::new(time_s, accel_mps2, gyro_radps, gyro_zero);
     }
-    let forces: Vec<Option<Vector3<f64>>> =
-        (0..rows).map(|row| vector(&accel_mps2, row).map(|force| frames[row] * force)).collect();
-    // Sums that fade with the time constant, of the rows before and of those after.
-    let fade = |row: usize| (-(time_s[row] - time_s[row - 1]) / TIME_CONSTANT_S).exp();
-    let mut sums = vec![(Vector3::zeros(), 0.0); rows];
-    let mut sum = (Vector3::zeros(), 0.0);
-    for row in 0..rows {
-        let keep = if begins[row] { 0.0 } else { fade(row) };
-        sum = (sum.0 * keep, sum.1 * keep);
-        if let Some(force) = forces[row] {
-            sum = (sum.0 + force, sum.1 + 1.0);
-        }
-        sums[row] = sum;
-    }
-    sum = (Vector3::zeros(), 0.0);
+    let (_, gyro_zero_covariance) = windows.gyro_zero();
     let mut quiet = [vec![f64::NAN; rows], vec![f64::NAN; rows], vec![f64::NAN; rows]];
     let mut kept = Vec::with_capacity(rows);
-    for row in (0..rows).rev() {
-        let (mean, weight) = (sums[row].0 + sum.0, sums[row].1 + sum.1);
-        let length = mean.norm() / weight;
+    for (row, (sum, weight)) in windows.sums.iter().enumerate() {
+        let length = sum.norm() / weight;
         if length > 0.0 && length.is_finite() {
             kept.push(length / gravity_mps2);
-            let force = frames[row].inverse() * mean.normalize() * gravity_mps2;
+            let force = windows.frames[row].inverse() * sum.normalize() * gravity_mps2;
             (0..3).for_each(|axis| quiet[axis][row] = force[axis]);
         }
-        if let Some(force) = forces[row] {
-            sum = (sum.0 + force, sum.1 + 1.0);
-        }
-        let keep = if begins[row] { 0.0 } else { fade(row) };
-        sum = (sum.0 * keep, sum.1 * keep);
     }
-    (median(&mut kept) >= MIN_LENGTH_KEPT).then_some(quiet)
+    let follows = windows.marks.iter().enumerate().map(|(mark, sums)| {
+        let row = mark * windows.every;
+        let ((sum, weight), back) = (windows.sums[row], matrix(&windows.frames[row]).transpose());
+        let scale = if sum.norm() > 0.0 { gravity_mps2 / sum.norm() } else { 0.0 };
+        Follows { accel: back * sums.frames * scale, gyro_s: back * sums.drifts_s / weight.max(1.0) }
+    });
+    let (follows, every) = (follows.collect(), windows.every);
+    (median(&mut kept) >= MIN_LENGTH_KEPT).then_some(QuietForce {
+        mps2: quiet,
+        follows,
+        every,
+        gyro_zero_covariance,
+    })
+}
+
+fn vector(axes: &[&[f64]; 3], row: usize) -> Option<Vector3<f64>> {
+    let vector = Vector3::from_fn(|axis, _| axes[axis][row]);
+    vector.iter().all(|value| value.is_finite()).then_some(vector)
+}
+
+fn matrix(frame: &UnitQuaternion<f64>) -> Matrix3<f64> {
+    frame.to_rotation_matrix().into_inner()
+}
+
+/// Sums over the rows near each row, those nearer with more weight, in the frame in which its stretch begins.
+struct Windows<'a> {
+    accel_mps2: [&'a [f64]; 3],
+    /// What was taken off the gyro.
+    gyro_zero_radps: Vector3<f64>,
+    /// From the axes of each row to the frame of its stretch.
+    frames: Vec<UnitQuaternion<f64>>,
+    /// Specific forces, and the weights.
+    sums: Vec<(Vector3<f64>, f64)>,
+    /// At every so many rows.
+    marks: Vec<Mark>,
+    every: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Mark {
+    /// Of the rotations to the frame: what becomes of a constant in body axes.
+    frames: Matrix3<f64>,
+    /// Of the integrals of these rotations over time from the row on, s: what becomes of a constant rate.
+    drifts_s: Matrix3<f64>,
+}
+
+/// Running sums of one direction of time.
+struct Running {
+    force: Vector3<f64>,
+    weight: f64,
+    mark: Mark,
+}
+
+impl Running {
+    fn new() -> Self {
+        let none = Mark { frames: Matrix3::zeros(), drifts_s: Matrix3::zeros() };
+        Running { force: Vector3::zeros(), weight: 0.0, mark: none }
+    }
+
+    /// Goes on to a row; `passed_s` is the integral of the rotation from the last one to it.
+    fn fade(&mut self, keep: f64, passed_s: &Matrix3<f64>) {
+        self.mark.drifts_s = (self.mark.drifts_s - passed_s * self.weight) * keep;
+        self.mark.frames *= keep;
+        self.force *= keep;
+        self.weight *= keep;
+    }
+
+    fn add(&mut self, force: Option<Vector3<f64>>, frame: &Matrix3<f64>) {
+        if let Some(force) = force {
+            self.force += frame * force;
+            self.weight += 1.0;
+            self.mark.frames += frame;
+        }
+    }
+}
+
+impl<'a> Windows<'a> {
+    fn new(
+        time_s: &[f64],
+        accel_mps2: [&'a [f64]; 3],
+        gyro_radps: [&[f64]; 3],
+        gyro_zero_radps: Vector3<f64>,
+    ) -> Self {
+        let rows = time_s.len();
+        // How the board turned from the row before; `None` begins a new stretch.
+        let turn = |row: usize| {
+            let step_s = time_s[row] - time_s[row - 1];
+            let rate = 0.5 * (vector(&gyro_radps, row - 1)? + vector(&gyro_radps, row)?) - gyro_zero_radps;
+            let turn = rate * step_s;
+            (step_s <= MAX_STEP_S && turn.norm() <= MAX_TURN_RAD)
+                .then(|| UnitQuaternion::from_scaled_axis(turn))
+        };
+        let mut frames = vec![UnitQuaternion::identity(); rows];
+        let mut begins = vec![true; rows];
+        for row in 1..rows {
+            if let Some(turn) = turn(row) {
+                frames[row] = frames[row - 1] * turn;
+                begins[row] = false;
+            }
+        }
+        let every = rows.div_ceil(MAX_MARKS).max(1);
+        // What is kept from one row to the next, and the integral of the rotation between them.
+        let step = |row: usize, before: &Matrix3<f64>, after: &Matrix3<f64>| {
+            let step_s = time_s[row] - time_s[row - 1];
+            let keep = if begins[row] { 0.0 } else { (-step_s / TIME_CONSTANT_S).exp() };
+            (keep, (before + after) * (0.5 * step_s))
+        };
+        let mut sums = Vec::with_capacity(rows);
+        let mut marks = Vec::with_capacity(rows.div_ceil(every));
+        let mut past = Running::new();
+        let mut last = Matrix3::identity();
+        for row in 0..rows {
+            let frame = matrix(&frames[row]);
+            if row > 0 {
+                let (keep, passed_s) = step(row, &last, &frame);
+                past.fade(keep, &passed_s);
+            }
+            past.add(vector(&accel_mps2, row), &frame);
+            sums.push((past.force, past.weight));
+            if row % every == 0 {
+                marks.push(past.mark);
+            }
+            last = frame;
+        }
+        let mut future = Running::new();
+        for row in (0..rows).rev() {
+            let frame = matrix(&frames[row]);
+            if row + 1 < rows {
+                let (keep, passed_s) = step(row + 1, &last, &frame);
+                future.fade(keep, &-passed_s);
+            }
+            sums[row].0 += future.force;
+            sums[row].1 += future.weight;
+            if row % every == 0 {
+                marks[row / every].frames += future.mark.frames;
+                marks[row / every].drifts_s += future.mark.drifts_s;
+            }
+            future.add(vector(&accel_mps2, row), &frame);
+            last = frame;
+        }
+        Windows { accel_mps2, gyro_zero_radps, frames, sums, marks, every }
+    }
+
+    /// The gyro's whole zero error, rad/s, and its covariance: what makes the specific forces of each window alike in its frame, and what
+    /// data sheets say. A rate that is wrong by `w` turns a row by the integral `B` of the rotations from the window's middle on, so that
+    /// its force differs from the mean by `−[g]× (B − mean B) w`.
+    fn gyro_zero(&self) -> (Vector3<f64>, Matrix3<f64>) {
+        let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+        let row = |mark: usize| {
+            let row = mark * self.every;
+            let (sum, weight) = self.sums[row];
+            let own = self.frames[row] * vector(&self.accel_mps2, row)?;
+            let mean = sum / weight;
+            let column = mean.cross_matrix() * self.marks[mark].drifts_s / weight;
+            (weight > 1.0).then(|| (column, own - mean + column * self.gyro_zero_radps))
+        };
+        for (column, off) in (0..self.marks.len()).filter_map(row) {
+            normal += column.transpose() * column;
+            right += column.transpose() * off;
+        }
+        let prior = Vector3::from_element(1.0 / (GYRO_ZERO_RADPS * GYRO_ZERO_RADPS));
+        let mut told = Told::new(normal, right, prior, self.marks.len());
+        for (mark, (column, off)) in (0..self.marks.len()).filter_map(|mark| Some((mark, row(mark)?))) {
+            for axis in 0..3 {
+                told.add(mark, column.row(axis).transpose(), off[axis]);
+            }
+        }
+        told.posterior()
+    }
 }
 
 #[cfg(test)]
@@ -168,7 +345,7 @@ mod tests {
     #[test]
     fn what_a_hand_shakes_averages_out() {
         let (time, accel, gyro, down) = shaken();
-        let quiet = quiet_force_mps2(&time, slices(&accel), slices(&gyro)).expect("a right gyro");
+        let quiet = quiet_force(&time, slices(&accel), slices(&gyro)).expect("a right gyro").mps2;
         let (raw, fused) = (rms_deg(&accel, &down), rms_deg(&quiet, &down));
         assert!(raw > 15.0 && fused < 1.5, "{raw} {fused}");
     }
@@ -177,9 +354,9 @@ mod tests {
     fn a_wrong_gyro_is_not_believed() {
         let (time, accel, gyro, _) = shaken();
         let [x, y, z] = slices(&gyro);
-        assert!(quiet_force_mps2(&time, slices(&accel), [y, x, z]).is_none());
+        assert!(quiet_force(&time, slices(&accel), [y, x, z]).is_none());
         let backwards = gyro.clone().map(|axis| axis.iter().map(|value| -value).collect::<Vec<f64>>());
-        assert!(quiet_force_mps2(&time, slices(&accel), slices(&backwards)).is_none());
+        assert!(quiet_force(&time, slices(&accel), slices(&backwards)).is_none());
     }
 
     #[test]
@@ -188,15 +365,69 @@ mod tests {
         time.iter_mut().skip(1500).for_each(|t| *t += 30.0);
         gyro[1][2500] = f64::NAN;
         accel[0][700] = f64::NAN;
-        let quiet = quiet_force_mps2(&time, slices(&accel), slices(&gyro)).expect("a right gyro");
+        let quiet = quiet_force(&time, slices(&accel), slices(&gyro)).expect("a right gyro").mps2;
         assert!(quiet.iter().flatten().all(|value| value.is_finite()));
         assert!(rms_deg(&quiet, &down) < 2.5, "{}", rms_deg(&quiet, &down));
     }
 
     #[test]
+    fn a_zero_error_is_followed_through_the_average() {
+        let (time, accel, gyro, _) = shaken();
+        let windows = |accel: &Axes| {
+            let windows = Windows::new(&time, slices(accel), slices(&gyro), Vector3::zeros());
+            let quiet =
+                |row: usize| windows.frames[row].inverse() * windows.sums[row].0 / windows.sums[row].1;
+            let force: Vec<Vector3<f64>> = (0..ROWS).map(quiet).collect();
+            let follows = |row: usize| matrix(&windows.frames[row]).transpose() * windows.marks[row].frames;
+            (force, (0..ROWS).map(|row| follows(row) / windows.sums[row].1).collect::<Vec<_>>())
+        };
+        let (plain, follows) = windows(&accel);
+        let zero = Vector3::new(0.03, -0.02, 0.04);
+        let mut off = accel.clone();
+        (0..3).for_each(|axis| off[axis].iter_mut().for_each(|value| *value += zero[axis]));
+        let (moved, _) = windows(&off);
+        for row in (0..ROWS).step_by(97) {
+            let (found, expected) = (moved[row] - plain[row], follows[row] * zero);
+            assert!((found - expected).norm() < 1e-9, "row {row}: {found} against {expected}");
+            assert!(expected.norm() < zero.norm());
+        }
+    }
+
+    #[test]
+    fn a_gyro_zero_error_is_found_and_followed() {
+        let (time, accel, gyro, down) = shaken();
+        let still: Axes = std::array::from_fn(|axis| down.iter().map(|down| -9.81 * down[axis]).collect());
+        let zero = Vector3::new(0.06, -0.04, 0.05);
+        let mut off = gyro.clone();
+        (0..3).for_each(|axis| off[axis].iter_mut().for_each(|value| *value += zero[axis] - 0.01));
+        let (found, covariance) =
+            Windows::new(&time, slices(&still), slices(&off), Vector3::zeros()).gyro_zero();
+        assert!((found - zero).norm() < 0.05 * zero.norm(), "{found}");
+        assert!(covariance.trace().sqrt() < 0.01, "{covariance}");
+        let (_, shaken) = Windows::new(&time, slices(&accel), slices(&off), Vector3::zeros()).gyro_zero();
+        assert!(shaken.trace() > covariance.trace());
+        // Where each row goes with an error that is left.
+        let quiet = quiet_force(&time, slices(&still), slices(&off)).expect("a right gyro");
+        // Half a step between two ways of integrating is all that is left.
+        assert!(rms_deg(&quiet.mps2, &down) < 0.3, "{}", rms_deg(&quiet.mps2, &down));
+        let left = Vector3::new(0.004, 0.002, -0.003);
+        let at = |zero: Vector3<f64>, row: usize| {
+            let windows = Windows::new(&time, slices(&still), slices(&off), zero);
+            windows.frames[row].inverse() * windows.sums[row].0.normalize()
+        };
+        for row in (50..ROWS).step_by(797) {
+            let force = at(zero, row);
+            let (moved, follows) =
+                (at(zero - left, row) - force, quiet.follows(row).expect("a row of the log"));
+            let expected = (follows.gyro_s * left).cross(&force);
+            assert!((moved - expected).norm() < 0.05 * left.norm(), "row {row}: {moved} against {expected}");
+        }
+    }
+
+    #[test]
     fn nothing_is_made_of_nothing() {
         let none = [f64::NAN; 30];
-        assert!(quiet_force_mps2(&[0.0; 30], [&none; 3], [&none; 3]).is_none());
-        assert!(quiet_force_mps2(&[], [&[]; 3], [&[]; 3]).is_none());
+        assert!(quiet_force(&[0.0; 30], [&none; 3], [&none; 3]).is_none());
+        assert!(quiet_force(&[], [&[]; 3], [&[]; 3]).is_none());
     }
 }

@@ -10,5 +10,7 @@ pub mod faults;
 pub mod fft;
 pub mod gravity;
 pub mod samples;
+pub mod scores;
 pub mod series;
+pub mod told;
 pub mod work;

@@ -1,10 +1,12 @@
 //! The samples of a study: repeated triples dropped, faulty rows set aside, long logs thinned.
 
-use crate::samples::gravity;
+use crate::calibration::STANDARD_GRAVITY_MPS2;
+use crate::samples::gravity::{self, Follows};
 use crate::samples::work::Work;
 use crate::table::Table;
 use crate::track::Place;
 use ironout::study::Observation;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -81,6 +83,12 @@ pub struct Samples {
     pub work: Work,
     /// Readings, µT, in stretches of one sample after the other in which the board rested, which are not among the samples.
     pub rest: Arc<Vec<Vec<[f64; 3]>>>,
+    /// Second moment of the zero error that the accelerometer is expected to have, (m/s²)².
+    pub zero_error_square: Matrix3<f64>,
+    /// Covariance of the zero error of the gyro where directions down come of it, (rad/s)².
+    pub gyro_zero_covariance: Matrix3<f64>,
+    /// How each direction down follows the errors of accelerometer and gyro; empty where it is the accelerometer's own.
+    pub follows: Vec<Option<Follows>>,
 }
 
 /// Rows that begin a run of equal field triples: a log faster than its sensor repeats them.
@@ -234,6 +242,9 @@ impl Samples {
             .iter()
             .map(|named| column(named.name, pick(named.values), named.not_finite))
             .collect();
+        let quiet = gravity::quiet(table);
+        let follows =
+            quiet.map_or_else(Vec::new, |quiet| row.iter().map(|&row| quiet.follows(row)).collect());
         let mut samples = Samples {
             time,
             middle_s,
@@ -246,6 +257,9 @@ impl Samples {
             quantum_ut: 0.0,
             work: Work::default(),
             rest: Arc::default(),
+            zero_error_square: gravity::zero_error_square(table),
+            gyro_zero_covariance: quiet.map_or_else(Matrix3::zeros, |quiet| quiet.gyro_zero_covariance),
+            follows,
         };
         samples.quantum_ut =
             table.field_ut.iter().map(|axis| crate::samples::series::quantum(axis)).fold(0.0, f64::max);
@@ -274,6 +288,14 @@ impl Samples {
                 reading.down = Some(a.map(|value| -value / n));
             }
         }
+    }
+
+    /// How the direction down of a sample follows the zero errors of accelerometer, rad per m/s², and gyro, rad per rad/s.
+    pub fn down_follows(&self, sample: usize, down: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
+        let follows = self.follows.get(sample).copied().flatten();
+        let (accel, gyro_s) = follows
+            .map_or((Matrix3::identity(), Matrix3::zeros()), |follows| (follows.accel, follows.gyro_s));
+        ((down * (down.transpose() * accel) - accel) / STANDARD_GRAVITY_MPS2, -down.cross_matrix() * gyro_s)
     }
 
     /// These samples with the effects of the columns zero where the columns rest.
