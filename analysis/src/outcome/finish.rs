@@ -11,6 +11,7 @@ use crate::outcome::view::{Judged, View};
 use crate::residual::place::field_share;
 use crate::residual::traces::Traces;
 use crate::search::state::held_out_rms;
+use crate::search::undisturbed::as_corrected;
 use ironout::calibration::Calibration;
 use ironout::study::Residual;
 
@@ -36,17 +37,16 @@ impl View<'_, '_> {
             ),
         };
         let gain = noise_gain(fitted, Residual::Magnitude);
-        let predicted = match plain {
+        let mut predicted = match plain {
             Some(base) => Some(base.predicted_share()),
             None => predicted_error(&self.pass, fitted, self.known, &left),
         };
-        let time = left.time.max(memory_of_scores(&self.pass, fitted));
-        let covariance = covariance(fitted, time);
-        if let (Some(dip), Some(rows)) = (&mut dip, &covariance) {
+        let mut time = left.time.max(memory_of_scores(&self.pass, fitted));
+        let mut rows = covariance(fitted, time);
+        if let (Some(dip), Some(rows)) = (&mut dip, &rows) {
             dip.delay_error_s =
                 dip.errors.as_ref().map_or(f64::NAN, |errors| errors.delay_variance(rows).sqrt());
         }
-        let field = fitted.model.field_ut;
         let mut steps = self.steps(&dip)?;
         let is_coupled = fitted.pieces.iter().any(|piece| !piece.hidden_delay().is_empty());
         let late = dip.as_ref().and_then(|dip| Some((dip, dip.lag.as_ref()?))).filter(|_| !is_coupled);
@@ -63,7 +63,7 @@ impl View<'_, '_> {
         let groups = &self.explanation.confounded;
         let in_group = |id: &str| groups.iter().any(|group| group.ids.iter().any(|other| other == id));
         let Judged { mut verdict, mut reasons, only_unsure, has_attitude } =
-            self.verdict(&left, &applied, predicted, field);
+            self.verdict(&left, &applied, predicted, fitted.model.field_ut);
         if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
             verdict = Verdict::Missing;
         } else if verdict == Verdict::Complete
@@ -94,6 +94,23 @@ impl View<'_, '_> {
                 dip_rms_deg: Some(dip.after_deg),
             });
         }
+        // What is given out looks at its shapes where a correction does; where the search looked elsewhere, names and verdict are its
+        // own, and the errors are those of what is given out.
+        if let Some(given) = as_corrected(&self.pass, &self.explanation.fitted, self.known)? {
+            let left = residue(
+                &Applied::of(&self.pass, &given)?.residuals,
+                given.columns(),
+                self.samples.quantum_ut,
+                self.samples.step_s(),
+                &self.pass.turning(&given.model),
+            );
+            predicted = predicted_error(&self.pass, &given, self.known, &left);
+            time = left.time.max(memory_of_scores(&self.pass, &given));
+            rows = covariance(&given, time);
+            self.explanation.fitted = given;
+        }
+        let fitted = &self.explanation.fitted;
+        let field = fitted.model.field_ut;
         let effects = self.effects(time, &dip)?;
         let full = if dip.is_some() { fitted.model.full_matrix() } else { fitted.model.matrix };
         let headings = self.heading(&dip)?;
@@ -146,7 +163,7 @@ impl View<'_, '_> {
             traces,
             registry: self.catalogue.registry,
         };
-        standing::take_axes(&mut diagnosis, covariance.as_deref(), &dip);
+        standing::take_axes(&mut diagnosis, rows.as_deref(), &dip);
         if let (Some(base), None) = (self.base, &self.lower_order) {
             standing::first_row(&mut diagnosis, base, plain.is_some());
         }

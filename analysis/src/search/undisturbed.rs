@@ -272,11 +272,20 @@ fn at_the_readings<'a>(fitted: &Fitted<'a>) -> Vec<Piece<'a>> {
 
 /// A model whose undisturbed vectors were held, with them as its coefficients give them. `None` where there are none.
 pub fn let_go<'a>(pass: &Pass, fitted: &Fitted<'a>, known: &Known) -> Result<Option<Fitted<'a>>, BadShape> {
+    let Some(plain) = as_corrected(pass, fitted, known)? else { return Ok(None) };
+    undisturbed(pass, &plain, &plain, false, known)
+}
+
+/// The model as a correction has it, fitted with all shapes at the readings. `None` where they are there already.
+pub fn as_corrected<'a>(
+    pass: &Pass,
+    fitted: &Fitted<'a>,
+    known: &Known,
+) -> Result<Option<Fitted<'a>>, BadShape> {
     if !is_elsewhere(fitted) {
         return Ok(None);
     }
-    let Some(plain) = pass.fit(fitted.model, at_the_readings(fitted), known)? else { return Ok(None) };
-    undisturbed(pass, &plain, &plain, false, known)
+    pass.fit(fitted.model, at_the_readings(fitted), known)
 }
 
 /// Of the two models the one that the data ask for; the shapes at the measured vector where they do not tell. `near` may have
