@@ -1,7 +1,6 @@
 //! The log as the diagnosis sees it: borrowed columns.
 
 use crate::calibration::Accelerometer;
-use crate::samples::gravity::QuietForce;
 use crate::track::{Place, Track};
 use nalgebra::Matrix3;
 use std::sync::OnceLock;
@@ -27,6 +26,34 @@ pub struct Table<'a> {
     pub covariates: Vec<Named<'a>>,
     /// What has been worked out of these columns; begins empty.
     pub derived: Derived,
+}
+
+/// Specific force without the board's own acceleration, in body axes, against gravity and with its usual length.
+#[derive(Debug, Clone)]
+pub struct QuietForce {
+    /// m/s²; NaN where nothing is known.
+    pub mps2: [Vec<f64>; 3],
+    /// How it follows errors of the sensors, at every so many rows.
+    pub(crate) follows: Vec<Follows>,
+    pub(crate) every: usize,
+    /// Covariance of what is left of the gyro's zero error, (rad/s)².
+    pub gyro_zero_covariance: Matrix3<f64>,
+}
+
+/// How the quiet force of a row follows constant errors of the sensors.
+#[derive(Debug, Clone, Copy)]
+pub struct Follows {
+    /// An error of the accelerometer's zero turns with the board and partly averages out: m/s² per m/s², the length apart.
+    pub accel: Matrix3<f64>,
+    /// An error of the gyro's zero turns the rows before and after against each other: rotation vector in body axes, rad per rad/s.
+    pub gyro_s: Matrix3<f64>,
+}
+
+impl QuietForce {
+    /// At a row.
+    pub fn follows(&self, row: usize) -> Option<Follows> {
+        self.follows.get(row / self.every).copied()
+    }
 }
 
 /// Columns that are worked out of a table's own when they are first asked for.

@@ -11,7 +11,7 @@ use crate::calibration::{Accelerometer, STANDARD_GRAVITY_MPS2};
 use crate::samples::accelerometer;
 use crate::samples::series::median;
 use crate::samples::told::Told;
-use crate::table::Table;
+use crate::table::{Follows, QuietForce, Table};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// Time constant of the average, s: the accelerations of a hand are shorter, and what the gyro's drift adds to it is small.
@@ -31,34 +31,6 @@ const GYRO_ZERO_RADPS: f64 = 0.05;
 /// Averages that a right gyro brings into one frame keep the length of gravity; turned by a wrong one they cancel. Right gyros of ten recordings
 /// leave 99.5 % and more in the median, gyros with swapped axes or signs 40 to 92 %.
 const MIN_LENGTH_KEPT: f64 = 0.97;
-
-/// Specific force without the board's own acceleration, in body axes, against gravity and with its usual length.
-#[derive(Debug, Clone)]
-pub struct QuietForce {
-    /// m/s²; NaN where nothing is known.
-    pub mps2: [Vec<f64>; 3],
-    /// How it follows errors of the sensors, at every so many rows.
-    follows: Vec<Follows>,
-    every: usize,
-    /// Covariance of what is left of the gyro's zero error, (rad/s)².
-    pub gyro_zero_covariance: Matrix3<f64>,
-}
-
-/// How the quiet force of a row follows constant errors of the sensors.
-#[derive(Debug, Clone, Copy)]
-pub struct Follows {
-    /// An error of the accelerometer's zero turns with the board and partly averages out: m/s² per m/s², the length apart.
-    pub accel: Matrix3<f64>,
-    /// An error of the gyro's zero turns the rows before and after against each other: rotation vector in body axes, rad per rad/s.
-    pub gyro_s: Matrix3<f64>,
-}
-
-impl QuietForce {
-    /// At a row.
-    pub fn follows(&self, row: usize) -> Option<Follows> {
-        self.follows.get(row / self.every).copied()
-    }
-}
 
 /// Specific force of a table, m/s², calibrated where it needs it, without the board's own acceleration where the gyro tells it; else as the accelerometer has it.
 pub fn of_table<'t>(table: &'t Table<'_>) -> Option<[&'t [f64]; 3]> {

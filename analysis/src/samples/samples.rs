@@ -1,9 +1,9 @@
 //! The samples of a study: repeated triples dropped, faulty rows set aside, long logs thinned.
 
 use crate::calibration::STANDARD_GRAVITY_MPS2;
-use crate::samples::gravity::{self, Follows};
+use crate::samples::gravity;
 use crate::samples::work::Work;
-use crate::table::Table;
+use crate::table::{Follows, Table};
 use crate::track::Place;
 use ironout::study::Observation;
 use nalgebra::{Matrix3, Vector3};
