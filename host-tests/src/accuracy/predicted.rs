@@ -51,6 +51,16 @@ fn judged(columns: &[(String, Vec<f64>)], truth: &[[f64; 3]]) -> Judged {
     Judged { ratio, claims: matches!(found.verdict, Verdict::Complete | Verdict::Missing) }
 }
 
+fn judged_second(kind: SecondKind, number: u64) -> Judged {
+    let drawn = second_generator::draw(kind, number);
+    judged(&drawn.columns, &drawn.truth.field_body_ut)
+}
+
+/// The true error of the corrected vector over the predicted one, of one log of the second generator; `None` without a calibration.
+pub fn ratio_of_second(kind: SecondKind, number: u64) -> Option<f64> {
+    judged_second(kind, number).ratio
+}
+
 /// One kind.
 struct Row<'a> {
     kind: &'a str,
@@ -80,10 +90,7 @@ impl Predicted {
         let second = SECOND.map(|kind| {
             let name = format!("second-{}", kind.name());
             say(&name);
-            let of = |number| {
-                let drawn = second_generator::draw(kind, number);
-                judged(&drawn.columns, &drawn.truth.field_body_ut)
-            };
+            let of = |number| judged_second(kind, number);
             (name, in_parallel(FIRST_OF_SECOND..FIRST_OF_SECOND + logs, of))
         });
         Predicted(own.into_iter().chain(second).collect())

@@ -28,6 +28,7 @@ mod oracle;
 mod paper;
 #[cfg(all(unix, feature = "emulated"))]
 mod pico;
+mod predicted;
 mod properties;
 #[cfg(all(unix, feature = "emulated"))]
 mod qemu;
