@@ -19,7 +19,7 @@ pub type Rows = [[f64; COLUMNS]];
 /// Errors of the dip's parameters: rotation (3), sine of the dip, and the delay if there is one.
 #[derive(Debug, Clone)]
 pub struct DipErrors {
-    /// Covariance from the dip's own noise and the accelerometer's zero error.
+    /// Covariance from the dip's own noise and the zero errors of accelerometer and gyro.
     own: DMatrix<f64>,
     /// `G`: how they follow offset (3), triangle (6) and the effects' coefficients.
     follows: DMatrix<f64>,

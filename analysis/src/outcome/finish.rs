@@ -1,8 +1,11 @@
 //! The diagnosis that a finished search of the magnitude comes to.
 
 use crate::base::applied::Applied;
+use crate::base::engine::Fitted;
 use crate::base::mounting::AXIS_ORDER;
-use crate::base::quality::{covariance, information, memory_of_scores, noise_gain, predicted_error, residue};
+use crate::base::quality::{
+    Residue, covariance, information, memory_of_scores, noise_gain, predicted_error, residue,
+};
 use crate::calibration::Information;
 use crate::outcome::outcome::{Diagnosis, Dip, NoiseRow, StepRow, Verdict};
 use crate::outcome::request::Refusal;
@@ -22,19 +25,12 @@ impl View<'_, '_> {
         let standing = dip.as_ref().map(|dip| self.settle(dip));
         let fitted = &self.explanation.fitted;
         let applied = Applied::of(&self.pass, fitted)?;
-        let (rms_ut, holdout_rms_ut) =
-            (applied.share * fitted.rms(), held_out_rms(fitted).map(|held| applied.share * held));
+        let mut errors_ut = left_ut(fitted, &applied);
         // Without effects the final model is the base model, and what `fit` says of that holds.
         let plain = self.base.filter(|_| fitted.pieces.is_empty() && self.lower_order.is_none());
         let left = match plain {
             Some(base) => base.residue.clone(),
-            None => residue(
-                &applied.residuals,
-                fitted.columns(),
-                self.samples.quantum_ut,
-                self.samples.step_s(),
-                &self.pass.turning(&fitted.model),
-            ),
+            None => self.residue(fitted, &applied),
         };
         let gain = noise_gain(fitted, Residual::Magnitude);
         let mut predicted = match plain {
@@ -47,21 +43,10 @@ impl View<'_, '_> {
             dip.delay_error_s =
                 dip.errors.as_ref().map_or(f64::NAN, |errors| errors.delay_variance(rows).sqrt());
         }
-        let mut steps = self.steps(&dip)?;
         let is_coupled = fitted.pieces.iter().any(|piece| !piece.hidden_delay().is_empty());
         let late = dip.as_ref().and_then(|dip| Some((dip, dip.lag.as_ref()?))).filter(|_| !is_coupled);
         let pure_lag = late.is_some();
-        if let Some((dip, lag)) = late {
-            steps.push(StepRow {
-                added: Some(lag.id.clone()),
-                rms_ut,
-                holdout_rms_ut,
-                dip_rms_deg: Some(dip.after_deg),
-            });
-        }
         let swapped = standing.and_then(|standing| standing.swapped());
-        let groups = &self.explanation.confounded;
-        let in_group = |id: &str| groups.iter().any(|group| group.ids.iter().any(|other| other == id));
         let Judged { mut verdict, mut reasons, only_unsure, has_attitude } =
             self.verdict(&left, &applied, predicted, fitted.model.field_ut);
         if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
@@ -84,8 +69,35 @@ impl View<'_, '_> {
                 100.0 * share
             ));
         }
-        steps.retain(|step| step.added.as_ref().is_none_or(|id| !in_group(id)));
         let candidates = self.candidates(&dip, pure_lag, standing, verdict);
+        // What is given out looks at its shapes where a correction does. Where the search looked elsewhere, names and verdict are the
+        // search's; the errors are those of what is given out.
+        let given = as_corrected(&self.pass, &self.explanation.fitted, self.known)?;
+        if let Some(given) = &given {
+            let applied = Applied::of(&self.pass, given)?;
+            let left = self.residue(given, &applied);
+            predicted = predicted_error(&self.pass, given, self.known, &left);
+            time = left.time.max(memory_of_scores(&self.pass, given));
+            rows = covariance(given, time);
+            errors_ut = left_ut(given, &applied);
+        }
+        let (rms_ut, holdout_rms_ut) = errors_ut;
+        let mut steps = self.steps(&dip)?;
+        if let (Some(given), Some(last)) = (given, steps.last_mut()) {
+            (last.rms_ut, last.holdout_rms_ut) = errors_ut;
+            self.explanation.fitted = given;
+        }
+        if let Some((dip, lag)) = late {
+            steps.push(StepRow {
+                added: Some(lag.id.clone()),
+                rms_ut,
+                holdout_rms_ut,
+                dip_rms_deg: Some(dip.after_deg),
+            });
+        }
+        let groups = &self.explanation.confounded;
+        let in_group = |id: &str| groups.iter().any(|group| group.ids.iter().any(|other| other == id));
+        steps.retain(|step| step.added.as_ref().is_none_or(|id| !in_group(id)));
         if let (Some(_), Some(dip)) = (swapped, &dip) {
             steps.push(StepRow {
                 added: Some(AXIS_ORDER.id.into()),
@@ -93,21 +105,6 @@ impl View<'_, '_> {
                 holdout_rms_ut,
                 dip_rms_deg: Some(dip.after_deg),
             });
-        }
-        // What is given out looks at its shapes where a correction does; where the search looked elsewhere, names and verdict are its
-        // own, and the errors are those of what is given out.
-        if let Some(given) = as_corrected(&self.pass, &self.explanation.fitted, self.known)? {
-            let left = residue(
-                &Applied::of(&self.pass, &given)?.residuals,
-                given.columns(),
-                self.samples.quantum_ut,
-                self.samples.step_s(),
-                &self.pass.turning(&given.model),
-            );
-            predicted = predicted_error(&self.pass, &given, self.known, &left);
-            time = left.time.max(memory_of_scores(&self.pass, &given));
-            rows = covariance(&given, time);
-            self.explanation.fitted = given;
         }
         let fitted = &self.explanation.fitted;
         let field = fitted.model.field_ut;
@@ -170,4 +167,20 @@ impl View<'_, '_> {
         standing::tell_matrix(&mut diagnosis);
         Ok(diagnosis)
     }
+
+    /// What a model leaves under its own correction.
+    fn residue(&self, fitted: &Fitted, applied: &Applied) -> Residue {
+        residue(
+            &applied.residuals,
+            fitted.columns(),
+            self.samples.quantum_ut,
+            self.samples.step_s(),
+            &self.pass.turning(&fitted.model),
+        )
+    }
+}
+
+/// Rms error that a correction by a model leaves, and that on unseen time, µT.
+fn left_ut(fitted: &Fitted, applied: &Applied) -> (f64, Option<f64>) {
+    (applied.share * fitted.rms(), held_out_rms(fitted).map(|held| applied.share * held))
 }
