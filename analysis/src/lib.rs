@@ -15,6 +15,7 @@
 
 pub mod base;
 pub mod calibration;
+pub mod confined;
 pub mod correct;
 pub mod effects;
 pub mod export;

@@ -10,6 +10,7 @@ use ironout_analysis::base::beside_gyro::BesideGyro;
 use ironout_analysis::calibration::Accelerometer;
 use ironout_analysis::calibration::{EffectEntry, Information, StdErrors};
 use ironout_analysis::effects::{Calibrated, calibrated};
+use ironout_analysis::fit::confined::HoldsFor;
 use ironout_analysis::outcome::contradiction::Contradiction;
 use ironout_analysis::samples::samples::Condition;
 use nalgebra::Matrix3;
@@ -56,6 +57,8 @@ pub struct FitObject {
     pub beside_gyro: Option<BesideGyro>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accelerometer: Option<Accelerometer>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub holds_for: Option<HoldsFor>,
 }
 
 impl FitObject {
@@ -85,6 +88,7 @@ impl FitObject {
             contradiction: fitted.contradiction.clone(),
             beside_gyro: fitted.beside_gyro,
             accelerometer: fitted.accelerometer,
+            holds_for: fitted.holds_for.clone(),
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::link_args::{FetchArgs, RecordArgs, SendArgs};
 use clap::Args;
 #[cfg(not(target_arch = "wasm32"))]
 use clap::{Parser, Subcommand};
+use ironout_analysis::outcome::request::Purpose;
 use std::path::PathBuf;
 
 pub use crate::log_args::{Expected, FieldArgs, LogArgs, MethodArg, scale};
@@ -115,6 +116,33 @@ pub struct FitArgs {
     /// Fit on top of an earlier calibration's information
     #[arg(long, value_name = "CAL.json")]
     pub prior: Option<PathBuf>,
+    /// Take only the matrix of --prior as known and fit the offset anew: after a battery swap, at another place of the same vehicle
+    #[arg(long, value_name = "WHAT", requires = "prior")]
+    pub free: Option<Free>,
+    /// Attitudes that the calibration is for: all, level (tilts up to 5°), boat (up to 20°), or a tilt in degrees. Without it: all where
+    /// the log carries that, else those that it shows
+    #[arg(long = "for", value_name = "ATTITUDES", value_parser = purpose)]
+    pub purpose: Option<Purpose>,
+}
+
+/// What `--free` fits anew.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Free {
+    /// The hard iron.
+    Offset,
+}
+
+fn purpose(text: &str) -> Result<Purpose, String> {
+    match text {
+        "all" => Ok(Purpose::All),
+        "level" => Ok(Purpose::Tilt(5.0)),
+        "boat" => Ok(Purpose::Tilt(20.0)),
+        _ => {
+            let tilt = text.parse::<f64>().ok().filter(|tilt| (0.0..=90.0).contains(tilt));
+            tilt.map(Purpose::Tilt)
+                .ok_or_else(|| "expected all, level, boat, or degrees of tilt from 0 to 90".into())
+        }
+    }
 }
 
 /// `apply`.

@@ -106,6 +106,9 @@ fn table(solution: &Solution, expected: &Expected, out: &mut Lines) {
 fn alignment(alignment: &Alignment, out: &mut Lines) {
     match alignment {
         Alignment::None => {}
+        Alignment::ByAll => out.line(
+            "alignment    the matrix is a full 3×3 in the axes in which the accelerometer shows gravity while level",
+        ),
         Alignment::Done { angle_deg, before_deg, after_deg, standing } => {
             out.line(&format!(
                 "alignment    the matrix is a full 3×3 in the accelerometer's axes: turned by {angle_deg:.2}°; spread of the dip \
@@ -274,7 +277,11 @@ const LOOSE: f64 = 3.0;
 const UNEXPLAINED: f64 = 1.2;
 
 fn verdict(arguments: &FitArgs, fitted: &Fitted, out: &mut Lines) {
-    out.line(if fitted.accepted { "ACCEPTED" } else { "REFUSED" });
+    out.line(&match (&fitted.holds_for, fitted.accepted) {
+        (Some(holds_for), true) => format!("ACCEPTED for tilts up to {:.0}°", holds_for.tilt_deg),
+        (None, true) => "ACCEPTED".into(),
+        (_, false) => "REFUSED".into(),
+    });
     for reason in &fitted.reasons {
         hang(reason, "  ", "    ", WIDTH).iter().for_each(|words| out.line(words));
     }

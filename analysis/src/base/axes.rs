@@ -30,6 +30,8 @@ pub enum Alignment {
         /// How the axes stand in the log: in order, or as a mounting that the matrix contains.
         standing: Standing,
     },
+    /// The matrix is a full one, fitted with the accelerometer and the gyro at once.
+    ByAll,
     /// The log's axes are those of a left hand: no rotation mends that, and the corrected vector would point elsewhere.
     Mirrored(Standing),
     /// The log's axes are a mounting's or its mirror image's, and nothing that is known tells which.

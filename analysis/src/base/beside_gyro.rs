@@ -6,16 +6,13 @@
 //! a magnet stands in the room the one may be small while the other is large.
 
 use crate::base::by_gyro;
+use crate::base::windows::{Stop, windows};
 use crate::samples::samples::Samples;
-use nalgebra::{DVector, Matrix3, Rotation3, SMatrix, SVector, Vector3};
+use nalgebra::{DVector, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Length of a window, s: long enough to carry the board to another place, short beside the wandering of a gyro's bias.
 const WINDOW_S: f64 = 2.0;
-/// A longer pause between samples ends a window, s ...
-const PAUSE_S: f64 = 0.3;
-/// ... and so does a turn between two of them that is not summed up well, rad.
-const MOST_RAD: f64 = 0.25;
 /// Fewer windows tell nothing.
 const LEAST_WINDOWS: usize = 30;
 /// What is regressed out: bias, gains and axes, delay.
@@ -39,14 +36,6 @@ pub struct BesideGyro {
     pub windows: usize,
 }
 
-/// The turn of a window, and how it follows the gyro's bias, gains and axes.
-struct Window {
-    first: usize,
-    last: usize,
-    turn: Rotation3<f64>,
-    follows: SMatrix<f64, 3, 12>,
-}
-
 /// What a window leaves, and how that follows what is regressed out.
 struct Left {
     left: Vector3<f64>,
@@ -55,7 +44,7 @@ struct Left {
 
 impl Left {
     /// Of the field and the turn of the board at the window's two ends.
-    fn of(window: &Window, before: [Vector3<f64>; 2], after: [Vector3<f64>; 2]) -> Left {
+    fn of(window: &Stop, before: [Vector3<f64>; 2], after: [Vector3<f64>; 2]) -> Left {
         let ([v0, rate0], [v1, rate1]) = (before, after);
         let there = window.turn * v1;
         let mut follows = SMatrix::<f64, 3, COLUMNS>::zeros();
@@ -102,40 +91,6 @@ fn of_most(list: &[Left]) -> Option<f64> {
     Some(quantile(&found) / of_rms / (2.0 * freedom).sqrt()).filter(|left| left.is_finite())
 }
 
-/// The windows of a log, one after the other; the gyro's rates are turned into the corrected field's axes.
-fn windows(time: &[f64], rate: &[Option<Vector3<f64>>]) -> Vec<Window> {
-    let mut list = Vec::new();
-    let start = |first| Window { first, last: first, turn: Rotation3::identity(), follows: SMatrix::zeros() };
-    let mut window = start(0);
-    for next in 1..time.len() {
-        let pause_s = time[next] - time[next - 1];
-        let rates = rate[next - 1].zip(rate[next]);
-        let Some((one, two)) = rates.filter(|_| pause_s > 0.0 && pause_s < PAUSE_S) else {
-            window = start(next);
-            continue;
-        };
-        let mean = 0.5 * (one + two);
-        if !(mean.norm() * pause_s < MOST_RAD) {
-            window = start(next);
-            continue;
-        }
-        let turn: Matrix3<f64> = *window.turn.matrix() * pause_s;
-        for axis in 0..3 {
-            for from in 0..3 {
-                let entry = turn[(axis, from)];
-                window.follows[(axis, from)] += entry;
-                (0..3).for_each(|by| window.follows[(axis, 3 + 3 * by + from)] += entry * mean[by]);
-            }
-        }
-        window.turn *= Rotation3::new(mean * pause_s);
-        window.last = next;
-        if time[next] - time[window.first] >= WINDOW_S {
-            list.push(std::mem::replace(&mut window, start(next)));
-        }
-    }
-    list
-}
-
 /// Holds the corrected field (µT, one vector a sample) against the gyro. `None` where the log has no gyro that turns as the field does.
 pub fn beside_gyro(samples: &Samples, corrected_ut: &[[f64; 3]], field_ut: f64) -> Option<BesideGyro> {
     let time = samples.time.as_ref().filter(|time| time.len() == corrected_ut.len() && field_ut > 0.0)?;
@@ -148,10 +103,11 @@ pub fn beside_gyro(samples: &Samples, corrected_ut: &[[f64; 3]], field_ut: f64) 
         .map(|reading| reading.turn_radps.map(|rate| frame.transpose() * Vector3::from(rate)))
         .collect();
     let mut list = Vec::new();
-    for window in windows(time, &rate) {
-        let (first, last) = (window.first, window.last);
+    for window in windows(time, &rate, WINDOW_S, 0) {
+        let [start, end] = window.as_slice() else { continue };
+        let (first, last) = (start.sample, end.sample);
         let (Some(before), Some(after)) = (rate[first], rate[last]) else { continue };
-        list.push(Left::of(&window, [field[first], before], [field[last], after]));
+        list.push(Left::of(end, [field[first], before], [field[last], after]));
     }
     Some(BesideGyro { field: of_most(&list)?, windows: list.len() })
 }

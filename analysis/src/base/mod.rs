@@ -27,3 +27,4 @@ pub mod residuals;
 pub mod rest;
 pub mod solution;
 pub mod start;
+pub mod windows;

@@ -68,6 +68,11 @@ impl Prior {
         left
     }
 
+    /// The same with nothing known of the offset.
+    pub fn without_offset(&self) -> Prior {
+        self.without(&[0, 1, 2].map(|axis| std::array::from_fn(|i| f64::from(u8::from(i == axis)))))
+    }
+
     /// The information with what no noise tells: a board is not quite the same at another place and day.
     fn loosened(&self) -> [[f64; 9]; 9] {
         let spread = |i: usize| OTHER_DAY * if i < 3 { self.field_ut } else { 1.0 };

@@ -9,6 +9,7 @@ use crate::base::solution::Solution;
 use crate::calibration::{Accelerometer, EffectEntry};
 use crate::correct::Corrector;
 use crate::effects::calibrated;
+use crate::fit::confined::HoldsFor;
 use crate::fit::turn::where_to_turn;
 use crate::outcome::contradiction::Contradiction;
 use crate::outcome::outcome::Diagnosis;
@@ -78,6 +79,9 @@ pub struct Fitted {
     /// What the log says against the earlier calibration that it was fitted on top of.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contradiction: Option<Contradiction>,
+    /// The attitudes that the calibration is for, where it is not for all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub holds_for: Option<HoldsFor>,
     /// Whether the calibration may be used.
     pub accepted: bool,
     /// Why not, or what to know.
@@ -86,6 +90,9 @@ pub struct Fitted {
     /// nothing of the model.
     #[serde(skip)]
     pub only_saturated: bool,
+    /// Whether nothing but the predicted error refuses it.
+    #[serde(skip)]
+    only_for_attitudes: bool,
     /// Whether effects were added to the model.
     #[serde(skip)]
     adds: bool,
@@ -115,9 +122,11 @@ impl Fitted {
             accelerometer: accelerometer(counted.table),
             beside_gyro: None,
             contradiction: None,
+            holds_for: None,
             accepted: false,
             reasons: Vec::new(),
             only_saturated: false,
+            only_for_attitudes: false,
             adds: !options.add.is_empty(),
         }
     }
@@ -176,7 +185,10 @@ impl Fitted {
         let verdict =
             judge_figures(&figures, Some(&coverage), counted.clipped() as u64, self.expected_field_ut);
         self.accepted = verdict.accepted;
-        let mut refusals = verdict.reasons.iter().filter(|reason| reason.refuses()).peekable();
+        let refuses = verdict.reasons.iter().filter(|reason| reason.refuses());
+        self.only_for_attitudes =
+            refuses.clone().all(|reason| matches!(reason, Reason::ErrorTooLarge { .. }));
+        let mut refusals = refuses.peekable();
         self.only_saturated =
             refusals.peek().is_some() && refusals.all(|reason| matches!(reason, Reason::Saturated { .. }));
         let vector_percent = 100.0 * solution.vector_error_ut() / calibration.field_ut;
@@ -199,7 +211,7 @@ impl Fitted {
             })
             .collect();
         if let Some(beside) = self.varying_field(&solution) {
-            (self.accepted, self.only_saturated) = (false, false);
+            (self.accepted, self.only_saturated, self.only_for_attitudes) = (false, false, false);
             // A longer log is no remedy for another field.
             self.reasons.clear();
             self.reasons.push(of_another_field(beside, solution.rms_ut / calibration.field_ut));
@@ -245,6 +257,22 @@ impl Fitted {
         if samples > 0 {
             self.aside.push(Aside { why: Why::Burst, samples });
         }
+    }
+
+    /// Whether nothing but the predicted error of a vector in any direction refuses it.
+    pub(crate) fn is_refused_for_attitudes_only(&self) -> bool {
+        self.only_for_attitudes
+    }
+
+    /// Whether it is refused for axes that do not stand as the accelerometer's.
+    pub(crate) fn is_of_other_axes(&self) -> bool {
+        let alignment = self.solution.as_ref().map(|solution| &solution.alignment);
+        matches!(alignment, Some(Alignment::Mirrored(_) | Alignment::Open(_)))
+    }
+
+    /// Whether it is refused for a field that differs from place to place.
+    pub(crate) fn is_of_another_field(&self) -> bool {
+        self.solution.as_ref().is_some_and(|solution| self.varying_field(solution).is_some())
     }
 
     /// Samples set aside in all.

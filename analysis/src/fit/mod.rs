@@ -1,5 +1,6 @@
 //! What a fit says.
 
+pub mod confined;
 pub mod diagnosed;
 pub mod extended;
 pub mod fitted;

@@ -3,7 +3,7 @@
 
 use crate::base::ground::Ground;
 use crate::fit::fitted::Fitted;
-use crate::fit::{extended, ids};
+use crate::fit::{confined, extended, ids};
 use crate::outcome::contradiction::freed;
 use crate::outcome::request::{Options, Refusal};
 use crate::table::Table;
@@ -26,10 +26,11 @@ pub(crate) fn of_ground(ground: &Ground, options: &Options) -> Result<Fitted, Re
         None => (options, None),
     };
     let fitted = Fitted::new(&ground.counted, options);
-    let mut fitted = match options.add.is_empty() && options.prior.is_none() {
+    let fitted = match options.add.is_empty() && options.prior.is_none() {
         true => fitted.of_base(ground, options.registry),
         false => extended::run(ground, options, fitted)?,
     };
+    let mut fitted = confined::tried(ground, options, fitted);
     if let Some(contradiction) = contradiction {
         fitted.reasons.push(format!("note: {}", contradiction.words()));
         fitted.contradiction = Some(contradiction.clone());

@@ -57,13 +57,12 @@ impl Freed {
 
     /// What is left of an earlier calibration.
     fn of(self, prior: &Prior) -> Option<Prior> {
-        let offset = [0, 1, 2].map(|axis| std::array::from_fn(|i| f64::from(u8::from(i == axis))));
         let c = &prior.triangle;
         let field = [0.0, 0.0, 0.0, c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]];
         match self {
-            Freed::Offset => Some(prior.without(&offset)),
+            Freed::Offset => Some(prior.without_offset()),
             Freed::Field => Some(prior.without(&[field])),
-            Freed::OffsetAndField => Some(prior.without(&offset).without(&[field])),
+            Freed::OffsetAndField => Some(prior.without_offset().without(&[field])),
             Freed::All => None,
         }
     }

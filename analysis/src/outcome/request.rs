@@ -8,6 +8,19 @@ use ironout::fit::Method;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
+/// The attitudes that a calibration is to be for.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Purpose {
+    /// All of them where the log carries that, else those that it shows.
+    #[default]
+    AsShown,
+    /// All of them.
+    All,
+    /// Tilts up to this from the mean attitude of the log, degrees.
+    Tilt(f64),
+}
+
 /// What to fit or to diagnose, and how.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
@@ -20,6 +33,8 @@ pub struct Options {
     /// The dip of the field below the horizon, degrees, where it is known; a fit predicts the error of the heading with
     /// it, and it tells a mounting from a mirror image.
     pub dip_deg: Option<f64>,
+    /// The attitudes that the calibration is to be for.
+    pub purpose: Purpose,
     /// Ids of effects that stand in the model from the beginning.
     pub add: Vec<String>,
     /// Whether a fit keeps effects that the log does not show.

@@ -39,7 +39,7 @@ pub(crate) fn take_axes(
 /// Says beside the misalignment whether the calibration's matrix contains it.
 pub(crate) fn tell_matrix(diagnosis: &mut Diagnosis) {
     let words = match diagnosis.alignment {
-        Alignment::Done { .. } => "the full matrix contains it",
+        Alignment::Done { .. } | Alignment::ByAll => "the full matrix contains it",
         Alignment::NoDip { .. } => "the dip spreads too far for the matrix to contain it",
         Alignment::Open(_) | Alignment::Mirrored(_) => "no matrix contains it before the axes are in order",
         Alignment::None => "it is too uncertain for the matrix to contain it",

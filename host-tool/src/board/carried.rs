@@ -196,6 +196,7 @@ pub fn cal_file(record: &Record, covariance: Option<&[[f64; 9]; 9]>, board: &Ide
     let cal = CalFile {
         version: VERSION,
         fit: FitObject {
+            holds_for: None,
             method: record.method.name().to_string(),
             samples_used: record.samples,
             samples_set_aside: 0,

@@ -1,7 +1,7 @@
 //! `ironout fit`: calibrate from a log.
 
 use crate::cal_file::{CalFile, FitObject};
-use crate::cli::FitArgs;
+use crate::cli::{FitArgs, Free};
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::plausible::Known;
 use crate::reading::Reading;
@@ -28,6 +28,10 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
     let known = Known::given(expected.field_ut);
     let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, json)?;
     let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &used)).transpose()?;
+    let prior = match arguments.free {
+        Some(Free::Offset) => prior.map(|prior| prior.without_offset()),
+        None => prior,
+    };
     let options = Options {
         method,
         field_ut: expected.field_ut,
@@ -36,6 +40,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         force_effect: arguments.force_effect,
         search: false,
         prior,
+        purpose: arguments.purpose.unwrap_or_default(),
         registry: REGISTRY,
         ..Options::default()
     };

@@ -373,7 +373,7 @@ pub fn alignment(told: &Told, out: &mut Vec<String>) {
         ));
         let note = match diagnosis.alignment {
             Alignment::Done { .. } if dip.misalignment_deg > 1.0 => "the full matrix of the fit contains it",
-            Alignment::Done { .. } => "well aligned",
+            Alignment::Done { .. } | Alignment::ByAll => "well aligned",
             Alignment::NoDip { .. } => "not in the matrix: the dip spreads too far to turn it by",
             Alignment::Open(_) | Alignment::Mirrored(_) => "not in the matrix before the axes are in order",
             Alignment::None => "not in the matrix, which stays triangular: too uncertain",

@@ -42,6 +42,8 @@ pub fn look(held: &Held, asked: &LookAsked) -> Outcome<Value> {
     let look = ironout_analysis::look(&Table::from(log), &options, asked.floor_ut)
         .map_err(|refusal| refusal::failure(refusal, &log.path))?;
     let arguments = FitArgs {
+        free: None,
+        purpose: None,
         log: held.asked.arguments(),
         field: asked.field(),
         output: Some("cal.json".into()),

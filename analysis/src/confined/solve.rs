@@ -1,0 +1,216 @@
+//! The likeliest parameters of a log, and their covariance.
+
+use crate::base::piece::{COLUMNS, Matrix};
+use crate::confined::channels::{Channel, Rows, Share, Sums};
+use crate::confined::known::Before;
+use crate::confined::log::Log;
+use crate::confined::state::{PARAMETERS, State};
+use nalgebra::{DMatrix, Matrix3, Vector3};
+
+/// How often the noise of each channel is worked out anew.
+const ROUNDS: usize = 5;
+/// Steps with one noise at most.
+const STEPS: usize = 12;
+/// A step that promises less than this many units of `−2 ln L` is the last.
+const SETTLED: f64 = 1e-3;
+/// A step is halved until it is good, so often at most.
+const HALVED: usize = 8;
+
+/// What one channel has said.
+#[derive(Debug, Clone, Copy)]
+pub struct Heard {
+    /// Which one.
+    pub channel: Channel,
+    /// Rows.
+    pub rows: usize,
+    /// Rms of its residual, µT.
+    pub rms_ut: f64,
+    /// How many rows say as much as one independent row: what the blocks of time show.
+    pub memory: f64,
+}
+
+/// The solution.
+#[derive(Debug, Clone)]
+pub struct Solved {
+    /// The parameters.
+    pub state: State,
+    /// Their covariance.
+    pub covariance: DMatrix<f64>,
+    /// What each channel has said.
+    pub heard: Vec<Heard>,
+    /// The part of the variance of the shown tilt that is the board's own.
+    pub tilt_share: f64,
+}
+
+/// Noise of the channels.
+#[derive(Clone)]
+struct Noise {
+    /// Standard deviation of a row, µT, and how many rows count as one.
+    rows: [(f64, f64); Channel::ALL.len()],
+    share: Share,
+}
+
+/// Everything at one state: the weighted total, and each channel.
+fn total(log: &Log, start: &State, state: &State, before: &Before, noise: &Noise) -> (Matrix, Vec<Sums>) {
+    let mut total = before.matrix(start, state);
+    let mut list = Vec::new();
+    for (channel, (sigma_ut, memory)) in Channel::ALL.into_iter().zip(&noise.rows) {
+        let sums = Rows::of(channel, log, state, &noise.share).sums(*sigma_ut);
+        for block in &sums.blocks {
+            weighted(&mut total, block, 1.0 / memory);
+        }
+        list.push(sums);
+    }
+    (total, list)
+}
+
+/// Adds a block with a weight.
+fn weighted(total: &mut Matrix, block: &Matrix, weight: f64) {
+    for i in 0..PARAMETERS {
+        total.pull(i, weight * block.right(i));
+        (i..PARAMETERS).for_each(|j| total.inform(i, j, weight * block.entry(i, j)));
+    }
+    total.depart(weight * block.squares());
+}
+
+/// What a full step promises, `gᵀH⁻¹g`, and that step.
+fn promise(at: &Matrix) -> Option<(f64, [f64; COLUMNS])> {
+    let step = at.step(&at.factor()?);
+    Some(((0..PARAMETERS).map(|i| -step[i] * at.right(i)).sum(), step))
+}
+
+/// Steps to where `Jᵀr = 0` with this noise. With derivatives beside the readings that is not where the cost is least, so that a step is
+/// good where it lowers the cost or where the next one promises less.
+fn settle(log: &Log, start: &State, mut state: State, before: &Before, noise: &Noise) -> Option<State> {
+    let (mut at, _) = total(log, start, &state, before, noise);
+    for _ in 0..STEPS {
+        let (promised, step) = promise(&at)?;
+        if promised < SETTLED {
+            break;
+        }
+        let mut share = 1.0;
+        let mut moved = None;
+        for _ in 0..HALVED {
+            let next = state.stepped(&step.map(|value| share * value));
+            let (there, _) = total(log, start, &next, before, noise);
+            let promises = promise(&there).map_or(f64::INFINITY, |(promised, _)| promised);
+            if there.squares() < at.squares() || promises < promised {
+                moved = Some((next, there));
+                break;
+            }
+            share *= 0.5;
+        }
+        let Some((next, there)) = moved else { break };
+        (state, at) = (next, there);
+    }
+    at.squares().is_finite().then_some(state)
+}
+
+/// The noise of each channel at a state; the memory is kept.
+fn noise_at(log: &Log, state: &State, noise: &Noise) -> Noise {
+    let mut now = noise.clone();
+    let magnitude_ut = Rows::of(Channel::Magnitude, log, state, &Share::AS_SHOWN).sigma_ut();
+    let shown = Rows::of(Channel::Dip, log, state, &Share::AS_SHOWN);
+    now.share = Share::of(log, state, magnitude_ut, &shown);
+    for (channel, one) in Channel::ALL.into_iter().zip(&mut now.rows) {
+        one.0 = Rows::of(channel, log, state, &now.share).sigma_ut();
+    }
+    now
+}
+
+/// The covariance at a state, and how many rows of each channel count as one: `Σ gᵦᵀ M gᵦ / tr(M H)` over the blocks of time, 1 where rows
+/// err independently.
+fn memory(total: &Matrix, sums: &[Sums]) -> Option<(DMatrix<f64>, Vec<f64>)> {
+    let factor = total.factor()?;
+    let columns: Vec<[f64; COLUMNS]> = (0..PARAMETERS).map(|column| factor.inverse_column(column)).collect();
+    let covariance = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| 0.5 * (columns[i][j] + columns[j][i]));
+    let of = |sums: &Sums| {
+        let (mut seen, mut expected) = (0.0, 0.0);
+        for block in &sums.blocks {
+            for i in 0..PARAMETERS {
+                for j in 0..PARAMETERS {
+                    seen += block.right(i) * covariance[(i, j)] * block.right(j);
+                    expected += covariance[(i, j)] * block.entry(i, j);
+                }
+            }
+        }
+        if expected > 0.0 { (seen / expected).max(1.0) } else { 1.0 }
+    };
+    let list = sums.iter().map(of).collect();
+    Some((covariance, list))
+}
+
+/// The likeliest state from this start.
+fn from_start(log: &Log, start: &State, before: &Before) -> Option<Solved> {
+    let mut noise = Noise { rows: [(1.0, 1.0); Channel::ALL.len()], share: Share::AS_SHOWN };
+    noise = noise_at(log, start, &noise);
+    let mut state = settle(log, start, start.clone(), before, &noise)?;
+    for _ in 0..ROUNDS {
+        noise = noise_at(log, &state, &noise);
+        state = settle(log, start, state, before, &noise)?;
+        let (at, sums) = total(log, start, &state, before, &noise);
+        let (_, memories) = memory(&at, &sums)?;
+        noise.rows.iter_mut().zip(memories).for_each(|(one, memory)| one.1 = memory);
+    }
+    let (at, sums) = total(log, start, &state, before, &noise);
+    let (covariance, _) = memory(&at, &sums)?;
+    let heard = (Channel::ALL.into_iter().zip(&sums).zip(noise.rows))
+        .filter(|((_, sums), _)| sums.rows > 0)
+        .map(|((channel, sums), (_, memory))| Heard { channel, rows: sums.rows, rms_ut: sums.rms_ut, memory })
+        .collect();
+    Some(Solved { state, covariance, heard, tilt_share: noise.share.tilt })
+}
+
+/// The likeliest parameters of a log. `offsets_ut` are where to begin. A band of attitudes about one axis has a mirror image: the offset on
+/// the other side of the plane of the readings, with the field's vertical part reversed; both are tried, the likelier one is taken.
+pub fn solve(
+    log: &Log,
+    matrix: Matrix3<f64>,
+    offsets_ut: &[Vector3<f64>],
+    before: &Before,
+) -> Option<Solved> {
+    let n = log.rows.len().max(1) as f64;
+    let middle = log.rows.iter().map(|row| row.measured_ut).sum::<Vector3<f64>>() / n;
+    let axis = matrix.try_inverse()? * log.mean_down;
+    let axis = axis.try_normalize(1e-9)?;
+    let mirrored = |offset: &Vector3<f64>| offset + 2.0 * axis.dot(&(middle - offset)) * axis;
+    let starts = offsets_ut.iter().flat_map(|offset| [*offset, mirrored(offset)]);
+    let mut found: Option<(f64, Solved)> = None;
+    for offset_ut in starts {
+        let mut state = State {
+            offset_ut,
+            matrix,
+            field_ut: 1.0,
+            vertical_ut: 0.0,
+            gyro: Default::default(),
+            delay_s: 0.0,
+            zero: Vector3::zeros(),
+            tilt: 0.0,
+        };
+        let (mut length, mut vertical) = (0.0, 0.0);
+        for row in &log.rows {
+            let v = state.corrected(&row.measured_ut);
+            length += v.norm() / n;
+            vertical += row.down.map_or(0.0, |down| down.dot(&v)) / n;
+        }
+        (state.field_ut, state.vertical_ut) = (before.field_ut.unwrap_or(length), vertical);
+        let Some(solved) = from_start(log, &state, before) else { continue };
+        let likelihood = cost(log, &state, &solved, before, found.as_ref().map(|(_, best)| best));
+        if found.as_ref().is_none_or(|_| likelihood < 0.0) {
+            found = Some((likelihood, solved));
+        }
+    }
+    found.map(|(_, solved)| solved)
+}
+
+/// By how much `−2 ln L` of this solution is above that of the other, both at the noise of the other; −∞ without another.
+fn cost(log: &Log, start: &State, solved: &Solved, before: &Before, other: Option<&Solved>) -> f64 {
+    let Some(other) = other else { return f64::NEG_INFINITY };
+    let mut noise = Noise { rows: [(1.0, 1.0); Channel::ALL.len()], share: Share::AS_SHOWN };
+    for heard in &other.heard {
+        noise.rows[heard.channel as usize].1 = heard.memory;
+    }
+    let noise = noise_at(log, &other.state, &noise);
+    let of = |state: &State| total(log, start, state, before, &noise).0.squares();
+    of(&solved.state) - of(&other.state)
+}
