@@ -38,6 +38,50 @@ pub struct EffectEntry {
     pub range: Option<BTreeMap<String, [f64; 2]>>,
 }
 
+/// The error of a heading at one tilt.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AtTilt {
+    /// From the mean attitude of the log, degrees.
+    pub tilt_deg: f64,
+    /// 1σ, rms over all headings and ways to be tilted, degrees.
+    pub heading_error_deg: f64,
+}
+
+/// The attitudes that a calibration is for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HoldsFor {
+    /// Tilts up to this from the mean attitude of the log, degrees.
+    pub tilt_deg: f64,
+    /// The mean direction down in the log, body axes.
+    pub down: [f64; 3],
+    /// The error of a heading while level and tilted.
+    pub heading_errors: Vec<AtTilt>,
+}
+
+impl HoldsFor {
+    /// What to know before it is used elsewhere.
+    pub fn notice(&self) -> String {
+        format!(
+            "fitted for tilts up to {:.0}°: a heading is right to {} (1σ); what it is exported to does not know that",
+            self.tilt_deg,
+            self.words()
+        )
+    }
+
+    /// The errors in words: `0.2° while level, 0.4° tilted by 10°`.
+    pub fn words(&self) -> String {
+        let of = |at: &AtTilt| {
+            let error = at.heading_error_deg;
+            let figure = if error < 9.95 { format!("{error:.1}°") } else { format!("{error:.0}°") };
+            match at.tilt_deg {
+                0.0 => format!("{figure} while level"),
+                tilt => format!("{figure} tilted by {tilt:.0}°"),
+            }
+        };
+        self.heading_errors.iter().map(of).collect::<Vec<_>>().join(", ")
+    }
+}
+
 /// The normal matrix behind a calibration: the inverse of the parameters' covariance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Information {

@@ -191,20 +191,30 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut L
         ));
     }
     out.line(&format!("error after         {}   of the corrected magnitude", both(Some(solution.rms_ut))));
-    out.line(&format!(
-        "  on unseen time    {}   each tenth of the log under the fit of the others",
-        both(fitted.holdout_rms_ut)
-    ));
-    out.line(&format!(
-        "  floor by noise    {}   what the sensor's noise alone would leave{}",
-        both(fitted.residual_floor_ut),
-        match (fitted.residual_floor_least_ut, fitted.residual_floor_ut) {
-            (Some(least), Some(floor)) if least > 0.0 && floor > UNEXPLAINED * least =>
-                format!(", at most; {least:.3} µT at least"),
-            _ => String::new(),
-        }
-    ));
-    out.line(&format!("sensor noise        {:>9} µT            per axis", number(fitted.noise_floor_ut, 3)));
+    // The fit for a vehicle has no such figures of its own.
+    if fitted.holdout_rms_ut.is_some() {
+        out.line(&format!(
+            "  on unseen time    {}   each tenth of the log under the fit of the others",
+            both(fitted.holdout_rms_ut)
+        ));
+    }
+    if fitted.residual_floor_ut.is_some() {
+        out.line(&format!(
+            "  floor by noise    {}   what the sensor's noise alone would leave{}",
+            both(fitted.residual_floor_ut),
+            match (fitted.residual_floor_least_ut, fitted.residual_floor_ut) {
+                (Some(least), Some(floor)) if least > 0.0 && floor > UNEXPLAINED * least =>
+                    format!(", at most; {least:.3} µT at least"),
+                _ => String::new(),
+            }
+        ));
+    }
+    if fitted.noise_floor_ut.is_some() {
+        out.line(&format!(
+            "sensor noise        {:>9} µT            per axis",
+            number(fitted.noise_floor_ut, 3)
+        ));
+    }
     // Where most of it is the rotation, that is not what the verdict is of.
     let rotation = match solution.vector_error_ut() > solution.predicted_error_ut * MOSTLY {
         true => format!(
@@ -237,7 +247,11 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut L
     }
     match fitted.heading_error_deg {
         Some(degrees) => out.line(&format!(
-            "heading error       {degrees:9.2} °             1σ of a level reading at a dip of {}°, {}",
+            "heading error       {degrees:9.2} °             1σ of a {} reading at a dip of {}°, {}",
+            match &fitted.holds_for {
+                Some(holds_for) => format!("(tilted by up to {:.0}°)", holds_for.tilt_deg),
+                None => "level".into(),
+            },
             number(fitted.dip_deg, 0),
             if expected.earth.is_some() {
                 "of the world magnetic model"

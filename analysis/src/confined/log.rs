@@ -49,6 +49,11 @@ impl Log {
         Some(Log { time_s: samples.time.clone().unwrap_or_default(), rows, mean_down, stride })
     }
 
+    /// The same with its tilts from another attitude.
+    pub fn about(self, down: Vector3<f64>) -> Log {
+        Log { mean_down: down, ..self }
+    }
+
     /// The tilt that this share of the samples does not exceed, degrees from the mean attitude.
     pub fn tilt_deg(&self, share: f64) -> f64 {
         let tilt = |down: Vector3<f64>| down.dot(&self.mean_down).clamp(-1.0, 1.0).acos().to_degrees();

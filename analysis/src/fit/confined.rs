@@ -4,7 +4,7 @@ use crate::base::axes::Alignment;
 use crate::base::ground::Ground;
 use crate::base::solution::Solution;
 use crate::base::start::sphere;
-use crate::calibration::{Information, StdErrors};
+use crate::calibration::{AtTilt, HoldsFor, Information, StdErrors};
 use crate::confined::channels::Channel;
 use crate::confined::heading::{self, heading_error_deg, horizontal_ut};
 use crate::confined::known::{Before, triangle_covariance};
@@ -12,11 +12,12 @@ use crate::confined::log::Log;
 use crate::confined::solve::{Solved, solve};
 use crate::fit::fitted::Fitted;
 use crate::outcome::request::{Options, Purpose};
+use crate::samples::samples::Samples;
+use crate::table::Table;
 use ironout::calibration::{Calibration, norm};
 use ironout::fit::{MIN_SAMPLES, Order};
 use ironout::quality::MAX_RESIDUAL;
 use nalgebra::{Matrix3, Vector3};
-use serde::{Deserialize, Serialize};
 
 /// Largest 1σ of a heading at the attitudes that a calibration is for, degrees: twice that is what ships' electromagnetic compasses are
 /// allowed (ISO 11606: 3°).
@@ -36,41 +37,6 @@ const DIP_DEG: f64 = 10.0;
 /// Sectors of heading, and how many of them show the board turned all round.
 const SECTORS: usize = 12;
 const ALL_ROUND: usize = 11;
-
-/// The error of a heading at one tilt.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct AtTilt {
-    /// From the mean attitude of the log, degrees.
-    pub tilt_deg: f64,
-    /// 1σ, rms over all headings and ways to be tilted, degrees.
-    pub heading_error_deg: f64,
-}
-
-/// The attitudes that a calibration is for.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct HoldsFor {
-    /// Tilts up to this from the mean attitude of the log, degrees.
-    pub tilt_deg: f64,
-    /// The mean direction down in the log, body axes.
-    pub down: [f64; 3],
-    /// The error of a heading while level and tilted.
-    pub heading_errors: Vec<AtTilt>,
-}
-
-impl HoldsFor {
-    /// The errors in words: `0.2° while level, 0.4° tilted by 10°`.
-    pub fn words(&self) -> String {
-        let of = |at: &AtTilt| {
-            let error = at.heading_error_deg;
-            let figure = if error < 9.95 { format!("{error:.1}°") } else { format!("{error:.0}°") };
-            match at.tilt_deg {
-                0.0 => format!("{figure} while level"),
-                tilt => format!("{figure} tilted by {tilt:.0}°"),
-            }
-        };
-        self.heading_errors.iter().map(of).collect::<Vec<_>>().join(", ")
-    }
-}
 
 /// Fits a log that the ordinary fit has refused, for the attitudes that it shows. What is refused stays as it was where these do not
 /// carry a heading either, and says so.
@@ -158,6 +124,20 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
     fitted.reasons.extend(refused.reasons.iter().filter(|reason| reason.starts_with("note: ")).cloned());
     fitted.holds_for = Some(holds_for);
     fitted
+}
+
+/// What to know of a log that is tilted further than its calibration is for.
+pub fn beyond(holds_for: &HoldsFor, table: &Table) -> Option<String> {
+    let samples = Samples::take(table, &vec![false; table.rows()], [true; 3]);
+    let log = Log::of(&samples)?.about(holds_for.down.into());
+    let tilt_deg = log.tilt_deg(MOST);
+    (tilt_deg > holds_for.tilt_deg + LEAST_TILT_DEG).then(|| {
+        format!(
+            "this log is tilted by up to {tilt_deg:.0}° and the calibration is for tilts up to {:.0}°: a heading is right to {} (1σ)",
+            holds_for.tilt_deg,
+            holds_for.words()
+        )
+    })
 }
 
 /// Why not, and what to do.

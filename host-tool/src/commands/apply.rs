@@ -10,6 +10,7 @@ use crate::{atomic, output, progress::Progress, read_block, source, written};
 use ironout::calibration::norm;
 use ironout_analysis::Table;
 use ironout_analysis::effects::Calibrated;
+use ironout_analysis::fit::confined::beyond;
 use ironout_analysis::fit::fitted::spread_of_magnitude;
 use std::path::Path;
 
@@ -78,6 +79,7 @@ fn one(
     let (before_share, after_share) = (before / mean, after / field);
     let worse = after_share > before_share;
     let extrapolation = corrector.extrapolation(&cal.fit.effects);
+    let tilted = cal.fit.holds_for.as_ref().and_then(|holds_for| beyond(holds_for, &table));
     let object = serde_json::json!({
         "log": log.path.display().to_string(), "samples": samples.len(), "field_ut": field,
         "effects": cal.fit.effects.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
@@ -86,7 +88,7 @@ fn one(
         "after": {"rms_ut": json_number(Some(after)), "rms_percent": json_number(Some(after_share * 100.0)),
                   "worst_ut": json_number(Some(worst))},
         "worse": worse,
-        "outside": extrapolation.outside, "range_unknown": extrapolation.unknown,
+        "tilted": tilted, "outside": extrapolation.outside, "range_unknown": extrapolation.unknown,
         "read_as": read_block::json(log),
         "output": arguments.output.as_ref().map(|path| path.display().to_string()),
     });
@@ -114,7 +116,11 @@ fn one(
             arguments.cal.display()
         ));
     }
-    extrapolation.notices(field).iter().for_each(|notice| line(&format!("outside the range: {notice}")));
+    extrapolation
+        .notices(field)
+        .iter()
+        .chain(&tilted)
+        .for_each(|notice| line(&format!("outside the range: {notice}")));
     if let Some(path) = arguments.output.as_ref().filter(|path| !output::is_standard(path)) {
         line(&format!("wrote {} with {} added", path.display(), NEW_COLUMNS.join(", ")));
     }

@@ -10,7 +10,10 @@ use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
 use crate::output::{json_number, line};
 use crate::{read_block, source};
 use ironout::coverage::CoverageMap;
+use ironout_analysis::Options;
 use ironout_analysis::Table;
+use ironout_analysis::fit::confined::beyond;
+use ironout_analysis::outcome::request::Purpose;
 use ironout_analysis::samples::data::Data;
 
 /// Fewer samples say nothing.
@@ -21,7 +24,8 @@ const GROWTH: f64 = 1.5;
 const MARGIN: f64 = 0.01;
 /// Whether a calibration of the log's own is accepted and leaves no more than this, µT.
 fn explains_itself(table: &Table<'_>, limit_ut: f64) -> bool {
-    let fitted = ironout_analysis::fit(table, &ironout_analysis::Options::default());
+    let options = Options { purpose: Purpose::All, ..Options::default() };
+    let fitted = ironout_analysis::fit(table, &options);
     fitted.is_ok_and(|fitted| {
         fitted.accepted && fitted.solution.is_some_and(|solution| solution.rms_ut <= limit_ut)
     })
@@ -36,6 +40,7 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
     let table = Table::from(&log);
     let corrector = Corrected::new(extended, cal.fitted_to.as_deref(), &log, &table)?;
     let extrapolation = corrector.extrapolation(&cal.fit.effects);
+    let tilted = cal.fit.holds_for.as_ref().and_then(|holds_for| beyond(holds_for, &table));
     let data = Data::new(&table);
     let all: Vec<u32> = (0..data.rows.len() as u32).collect();
     let samples = data.moving(&all, 1.0);
@@ -93,7 +98,7 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
                 "outside": extrapolation.outside, "range_unknown": extrapolation.unknown,
                 "reasons": std::iter::once(word.explanation().to_string())
                     .chain(headings.words(arguments.declination.is_some()))
-                    .chain(extrapolation.notices(calibration.field_ut)).collect::<Vec<_>>(),
+                    .chain(extrapolation.notices(calibration.field_ut)).chain(tilted).collect::<Vec<_>>(),
             })
             .to_string(),
         );
@@ -126,7 +131,8 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
         for words in headings.words(arguments.declination.is_some()) {
             line(&format!("  {words}"));
         }
-        let notices = extrapolation.notices(calibration.field_ut);
+        let notices: Vec<String> =
+            extrapolation.notices(calibration.field_ut).into_iter().chain(tilted).collect();
         notices.iter().for_each(|notice| line(&format!("  outside the range: {notice}")));
     }
     Ok(if good { EXIT_OK } else { EXIT_REFUSED })

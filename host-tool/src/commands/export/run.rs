@@ -24,6 +24,9 @@ pub fn run(arguments: &ExportArgs, json: bool) -> Outcome<u8> {
             arguments.cal.display()
         );
     }
+    if let Some(holds_for) = &cal.fit.holds_for {
+        eprintln!("note: {}: {}", arguments.cal.display(), holds_for.notice());
+    }
     let exported = exported::asked(arguments).and_then(|()| {
         let log = log::read(arguments, &cal, true)?;
         exported::text(&cal, arguments, log.as_ref())
