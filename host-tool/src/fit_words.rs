@@ -247,10 +247,10 @@ fn errors(fitted: &Fitted, solution: &Solution, expected: &Expected, out: &mut L
     }
     match fitted.heading_error_deg {
         Some(degrees) => out.line(&format!(
-            "heading error       {degrees:9.2} °             1σ of a {} reading at a dip of {}°, {}",
+            "heading error       {degrees:9.2} °             1σ of a {} at a dip of {}°, {}",
             match &fitted.holds_for {
-                Some(holds_for) => format!("(tilted by up to {:.0}°)", holds_for.tilt_deg),
-                None => "level".into(),
+                Some(holds_for) => format!("heading, tilted by up to {:.0}°,", holds_for.tilt_deg),
+                None => "level reading".into(),
             },
             number(fitted.dip_deg, 0),
             if expected.earth.is_some() {

@@ -23,3 +23,4 @@ pub mod table;
 pub mod true_error;
 pub mod truths;
 pub mod truths_table;
+pub mod vehicles;

@@ -1,26 +1,32 @@
 //! `cargo accuracy`: how good calibrations are, what the verdict lets through, and how well hidden effects are found, as
 //! tables held to their snapshots.
 //!
-//! `--calibrations` measures the first of them alone, `--predicted` that of predicted errors: minutes instead of an hour.
+//! `--calibrations` measures the first of them alone, `--predicted` that of predicted errors, `--vehicles` that of headings of vehicles:
+//! minutes instead of an hour.
 //! `--json` prints one object on standard output; `--accept` stores the tables as the new snapshots and writes those of `docs/measured.md`.
 
 use ironout_host_tests::accuracy::effect_report::{Effects, SEEDS};
 use ironout_host_tests::accuracy::irrelevant_table::{self, Irrelevant};
 use ironout_host_tests::accuracy::predicted::{self, Predicted};
 use ironout_host_tests::accuracy::truths_table::{LOGS, Truths};
+use ironout_host_tests::accuracy::vehicles::{self, Vehicles};
 use ironout_host_tests::accuracy::{gates, snapshot, table};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let (mut json, mut accept, mut calibrations, mut errors) = (false, false, false, false);
+    let (mut json, mut accept, mut calibrations, mut errors, mut vehicles) =
+        (false, false, false, false, false);
     for argument in std::env::args().skip(1) {
         match argument.as_str() {
             "--json" => json = true,
             "--accept" => accept = true,
             "--calibrations" => calibrations = true,
             "--predicted" => errors = true,
+            "--vehicles" => vehicles = true,
             _ => {
-                eprintln!("usage: cargo accuracy [--calibrations|--predicted] [--json] [--accept]");
+                eprintln!(
+                    "usage: cargo accuracy [--calibrations|--predicted|--vehicles] [--json] [--accept]"
+                );
                 return ExitCode::from(2);
             }
         }
@@ -30,6 +36,12 @@ fn main() -> ExitCode {
         let printed = if json { table.json().to_string() } else { table.text() };
         let held = if accept { table.store() } else { table.hold() };
         return exit_code(alone("--predicted", &printed, held));
+    }
+    if vehicles {
+        let table = measured_vehicles();
+        let printed = if json { table.json().to_string() } else { table.text() };
+        let held = if accept { table.store() } else { table.hold() };
+        return exit_code(alone("--vehicles", &printed, held));
     }
     eprintln!("calibrations and verdicts …");
     let solvers = table::measure(table::FULL);
@@ -47,6 +59,7 @@ fn main() -> ExitCode {
     eprintln!("harder truths, minutes …");
     let truths = Truths::measure(LOGS);
     let errors = measured_predicted();
+    let headings = measured_vehicles();
     let (text, found, added) = (solvers.text(), effects.text(), irrelevant.text());
     if json {
         let mut object = solvers.json();
@@ -55,13 +68,15 @@ fn main() -> ExitCode {
         object["irrelevant"] = irrelevant.json();
         object["truths"] = truths.json();
         object["predicted"] = errors.json();
+        object["vehicles"] = headings.json();
         println!("{object}");
     } else {
         print!(
-            "{text}\nHidden effects\n\n{found}\nIrrelevant effects added\n\n{added}\nHarder truths\n\n{}\n{}\n\nPredicted errors\n\n{}",
+            "{text}\nHidden effects\n\n{found}\nIrrelevant effects added\n\n{added}\nHarder truths\n\n{}\n{}\n\nPredicted errors\n\n{}\n\nHeadings of vehicles\n\n{}",
             truths.text(),
             truths.times(),
-            errors.text()
+            errors.text(),
+            headings.text()
         );
     }
     let held = if accept {
@@ -71,12 +86,14 @@ fn main() -> ExitCode {
             .and_then(|()| irrelevant.store())
             .and_then(|()| truths.store())
             .and_then(|()| errors.store())
+            .and_then(|()| headings.store())
     } else {
         snapshot::hold(&table::snapshot_path(), &text)
             .and_then(|()| snapshot::hold(&Effects::snapshot_path(), &found))
             .and_then(|()| snapshot::hold(&Irrelevant::snapshot_path(), &added))
             .and_then(|()| truths.hold())
             .and_then(|()| errors.hold())
+            .and_then(|()| headings.hold())
     };
     let mut good = true;
     if let Err(error) = held {
@@ -99,6 +116,12 @@ fn exit_code(good: bool) -> ExitCode {
 fn measured_predicted() -> Predicted {
     eprintln!("predicted errors, minutes …");
     Predicted::measure(predicted::LOGS, |kind| eprintln!("{kind}"))
+}
+
+/// The table of headings of vehicles.
+fn measured_vehicles() -> Vehicles {
+    eprintln!("headings of vehicles, minutes …");
+    Vehicles::measure(vehicles::LOGS, |kind| eprintln!("{kind}"))
 }
 
 /// A table by itself, measured by this `option` alone: `printed`, and `held` to its snapshot or stored as one.
