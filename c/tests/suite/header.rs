@@ -1,0 +1,25 @@
+//! The committed header is what the sources say, and is no more than was promised.
+
+use std::path::Path;
+
+/// Functions that the header may have.
+const MOST_FUNCTIONS: usize = 20;
+
+#[test]
+fn the_header_is_current() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).expect("cbindgen.toml can be read");
+    let builder = cbindgen::Builder::new().with_config(config).with_crate(root);
+    let mut made = Vec::new();
+    builder.generate().expect("the sources can be parsed").write(&mut made);
+    let made = String::from_utf8(made).expect("UTF-8");
+    let path = root.join("include/ironout.h");
+    if std::env::var_os("IRONOUT_ACCEPT_HEADER").is_some() {
+        std::fs::write(&path, &made).expect("the header can be written");
+    }
+    let kept = std::fs::read_to_string(&path).expect("the header is there");
+    assert!(kept == made, "c/include/ironout.h is not current. Fix: run c/check --accept-header");
+    let functions = made.lines().filter(|line| line.contains(" ironout_") && line.contains('(') && !line.starts_with(' '));
+    let functions = functions.filter(|line| !line.starts_with("//") && !line.starts_with("typedef")).count();
+    assert!((1..=MOST_FUNCTIONS).contains(&functions), "{functions} functions");
+}

@@ -1,0 +1,3 @@
+//! The C interface, called from Rust, and its header.
+
+mod header;
