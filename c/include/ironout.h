@@ -33,18 +33,6 @@
 #define IRONOUT_VERSION_MINOR 1
 #define IRONOUT_VERSION_PATCH 0
 
-// Size of ironout_live in words of 8 bytes.
-#define IRONOUT_LIVE_WORDS 400
-
-// Size of a column's name with the zero byte at its end.
-#define IRONOUT_COLUMN_BYTES 33
-
-// Size of ironout_monitor in words of 8 bytes.
-#define IRONOUT_MONITOR_WORDS 20
-
-// The longest record. A record of a session has 328 bytes.
-#define IRONOUT_RECORD_BYTES 512
-
 // With ironout_session_push: the chip says that an axis was out of its range. The sample is counted and not used.
 #define IRONOUT_OUT_OF_RANGE 1
 
@@ -52,7 +40,19 @@
 #define IRONOUT_GAP 2
 
 // Size of ironout_session in words of 8 bytes.
-#define IRONOUT_SESSION_WORDS 206
+#define IRONOUT_SESSION_WORDS 204
+
+// The longest record. A record of a session has 328 bytes.
+#define IRONOUT_RECORD_BYTES 512
+
+// Size of ironout_live in words of 8 bytes.
+#define IRONOUT_LIVE_WORDS 304
+
+// Size of a column's name with the zero byte at its end.
+#define IRONOUT_COLUMN_BYTES 33
+
+// Size of ironout_monitor in words of 8 bytes.
+#define IRONOUT_MONITOR_WORDS 16
 
 // The most reasons that a verdict has.
 #define IRONOUT_REASONS 6
@@ -134,27 +134,6 @@ typedef int32_t ironout_error;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// What the monitor says of the calibration in use.
-enum ironout_condition
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-    // Nothing speaks against it.
-    IRONOUT_GOOD = 0,
-    // Something magnetic is near: do not trust the field now.
-    IRONOUT_DISTURBED = 1,
-    // The calibration no longer fits the board: calibrate again.
-    IRONOUT_OUTDATED = 2,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum ironout_condition ironout_condition;
-#else
-typedef int32_t ironout_condition;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
 // Where a session is.
 enum ironout_state
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -201,6 +180,27 @@ typedef int32_t ironout_hint;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// What the monitor says of the calibration in use.
+enum ironout_condition
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    // Nothing speaks against it.
+    IRONOUT_GOOD = 0,
+    // Something magnetic is near: do not trust the field now.
+    IRONOUT_DISTURBED = 1,
+    // The calibration no longer fits the board: calibrate again.
+    IRONOUT_OUTDATED = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum ironout_condition ironout_condition;
+#else
+typedef int32_t ironout_condition;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // The sides of a board, as bits: front-left is IRONOUT_SIDE_FRONT | IRONOUT_SIDE_LEFT. The axes are x forward, y right,
 // z down.
 enum ironout_side
@@ -229,19 +229,86 @@ typedef uint32_t ironout_side;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// A calibration session, in the caller's memory. Its content is the library's own.
+typedef struct ironout_session {
+    uint64_t opaque[IRONOUT_SESSION_WORDS];
+} ironout_session;
+
+// What the library needs to know of the sensor. All values are in the board's axes: x forward, y right, z down.
+typedef struct ironout_sensor {
+    // Scale of each axis, uT per count; positive.
+    float ut_per_count[3];
+    // Samples per second that are pushed; 0 if unknown.
+    float rate_hz;
+    // Magnitude of the Earth's field where the calibration is made, uT; 0 if unknown. Corrected vectors are scaled to it;
+    // without it they keep the mean measured magnitude.
+    float field_ut;
+} ironout_sensor;
+
+// A snapshot of a session.
+typedef struct ironout_status {
+    // Where the session is.
+    ironout_state state;
+    // What to do next; ironout_hint_text makes a sentence of it.
+    ironout_hint hint;
+    // With IRONOUT_HINT_TURN: the side that the field has not come through yet, bits of ironout_side; 0 is any side.
+    uint32_t missing;
+    // With IRONOUT_HINT_TURN: the side that the field comes through now.
+    uint32_t now;
+    // Samples in motion, used.
+    uint32_t samples;
+    // Samples not used: at rest, repeated or saturated.
+    uint32_t skipped;
+    // Of these, samples at the sensor's limits.
+    uint32_t saturated;
+    // Fraction of directions seen, 0 to 1.
+    float coverage;
+    // Largest gap between the directions seen, degrees.
+    float gap_deg;
+    // Residual rms of the fit so far, uT; NaN while there is no fit.
+    float rms_ut;
+    // Noise of the sensor, standard deviation per axis, uT; NaN while there is no fit.
+    float noise_ut;
+    // Predicted error (1 sigma) of the corrected vector, over the field; NaN while there is no fit. Up to 0.01 is accepted.
+    float predicted_error;
+} ironout_status;
+
+// A reason of a verdict.
+typedef struct ironout_reason {
+    // Which.
+    ironout_error code;
+    // Its number, in the unit of its kind: percent of the field (ERROR_TOO_LARGE, RESIDUAL_TOO_LARGE), percent of the
+    // samples (SATURATED), samples (TOO_FEW_SAMPLES), axis 0 to 2 (STUCK_AXIS, COPIED_AXIS), percent of thickness over
+    // width (PLANAR), percent of the distance (THROUGH_ORIGIN), offset over field (OFFSET_TOO_LARGE), longest over
+    // shortest axis (AXIS_RATIO), measured magnitude in uT (FIELD_MISMATCH); 0 for the others.
+    float value;
+} ironout_reason;
+
+// The verdict of ironout_session_stop.
+typedef struct ironout_outcome {
+    // 1 if the calibration may be used, 0 if not.
+    uint32_t accepted;
+    // How many of `reasons` are valid. An accepted calibration may have a note here.
+    uint32_t reason_count;
+    // The reasons, refusing ones first.
+    struct ironout_reason reasons[IRONOUT_REASONS];
+    // The side that the field has not come through, bits of ironout_side; 0 is any side.
+    uint32_t missing;
+} ironout_outcome;
+
 // A calibration: corrected = matrix * (measured - offset). Constants from `ironout export` may be filled in by hand.
 typedef struct ironout_calibration {
-    // Offset (hard iron), µT in the board's axes.
+    // Offset (hard iron), uT in the board's axes.
     float offset_ut[3];
     // Matrix (soft iron), rows first, no unit.
     float matrix[3][3];
-    // Magnitude of corrected vectors, µT.
+    // Magnitude of corrected vectors, uT.
     float field_ut;
-    // Noise of the sensor, standard deviation per axis, µT.
+    // Noise of the sensor, standard deviation per axis, uT.
     float noise_ut;
-    // Residual rms of the corrected magnitude, µT.
+    // Residual rms of the corrected magnitude, uT.
     float rms_ut;
-    // Predicted error (1 sigma) of the corrected vector in the worst direction, µT; NaN if unknown. Of a record it is
+    // Predicted error (1 sigma) of the corrected vector in the worst direction, uT; NaN if unknown. Of a record it is
     // rounded up by at most 6 %.
     float predicted_error_ut;
     // Samples behind the fit.
@@ -253,17 +320,6 @@ typedef struct ironout_calibration {
     // Code of the sensor's mounting that the record was made with; 0 if it states none.
     uint32_t mounting;
 } ironout_calibration;
-
-// What the library needs to know of the sensor. All values are in the board's axes: x forward, y right, z down.
-typedef struct ironout_sensor {
-    // Scale of each axis, µT per count; positive.
-    float ut_per_count[3];
-    // Samples per second that are pushed; 0 if unknown.
-    float rate_hz;
-    // Magnitude of the Earth's field where the calibration is made, µT; 0 if unknown. Corrected vectors are scaled to it;
-    // without it they keep the mean measured magnitude.
-    float field_ut;
-} ironout_sensor;
 
 // A correction with effects, in the caller's memory. Its content is the library's own.
 typedef struct ironout_live {
@@ -287,174 +343,13 @@ typedef struct ironout_monitor {
     uint64_t opaque[IRONOUT_MONITOR_WORDS];
 } ironout_monitor;
 
-// A calibration session, in the caller's memory. Its content is the library's own.
-typedef struct ironout_session {
-    uint64_t opaque[IRONOUT_SESSION_WORDS];
-} ironout_session;
-
-// A snapshot of a session.
-typedef struct ironout_status {
-    // Where the session is.
-    ironout_state state;
-    // What to do next; ironout_hint_text makes a sentence of it.
-    ironout_hint hint;
-    // With IRONOUT_HINT_TURN: the side that the field has not come through yet, bits of ironout_side; 0 is any side.
-    uint32_t missing;
-    // With IRONOUT_HINT_TURN: the side that the field comes through now.
-    uint32_t now;
-    // Samples in motion, used.
-    uint32_t samples;
-    // Samples not used: at rest, repeated or saturated.
-    uint32_t skipped;
-    // Of these, samples at the sensor's limits.
-    uint32_t saturated;
-    // Fraction of directions seen, 0 to 1.
-    float coverage;
-    // Largest gap between the directions seen, degrees.
-    float gap_deg;
-    // Residual rms of the fit so far, µT; NaN while there is no fit.
-    float rms_ut;
-    // Noise of the sensor, standard deviation per axis, µT; NaN while there is no fit.
-    float noise_ut;
-    // Predicted error (1 sigma) of the corrected vector, over the field; NaN while there is no fit. Up to 0.01 is accepted.
-    float predicted_error;
-} ironout_status;
-
-// A reason of a verdict.
-typedef struct ironout_reason {
-    // Which.
-    ironout_error code;
-    // Its number, in the unit of its kind: percent of the field (ERROR_TOO_LARGE, RESIDUAL_TOO_LARGE), percent of the
-    // samples (SATURATED), samples (TOO_FEW_SAMPLES), axis 0 to 2 (STUCK_AXIS, COPIED_AXIS), percent of thickness over
-    // width (PLANAR), percent of the distance (THROUGH_ORIGIN), offset over field (OFFSET_TOO_LARGE), longest over
-    // shortest axis (AXIS_RATIO), measured magnitude in µT (FIELD_MISMATCH); 0 for the others.
-    float value;
-} ironout_reason;
-
-// The verdict of ironout_session_stop.
-typedef struct ironout_outcome {
-    // 1 if the calibration may be used, 0 if not.
-    uint32_t accepted;
-    // How many of `reasons` are valid. An accepted calibration may have a note here.
-    uint32_t reason_count;
-    // The reasons, refusing ones first.
-    struct ironout_reason reasons[IRONOUT_REASONS];
-    // The side that the field has not come through, bits of ironout_side; 0 is any side.
-    uint32_t missing;
-} ironout_outcome;
-
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
 
-// Writes the corrected field of a sample in counts to `corrected_ut`, µT in the board's axes. Only `ut_per_count` of the
-// sensor is read. A count at the end of the range gives a number too: what the chip calls out of range is no measurement.
-//
-ironout_error ironout_apply_counts(const struct ironout_calibration *calibration,
-                                   const struct ironout_sensor *sensor,
-                                   const int16_t counts[3],
-                                   float corrected_ut[3]);
-
-// Writes the corrected field of a measured vector to `corrected_ut`, both µT in the board's axes. They may be the same
-// array. NaN in, NaN out.
-//
-ironout_error ironout_apply_ut(const struct ironout_calibration *calibration,
-                               const float measured_ut[3],
-                               float corrected_ut[3]);
-
 // A sentence for a code, in English, at most 120 bytes. It is never null and stays valid. Of a number that is no code:
 // "unknown error".
 const char *ironout_error_text(int32_t error);
-
-// Writes the heading of the board's front, degrees from 0 to 360 clockwise from north, tilt-compensated: from magnetic
-// north with a `declination_deg` of 0, from true north with the declination of the place (east positive). Axes are x
-// forward, y right, z down. `accel_mps2` is the specific force, m/s²: at rest level 0, 0, -9.8; while the board
-// accelerates, the heading is wrong.
-//
-// IRONOUT_NOT_FINITE: a vector is zero or not finite. IRONOUT_STEEP, IRONOUT_VERTICAL_FIELD: no heading here. On an error
-// `heading` is left as it was.
-//
-ironout_error ironout_heading(const float corrected_ut[3],
-                              const float accel_mps2[3],
-                              float declination_deg,
-                              float *heading);
-
-// Prepares the correction of a record, with or without effects. No column is known yet. On an error `live` is left as it
-// was.
-ironout_error ironout_live_init(struct ironout_live *live,
-                                const uint8_t *bytes,
-                                size_t length);
-
-// Sets a column, for example "temp_c" to the temperature in degrees Celsius, in the unit of the log that the effects were
-// fitted on. It keeps this value until it is set again; NaN makes it unknown.
-//
-// IRONOUT_COLUMN_NOT_READ: no effect reads a column of this name.
-ironout_error ironout_live_set(struct ironout_live *live,
-                               const char *column,
-                               float value);
-
-// Writes the name of the first column that is needed and not known. IRONOUT_NO_MORE: all are known. The column "t_s" is
-// the time of ironout_live_apply.
-//
-ironout_error ironout_live_missing(const struct ironout_live *live,
-                                   char column[IRONOUT_COLUMN_BYTES]);
-
-// Writes the corrected field to `corrected_ut`, µT in the board's axes; on an error it is left as it was, and the old
-// correction stays in use. `t_s` is the time in seconds: any clock, but for effects of time, which need the clock of the
-// log that they were fitted on. `turn_radps` is the gyro's rate of turn in the board's axes; null if there is none.
-//
-// IRONOUT_COLUMN_UNKNOWN: see ironout_live_missing. IRONOUT_NEEDS_GYRO, IRONOUT_TOO_FAR, IRONOUT_NOT_FINITE: not
-// corrected. There is no silent fallback.
-//
-ironout_error ironout_live_apply(struct ironout_live *live,
-                                 double t_s,
-                                 const float measured_ut[3],
-                                 const float turn_radps[3],
-                                 float corrected_ut[3]);
-
-// Writes the column number `index`, from 0, of those that are outside the range that their effect was fitted over, as of
-// the last ironout_live_apply. The correction goes on there, with an error that grows with the distance; further outside
-// than the range is wide the effect keeps its value. IRONOUT_NO_MORE: there is no such column.
-ironout_error ironout_live_outside(const struct ironout_live *live,
-                                   uint32_t index,
-                                   struct ironout_outside *outside);
-
-// Begins to watch a calibration: its field, noise and predicted error are copied.
-//
-// IRONOUT_BAD_ARGUMENT: its field is not positive and finite.
-ironout_error ironout_monitor_init(struct ironout_monitor *monitor,
-                                   const struct ironout_calibration *calibration);
-
-// Takes a corrected sample and writes what is to be said now to `condition`. `t_ms` may wrap. `accel_mps2` is the specific
-// force in the board's axes, m/s² (at rest level: 0, 0, -9.8); null if there is no accelerometer. A sample that is not
-// finite is passed over. The calibration is never changed.
-//
-ironout_error ironout_monitor_push(struct ironout_monitor *monitor,
-                                   uint32_t t_ms,
-                                   const float corrected_ut[3],
-                                   const float accel_mps2[3],
-                                   ironout_condition *condition);
-
-// Writes the accepted calibration of a session to `bytes` as a record with a checksum, which the program `ironout` and
-// every firmware with this library read, and its length to `length`. `room` is the size of `bytes`; IRONOUT_RECORD_BYTES
-// is always enough. Of two stored records the one with the higher `sequence` is the newer: give the old record's plus
-// one, and write it to another place than the old one, so that a power cut leaves one of them whole.
-//
-// IRONOUT_WRONG_STATE: there is no accepted calibration. IRONOUT_TOO_LITTLE_ROOM: nothing was written.
-ironout_error ironout_record_encode(const struct ironout_session *session,
-                                    uint32_t sequence,
-                                    uint8_t *bytes,
-                                    size_t room,
-                                    size_t *length);
-
-// Reads the calibration of a record at the beginning of `bytes`; bytes after the record are ignored, so that `length` may
-// be that of a whole slot. On an error `calibration` is left as it was, but for one:
-//
-// IRONOUT_RECORD_HAS_EFFECTS: `calibration` was written, but is right only while every column of the effects is at its
-// reference: correct with ironout_live_apply.
-ironout_error ironout_record_decode(const uint8_t *bytes,
-                                    size_t length,
-                                    struct ironout_calibration *calibration);
 
 // Begins to collect, whatever `session` was before: this is also how to begin again and how to give up. A calibration in
 // use is not touched.
@@ -468,17 +363,15 @@ ironout_error ironout_session_init(struct ironout_session *session,
 // the 16-bit range are left out and counted. After ironout_session_stop nothing is taken.
 //
 // Takes the same short time for every sample; solves nothing.
-//
 ironout_error ironout_session_push(struct ironout_session *session,
                                    const int16_t counts[3],
                                    uint32_t t_ms,
                                    uint32_t flags);
 
-// As ironout_session_push, from µT. They are rounded to counts of `ut_per_count`: choose a scale as fine as the sensor's
+// As ironout_session_push, from uT. They are rounded to counts of `ut_per_count`: choose a scale as fine as the sensor's
 // resolution, so that the largest value stays below 32767 counts.
 //
 // IRONOUT_BAD_ARGUMENT: a value is not finite, or a flag is unknown; the sample was not taken.
-//
 ironout_error ironout_session_push_ut(struct ironout_session *session,
                                       const float measured_ut[3],
                                       uint32_t t_ms,
@@ -506,11 +399,109 @@ ironout_error ironout_session_stop(struct ironout_session *session,
 ironout_error ironout_session_accept(const struct ironout_session *session,
                                      struct ironout_calibration *calibration);
 
+// Writes the corrected field of a sample in counts to `corrected_ut`, uT in the board's axes. Only `ut_per_count` of the
+// sensor is read. A count at the end of the range gives a number too: what the chip calls out of range is no measurement.
+ironout_error ironout_apply_counts(const struct ironout_calibration *calibration,
+                                   const struct ironout_sensor *sensor,
+                                   const int16_t counts[3],
+                                   float corrected_ut[3]);
+
+// Writes the corrected field of a measured vector to `corrected_ut`, both uT in the board's axes. They may be the same
+// array. NaN in, NaN out.
+ironout_error ironout_apply_ut(const struct ironout_calibration *calibration,
+                               const float measured_ut[3],
+                               float corrected_ut[3]);
+
+// Writes the accepted calibration of a session to `bytes` as a record with a checksum, which the program `ironout` and
+// every firmware with this library read, and its length to `length`. `room` is the size of `bytes`; IRONOUT_RECORD_BYTES
+// is always enough. Of two stored records the one with the higher `sequence` is the newer: give the old record's plus
+// one, and write it to another place than the old one, so that a power cut leaves one of them whole.
+//
+// IRONOUT_WRONG_STATE: there is no accepted calibration. IRONOUT_TOO_LITTLE_ROOM: nothing was written.
+ironout_error ironout_record_encode(const struct ironout_session *session,
+                                    uint32_t sequence,
+                                    uint8_t *bytes,
+                                    size_t room,
+                                    size_t *length);
+
+// Reads the calibration of a record at the beginning of `bytes`; bytes after the record are ignored, so that `length` may
+// be that of a whole slot. On an error `calibration` is left as it was, but for one:
+//
+// IRONOUT_RECORD_HAS_EFFECTS: `calibration` was written, but is right only while every column of the effects is at its
+// reference: correct with ironout_live_apply.
+ironout_error ironout_record_decode(const uint8_t *bytes,
+                                    size_t length,
+                                    struct ironout_calibration *calibration);
+
+// Prepares the correction of a record, with or without effects. No column is known yet. On an error `live` is left as it
+// was.
+ironout_error ironout_live_init(struct ironout_live *live,
+                                const uint8_t *bytes,
+                                size_t length);
+
+// Sets a column, for example "temp_c" to the temperature in degrees Celsius, in the unit of the log that the effects were
+// fitted on. It keeps this value until it is set again; NaN makes it unknown.
+//
+// IRONOUT_COLUMN_NOT_READ: no effect reads a column of this name.
+ironout_error ironout_live_set(struct ironout_live *live,
+                               const char *column,
+                               float value);
+
+// Writes the name of the first column that is needed and not known. IRONOUT_NO_MORE: all are known. The column "t_s" is
+// the time of ironout_live_apply.
+ironout_error ironout_live_missing(const struct ironout_live *live,
+                                   char column[IRONOUT_COLUMN_BYTES]);
+
+// Writes the corrected field to `corrected_ut`, uT in the board's axes; on an error it is left as it was, and the old
+// correction stays in use. `t_s` is the time in seconds: any clock, but for effects of time, which need the clock of the
+// log that they were fitted on. `turn_radps` is the gyro's rate of turn in the board's axes; null if there is none.
+//
+// IRONOUT_COLUMN_UNKNOWN: see ironout_live_missing. IRONOUT_NEEDS_GYRO, IRONOUT_TOO_FAR, IRONOUT_NOT_FINITE: not
+// corrected. There is no silent fallback.
+ironout_error ironout_live_apply(struct ironout_live *live,
+                                 double t_s,
+                                 const float measured_ut[3],
+                                 const float turn_radps[3],
+                                 float corrected_ut[3]);
+
+// Writes the column number `index`, from 0, of those that are outside the range that their effect was fitted over, as of
+// the last ironout_live_apply. The correction goes on there, with an error that grows with the distance; further outside
+// than the range is wide the effect keeps its value. IRONOUT_NO_MORE: there is no such column.
+ironout_error ironout_live_outside(const struct ironout_live *live,
+                                   uint32_t index,
+                                   struct ironout_outside *outside);
+
+// Begins to watch a calibration: its field, noise and predicted error are copied.
+//
+// IRONOUT_BAD_ARGUMENT: its field is not positive and finite.
+ironout_error ironout_monitor_init(struct ironout_monitor *monitor,
+                                   const struct ironout_calibration *calibration);
+
+// Takes a corrected sample and writes what is to be said now to `condition`. `t_ms` may wrap. `accel_mps2` is the specific
+// force in the board's axes, m/s^2 (at rest level: 0, 0, -9.8); null if there is no accelerometer. A sample that is not
+// finite is passed over. The calibration is never changed.
+ironout_error ironout_monitor_push(struct ironout_monitor *monitor,
+                                   uint32_t t_ms,
+                                   const float corrected_ut[3],
+                                   const float accel_mps2[3],
+                                   ironout_condition *condition);
+
+// Writes the heading of the board's front, degrees from 0 to 360 clockwise from north, tilt-compensated: from magnetic
+// north with a `declination_deg` of 0, from true north with the declination of the place (east positive). Axes are x
+// forward, y right, z down. `accel_mps2` is the specific force, m/s^2: at rest level 0, 0, -9.8; while the board
+// accelerates, the heading is wrong.
+//
+// IRONOUT_NOT_FINITE: a vector is zero or not finite. IRONOUT_STEEP, IRONOUT_VERTICAL_FIELD: no heading here. On an error
+// `heading` is left as it was.
+ironout_error ironout_heading(const float corrected_ut[3],
+                              const float accel_mps2[3],
+                              float declination_deg,
+                              float *heading);
+
 // Writes the hint of a status as an English sentence, with a zero byte at its end, into `text`, which has room for `room`
 // bytes. 100 are enough; a longer sentence is cut.
-//
 ironout_error ironout_hint_text(const struct ironout_status *status,
-                                char text[],
+                                char *text,
                                 size_t room);
 
 #ifdef __cplusplus
@@ -519,6 +510,8 @@ ironout_error ironout_hint_text(const struct ironout_status *status,
 
 #endif  /* IRONOUT_H */
 
+#ifndef IRONOUT_H_LAYOUT
+#define IRONOUT_H_LAYOUT
 /* The sizes that the library was compiled for; a compiler that lays them out otherwise stops here. */
 typedef char ironout_check_session[sizeof(ironout_session) == 8u * IRONOUT_SESSION_WORDS ? 1 : -1];
 typedef char ironout_check_live[sizeof(ironout_live) == 8u * IRONOUT_LIVE_WORDS ? 1 : -1];
@@ -528,3 +521,4 @@ typedef char ironout_check_calibration[sizeof(ironout_calibration) == 80u ? 1 : 
 typedef char ironout_check_status[sizeof(ironout_status) == 48u ? 1 : -1];
 typedef char ironout_check_outcome[sizeof(ironout_outcome) == 60u ? 1 : -1];
 typedef char ironout_check_outside[sizeof(ironout_outside) == 64u ? 1 : -1];
+#endif

@@ -78,7 +78,6 @@ impl IronoutCalibration {
 
 /// Writes the corrected field of a sample in counts to `corrected_ut`, µT in the board's axes. Only `ut_per_count` of the
 /// sensor is read. A count at the end of the range gives a number too: what the chip calls out of range is no measurement.
-///
 /// cbindgen:ptrs-as-arrays=[[counts; 3], [corrected_ut; 3]]
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_apply_counts(
@@ -97,7 +96,6 @@ pub extern "C" fn ironout_apply_counts(
 
 /// Writes the corrected field of a measured vector to `corrected_ut`, both µT in the board's axes. They may be the same
 /// array. NaN in, NaN out.
-///
 /// cbindgen:ptrs-as-arrays=[[measured_ut; 3], [corrected_ut; 3]]
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_apply_ut(

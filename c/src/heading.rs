@@ -11,7 +11,6 @@ use ironout::heading::{NoHeading, heading_deg};
 ///
 /// IRONOUT_NOT_FINITE: a vector is zero or not finite. IRONOUT_STEEP, IRONOUT_VERTICAL_FIELD: no heading here. On an error
 /// `heading` is left as it was.
-///
 /// cbindgen:ptrs-as-arrays=[[corrected_ut; 3], [accel_mps2; 3]]
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_heading(

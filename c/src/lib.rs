@@ -5,26 +5,36 @@
 //! static library needs a panic handler from somewhere.
 #![cfg_attr(target_os = "none", no_std)]
 
-mod calibration;
 mod error;
-mod heading;
-mod live;
-mod monitor;
 #[cfg(target_os = "none")]
 mod panic;
 mod pointer;
-mod record;
-mod session;
 mod side;
 mod state;
+
+// The order of what follows is that of the header.
+mod session;
+
+mod calibration;
+
+mod record;
+
+mod live;
+
+mod monitor;
+
+mod heading;
+
 mod status;
+
+mod layout;
 
 pub use calibration::{IronoutCalibration, ironout_apply_counts, ironout_apply_ut};
 pub use error::{IronoutError, ironout_error_text};
 pub use heading::ironout_heading;
 pub use live::{
-    IronoutLive, IronoutOutside, ironout_live_apply, ironout_live_init, ironout_live_missing,
-    ironout_live_outside, ironout_live_set,
+    IRONOUT_COLUMN_BYTES, IronoutLive, IronoutOutside, ironout_live_apply, ironout_live_init,
+    ironout_live_missing, ironout_live_outside, ironout_live_set,
 };
 pub use monitor::{IronoutCondition, IronoutMonitor, ironout_monitor_init, ironout_monitor_push};
 pub use record::{ironout_record_decode, ironout_record_encode};

@@ -16,7 +16,7 @@ pub struct IronoutLive {
 }
 
 /// Size of ironout_live in words of 8 bytes.
-pub const IRONOUT_LIVE_WORDS: usize = 400;
+pub const IRONOUT_LIVE_WORDS: usize = 304;
 
 /// Size of a column's name with the zero byte at its end.
 pub const IRONOUT_COLUMN_BYTES: usize = 33;
@@ -104,7 +104,11 @@ pub extern "C" fn ironout_live_init(live: *mut IronoutLive, bytes: *const u8, le
 ///
 /// IRONOUT_COLUMN_NOT_READ: no effect reads a column of this name.
 #[unsafe(no_mangle)]
-pub extern "C" fn ironout_live_set(live: *mut IronoutLive, column: *const c_char, value: f32) -> IronoutError {
+pub extern "C" fn ironout_live_set(
+    live: *mut IronoutLive,
+    column: *const c_char,
+    value: f32,
+) -> IronoutError {
     let set = pointer::text(column).and_then(|column| {
         let is_read = state::get_mut::<Correction>(live)?.live.set(column, value);
         if is_read { Ok(()) } else { Err(IronoutError::IRONOUT_COLUMN_NOT_READ) }
@@ -114,7 +118,6 @@ pub extern "C" fn ironout_live_set(live: *mut IronoutLive, column: *const c_char
 
 /// Writes the name of the first column that is needed and not known. IRONOUT_NO_MORE: all are known. The column "t_s" is
 /// the time of ironout_live_apply.
-///
 /// cbindgen:ptrs-as-arrays=[[column; IRONOUT_COLUMN_BYTES]]
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_live_missing(live: *const IronoutLive, column: *mut c_char) -> IronoutError {
@@ -131,7 +134,6 @@ pub extern "C" fn ironout_live_missing(live: *const IronoutLive, column: *mut c_
 ///
 /// IRONOUT_COLUMN_UNKNOWN: see ironout_live_missing. IRONOUT_NEEDS_GYRO, IRONOUT_TOO_FAR, IRONOUT_NOT_FINITE: not
 /// corrected. There is no silent fallback.
-///
 /// cbindgen:ptrs-as-arrays=[[measured_ut; 3], [turn_radps; 3], [corrected_ut; 3]]
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_live_apply(

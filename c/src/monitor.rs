@@ -28,7 +28,7 @@ pub struct IronoutMonitor {
 }
 
 /// Size of ironout_monitor in words of 8 bytes.
-pub const IRONOUT_MONITOR_WORDS: usize = 20;
+pub const IRONOUT_MONITOR_WORDS: usize = 16;
 
 /// What is in it.
 struct Watch {
@@ -54,7 +54,8 @@ pub extern "C" fn ironout_monitor_init(
         if !(field_ut.is_finite() && field_ut > 0.0) {
             return Err(IronoutError::IRONOUT_BAD_ARGUMENT);
         }
-        let watch = Watch { monitor: Monitor::new(field_ut, noise_ut, predicted_error_ut), clock: Extended::new() };
+        let watch =
+            Watch { monitor: Monitor::new(field_ut, noise_ut, predicted_error_ut), clock: Extended::new() };
         state::init(monitor, watch)
     });
     IronoutError::of(begun)
@@ -63,7 +64,6 @@ pub extern "C" fn ironout_monitor_init(
 /// Takes a corrected sample and writes what is to be said now to `condition`. `t_ms` may wrap. `accel_mps2` is the specific
 /// force in the board's axes, m/s² (at rest level: 0, 0, -9.8); null if there is no accelerometer. A sample that is not
 /// finite is passed over. The calibration is never changed.
-///
 /// cbindgen:ptrs-as-arrays=[[corrected_ut; 3], [accel_mps2; 3]]
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_monitor_push(

@@ -40,7 +40,7 @@ pub struct IronoutSession {
 }
 
 /// Size of ironout_session in words of 8 bytes.
-pub const IRONOUT_SESSION_WORDS: usize = 206;
+pub const IRONOUT_SESSION_WORDS: usize = 204;
 
 /// What is in it.
 pub(crate) struct Collecting {
@@ -124,7 +124,6 @@ pub extern "C" fn ironout_session_init(
 /// the 16-bit range are left out and counted. After ironout_session_stop nothing is taken.
 ///
 /// Takes the same short time for every sample; solves nothing.
-///
 /// cbindgen:ptrs-as-arrays=[[counts; 3]]
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_session_push(
@@ -142,7 +141,6 @@ pub extern "C" fn ironout_session_push(
 /// resolution, so that the largest value stays below 32767 counts.
 ///
 /// IRONOUT_BAD_ARGUMENT: a value is not finite, or a flag is unknown; the sample was not taken.
-///
 /// cbindgen:ptrs-as-arrays=[[measured_ut; 3]]
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_session_push_ut(
@@ -152,8 +150,8 @@ pub extern "C" fn ironout_session_push_ut(
     flags: u32,
 ) -> IronoutError {
     let measured_ut = pointer::vector(measured_ut);
-    let pushed =
-        measured_ut.and_then(|measured_ut| state::get_mut::<Collecting>(session)?.push_ut(measured_ut, t_ms, flags));
+    let pushed = measured_ut
+        .and_then(|measured_ut| state::get_mut::<Collecting>(session)?.push_ut(measured_ut, t_ms, flags));
     IronoutError::of(pushed)
 }
 

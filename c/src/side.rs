@@ -36,7 +36,8 @@ const WORDS: [(IronoutSide, &str); 6] = {
 
 /// The bits of a name like `front-left`; 0 for `any`.
 pub(crate) fn bits_of(name: &str) -> u32 {
-    let is_named = |word: &str| name.as_bytes().split(|byte| *byte == b'-').any(|part| part == word.as_bytes());
+    let is_named =
+        |word: &str| name.as_bytes().split(|byte| *byte == b'-').any(|part| part == word.as_bytes());
     WORDS.iter().filter(|(_, word)| is_named(word)).fold(0, |bits, (side, _)| bits | *side as u32)
 }
 

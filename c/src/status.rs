@@ -104,9 +104,7 @@ impl IronoutStatus {
     pub(crate) fn of(status: &Status) -> Self {
         let (hint, missing, now) = match status.hint {
             Hint::Start | Hint::Move => (IronoutHint::IRONOUT_HINT_MOVE, 0, 0),
-            Hint::Turn { missing, now } => {
-                (IronoutHint::IRONOUT_HINT_TURN, bits_of(missing), bits_of(now))
-            }
+            Hint::Turn { missing, now } => (IronoutHint::IRONOUT_HINT_TURN, bits_of(missing), bits_of(now)),
             Hint::Stop => (IronoutHint::IRONOUT_HINT_STOP, 0, 0),
             Hint::Accept => (IronoutHint::IRONOUT_HINT_ACCEPT, 0, 0),
             Hint::Again => (IronoutHint::IRONOUT_HINT_AGAIN, 0, 0),
@@ -177,8 +175,6 @@ pub(crate) fn saturated_u32(count: u64) -> u32 {
 
 /// Writes the hint of a status as an English sentence, with a zero byte at its end, into `text`, which has room for `room`
 /// bytes. 100 are enough; a longer sentence is cut.
-///
-/// cbindgen:ptrs-as-arrays=[[text; ]]
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_hint_text(
     status: *const IronoutStatus,
@@ -189,7 +185,8 @@ pub extern "C" fn ironout_hint_text(
         let [missing, now] = [words_of(status.missing), words_of(status.now)];
         let [a, b, c, d, e] = missing;
         let [f, g, h, i, k] = now;
-        let turn = ["keep turning; bring the ", a, b, c, d, e, " side to where the ", f, g, h, i, k, " side is now"];
+        let turn =
+            ["keep turning; bring the ", a, b, c, d, e, " side to where the ", f, g, h, i, k, " side is now"];
         let sentence: &[&str] = match status.hint {
             IronoutHint::IRONOUT_HINT_MOVE => &["turn the board slowly in all directions"],
             IronoutHint::IRONOUT_HINT_TURN => &turn,

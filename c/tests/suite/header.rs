@@ -12,14 +12,18 @@ fn the_header_is_current() {
     let builder = cbindgen::Builder::new().with_config(config).with_crate(root);
     let mut made = Vec::new();
     builder.generate().expect("the sources can be parsed").write(&mut made);
-    let made = String::from_utf8(made).expect("UTF-8");
+    // Compilers for small processors read ASCII.
+    let made = String::from_utf8(made).expect("UTF-8").replace('µ', "u").replace('²', "^2");
+    assert!(made.is_ascii(), "the header is not ASCII");
     let path = root.join("include/ironout.h");
     if std::env::var_os("IRONOUT_ACCEPT_HEADER").is_some() {
         std::fs::write(&path, &made).expect("the header can be written");
     }
     let kept = std::fs::read_to_string(&path).expect("the header is there");
     assert!(kept == made, "c/include/ironout.h is not current. Fix: run c/check --accept-header");
-    let functions = made.lines().filter(|line| line.contains(" ironout_") && line.contains('(') && !line.starts_with(' '));
+    let functions = made
+        .lines()
+        .filter(|line| line.contains(" ironout_") && line.contains('(') && !line.starts_with(' '));
     let functions = functions.filter(|line| !line.starts_with("//") && !line.starts_with("typedef")).count();
     assert!((1..=MOST_FUNCTIONS).contains(&functions), "{functions} functions");
 }
