@@ -1,5 +1,6 @@
 /* Start-up for the emulated board mps2-an386 (Cortex-M4 with FPU): vectors, FPU, and newlib's main with semihosting. */
 
+#include <stddef.h>
 #include <stdint.h>
 
 extern uint32_t stack_top;
@@ -22,7 +23,12 @@ static void fault(void)
     }
 }
 
-__attribute__((section(".vectors"), used)) static const void *const vectors[] = {
-    &stack_top, (const void *)reset, (const void *)fault, (const void *)fault,
-    (const void *)fault, (const void *)fault, (const void *)fault,
+struct vectors {
+    uint32_t *stack;
+    void (*handlers[15])(void);
+};
+
+__attribute__((section(".vectors"), used)) static const struct vectors vectors = {
+    &stack_top,
+    { reset, fault, fault, fault, fault, fault, NULL, NULL, NULL, NULL, fault, fault, NULL, fault, fault },
 };
