@@ -18,8 +18,8 @@ int main(void)
     int16_t counts[3] = { (int16_t)input, (int16_t)input, (int16_t)input };
     float vector[3] = { (float)input, (float)input, (float)input };
 #if PROGRAM == 0
-    output = (uint32_t)counts[0] + (uint32_t)vector[0] + session.opaque[0] + record[0] + live.opaque[0] +
-             monitor.opaque[0] + (uint32_t)calibration.samples + (uint32_t)sensor.rate_hz;
+    output = (uint32_t)counts[0] + (uint32_t)vector[0] + record[input] + calibration.samples +
+             (uint32_t)sensor.rate_hz + (uint32_t)(session.opaque[0] + live.opaque[0] + monitor.opaque[0]);
 #endif
 #if PROGRAM >= 1 && PROGRAM != 5
     output = (uint32_t)ironout_apply_counts(&calibration, &sensor, counts, vector);
