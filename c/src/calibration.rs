@@ -2,7 +2,7 @@
 
 use crate::error::IronoutError;
 use crate::pointer;
-use crate::session::IronoutSensor;
+use crate::sensor::IronoutSensor;
 use crate::status::saturated_u32;
 use ironout::calibration::Calibration;
 use ironout::fit::FitReport;

@@ -2,7 +2,7 @@
 
 use crate::calibration::IronoutCalibration;
 use crate::live::IronoutOutside;
-use crate::session::IronoutSensor;
+use crate::sensor::IronoutSensor;
 use crate::status::{IronoutOutcome, IronoutStatus};
 
 const _: () = {

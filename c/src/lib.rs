@@ -9,6 +9,7 @@ mod error;
 #[cfg(target_os = "none")]
 mod panic;
 mod pointer;
+mod sensor;
 mod side;
 mod state;
 
@@ -38,8 +39,9 @@ pub use live::{
 };
 pub use monitor::{IronoutCondition, IronoutMonitor, ironout_monitor_init, ironout_monitor_push};
 pub use record::{ironout_record_decode, ironout_record_encode};
+pub use sensor::IronoutSensor;
 pub use session::{
-    IronoutSensor, IronoutSession, ironout_session_accept, ironout_session_init, ironout_session_push,
+    IronoutSession, ironout_session_accept, ironout_session_init, ironout_session_push,
     ironout_session_push_ut, ironout_session_status, ironout_session_stop,
 };
 pub use side::IronoutSide;

@@ -3,6 +3,7 @@
 use crate::calibration::IronoutCalibration;
 use crate::error::IronoutError;
 use crate::pointer;
+use crate::sensor::IronoutSensor;
 use crate::state::{self, Kind};
 use crate::status::{IronoutOutcome, IronoutStatus};
 use ironout::fit::Method;
@@ -19,19 +20,6 @@ pub const IRONOUT_GAP: u32 = 2;
 const GAP_PERIODS: f32 = 4.0;
 /// The same without a rate, ms.
 const GAP_MS: u32 = 500;
-
-/// What the library needs to know of the sensor. All values are in the board's axes: x forward, y right, z down.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IronoutSensor {
-    /// Scale of each axis, µT per count; positive.
-    pub ut_per_count: [f32; 3],
-    /// Samples per second that are pushed; 0 if unknown.
-    pub rate_hz: f32,
-    /// Magnitude of the Earth's field where the calibration is made, µT; 0 if unknown. Corrected vectors are scaled to it;
-    /// without it they keep the mean measured magnitude.
-    pub field_ut: f32,
-}
 
 /// A calibration session, in the caller's memory. Its content is the library's own.
 #[repr(C)]
