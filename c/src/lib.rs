@@ -1,7 +1,7 @@
 //! The C interface of `ironout`: `libironout.a` and `ironout.h`, documented in `docs/c.md`.
 //!
 //! Each function checks its pointers, calls the Rust library and returns an error code. No heap, no global state, no
-//! panic. The only unsafe code is in [`pointer`]. On bare metal the crate is `no_std`; on a host it links std, because a
+//! panic. The only unsafe code is in the module `pointer`. On bare metal the crate is `no_std`; on a host it links std, because a
 //! static library needs a panic handler from somewhere.
 #![cfg_attr(target_os = "none", no_std)]
 

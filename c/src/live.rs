@@ -47,6 +47,8 @@ impl Kind for Correction {
     type Opaque = IronoutLive;
 }
 
+const _: () = Correction::FITS;
+
 impl Correction {
     fn new(bytes: &[u8]) -> Result<Self, IronoutError> {
         let (calibration, origin_s) = Self::calibration(bytes)?;

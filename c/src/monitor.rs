@@ -41,6 +41,8 @@ impl Kind for Watch {
     type Opaque = IronoutMonitor;
 }
 
+const _: () = Watch::FITS;
+
 /// Begins to watch a calibration: its field, noise and predicted error are copied.
 ///
 /// IRONOUT_BAD_ARGUMENT: its field is not positive and finite.

@@ -44,6 +44,8 @@ impl Kind for Collecting {
     type Opaque = IronoutSession;
 }
 
+const _: () = Collecting::FITS;
+
 impl Collecting {
     fn new(sensor: &IronoutSensor) -> Result<Self, IronoutError> {
         let positive = |value: &f32| value.is_finite() && *value > 0.0;

@@ -27,7 +27,6 @@ pub(crate) trait Kind: Sized {
 
 /// Puts a value into the caller's memory.
 pub(crate) fn init<K: Kind>(place: *mut K::Opaque, value: K) -> Result<(), IronoutError> {
-    const { K::FITS };
     pointer::write(place.cast::<State<K>>(), State { mark: K::MARK, value })
 }
 
