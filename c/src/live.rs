@@ -49,19 +49,32 @@ impl Kind for Correction {
 
 const _: () = Correction::FITS;
 
+// Each step apart: what one needs on the stack is gone before the next.
 impl Correction {
-    fn new(bytes: &[u8]) -> Result<Self, IronoutError> {
-        let (calibration, origin_s) = Self::calibration(bytes)?;
-        let live = Live::new(&calibration).map_err(|_| IronoutError::IRONOUT_RECORD_UNSOUND)?;
-        Ok(Self { live, origin_s })
+    #[inline(never)]
+    fn decoded(bytes: &[u8]) -> Result<ExtendedCalibration<f64>, IronoutError> {
+        Record::decode(bytes).map_err(error_of).map(|record| record.extended())
     }
 
-    /// Apart, so that the record in double precision leaves the stack with this.
+    #[inline(never)]
+    fn own_clock(calibration: &ExtendedCalibration<f64>) -> (ExtendedCalibration<f32>, f64) {
+        let (calibration, origin_s) = calibration.on_own_clock();
+        (calibration.cast(), origin_s)
+    }
+
     #[inline(never)]
     fn calibration(bytes: &[u8]) -> Result<(ExtendedCalibration<f32>, f64), IronoutError> {
-        let record = Record::decode(bytes).map_err(error_of)?;
-        let (calibration, origin_s) = record.extended().on_own_clock();
-        Ok((calibration.cast(), origin_s))
+        Ok(Self::own_clock(&Self::decoded(bytes)?))
+    }
+
+    #[inline(never)]
+    fn put(
+        place: *mut IronoutLive,
+        calibration: &ExtendedCalibration<f32>,
+        origin_s: f64,
+    ) -> Result<(), IronoutError> {
+        let live = Live::new(calibration).map_err(|_| IronoutError::IRONOUT_RECORD_UNSOUND)?;
+        state::init(place, Self { live, origin_s })
     }
 
     fn apply(
@@ -97,8 +110,11 @@ impl Correction {
 /// was.
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_live_init(live: *mut IronoutLive, bytes: *const u8, length: usize) -> IronoutError {
-    let made = pointer::bytes(bytes, length).and_then(Correction::new);
-    IronoutError::of(made.and_then(|correction| state::init(live, correction)))
+    let made = pointer::bytes(bytes, length).and_then(|bytes| {
+        let (calibration, origin_s) = Correction::calibration(bytes)?;
+        Correction::put(live, &calibration, origin_s)
+    });
+    IronoutError::of(made)
 }
 
 /// Sets a column, for example "temp_c" to the temperature in degrees Celsius, in the unit of the log that the effects were
