@@ -500,6 +500,8 @@ ironout_error ironout_heading(const float corrected_ut[3],
 
 // Writes the hint of a status as an English sentence, with a zero byte at its end, into `text`, which has room for `room`
 // bytes. 100 are enough; a longer sentence is cut.
+//
+// IRONOUT_BAD_ARGUMENT: `status` was not written by ironout_session_status.
 ironout_error ironout_hint_text(const struct ironout_status *status,
                                 char *text,
                                 size_t room);

@@ -173,28 +173,53 @@ pub(crate) fn saturated_u32(count: u64) -> u32 {
     u32::try_from(count).unwrap_or(u32::MAX)
 }
 
+/// The beginning of an [`IronoutStatus`] as C may hand it in: any number may stand where an enum should.
+#[repr(C)]
+struct Said {
+    state: i32,
+    hint: i32,
+    missing: u32,
+    now: u32,
+}
+
+const _: () = {
+    assert!(core::mem::offset_of!(IronoutStatus, state) == core::mem::offset_of!(Said, state));
+    assert!(core::mem::offset_of!(IronoutStatus, hint) == core::mem::offset_of!(Said, hint));
+    assert!(core::mem::offset_of!(IronoutStatus, missing) == core::mem::offset_of!(Said, missing));
+    assert!(core::mem::offset_of!(IronoutStatus, now) == core::mem::offset_of!(Said, now));
+};
+
+/// The sentence of a hint; of a number that is no hint, none.
+fn sentence(said: &Said, text: *mut c_char, room: usize) -> Result<(), IronoutError> {
+    const MOVE: i32 = IronoutHint::IRONOUT_HINT_MOVE as i32;
+    const TURN: i32 = IronoutHint::IRONOUT_HINT_TURN as i32;
+    const STOP: i32 = IronoutHint::IRONOUT_HINT_STOP as i32;
+    const ACCEPT: i32 = IronoutHint::IRONOUT_HINT_ACCEPT as i32;
+    const AGAIN: i32 = IronoutHint::IRONOUT_HINT_AGAIN as i32;
+    let [a, b, c, d, e] = words_of(said.missing);
+    let [f, g, h, i, k] = words_of(said.now);
+    let turn =
+        ["keep turning; bring the ", a, b, c, d, e, " side to where the ", f, g, h, i, k, " side is now"];
+    let sentence: &[&str] = match said.hint {
+        MOVE => &["turn the board slowly in all directions"],
+        TURN => &turn,
+        STOP => &["enough directions: stop"],
+        ACCEPT => &["solved: accept"],
+        AGAIN => &["the samples were refused: begin again"],
+        _ => return Err(IronoutError::IRONOUT_BAD_ARGUMENT),
+    };
+    pointer::write_text(text, room, sentence)
+}
+
 /// Writes the hint of a status as an English sentence, with a zero byte at its end, into `text`, which has room for `room`
 /// bytes. 100 are enough; a longer sentence is cut.
+///
+/// IRONOUT_BAD_ARGUMENT: `status` was not written by ironout_session_status.
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_hint_text(
     status: *const IronoutStatus,
     text: *mut c_char,
     room: usize,
 ) -> IronoutError {
-    let written = pointer::input(status).and_then(|status| {
-        let [missing, now] = [words_of(status.missing), words_of(status.now)];
-        let [a, b, c, d, e] = missing;
-        let [f, g, h, i, k] = now;
-        let turn =
-            ["keep turning; bring the ", a, b, c, d, e, " side to where the ", f, g, h, i, k, " side is now"];
-        let sentence: &[&str] = match status.hint {
-            IronoutHint::IRONOUT_HINT_MOVE => &["turn the board slowly in all directions"],
-            IronoutHint::IRONOUT_HINT_TURN => &turn,
-            IronoutHint::IRONOUT_HINT_STOP => &["enough directions: stop"],
-            IronoutHint::IRONOUT_HINT_ACCEPT => &["solved: accept"],
-            IronoutHint::IRONOUT_HINT_AGAIN => &["the samples were refused: begin again"],
-        };
-        pointer::write_text(text, room, sentence)
-    });
-    IronoutError::of(written)
+    IronoutError::of(pointer::input(status.cast::<Said>()).and_then(|said| sentence(said, text, room)))
 }

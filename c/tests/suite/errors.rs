@@ -92,6 +92,34 @@ fn too_few_samples_are_refused_with_their_number_and_the_old_calibration_stays()
 }
 
 #[test]
+fn a_status_that_was_never_written_has_no_hint() {
+    // As C may have it: zeros, where no hint is zero.
+    let (words, mut text) = ([0u32; 12], [1; 100]);
+    let said = ironout_hint_text(words.as_ptr().cast(), text.as_mut_ptr(), text.len());
+    assert_eq!(said, IronoutError::IRONOUT_BAD_ARGUMENT);
+    assert_eq!(ironout_hint_text(ptr::null(), text.as_mut_ptr(), 100), IronoutError::IRONOUT_BAD_POINTER);
+}
+
+#[test]
+fn a_gap_in_time_is_a_gap_by_flag_and_changes_what_is_known_of_the_noise() {
+    // All samples apart from each other: by flag, by time, and not at all.
+    let error_ut = |flag: u32, period_ms: u32| {
+        let (mut session, mut accepted): (IronoutSession, IronoutCalibration) = (zeros(), zeros());
+        assert_eq!(ironout_session_init(&mut session, &SENSOR), IronoutError::IRONOUT_OK);
+        for (i, row) in (0..).zip(trace::rows()) {
+            let flags = flag | u32::from(row.out_of_range);
+            ironout_session_push(&mut session, row.counts.as_ptr(), i * period_ms, flags);
+        }
+        assert_eq!(ironout_session_stop(&mut session, ptr::null_mut()), IronoutError::IRONOUT_OK);
+        assert_eq!(ironout_session_accept(&session, &mut accepted), IronoutError::IRONOUT_OK);
+        accepted.predicted_error_ut
+    };
+    assert_eq!(error_ut(2, 10), error_ut(0, 41));
+    assert_ne!(error_ut(2, 10), error_ut(0, 10));
+    assert_eq!(error_ut(0, 40), error_ut(0, 10));
+}
+
+#[test]
 fn bytes_that_are_no_record_are_named_and_small_buffers_are_not_overrun() {
     let session = stopped(false);
     let (mut bytes, mut length) = ([0xffu8; 512], 0);
