@@ -29,6 +29,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+
 #define IRONOUT_VERSION_MAJOR 0
 #define IRONOUT_VERSION_MINOR 1
 #define IRONOUT_VERSION_PATCH 0

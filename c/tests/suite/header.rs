@@ -15,6 +15,17 @@ fn the_header_is_current() {
     // Compilers for small processors read ASCII.
     let made = String::from_utf8(made).expect("UTF-8").replace('µ', "u").replace('²', "^2");
     assert!(made.is_ascii(), "the header is not ASCII");
+    let version = [
+        ("MAJOR", env!("CARGO_PKG_VERSION_MAJOR")),
+        ("MINOR", env!("CARGO_PKG_VERSION_MINOR")),
+        ("PATCH", env!("CARGO_PKG_VERSION_PATCH")),
+    ];
+    for (part, number) in version {
+        assert!(
+            made.contains(&format!("#define IRONOUT_VERSION_{part} {number}\n")),
+            "{part}: cbindgen.toml"
+        );
+    }
     let path = root.join("include/ironout.h");
     if std::env::var_os("IRONOUT_ACCEPT_HEADER").is_some() {
         std::fs::write(&path, &made).expect("the header can be written");
