@@ -1,5 +1,5 @@
-/* Stack and instructions of the functions on the emulated Cortex-M4: the stack is painted and read back, TIMER0 counts
- * under -icount shift=6, where 1.6 ticks are an instruction.
+/* Stack and instructions of the functions on an emulated processor. The stack is painted and read back. On the board with
+ * the Cortex-M4, TIMER0 counts under -icount shift=6, where 1.6 ticks are an instruction; RISC-V counts them itself.
  *
  *     measure trace.txt effects.rec */
 
@@ -7,7 +7,33 @@
 
 #include <stdio.h>
 
+#ifdef __riscv
+#define TOP_OF_STACK(top) __asm volatile("mv %0, sp" : "=r"(top))
+static void start(void) {}
+static uint32_t count(void)
+{
+    uint32_t instructions;
+    __asm volatile(".option push\n.option arch, +zicsr\ncsrr %0, minstret\n.option pop" : "=r"(instructions));
+    return instructions;
+}
+#else
+#define TOP_OF_STACK(top) __asm volatile("mov %0, sp" : "=r"(top))
 #define TIMER ((volatile uint32_t *)0x40000000u) /* CTRL, VALUE, RELOAD */
+static uint32_t passed, last;
+static void start(void)
+{
+    TIMER[2] = TIMER[1] = last = 0xFFFFFFFFu;
+    TIMER[0] = 1u;
+}
+static uint32_t count(void)
+{
+    const uint32_t now = TIMER[1];
+    passed += last - now;
+    last = now;
+    return passed / 16u * 10u + passed % 16u * 10u / 16u;
+}
+#endif
+
 enum { PAINTED_WORDS = 8192, GAP_WORDS = 64 };
 #define PAINT 0x5AA5C33Cu
 
@@ -25,6 +51,7 @@ static const float accel[3] = { 0.1f, 0.2f, -9.8f };
 static uint32_t t_ms, flags;
 static const ironout_sensor sensor = { { 0.15f, 0.15f, 0.12f }, 100.0f, 48.5f };
 
+static ironout_error nothing(void) { return IRONOUT_OK; }
 static ironout_error init(void) { return ironout_session_init(&session, &sensor); }
 static ironout_error push(void) { return ironout_session_push(&session, counts, t_ms, flags); }
 static ironout_error look(void) { return ironout_session_status(&session, &status); }
@@ -39,24 +66,23 @@ static ironout_error live_apply(void) { return ironout_live_apply(&live, 1010.0,
 static ironout_error watch(void) { return ironout_monitor_push(&monitor, t_ms, corrected, accel, &condition); }
 static ironout_error turn(void) { return ironout_heading(corrected, accel, 0.0f, &heading); }
 
-static uint32_t most_stack, most_instructions;
+static uint32_t most_stack, most_instructions, of_measuring;
 
 /* Runs a function and keeps the most stack and instructions that it took. */
 static __attribute__((noinline)) ironout_error measured(ironout_error (*work)(void))
 {
     volatile uint32_t *top, *place;
-    uint32_t ticks, stack, instructions;
+    uint32_t stack, instructions;
     ironout_error error;
-    __asm volatile("mov %0, sp" : "=r"(top));
+    TOP_OF_STACK(top);
     for (place = top - PAINTED_WORDS; place < top - GAP_WORDS; place++)
         *place = PAINT;
-    ticks = TIMER[1];
+    instructions = count();
     error = work();
-    ticks -= TIMER[1];
+    instructions = count() - instructions - of_measuring;
     for (place = top - PAINTED_WORDS; place < top - GAP_WORDS && *place == PAINT; place++) {
     }
     stack = (uint32_t)(top - place) * 4u;
-    instructions = ticks * 10u / 16u;
     if (stack > most_stack)
         most_stack = stack;
     if (instructions > most_instructions)
@@ -86,8 +112,10 @@ int main(int argc, char **argv)
     if (trace == NULL || file == NULL)
         return 2;
     effects_length = fread(effects, 1, sizeof effects, file);
-    TIMER[2] = TIMER[1] = 0xFFFFFFFFu;
-    TIMER[0] = 1u;
+    start();
+    (void)measured(nothing);
+    of_measuring = most_instructions;
+    most_stack = most_instructions = 0;
     printf("function                 stack, B instructions\n");
     report("ironout_session_init", measured(init));
     error = IRONOUT_OK;
