@@ -31,7 +31,7 @@ fn the_header_is_current() {
         std::fs::write(&path, &made).expect("the header can be written");
     }
     let kept = std::fs::read_to_string(&path).expect("the header is there");
-    assert!(kept == made, "c/include/ironout.h is not current. Fix: run c/check --accept-header");
+    assert!(kept == made, "c/include/ironout.h is not current. Fix: run c/check --accept");
     let functions = made
         .lines()
         .filter(|line| line.contains(" ironout_") && line.contains('(') && !line.starts_with(' '));
