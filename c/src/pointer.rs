@@ -1,5 +1,6 @@
 //! From the pointers of C to references and back: the only unsafe code of the library.
 //!
+//! The exported functions get their pointers from C, where no function is marked unsafe; Rust programs use the crate `ironout`.
 //! A null or misaligned pointer is an error. That a pointer points to as many bytes as its type has, and that no other
 //! thread uses them during the call, is what the header asks of the caller.
 
