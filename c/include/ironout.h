@@ -348,10 +348,6 @@ typedef struct ironout_monitor {
 extern "C" {
 #endif // __cplusplus
 
-// A sentence for a code, in English, at most 120 bytes. It is never null and stays valid. Of a number that is no code:
-// "unknown error".
-const char *ironout_error_text(int32_t error);
-
 // Begins to collect, whatever `session` was before: this is also how to begin again and how to give up. A calibration in
 // use is not touched.
 //
@@ -506,6 +502,10 @@ ironout_error ironout_heading(const float corrected_ut[3],
 ironout_error ironout_hint_text(const struct ironout_status *status,
                                 char *text,
                                 size_t room);
+
+// A sentence for a code, in English, at most 120 bytes. It is never null and stays valid. Of a number that is no code:
+// "unknown error".
+const char *ironout_error_text(int32_t error);
 
 #ifdef __cplusplus
 }  // extern "C"

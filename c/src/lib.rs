@@ -5,30 +5,21 @@
 //! static library needs a panic handler from somewhere.
 #![cfg_attr(target_os = "none", no_std)]
 
+mod calibration;
 mod error;
+mod heading;
+mod layout;
+mod live;
+mod monitor;
 #[cfg(target_os = "none")]
 mod panic;
 mod pointer;
+mod record;
 mod sensor;
+mod session;
 mod side;
 mod state;
-
-// The order of what follows is that of the header.
-mod session;
-
-mod calibration;
-
-mod record;
-
-mod live;
-
-mod monitor;
-
-mod heading;
-
 mod status;
-
-mod layout;
 
 pub use calibration::{IronoutCalibration, ironout_apply_counts, ironout_apply_ut};
 pub use error::{IronoutError, ironout_error_text};
