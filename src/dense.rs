@@ -47,6 +47,20 @@ pub(crate) fn dot_f32(a: &[f32], b: &[f32]) -> f32 {
     sum
 }
 
+/// The number at a place, zero where there is none: an index that the compiler cannot follow brings no panic into the image.
+#[inline(always)]
+pub(crate) fn of<T: Copy + Default>(values: &[T], place: usize) -> T {
+    values.get(place).copied().unwrap_or_default()
+}
+
+/// Puts a number in its place, for the same reason.
+#[inline(always)]
+pub(crate) fn put<T>(values: &mut [T], place: usize, value: T) {
+    if let Some(slot) = values.get_mut(place) {
+        *slot = value;
+    }
+}
+
 /// Whether every number is finite.
 #[inline(never)]
 pub(crate) fn all_finite(values: &[f64]) -> bool {

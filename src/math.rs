@@ -117,33 +117,34 @@ pub fn eigenvalues_3x3_f32(m: &[f32; 6]) -> [f32; 3] {
     let mut d = [m[0], m[3], m[5]];
     // Off-diagonal entries, each named by the axis it leaves out.
     let mut off = [m[4], m[2], m[1]];
-    // Four sweeps leave nothing: convergence is cubic.
-    for _ in 0..4 {
-        for out in 0..3usize {
-            let (p, q) = ((out + 1) % 3, (out + 2) % 3);
-            if off[out] == 0.0 {
-                continue;
-            }
-            let theta = (d[q] - d[p]) / (2.0 * off[out]);
+    // Four sweeps leave nothing: convergence is cubic. The axes take turns at being the first, which is left out.
+    for _ in 0..12 {
+        let ([first, mut p, mut q], [left_out, mut a, mut b]) = (d, off);
+        if left_out != 0.0 {
+            let theta = (q - p) / (2.0 * left_out);
             let magnitude = 1.0 / (theta.abs() + sqrtf(theta * theta + 1.0));
             let t = if theta < 0.0 { -magnitude } else { magnitude };
             let c = 1.0 / sqrtf(t * t + 1.0);
             let s = t * c;
-            d[p] -= t * off[out];
-            d[q] += t * off[out];
-            off[out] = 0.0;
-            // off[q] couples p with `out`, off[p] couples q with `out`.
-            let (a, b) = (off[q], off[p]);
-            off[q] = c * a - s * b;
-            off[p] = s * a + c * b;
+            p -= t * left_out;
+            q += t * left_out;
+            // b couples p with the first axis, a couples q with it.
+            (a, b) = (s * b + c * a, c * b - s * a);
+            off[0] = 0.0;
         }
+        (d, off) = ([p, q, first], [a, b, off[0]]);
     }
-    for (low, high) in [(0, 1), (1, 2), (0, 1)] {
-        if d[low] > d[high] {
-            d.swap(low, high);
-        }
+    let [mut low, mut middle, mut high] = d;
+    if low > middle {
+        (low, middle) = (middle, low);
     }
-    d
+    if middle > high {
+        (middle, high) = (high, middle);
+    }
+    if low > middle {
+        (low, middle) = (middle, low);
+    }
+    [low, middle, high]
 }
 
 #[cfg(test)]

@@ -63,7 +63,10 @@ where
     for (steps, c) in SHIFT.iter().zip(centre) {
         for [to, from] in steps {
             let (to, from) = (usize::from(*to), usize::from(*from));
-            sums[to] = sums[to] - c * sums[from];
+            let Some(lower) = sums.get(from).copied() else { continue };
+            if let Some(sum) = sums.get_mut(to) {
+                *sum = *sum - c * lower;
+            }
         }
     }
 }

@@ -66,8 +66,8 @@ impl Scatter {
     ) -> Result<Self, FitError> {
         let per_sample = 1.0 / samples as f64;
         let mut spread = 0.0;
-        for (position, unit) in [4usize, 7, 9].into_iter().zip(unit_ut) {
-            spread += sums[position] * unit * unit * per_sample;
+        for (sum, unit) in [sums[4], sums[7], sums[9]].into_iter().zip(unit_ut) {
+            spread += sum * unit * unit * per_sample;
         }
         // Outside of nanotesla … kilotesla something is wrong with the unit, and products of four must not overflow.
         if !(spread < 1e18) || !all_finite(&centre_ut) {
@@ -105,10 +105,10 @@ impl Scatter {
             return Err(FitError::NotFinite);
         }
         let mut covariance = [0.0; 6];
-        for (slot, (position, (a, b))) in
-            covariance.iter_mut().zip((4..).zip([(1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3)]))
-        {
-            *slot = moments[position] - moments[a] * moments[b];
+        let [_, x, y, z, squares @ ..] = &moments;
+        let means = [(x, x), (x, y), (x, z), (y, y), (y, z), (z, z)];
+        for (slot, (square, (a, b))) in covariance.iter_mut().zip(squares.iter().zip(means)) {
+            *slot = *square - a * b;
         }
         Ok(Self { moments, centre_ut, scale_ut, covariance, samples, quantisation_ut2 })
     }

@@ -8,6 +8,11 @@ use crate::real::Real;
 /// Row and column of each of the six entries of an upper triangular 3×3 matrix.
 pub const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
+/// The matrix of these six entries.
+pub(crate) const fn upper_triangular<T: Copy>([xx, xy, xz, yy, yz, zz]: [T; 6], zero: T) -> [[T; 3]; 3] {
+    [[xx, xy, xz], [zero, yy, yz], [zero, zero, zz]]
+}
+
 /// A function that is compiled into each of its places where the processor has the operations of its scalar, and once where not.
 macro_rules! by_call {
     ($(#[$doc:meta])* pub fn $name:ident($($argument:ident: $type:ty),*) -> $out:ty $body:block) => {

@@ -212,17 +212,18 @@ impl Sketch {
 
     /// The longest side of the box of all samples, µT; 0 without any. `ut_per_count` is the sensor's scale.
     pub fn extent_ut(&self, ut_per_count: [f32; 3]) -> f32 {
-        (0..3)
-            .map(|a| (f32::from(self.high[a]) - f32::from(self.low[a])) * ut_per_count[a])
-            .fold(0.0, f32::max)
+        let sides = self.high.iter().zip(&self.low).zip(ut_per_count);
+        sides.map(|((high, low), scale)| (f32::from(*high) - f32::from(*low)) * scale).fold(0.0, f32::max)
     }
 
     /// The coverage of the samples as corrected by `calibration`; `ut_per_count` is the sensor's scale.
     #[inline(never)]
     pub fn coverage(&self, calibration: &Calibration<f32>, ut_per_count: [f32; 3]) -> Coverage {
         let mut map = CoverageMap::new();
-        let [x, y, z] =
-            [0, 1, 2].map(|axis| self.middles_ut(axis, ut_per_count[axis], calibration.offset_ut[axis]));
+        let ([scale_x, scale_y, scale_z], [off_x, off_y, off_z]) = (ut_per_count, calibration.offset_ut);
+        let x = self.middles_ut(0, scale_x, off_x);
+        let y = self.middles_ut(1, scale_y, off_y);
+        let z = self.middles_ut(2, scale_z, off_z);
         let matrix = &calibration.matrix;
         let column = |k: usize, v: f32| [matrix[0][k] * v, matrix[1][k] * v, matrix[2][k] * v];
         let add = |a: [f32; 3], b: [f32; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
@@ -270,7 +271,10 @@ impl Sketch {
 
     /// The middle of the box of all samples, µT.
     pub fn middle_ut(&self, ut_per_count: [f32; 3]) -> [f32; 3] {
-        core::array::from_fn(|a| (f32::from(self.low[a]) + f32::from(self.high[a])) * 0.5 * ut_per_count[a])
+        let ([low_x, low_y, low_z], [high_x, high_y, high_z]) = (self.low, self.high);
+        let middle = |low: i16, high: i16, scale: f32| (f32::from(low) + f32::from(high)) * 0.5 * scale;
+        let [x, y, z] = ut_per_count;
+        [middle(low_x, high_x, x), middle(low_y, high_y, y), middle(low_z, high_z, z)]
     }
 
     /// The coverage before there is a calibration: about the middle of the box of all samples.

@@ -12,7 +12,7 @@ use crate::calibration::Calibration;
 use crate::math;
 use crate::quadric::{Ellipsoid, Order};
 use crate::scatter::Scatter;
-use crate::vector::{TRIANGLE, minus, norm};
+use crate::vector::{minus, norm, upper_triangular};
 
 impl FitReport {
     /// Adds to the predicted error what noise biases this method by: how far the corrected vector moves, in the worst
@@ -39,10 +39,7 @@ fn adjusted(scatter: &Scatter, model: Order, field_ut: f64) -> Option<Calibratio
         return None;
     }
     let ellipsoid = Ellipsoid::from_coefficients(&root.beta)?;
-    let mut matrix = [[0.0; 3]; 3];
-    for ((j, k), entry) in TRIANGLE.into_iter().zip(ellipsoid.factor) {
-        matrix[j][k] = entry * field_ut / scatter.scale_ut;
-    }
+    let matrix = upper_triangular(ellipsoid.factor.map(|entry| entry * field_ut / scatter.scale_ut), 0.0);
     let offset_ut = core::array::from_fn(|a| scatter.centre_ut[a] + ellipsoid.centre[a] * scatter.scale_ut);
     Some(Calibration { offset_ut, matrix, field_ut })
 }

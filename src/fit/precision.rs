@@ -5,7 +5,7 @@
 //! `V (GᵀΨG)⁻¹` of the theory, since `Ψ` is zero along the solution itself.) A square root has half the digits at stake:
 //! single precision is enough from here on.
 
-use crate::dense::{add_scaled_f32, dot_f32, scale_f32};
+use crate::dense::{add_scaled_f32, dot_f32, of, put, scale_f32};
 use crate::math::sqrtf;
 use crate::quadric::{Ellipsoid, Lower};
 
@@ -88,8 +88,8 @@ impl Shape {
         let mut e = [0.0; 6];
         for (slot, (j, k)) in e.iter_mut().zip(TRIANGLE) {
             let mut entry = 0.0;
-            for (row, weight) in m.iter().zip(columns[j]) {
-                entry += weight * dot_f32(row, &columns[k]);
+            for (row, weight) in m.iter().zip(of(&columns, j)) {
+                entry += weight * dot_f32(row, &of(&columns, k));
             }
             *slot = if j == k { 0.5 * (entry - ds) } else { entry } / self.s;
         }
@@ -116,14 +116,18 @@ fn root_of_inverse(rows: &Lower, factor: f32, columns: &mut [[f32; 9]; 9]) {
     let mut upper = [[0.0f32; 9]; 9];
     for (r, row) in rows.iter().enumerate().take(9) {
         for (value, to) in row.iter().zip(&mut upper).take(r + 1) {
-            to[r] = *value as f32;
+            put(to, r, *value as f32);
         }
     }
     for (j, column) in columns.iter_mut().enumerate() {
         column.fill(0.0);
-        column[j] = factor / sqrtf(upper[j][j]);
+        let pivot = upper.get(j).map_or(0.0, |row| of(row, j));
+        put(column, j, factor / sqrtf(pivot));
         for (i, row) in upper.iter().enumerate().take(j).rev() {
-            column[i] = -dot_f32(&row[i + 1..=j], &column[i + 1..=j]);
+            if let (Some(row), Some(below)) = (row.get(i + 1..=j), column.get(i + 1..=j)) {
+                let value = -dot_f32(row, below);
+                put(column, i, value);
+            }
         }
     }
 }
@@ -249,7 +253,7 @@ impl Spread {
 fn add_square(form: &mut [f32], row: &[f32]) {
     let mut slots = form.iter_mut();
     for (i, a) in row.iter().enumerate() {
-        for (b, slot) in row[i..].iter().zip(&mut slots) {
+        for (b, slot) in row.iter().skip(i).zip(&mut slots) {
             *slot += a * b;
         }
     }

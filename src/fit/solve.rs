@@ -9,7 +9,7 @@ use crate::calibration::Calibration;
 use crate::quadric::{Ellipsoid, Lower, NoiseTerms, Order, condition_number, mean_square};
 use crate::refusal::FitError;
 use crate::scatter::Scatter;
-use crate::vector::TRIANGLE;
+use crate::vector::upper_triangular;
 use crate::{dense, math};
 
 /// Fits a calibration to a scatter.
@@ -207,16 +207,9 @@ fn report(
     let predicted_error_ut = f64::from(predicted * field);
     spread.scale(scale as f32, unit as f32);
     let sigma = spread.std_errors();
-    let mut std_errors = StdErrors { offset_ut: [0.0; 3], matrix: [[0.0; 3]; 3] };
-    let mut matrix = [[0.0; 3]; 3];
-    let (of_offset, of_matrix) = sigma.split_at(3);
-    for (to, from) in std_errors.offset_ut.iter_mut().zip(of_offset) {
-        *to = (*from).into();
-    }
-    for ((j, k), (entry, sigma)) in TRIANGLE.into_iter().zip(ellipsoid.factor.iter().zip(of_matrix)) {
-        std_errors.matrix[j][k] = (*sigma).into();
-        matrix[j][k] = entry * unit;
-    }
+    let [x, y, z, of_matrix @ ..] = sigma.map(f64::from);
+    let std_errors = StdErrors { offset_ut: [x, y, z], matrix: upper_triangular(of_matrix, 0.0) };
+    let matrix = upper_triangular(ellipsoid.factor.map(|entry| entry * unit), 0.0);
     // The quadric is s(‖C(x−b)‖² − 1), twice the relative residual times that s.
     let per_quadric = 0.5 * field / (ellipsoid.s as f32).abs();
     Ok(FitReport {

@@ -5,7 +5,6 @@ use super::order::Order;
 use crate::dense::{self, all_finite, dot};
 use crate::math;
 use crate::refusal::FitError;
-use crate::vector::TRIANGLE;
 
 /// Largest offset accepted, in fields. Real boards show 7.
 pub const MAX_OFFSET_FIELDS: f32 = 20.0;
@@ -34,9 +33,10 @@ impl Ellipsoid {
     pub fn from_quadric(m: &Symmetric, l: [f64; 3], k: f64) -> Option<Self> {
         // M = L D Lᵀ with ½l as its right side: that leaves k − ¼ lᵀM⁻¹l = −s of the constant.
         let mut rows = [[0.0; 10]; 4];
-        for (entry, (c, r)) in m.iter().zip(TRIANGLE) {
-            rows[r][c] = *entry;
-        }
+        let [xx, xy, xz, yy, yz, zz] = *m;
+        rows[0][0] = xx;
+        [rows[1][0], rows[1][1]] = [xy, yy];
+        [rows[2][0], rows[2][1], rows[2][2]] = [xz, yz, zz];
         for (slot, l) in rows[3].iter_mut().zip(l) {
             *slot = 0.5 * l;
         }
@@ -51,16 +51,9 @@ impl Ellipsoid {
         }
         let [x, y, z, ..] = minimiser(&rows);
         // C = (D/s)^½ Lᵀ.
-        let mut factor = [0.0; 6];
-        let mut root = 0.0;
-        for (slot, (r, c)) in factor.iter_mut().zip(TRIANGLE) {
-            if r == c {
-                root = dense::root(rows[r][r] / s);
-                *slot = root;
-            } else {
-                *slot = root * rows[c][r];
-            }
-        }
+        let [a, b, c, _] = &rows;
+        let [first, second, third] = [a[0], b[1], c[2]].map(|pivot| dense::root(pivot / s));
+        let factor = [first, first * b[0], first * c[0], second, second * c[1], third];
         let ellipsoid = Self { centre: [x, y, z], factor, s };
         if !all_finite(&ellipsoid.centre) || !all_finite(&ellipsoid.factor) {
             return None;
@@ -86,8 +79,8 @@ impl Ellipsoid {
     /// `Q = CᵀC`.
     pub fn q(&self) -> Symmetric {
         let [c11, c12, c13, c22, c23, c33] = self.factor;
-        let columns = [[c11, 0.0, 0.0], [c12, c22, 0.0], [c13, c23, c33]];
-        TRIANGLE.map(|(r, c)| dot(&columns[r][..=r], &columns[c]))
+        let (a, b, c) = ([c11], [c12, c22], [c13, c23, c33]);
+        [dot(&a, &a), dot(&a, &b), dot(&a, &c), dot(&b, &b), dot(&b, &c), dot(&c, &c)]
     }
 
     /// Longest over shortest semi-axis, to single precision.

@@ -5,7 +5,7 @@
 //! Kukush, Van Huffel, Numer. Math. 98, 2004), and with them `Ψ(s) = P₀ + sP₁ + s²P₂`.
 
 use super::order::Order;
-use crate::dense::{add_scaled, dot};
+use crate::dense::{add_scaled, dot, of, put};
 use crate::monomial::{COUNT, EXPONENTS, at};
 
 /// The pure monomials of a quadric: `xx yy zz xy xz yz x y z 1`.
@@ -40,10 +40,11 @@ const fn places() -> [[u8; 10]; 10] {
     table
 }
 
-/// The mean of the product of two pure monomials; the caller keeps both below ten.
+/// The mean of the product of two pure monomials, by their places below ten.
 #[inline]
 pub(crate) fn product(moments: &[f64; COUNT], r: usize, c: usize) -> f64 {
-    moments[usize::from(PLACE[r][c])]
+    let place = PLACE.get(r).map_or(0, |row| of(row, c));
+    of(moments, usize::from(place))
 }
 
 /// The moments corrected for a noise of variance `s`: the Hermite polynomials of each axis in turn, in place.
@@ -63,9 +64,11 @@ pub(crate) fn corrected(moments: &[f64; COUNT], s: f32) -> [f64; COUNT] {
             if lower[axis] >= 2 {
                 let factor = first[lower[axis].min(4)];
                 lower[axis] -= 2;
-                out[position] -= factor * out[at(lower[0], lower[1], lower[2])];
+                let lower_moment = of(&out, at(lower[0], lower[1], lower[2]));
+                let Some(moment) = out.get_mut(position) else { continue };
+                *moment -= factor * lower_moment;
                 if e[axis] == 4 {
-                    out[position] += 3.0 * s * s;
+                    *moment += 3.0 * s * s;
                 }
             }
         }
@@ -124,8 +127,9 @@ pub(crate) fn factorise(rows: &mut [[f64; 10]], model: Order) -> bool {
         }
         // First w = L⁻¹ of the row, then its quotients by D.
         for (c, above) in done.iter().enumerate() {
-            let sum = dot(&row[..c], &above[..c]);
-            row[c] -= sum;
+            if let Some((head, [entry, ..])) = row.split_at_mut_checked(c) {
+                *entry -= dot(head, above);
+            }
         }
         for (w, inverse) in row[..r].iter_mut().zip(inverse) {
             let l = *w * inverse;
@@ -149,11 +153,9 @@ pub(crate) fn factorise(rows: &mut [[f64; 10]], model: Order) -> bool {
 pub(crate) fn minimiser(rows: &[[f64; 10]]) -> [f64; 10] {
     // Lᵀ x = −(row of the right side), from the last row up.
     let mut x = [0.0; 10];
-    let last = rows.len().clamp(1, 10) - 1;
-    x[last] = 1.0;
-    for (r, row) in rows[..=last].iter().enumerate().rev() {
-        let (head, tail) = x.split_at_mut(r);
-        if let Some(value) = tail.first() {
+    put(&mut x, rows.len().saturating_sub(1), 1.0);
+    for (r, row) in rows.iter().enumerate().rev() {
+        if let Some((head, [value, ..])) = x.split_at_mut_checked(r) {
             add_scaled(head, -*value, row);
         }
     }
@@ -164,7 +166,7 @@ pub(crate) fn minimiser(rows: &[[f64; 10]]) -> [f64; 10] {
 pub(crate) fn condition_number(rows: &Lower, model: Order) -> f64 {
     let (mut low, mut high) = (f32::INFINITY, 0.0f32);
     for (i, row) in rows.iter().enumerate().take(9).filter(|(i, _)| model.uses(*i)) {
-        let pivot = row[i] as f32;
+        let pivot = of(row, i) as f32;
         low = low.min(pivot);
         high = high.max(pivot);
     }
@@ -183,7 +185,7 @@ pub(crate) fn times(moments: &[f64; COUNT], beta: &[f64; 10]) -> [f64; 10] {
     for (slot, places) in out.iter_mut().zip(&PLACE) {
         let mut row = [0.0; 10];
         for (value, place) in row.iter_mut().zip(places) {
-            *value = moments[usize::from(*place)];
+            *value = of(moments, usize::from(*place));
         }
         *slot = dot(&row, beta);
     }

@@ -28,7 +28,8 @@ impl NoiseTerms {
     pub fn of(scatter: &Scatter, beta: &[f64; 10]) -> Self {
         let b = beta.map(|v| v as f32);
         let c = scatter.covariance.map(|v| v as f32);
-        let mean = [1, 2, 3].map(|i| scatter.moments[i] as f32);
+        let [_, x, y, z, ..] = scatter.moments;
+        let mean = [x as f32, y as f32, z as f32];
         let half = 0.5;
         let m = [
             [b[0], half * b[3], half * b[4]],

@@ -72,6 +72,10 @@ impl Collector {
         }
     }
 
+    pub(super) fn interrupt(&mut self) {
+        self.whiteness.interrupt();
+    }
+
     #[inline]
     fn take_note(&mut self, gated: Gated) {
         if gated == Gated::Pending {

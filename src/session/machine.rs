@@ -79,6 +79,13 @@ impl Session {
         }
     }
 
+    /// Samples are missing before the next one: it is not taken for the neighbour of the last.
+    pub fn interrupt(&mut self) {
+        if let Stage::Collecting(collector) = &mut self.stage {
+            collector.interrupt();
+        }
+    }
+
     /// The fit of the samples in motion so far; it changes nothing. `None` unless collecting.
     ///
     /// # Errors

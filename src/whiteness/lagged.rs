@@ -9,7 +9,7 @@
 //! without bias. Noise of 0.05 % of the field shows through motion of a field between the two samples.
 
 use crate::calibration::Calibration;
-use crate::math;
+use crate::{dense, math};
 
 /// Products of nine with nine.
 const SUMS: usize = 45;
@@ -189,7 +189,9 @@ impl Lagged {
                 let sum = f64::from(*sum) * if column == row { 1.0 } else { 2.0 };
                 along += weight * sum;
                 if row >= 6 {
-                    gradient2 += ellipsoid.gradient[row - 6][column - 6] * sum;
+                    let gradient =
+                        ellipsoid.gradient.get(row - 6).map_or(0.0, |row| dense::of(row, column - 6));
+                    gradient2 += gradient * sum;
                 }
             }
             mean_square += weight * along;

@@ -1,0 +1,10 @@
+# Stand-ins for Zephyr's functions: prints the archive that the module would link. cmake -DCONFIG_...=y -P stand-in.cmake
+function(zephyr_include_directories)
+endfunction()
+function(zephyr_library_import name path)
+  cmake_path(NORMAL_PATH path)
+  cmake_path(GET path PARENT_PATH folder)
+  cmake_path(GET folder FILENAME folder)
+  message(STATUS "${folder}")
+endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/../../../packages/zephyr/zephyr/CMakeLists.txt)
