@@ -279,6 +279,7 @@ mod tests {
         CalFile {
             version: VERSION,
             fit: FitObject {
+                holds_for: None,
                 method: "adjusted".into(),
                 samples_used: 3000,
                 samples_set_aside: 0,

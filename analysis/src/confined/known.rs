@@ -105,6 +105,27 @@ impl Before {
     }
 }
 
+/// Which sensor would have to be further from what such sensors are than this many standard deviations, and why; `None` where none is. A
+/// reversed axis and another unit look like this.
+pub fn implausible(state: &State, most: f64) -> Option<String> {
+    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let gyro = state.gyro.as_slice();
+    let (bias, gain) = (largest(&gyro[..3]), largest(&gyro[3..]));
+    let zero = largest(state.zero.as_slice());
+    let said = [
+        (bias / RATE_BIAS, format!("the gyro would have a zero error of {bias:.2} rad/s")),
+        (gain / RATE_GAIN, format!("the gyro's gains and axes would be off by {:.0} %", 100.0 * gain)),
+        (
+            state.delay_s.abs() / LATE_S,
+            format!("magnetometer and gyro would be {:.2} s apart", state.delay_s.abs()),
+        ),
+        (zero / ZERO_G, format!("the accelerometer would have a zero error of {:.1} m/s²", 9.81 * zero)),
+    ];
+    let [first, rest @ ..] = said;
+    let (times, words) = rest.into_iter().fold(first, |one, other| if other.0 > one.0 { other } else { one });
+    (times > most).then_some(words)
+}
+
 /// Adds an earlier calibration's information about offset and triangle.
 fn earlier(known: &mut Matrix, prior: &Prior, field_ut: Option<f64>, state: &State) {
     let earlier = prior.earlier(field_ut);

@@ -7,7 +7,7 @@ use crate::base::start::sphere;
 use crate::calibration::{AtTilt, HoldsFor, Information, StdErrors};
 use crate::confined::channels::Channel;
 use crate::confined::heading::{self, heading_error_deg, horizontal_ut};
-use crate::confined::known::{Before, triangle_covariance};
+use crate::confined::known::{Before, implausible, triangle_covariance};
 use crate::confined::log::Log;
 use crate::confined::solve::{Solved, solve};
 use crate::fit::fitted::Fitted;
@@ -34,6 +34,8 @@ const ACROSS: f64 = 3.0;
 const GYRO_SHARE: f64 = 0.05;
 /// The dip is one dip within this, degrees rms; more is another mounting, or no gravity.
 const DIP_DEG: f64 = 10.0;
+/// A sensor is not further from what such sensors are than so many standard deviations.
+const IMPLAUSIBLE: f64 = 5.0;
 /// Sectors of heading, and how many of them show the board turned all round.
 const SECTORS: usize = 12;
 const ALL_ROUND: usize = 11;
@@ -105,8 +107,20 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
         Some((solved.state.vertical_ut / solved.state.field_ut).clamp(-1.0, 1.0).asin().to_degrees());
     fitted.heading_error_deg = Some(error_deg);
     let turns_otherwise = across_ut > (ACROSS * along_ut).hypot(GYRO_SHARE * field_ut);
+    let implausible = implausible(&solved.state, IMPLAUSIBLE);
     let sound = fitted.is_refused_for_attitudes_only() && along_ut < MAX_RESIDUAL * field_ut;
-    if turns_otherwise || dip_spread_deg > DIP_DEG || !sound {
+    if dip_spread_deg > DIP_DEG || !sound {
+        return refused;
+    }
+    if turns_otherwise || implausible.is_some() {
+        let mut refused = refused;
+        let why = implausible.map_or_else(String::new, |words| format!(": {words}"));
+        refused.reasons.insert(
+            0,
+            format!(
+                "the field does not turn as the gyro and the accelerometer say{why}. Check the axes and units of the three sensors (--rotate,                  --map), and that magnetometer and gyro have one clock"
+            ),
+        );
         return refused;
     }
     let shown = format!("this log does not show all attitudes (tilts up to {own_tilt_deg:.0}°)");
@@ -121,6 +135,11 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
          constant besides, which no magnetometer shows",
         holds_for.words()
     )];
+    if across_ut == 0.0 {
+        fitted.reasons.push(
+            "note: without a gyro a reversed axis of the magnetometer does not show: compare one heading that you know".into(),
+        );
+    }
     fitted.reasons.extend(refused.reasons.iter().filter(|reason| reason.starts_with("note: ")).cloned());
     fitted.holds_for = Some(holds_for);
     fitted

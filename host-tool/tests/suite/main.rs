@@ -53,6 +53,7 @@ mod text_corpus;
 mod text_questions;
 mod tutorial;
 mod ulog;
+mod vehicles;
 mod writers;
 
 /// Stands in the summary for what this build leaves out.
