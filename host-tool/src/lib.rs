@@ -10,6 +10,8 @@ pub mod board;
 pub mod cal_file;
 pub mod cli;
 #[cfg(not(target_arch = "wasm32"))]
+pub mod cli_batch;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod cli_demo;
 pub mod cli_export;
 #[cfg(not(target_arch = "wasm32"))]

@@ -126,10 +126,12 @@ fn one(
     kept: &[String],
 ) -> Outcome<Log> {
     let log = input::read_log(path, &ReadOptions { default_ut_per_count, ..arguments.options()? })?;
-    finished(log, arguments, path, kept)
+    let log = finished(log, arguments, path, kept)?;
+    tell(&log, 0);
+    Ok(log)
 }
 
-/// The log with its derived columns, its notices told.
+/// The log with its derived columns.
 fn finished(mut log: Log, arguments: &LogArgs, path: &Path, kept: &[String]) -> Outcome<Log> {
     let there = |one: &Definition| {
         // A log that was written with the column has no need to compute it again.
@@ -142,7 +144,6 @@ fn finished(mut log: Log, arguments: &LogArgs, path: &Path, kept: &[String]) -> 
         .map_err(|failure| failure.in_file(path))?;
     along::know(&mut log, arguments.date.as_deref())?;
     ignore(&mut log, &arguments.ignore).map_err(|failure| failure.in_file(path))?;
-    tell(&log, 0);
     Ok(log)
 }
 
@@ -172,7 +173,24 @@ pub fn read_bytes(arguments: &LogArgs, bytes: &[u8], known: &Known) -> Outcome<L
     let in_file = |failure: Failure| if failure.file.is_none() { failure.in_file(path) } else { failure };
     let mut log = input::read_stream(bytes, bytes.len() as u64, &options).map_err(in_file)?;
     log.path.clone_from(path);
-    let mut log = finished(log, arguments, path, &[])?;
+    finish_quietly(log, arguments, known)
+}
+
+/// Reads one log as [`read_held`] does and prints nothing.
+///
+/// # Errors
+/// As [`read_held`].
+pub fn read_quietly(arguments: &LogArgs, known: &Known) -> Outcome<Log> {
+    let options = ReadOptions { progress: false, ..arguments.options()? };
+    finish_quietly(input::read_log(&arguments.log, &options)?, arguments, known)
+}
+
+/// Derives, leaves out and checks the columns of a log that has been read, and prints nothing.
+///
+/// # Errors
+/// As [`read_held`].
+pub fn finish_quietly(log: Log, arguments: &LogArgs, known: &Known) -> Outcome<Log> {
+    let mut log = finished(log, arguments, &arguments.log, &[])?;
     plausible::hold(&mut log, arguments, known)?;
     Ok(log)
 }

@@ -1,6 +1,7 @@
 //! The commands, one a file. Each gives its exit status, or a failure with its place.
 
 mod apply;
+mod batch;
 mod check;
 mod demo;
 mod diagnose;
@@ -33,6 +34,7 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
         Command::Demo(arguments) => demo::run(arguments, cli.json),
         Command::Diagnose(arguments) => diagnose::run(arguments, cli.json),
+        Command::Batch(arguments) => batch::run::run(arguments, cli.json),
         Command::Send(arguments) => send::run(arguments, cli.json),
         Command::Fetch(arguments) => fetch::run(arguments, cli.json),
         Command::Record(arguments) => record::run(arguments, cli.json),

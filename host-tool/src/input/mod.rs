@@ -35,7 +35,7 @@ pub use lines::Lines;
 pub use log::{Covariate, Log, ReadOptions};
 pub use map::{entry as map_entry, parse_map};
 pub use mount::{FORMS as ROTATE_FORMS, Mounting, rotate};
-pub use read_as::{Instance, LeftOut, ReadAs, ReadColumn};
+pub use read_as::{Instance, LeftOut, Origin, ReadAs, ReadColumn};
 pub use repair::parse as parse_repair;
 pub use told::{read_log, read_stream};
 pub use unit::{Quantity, Unit};

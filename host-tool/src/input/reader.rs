@@ -75,6 +75,7 @@ pub fn read_own(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Ou
         }
     }
     drop(progress);
+    let origin = lines.origin().clone();
     if rows == 0 {
         return Err(
             Failure::usage("the log has a header and no rows: nothing was recorded").at_line(header_line)
@@ -82,6 +83,7 @@ pub fn read_own(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Ou
     }
     let mut log = plan.finish(stores.into_iter().map(|(store, _)| store).collect(), rows, options)?;
     log.read_as.format = FORMAT.to_string();
+    log.read_as.origin = origin;
     // Rows that were taken out are not copied.
     log.read_as.own_csv = log.rows == rows;
     let pins: Vec<String> = options.map.iter().map(|(name, from)| entry(name, from, None)).collect();
