@@ -2,7 +2,7 @@
 
 mod apply;
 mod batch;
-mod check;
+pub mod check;
 mod demo;
 mod diagnose;
 mod export;
@@ -17,7 +17,7 @@ mod record;
 #[cfg(feature = "page")]
 mod report;
 mod send;
-mod simulate;
+pub mod simulate;
 #[cfg(feature = "page")]
 mod web;
 

@@ -36,6 +36,8 @@ pub use log::{Covariate, Log, ReadOptions};
 pub use map::{entry as map_entry, parse_map};
 pub use mount::{FORMS as ROTATE_FORMS, Mounting, rotate};
 pub use read_as::{Instance, LeftOut, Origin, ReadAs, ReadColumn};
+pub use reader::from_columns;
 pub use repair::parse as parse_repair;
+pub use told::is_own;
 pub use told::{read_log, read_stream};
 pub use unit::{Quantity, Unit};
