@@ -110,7 +110,7 @@ def test_diagnosis_names_the_current(hidden):
     assert diagnosis.verdict == "missing" and diagnosis.missing == ["offset:current_a"]
     assert diagnosis.steps[1].added == "offset:current_a"
     assert diagnosis.steps[1].holdout_rms_ut < 0.5 * diagnosis.steps[0].holdout_rms_ut
-    assert "current_a" in diagnosis.sentence and "current_a" in diagnosis._repr_html_()
+    assert "current" in diagnosis.sentence and "current_a" in diagnosis._repr_html_()
     assert set(diagnosis.to_frame().columns) >= {"id", "status", "p_value"}
     assert len(diagnosis.steps_frame()) == 2
 
