@@ -155,7 +155,7 @@ def test_plots(clean, hidden, tmp_path):
     axes = diagnosis.plot()
     heights = [bar.get_height() for bar in axes.patches]
     assert diagnosis.steps[0].rms_ut in heights and "µT" in axes.get_ylabel()
-    line = diagnosis.plot_residual("current_a").containers[0].lines[0]
+    line = next(one for one in diagnosis.plot_residual("current_a").lines if one.get_label() == "mean")
     assert len(line.get_xdata()) >= 10
     diagnosis.plot_sphere().figure.savefig(tmp_path / "sphere.png")
     plt.close("all")

@@ -26,11 +26,17 @@ def _axes(ax: Any, **figure: Any) -> Any:
     return plt.subplots(layout="constrained", **figure)[1]
 
 
+def _legend(ax: Any, **options: Any) -> None:
+    ax.legend(facecolor="white", framealpha=0.85, edgecolor="none", fontsize="small", markerscale=2, **options)
+
+
 def _thin(count: int) -> slice:
     return slice(None, None, max(1, -(-count // MAX_POINTS)))
 
 
 def sphere(vectors: np.ndarray, residual: np.ndarray, ax: Any = None) -> Any:
+    import matplotlib.ticker
+
     if ax is None:
         ax = _axes(None, figsize=(5.2, 4.4), subplot_kw={"projection": "3d"})
     field_ut = float(np.median(np.linalg.norm(vectors, axis=1)))
@@ -43,6 +49,9 @@ def sphere(vectors: np.ndarray, residual: np.ndarray, ax: Any = None) -> Any:
     ax.set_xlabel("x, µT")
     ax.set_ylabel("y, µT")
     ax.set_zlabel("z, µT")
+    for name in "xyz":
+        getattr(ax, f"set_{name}lim")(-1.1 * field_ut, 1.1 * field_ut)
+        getattr(ax, f"{name}axis").set_major_locator(matplotlib.ticker.MaxNLocator(4))
     ax.set_box_aspect((1, 1, 1))
     ax.set_title("Corrected vectors")
     ax.figure.colorbar(points, ax=ax, label="residual, µT", shrink=0.7, pad=0.14)
@@ -56,19 +65,22 @@ def residual(column: np.ndarray, values: np.ndarray, name: str, ax: Any = None) 
     few = _thin(len(x))
     ax.plot(x[few], y[few], ".", color="0.7", markersize=2, label="samples", zorder=1)
     edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1))) if len(x) else np.array([])
-    centres, means, errors = [], [], []
+    centres, means, quartiles = [], [], []
     for low, high in zip(edges[:-1], edges[1:]):
         inside = y[(x >= low) & (x <= high)]
         if len(inside) >= MIN_IN_BIN:
             centres.append((low + high) / 2)
             means.append(inside.mean())
-            errors.append(2 * inside.std() / np.sqrt(len(inside)))
-    ax.errorbar(centres, means, errors, fmt="o-", color=AFTER, markersize=3, linewidth=1, label="mean ± 2 standard errors")
+            quartiles.append(np.quantile(inside, [0.25, 0.75]))
+    if centres:
+        # No standard errors: neighbouring samples are not independent.
+        ax.fill_between(centres, *np.transpose(quartiles), color=AFTER, alpha=0.25, linewidth=0, label="half of the samples")
+        ax.plot(centres, means, "o-", color=AFTER, markersize=3, linewidth=1, label="mean")
     ax.axhline(0, color=FLOOR, linewidth=0.8)
     ax.set_xlabel({"t_s": "time, s"}.get(name, name))
     ax.set_ylabel("residual, µT")
     ax.set_title(f"Residual by {'time' if name == 't_s' else name}")
-    ax.legend(frameon=False, fontsize="small")
+    _legend(ax)
     return ax
 
 
@@ -84,14 +96,14 @@ def steps(rows: list, floor_ut: Optional[float], ax: Any = None) -> Any:
     ax.set_xticks(places, names)
     ax.set_ylabel("rms residual, µT")
     ax.set_title("Error with each effect added")
-    ax.legend(frameon=False, fontsize="small")
+    _legend(ax)
     return ax
 
 
 def fit(log: Any, vectors: np.ndarray, values: np.ndarray, field_ut: Optional[float]) -> Any:
     import matplotlib.pyplot as plt
 
-    figure = plt.figure(figsize=(10, 4.2), layout="constrained")
+    figure = plt.figure(figsize=(10, 4.6), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=[1, 1.15])
     sphere(vectors, values, ax=figure.add_subplot(grid[:, 0], projection="3d"))
     time = log.t if log.t is not None else np.arange(len(vectors), dtype=float)
@@ -102,6 +114,7 @@ def fit(log: Any, vectors: np.ndarray, values: np.ndarray, field_ut: Optional[fl
     if field_ut is not None:
         magnitudes.axhline(field_ut, color=FLOOR, linewidth=0.8)
     magnitudes.set_ylabel("magnitude, µT")
-    magnitudes.legend(frameon=False, fontsize="small", markerscale=4)
+    magnitudes.set_title("Magnitude")
+    _legend(magnitudes, ncols=2)
     residual(time, values, "t_s" if log.t is not None else "row", ax=figure.add_subplot(grid[1, 1], sharex=magnitudes))
     return figure

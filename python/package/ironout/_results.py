@@ -78,7 +78,7 @@ class _Plotted:
         return _plots.sphere(*self._corrected(), ax=ax)
 
     def plot_residual(self, column: str = "t_s", ax: Any = None) -> Any:
-        """The residual against a column: its mean in bins with two standard errors."""
+        """The residual against a column, with its mean and quartiles in bins."""
         return _plots.residual(self.log[column], self._corrected()[1], column, ax=ax)
 
 
