@@ -9,13 +9,7 @@ mod sums;
 mod wait;
 
 use pyo3::prelude::*;
-
-pyo3::create_exception!(
-    _ironout,
-    IronoutError,
-    pyo3::exceptions::PyException,
-    "Bad input, or a request that cannot be met."
-);
+use wait::IronoutError;
 
 #[pymodule]
 fn _ironout(module: &Bound<'_, PyModule>) -> PyResult<()> {

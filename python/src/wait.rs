@@ -1,10 +1,16 @@
 //! Work without the interpreter's lock, with Ctrl-C and a progress callback while it lasts.
 
-use crate::IronoutError;
 use ironout_cli::failure::{Failure, Outcome};
 use pyo3::prelude::*;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
+
+pyo3::create_exception!(
+    _ironout,
+    IronoutError,
+    pyo3::exceptions::PyException,
+    "Bad input, or a request that cannot be met."
+);
 
 /// Time between two looks at signals, and between two calls of a progress callback.
 const BEAT: Duration = Duration::from_millis(50);

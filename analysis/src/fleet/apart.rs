@@ -91,9 +91,12 @@ pub fn by_effects(logs: &[&FleetLog]) -> Vec<EffectApart> {
     found
 }
 
+/// A figure of a log, with its name.
+type Figure = (&'static str, fn(&FleetLog) -> Option<f64>);
+
 /// Vehicles whose median noise or error lies far from the fleet's.
 pub fn by_figures(logs: &[&FleetLog]) -> Vec<FigureApart> {
-    let figures: [(&'static str, fn(&FleetLog) -> Option<f64>); 2] = [
+    let figures: [Figure; 2] = [
         ("error of the base model, % of the field", |log| log.error_share.map(|share| 100.0 * share)),
         ("noise of the sensor, µT", |log| log.noise_ut),
     ];

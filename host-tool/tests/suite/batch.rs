@@ -8,12 +8,12 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 const VEHICLES: usize = 20;
-const FLIGHTS: usize = 8;
+const FLIGHTS: usize = 6;
 const DRIFTS: usize = 3;
 const CURRENT: usize = 5;
 const SWAPPED: usize = 11;
 /// Flights with the first sensor of the vehicle whose sensor is swapped.
-const BEFORE_SWAP: usize = 4;
+const BEFORE_SWAP: usize = 3;
 /// Slope of the drifting offset along x; flights are two days apart.
 const DRIFT_UT_PER_DAY: f64 = 0.25;
 
@@ -23,7 +23,7 @@ fn flight(vehicle: usize, flight: usize) -> String {
     let effects = if vehicle == CURRENT { vec!["offset:current_a=5"] } else { Vec::new() };
     let world = World::new(WorldOptions {
         seed: if replaced { 500 } else { vehicle as u64 + 1 },
-        seconds: 40.0,
+        seconds: 30.0,
         effects: effects.iter().map(|text| EffectSpec::parse(text).expect("an effect")).collect(),
         drop_columns: vec!["heading_deg".into()],
         ..WorldOptions::default()
@@ -89,7 +89,7 @@ fn the_summary_finds_three_planted_faults_and_no_other() {
             "v11" => {
                 assert_eq!(change["gains_changed"], true, "{change}");
                 let from = change["from_log"].as_str().expect("a log");
-                assert!(from.ends_with("2026-03-09_101500.csv"), "{from}");
+                assert!(from.ends_with("2026-03-07_101500.csv"), "{from}");
             }
             _ => assert!(drift.is_null() && change.is_null(), "{sensor}"),
         }
@@ -109,9 +109,9 @@ fn the_summary_finds_three_planted_faults_and_no_other() {
 
     // In words the same is found, without a study of what has not changed.
     let words = batch(&logs, &table, &[]);
-    assert!(words.stderr.contains("161 of 161 logs were studied before"), "{}", words.stderr);
+    assert!(words.stderr.contains("121 of 121 logs were studied before"), "{}", words.stderr);
     for found in [
-        "v05: offset:current_a in 8 of 8 logs, in 0 of 152",
+        "v05: offset:current_a in 6 of 6 logs, in 0 of 114",
         "v03: drifts by +0.2",
         "v11: offset changed by",
         "another sensor or mounting",
