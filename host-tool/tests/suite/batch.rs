@@ -1,6 +1,7 @@
 //! `batch`: a fleet with three planted faults, resumed runs, files that are no logs.
 
 use crate::common::{Run, folder, ironout, text, write};
+use crate::writers::ulog::{Ulog, floats};
 use ironout_simulation::{EffectSpec, World, WorldOptions};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -151,6 +152,37 @@ fn only_what_changed_is_studied_again() {
     let run = batch(&pattern, &here.join("other.csv"), &["--json", "--vehicle-from", "{vehicle}.csv"]);
     let vehicles = run.json()["summary"]["vehicles"].as_u64();
     assert_eq!(vehicles, Some(3), "A7 by two logs themselves, 1 and 3 by their names: {}", run.stdout);
+}
+
+#[test]
+fn a_ulog_names_its_vehicle_and_sensor() {
+    let here = folder("batch_ulog");
+    let mut file = Ulog::new(1_000_000);
+    file.info("sys_uuid", "0001000000003236");
+    file.format(
+        "sensor_mag:uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;",
+    );
+    file.subscribe(0, 1, "sensor_mag");
+    for i in 0..600_u64 {
+        let (tilt, turn) = (i as f64 * 0.013, i as f64 * 0.11);
+        let field =
+            [tilt.cos() * turn.cos(), tilt.cos() * turn.sin(), tilt.sin()].map(|part| 0.5 * part + 0.1);
+        let time = (1_000_000 + 20_000 * i).to_le_bytes();
+        file.data(1, &[&time, &time, &396_825_u32.to_le_bytes(), &floats(field)]);
+    }
+    let day = here.join("2026-03-01");
+    std::fs::create_dir_all(&day).expect("a folder");
+    write(&day, "10_11_12.ulg", &file.bytes);
+    let table = here.join("table.jsonl");
+    let run = batch(&day, &table, &["--json"]);
+    let row = rows(&table).remove(0);
+    assert_eq!(
+        (&row["vehicle"], &row["sensor"]),
+        (&"0001000000003236".into(), &"396825".into()),
+        "{row} {}",
+        run.stderr
+    );
+    assert_eq!(row["start"], "2026-03-01T10:11:12Z");
 }
 
 #[test]

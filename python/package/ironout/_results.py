@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, Optional
 
 import numpy as np
@@ -15,9 +15,9 @@ from ._ironout import IronoutError
 from ._log import Log
 
 
-def _take(cls: type, data: dict) -> Any:
+def _take(cls: Any, data: dict) -> Any:
     """The dataclass of an object that may have more keys."""
-    return cls(**{name: data.get(name) for name in cls.__dataclass_fields__})
+    return cls(**{one.name: data.get(one.name) for one in fields(cls)})
 
 
 def _frame(rows: list) -> Any:
