@@ -11,6 +11,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   ironout batch logs/ -o fleet.csv                          one row per log, and a summary
   ironout batch 'logs/*/*.ulg' -o fleet.jsonl --jobs 8
+  ironout batch logs/ -o fleet.csv --page fleet.html
   ironout batch logs/ -o fleet.csv --vehicle-from '{vehicle}_*.csv'
 
 Run the same command again after Ctrl-C or when there are new logs: only logs
@@ -33,6 +34,9 @@ pub struct BatchArgs {
     /// (without it: the folder below DIR)
     #[arg(long, value_name = "PATTERN")]
     pub vehicle_from: Option<String>,
+    /// Write the summary as one page here, with the offset of each sensor over time
+    #[arg(long, value_name = "FLEET.html")]
+    pub page: Option<PathBuf>,
     /// Study all logs again
     #[arg(long)]
     pub again: bool,

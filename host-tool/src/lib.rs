@@ -8,6 +8,7 @@ pub mod atomic;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod board;
 pub mod cal_file;
+pub mod chart;
 pub mod cli;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod cli_batch;

@@ -109,7 +109,8 @@ fn the_summary_finds_three_planted_faults_and_no_other() {
     assert_eq!(rows[0]["base_rms_ut"], alone["rms_ut"]);
 
     // In words the same is found, without a study of what has not changed.
-    let words = batch(&logs, &table, &[]);
+    let page = here.join("fleet.html");
+    let words = batch(&logs, &table, &["--page", text(&page)]);
     assert!(words.stderr.contains("121 of 121 logs were studied before"), "{}", words.stderr);
     for found in [
         "v05: offset:current_a in 6 of 6 logs, in 0 of 114",
@@ -119,6 +120,14 @@ fn the_summary_finds_three_planted_faults_and_no_other() {
     ] {
         assert!(words.stdout.contains(found), "{found}: {}", words.stdout);
     }
+    // So on the page, with a chart for each sensor.
+    let html = std::fs::read_to_string(&page).expect("a page");
+    assert_eq!(html.matches("<svg").count(), VEHICLES);
+    assert!(
+        html.contains("v03: drifts by +0.2")
+            && html.contains("another sensor or mounting")
+            && !html.contains("NaN")
+    );
 }
 
 #[test]
@@ -147,6 +156,11 @@ fn only_what_changed_is_studied_again() {
     std::fs::write(&state, &lines[..lines.len() - 40]).expect("cut off");
     assert_eq!(studied(&["--field", "50"]), Some(1));
     assert_eq!(studied(&["--field", "50", "--again"]), Some(4));
+    // Another version of the program may say something else.
+    let lines = std::fs::read_to_string(&state).expect("a state");
+    let version = format!("\"program\":\"{}\"", env!("CARGO_PKG_VERSION"));
+    std::fs::write(&state, lines.replacen(&version, "\"program\":\"0.0.1\"", 2)).expect("a state");
+    assert_eq!(studied(&["--field", "50"]), Some(2));
     // A pattern finds the same logs.
     let pattern = logs.join("?.csv");
     let run = batch(&pattern, &here.join("other.csv"), &["--json", "--vehicle-from", "{vehicle}.csv"]);

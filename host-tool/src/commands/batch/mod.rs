@@ -2,6 +2,7 @@
 
 mod files;
 mod origin;
+mod page;
 mod row;
 pub mod run;
 mod state;

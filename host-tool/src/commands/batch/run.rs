@@ -3,6 +3,7 @@
 use crate::cli::BatchArgs;
 use crate::commands::batch::files::{Found, find};
 use crate::commands::batch::origin::Pattern;
+use crate::commands::batch::page;
 use crate::commands::batch::row::{Row, write_csv, write_json_lines};
 use crate::commands::batch::state::{self, Stamp, State};
 use crate::commands::batch::study::{Asked, study};
@@ -11,8 +12,8 @@ use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::interrupt::Interrupt;
 use crate::output;
 use crate::{atomic, progress::Progress};
-use ironout_analysis::fleet::summarize;
 use ironout_analysis::fleet::summary::ERROR;
+use ironout_analysis::fleet::{FleetLog, summarize};
 use serde_json::json;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -47,7 +48,9 @@ pub fn run(arguments: &BatchArgs, as_json: bool) -> Outcome<u8> {
     asked.reading.options()?;
     let named: Vec<PathBuf> = arguments.log.logs().cloned().collect();
     let logs = find(&named, &[arguments.output.clone(), state::path(&arguments.output)])?;
-    logs.iter().try_for_each(|log| atomic::not_over(&log.path, &arguments.output))?;
+    for target in std::iter::once(&arguments.output).chain(&arguments.page) {
+        logs.iter().try_for_each(|log| atomic::not_over(&log.path, target))?;
+    }
     if logs.is_empty() {
         return Err(Failure::usage("no log found. Fix: name a folder with logs, a quoted pattern, or logs"));
     }
@@ -77,7 +80,11 @@ pub fn run(arguments: &BatchArgs, as_json: bool) -> Outcome<u8> {
     atomic::write(&arguments.output, |out| {
         if lines { write_json_lines(out, &done) } else { write_csv(out, &done) }
     })?;
-    let fleet = summarize(&done.iter().map(|row| row.fleet_log()).collect::<Vec<_>>());
+    let fleet_logs: Vec<FleetLog> = done.iter().map(|row| row.fleet_log()).collect();
+    let fleet = summarize(&fleet_logs);
+    if let Some(path) = &arguments.page {
+        atomic::write(path, |out| out.write_all(page::html(&fleet, &fleet_logs).as_bytes()))?;
+    }
     let failed = done.iter().filter(|row| row.verdict == ERROR).count();
     if as_json {
         let mut object = json!({
@@ -93,6 +100,9 @@ pub fn run(arguments: &BatchArgs, as_json: bool) -> Outcome<u8> {
     } else {
         output::text(&words::text(&fleet));
         output::line(&format!("\nwrote {} ({} rows)", arguments.output.display(), done.len()));
+        if let Some(path) = &arguments.page {
+            output::line(&format!("wrote {}", path.display()));
+        }
     }
     if interrupted {
         eprintln!(

@@ -1,5 +1,6 @@
 //! What is done already: a file next to the table, one line per log as soon as it is done.
 
+use crate::atomic;
 use crate::cli::BatchArgs;
 use crate::commands::batch::row::Row;
 use crate::failure::{Failure, Outcome};
@@ -53,13 +54,14 @@ impl State {
             let lines = text.lines().filter_map(|line| serde_json::from_str::<Line>(line).ok());
             done.extend(lines.map(|line| (line.path, (line.stamp, line.row))));
         }
-        // Written anew: without what was cut off, and each log once.
+        // Written anew, without what was cut off and each log once; until that is whole the old file stands.
         let options = options(arguments);
-        let mut file = File::create(&path).map_err(fail)?;
-        for (log, (stamp, row)) in &done {
-            write_line(&mut file, &Line { path: log.clone(), stamp: stamp.clone(), row: row.clone() })
-                .map_err(fail)?;
-        }
+        atomic::write(&path, |out| {
+            done.iter().try_for_each(|(log, (stamp, row))| {
+                write_line(out, &Line { path: log.clone(), stamp: stamp.clone(), row: row.clone() })
+            })
+        })?;
+        let file = File::options().append(true).open(&path).map_err(fail)?;
         Ok(State { done, file, path, options })
     }
 
@@ -89,7 +91,7 @@ impl State {
     }
 }
 
-fn write_line(file: &mut File, line: &Line) -> std::io::Result<()> {
+fn write_line(file: &mut dyn Write, line: &Line) -> std::io::Result<()> {
     let mut text = serde_json::to_string(line)?;
     text.push('\n');
     // In one write: another process that reads sees whole lines.

@@ -60,7 +60,8 @@ pub(super) fn text(fleet: &Fleet) -> String {
     out + "\n"
 }
 
-fn apart(fleet: &Fleet) -> Vec<String> {
+/// Vehicles apart from the fleet, a line each.
+pub(super) fn apart(fleet: &Fleet) -> Vec<String> {
     let effects = fleet.effects_apart.iter().map(|one| {
         format!(
             "{}: {} in {} of {}, in {} of {} of the others (p = {})",
@@ -85,7 +86,8 @@ fn apart(fleet: &Fleet) -> Vec<String> {
     effects.chain(figures).chain(several).collect()
 }
 
-fn history(one: &History) -> String {
+/// The offset of a sensor over time in one line.
+pub(super) fn history(one: &History) -> String {
     let name = match (one.vehicle.is_empty(), one.sensor.is_empty()) {
         (false, false) => format!("{}, {}", one.vehicle, one.sensor),
         (true, _) => one.sensor.clone(),
@@ -128,11 +130,13 @@ fn rest(there: usize) -> String {
     }
 }
 
-fn share(part: usize, whole: usize) -> f64 {
+/// Per cent.
+pub(super) fn share(part: usize, whole: usize) -> f64 {
     100.0 * part as f64 / whole.max(1) as f64
 }
 
-fn plural(count: usize, what: &str) -> String {
+/// A count with its noun.
+pub(super) fn plural(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 
