@@ -11,6 +11,7 @@ use ironout_cli::commands::check::run::judge;
 use ironout_cli::corrected::Corrected;
 use ironout_cli::diagnosis_words::{self, Told};
 use ironout_cli::failure::{Failure, Outcome};
+use ironout_cli::input::formats;
 use ironout_cli::reading::Reading;
 use ironout_cli::registry::REGISTRY;
 use ironout_cli::{exported, fit_words, prior, read_block, refusal, source};
@@ -119,6 +120,12 @@ fn calibration(cal: &str, name: &str) -> Outcome<CalFile> {
 pub fn parse(cal: &str, name: &str) -> PyResult<String> {
     let cal = calibration(cal, name).map_err(|failure| raised(&failure))?;
     serde_json::to_string(&cal).map_err(|error| raised(&text(error)))
+}
+
+/// The matrix of a mounting by its number among those of PX4; none if there is no such number.
+#[pyfunction]
+pub fn rotation(number: i64) -> Option<[[f64; 3]; 3]> {
+    formats::mounting(number)
 }
 
 /// Corrected vectors, their residuals and notes.

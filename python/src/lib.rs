@@ -28,6 +28,7 @@ fn _ironout(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(answer::check_file, module)?,
         wrap_pyfunction!(answer::export, module)?,
         wrap_pyfunction!(answer::parse, module)?,
+        wrap_pyfunction!(answer::rotation, module)?,
     ] {
         module.add_function(function)?;
     }

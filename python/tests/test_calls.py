@@ -134,6 +134,40 @@ def test_calibration_with_effects_is_kept_and_applied(hidden, tmp_path):
     assert ironout.fit(short, add="offset:current_a", prior=tmp_path / "cal.json").accepted
 
 
+def test_parameters_of_autopilots_come_back(hidden, tmp_path):
+    calibration = ironout.fit(hidden, add="offset:current_a").calibration
+    assert calibration.effects
+    before = np.linalg.norm(calibration.apply(hidden), axis=1)
+    for form, read, number in (
+        ("px4", ironout.Calibration.from_px4, 2),
+        ("ardupilot", ironout.Calibration.from_ardupilot, 1),
+        ("ardupilot", ironout.Calibration.from_ardupilot, 3),
+    ):
+        file = tmp_path / f"{form}{number}.params"
+        calibration.export(form, file, number=number)
+        with pytest.raises(IronoutError, match="current="):
+            read(file, number, field_ut=calibration.field_ut)
+        again = read(file, number, field_ut=calibration.field_ut, current="current_a")
+        # Their matrix is symmetric: the magnitude is the same, and the direction but for a rotation.
+        assert np.abs(np.linalg.norm(again.apply(hidden), axis=1) - before).max() < 1e-4
+        assert np.array_equal(again.matrix, again.matrix.T) and again.effects == ["offset:current_a"]
+        with pytest.raises(IronoutError, match="number="):
+            read(file, 1 if number != 1 else 2, field_ut=50)
+
+
+def test_px4_in_a_turned_mounting(clean, tmp_path):
+    file = tmp_path / "turned.params"
+    lines = {"XOFF": 0.1, "YOFF": -0.2, "ZOFF": 0.3, "XSCALE": 1.1, "YSCALE": 0.9, "ZSCALE": 1.0, "XODIAG": 0.05, "ROT": 2}
+    file.write_text("".join(f"1\t1\tCAL_MAG0_{name}\t{value}\t9\n" for name, value in lines.items()))
+    # Yaw 90 degrees: x of the body is −y of the sensor, y of the body its x.
+    turned = ironout.Calibration.from_px4(file, field_ut=50)
+    assert np.allclose(turned.offset_ut, [20, 10, 30])
+    assert np.allclose(turned.matrix, [[0.9, -0.05, 0], [-0.05, 1.1, 0], [0, 0, 1]])
+    file.write_text(file.read_text().replace("CAL_MAG0_ROT\t2", "CAL_MAG0_ROT\t100"))
+    with pytest.raises(IronoutError, match="no numbered mounting"):
+        ironout.Calibration.from_px4(file, field_ut=50)
+
+
 def test_frames_and_html(clean):
     fit = ironout.fit(clean)
     frame = fit.to_frame().set_index("parameter")

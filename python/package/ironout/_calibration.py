@@ -10,7 +10,7 @@ from typing import Any, Optional
 
 import numpy as np
 
-from . import _ironout
+from . import _ironout, _parameters
 from ._log import Log, read, reading, warn
 
 
@@ -28,6 +28,23 @@ class Calibration:
         """Reads CAL.json."""
         with open(path, encoding="utf-8") as file:
             return cls(file.read(), os.fspath(path))
+
+    @classmethod
+    def from_px4(cls, path: Any, number: int = 0, *, field_ut: float, current: Optional[str] = None) -> "Calibration":
+        """The calibration in PX4's parameters (a file of QGroundControl), for magnetometer ``number`` (0 to 3), in body axes.
+
+        Parameters do not hold the magnitude of the field: ``field_ut`` gives it. ``current`` is the column that a compensation of the
+        battery's current follows. Thermal compensation is not read.
+        """
+        return cls(_parameters.px4(path, number, field_ut, current), os.fspath(path))
+
+    @classmethod
+    def from_ardupilot(cls, path: Any, number: int = 1, *, field_ut: float, current: Optional[str] = None) -> "Calibration":
+        """The calibration in ArduPilot's parameters, for compass ``number`` (1 to 3), in the axes of its logs.
+
+        Arguments are those of :meth:`from_px4`.
+        """
+        return cls(_parameters.ardupilot(path, number, field_ut, current), os.fspath(path))
 
     def save(self, path: Any) -> None:
         """Writes CAL.json. A file that exists is replaced only when the new one is whole."""
