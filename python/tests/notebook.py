@@ -14,6 +14,8 @@ def main(source: str, target: str) -> None:
         "image/png" in output.get("data", {}) for cell in notebook.cells for output in cell.get("outputs", [])
     )
     print(f"{source}: {len(notebook.cells)} cells, {pictures} pictures")
+    if pictures == 0:
+        sys.exit(f"{source}: no cell drew a picture")
 
 
 if __name__ == "__main__":

@@ -9,6 +9,19 @@ pub struct Calibrated {
     pub gains: [f64; 3],
     /// Magnitude of the field, µT.
     pub field_ut: f64,
+    /// Effects that move the offset in proportion to a column.
+    pub moves: Vec<Move>,
+}
+
+/// An offset in proportion to a column: the offset of the calibration is that at the reference, which each log has its own of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Move {
+    /// Id of the effect.
+    pub id: String,
+    /// µT per unit of the column.
+    pub coefficients: [f64; 3],
+    /// Value of the column at which the effect is zero.
+    pub reference: f64,
 }
 
 /// One log of a fleet.

@@ -4,6 +4,7 @@ use crate::fleet::apart::MAX_P_VALUE;
 use crate::fleet::entry::{Calibrated, FleetLog};
 use ironout::study::f_tail;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Logs from which on a trend is tested.
 const MIN_LOGS: usize = 4;
@@ -42,6 +43,17 @@ pub struct Change {
     pub p_value: f64,
 }
 
+/// The offset of one log in a history.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HistoryPoint {
+    /// The log.
+    pub log: String,
+    /// Days since 1970.
+    pub day: f64,
+    /// Offset at the same values of the columns that move it in all logs, µT.
+    pub offset_ut: [f64; 3],
+}
+
 /// The offset of one sensor over its logs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct History {
@@ -57,6 +69,8 @@ pub struct History {
     pub offset_ut: [f64; 3],
     /// Rms of one axis about what explains the offsets best, µT.
     pub scatter_ut: f64,
+    /// The logs in the order of their days.
+    pub series: Vec<HistoryPoint>,
     /// A significant trend.
     pub drift: Option<Drift>,
     /// A significant change, where it explains the offsets better than a trend.
@@ -67,7 +81,26 @@ pub struct History {
 struct Point<'a> {
     name: &'a str,
     day: f64,
+    /// At the same values of the columns that move it in all logs, µT.
+    offset_ut: [f64; 3],
     calibrated: &'a Calibrated,
+}
+
+/// The offset of every log at the same values of the columns that move it: each calibration has its own reference, and without this a
+/// flight of other currents would seem to have another offset.
+fn to_common_reference(points: &mut [Point]) {
+    let mut sums: BTreeMap<&str, (f64, usize)> = BTreeMap::new();
+    for one in points.iter().flat_map(|point| &point.calibrated.moves) {
+        let sum = sums.entry(&one.id).or_default();
+        *sum = (sum.0 + one.reference, sum.1 + 1);
+    }
+    for point in points.iter_mut() {
+        for one in &point.calibrated.moves {
+            let Some((sum, count)) = sums.get(one.id.as_str()) else { continue };
+            let way = sum / *count as f64 - one.reference;
+            (0..3).for_each(|axis| point.offset_ut[axis] += one.coefficients[axis] * way);
+        }
+    }
 }
 
 /// The history of one sensor; `series` is the number of sensors that are tested.
@@ -75,13 +108,15 @@ pub fn history(logs: &[&FleetLog], series: usize) -> Option<History> {
     let mut points: Vec<Point> = logs
         .iter()
         .filter_map(|log| {
-            Some(Point { name: &log.name, day: log.day?, calibrated: log.calibrated.as_ref()? })
+            let calibrated = log.calibrated.as_ref()?;
+            Some(Point { name: &log.name, day: log.day?, offset_ut: calibrated.offset_ut, calibrated })
         })
         .collect();
+    to_common_reference(&mut points);
     points.sort_by(|a, b| a.day.total_cmp(&b.day).then_with(|| a.name.cmp(b.name)));
     let (first, last) = (points.first()?, points.last()?);
     let (n, days) = (points.len(), last.day - first.day);
-    let offsets: Vec<[f64; 3]> = points.iter().map(|point| point.calibrated.offset_ut).collect();
+    let offsets: Vec<[f64; 3]> = points.iter().map(|point| point.offset_ut).collect();
     let field_ut = points.iter().map(|point| point.calibrated.field_ut).sum::<f64>() / n as f64;
     let constant = squares_about_mean(&offsets);
     let line = Line::of(&points);
@@ -101,6 +136,10 @@ pub fn history(logs: &[&FleetLog], series: usize) -> Option<History> {
         days,
         offset_ut: mean(&offsets),
         scatter_ut: 0.0,
+        series: points
+            .iter()
+            .map(|one| HistoryPoint { log: one.name.to_string(), day: one.day, offset_ut: one.offset_ut })
+            .collect(),
         drift: None,
         change: None,
     };
@@ -144,10 +183,10 @@ impl Line {
         if n < 3 || !(spread > 0.0) {
             return None;
         }
-        let centre = mean(&points.iter().map(|point| point.calibrated.offset_ut).collect::<Vec<_>>());
+        let centre = mean(&points.iter().map(|point| point.offset_ut).collect::<Vec<_>>());
         let (mut slope, mut squares_each) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
-            let of = |point: &Point| point.calibrated.offset_ut[axis] - centre[axis];
+            let of = |point: &Point| point.offset_ut[axis] - centre[axis];
             slope[axis] = points.iter().map(|point| (point.day - middle) * of(point)).sum::<f64>() / spread;
             squares_each[axis] =
                 points.iter().map(|point| (of(point) - slope[axis] * (point.day - middle)).powi(2)).sum();
@@ -172,7 +211,7 @@ fn change(points: &[Point], constant: f64, tests: f64) -> Option<(Change, f64)> 
     if n < MIN_LOGS {
         return None;
     }
-    let offsets: Vec<[f64; 3]> = points.iter().map(|point| point.calibrated.offset_ut).collect();
+    let offsets: Vec<[f64; 3]> = points.iter().map(|point| point.offset_ut).collect();
     let gains: Vec<[f64; 3]> = points.iter().map(|point| point.calibrated.gains).collect();
     let places = MIN_LOGS_BESIDE_CHANGE..=n - MIN_LOGS_BESIDE_CHANGE;
     let count = places.clone().count() as f64;
@@ -218,6 +257,7 @@ fn length(vector: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fleet::entry::Move;
 
     /// Twelve logs, one a day; the offset of x by day, and a scatter that repeats.
     fn logs(offset: impl Fn(usize) -> f64, gain: impl Fn(usize) -> f64) -> Vec<FleetLog> {
@@ -233,6 +273,7 @@ mod tests {
                     }),
                     gains: [0, 1, 2].map(|axis| gain(day) + 0.01 * scatter[(day + axis) % 7]),
                     field_ut: 50.0,
+                    moves: Vec::new(),
                 }),
                 ..FleetLog::default()
             })
@@ -248,6 +289,23 @@ mod tests {
         let steady = of(&logs(|_| 10.0, |_| 1.0));
         assert_eq!((steady.drift, steady.change), (None, None));
         assert!((steady.scatter_ut - 0.02).abs() < 0.01, "{}", steady.scatter_ut);
+    }
+
+    #[test]
+    fn another_mean_of_a_column_is_no_change() {
+        let mut logs = logs(|_| 10.0, |_| 1.0);
+        // From the eighth day on the vehicle flies with more current, which moves x by 2 µT per A.
+        for (day, log) in logs.iter_mut().enumerate() {
+            let reference = if day < 7 { 3.0 } else { 5.0 };
+            let calibrated = log.calibrated.as_mut().expect("a calibration");
+            calibrated.offset_ut[0] += 2.0 * reference;
+            let (id, coefficients) = ("offset:current_a".to_string(), [2.0, 0.0, 0.0]);
+            calibrated.moves = vec![Move { id, coefficients, reference }];
+        }
+        let moved = of(&logs);
+        assert_eq!((&moved.drift, &moved.change), (&None, &None));
+        logs.iter_mut().flat_map(|log| &mut log.calibrated).for_each(|one| one.moves.clear());
+        assert!(of(&logs).change.is_some());
     }
 
     #[test]

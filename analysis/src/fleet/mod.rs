@@ -5,5 +5,5 @@ pub mod entry;
 pub mod history;
 pub mod summary;
 
-pub use entry::{Calibrated, FleetLog};
+pub use entry::{Calibrated, FleetLog, Move};
 pub use summary::{Fleet, summarize};

@@ -1,6 +1,6 @@
 //! One row of the table: what was found in one log.
 
-use ironout_analysis::fleet::{Calibrated, FleetLog};
+use ironout_analysis::fleet::{Calibrated, FleetLog, Move};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
@@ -12,6 +12,16 @@ pub(super) struct RowEffect {
     /// Empty where the effect has none, as swapped axes.
     pub coefficients: Vec<f64>,
     pub unit: String,
+    /// Value of its column at which it is zero; null without a column, or with several.
+    pub reference: Option<f64>,
+}
+
+impl RowEffect {
+    fn as_move(&self) -> Option<Move> {
+        let is_proportional = self.id.starts_with("offset:") && !self.id.contains('^');
+        let coefficients = self.coefficients.as_slice().try_into().ok().filter(|_| is_proportional)?;
+        Some(Move { id: self.id.clone(), coefficients, reference: self.reference? })
+    }
 }
 
 /// One row. Unknown values are null.
@@ -66,6 +76,7 @@ impl Row {
                 offset_ut,
                 gains: [0, 1, 2].map(|axis| matrix[axis][axis]),
                 field_ut,
+                moves: self.effects.iter().filter_map(RowEffect::as_move).collect(),
             }),
             error_share: self.base_rms_ut.zip(self.field_ut).map(|(rms, field)| rms / field),
             noise_ut: self.noise_floor_ut,

@@ -87,6 +87,10 @@ fn row(log: &Log, fitted: &Fitted, diagnosis: &Diagnosis) -> Row {
             id: effect.id.clone(),
             coefficients: effect.coefficients.clone(),
             unit: effect.unit.to_string(),
+            reference: match effect.reference.as_slice() {
+                [(_, value)] => Some(*value),
+                _ => None,
+            },
         })
         .collect();
     // A mounting or a lag has no coefficients and is missing all the same.
@@ -96,6 +100,7 @@ fn row(log: &Log, fitted: &Fitted, diagnosis: &Diagnosis) -> Row {
                 id: candidate.id.clone(),
                 coefficients: Vec::new(),
                 unit: String::new(),
+                reference: None,
             });
         }
     }
