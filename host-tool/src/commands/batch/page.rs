@@ -2,8 +2,8 @@
 
 use crate::chart::{BLUE, Chart, GREEN, ORANGE, Series, escaped};
 use crate::commands::batch::words::{apart, history, plural, share};
-use ironout_analysis::fleet::history::History;
-use ironout_analysis::fleet::{Fleet, FleetLog};
+use ironout_analysis::fleet::Fleet;
+use ironout_analysis::fleet::history::{History, HistoryPoint};
 
 /// Sensors whose offsets do not move are drawn up to this many.
 const MAX_STILL_CHARTS: usize = 24;
@@ -14,7 +14,7 @@ td.n{text-align:right;font-variant-numeric:tabular-nums}h1{font-size:1.5rem}h2{f
 .charts{display:grid;grid-template-columns:repeat(auto-fill,minmax(27rem,1fr));gap:1rem}svg{width:100%;height:auto}p.said{margin:.2rem 0}";
 
 /// The page of a fleet.
-pub(super) fn html(fleet: &Fleet, logs: &[FleetLog]) -> String {
+pub(super) fn html(fleet: &Fleet) -> String {
     let title = format!("{} of {}", plural(fleet.logs, "log"), plural(fleet.vehicles, "vehicle"));
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
@@ -37,10 +37,10 @@ pub(super) fn html(fleet: &Fleet, logs: &[FleetLog]) -> String {
     let (moved, still): (Vec<&History>, Vec<&History>) =
         fleet.sensors.iter().partition(|one| one.drift.is_some() || one.change.is_some());
     out += &lines(&moved.iter().map(|one| history(one)).collect::<Vec<_>>());
-    out += &charts(&moved, logs);
+    out += &charts(&moved);
     out += &format!("<h2>Sensors without a significant change ({})</h2>\n", still.len());
     let shown = &still[..still.len().min(MAX_STILL_CHARTS)];
-    out += &charts(shown, logs);
+    out += &charts(shown);
     if shown.len() < still.len() {
         out += &format!("<p>The first {} are drawn; the table of the logs has all.</p>\n", shown.len());
     }
@@ -70,26 +70,18 @@ fn lines(lines: &[String]) -> String {
     lines.iter().map(|line| format!("<p class=\"said\">{}</p>\n", escaped(line))).collect()
 }
 
-fn charts(sensors: &[&History], logs: &[FleetLog]) -> String {
-    let drawn: String = sensors.iter().filter_map(|one| chart(one, logs)).collect();
+fn charts(sensors: &[&History]) -> String {
+    let drawn: String = sensors.iter().filter_map(|one| chart(one)).collect();
     format!("<div class=\"charts\">{drawn}</div>\n")
 }
 
 /// The offset of one sensor, less its mean, over days.
-fn chart(sensor: &History, logs: &[FleetLog]) -> Option<String> {
-    let mut own: Vec<(f64, [f64; 3])> = logs
-        .iter()
-        .filter(|log| log.vehicle == sensor.vehicle && log.sensor == sensor.sensor)
-        .filter_map(|log| Some((log.day?, log.calibrated.as_ref()?.offset_ut)))
-        .collect();
-    own.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let first = own.first()?.0;
+fn chart(sensor: &History) -> Option<String> {
+    let first = sensor.series.first()?.day;
     let series =
         [("x", BLUE), ("y", ORANGE), ("z", GREEN)].into_iter().enumerate().map(|(axis, (label, colour))| {
-            let points = own
-                .iter()
-                .map(|(day, offset)| [day - first, offset[axis] - sensor.offset_ut[axis]])
-                .collect();
+            let offset = |one: &HistoryPoint| one.offset_ut[axis] - sensor.offset_ut[axis];
+            let points = sensor.series.iter().map(|one| [one.day - first, offset(one)]).collect();
             Series { label: label.into(), points, colour, dots: false, dashed: false }
         });
     let name = [sensor.vehicle.as_str(), sensor.sensor.as_str()];

@@ -83,7 +83,7 @@ pub fn run(arguments: &BatchArgs, as_json: bool) -> Outcome<u8> {
     let fleet_logs: Vec<FleetLog> = done.iter().map(|row| row.fleet_log()).collect();
     let fleet = summarize(&fleet_logs);
     if let Some(path) = &arguments.page {
-        atomic::write(path, |out| out.write_all(page::html(&fleet, &fleet_logs).as_bytes()))?;
+        atomic::write(path, |out| out.write_all(page::html(&fleet).as_bytes()))?;
     }
     let failed = done.iter().filter(|row| row.verdict == ERROR).count();
     if as_json {
