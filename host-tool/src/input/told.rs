@@ -96,7 +96,7 @@ fn own(first: &[u8], options: &ReadOptions) -> Option<Format> {
     is_own(&header, options, number).then_some(Format::Own)
 }
 
-/// Whether a header is that of this program's own CSV, as [`told`] has it.
+/// Whether a header is that of this program's own CSV, as the detection of formats has it.
 pub fn is_own(header: &[String], options: &ReadOptions, number: u64) -> bool {
     let stated = options
         .map
