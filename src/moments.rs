@@ -220,6 +220,26 @@ impl Moments {
         core::array::from_fn(|position| self.sum_at(position))
     }
 
+    /// The accumulator with these sums, as [`Self::sums`] gives them: for sums that were sent from another process. `None` for sums that no
+    /// samples have, as far as that shows in their size.
+    pub fn from_sums(sums: &[i128; monomial::COUNT]) -> Option<Self> {
+        let mut moments = Self { count: u32::try_from(sums[0]).ok()?, ..Self::new() };
+        for (place, sum) in sums.iter().enumerate() {
+            let (low, high) = ((*sum & i128::from(LOW_MASK)) as i64, i32::try_from(*sum >> LOW_BITS));
+            match place {
+                0 => {}
+                1..=3 => moments.linear[place - 1] = i64::try_from(*sum).ok()?,
+                4..=9 => moments.quadratic[place - 4] = i64::try_from(*sum).ok()?,
+                10..=19 => {
+                    (moments.cubic_low[place - 10], moments.cubic_high[place - 10]) = (low, high.ok()?);
+                }
+                _ => (moments.quartic_low[place - 20], moments.quartic_high[place - 20]) = (low, high.ok()?),
+            }
+        }
+        let largest = i128::from(moments.count) << 60;
+        sums.iter().all(|sum| sum.abs() <= largest).then_some(moments)
+    }
+
     /// The paper's normal matrix `DᵀD` and right side `DᵀĤ²` (eq. (15)) of all samples so far, read off the sums.
     /// Each entry is the exact integer, rounded once to `f64`.
     pub fn normal_matrix(&self, normalisation: Normalisation) -> NormalMatrix {

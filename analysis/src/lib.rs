@@ -20,6 +20,7 @@ pub mod correct;
 pub mod effects;
 pub mod export;
 pub mod fit;
+pub mod fleet;
 pub mod frame;
 pub mod noise;
 pub mod outcome;
@@ -35,7 +36,7 @@ mod threads;
 pub mod track;
 
 pub use correct::{CannotCorrect, Corrector, on_another_clock};
-pub use fit::diagnosed::diagnose;
+pub use fit::diagnosed::{diagnose, fit_and_diagnose};
 pub use fit::fitted::Fitted;
 pub use fit::run::fit;
 pub use outcome::outcome::Diagnosis;

@@ -1,6 +1,8 @@
 //! The command line: what can be asked, with help and examples.
 
 #[cfg(not(target_arch = "wasm32"))]
+pub use crate::cli_batch::BatchArgs;
+#[cfg(not(target_arch = "wasm32"))]
 pub use crate::cli_demo::{BoardArg, DemoArgs, HiddenArg};
 pub use crate::cli_export::{ExportArgs, ExportForm};
 #[cfg(not(target_arch = "wasm32"))]
@@ -68,6 +70,8 @@ pub enum Command {
     Demo(DemoArgs),
     /// Find the missing effect: what the calibration does not explain, and why
     Diagnose(DiagnoseArgs),
+    /// Study many logs: one row per log, and what they have in common
+    Batch(BatchArgs),
     /// Put a calibration with its effects on a board
     Send(SendArgs),
     /// Bring a board's calibration here

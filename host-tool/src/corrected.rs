@@ -24,22 +24,36 @@ impl<'a> Corrected<'a> {
         log: &'a Log,
         table: &'a Table<'a>,
     ) -> Outcome<Self> {
+        let mut notes = Vec::new();
+        let corrected = Self::with_notes(calibration, of, log, table, &mut notes);
+        notes.iter().for_each(|note| eprintln!("note: {}: {note}", log.path.display()));
+        corrected
+    }
+
+    /// [`Self::new`] without a word: what is to be said goes to `notes`.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_notes(
+        calibration: Calibrated,
+        of: Option<&str>,
+        log: &'a Log,
+        table: &'a Table<'a>,
+        notes: &mut Vec<String>,
+    ) -> Outcome<Self> {
         let (calibration, left_out) = match of.is_some_and(|of| of != table.fingerprint()) {
             true => on_another_clock(&calibration),
             false => (calibration, Vec::new()),
         };
         if !left_out.is_empty() {
-            eprintln!(
-                "note: {}: ironout leaves out {}: effects of time depend on the clock of the log that was fitted, and this is another log",
-                log.path.display(),
+            notes.push(format!(
+                "ironout leaves out {}: effects of time depend on the clock of the log that was fitted, and this is another log",
                 left_out.join(" and ")
-            );
+            ));
         }
         let corrector = Corrector::new(calibration, table)
             .map_err(|error| Failure::usage(error.why).in_file(&log.path).at_column(error.column))?;
-        if let Some(notice) = corrector.notice() {
-            eprintln!("note: {}: {notice}", log.path.display());
-        }
+        notes.extend(corrector.notice());
         Ok(Corrected { log, corrector })
     }
 

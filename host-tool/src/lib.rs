@@ -8,7 +8,10 @@ pub mod atomic;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod board;
 pub mod cal_file;
+pub mod chart;
 pub mod cli;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod cli_batch;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod cli_demo;
 pub mod cli_export;

@@ -17,8 +17,8 @@ use std::path::Path;
 /// read is said, unless `json`: then the caller gives [`read_block::json`] a place in its object.
 pub fn read_raw(arguments: &LogArgs, json: bool) -> Outcome<Log> {
     let log = |path: &std::path::PathBuf| {
-        let log = one(arguments, path, Some([1.0; 3]), &[])?;
-        say(&log, json);
+        let log = one(arguments, path, Some([1.0; 3]), &[], Voice::of(json))?;
+        say(&log, Voice::of(json));
         Ok(log)
     };
     whole(arguments.logs().map(log).collect::<Outcome<Vec<Log>>>()?)
@@ -44,7 +44,7 @@ pub fn read_held(
     let mut used = None;
     let mut logs = Vec::new();
     for path in arguments.logs() {
-        let (log, filled) = as_kept(&arguments.alone(path), reading, &known, json)?;
+        let (log, filled) = as_kept(&arguments.alone(path), reading, &known, Voice::of(json))?;
         logs.push(log);
         used.get_or_insert(filled);
     }
@@ -67,7 +67,35 @@ pub fn read_for(arguments: &LogArgs, cal: &CalFile, file: &Path, json: bool) -> 
 /// The same, log by log.
 pub fn read_each_for(arguments: &LogArgs, cal: &CalFile, file: &Path, json: bool) -> Outcome<Vec<Log>> {
     let (reading, known) = (cal.reading.as_ref().map(|reading| (reading, file)), Known::of(cal));
-    arguments.logs().map(|path| Ok(as_kept(&arguments.alone(path), reading, &known, json)?.0)).collect()
+    arguments
+        .logs()
+        .map(|path| Ok(as_kept(&arguments.alone(path), reading, &known, Voice::of(json))?.0))
+        .collect()
+}
+
+/// One log for a calibration, and nothing is printed: what is to be said is in the log.
+///
+/// # Errors
+/// As [`read_for`].
+pub fn read_quietly_for(arguments: &LogArgs, cal: &CalFile, file: &Path) -> Outcome<Log> {
+    let kept = cal.reading.as_ref().map(|reading| (reading, file));
+    Ok(as_kept(arguments, kept, &Known::of(cal), Voice::Silent)?.0)
+}
+
+/// What is said on standard error while a log is read.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Voice {
+    /// How the log was read, and notes.
+    All,
+    /// Notes.
+    Notes,
+    Silent,
+}
+
+impl Voice {
+    fn of(json: bool) -> Self {
+        if json { Voice::Notes } else { Voice::All }
+    }
 }
 
 /// One log, as that of the calibration in a file was read.
@@ -75,27 +103,29 @@ fn as_kept(
     arguments: &LogArgs,
     kept: Option<(&Reading, &Path)>,
     known: &Known,
-    json: bool,
+    voice: Voice,
 ) -> Outcome<(Log, LogArgs)> {
     let path = &arguments.log;
     let Some((reading, file)) = kept else {
-        let log = held(arguments, None, known)?;
-        say(&log, json);
+        let log = held(arguments, None, known, voice)?;
+        say(&log, voice);
         return Ok((log, arguments.clone()));
     };
     let mut filled = reading.fill(file, arguments)?;
-    let log = match held(&filled, Some(reading), known) {
+    let log = match held(&filled, Some(reading), known, voice) {
         // Kept names that this log has not: its own may do.
         Err(failure) if arguments.map.is_empty() && !reading.map.is_empty() => {
             filled.map.clear();
-            let log = held(&filled, Some(reading), known).map_err(|_| reading.cannot(file, &failure))?;
-            note(
-                path,
-                &format!(
-                    "it has not the columns of the calibration's log (--map {}), and is read by its own names",
-                    reading.map.join(" --map ")
-                ),
+            let mut log =
+                held(&filled, Some(reading), known, voice).map_err(|_| reading.cannot(file, &failure))?;
+            let notice = format!(
+                "it has not the columns of the calibration's log (--map {}), and is read by its own names",
+                reading.map.join(" --map ")
             );
+            if voice != Voice::Silent {
+                note(path, &notice);
+            }
+            log.notices.push(notice);
             log
         }
         Err(failure) if !reading.derive.is_empty() && arguments.derive.is_empty() => {
@@ -104,17 +134,19 @@ fn as_kept(
         read => read?,
     };
     reading.must_fit(file, &log, &filled)?;
-    say(&log, json);
+    say(&log, voice);
     Ok((log, filled))
 }
 
-fn held(arguments: &LogArgs, kept: Option<&Reading>, known: &Known) -> Outcome<Log> {
+fn held(arguments: &LogArgs, kept: Option<&Reading>, known: &Known, voice: Voice) -> Outcome<Log> {
     let scale = kept.and_then(|reading| reading.ut_per_count);
     let derived = kept.map_or(&[][..], |reading| &reading.derive);
-    let mut log = one(arguments, &arguments.log, scale, derived)?;
+    let mut log = one(arguments, &arguments.log, scale, derived, voice)?;
     let before = log.notices.len();
     plausible::hold(&mut log, arguments, known)?;
-    tell(&log, before);
+    if voice != Voice::Silent {
+        tell(&log, before);
+    }
     Ok(log)
 }
 
@@ -124,12 +156,18 @@ fn one(
     path: &Path,
     default_ut_per_count: Option<[f64; 3]>,
     kept: &[String],
+    voice: Voice,
 ) -> Outcome<Log> {
-    let log = input::read_log(path, &ReadOptions { default_ut_per_count, ..arguments.options()? })?;
-    finished(log, arguments, path, kept)
+    let progress = voice != Voice::Silent;
+    let options = ReadOptions { default_ut_per_count, progress, ..arguments.options()? };
+    let log = finished(input::read_log(path, &options)?, arguments, path, kept)?;
+    if voice != Voice::Silent {
+        tell(&log, 0);
+    }
+    Ok(log)
 }
 
-/// The log with its derived columns, its notices told.
+/// The log with its derived columns.
 fn finished(mut log: Log, arguments: &LogArgs, path: &Path, kept: &[String]) -> Outcome<Log> {
     let there = |one: &Definition| {
         // A log that was written with the column has no need to compute it again.
@@ -142,7 +180,6 @@ fn finished(mut log: Log, arguments: &LogArgs, path: &Path, kept: &[String]) -> 
         .map_err(|failure| failure.in_file(path))?;
     along::know(&mut log, arguments.date.as_deref())?;
     ignore(&mut log, &arguments.ignore).map_err(|failure| failure.in_file(path))?;
-    tell(&log, 0);
     Ok(log)
 }
 
@@ -172,7 +209,24 @@ pub fn read_bytes(arguments: &LogArgs, bytes: &[u8], known: &Known) -> Outcome<L
     let in_file = |failure: Failure| if failure.file.is_none() { failure.in_file(path) } else { failure };
     let mut log = input::read_stream(bytes, bytes.len() as u64, &options).map_err(in_file)?;
     log.path.clone_from(path);
-    let mut log = finished(log, arguments, path, &[])?;
+    finish_quietly(log, arguments, known)
+}
+
+/// Reads one log as [`read_held`] does and prints nothing.
+///
+/// # Errors
+/// As [`read_held`].
+pub fn read_quietly(arguments: &LogArgs, known: &Known) -> Outcome<Log> {
+    let options = ReadOptions { progress: false, ..arguments.options()? };
+    finish_quietly(input::read_log(&arguments.log, &options)?, arguments, known)
+}
+
+/// Derives, leaves out and checks the columns of a log that has been read, and prints nothing.
+///
+/// # Errors
+/// As [`read_held`].
+pub fn finish_quietly(log: Log, arguments: &LogArgs, known: &Known) -> Outcome<Log> {
+    let mut log = finished(log, arguments, &arguments.log, &[])?;
     plausible::hold(&mut log, arguments, known)?;
     Ok(log)
 }
@@ -193,8 +247,8 @@ fn whole(logs: Vec<Log>) -> Outcome<Log> {
 }
 
 /// How a log was read, for people.
-fn say(log: &Log, json: bool) {
-    if !json {
+fn say(log: &Log, voice: Voice) {
+    if voice == Voice::All {
         eprint!("{}", read_block::text(log));
     }
 }

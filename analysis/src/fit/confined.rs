@@ -24,6 +24,8 @@ use nalgebra::{Matrix3, Vector3};
 pub const MAX_HEADING_ERROR_DEG: f64 = 1.5;
 /// Tilts that the error of a heading is said for, degrees.
 const TILTS_DEG: [f64; 4] = [0.0, 10.0, 20.0, 45.0];
+/// A board that is tilted further than this, degrees, is turned by hand, and has a verdict for all attitudes.
+const MOST_TILT_DEG: f64 = 60.0;
 /// A calibration is never for less tilt than this, degrees: a road is no table.
 const LEAST_TILT_DEG: f64 = 5.0;
 /// What most samples stay below.
@@ -53,6 +55,7 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
         || refused.is_of_other_axes()
         || refused.is_of_another_field();
     let log = if elsewhere { None } else { Log::of(&counted.samples) };
+    let log = log.filter(|log| log.tilt_deg(MOST) < MOST_TILT_DEG);
     match log.and_then(|log| Some((solved(ground, options, &log)?, log))) {
         Some((solved, log)) => judged(ground, options, refused, &solved, &log),
         None => refused,

@@ -3,6 +3,7 @@
 use crate::base::ground::Ground;
 use crate::base::mounting;
 use crate::fit::fitted::Fitted;
+use crate::fit::ids;
 use crate::fit::run::of_ground;
 use crate::outcome::contradiction::freed;
 use crate::outcome::outcome::{Diagnosis, Verdict};
@@ -22,6 +23,21 @@ pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> 
         let mut ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
         leave_out(&mut ground, options);
         of_ground_searched(&ground, options)
+    })
+}
+
+/// The fit and the diagnosis of a log, of the same samples.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn fit_and_diagnose(table: &Table, options: &Options) -> Result<(Fitted, Diagnosis), Refusal> {
+    ids::check(table, &options.add, options.registry)?;
+    with_room(|| {
+        let mut ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
+        let fitted = of_ground(&ground, options)?;
+        leave_out(&mut ground, options);
+        let diagnosis = of_ground_searched(&ground, &Options { force_effect: true, ..options.clone() })?;
+        Ok((fitted, diagnosis))
     })
 }
 

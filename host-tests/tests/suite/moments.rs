@@ -48,6 +48,14 @@ proptest! {
     }
 
     #[test]
+    fn sums_that_were_sent_go_on(samples in log(200), more in log(50)) {
+        let mut sent = Moments::from_sums(&pushed(&samples).sums()).expect("sums of samples");
+        prop_assert_eq!(sent.sums(), direct(&samples));
+        more.iter().for_each(|sample| sent.push(*sample));
+        prop_assert_eq!(sent.sums(), direct(&[samples, more].concat()));
+    }
+
+    #[test]
     fn order_does_not_matter(samples in log(100), turn in 0usize..100) {
         let mut other = samples.clone();
         other.reverse();
@@ -176,4 +184,15 @@ fn an_emptied_accumulator_is_a_new_one() {
     moments.clear();
     assert!(moments == Moments::new());
     assert_eq!(moments.sums(), [0; 35]);
+}
+
+#[test]
+fn sums_that_no_samples_have_are_refused() {
+    let mut sums = pushed(&[[1, 2, 3]]).sums();
+    sums[20] = 1 << 61;
+    assert!(Moments::from_sums(&sums).is_none());
+    sums[0] = -1;
+    assert!(Moments::from_sums(&sums).is_none());
+    sums[0] = 1 << 32;
+    assert!(Moments::from_sums(&sums).is_none());
 }

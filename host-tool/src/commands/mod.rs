@@ -1,7 +1,8 @@
 //! The commands, one a file. Each gives its exit status, or a failure with its place.
 
 mod apply;
-mod check;
+mod batch;
+pub mod check;
 mod demo;
 mod diagnose;
 mod export;
@@ -16,7 +17,7 @@ mod record;
 #[cfg(feature = "page")]
 mod report;
 mod send;
-mod simulate;
+pub mod simulate;
 #[cfg(feature = "page")]
 mod web;
 
@@ -33,6 +34,7 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
         Command::Demo(arguments) => demo::run(arguments, cli.json),
         Command::Diagnose(arguments) => diagnose::run(arguments, cli.json),
+        Command::Batch(arguments) => batch::run::run(arguments, cli.json),
         Command::Send(arguments) => send::run(arguments, cli.json),
         Command::Fetch(arguments) => fetch::run(arguments, cli.json),
         Command::Record(arguments) => record::run(arguments, cli.json),

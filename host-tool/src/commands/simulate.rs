@@ -8,9 +8,11 @@ use ironout_simulation::{EffectSpec, FaultSpec, Log, Motion, Temperature, World,
 /// More rows than this are a slip of the pen, not a log.
 const MAX_ROWS: f64 = 2e7;
 
-/// Writes the log and says what is in it.
-pub fn run(arguments: &SimulateArgs, json: bool) -> Outcome<u8> {
-    output::leave_to(Some(&arguments.output), json)?;
+/// The simulated log, and its truth as the comment that is written into it.
+///
+/// # Errors
+/// An option that cannot be.
+pub fn simulated(arguments: &SimulateArgs) -> Outcome<(Log, String)> {
     let positive = |name: &str, value: f64, most: f64| {
         if value.is_finite() && value > 0.0 && value <= most {
             Ok(())
@@ -83,17 +85,29 @@ pub fn run(arguments: &SimulateArgs, json: bool) -> Outcome<u8> {
         ));
     }
     let truth = truth(arguments, &log);
+    Ok((log, truth))
+}
+
+/// The truth of a simulated log for `--json`.
+pub fn truth_json(arguments: &SimulateArgs, log: &Log) -> serde_json::Value {
+    serde_json::json!({
+        "offset_ut": log.truth.hard_iron_ut, "soft_iron": log.truth.soft_iron,
+        "field_ut": log.truth.field_ut, "noise_ut": log.truth.noise_ut,
+        "effects": arguments.effect,
+        "hidden": log.truth.effects.iter().map(|effect| effect.describe()).collect::<Vec<_>>(),
+    })
+}
+
+/// Writes the log and says what is in it.
+pub fn run(arguments: &SimulateArgs, json: bool) -> Outcome<u8> {
+    output::leave_to(Some(&arguments.output), json)?;
+    let (log, truth) = simulated(arguments)?;
     atomic::write(&arguments.output, |out| log.write_csv(out, &truth))?;
     if json {
         output::line(
             &serde_json::json!({
                 "log": arguments.output.display().to_string(), "rows": log.rows(), "columns": log.names,
-                "truth": {
-                    "offset_ut": log.truth.hard_iron_ut, "soft_iron": log.truth.soft_iron,
-                    "field_ut": log.truth.field_ut, "noise_ut": log.truth.noise_ut,
-                    "effects": arguments.effect,
-                    "hidden": log.truth.effects.iter().map(|effect| effect.describe()).collect::<Vec<_>>(),
-                },
+                "truth": truth_json(arguments, &log),
             })
             .to_string(),
         );

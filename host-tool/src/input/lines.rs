@@ -2,6 +2,7 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::input::guard::{Guard, Stop};
+use crate::input::read_as::Origin;
 use std::io::{self, BufRead, BufReader, Read};
 
 /// One line of a log, without its end.
@@ -27,12 +28,37 @@ pub struct Lines<R> {
     reader: BufReader<Guard<R>>,
     buffer: Vec<u8>,
     number: u64,
+    origin: Origin,
 }
+
+/// The values of `# vehicle: …`, `# sensor: …` and `# start: …`; the first of each counts.
+fn take_origin(comment: &[u8], origin: &mut Origin) {
+    let text = String::from_utf8_lossy(comment);
+    let Some((key, value)) = text.trim_start_matches('#').split_once(':') else { return };
+    let value: String = value.trim().chars().filter(|c| !c.is_control()).take(MAX_ORIGIN_CHARS).collect();
+    let slot = match key.trim() {
+        "vehicle" => &mut origin.vehicle,
+        "sensor" => &mut origin.sensor,
+        "start" => &mut origin.start,
+        _ => return,
+    };
+    if !value.is_empty() {
+        slot.get_or_insert(value);
+    }
+}
+
+/// An identifier is no text.
+const MAX_ORIGIN_CHARS: usize = 80;
 
 impl<R: Read> Lines<R> {
     /// Reads from `source`.
     pub fn new(source: R) -> Self {
-        Lines { reader: BufReader::with_capacity(1 << 16, Guard::new(source)), buffer: Vec::new(), number: 0 }
+        Lines {
+            reader: BufReader::with_capacity(1 << 16, Guard::new(source)),
+            buffer: Vec::new(),
+            number: 0,
+            origin: Origin::default(),
+        }
     }
 
     /// The next line; `None` at the end. Errors name the line.
@@ -57,9 +83,18 @@ impl<R: Read> Lines<R> {
                 Some(line) if line.is_row() => break line.ended,
                 Some(_) => {}
             }
+            // The line that was passed over is still in the buffer.
+            if self.buffer.first() == Some(&b'#') {
+                take_origin(&self.buffer, &mut self.origin);
+            }
         };
         // Borrowed anew: a line that is returned from inside the loop would be borrowed in every round.
         Ok(Some(Line { text: &self.buffer, number: self.number, ended }))
+    }
+
+    /// What the comments so far say of the log's origin.
+    pub fn origin(&self) -> &Origin {
+        &self.origin
     }
 
     /// Bytes read so far.

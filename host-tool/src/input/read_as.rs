@@ -22,6 +22,17 @@ pub struct Instance {
     pub there: Vec<(usize, String)>,
 }
 
+/// Where a log is from, if the file says so.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Origin {
+    /// Identifier of the vehicle.
+    pub vehicle: Option<String>,
+    /// Identifier of the magnetometer.
+    pub sensor: Option<String>,
+    /// Start of the log, as the file writes it (ISO 8601).
+    pub start: Option<String>,
+}
+
 /// Rows that are not in the log.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LeftOut {
@@ -55,6 +66,9 @@ pub struct ReadAs {
     /// The repairs that another log of this sensor needs too, as `--repair` takes them.
     #[serde(default)]
     pub repairs: Vec<String>,
+    /// Where the log is from.
+    #[serde(default)]
+    pub origin: Origin,
     /// Whether the file is this program's own CSV, whose lines can be copied as they are.
     pub own_csv: bool,
 }

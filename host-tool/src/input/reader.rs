@@ -60,12 +60,7 @@ pub fn read_own(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Ou
         if let Some((store, _)) = plan.time.and_then(|index| stores.get(index)) {
             let time = store.values.last().copied().unwrap_or(last_time);
             if time < last_time {
-                return Err(Failure::usage(format!(
-                    "time runs backward, {time} after {last_time}: sort the log, or split it where the recorder \
-                     started again"
-                ))
-                .at_line(line)
-                .at_column(store.header.clone()));
+                return Err(backward(time, last_time, line, &store.header));
             }
             last_time = time;
         }
@@ -75,6 +70,7 @@ pub fn read_own(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Ou
         }
     }
     drop(progress);
+    let origin = lines.origin().clone();
     if rows == 0 {
         return Err(
             Failure::usage("the log has a header and no rows: nothing was recorded").at_line(header_line)
@@ -82,6 +78,7 @@ pub fn read_own(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Ou
     }
     let mut log = plan.finish(stores.into_iter().map(|(store, _)| store).collect(), rows, options)?;
     log.read_as.format = FORMAT.to_string();
+    log.read_as.origin = origin;
     // Rows that were taken out are not copied.
     log.read_as.own_csv = log.rows == rows;
     let pins: Vec<String> = options.map.iter().map(|(name, from)| entry(name, from, None)).collect();
@@ -89,6 +86,49 @@ pub fn read_own(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Ou
         log.read_as.pins.push(("--map".into(), pins.join(",")));
     }
     Ok(log)
+}
+
+/// The log of columns in memory by the names of the program's own CSV; a missing cell is NaN. Errors name the line that the row would
+/// have below a header.
+///
+/// # Errors
+/// As of a file.
+pub fn from_columns(names: Vec<String>, values: Vec<Vec<f64>>, options: &ReadOptions) -> Outcome<Log> {
+    let columns = columns::interpret(&names, &options.map, 1)?;
+    let plan = Plan::new(&columns, options, 1)?;
+    let rows = values.iter().map(Vec::len).max().unwrap_or(0);
+    if rows == 0 {
+        return Err(Failure::usage("the table has no rows: nothing was recorded"));
+    }
+    let mut stores = Vec::new();
+    for (index, ((column, header), values)) in columns.into_iter().zip(names).zip(values).enumerate() {
+        if values.len() != rows {
+            let found = values.len();
+            return Err(Failure::usage(format!("{found} values where the longest column has {rows}"))
+                .at_column(header));
+        }
+        let mut store = Store::new(column, header, 0);
+        store.fill(values, plan.strict.contains(&index))?;
+        stores.push(store);
+    }
+    if let Some(store) = plan.time.and_then(|index| stores.get(index)) {
+        let back = store.values.windows(2).position(|pair| pair[1] < pair[0]);
+        if let Some(row) = back {
+            let (time, last) = (store.values[row + 1], store.values[row]);
+            return Err(backward(time, last, row as u64 + 3, &store.header));
+        }
+    }
+    let mut log = plan.finish(stores, rows, options)?;
+    log.read_as.format = "columns in memory".into();
+    Ok(log)
+}
+
+fn backward(time: f64, last: f64, line: u64, header: &str) -> Failure {
+    Failure::usage(format!(
+        "time runs backward, {time} after {last}: sort the log, or split it where the recorder started again"
+    ))
+    .at_line(line)
+    .at_column(header)
 }
 
 fn ragged(found: usize, expected: usize, line: u64, at_end: bool) -> Failure {

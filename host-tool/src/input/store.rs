@@ -54,6 +54,22 @@ impl Store {
         Ok(())
     }
 
+    /// Takes a whole column; NaN is an empty cell.
+    pub fn fill(&mut self, values: Vec<f64>, strict: bool) -> Outcome<()> {
+        if self.column.role == Role::Unnamed {
+            return Ok(());
+        }
+        if strict && let Some(row) = values.iter().position(|value| !value.is_finite()) {
+            // The first row stands below the header.
+            let cell = if values[row].is_nan() { String::new() } else { values[row].to_string() };
+            return Err(self.objection(cell.as_bytes(), row as u64 + 2));
+        }
+        self.empty = values.iter().filter(|value| value.is_nan()).count();
+        self.not_finite = values.iter().filter(|value| value.is_infinite()).count();
+        self.values = values;
+        Ok(())
+    }
+
     fn objection(&self, cell: &[u8], line: u64) -> Failure {
         let text = shorten(&String::from_utf8_lossy(cell.trim_ascii()));
         let what = match self.column.role {

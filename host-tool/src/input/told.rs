@@ -93,13 +93,18 @@ fn own(first: &[u8], options: &ReadOptions) -> Option<Format> {
     if header.iter().any(|cell| meaning(cell).kind == Kind::Instance) {
         return None;
     }
+    is_own(&header, options, number).then_some(Format::Own)
+}
+
+/// Whether a header is that of this program's own CSV, as the detection of formats has it.
+pub fn is_own(header: &[String], options: &ReadOptions, number: u64) -> bool {
     let stated = options
         .map
         .iter()
-        .any(|(_, from)| crate::input::map::resolve(from, &header).is_some_and(|(_, unit)| unit.is_some()));
+        .any(|(_, from)| crate::input::map::resolve(from, header).is_some_and(|(_, unit)| unit.is_some()));
     let is_own = |map: &[(String, String)]| {
         // A column twice is an error of the format, not another format.
-        let names: Vec<Role> = match columns::interpret(&header, map, number) {
+        let names: Vec<Role> = match columns::interpret(header, map, number) {
             Ok(found) => found.iter().map(|column| column.role).collect(),
             Err(_) => header.iter().map(|cell| Role::of(cell).1).collect(),
         };
@@ -108,7 +113,7 @@ fn own(first: &[u8], options: &ReadOptions) -> Option<Format> {
             names.contains(&Role::Time) || !header.iter().any(|cell| meaning(cell).kind == Kind::Time);
         (whole(Role::FieldUt) || whole(Role::FieldCounts)) && timed
     };
-    (is_own(&[]) || (!stated && is_own(&options.map))).then_some(Format::Own)
+    is_own(&[]) || (!stated && is_own(&options.map))
 }
 
 /// Reads the log at `path`; `-` is standard input. Every error names the file, and line and column where there are any.

@@ -1,5 +1,6 @@
 //! The tests of the program: one binary, one module a subject. Each runs the built `ironout`, as a user would.
 
+mod batch;
 mod blackbox;
 #[cfg(feature = "demo")]
 mod board_link;

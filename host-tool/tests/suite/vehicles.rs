@@ -43,13 +43,18 @@ fn a_vehicle_that_is_tilted_further_than_asked_is_refused_with_its_error() {
     let object = fitted(&log, &["--for", "45"]);
     assert_eq!(object["accepted"], false, "{object}");
     let reason = object["reasons"][0].as_str().expect("a reason");
-    assert!(reason.contains("tilts up to 45°") && reason.contains("--prior bench.json --free offset"), "{reason}");
+    assert!(
+        reason.contains("tilts up to 45°") && reason.contains("--prior bench.json --free offset"),
+        "{reason}"
+    );
 }
 
 #[test]
 fn the_matrix_of_the_bench_makes_a_level_log_carry_further() {
     let (Some(log), Some(bench)) = (case("17_car_level.csv"), case("bench.json")) else { return };
-    let at_45 = |object: &Value| object["holds_for"]["heading_errors"][3]["heading_error_deg"].as_f64().expect("an error");
+    let at_45 = |object: &Value| {
+        object["holds_for"]["heading_errors"][3]["heading_error_deg"].as_f64().expect("an error")
+    };
     let with = fitted(&log, &["--prior", text(&bench), "--free", "offset"]);
     assert_eq!(with["accepted"], true, "{with}");
     let alone = fitted(&log, &[]);
@@ -77,7 +82,8 @@ fn apply_says_where_a_log_is_tilted_further_than_the_calibration_is_for() {
     let (Some(car), Some(boat)) = (case("17_car_level.csv"), case("18_boat_rocking.csv")) else { return };
     let cal = here.join("car.json");
     assert_eq!(ironout(["fit", text(&car), "-o", text(&cal)]).status, 0);
-    let said = |log: &Path| ironout(["apply", text(log), "--cal", text(&cal), "--json"]).json()["tilted"].clone();
+    let said =
+        |log: &Path| ironout(["apply", text(log), "--cal", text(&cal), "--json"]).json()["tilted"].clone();
     assert!(said(&car).is_null());
     assert!(said(&boat).as_str().is_some_and(|words| words.contains("tilts up to 5°")), "{}", said(&boat));
     let exported = ironout(["export", text(&cal), "--as", "c"]);

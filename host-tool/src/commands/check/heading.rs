@@ -17,7 +17,7 @@ const BACKWARDS_DEG: f64 = 150.0;
 const SCATTERED_DEG: f64 = 45.0;
 
 /// What the log's `heading_deg` says.
-pub(super) enum Headings {
+pub enum Headings {
     /// There is none.
     Absent,
     /// There is one, and nothing to level it with: why.
@@ -27,7 +27,7 @@ pub(super) enum Headings {
 }
 
 /// Errors of the heading, and how large they may be.
-pub(super) struct Judged {
+pub struct Judged {
     error: HeadingError,
     limit_deg: f64,
 }

@@ -3,18 +3,19 @@
 use crate::cal_file::CalFile;
 use crate::cli::CheckArgs;
 use crate::commands::check::heading::{Headings, headings};
-use crate::commands::check::shift::shift;
+use crate::commands::check::shift::{Shift, shift};
 use crate::commands::check::word::Word;
 use crate::corrected::Corrected;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
+use crate::input::Log;
 use crate::output::{json_number, line};
 use crate::{read_block, source};
 use ironout::coverage::CoverageMap;
-use ironout_analysis::Options;
-use ironout_analysis::Table;
 use ironout_analysis::fit::confined::beyond;
 use ironout_analysis::outcome::request::Purpose;
 use ironout_analysis::samples::data::Data;
+use ironout_analysis::{Extrapolation, Options, Table};
+use std::path::Path;
 
 /// Fewer samples say nothing.
 const LEAST_SAMPLES: usize = 20;
@@ -31,14 +32,39 @@ fn explains_itself(table: &Table<'_>, limit_ut: f64) -> bool {
     })
 }
 
-/// Compares the log's error with that of the calibration's own log.
-pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
-    let cal = CalFile::read(&arguments.cal)?;
-    let extended = cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
+/// What a log says of a calibration.
+pub struct Checked<'a> {
+    cal: &'a CalFile,
+    log: &'a Log,
+    word: Word,
+    field_ut: f64,
+    samples: usize,
+    rms_ut: f64,
+    own_ut: f64,
+    limit_ut: f64,
+    mean_ut: f64,
+    coverage: f64,
+    shift: Option<Shift>,
+    headings: Headings,
+    extrapolation: Extrapolation,
+    tilted: Option<String>,
+    declination_given: bool,
+}
+
+/// Compares the log's error with that of the calibration's own log. `notes` gets what is to be said of the columns of its effects.
+///
+/// # Errors
+/// A column that the calibration needs and the log does not have.
+pub fn judge<'a>(
+    cal: &'a CalFile,
+    log: &'a Log,
+    declination: Option<f64>,
+    notes: &mut Vec<String>,
+) -> Outcome<Checked<'a>> {
+    let extended = cal.extended()?;
     let calibration = extended.base;
-    let log = source::read_for(&arguments.log, &cal, &arguments.cal, json)?;
-    let table = Table::from(&log);
-    let corrector = Corrected::new(extended, cal.fitted_to.as_deref(), &log, &table)?;
+    let table = Table::from(log);
+    let corrector = Corrected::with_notes(extended, cal.fitted_to.as_deref(), log, &table, notes)?;
     let extrapolation = corrector.extrapolation(&cal.fit.effects);
     let tilted = cal.fit.holds_for.as_ref().and_then(|holds_for| beyond(holds_for, &table));
     let data = Data::new(&table);
@@ -71,49 +97,72 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
         Some(_) if explains_itself(&table, limit_ut) => Word::Other,
         Some(_) => Word::Worse,
     };
-    let headings = headings(&table, &corrector, cal.fit.heading_error_deg, arguments.declination)?;
+    let headings = headings(&table, &corrector, cal.fit.heading_error_deg, declination)?;
     let word = match (&headings, word) {
         (Headings::Judged(one), Word::Good | Word::Field) if one.is_wrong() => Word::Heading,
         (_, word) => word,
     };
-    let good = matches!(word, Word::Good | Word::Field);
     let mut map = CoverageMap::new();
     // About the log's own centre: a moved offset sees all directions from one side.
     let centre_ut = shift.as_ref().filter(|shift| shift.known).map_or([0.0; 3], |shift| shift.centre_ut);
     let from_centre = |field: &[f64; 3]| [0, 1, 2].map(|axis| (field[axis] - centre_ut[axis]) as f32);
     corrected.iter().for_each(|field| map.add(from_centre(field)));
     let coverage = f64::from(map.coverage().fraction);
-    let known = shift.as_ref().filter(|shift| shift.known);
-    if json {
-        line(
-            &serde_json::json!({
-                "read_as": read_block::json(&log),
-                "verdict": word.name(), "good": good, "samples": samples.len(), "field_ut": calibration.field_ut,
-                "effects": cal.fit.effects.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
-                "rms_ut": json_number(Some(rms_ut)), "limit_ut": limit_ut, "calibration_rms_ut": cal.fit.rms_ut,
-                "mean_residual_ut": json_number(Some(mean_ut)), "coverage": coverage,
-                "offset_shift_ut": known.map(|shift| shift.offset_ut),
-                "offset_shift_std_ut": known.map(|shift| shift.offset_std_ut),
-                "heading": headings.json(),
-                "outside": extrapolation.outside, "range_unknown": extrapolation.unknown,
-                "reasons": std::iter::once(word.explanation().to_string())
-                    .chain(headings.words(arguments.declination.is_some()))
-                    .chain(extrapolation.notices(calibration.field_ut)).chain(tilted).collect::<Vec<_>>(),
-            })
-            .to_string(),
-        );
-    } else {
-        let percent = |ut: f64| ut / calibration.field_ut * 100.0;
-        line(&format!(
-            "{}: {} samples against {}",
-            log.path.display(),
-            samples.len(),
-            arguments.cal.display()
-        ));
-        line(&format!("error now             {rms_ut:9.3} µT  {:6.2} %", percent(rms_ut)));
-        line(&format!("error at calibration  {own_ut:9.3} µT  {:6.2} %", percent(own_ut)));
-        line(&format!("good up to            {limit_ut:9.3} µT  {:6.2} %", percent(limit_ut)));
-        if let Some(shift) = known {
+    Ok(Checked {
+        cal,
+        log,
+        word,
+        field_ut: calibration.field_ut,
+        samples: samples.len(),
+        rms_ut,
+        own_ut,
+        limit_ut,
+        mean_ut,
+        coverage,
+        shift,
+        headings,
+        extrapolation,
+        tilted,
+        declination_given: declination.is_some(),
+    })
+}
+
+impl Checked<'_> {
+    /// Whether the calibration can be kept.
+    pub fn is_good(&self) -> bool {
+        matches!(self.word, Word::Good | Word::Field)
+    }
+
+    fn known(&self) -> Option<&Shift> {
+        self.shift.as_ref().filter(|shift| shift.known)
+    }
+
+    /// The object of `--json`.
+    pub fn json(&self) -> serde_json::Value {
+        let known = self.known();
+        serde_json::json!({
+            "read_as": read_block::json(self.log),
+            "verdict": self.word.name(), "good": self.is_good(), "samples": self.samples, "field_ut": self.field_ut,
+            "effects": self.cal.fit.effects.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
+            "rms_ut": json_number(Some(self.rms_ut)), "limit_ut": self.limit_ut, "calibration_rms_ut": self.cal.fit.rms_ut,
+            "mean_residual_ut": json_number(Some(self.mean_ut)), "coverage": self.coverage,
+            "offset_shift_ut": known.map(|shift| shift.offset_ut),
+            "offset_shift_std_ut": known.map(|shift| shift.offset_std_ut),
+            "heading": self.headings.json(),
+            "outside": self.extrapolation.outside, "range_unknown": self.extrapolation.unknown,
+            "reasons": std::iter::once(self.word.explanation().to_string())
+                .chain(self.headings.words(self.declination_given))
+                .chain(self.extrapolation.notices(self.field_ut)).chain(self.tilted.clone()).collect::<Vec<_>>(),
+        })
+    }
+
+    fn say(&self, file: &Path) {
+        let percent = |ut: f64| ut / self.field_ut * 100.0;
+        line(&format!("{}: {} samples against {}", self.log.path.display(), self.samples, file.display()));
+        line(&format!("error now             {:9.3} µT  {:6.2} %", self.rms_ut, percent(self.rms_ut)));
+        line(&format!("error at calibration  {:9.3} µT  {:6.2} %", self.own_ut, percent(self.own_ut)));
+        line(&format!("good up to            {:9.3} µT  {:6.2} %", self.limit_ut, percent(self.limit_ut)));
+        if let Some(shift) = self.known() {
             let [x, y, z] = shift.offset_ut;
             let [sx, sy, sz] = shift.offset_std_ut;
             line(&format!("offset moved by       {x:+.2} ±{sx:.2}  {y:+.2} ±{sy:.2}  {z:+.2} ±{sz:.2} µT"));
@@ -123,17 +172,32 @@ pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
                 percent(shift.field_ut)
             ));
         }
-        if let Headings::Judged(one) = &headings {
+        if let Headings::Judged(one) = &self.headings {
             line(&one.line());
         }
-        line(&format!("directions seen       {:9.0} %", coverage * 100.0));
-        line(&format!("{}: {}", word.name().to_uppercase(), word.explanation()));
-        for words in headings.words(arguments.declination.is_some()) {
+        line(&format!("directions seen       {:9.0} %", self.coverage * 100.0));
+        line(&format!("{}: {}", self.word.name().to_uppercase(), self.word.explanation()));
+        for words in self.headings.words(self.declination_given) {
             line(&format!("  {words}"));
         }
-        let notices: Vec<String> =
-            extrapolation.notices(calibration.field_ut).into_iter().chain(tilted).collect();
-        notices.iter().for_each(|notice| line(&format!("  outside the range: {notice}")));
+        let notices = self.extrapolation.notices(self.field_ut);
+        notices.iter().chain(&self.tilted).for_each(|notice| line(&format!("  outside the range: {notice}")));
     }
-    Ok(if good { EXIT_OK } else { EXIT_REFUSED })
+}
+
+/// Judges the calibration, and says so.
+pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
+    let cal = CalFile::read(&arguments.cal)?;
+    cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
+    let log = source::read_for(&arguments.log, &cal, &arguments.cal, json)?;
+    let mut notes = Vec::new();
+    let checked = judge(&cal, &log, arguments.declination, &mut notes);
+    notes.iter().for_each(|note| eprintln!("note: {}: {note}", log.path.display()));
+    let checked = checked?;
+    if json {
+        line(&checked.json().to_string());
+    } else {
+        checked.say(&arguments.cal);
+    }
+    Ok(if checked.is_good() { EXIT_OK } else { EXIT_REFUSED })
 }

@@ -15,7 +15,7 @@ const SAMPLES_PER_INDEPENDENT: f64 = 10.0;
 const MAX_STEPS: usize = 20;
 
 /// A change of the offset, and of the field's magnitude, that explains a residual.
-pub(super) struct Shift {
+pub struct Shift {
     pub(super) offset_ut: [f64; 3],
     pub(super) offset_std_ut: [f64; 3],
     pub(super) field_ut: f64,

@@ -2,7 +2,7 @@
 
 /// The answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Word {
+pub enum Word {
     Good,
     Field,
     Moved,

@@ -1,6 +1,5 @@
 //! `ironout report`: one page about a log, and its plots as files.
 
-mod chart;
 mod plots;
 mod run;
 

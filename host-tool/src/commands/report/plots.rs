@@ -1,6 +1,6 @@
 //! The plots of a look, each as a file.
 
-use crate::commands::report::chart::{BLUE, Chart, GREEN, GREY, ORANGE, Series};
+use crate::chart::{BLUE, Chart, GREEN, GREY, ORANGE, Series};
 use serde_json::Value;
 
 fn numbers(value: &Value) -> Vec<f64> {

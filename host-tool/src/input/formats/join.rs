@@ -7,7 +7,7 @@ use crate::input::formats::order::ordered;
 use crate::input::formats::stream::{Column, Recording, Stream};
 use crate::input::log::{Covariate, Log, ReadOptions};
 use crate::input::map::{no_unit, resolve};
-use crate::input::read_as::{Instance, LeftOut, ReadAs, ReadColumn};
+use crate::input::read_as::{Instance, LeftOut, Origin, ReadAs, ReadColumn};
 use crate::input::repair;
 use crate::input::repair_words;
 use crate::input::unit::{Quantity, Unit};
@@ -97,6 +97,7 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
         covariates: own.into_iter().map(covariate).collect(),
         read_as: ReadAs {
             format: recording.format,
+            origin: Origin { vehicle: recording.vehicle, sensor: recording.sensor, start: None },
             columns,
             taken_out: recording.taken_out,
             repairs,

@@ -23,5 +23,6 @@ mod told;
 mod ulog;
 
 pub use read::read;
+pub use rotation::mounting;
 pub use stream::Recording;
 pub use told::{FIRST_BYTES, Format, told};

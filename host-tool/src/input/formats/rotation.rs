@@ -58,6 +58,11 @@ pub fn angles_deg(number: i64) -> Option<[f64; 3]> {
     ANGLES_DEG.get(usize::try_from(number).ok()?).map(|angles| angles.map(f64::from))
 }
 
+/// The matrix of a mounting by its number, from the sensor's axes to the body's.
+pub fn mounting(number: i64) -> Option<[[f64; 3]; 3]> {
+    angles_deg(number).map(matrix)
+}
+
 /// body = matrix · sensor, for a sensor turned by roll, pitch and yaw: Rz(yaw)·Ry(pitch)·Rx(roll).
 pub fn matrix([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
     let ((sr, cr), (sp, cp), (sy, cy)) = (sin_cos(roll), sin_cos(pitch), sin_cos(yaw));

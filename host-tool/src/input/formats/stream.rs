@@ -110,6 +110,10 @@ pub struct Recording {
     pub taken_out: Vec<String>,
     /// Which of the magnetometers: its number, and all that are there with a word on each.
     pub instance: Option<(usize, Vec<(usize, String)>)>,
+    /// Identifier of the vehicle.
+    pub vehicle: Option<String>,
+    /// Identifier of the magnetometer that was taken.
+    pub sensor: Option<String>,
     /// Rows of the magnetometer that could not be used: how many, and why.
     pub left_out: Vec<(usize, String)>,
     /// What the user should know.

@@ -73,6 +73,7 @@ pub fn take(
     let Some(candidate) = candidates.into_iter().find(|one| one.number == taken) else { return Ok(None) };
     let mut recording =
         Recording { instance: (there.len() > 1).then_some((taken, there)), ..Recording::default() };
+    recording.sensor = (candidate.device_id != 0).then(|| candidate.device_id.to_string());
     let stream = undo(candidate, collectors, parameters, release, &mut recording)?;
     recording.magnetometer = stream;
     Ok(Some(recording))

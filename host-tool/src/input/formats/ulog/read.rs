@@ -41,6 +41,7 @@ struct Log {
     collectors: Vec<Collector>,
     parameters: Parameters,
     system: [Option<String>; 2],
+    vehicle: Option<String>,
     release: Option<[u8; 2]>,
     dropouts: u64,
     dropout_ms: u64,
@@ -225,6 +226,10 @@ impl Log {
         let slot = match name {
             "sys_name" => 0,
             "ver_hw" => 1,
+            "sys_uuid" => {
+                self.vehicle = Some(printable(value)).filter(|id| !id.is_empty());
+                return;
+            }
             "ver_sw_release" => {
                 // Patch and type of the release in the lower bytes.
                 self.release = bytes_at::<4>(value, 0).map(|[_, _, minor, major]| [major, minor]);
@@ -232,8 +237,7 @@ impl Log {
             }
             _ => return,
         };
-        let text: String =
-            String::from_utf8_lossy(value).chars().filter(|c| !c.is_control()).take(40).collect();
+        let text = printable(value);
         if let Some(slot) = self.system.get_mut(slot) {
             *slot = Some(text);
         }
@@ -293,8 +297,13 @@ impl Log {
             .map(|one| turned(one, &self.parameters, &mut recording.taken_out))
             .collect();
         recording.notices.extend(notices);
+        recording.vehicle = self.vehicle;
         Ok(recording)
     }
+}
+
+fn printable(value: &[u8]) -> String {
+    String::from_utf8_lossy(value).chars().filter(|c| !c.is_control()).take(40).collect()
 }
 
 /// Raw accelerometers and gyroscopes of the board stand in the board's mounting.
