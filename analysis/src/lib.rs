@@ -17,6 +17,7 @@ pub mod base;
 pub mod calibration;
 pub mod correct;
 pub mod effects;
+pub mod evidence;
 pub mod export;
 pub mod fit;
 pub mod frame;

@@ -1,0 +1,282 @@
+//! A model fitted to a log under the likeliest noise, with its score.
+
+use crate::base::ground::Ground;
+use crate::base::start;
+use crate::evidence::bounds::{MATRIX_PRIOR, OFFSET_PRIOR_FIELDS, TERM_PRIOR_FIELDS};
+use crate::evidence::design::{BASE, Blocks, Model, Point, TRIANGLE, rows};
+use crate::evidence::log::Log;
+use crate::evidence::noise::{Noise, Track, Wander};
+use crate::evidence::solve::{Factor, Sums};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+/// A Gauss–Newton step that promises less than this of −2 log likelihood is the last.
+const SETTLED: f64 = 0.02;
+/// Steps of one fit, at most.
+const MOST_STEPS: usize = 15;
+/// Samples that the size of a shape is taken from.
+const SIZED_BY: usize = 200;
+
+/// A fitted model.
+#[derive(Clone)]
+pub struct Fit<'a> {
+    /// The model.
+    pub model: Model<'a>,
+    /// Every sample at it.
+    pub points: Vec<Point>,
+    /// Where the blocks are seen.
+    pub track: Track,
+    /// The noise.
+    pub noise: Noise,
+    /// Block means of columns and residual.
+    pub rows: Vec<f64>,
+    /// Their normal matrix, whitened, with the priors.
+    pub sums: Sums,
+    /// −2 log posterior, without constants.
+    pub score: f64,
+    /// Sum of squared residuals of the blocks, weighted, µT².
+    pub squares: f64,
+}
+
+/// What the columns are known by besides the log: 1σ of each, and where each is expected.
+struct Prior {
+    sigma: Vec<f64>,
+    expected: Vec<f64>,
+}
+
+impl Prior {
+    fn of(log: &Log, model: &Model, points: &[Point], scale: f64) -> Prior {
+        let (mut sigma, mut expected) = (Vec::new(), Vec::new());
+        let mean = log.samples.mean_vector();
+        for axis in 0..3 {
+            sigma.push(OFFSET_PRIOR_FIELDS * model.field / scale);
+            expected.push(mean[axis]);
+        }
+        for (i, j) in TRIANGLE {
+            sigma.push(MATRIX_PRIOR * scale);
+            expected.push(if i == j { scale } else { 0.0 });
+        }
+        let every = points.len().div_ceil(SIZED_BY).max(1);
+        for term in &model.terms {
+            let mut squares = vec![0.0; term.k()];
+            let mut count = 0.0;
+            for (sample, point) in points.iter().enumerate().step_by(every) {
+                let shape = term.shape(sample, &point.quantities(&model.offset));
+                squares.iter_mut().zip(shape).for_each(|(sum, v)| *sum += Vector3::from(v).norm_squared());
+                count += 1.0;
+            }
+            for sum in squares {
+                sigma.push(TERM_PRIOR_FIELDS * model.field / scale / (sum / count).sqrt().max(1e-12));
+                expected.push(0.0);
+            }
+        }
+        Prior { sigma, expected }
+    }
+
+    /// Adds it to sums whose rows have this variance.
+    fn inform(&self, sums: &mut Sums, model: &Model, variance: f64) {
+        let values = parameters(model);
+        let weight: Vec<f64> = self.sigma.iter().map(|sigma| variance / (sigma * sigma)).collect();
+        let off: Vec<f64> = values.iter().zip(&self.expected).map(|(value, expected)| value - expected).collect();
+        sums.inform(&weight, &off);
+    }
+
+    /// Its part of −2 log posterior.
+    fn cost(&self, model: &Model) -> f64 {
+        let values = parameters(model);
+        values.iter().zip(&self.expected).zip(&self.sigma).map(|((v, e), s)| ((v - e) / s).powi(2)).sum()
+    }
+}
+
+/// All parameters in the order of the columns.
+pub fn parameters(model: &Model) -> Vec<f64> {
+    let mut out: Vec<f64> = model.offset.iter().copied().collect();
+    out.extend(TRIANGLE.iter().map(|&(i, j)| model.matrix[(i, j)]));
+    for term in &model.terms {
+        out.extend(&term.theta[..term.k()]);
+    }
+    out
+}
+
+fn moved<'a>(model: &Model<'a>, delta: &DVector<f64>, share: f64) -> Model<'a> {
+    let mut model = model.clone();
+    for axis in 0..3 {
+        model.offset[axis] += share * delta[axis];
+    }
+    for (index, (i, j)) in TRIANGLE.into_iter().enumerate() {
+        model.matrix[(i, j)] += share * delta[3 + index];
+    }
+    let mut at = BASE;
+    for term in &mut model.terms {
+        for c in 0..term.k() {
+            term.theta[c] += share * delta[at];
+            at += 1;
+        }
+    }
+    model
+}
+
+/// What a fit goes on from: how samples are gathered, the scale of the matrix, and how many candidates compete.
+#[derive(Debug, Clone, Copy)]
+pub struct Setting {
+    /// The blocks.
+    pub blocks: Blocks,
+    /// Field over the radius that the readings turn on: what an ideal sensor's matrix would be.
+    pub scale: f64,
+    /// Candidates of the log.
+    pub candidates: f64,
+}
+
+/// The model that a log begins with: the ground's fit, or the best sphere.
+pub fn start<'a>(ground: &Ground, log: &Log) -> Option<(Model<'a>, f64)> {
+    let (sphere, radius) = start::sphere(log.samples)?;
+    let base = ground.base.as_ref().ok().map(|base| base.report.calibration);
+    let matrix = |rows: [[f64; 3]; 3]| Matrix3::from_fn(|i, j| rows[i][j]);
+    Some(match base {
+        Some(base) => {
+            let own = matrix(base.matrix);
+            let scale = own.determinant().abs().cbrt();
+            let model =
+                Model { offset: base.offset_ut.into(), matrix: own, field: base.field_ut, terms: Vec::new() };
+            (model, scale)
+        }
+        None => {
+            let model =
+                Model { offset: sphere.into(), matrix: Matrix3::identity(), field: radius, terms: Vec::new() };
+            (model, 1.0)
+        }
+    })
+}
+
+fn residual_of(rows: &[f64], width: usize) -> Vec<f64> {
+    rows.chunks_exact(width).map(|row| row[width - 1]).collect()
+}
+
+impl<'a> Fit<'a> {
+    /// Fits a model from where it stands. The noise begins at `from`, and is the likeliest where `free`.
+    pub fn of(log: &Log<'a>, setting: &Setting, model: Model<'a>, from: Option<Wander>) -> Option<Fit<'a>> {
+        let blocks = &setting.blocks;
+        let mut model = model;
+        let mut points = model.points(log)?;
+        let prior = Prior::of(log, &model, &points, setting.scale);
+        let width = model.columns() + 1;
+        let mut track = blocks.track(log, &points);
+        let mut rows_now = rows(log, blocks, &model, &points);
+        let mut noise = {
+            let residual = left_after(&rows_now, width, &track, None, &prior, &model)?;
+            match from {
+                Some(wander) => Noise::with(&track, wander, &residual),
+                None => Noise::white(&track, &residual),
+            }
+        };
+        let mut steps = 0;
+        // Coordinates and noise in turn: two rounds are enough, the likelihood is flat about the end.
+        for round in 0..3 {
+            loop {
+                let sums = whitened_sums(&rows_now, width, &track, &noise);
+                let mut known = sums.clone();
+                prior.inform(&mut known, &model, noise.variance);
+                let factor = known.factor()?;
+                let delta = -factor.solve(&known.right);
+                let promised = -known.right.dot(&delta) / noise.variance;
+                if !(promised >= SETTLED) || steps >= MOST_STEPS {
+                    break;
+                }
+                steps += 1;
+                let now = sums.squares / noise.variance + prior.cost(&model);
+                let mut better = None;
+                for share in [1.0, 0.5, 0.2, 0.05, 0.01] {
+                    let next = moved(&model, &delta, share);
+                    let Some(next_points) = next.points(log) else { continue };
+                    let mut residual = blocks.means(1, |sample, row| row[0] = next_points[sample].residual);
+                    noise.whiten(&track, 1, &mut residual);
+                    let squares: f64 = residual.iter().map(|v| v * v).sum();
+                    let cost = squares / noise.variance + prior.cost(&next);
+                    // Columns at the closest point ask for a little more than the squares show.
+                    if cost < now + 0.1 * promised.min(10.0) {
+                        better = Some((next, next_points, now - cost));
+                        break;
+                    }
+                }
+                let Some((next, next_points, gained)) = better else { break };
+                (model, points) = (next, next_points);
+                track = blocks.track(log, &points);
+                rows_now = rows(log, blocks, &model, &points);
+                if gained < 0.25 * SETTLED && promised < 1.0 {
+                    break;
+                }
+            }
+            if round == 2 {
+                break;
+            }
+            let residual = residual_of(&rows_now, width);
+            let before = noise.cost;
+            noise = match (round, from) {
+                (0, None) => Noise::fit(&track, &residual, None),
+                (0, Some(wander)) => Noise::fit(&track, &residual, Some(wander)),
+                _ => Noise::with(&track, noise.wander, &residual),
+            };
+            let _ = before;
+        }
+        let residual = residual_of(&rows_now, width);
+        let noise = Noise::with(&track, noise.wander, &residual);
+        let mut sums = whitened_sums(&rows_now, width, &track, &noise);
+        prior.inform(&mut sums, &model, noise.variance);
+        let squares = residual.iter().zip(&track.weight).map(|(r, w)| r * r * w).sum();
+        let n = residual.len() as f64;
+        let price: f64 = model
+            .terms
+            .iter()
+            .map(|term| {
+                term.visible() as f64 * n.ln() + term.odds + 2.0 * (term.places * setting.candidates).ln()
+            })
+            .sum();
+        let score = noise.cost + prior.cost(&model) + price;
+        score.is_finite().then_some(Fit { model, points, track, noise, rows: rows_now, sums, score, squares })
+    }
+
+    /// Rms of the residual, µT.
+    pub fn rms(&self) -> f64 {
+        (self.squares / self.track.weight.iter().sum::<f64>().max(1.0)).sqrt()
+    }
+
+    /// Residual of the blocks, µT.
+    pub fn residual(&self) -> Vec<f64> {
+        residual_of(&self.rows, self.model.columns() + 1)
+    }
+
+    /// Covariance of all parameters.
+    pub fn covariance(&self) -> Option<DMatrix<f64>> {
+        Some(Factor::of(&self.sums.matrix)?.inverse() * self.noise.variance)
+    }
+}
+
+fn whitened_sums(rows: &[f64], width: usize, track: &Track, noise: &Noise) -> Sums {
+    let mut whitened = rows.to_vec();
+    noise.whiten(track, width, &mut whitened);
+    Sums::of(&whitened, width - 1)
+}
+
+/// The residual with its columns taken out, under this noise or white noise.
+fn left_after(
+    rows: &[f64],
+    width: usize,
+    track: &Track,
+    noise: Option<&Noise>,
+    prior: &Prior,
+    model: &Model,
+) -> Option<Vec<f64>> {
+    let residual = residual_of(rows, width);
+    let white;
+    let noise = match noise {
+        Some(noise) => noise,
+        None => {
+            white = Noise::white(track, &residual);
+            &white
+        }
+    };
+    let mut sums = whitened_sums(rows, width, track, noise);
+    prior.inform(&mut sums, model, noise.variance);
+    let delta = -sums.factor()?.solve(&sums.right);
+    let left = |row: &[f64]| row[width - 1] + row[..width - 1].iter().zip(&delta).map(|(j, d)| j * d).sum::<f64>();
+    Some(rows.chunks_exact(width).map(left).collect())
+}

@@ -1,0 +1,134 @@
+//! Which terms a log asks for: add, drop and swap by one score.
+
+use crate::evidence::bounds::{MAX_TERMS, MIN_ODDS, MIN_SHARE};
+use crate::evidence::candidates::Catalogue;
+use crate::evidence::fit::{Fit, Setting};
+use crate::evidence::log::Log;
+use crate::evidence::screen::Screen;
+use crate::evidence::term::Term;
+
+/// Leaders of each screen that are fitted in full.
+const LEADERS: usize = 4;
+
+/// The result of a search.
+pub struct Found<'a> {
+    /// The fit without terms.
+    pub base: Fit<'a>,
+    /// The fit with those that the log asks for, in the order in which they were found.
+    pub fit: Fit<'a>,
+}
+
+/// A search over a log.
+pub struct Search<'l, 'a> {
+    /// The log.
+    pub log: &'l Log<'a>,
+    /// Its candidates.
+    pub catalogue: &'l Catalogue<'l, 'a>,
+    /// How fits are made.
+    pub setting: Setting,
+    /// Prints each round.
+    pub trace: bool,
+}
+
+impl<'a> Search<'_, 'a> {
+    /// Whether a model with more terms is worth them.
+    fn is_worth(more: &Fit, fewer: &Fit, terms: usize) -> bool {
+        fewer.score - more.score > MIN_ODDS * terms as f64
+            && more.squares < (1.0 - MIN_SHARE) * fewer.squares
+    }
+
+    /// The fit with one more term.
+    pub fn with(&self, fit: &Fit<'a>, term: &Term<'a>) -> Option<Fit<'a>> {
+        let mut model = fit.model.clone();
+        model.terms.push(term.clone());
+        Fit::of(self.log, &self.setting, model, Some(fit.noise.wander))
+    }
+
+    /// The fit without one of its terms.
+    pub fn without(&self, fit: &Fit<'a>, place: usize) -> Option<Fit<'a>> {
+        let mut model = fit.model.clone();
+        model.terms.remove(place);
+        Fit::of(self.log, &self.setting, model, Some(fit.noise.wander))
+    }
+
+    /// Candidates at a fit, those with the most promise first; the fits are still to be made.
+    pub fn leaders(&self, fit: &Fit<'a>) -> Vec<Term<'a>> {
+        let mut list: Vec<(Term<'a>, usize)> = Vec::new();
+        let n = fit.track.weight.len() as f64;
+        for white in [false, true] {
+            let Some(screen) = Screen::new(fit, self.setting.blocks, white) else { continue };
+            let mut terms = self.catalogue.fixed.clone();
+            terms.extend(self.catalogue.searched(fit, &screen));
+            let known = |term: &Term| {
+                fit.model.terms.iter().any(|own| own.id == term.id && !term.form().is_repeated())
+            };
+            terms.retain(|term| !known(term));
+            let gains = screen.gains(fit, &terms.iter().collect::<Vec<_>>());
+            let mut order: Vec<(f64, Term<'a>)> = terms
+                .into_iter()
+                .zip(gains)
+                .map(|(term, gain)| {
+                    (gain - term.visible() as f64 * n.ln() - term.odds - 2.0 * term.places.ln(), term)
+                })
+                .collect();
+            order.sort_by(|a, b| b.0.total_cmp(&a.0));
+            if self.trace {
+                let words: Vec<String> =
+                    order.iter().take(6).map(|(gain, term)| format!("{} {gain:.0}", term.id)).collect();
+                eprintln!("  screen {}: {}", if white { "white" } else { "noise" }, words.join(", "));
+            }
+            for (rank, (_, term)) in order.into_iter().take(LEADERS).enumerate() {
+                let same = |own: &&mut (Term<'a>, usize)| {
+                    own.0.id == term.id && own.0.searched() == term.searched()
+                };
+                match list.iter_mut().find(same) {
+                    Some(own) => own.1 = own.1.min(rank),
+                    None => list.push((term, rank)),
+                }
+            }
+        }
+        list.sort_by_key(|(_, rank)| *rank);
+        list.into_iter().map(|(term, _)| term).collect()
+    }
+
+    /// The search from a base fit.
+    pub fn run(&self, base: Fit<'a>) -> Found<'a> {
+        let mut fit = base.clone();
+        while fit.model.terms.len() < MAX_TERMS {
+            let leaders = self.leaders(&fit);
+            let mut tried: Vec<Fit<'a>> = leaders.iter().filter_map(|term| self.with(&fit, term)).collect();
+            tried.sort_by(|a, b| a.score.total_cmp(&b.score));
+            if self.trace {
+                for one in &tried {
+                    let id = one.model.terms.last().map_or("", |term| term.id.as_str());
+                    eprintln!(
+                        "    {id}: {:.1} rms {:.4} of {:.4} wander {:?} ar {}",
+                        one.score - fit.score,
+                        one.rms(),
+                        fit.rms(),
+                        one.noise.wander,
+                        one.noise.ar.len() - 1
+                    );
+                }
+            }
+            let Some(best) = tried.into_iter().find(|one| Self::is_worth(one, &fit, 1)) else { break };
+            fit = best;
+            self.drop_idle(&mut fit);
+        }
+        Found { base, fit }
+    }
+
+    /// Drops terms that later ones have made superfluous.
+    fn drop_idle(&self, fit: &mut Fit<'a>) {
+        let mut place = 0;
+        while fit.model.terms.len() > 1 && place + 1 < fit.model.terms.len() {
+            match self.without(fit, place) {
+                Some(fewer) if !Self::is_worth(fit, &fewer, 1) => {
+                    *fit = fewer;
+                    place = 0;
+                }
+                _ => place += 1,
+            }
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! What the odds say of a log.
+
+use crate::base::ground::Ground;
+use crate::evidence::bounds::MAX_BLOCKS;
+use crate::evidence::candidates::Catalogue;
+use crate::evidence::design::Blocks;
+use crate::evidence::fit::{Fit, Setting, start};
+use crate::evidence::log::Log;
+use crate::evidence::search::Search;
+use crate::outcome::outcome::Verdict;
+use crate::outcome::request::Options;
+use crate::table::Table;
+
+/// The answer to a log.
+#[derive(Debug, Clone)]
+pub struct Evidence {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Ids of the terms, in the order in which they were found.
+    pub named: Vec<String>,
+    /// Ids of terms that the log cannot tell apart from those.
+    pub confounded: Vec<String>,
+    /// Rms of the residual without terms and with them, µT.
+    pub rms_ut: [f64; 2],
+    /// White noise of the sensor, σ per axis, µT.
+    pub noise_ut: f64,
+    /// Wander that is left: σ per axis, µT, and its time constant, s.
+    pub wander: (f64, f64),
+}
+
+impl Evidence {
+    fn undetermined() -> Evidence {
+        Evidence {
+            verdict: Verdict::Undetermined,
+            named: Vec::new(),
+            confounded: Vec::new(),
+            rms_ut: [f64::NAN; 2],
+            noise_ut: f64::NAN,
+            wander: (f64::NAN, f64::NAN),
+        }
+    }
+}
+
+/// Judges a log.
+pub fn judge(table: &Table, options: &Options, trace: bool) -> Evidence {
+    let mut ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
+    crate::fit::diagnosed::leave_out(&mut ground, options);
+    if ground.counted.rests || ground.counted.axes != [true; 3] {
+        return Evidence::undetermined();
+    }
+    of_ground(&ground, options, trace).unwrap_or_else(Evidence::undetermined)
+}
+
+fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence> {
+    let log = Log::new(&ground.counted.samples, ground.counted.table);
+    let catalogue = Catalogue::new(&log, options.registry);
+    let (model, scale) = start(ground, &log)?;
+    let blocks = Blocks::at_most(log.len(), MAX_BLOCKS);
+    let setting = Setting { blocks, scale, candidates: catalogue.count.max(1.0) };
+    let base = Fit::of(&log, &setting, model, None)?;
+    let search = Search { log: &log, catalogue: &catalogue, setting, trace };
+    let found = search.run(base);
+    let named: Vec<String> = found.fit.model.terms.iter().map(|term| term.id.clone()).collect();
+    let wander = found.fit.noise.wander_ut();
+    let noise_ut = found.fit.noise.variance.sqrt();
+    let verdict = match (wander.0 > noise_ut, named.is_empty()) {
+        (true, _) => Verdict::Unexplained,
+        (false, true) => Verdict::Complete,
+        (false, false) => Verdict::Missing,
+    };
+    Some(Evidence {
+        verdict,
+        named,
+        confounded: Vec::new(),
+        rms_ut: [found.base.rms(), found.fit.rms()],
+        noise_ut,
+        wander,
+    })
+}
