@@ -16,6 +16,17 @@ pub const BASE: usize = 9;
 pub const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 /// Steps to the undisturbed reading, at most.
 const MOST_STEPS: usize = 12;
+/// Readings whose slope by the field is less fold over: two fields have one reading.
+const LEAST_SLOPE: f64 = 0.05;
+
+/// What a term bends that reads the field: two forms of one effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bends {
+    /// The field at the sensor: the shape is that of the undisturbed reading.
+    Field,
+    /// The reading: the shape is that of what the sensor gives out, as behind a feedback.
+    Reading,
+}
 
 /// Offset, matrix and field, with the terms.
 #[derive(Clone)]
@@ -28,6 +39,8 @@ pub struct Model<'a> {
     pub field: f64,
     /// The terms.
     pub terms: Vec<Term<'a>>,
+    /// What those terms bend that read the field.
+    pub bends: Bends,
 }
 
 /// One sample at a model.
@@ -43,17 +56,19 @@ pub struct Point {
     pub unit: Vector3<f64>,
     /// The residual, µT of the sensor.
     pub residual: f64,
-    /// Rate of the field at the closest point, A(ω × h), µT/s.
+    /// Where shapes are taken: the closest point, or the reading that belongs to it.
+    pub shaped_at: Vector3<f64>,
+    /// What a unit of disturbance takes off the residual.
+    pub lever: Vector3<f64>,
+    /// Rate of the field there, A(ω × h), µT/s.
     pub turning: Vector3<f64>,
-    /// Inverse of the slope of the disturbed reading by the undisturbed one.
-    pub answer: Matrix3<f64>,
 }
 
 impl Point {
     /// What an effect reads of it.
     pub fn quantities(&self, offset: &Vector3<f64>) -> Quantities<f64> {
-        let mut at = Quantities::of_vector(self.closest.into());
-        at.centred_ut = (self.closest - offset).into();
+        let mut at = Quantities::of_vector(self.shaped_at.into());
+        at.centred_ut = (self.shaped_at - offset).into();
         at.turning_ut_per_s = self.turning.into();
         at
     }
@@ -88,39 +103,46 @@ impl Model<'_> {
             let added: Vector3<f64> = fixed.iter().map(|term| term.disturbance(sample, &nowhere)).sum();
             let measured = Vector3::from(observation.measured_ut) - added;
             let rate = observation.turn_radps.map(Vector3::from);
-            let mut x = measured;
-            let mut answer = Matrix3::identity();
-            if reads {
-                let disturbed = |x: &Vector3<f64>| -> Vector3<f64> {
-                    let at = self.quantities(x, rate, &inverse);
-                    reading.iter().map(|term| term.disturbance(sample, &at)).sum()
-                };
-                let mut settled = false;
-                for round in 0..MOST_STEPS {
-                    let here = disturbed(&x);
-                    let off = measured - x - here;
-                    if round == 0 || round == 2 {
-                        let mut slope = Matrix3::identity();
-                        for axis in 0..3 {
-                            let mut moved = x;
-                            moved[axis] += step;
-                            let column = (disturbed(&moved) - here) / step;
-                            slope.set_column(axis, &(Vector3::ith(axis, 1.0) + column));
-                        }
-                        answer = slope.try_inverse()?;
-                        if slope.determinant() <= 0.05 {
-                            return None;
-                        }
-                    }
-                    if off.norm_squared() < 1e-14 * self.field * self.field {
-                        settled = true;
-                        break;
-                    }
-                    x += answer * off;
+            let disturbed = |x: &Vector3<f64>| -> Vector3<f64> {
+                let at = self.quantities(x, rate, &inverse);
+                reading.iter().map(|term| term.disturbance(sample, &at)).sum()
+            };
+            let slope = |x: &Vector3<f64>| {
+                let here = disturbed(x);
+                let mut slope = Matrix3::zeros();
+                for axis in 0..3 {
+                    let mut moved = *x;
+                    moved[axis] += step;
+                    slope.set_column(axis, &((disturbed(&moved) - here) / step));
                 }
-                if !settled && (measured - x - disturbed(&x)).norm() > 1e-3 * self.field {
-                    return None;
+                slope
+            };
+            // The undisturbed reading, and its slope by the reading.
+            let (x, answer) = match (reads, self.bends) {
+                (false, _) => (measured, Matrix3::identity()),
+                // What is added to a reading is no part of what bends it: the shape is of the whole.
+                (true, Bends::Reading) => {
+                    let whole = measured + added;
+                    (measured - disturbed(&whole), Matrix3::identity() - slope(&whole))
                 }
+                (true, Bends::Field) => {
+                    let (mut x, mut answer) = (measured, Matrix3::identity());
+                    for round in 0..MOST_STEPS {
+                        let off = measured - x - disturbed(&x);
+                        if round > 0 && off.norm_squared() < 1e-14 * self.field * self.field {
+                            break;
+                        }
+                        answer = (Matrix3::identity() + slope(&x)).try_inverse()?;
+                        x += answer * off;
+                    }
+                    if !((measured - x - disturbed(&x)).norm() < 1e-3 * self.field) {
+                        return None;
+                    }
+                    (x, answer)
+                }
+            };
+            if !(answer.determinant() > LEAST_SLOPE && answer.determinant() < 1.0 / LEAST_SLOPE) {
+                return None;
             }
             let h = self.matrix * (x - self.offset);
             let length = h.norm();
@@ -135,14 +157,27 @@ impl Model<'_> {
             let residual = (length - field) / size;
             let direction = gradient / size;
             let closest = x - answer * direction * residual;
+            let (shaped_at, lever) = match self.bends {
+                Bends::Field => (closest, direction),
+                Bends::Reading => (measured + added - direction * residual, pull / size),
+            };
             let turning = match rate {
-                Some(rate) => inverse * rate.cross(&(self.matrix * (closest - self.offset))),
+                Some(rate) => inverse * rate.cross(&(self.matrix * (shaped_at - self.offset))),
                 None => Vector3::zeros(),
             };
             if !residual.is_finite() {
                 return None;
             }
-            points.push(Point { closest, direction, pull: pull / size, unit, residual, turning, answer });
+            points.push(Point {
+                closest,
+                direction,
+                pull: pull / size,
+                unit,
+                residual,
+                shaped_at,
+                lever,
+                turning,
+            });
         }
         Some(points)
     }
@@ -230,7 +265,7 @@ pub fn base_row(point: &Point, offset: &Vector3<f64>, size: f64, row: &mut [f64]
 pub fn term_row(term: &Term, sample: usize, point: &Point, at: &Quantities<f64>, row: &mut [f64]) {
     let shape = term.shape(sample, at);
     for (entry, vector) in row.iter_mut().zip(&shape).take(term.k()) {
-        *entry = -point.direction.dot(&Vector3::from(*vector));
+        *entry = -point.lever.dot(&Vector3::from(*vector));
     }
 }
 

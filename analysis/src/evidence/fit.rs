@@ -3,10 +3,11 @@
 use crate::base::ground::Ground;
 use crate::base::start;
 use crate::evidence::bounds::{MATRIX_PRIOR, OFFSET_PRIOR_FIELDS, TERM_PRIOR_FIELDS};
-use crate::evidence::design::{BASE, Blocks, Model, Point, TRIANGLE, rows};
+use crate::evidence::design::{BASE, Bends, Blocks, Model, Point, TRIANGLE, rows};
 use crate::evidence::log::Log;
 use crate::evidence::noise::{Noise, Track, Wander};
 use crate::evidence::solve::{Factor, Sums};
+use ironout::calibration::Calibration;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// A Gauss–Newton step that promises less than this of −2 log likelihood is the last.
@@ -126,25 +127,27 @@ pub struct Setting {
     pub candidates: f64,
 }
 
-/// The model that a log begins with: the ground's fit, or the best sphere.
-pub fn start<'a>(ground: &Ground, log: &Log) -> Option<(Model<'a>, f64)> {
-    let (sphere, radius) = start::sphere(log.samples)?;
-    let base = ground.base.as_ref().ok().map(|base| base.report.calibration);
-    let matrix = |rows: [[f64; 3]; 3]| Matrix3::from_fn(|i, j| rows[i][j]);
-    Some(match base {
-        Some(base) => {
-            let own = matrix(base.matrix);
-            let scale = own.determinant().abs().cbrt();
-            let model =
-                Model { offset: base.offset_ut.into(), matrix: own, field: base.field_ut, terms: Vec::new() };
-            (model, scale)
-        }
-        None => {
-            let model =
-                Model { offset: sphere.into(), matrix: Matrix3::identity(), field: radius, terms: Vec::new() };
-            (model, 1.0)
-        }
-    })
+/// The models that a log may begin with: the ground's fit, and the sphere in the middle of the readings. Each with its scale.
+pub fn starts<'a>(ground: &Ground, log: &Log) -> Vec<(Model<'a>, f64)> {
+    let model = |offset: [f64; 3], matrix, field| Model {
+        offset: offset.into(),
+        matrix,
+        field,
+        terms: Vec::new(),
+        bends: Bends::Field,
+    };
+    let mut list = Vec::new();
+    if let Ok(base) = &ground.base {
+        let Calibration { offset_ut, matrix, field_ut } = base.report.calibration;
+        let matrix = Matrix3::from_fn(|i, j| matrix[i][j]);
+        list.push((model(offset_ut, matrix, field_ut), matrix.determinant().abs().cbrt()));
+    }
+    let field = list.first().map(|(model, _)| model.field);
+    if let Some((centre, radius)) = start::sphere(log.samples) {
+        let field = field.unwrap_or(radius);
+        list.push((model(centre, Matrix3::identity() * (field / radius), field), field / radius));
+    }
+    list
 }
 
 fn residual_of(rows: &[f64], width: usize) -> Vec<f64> {

@@ -2,6 +2,7 @@
 
 use crate::evidence::bounds::{MAX_TERMS, MIN_ODDS, MIN_SHARE};
 use crate::evidence::candidates::Catalogue;
+use crate::evidence::design::{Bends, Model};
 use crate::evidence::fit::{Fit, Setting};
 use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
@@ -37,11 +38,17 @@ impl<'a> Search<'_, 'a> {
             && more.squares < (1.0 - MIN_SHARE) * fewer.squares
     }
 
-    /// The fit with one more term.
+    /// The fit with one more term. A term that reads the field is tried in both of its forms.
     pub fn with(&self, fit: &Fit<'a>, term: &Term<'a>) -> Option<Fit<'a>> {
         let mut model = fit.model.clone();
         model.terms.push(term.clone());
-        Fit::of(self.log, &self.setting, model, Some(fit.noise.wander))
+        let from = Some(fit.noise.wander);
+        if !model.terms.iter().any(Term::reads) {
+            return Fit::of(self.log, &self.setting, model, from);
+        }
+        let forms = [Bends::Field, Bends::Reading].map(|bends| Model { bends, ..model.clone() });
+        let fits = forms.into_iter().filter_map(|model| Fit::of(self.log, &self.setting, model, from));
+        fits.min_by(|a, b| a.score.total_cmp(&b.score))
     }
 
     /// The fit without one of its terms.

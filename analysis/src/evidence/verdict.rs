@@ -4,7 +4,7 @@ use crate::base::ground::Ground;
 use crate::evidence::bounds::MAX_BLOCKS;
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::Blocks;
-use crate::evidence::fit::{Fit, Setting, start};
+use crate::evidence::fit::{Fit, Setting, starts};
 use crate::evidence::log::Log;
 use crate::evidence::search::Search;
 use crate::outcome::outcome::Verdict;
@@ -54,10 +54,19 @@ pub fn judge(table: &Table, options: &Options, trace: bool) -> Evidence {
 fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence> {
     let log = Log::new(&ground.counted.samples, ground.counted.table);
     let catalogue = Catalogue::new(&log, options.registry);
-    let (model, scale) = start(ground, &log)?;
     let blocks = Blocks::at_most(log.len(), MAX_BLOCKS);
-    let setting = Setting { blocks, scale, candidates: catalogue.count.max(1.0) };
-    let base = Fit::of(&log, &setting, model, None)?;
+    let candidates = catalogue.count.max(1.0);
+    let mut bases = Vec::new();
+    for (model, scale) in starts(ground, &log) {
+        let setting = Setting { blocks, scale, candidates };
+        let fit = Fit::of(&log, &setting, model, None);
+        if trace {
+            eprintln!("start: score {:?}, rms {:?}, scale {scale}, b {:?}", fit.as_ref().map(|fit| fit.score), fit.as_ref().map(Fit::rms), fit.as_ref().map(|f| f.model.offset));
+        }
+        bases.extend(fit.map(|fit| (fit, setting)));
+    }
+    let best = bases.into_iter().min_by(|a, b| a.0.score.total_cmp(&b.0.score));
+    let (base, setting) = best?;
     let search = Search { log: &log, catalogue: &catalogue, setting, trace };
     let found = search.run(base);
     let named: Vec<String> = found.fit.model.terms.iter().map(|term| term.id.clone()).collect();
