@@ -36,3 +36,6 @@ pub const MAX_DELAY_S: f64 = 5.0;
 
 /// The lowest frequency of a tone, Hz: two slower sinusoids imitate almost any column.
 pub const MIN_TONE_HZ: f64 = 1.0;
+
+/// 1σ of the wander per axis, in units of the field, at most: what moves the offset by more is a cause, not a noise.
+pub const MAX_WANDER_FIELDS: f64 = 0.1;

@@ -2,7 +2,7 @@
 
 use crate::base::ground::Ground;
 use crate::base::start;
-use crate::evidence::bounds::{MATRIX_PRIOR, OFFSET_PRIOR_FIELDS, TERM_PRIOR_FIELDS};
+use crate::evidence::bounds::{MATRIX_PRIOR, MAX_WANDER_FIELDS, OFFSET_PRIOR_FIELDS, TERM_PRIOR_FIELDS};
 use crate::evidence::design::{BASE, Bends, Blocks, Model, Point, TRIANGLE, rows};
 use crate::evidence::log::Log;
 use crate::evidence::noise::{Noise, Track, Wander};
@@ -212,13 +212,11 @@ impl<'a> Fit<'a> {
                 break;
             }
             let residual = residual_of(&rows_now, width);
-            let before = noise.cost;
-            noise = match (round, from) {
-                (0, None) => Noise::fit(&track, &residual, None),
-                (0, Some(wander)) => Noise::fit(&track, &residual, Some(wander)),
+            let most_ut = MAX_WANDER_FIELDS * model.field / setting.scale;
+            noise = match round {
+                0 => Noise::fit(&track, &residual, from, most_ut),
                 _ => Noise::with(&track, noise.wander, &residual),
             };
-            let _ = before;
         }
         let residual = residual_of(&rows_now, width);
         let noise = Noise::with(&track, noise.wander, &residual);

@@ -7,6 +7,7 @@
 pub mod bounds;
 pub mod candidates;
 pub mod design;
+pub mod dip;
 pub mod fit;
 pub mod log;
 pub mod noise;

@@ -98,14 +98,17 @@ impl Filter {
                 f += h[i] * vh[i];
                 innovation -= h[i] * state[i];
             }
+            f = f.max(1.0 / track.weight[k]);
             let mut gain = [0.0; 6];
             for i in 0..6 {
                 gain[i] = vh[i] / f;
                 state[i] += gain[i] * innovation;
             }
+            // One triangle and its mirror: rounding must not make it lopsided.
             for i in 0..6 {
-                for j in 0..6 {
+                for j in i..6 {
                     v[i][j] -= gain[i] * vh[j];
+                    v[j][i] = v[i][j];
                 }
             }
             let scale = 1.0 / f.sqrt();
@@ -214,8 +217,8 @@ impl Noise {
         Noise { wander, ar: vec![1.0], variance, cost, filter }
     }
 
-    /// The likeliest noise of a residual. `from` begins the search near a known one.
-    pub fn fit(track: &Track, residual: &[f64], from: Option<Wander>) -> Noise {
+    /// The likeliest noise of a residual, its wander less than `most_ut`. `from` begins the search near a known one.
+    pub fn fit(track: &Track, residual: &[f64], from: Option<Wander>, most_ut: f64) -> Noise {
         let (step, length) = (typical_step(track), length_s(track));
         let mut starts = Vec::new();
         match from {
@@ -249,7 +252,8 @@ impl Noise {
                             if wander.size[which] == 0.0 {
                                 continue;
                             }
-                            let most = if which == 0 { 0.5 * length } else { 2.0 * length };
+                            // A vector that stands still over the log is an offset, not a wander.
+                            let most = if which == 0 { 0.1 * length } else { 0.3 * length };
                             wander.tau_s[which] = (wander.tau_s[which] * direction).clamp(0.7 * step, most);
                             if wander.tau_s[0] > wander.tau_s[1] {
                                 continue;
@@ -266,7 +270,7 @@ impl Noise {
                         }
                     }
                     let noise = Noise::with(track, wander, residual);
-                    if noise.cost < best.cost - 0.05 {
+                    if noise.cost < best.cost - 0.05 && noise.wander_ut().0 < most_ut {
                         best = noise;
                         break;
                     }

@@ -4,6 +4,7 @@ use crate::base::ground::Ground;
 use crate::evidence::bounds::MAX_BLOCKS;
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::Blocks;
+use crate::evidence::dip::Dip;
 use crate::evidence::fit::{Fit, Setting, starts};
 use crate::evidence::log::Log;
 use crate::evidence::search::Search;
@@ -69,7 +70,14 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
     let (base, setting) = best?;
     let search = Search { log: &log, catalogue: &catalogue, setting, trace };
     let found = search.run(base);
-    let named: Vec<String> = found.fit.model.terms.iter().map(|term| term.id.clone()).collect();
+    let mut named: Vec<String> = found.fit.model.terms.iter().map(|term| term.id.clone()).collect();
+    let dip = Dip::of(&log, &setting, &found.fit).and_then(|dip| dip.lateness());
+    if trace {
+        eprintln!("dip: {dip:?}");
+    }
+    if dip.is_some_and(|dip| dip.is_shown()) && !named.iter().any(|id| id == "lag") {
+        named.push("lag".into());
+    }
     let wander = found.fit.noise.wander_ut();
     let noise_ut = found.fit.noise.variance.sqrt();
     let verdict = match (wander.0 > noise_ut, named.is_empty()) {
