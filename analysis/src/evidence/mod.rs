@@ -9,6 +9,8 @@ pub mod candidates;
 pub mod design;
 pub mod dip;
 pub mod fit;
+pub mod gaps;
+pub mod hidden;
 pub mod log;
 pub mod noise;
 pub mod screen;

@@ -23,6 +23,8 @@ pub struct Track {
     pub time_s: Vec<f64>,
     /// Unit gradients in the sensor's axes.
     pub direction: Vec<[f64; 3]>,
+    /// How the slow vector is seen where that is not along the gradient: a single cause behind it has one direction.
+    pub slow: Option<Vec<[f64; 3]>>,
     /// Samples of each block.
     pub weight: Vec<f64>,
 }
@@ -78,8 +80,8 @@ impl Filter {
                 phi = wander.tau_s.map(|tau| (-dt / tau).exp());
             }
             let decay: [f64; 6] = [phi[0], phi[0], phi[0], phi[1], phi[1], phi[1]];
-            let q = track.direction[k];
-            let h = [q[0], q[1], q[2], q[0], q[1], q[2]];
+            let (q, p) = (track.direction[k], track.slow_direction(k));
+            let h = [q[0], q[1], q[2], p[0], p[1], p[2]];
             let mut vh = [0.0; 6];
             for i in 0..6 {
                 let mut sum = 0.0;
@@ -125,14 +127,15 @@ impl Filter {
     fn apply(&self, track: &Track, width: usize, columns: &mut [f64]) {
         let mut state = vec![0.0; 6 * width];
         for (k, row) in columns.chunks_exact_mut(width).enumerate() {
-            let (phi, gain, q, scale) = (self.decay[k], self.gain[k], track.direction[k], self.scale[k]);
+            let (phi, gain, scale) = (self.decay[k], self.gain[k], self.scale[k]);
+            let (q, p) = (track.direction[k], track.slow_direction(k));
             let (fast, slow) = state.split_at_mut(3 * width);
             for axis in 0..3 {
                 let (a, b) = (&mut fast[axis * width..][..width], &mut slow[axis * width..][..width]);
                 for ((value, a), b) in row.iter_mut().zip(a).zip(b) {
                     *a *= phi[0];
                     *b *= phi[1];
-                    *value -= q[axis] * (*a + *b);
+                    *value -= q[axis] * *a + p[axis] * *b;
                 }
             }
             for axis in 0..3 {
@@ -175,6 +178,12 @@ fn burg(series: &[f64], most: usize) -> (Vec<f64>, f64, f64) {
         }
     }
     best
+}
+
+impl Track {
+    fn slow_direction(&self, block: usize) -> [f64; 3] {
+        self.slow.as_ref().map_or(self.direction[block], |slow| slow[block])
+    }
 }
 
 impl Wander {
@@ -326,11 +335,12 @@ impl Noise {
         let mut state = [0.0; 6];
         let mut out = Vec::with_capacity(residual.len());
         for (k, value) in residual.iter().enumerate() {
-            let (phi, gain, q) = (self.filter.decay[k], self.filter.gain[k], track.direction[k]);
+            let (phi, gain) = (self.filter.decay[k], self.filter.gain[k]);
+            let seen = [track.direction[k], track.slow_direction(k)];
             let mut innovation = *value;
             for i in 0..6 {
                 state[i] *= phi[i / 3];
-                innovation -= q[i % 3] * state[i];
+                innovation -= seen[i / 3][i % 3] * state[i];
             }
             for i in 0..6 {
                 state[i] += gain[i] * innovation;

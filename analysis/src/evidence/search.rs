@@ -11,12 +11,28 @@ use crate::evidence::term::Term;
 /// Leaders of each screen that are fitted in full.
 const LEADERS: usize = 4;
 
+/// Swaps of terms, at most.
+const MOST_SWAPS: usize = 4;
+
 /// The result of a search.
 pub struct Found<'a> {
     /// The fit without terms.
     pub base: Fit<'a>,
     /// The fit with those that the log asks for, in the order in which they were found.
     pub fit: Fit<'a>,
+    /// For each of them, what may stand in its place: id, and how much less likely, as −2 log odds.
+    pub rivals: Vec<Vec<Rival>>,
+}
+
+/// A term in the place of another.
+#[derive(Debug, Clone)]
+pub struct Rival {
+    /// Its id.
+    pub id: String,
+    /// −2 log odds against it.
+    pub odds: f64,
+    /// Whether it is another form of the same cause.
+    pub is_variant: bool,
 }
 
 /// A search over a log.
@@ -122,7 +138,59 @@ impl<'a> Search<'_, 'a> {
             fit = best;
             self.drop_idle(&mut fit);
         }
-        Found { base, fit }
+        let rivals = self.swap(&mut fit);
+        Found { base, fit, rivals }
+    }
+
+    /// Puts likelier terms in the place of those that were found first; gives what else may stand in each place.
+    fn swap(&self, fit: &mut Fit<'a>) -> Vec<Vec<Rival>> {
+        let mut swaps = 0;
+        'again: loop {
+            let mut all = Vec::new();
+            for place in 0..fit.model.terms.len() {
+                let own = &fit.model.terms[place];
+                let Some(fewer) = self.without(fit, place) else {
+                    all.push(Vec::new());
+                    continue;
+                };
+                let leaders = self.leaders(&fewer);
+                let others = leaders.iter().filter(|term| term.id != own.id);
+                let mut fits: Vec<Fit<'a>> = others.filter_map(|term| self.with(&fewer, term)).collect();
+                fits.sort_by(|a, b| a.score.total_cmp(&b.score));
+                if self.trace {
+                    for one in &fits {
+                        let id = one.model.terms.last().map_or("", |term| term.id.as_str());
+                        eprintln!("  {id} in the place of {}: {:.1} rms {:.4}", own.id, one.score - fit.score, one.rms());
+                    }
+                }
+                if fits.first().is_some_and(|best| best.score < fit.score - 1.0) && swaps < MOST_SWAPS {
+                    let mut best = fits.swap_remove(0);
+                    // In the place of the other: the order of the list is that of what was found first.
+                    if let Some(term) = best.model.terms.pop() {
+                        best.model.terms.insert(place, term);
+                    }
+                    let Some(best) = self.again(best) else { return all };
+                    *fit = best;
+                    swaps += 1;
+                    continue 'again;
+                }
+                let rival = |one: &Fit<'a>| {
+                    let term = one.model.terms.last()?;
+                    Some(Rival {
+                        id: term.id.clone(),
+                        odds: one.score - fit.score,
+                        is_variant: term.is_variant_of(own),
+                    })
+                };
+                all.push(fits.iter().filter_map(rival).collect());
+            }
+            return all;
+        }
+    }
+
+    /// The same model fitted from where it stands.
+    fn again(&self, fit: Fit<'a>) -> Option<Fit<'a>> {
+        Fit::of(self.log, &self.setting, fit.model, Some(fit.noise.wander))
     }
 
     /// Drops terms that later ones have made superfluous.

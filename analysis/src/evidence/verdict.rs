@@ -1,13 +1,15 @@
 //! What the odds say of a log.
 
 use crate::base::ground::Ground;
-use crate::evidence::bounds::MAX_BLOCKS;
+use crate::evidence::bounds::{MAX_BLOCKS, MIN_ODDS, UNCLEAR_ODDS};
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::Blocks;
 use crate::evidence::dip::Dip;
 use crate::evidence::fit::{Fit, Setting, starts};
+use crate::evidence::gaps::without_gaps;
+use crate::evidence::hidden::hidden_cause;
 use crate::evidence::log::Log;
-use crate::evidence::search::Search;
+use crate::evidence::search::{Rival, Search};
 use crate::outcome::outcome::Verdict;
 use crate::outcome::request::Options;
 use crate::table::Table;
@@ -53,7 +55,9 @@ pub fn judge(table: &Table, options: &Options, trace: bool) -> Evidence {
 }
 
 fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence> {
-    let log = Log::new(&ground.counted.samples, ground.counted.table);
+    let whole = &ground.counted.samples;
+    let without = without_gaps(whole, ground.counted.table);
+    let log = Log::new(without.as_ref().unwrap_or(whole), ground.counted.table);
     let catalogue = Catalogue::new(&log, options.registry);
     let blocks = Blocks::at_most(log.len(), MAX_BLOCKS);
     let candidates = catalogue.count.max(1.0);
@@ -70,7 +74,21 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
     let (base, setting) = best?;
     let search = Search { log: &log, catalogue: &catalogue, setting, trace };
     let found = search.run(base);
-    let mut named: Vec<String> = found.fit.model.terms.iter().map(|term| term.id.clone()).collect();
+    let (mut named, mut confounded) = (Vec::new(), Vec::new());
+    for (term, rivals) in found.fit.model.terms.iter().zip(&found.rivals) {
+        let unclear: Vec<&Rival> =
+            rivals.iter().filter(|rival| !rival.is_variant && rival.odds < UNCLEAR_ODDS).collect();
+        if unclear.is_empty() {
+            named.push(term.id.clone());
+        } else {
+            confounded.push(term.id.clone());
+            confounded.extend(unclear.iter().map(|rival| rival.id.clone()));
+        }
+    }
+    let cause = hidden_cause(&found.fit);
+    if trace {
+        eprintln!("hidden cause: {cause:?}");
+    }
     let dip = Dip::of(&log, &setting, &found.fit).and_then(|dip| dip.lateness());
     if trace {
         eprintln!("dip: {dip:?}");
@@ -80,15 +98,17 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
     }
     let wander = found.fit.noise.wander_ut();
     let noise_ut = found.fit.noise.variance.sqrt();
-    let verdict = match (wander.0 > noise_ut, named.is_empty()) {
-        (true, _) => Verdict::Unexplained,
-        (false, true) => Verdict::Complete,
-        (false, false) => Verdict::Missing,
+    let is_hidden = cause.is_some_and(|cause| cause.gain > MIN_ODDS);
+    let verdict = match (confounded.is_empty(), named.is_empty()) {
+        _ if is_hidden => Verdict::Unexplained,
+        (false, _) => Verdict::Confounded,
+        (true, true) => Verdict::Complete,
+        (true, false) => Verdict::Missing,
     };
     Some(Evidence {
         verdict,
         named,
-        confounded: Vec::new(),
+        confounded,
         rms_ut: [found.base.rms(), found.fit.rms()],
         noise_ut,
         wander,
