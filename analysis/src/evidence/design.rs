@@ -90,8 +90,10 @@ impl Model<'_> {
         at
     }
 
-    /// Every sample at this model; `None` where one has no undisturbed reading, or lies at the centre.
-    pub fn points(&self, log: &Log) -> Option<Vec<Point>> {
+    /// Every sample at this model; `None` where one has no undisturbed reading, or lies at the centre. Far from the solution shapes
+    /// are taken at the readings themselves: the closest point moves with what is fitted. Near it they are taken at the closest
+    /// point, where noise does not correlate with them.
+    pub fn points(&self, log: &Log, is_near: bool) -> Option<Vec<Point>> {
         let inverse = self.matrix.try_inverse()?;
         let reads = self.terms.iter().any(Term::reads);
         let step = 1e-3 * self.field;
@@ -156,10 +158,11 @@ impl Model<'_> {
             let field = self.field * log.share.get(sample).copied().unwrap_or(1.0);
             let residual = (length - field) / size;
             let direction = gradient / size;
-            let closest = x - answer * direction * residual;
+            let noise = if is_near { direction * residual } else { Vector3::zeros() };
+            let closest = x - answer * noise;
             let (shaped_at, lever) = match self.bends {
                 Bends::Field => (closest, direction),
-                Bends::Reading => (measured + added - direction * residual, pull / size),
+                Bends::Reading => (measured + added - noise, pull / size),
             };
             let turning = match rate {
                 Some(rate) => inverse * rate.cross(&(self.matrix * (shaped_at - self.offset))),

@@ -9,7 +9,7 @@ use crate::evidence::bounds::{MIN_ODDS, MIN_SHARE};
 use crate::evidence::design::{BASE, TRIANGLE};
 use crate::evidence::fit::{Fit, Setting};
 use crate::evidence::log::Log;
-use crate::evidence::noise::{Noise, Track};
+use crate::evidence::noise::{Noise, Track, Wander};
 use crate::evidence::solve::{Factor, Sums};
 use ironout::study::Model as CoreModel;
 use nalgebra::{DVector, Matrix3, Vector3};
@@ -36,6 +36,27 @@ impl Lateness {
     /// Whether a delay is to be named.
     pub fn is_shown(&self) -> bool {
         self.gain > MIN_ODDS && self.share > MIN_SHARE && self.delay_s > 0.0
+    }
+}
+
+/// What some of the columns explain.
+#[derive(Debug, Clone)]
+struct Explained {
+    /// −2 log posterior.
+    cost: f64,
+    /// Squares that are left.
+    squares: f64,
+    /// Value of the last column's parameter.
+    last: f64,
+    /// Its standard error.
+    error: f64,
+    wander: Wander,
+}
+
+fn likelier(one: Explained, other: Option<Explained>) -> Explained {
+    match other {
+        Some(other) if other.cost < one.cost => other,
+        _ => one,
     }
 }
 
@@ -147,8 +168,8 @@ impl Dip {
         Some(Dip { track, rows: kept, width, known, candidates: setting.candidates })
     }
 
-    /// −2 log posterior with the first `columns` columns free, the squares that are left, and the last column's value and error.
-    fn cost(&self, columns: usize) -> Option<(f64, f64, f64, f64)> {
+    /// What the first `columns` columns explain.
+    fn cost(&self, columns: usize, from: Option<Wander>) -> Option<Explained> {
         let pick: Vec<f64> = self
             .rows
             .chunks_exact(self.width)
@@ -156,7 +177,10 @@ impl Dip {
             .collect();
         let width = columns + 1;
         let residual: Vec<f64> = pick.chunks_exact(width).map(|row| row[columns]).collect();
-        let mut noise = Noise::white(&self.track, &residual);
+        let mut noise = match from {
+            Some(wander) => Noise::with(&self.track, wander, &residual),
+            None => Noise::white(&self.track, &residual),
+        };
         let mut answer = None;
         for round in 0..3 {
             let mut whitened = pick.clone();
@@ -173,7 +197,7 @@ impl Dip {
                 .chunks_exact(width)
                 .map(|row| row[columns] + row[..columns].iter().zip(&delta).map(|(j, d)| j * d).sum::<f64>())
                 .collect();
-            let from = (round > 0).then_some(noise.wander);
+            let from = if round > 0 { Some(noise.wander) } else { from };
             noise = match round {
                 2 => Noise::with(&self.track, noise.wander, &left),
                 _ => Noise::fit(&self.track, &left, from, f64::INFINITY),
@@ -185,7 +209,7 @@ impl Dip {
             let mut unit = DVector::zeros(columns);
             unit[last] = 1.0;
             let error = (factor.solve(&unit)[last] * noise.variance).max(0.0).sqrt();
-            answer = Some((cost, squares, delta[last], error));
+            answer = Some(Explained { cost, squares, last: delta[last], error, wander: noise.wander });
         }
         answer
     }
@@ -193,9 +217,17 @@ impl Dip {
     /// Whether the sensor is late.
     pub fn lateness(&self) -> Option<Lateness> {
         let columns = self.width - 1;
-        let (without, squares, ..) = self.cost(columns - 1)?;
-        let (with, left, delay_s, error_s) = self.cost(columns)?;
+        // Each from the noise of the other too: the likelihood of a noise has several tops.
+        let without = self.cost(columns - 1, None)?;
+        let with = self.cost(columns, None)?;
+        let with = likelier(with, self.cost(columns, Some(without.wander)));
+        let without = likelier(without.clone(), self.cost(columns - 1, Some(with.wander)));
         let price = (self.track.weight.len() as f64).ln() + 2.0 * self.candidates.ln();
-        Some(Lateness { delay_s, error_s, gain: without - with - price, share: 1.0 - left / squares })
+        Some(Lateness {
+            delay_s: with.last,
+            error_s: with.error,
+            gain: without.cost - with.cost - price,
+            share: 1.0 - with.squares / without.squares,
+        })
     }
 }

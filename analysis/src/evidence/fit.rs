@@ -12,8 +12,10 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// A Gauss–Newton step that promises less than this of −2 log likelihood is the last.
 const SETTLED: f64 = 0.02;
+/// Less than this is near enough for shapes at the closest points.
+const NEAR: f64 = 1.0;
 /// Steps of one fit, at most.
-const MOST_STEPS: usize = 15;
+const MOST_STEPS: usize = 12;
 /// Samples that the size of a shape is taken from.
 const SIZED_BY: usize = 200;
 
@@ -159,7 +161,7 @@ impl<'a> Fit<'a> {
     pub fn of(log: &Log<'a>, setting: &Setting, model: Model<'a>, from: Option<Wander>) -> Option<Fit<'a>> {
         let blocks = &setting.blocks;
         let mut model = model;
-        let mut points = model.points(log)?;
+        let mut points = model.points(log, false)?;
         let prior = Prior::of(log, &model, &points, setting.scale);
         let width = model.columns() + 1;
         let mut track = blocks.track(log, &points);
@@ -171,9 +173,19 @@ impl<'a> Fit<'a> {
                 None => Noise::white(&track, &residual),
             }
         };
-        let mut steps = 0;
-        // Coordinates and noise in turn: two rounds are enough, the likelihood is flat about the end.
-        for round in 0..3 {
+        // From far with shapes at the readings, then the likeliest noise, then with shapes at the closest points.
+        for (round, is_near) in [false, true, true].into_iter().enumerate() {
+            let mut steps = 0;
+            if round > 0 {
+                points = model.points(log, true)?;
+                rows_now = rows(log, blocks, &model, &points);
+                let residual = residual_of(&rows_now, width);
+                let most_ut = MAX_WANDER_FIELDS * model.field / setting.scale;
+                noise = match round {
+                    1 => Noise::fit(&track, &residual, from, most_ut),
+                    _ => Noise::with(&track, noise.wander, &residual),
+                };
+            }
             loop {
                 let sums = whitened_sums(&rows_now, width, &track, &noise);
                 let mut known = sums.clone();
@@ -181,7 +193,8 @@ impl<'a> Fit<'a> {
                 let factor = known.factor()?;
                 let delta = -factor.solve(&known.right);
                 let promised = -known.right.dot(&delta) / noise.variance;
-                if !(promised >= SETTLED) || steps >= MOST_STEPS {
+                let enough = if is_near { SETTLED } else { NEAR };
+                if !(promised >= enough) || steps >= MOST_STEPS {
                     break;
                 }
                 steps += 1;
@@ -189,13 +202,13 @@ impl<'a> Fit<'a> {
                 let mut better = None;
                 for share in [1.0, 0.5, 0.2, 0.05, 0.01] {
                     let next = moved(&model, &delta, share);
-                    let Some(next_points) = next.points(log) else { continue };
+                    let Some(next_points) = next.points(log, is_near) else { continue };
                     let mut residual = blocks.means(1, |sample, row| row[0] = next_points[sample].residual);
                     noise.whiten(&track, 1, &mut residual);
                     let squares: f64 = residual.iter().map(|v| v * v).sum();
                     let cost = squares / noise.variance + prior.cost(&next);
                     // Columns at the closest point ask for a little more than the squares show.
-                    if cost < now + 0.1 * promised.min(10.0) {
+                    if cost < now + if is_near { 0.1 * promised.min(10.0) } else { 0.0 } {
                         better = Some((next, next_points, now - cost));
                         break;
                     }
@@ -204,19 +217,10 @@ impl<'a> Fit<'a> {
                 (model, points) = (next, next_points);
                 track = blocks.track(log, &points);
                 rows_now = rows(log, blocks, &model, &points);
-                if gained < 0.25 * SETTLED && promised < 1.0 {
+                if gained < 0.25 * enough && promised < 1.0 {
                     break;
                 }
             }
-            if round == 2 {
-                break;
-            }
-            let residual = residual_of(&rows_now, width);
-            let most_ut = MAX_WANDER_FIELDS * model.field / setting.scale;
-            noise = match round {
-                0 => Noise::fit(&track, &residual, from, most_ut),
-                _ => Noise::with(&track, noise.wander, &residual),
-            };
         }
         let residual = residual_of(&rows_now, width);
         let noise = Noise::with(&track, noise.wander, &residual);
