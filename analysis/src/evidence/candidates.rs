@@ -150,7 +150,6 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         let bins = (0..power.len()).filter(|&bin| hertz(bin) >= MIN_TONE_HZ);
         let top = bins.max_by(|&a, &b| power[a].total_cmp(&power[b]))?;
         let mut frequency = hertz(top);
-        if std::env::var("TONE").is_ok() { eprintln!("tone {frequency} highest {highest} even {}", self.log.even_s.is_some()); }
         let mut width = 1.0 / length;
         for _ in 0..3 {
             let near = (-3..=3)

@@ -16,6 +16,9 @@ use nalgebra::{DVector, Matrix3, Vector3};
 
 /// Columns besides those of the magnitude: rotation, mean dip, zero error of the accelerometer.
 const OWN: usize = 7;
+/// Rounds of fit and noise in turn.
+const ROUNDS: usize = 5;
+const LAST: usize = ROUNDS - 1;
 /// Directions nearer to the vertical than this tell no dip: sine.
 const MOST_SINE: f64 = 0.985;
 
@@ -182,7 +185,7 @@ impl Dip {
             None => Noise::white(&self.track, &residual),
         };
         let mut answer = None;
-        for round in 0..3 {
+        for round in 0..ROUNDS {
             let mut whitened = pick.clone();
             noise.whiten(&self.track, width, &mut whitened);
             let mut sums = Sums::of(&whitened, columns);
@@ -199,7 +202,7 @@ impl Dip {
                 .collect();
             let from = if round > 0 { Some(noise.wander) } else { from };
             noise = match round {
-                2 => Noise::with(&self.track, noise.wander, &left),
+                LAST => Noise::with(&self.track, noise.wander, &left),
                 _ => Noise::fit(&self.track, &left, from, f64::INFINITY),
             };
             let known = self.known.matrix.view((0, 0), (columns, columns));

@@ -16,6 +16,8 @@ const SETTLED: f64 = 0.02;
 const NEAR: f64 = 1.0;
 /// Steps of one fit, at most.
 const MOST_STEPS: usize = 12;
+/// Squares of a fit under a coloured noise, over the least ones, at most.
+const MOST_ABOVE_LEAST: f64 = 2.0;
 /// Samples that the size of a shape is taken from.
 const SIZED_BY: usize = 200;
 
@@ -166,13 +168,9 @@ impl<'a> Fit<'a> {
         let width = model.columns() + 1;
         let mut track = blocks.track(log, &points);
         let mut rows_now = rows(log, blocks, &model, &points);
-        let mut noise = {
-            let residual = left_after(&rows_now, width, &track, None, &prior, &model)?;
-            match from {
-                Some(wander) => Noise::with(&track, wander, &residual),
-                None => Noise::white(&track, &residual),
-            }
-        };
+        // White noise at first: what is far is far whatever the noise.
+        let mut noise = Noise::white(&track, &left_after(&rows_now, width, &track, &prior, &model)?);
+        let mut most_squares = f64::INFINITY;
         // From far with shapes at the readings, then the likeliest noise, then with shapes at the closest points.
         for (round, is_near) in [false, true, true].into_iter().enumerate() {
             let mut steps = 0;
@@ -182,7 +180,10 @@ impl<'a> Fit<'a> {
                 let residual = residual_of(&rows_now, width);
                 let most_ut = MAX_WANDER_FIELDS * model.field / setting.scale;
                 noise = match round {
-                    1 => Noise::fit(&track, &residual, from, most_ut),
+                    1 => {
+                        most_squares = MOST_ABOVE_LEAST * plain_squares(&track, &residual);
+                        Noise::fit(&track, &residual, from, most_ut)
+                    }
                     _ => Noise::with(&track, noise.wander, &residual),
                 };
             }
@@ -200,10 +201,14 @@ impl<'a> Fit<'a> {
                 steps += 1;
                 let now = sums.squares / noise.variance + prior.cost(&model);
                 let mut better = None;
-                for share in [1.0, 0.5, 0.2, 0.05, 0.01] {
+                for share in [1.0, 0.4, 0.1, 0.02] {
                     let next = moved(&model, &delta, share);
                     let Some(next_points) = next.points(log, is_near) else { continue };
                     let mut residual = blocks.means(1, |sample, row| row[0] = next_points[sample].residual);
+                    // A wander can stand for an offset far off: the squares themselves tell that the model went astray.
+                    if plain_squares(&track, &residual) > most_squares {
+                        continue;
+                    }
                     noise.whiten(&track, 1, &mut residual);
                     let squares: f64 = residual.iter().map(|v| v * v).sum();
                     let cost = squares / noise.variance + prior.cost(&next);
@@ -226,7 +231,7 @@ impl<'a> Fit<'a> {
         let noise = Noise::with(&track, noise.wander, &residual);
         let mut sums = whitened_sums(&rows_now, width, &track, &noise);
         prior.inform(&mut sums, &model, noise.variance);
-        let squares = residual.iter().zip(&track.weight).map(|(r, w)| r * r * w).sum();
+        let squares = plain_squares(&track, &residual);
         let n = residual.len() as f64;
         let price: f64 = model
             .terms
@@ -261,25 +266,20 @@ fn whitened_sums(rows: &[f64], width: usize, track: &Track, noise: &Noise) -> Su
     Sums::of(&whitened, width - 1)
 }
 
-/// The residual with its columns taken out, under this noise or white noise.
+fn plain_squares(track: &Track, residual: &[f64]) -> f64 {
+    residual.iter().zip(&track.weight).map(|(r, w)| r * r * w).sum()
+}
+
+/// The residual with its columns taken out under white noise.
 fn left_after(
     rows: &[f64],
     width: usize,
     track: &Track,
-    noise: Option<&Noise>,
     prior: &Prior,
     model: &Model,
 ) -> Option<Vec<f64>> {
-    let residual = residual_of(rows, width);
-    let white;
-    let noise = match noise {
-        Some(noise) => noise,
-        None => {
-            white = Noise::white(track, &residual);
-            &white
-        }
-    };
-    let mut sums = whitened_sums(rows, width, track, noise);
+    let noise = Noise::white(track, &residual_of(rows, width));
+    let mut sums = whitened_sums(rows, width, track, &noise);
     prior.inform(&mut sums, model, noise.variance);
     let delta = -sums.factor()?.solve(&sums.right);
     let left = |row: &[f64]| row[width - 1] + row[..width - 1].iter().zip(&delta).map(|(j, d)| j * d).sum::<f64>();

@@ -32,20 +32,19 @@ fn seen(track: &Track, by: impl Fn(usize) -> f64) -> Track {
     Track { slow: Some(slow), ..track.clone() }
 }
 
-/// The likeliest single cause of a fit's wander; `None` where nothing wanders.
+/// The likeliest single cause of what a fit leaves.
 pub fn hidden_cause(fit: &Fit) -> Option<HiddenCause> {
     let residual = fit.residual();
-    let [_, slow] = fit.noise.wander.size;
-    let [fast_s, slow_s] = fit.noise.wander.tau_s;
-    let largest = if slow > 0.0 { slow } else { fit.noise.wander.size[0] };
-    if !(largest > 0.0) {
-        return None;
+    // What wanders may hide in the short memory too: several time constants are tried.
+    let length = fit.track.time_s.last()? - fit.track.time_s.first()?;
+    let known = fit.noise.wander;
+    let mut starts = vec![Wander { tau_s: [known.tau_s[0].min(length / 100.0), length / 10.0], size: [0.0, 3.0] }];
+    starts.push(Wander { tau_s: [starts[0].tau_s[0], length / 50.0], size: [0.0, 3.0] });
+    if known.size[1] > 0.0 {
+        starts.push(Wander { size: [known.size[0], known.size[1] * 3f64.sqrt()], ..known });
+    } else if known.size[0] > 0.0 {
+        starts.push(Wander { tau_s: [known.tau_s[0], known.tau_s[0]], size: [0.0, known.size[0] * 3f64.sqrt()] });
     }
-    let wander = if slow > 0.0 {
-        fit.noise.wander
-    } else {
-        Wander { tau_s: [fast_s.min(slow_s), fast_s], size: [0.0, largest] }
-    };
     let n = residual.len() as f64;
     // The direction and one size less for independent axes: two parameters.
     let price = 2.0 * n.ln();
@@ -68,7 +67,14 @@ pub fn hidden_cause(fit: &Fit) -> Option<HiddenCause> {
             })
         };
         let cost = |v: &Vector3<f64>, wander: Wander| Noise::with(&view(v), wander, &residual);
-        let wander = Wander { size: [wander.size[0], wander.size[1] * 3f64.sqrt()], ..wander };
+        let first = Vector3::new(1.0, 1.0, 1.0).normalize();
+        let wander = starts.iter().copied().min_by(|a, b| {
+            let least = |w: &Wander| {
+                let axes = [first, Vector3::x(), Vector3::y(), Vector3::z()];
+                axes.iter().map(|v| cost(v, *w).cost).fold(f64::INFINITY, f64::min)
+            };
+            least(a).total_cmp(&least(b))
+        })?;
         let mut top: Option<(f64, Vector3<f64>)> = None;
         let try_it = |v: Vector3<f64>, top: &mut Option<(f64, Vector3<f64>)>| {
             let now = cost(&v, wander).cost;

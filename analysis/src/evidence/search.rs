@@ -8,8 +8,14 @@ use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
 use crate::evidence::term::Term;
 
+/// Square of the residual over the field from which the two forms of a term are told apart, in units of the noise: the magnitude shows
+/// about a fifth of a disturbance, and a tenth of the noise is seen in some hundred samples.
+const FORMS_DIFFER: f64 = 0.004;
 /// Leaders of each screen that are fitted in full.
 const LEADERS: usize = 4;
+/// Rivals of a term that are fitted in full, and the share of its gain that they have at least in a screen.
+const RIVALS: usize = 3;
+const RIVAL_SHARE: f64 = 0.6;
 
 /// Swaps of terms, at most.
 const MOST_SWAPS: usize = 4;
@@ -59,7 +65,9 @@ impl<'a> Search<'_, 'a> {
         let mut model = fit.model.clone();
         model.terms.push(term.clone());
         let from = Some(fit.noise.wander);
-        if !model.terms.iter().any(Term::reads) {
+        // The forms differ by the square of a disturbance over the field: of a weak one that is less than the noise.
+        let strong = fit.rms() * fit.rms() / fit.model.field > FORMS_DIFFER * fit.noise.variance.sqrt();
+        if !model.terms.iter().any(Term::reads) || !strong {
             return Fit::of(self.log, &self.setting, model, from);
         }
         let forms = [Bends::Field, Bends::Reading].map(|bends| Model { bends, ..model.clone() });
@@ -75,7 +83,8 @@ impl<'a> Search<'_, 'a> {
     }
 
     /// Candidates at a fit, those with the most promise first; the fits are still to be made.
-    pub fn leaders(&self, fit: &Fit<'a>) -> Vec<Term<'a>> {
+    /// With `own`, only those that gain about as much as that one.
+    pub fn leaders(&self, fit: &Fit<'a>, own: Option<&Term<'a>>) -> Vec<Term<'a>> {
         let mut list: Vec<(Term<'a>, usize)> = Vec::new();
         let n = fit.track.weight.len() as f64;
         for white in [false, true] {
@@ -100,7 +109,16 @@ impl<'a> Search<'_, 'a> {
                     order.iter().take(6).map(|(gain, term)| format!("{} {gain:.0}", term.id)).collect();
                 eprintln!("  screen {}: {}", if white { "white" } else { "noise" }, words.join(", "));
             }
-            for (rank, (_, term)) in order.into_iter().take(LEADERS).enumerate() {
+            let least = match own {
+                Some(own) => {
+                    let gain = order.iter().find(|(_, term)| term.id == own.id).map_or(0.0, |(gain, _)| *gain);
+                    (RIVAL_SHARE * gain).max(0.0)
+                }
+                None => 0.0,
+            };
+            order.retain(|(gain, term)| *gain > least && own.is_none_or(|own| own.id != term.id));
+            let most = if own.is_some() { RIVALS } else { LEADERS };
+            for (rank, (_, term)) in order.into_iter().take(most).enumerate() {
                 let same = |own: &&mut (Term<'a>, usize)| {
                     own.0.id == term.id && own.0.searched() == term.searched()
                 };
@@ -118,7 +136,7 @@ impl<'a> Search<'_, 'a> {
     pub fn run(&self, base: Fit<'a>) -> Found<'a> {
         let mut fit = base.clone();
         while fit.model.terms.len() < MAX_TERMS {
-            let leaders = self.leaders(&fit);
+            let leaders = self.leaders(&fit, None);
             let mut tried: Vec<Fit<'a>> = leaders.iter().filter_map(|term| self.with(&fit, term)).collect();
             tried.sort_by(|a, b| a.score.total_cmp(&b.score));
             if self.trace {
@@ -153,9 +171,8 @@ impl<'a> Search<'_, 'a> {
                     all.push(Vec::new());
                     continue;
                 };
-                let leaders = self.leaders(&fewer);
-                let others = leaders.iter().filter(|term| term.id != own.id);
-                let mut fits: Vec<Fit<'a>> = others.filter_map(|term| self.with(&fewer, term)).collect();
+                let leaders = self.leaders(&fewer, Some(own));
+                let mut fits: Vec<Fit<'a>> = leaders.iter().filter_map(|term| self.with(&fewer, term)).collect();
                 fits.sort_by(|a, b| a.score.total_cmp(&b.score));
                 if self.trace {
                     for one in &fits {
