@@ -8,6 +8,7 @@ pub mod bounds;
 pub mod candidates;
 pub mod design;
 pub mod dip;
+pub mod error;
 pub mod fit;
 pub mod gaps;
 pub mod hidden;

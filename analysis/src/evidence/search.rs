@@ -4,6 +4,7 @@ use crate::evidence::bounds::{MAX_TERMS, MIN_ODDS, MIN_SHARE};
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::{Bends, Model};
 use crate::evidence::fit::{Fit, Setting};
+use crate::evidence::hidden::{HiddenCause, hidden_cause};
 use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
 use crate::evidence::term::Term;
@@ -158,6 +159,31 @@ impl<'a> Search<'_, 'a> {
         }
         let rivals = self.swap(&mut fit);
         Found { base, fit, rivals }
+    }
+
+    /// Drops terms that only stand in for a cause that nobody logged, and says whether there is one: a term must be worth its price
+    /// beside such a cause too.
+    pub fn against_hidden_cause(&self, found: &mut Found<'a>) -> Option<HiddenCause> {
+        let gain = |cause: &Option<HiddenCause>| cause.as_ref().map_or(0.0, |cause| cause.gain.max(0.0));
+        let mut cause = hidden_cause(&found.fit);
+        'again: while gain(&cause) > MIN_ODDS {
+            for place in (0..found.fit.model.terms.len()).rev() {
+                let Some(fewer) = self.without(&found.fit, place) else { continue };
+                let other = hidden_cause(&fewer);
+                let odds = (fewer.score - gain(&other)) - (found.fit.score - gain(&cause));
+                if self.trace {
+                    eprintln!("  {} beside a hidden cause: {odds:.1}", found.fit.model.terms[place].id);
+                }
+                if odds < MIN_ODDS {
+                    found.fit = fewer;
+                    found.rivals.remove(place);
+                    cause = other;
+                    continue 'again;
+                }
+            }
+            break;
+        }
+        cause
     }
 
     /// Puts likelier terms in the place of those that were found first; gives what else may stand in each place.

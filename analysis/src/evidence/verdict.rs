@@ -4,15 +4,17 @@ use crate::base::ground::Ground;
 use crate::evidence::bounds::{MAX_BLOCKS, MIN_ODDS, UNCLEAR_ODDS};
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::Blocks;
-use crate::evidence::dip::Dip;
+use crate::evidence::dip::{Dip, Lateness};
 use crate::evidence::fit::{Fit, Setting, starts};
 use crate::evidence::gaps::without_gaps;
-use crate::evidence::hidden::hidden_cause;
+use crate::evidence::error::{corrected, predicted_error_ut};
+use crate::evidence::hidden::HiddenCause;
 use crate::evidence::log::Log;
 use crate::evidence::search::{Rival, Search};
 use crate::outcome::outcome::Verdict;
 use crate::outcome::request::Options;
 use crate::table::Table;
+use nalgebra::Matrix3;
 
 /// The answer to a log.
 #[derive(Debug, Clone)]
@@ -29,6 +31,16 @@ pub struct Evidence {
     pub noise_ut: f64,
     /// Wander that is left: σ per axis, µT, and its time constant, s.
     pub wander: (f64, f64),
+    /// The cause behind that wander, where it has a single one.
+    pub hidden: Option<HiddenCause>,
+    /// Predicted 1σ of a corrected vector in the worst direction, rotation and scale apart, µT.
+    pub predicted_error_ut: f64,
+    /// Delay of the sensor, where the dip shows one.
+    pub lateness: Option<Lateness>,
+    /// Corrected vectors, µT, of these rows of the log.
+    pub corrected: Vec<(usize, [f64; 3])>,
+    /// Offset, µT, and matrix.
+    pub calibration: Option<([f64; 3], [[f64; 3]; 3])>,
 }
 
 impl Evidence {
@@ -40,6 +52,11 @@ impl Evidence {
             rms_ut: [f64::NAN; 2],
             noise_ut: f64::NAN,
             wander: (f64::NAN, f64::NAN),
+            hidden: None,
+            predicted_error_ut: f64::NAN,
+            lateness: None,
+            corrected: Vec::new(),
+            calibration: None,
         }
     }
 }
@@ -73,7 +90,11 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
     let best = bases.into_iter().min_by(|a, b| a.0.score.total_cmp(&b.0.score));
     let (base, setting) = best?;
     let search = Search { log: &log, catalogue: &catalogue, setting, trace };
-    let found = search.run(base);
+    let mut found = search.run(base);
+    let cause = search.against_hidden_cause(&mut found);
+    if trace {
+        eprintln!("hidden cause: {cause:?}");
+    }
     let (mut named, mut confounded) = (Vec::new(), Vec::new());
     for (term, rivals) in found.fit.model.terms.iter().zip(&found.rivals) {
         let unclear: Vec<&Rival> =
@@ -85,10 +106,6 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
             confounded.extend(unclear.iter().map(|rival| rival.id.clone()));
         }
     }
-    let cause = hidden_cause(&found.fit);
-    if trace {
-        eprintln!("hidden cause: {cause:?}");
-    }
     let dip = Dip::of(&log, &setting, &found.fit).and_then(|dip| dip.lateness());
     if trace {
         eprintln!("dip: {dip:?}");
@@ -98,7 +115,7 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
     }
     let wander = found.fit.noise.wander_ut();
     let noise_ut = found.fit.noise.variance.sqrt();
-    let is_hidden = cause.is_some_and(|cause| cause.gain > MIN_ODDS);
+    let is_hidden = cause.as_ref().is_some_and(|cause| cause.gain > MIN_ODDS);
     let verdict = match (confounded.is_empty(), named.is_empty()) {
         _ if is_hidden => Verdict::Unexplained,
         (false, _) => Verdict::Confounded,
@@ -112,5 +129,14 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
         rms_ut: [found.base.rms(), found.fit.rms()],
         noise_ut,
         wander,
+        hidden: cause.filter(|_| is_hidden),
+        predicted_error_ut: predicted_error_ut(&found.fit.model, &found.fit.covariance()?)?,
+        lateness: dip,
+        corrected: log.samples.row.iter().copied().zip(corrected(&found.fit)).collect(),
+        calibration: Some((found.fit.model.offset.into(), matrix_rows(&found.fit.model.matrix))),
     })
+}
+
+fn matrix_rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    core::array::from_fn(|i| core::array::from_fn(|j| matrix[(i, j)]))
 }
