@@ -39,3 +39,6 @@ pub const MIN_TONE_HZ: f64 = 1.0;
 
 /// 1σ of the wander per axis, in units of the field, at most: what moves the offset by more is a cause, not a noise.
 pub const MAX_WANDER_FIELDS: f64 = 0.1;
+
+/// Coloured noise of a sensor, rms per axis, µT, at most: the chips in use have white noise up to about 1 µT and less that is slow.
+pub const MAX_COLOURED_UT: f64 = 1.0;

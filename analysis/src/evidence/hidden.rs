@@ -29,7 +29,7 @@ pub struct HiddenCause {
 
 fn seen(track: &Track, by: impl Fn(usize) -> f64) -> Track {
     let slow = (0..track.weight.len()).map(|block| [by(block), 0.0, 0.0]).collect();
-    Track { slow: Some(slow), ..track.clone() }
+    Track { slow: Some(slow), without_memory: true, ..track.clone() }
 }
 
 /// The likeliest single cause of what a fit leaves.
@@ -97,7 +97,11 @@ pub fn hidden_cause(fit: &Fit) -> Option<HiddenCause> {
             }
         }
         let Some((_, v)) = top else { continue };
-        let noise = Noise::fit(&view(&v), &residual, Some(wander), f64::INFINITY);
+        // The direction is found without a short memory, which would stand for anything; then that may have its part.
+        let near = Noise::fit(&view(&v), &residual, Some(wander), f64::INFINITY);
+        let whole = Track { without_memory: false, ..view(&v) };
+        let noise = Noise::fit(&whole, &residual, Some(near.wander), f64::INFINITY);
+        let noise = if noise.cost < near.cost { noise } else { near };
         let gain = fit.noise.cost - noise.cost - price;
         if best.as_ref().is_none_or(|best| gain > best.gain) {
             best = Some(HiddenCause {

@@ -27,6 +27,8 @@ pub struct Track {
     pub slow: Option<Vec<[f64; 3]>>,
     /// Samples of each block.
     pub weight: Vec<f64>,
+    /// Whether a short autoregressive memory is left out.
+    pub without_memory: bool,
 }
 
 /// A noise model, ready to whiten columns.
@@ -212,7 +214,8 @@ impl Noise {
     /// The noise with this wander, the autoregressive part as a residual shows it.
     pub fn with(track: &Track, wander: Wander, residual: &[f64]) -> Noise {
         let (filter, innovations) = Filter::run(track, &wander, residual);
-        let (ar, variance, cost) = burg(&innovations, MAX_AR_ORDER);
+        let most = if track.without_memory { 0 } else { MAX_AR_ORDER };
+        let (ar, variance, cost) = burg(&innovations, most);
         let cost = cost + filter.log_det;
         Noise { wander, ar, variance, cost, filter }
     }

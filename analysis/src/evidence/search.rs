@@ -136,6 +136,7 @@ impl<'a> Search<'_, 'a> {
     /// The search from a base fit.
     pub fn run(&self, base: Fit<'a>) -> Found<'a> {
         let mut fit = base.clone();
+        let mut path = vec![base.clone()];
         while fit.model.terms.len() < MAX_TERMS {
             let leaders = self.leaders(&fit, None);
             let mut tried: Vec<Fit<'a>> = leaders.iter().filter_map(|term| self.with(&fit, term)).collect();
@@ -156,9 +157,30 @@ impl<'a> Search<'_, 'a> {
             let Some(best) = tried.into_iter().find(|one| Self::is_worth(one, &fit, 1)) else { break };
             fit = best;
             self.drop_idle(&mut fit);
+            path.push(fit.clone());
         }
+        fit = self.likeliest_of(path).unwrap_or(fit);
         let rivals = self.swap(&mut fit);
         Found { base, fit, rivals }
+    }
+
+    /// The fit of a path that is likeliest with whatever single cause nobody logged: several columns together imitate any history.
+    fn likeliest_of(&self, path: Vec<Fit<'a>>) -> Option<Fit<'a>> {
+        let mut best: Option<(f64, Fit<'a>)> = None;
+        for fit in path {
+            let gain = hidden_cause(&fit).map_or(0.0, |cause| cause.gain.max(0.0));
+            let total = fit.score - gain;
+            let terms = fit.model.terms.len();
+            let own = best.as_ref().map_or(0, |(_, best)| best.model.terms.len());
+            let margin = MIN_ODDS * terms.saturating_sub(own) as f64;
+            if self.trace {
+                eprintln!("  {terms} terms: {total:.1}, a hidden cause gains {gain:.1}");
+            }
+            if best.as_ref().is_none_or(|(least, _)| total < least - margin) {
+                best = Some((total, fit));
+            }
+        }
+        best.map(|(_, fit)| fit)
     }
 
     /// Drops terms that only stand in for a cause that nobody logged, and says whether there is one: a term must be worth its price

@@ -1,7 +1,7 @@
 //! What the odds say of a log.
 
 use crate::base::ground::Ground;
-use crate::evidence::bounds::{MAX_BLOCKS, MIN_ODDS, UNCLEAR_ODDS};
+use crate::evidence::bounds::{MAX_BLOCKS, MAX_COLOURED_UT, MIN_ODDS, UNCLEAR_ODDS};
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::Blocks;
 use crate::evidence::dip::{Dip, Lateness};
@@ -116,6 +116,8 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
     let wander = found.fit.noise.wander_ut();
     let noise_ut = found.fit.noise.variance.sqrt();
     let is_hidden = cause.as_ref().is_some_and(|cause| cause.gain > MIN_ODDS);
+    let coloured_ut = (found.fit.rms().powi(2) - noise_ut * noise_ut).max(0.0).sqrt();
+    let is_hidden = is_hidden || coloured_ut > MAX_COLOURED_UT;
     let verdict = match (confounded.is_empty(), named.is_empty()) {
         _ if is_hidden => Verdict::Unexplained,
         (false, _) => Verdict::Confounded,
