@@ -9,7 +9,7 @@ use crate::evidence::bounds::{MIN_ODDS, MIN_SHARE};
 use crate::evidence::design::{BASE, TRIANGLE};
 use crate::evidence::fit::{Fit, Setting};
 use crate::evidence::log::Log;
-use crate::evidence::noise::{Noise, Track, Wander};
+use crate::evidence::noise::{Noise, Track};
 use crate::evidence::solve::{Factor, Sums};
 use ironout::study::Model as CoreModel;
 use nalgebra::{DVector, Matrix3, Vector3};
@@ -53,7 +53,7 @@ struct Explained {
     last: f64,
     /// Its standard error.
     error: f64,
-    wander: Wander,
+    noise: Noise,
 }
 
 fn likelier(one: Explained, other: Option<Explained>) -> Explained {
@@ -172,7 +172,7 @@ impl Dip {
     }
 
     /// What the first `columns` columns explain.
-    fn cost(&self, columns: usize, from: Option<Wander>) -> Option<Explained> {
+    fn cost(&self, columns: usize, from: Option<&Noise>) -> Option<Explained> {
         let pick: Vec<f64> = self
             .rows
             .chunks_exact(self.width)
@@ -181,7 +181,7 @@ impl Dip {
         let width = columns + 1;
         let residual: Vec<f64> = pick.chunks_exact(width).map(|row| row[columns]).collect();
         let mut noise = match from {
-            Some(wander) => Noise::with(&self.track, wander, &residual),
+            Some(noise) => noise.clone(),
             None => Noise::white(&self.track, &residual),
         };
         let mut answer = None;
@@ -200,7 +200,7 @@ impl Dip {
                 .chunks_exact(width)
                 .map(|row| row[columns] + row[..columns].iter().zip(&delta).map(|(j, d)| j * d).sum::<f64>())
                 .collect();
-            let from = if round > 0 { Some(noise.wander) } else { from };
+            let from = (round > 0 || from.is_some()).then_some(noise.wander);
             noise = match round {
                 LAST => Noise::with(&self.track, noise.wander, &left),
                 _ => Noise::fit(&self.track, &left, from, f64::INFINITY),
@@ -212,7 +212,7 @@ impl Dip {
             let mut unit = DVector::zeros(columns);
             unit[last] = 1.0;
             let error = (factor.solve(&unit)[last] * noise.variance).max(0.0).sqrt();
-            answer = Some(Explained { cost, squares, last: delta[last], error, wander: noise.wander });
+            answer = Some(Explained { cost, squares, last: delta[last], error, noise: noise.clone() });
         }
         answer
     }
@@ -223,8 +223,8 @@ impl Dip {
         // Each from the noise of the other too: the likelihood of a noise has several tops.
         let without = self.cost(columns - 1, None)?;
         let with = self.cost(columns, None)?;
-        let with = likelier(with, self.cost(columns, Some(without.wander)));
-        let without = likelier(without.clone(), self.cost(columns - 1, Some(with.wander)));
+        let with = likelier(with, self.cost(columns, Some(&without.noise)));
+        let without = likelier(without.clone(), self.cost(columns - 1, Some(&with.noise)));
         let price = (self.track.weight.len() as f64).ln() + 2.0 * self.candidates.ln();
         Some(Lateness {
             delay_s: with.last,

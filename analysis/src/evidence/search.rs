@@ -221,6 +221,11 @@ impl<'a> Search<'_, 'a> {
                 };
                 let leaders = self.leaders(&fewer, Some(own));
                 let mut fits: Vec<Fit<'a>> = leaders.iter().filter_map(|term| self.with(&fewer, term)).collect();
+                // The term itself goes the same way: the likelihood of a noise has several tops, and each way finds its own.
+                let own_score = match self.with(&fewer, own) {
+                    Some(again) if !fits.is_empty() => again.score.min(fit.score),
+                    _ => fit.score,
+                };
                 fits.sort_by(|a, b| a.score.total_cmp(&b.score));
                 if self.trace {
                     for one in &fits {
@@ -228,7 +233,7 @@ impl<'a> Search<'_, 'a> {
                         eprintln!("  {id} in the place of {}: {:.1} rms {:.4}", own.id, one.score - fit.score, one.rms());
                     }
                 }
-                if fits.first().is_some_and(|best| best.score < fit.score - 1.0) && swaps < MOST_SWAPS {
+                if fits.first().is_some_and(|best| best.score < own_score - 1.0) && swaps < MOST_SWAPS {
                     let mut best = fits.swap_remove(0);
                     // In the place of the other: the order of the list is that of what was found first.
                     if let Some(term) = best.model.terms.pop() {
@@ -243,7 +248,7 @@ impl<'a> Search<'_, 'a> {
                     let term = one.model.terms.last()?;
                     Some(Rival {
                         id: term.id.clone(),
-                        odds: one.score - fit.score,
+                        odds: one.score - own_score,
                         is_variant: term.is_variant_of(own),
                     })
                 };
