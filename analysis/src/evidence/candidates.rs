@@ -58,7 +58,9 @@ impl<'l, 'a> Catalogue<'l, 'a> {
                     Some(Searched::At) => list.extend(self.step(&named, fit, screen)),
                     Some(Searched::Frequency) => list.extend(self.tone(&named, fit, screen)),
                     Some(Searched::Delay) if form.column => {
-                        list.extend(self.log.usable().filter_map(|column| self.late(&named, column, fit, screen)));
+                        list.extend(
+                            self.log.usable().filter_map(|column| self.late(&named, column, fit, screen)),
+                        );
                     }
                     _ => {}
                 }

@@ -80,7 +80,12 @@ impl Model<'_> {
         BASE + self.terms.iter().map(Term::k).sum::<usize>()
     }
 
-    fn quantities(&self, x: &Vector3<f64>, rate: Option<Vector3<f64>>, inverse: &Matrix3<f64>) -> Quantities<f64> {
+    fn quantities(
+        &self,
+        x: &Vector3<f64>,
+        rate: Option<Vector3<f64>>,
+        inverse: &Matrix3<f64>,
+    ) -> Quantities<f64> {
         let centred = x - self.offset;
         let mut at = Quantities::of_vector((*x).into());
         at.centred_ut = centred.into();

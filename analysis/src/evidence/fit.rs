@@ -81,7 +81,8 @@ impl Prior {
     fn inform(&self, sums: &mut Sums, model: &Model, variance: f64) {
         let values = parameters(model);
         let weight: Vec<f64> = self.sigma.iter().map(|sigma| variance / (sigma * sigma)).collect();
-        let off: Vec<f64> = values.iter().zip(&self.expected).map(|(value, expected)| value - expected).collect();
+        let off: Vec<f64> =
+            values.iter().zip(&self.expected).map(|(value, expected)| value - expected).collect();
         sums.inform(&weight, &off);
     }
 
@@ -271,17 +272,12 @@ fn plain_squares(track: &Track, residual: &[f64]) -> f64 {
 }
 
 /// The residual with its columns taken out under white noise.
-fn left_after(
-    rows: &[f64],
-    width: usize,
-    track: &Track,
-    prior: &Prior,
-    model: &Model,
-) -> Option<Vec<f64>> {
+fn left_after(rows: &[f64], width: usize, track: &Track, prior: &Prior, model: &Model) -> Option<Vec<f64>> {
     let noise = Noise::white(track, &residual_of(rows, width));
     let mut sums = whitened_sums(rows, width, track, &noise);
     prior.inform(&mut sums, model, noise.variance);
     let delta = -sums.factor()?.solve(&sums.right);
-    let left = |row: &[f64]| row[width - 1] + row[..width - 1].iter().zip(&delta).map(|(j, d)| j * d).sum::<f64>();
+    let left =
+        |row: &[f64]| row[width - 1] + row[..width - 1].iter().zip(&delta).map(|(j, d)| j * d).sum::<f64>();
     Some(rows.chunks_exact(width).map(left).collect())
 }

@@ -38,12 +38,16 @@ pub fn hidden_cause(fit: &Fit) -> Option<HiddenCause> {
     // What wanders may hide in the short memory too: several time constants are tried.
     let length = fit.track.time_s.last()? - fit.track.time_s.first()?;
     let known = fit.noise.wander;
-    let mut starts = vec![Wander { tau_s: [known.tau_s[0].min(length / 100.0), length / 10.0], size: [0.0, 3.0] }];
+    let mut starts =
+        vec![Wander { tau_s: [known.tau_s[0].min(length / 100.0), length / 10.0], size: [0.0, 3.0] }];
     starts.push(Wander { tau_s: [starts[0].tau_s[0], length / 50.0], size: [0.0, 3.0] });
     if known.size[1] > 0.0 {
         starts.push(Wander { size: [known.size[0], known.size[1] * 3f64.sqrt()], ..known });
     } else if known.size[0] > 0.0 {
-        starts.push(Wander { tau_s: [known.tau_s[0], known.tau_s[0]], size: [0.0, known.size[0] * 3f64.sqrt()] });
+        starts.push(Wander {
+            tau_s: [known.tau_s[0], known.tau_s[0]],
+            size: [0.0, known.size[0] * 3f64.sqrt()],
+        });
     }
     let n = residual.len() as f64;
     // The direction and one size less for independent axes: two parameters.
@@ -54,7 +58,9 @@ pub fn hidden_cause(fit: &Fit) -> Option<HiddenCause> {
     let readings: Vec<Vector3<f64>> = fit
         .points
         .chunks(per_block)
-        .map(|chunk| chunk.iter().map(|p| p.closest - fit.model.offset).sum::<Vector3<f64>>() / chunk.len() as f64)
+        .map(|chunk| {
+            chunk.iter().map(|p| p.closest - fit.model.offset).sum::<Vector3<f64>>() / chunk.len() as f64
+        })
         .collect();
     for is_gain in [false, true] {
         let view = |v: &Vector3<f64>| {

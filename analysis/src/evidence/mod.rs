@@ -18,4 +18,6 @@ pub mod screen;
 pub mod search;
 pub mod solve;
 pub mod term;
+#[cfg(test)]
+mod tests;
 pub mod verdict;

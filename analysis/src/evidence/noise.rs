@@ -360,3 +360,90 @@ impl Noise {
         (fast.hypot(slow) * self.variance.sqrt(), tau)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+
+    fn normal(rng: &mut ChaCha8Rng) -> f64 {
+        (0..12).map(|_| rng.random_range(-0.5..0.5)).sum()
+    }
+
+    /// A board that tumbles, and an offset that wanders by `size` with the time constant `tau_s` under white noise of 1 µT.
+    fn wandering(size: f64, tau_s: f64, seed: u64) -> (Track, Vec<f64>) {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let (n, step) = (2000, 0.1);
+        let mut track = Track::default();
+        let mut state = [0.0; 3].map(|_: f64| size * normal(&mut rng));
+        let keep = (-step / tau_s as f64).exp();
+        let mut series = Vec::new();
+        for k in 0..n {
+            let t = step * k as f64;
+            let (a, b) = (0.7 * t, 0.31 * t);
+            let q = [a.cos() * b.cos(), a.sin() * b.cos(), b.sin()];
+            state
+                .iter_mut()
+                .for_each(|v| *v = keep * *v + size * (1.0 - keep * keep).sqrt() * normal(&mut rng));
+            series.push((0..3).map(|i| q[i] * state[i]).sum::<f64>() + normal(&mut rng));
+            track.time_s.push(t);
+            track.direction.push(q);
+            track.weight.push(1.0);
+        }
+        (track, series)
+    }
+
+    #[test]
+    fn white_noise_has_its_variance_and_no_wander_to_speak_of() {
+        for seed in 0..4 {
+            let (track, series) = wandering(0.0, 5.0, seed);
+            let noise = Noise::fit(&track, &series, None, f64::INFINITY);
+            assert!((noise.variance - 1.0).abs() < 0.1, "{}", noise.variance);
+            assert!(noise.wander_ut().0 < 0.25, "{:?}", noise.wander);
+        }
+    }
+
+    #[test]
+    fn a_wander_is_found_with_its_size_and_its_time_constant() {
+        for seed in 0..4 {
+            let (track, series) = wandering(2.0, 5.0, seed);
+            let noise = Noise::fit(&track, &series, None, f64::INFINITY);
+            let (size, tau_s) = noise.wander_ut();
+            assert!((1.4..2.8).contains(&size) && (2.0..12.0).contains(&tau_s), "{size} µT over {tau_s} s");
+            assert!(noise.cost + 500.0 < Noise::white(&track, &series).cost);
+        }
+    }
+
+    #[test]
+    fn every_column_passes_the_filter_of_the_residual() {
+        let (track, series) = wandering(2.0, 5.0, 9);
+        let noise = Noise::fit(&track, &series, None, f64::INFINITY);
+        let mut columns: Vec<f64> = series.iter().flat_map(|v| [*v, -2.0 * v]).collect();
+        noise.whiten(&track, 2, &mut columns);
+        let mut alone = series.clone();
+        noise.whiten(&track, 1, &mut alone);
+        for (pair, alone) in columns.chunks_exact(2).zip(&alone) {
+            assert!((pair[0] - alone).abs() < 1e-12 && (pair[1] + 2.0 * alone).abs() < 1e-12);
+        }
+        // What is left is white: neighbours do not know each other.
+        let lagged: f64 = alone.windows(2).map(|pair| pair[0] * pair[1]).sum();
+        let squares: f64 = alone.iter().map(|v| v * v).sum();
+        assert!((lagged / squares).abs() < 4.0 / (alone.len() as f64).sqrt(), "{}", lagged / squares);
+        assert!(
+            (noise.cost_of(&alone) - noise.cost).abs() < 10.0,
+            "{} {}",
+            noise.cost_of(&alone),
+            noise.cost
+        );
+    }
+
+    #[test]
+    fn a_rolling_mean_is_a_short_memory() {
+        let (_, white) = wandering(0.0, 5.0, 3);
+        let mean: Vec<f64> =
+            (0..white.len()).map(|k| white[k.saturating_sub(3)..=k].iter().sum::<f64>() / 4.0).collect();
+        let (ar, variance, _) = burg(&mean, MAX_AR_ORDER);
+        assert!(ar.len() > 2 && variance < 0.13, "{ar:?} {variance}");
+    }
+}

@@ -1,12 +1,12 @@
 //! What candidates would gain: their columns through the same filter as the model's, which stay free.
 
+use crate::evidence::design::Blocks;
 use crate::evidence::design::candidate_rows;
 use crate::evidence::fit::Fit;
 use crate::evidence::log::Log;
 use crate::evidence::noise::Noise;
 use crate::evidence::solve::{Factor, Sums, taken_off};
 use crate::evidence::term::Term;
-use crate::evidence::design::Blocks;
 use nalgebra::{DMatrix, DVector};
 
 /// Columns that are whitened at once.

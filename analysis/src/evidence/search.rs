@@ -57,8 +57,7 @@ pub struct Search<'l, 'a> {
 impl<'a> Search<'_, 'a> {
     /// Whether a model with more terms is worth them.
     fn is_worth(more: &Fit, fewer: &Fit, terms: usize) -> bool {
-        fewer.score - more.score > MIN_ODDS * terms as f64
-            && more.squares < (1.0 - MIN_SHARE) * fewer.squares
+        fewer.score - more.score > MIN_ODDS * terms as f64 && more.squares < (1.0 - MIN_SHARE) * fewer.squares
     }
 
     /// The fit with one more term. A term that reads the field is tried in both of its forms.
@@ -112,7 +111,8 @@ impl<'a> Search<'_, 'a> {
             }
             let least = match own {
                 Some(own) => {
-                    let gain = order.iter().find(|(_, term)| term.id == own.id).map_or(0.0, |(gain, _)| *gain);
+                    let gain =
+                        order.iter().find(|(_, term)| term.id == own.id).map_or(0.0, |(gain, _)| *gain);
                     (RIVAL_SHARE * gain).max(0.0)
                 }
                 None => 0.0,
@@ -120,9 +120,8 @@ impl<'a> Search<'_, 'a> {
             order.retain(|(gain, term)| *gain > least && own.is_none_or(|own| own.id != term.id));
             let most = if own.is_some() { RIVALS } else { LEADERS };
             for (rank, (_, term)) in order.into_iter().take(most).enumerate() {
-                let same = |own: &&mut (Term<'a>, usize)| {
-                    own.0.id == term.id && own.0.searched() == term.searched()
-                };
+                let same =
+                    |own: &&mut (Term<'a>, usize)| own.0.id == term.id && own.0.searched() == term.searched();
                 match list.iter_mut().find(same) {
                     Some(own) => own.1 = own.1.min(rank),
                     None => list.push((term, rank)),
@@ -220,7 +219,8 @@ impl<'a> Search<'_, 'a> {
                     continue;
                 };
                 let leaders = self.leaders(&fewer, Some(own));
-                let mut fits: Vec<Fit<'a>> = leaders.iter().filter_map(|term| self.with(&fewer, term)).collect();
+                let mut fits: Vec<Fit<'a>> =
+                    leaders.iter().filter_map(|term| self.with(&fewer, term)).collect();
                 // The term itself goes the same way: the likelihood of a noise has several tops, and each way finds its own.
                 let own_score = match self.with(&fewer, own) {
                     Some(again) if !fits.is_empty() => again.score.min(fit.score),
@@ -230,7 +230,12 @@ impl<'a> Search<'_, 'a> {
                 if self.trace {
                     for one in &fits {
                         let id = one.model.terms.last().map_or("", |term| term.id.as_str());
-                        eprintln!("  {id} in the place of {}: {:.1} rms {:.4}", own.id, one.score - fit.score, one.rms());
+                        eprintln!(
+                            "  {id} in the place of {}: {:.1} rms {:.4}",
+                            own.id,
+                            one.score - fit.score,
+                            one.rms()
+                        );
                     }
                 }
                 if fits.first().is_some_and(|best| best.score < own_score - 1.0) && swaps < MOST_SWAPS {

@@ -76,7 +76,8 @@ impl Factor {
 
     /// Solves for several.
     pub fn solve_all(&self, right: &DMatrix<f64>) -> DMatrix<f64> {
-        let scaled = |m: &DMatrix<f64>| DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] * self.scale[i]);
+        let scaled =
+            |m: &DMatrix<f64>| DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] * self.scale[i]);
         scaled(&self.cholesky.solve(&scaled(right)))
     }
 
@@ -121,4 +122,48 @@ pub fn taken_off(matrix: &DMatrix<f64>, right: &DVector<f64>, own: &DVector<f64>
         }
     }
     (taken, rank)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Columns 1 and t over ten rows, and a residual 3 − 2t with the last row off by one.
+    fn rows() -> Vec<f64> {
+        (0..10)
+            .flat_map(|t| [1.0, f64::from(t), 3.0 - 2.0 * f64::from(t) + f64::from(u8::from(t == 9))])
+            .collect()
+    }
+
+    #[test]
+    fn a_line_is_solved_and_information_pulls() {
+        let mut sums = Sums::of(&rows(), 2);
+        let delta = -sums.factor().unwrap().solve(&sums.right);
+        // Least squares of the same line by hand: slope −2 + 4.5/82.5, intercept by the means.
+        let slope = -2.0 + 4.5 / 82.5;
+        assert!((delta[1] + slope).abs() < 1e-9, "{delta}");
+        assert!((delta[0] + (3.1 - 2.0 * 4.5 - slope * 4.5)).abs() < 1e-9);
+        sums.inform(&[1e12, 0.0], &[0.0, 0.0]);
+        let held = -sums.factor().unwrap().solve(&sums.right);
+        assert!(held[0].abs() < 1e-6, "{held}");
+    }
+
+    #[test]
+    fn what_columns_take_off_is_what_a_fit_with_them_leaves_less() {
+        let line: Vec<f64> = rows().chunks_exact(3).flat_map(|row| [row[0], row[1], row[2]]).collect();
+        let whole = Sums::of(&line, 2);
+        let one: Vec<f64> = line.chunks_exact(3).flat_map(|row| [row[0], row[2]]).collect();
+        let base = Sums::of(&one, 1);
+        let left = |sums: &Sums| sums.squares - sums.right.dot(&sums.factor().unwrap().solve(&sums.right));
+        let cross =
+            DMatrix::from_fn(1, 2, |_, j| if j == 0 { whole.matrix[(0, 1)] } else { whole.matrix[(0, 1)] });
+        let n = whole.matrix[(0, 0)];
+        // The same column twice: the second is left out.
+        let own = DMatrix::from_element(2, 2, whole.matrix[(1, 1)]);
+        let schur = &own - cross.transpose() * &cross / n;
+        let right = DVector::from_element(2, whole.right[1] - whole.matrix[(0, 1)] * whole.right[0] / n);
+        let (taken, rank) = taken_off(&schur, &right, &own.diagonal());
+        assert_eq!(rank, 1);
+        assert!((taken - (left(&base) - left(&whole))).abs() < 1e-8, "{taken}");
+    }
 }

@@ -5,9 +5,9 @@ use crate::evidence::bounds::{MAX_BLOCKS, MAX_COLOURED_UT, MIN_ODDS, UNCLEAR_ODD
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::Blocks;
 use crate::evidence::dip::{Dip, Lateness};
+use crate::evidence::error::{corrected, predicted_error_ut};
 use crate::evidence::fit::{Fit, Setting, starts};
 use crate::evidence::gaps::without_gaps;
-use crate::evidence::error::{corrected, predicted_error_ut};
 use crate::evidence::hidden::HiddenCause;
 use crate::evidence::log::Log;
 use crate::evidence::search::{Rival, Search};
@@ -83,7 +83,12 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
         let setting = Setting { blocks, scale, candidates };
         let fit = Fit::of(&log, &setting, model, None);
         if trace {
-            eprintln!("start: score {:?}, rms {:?}, scale {scale}, b {:?}", fit.as_ref().map(|fit| fit.score), fit.as_ref().map(Fit::rms), fit.as_ref().map(|f| f.model.offset));
+            eprintln!(
+                "start: score {:?}, rms {:?}, scale {scale}, b {:?}",
+                fit.as_ref().map(|fit| fit.score),
+                fit.as_ref().map(Fit::rms),
+                fit.as_ref().map(|f| f.model.offset)
+            );
         }
         bases.extend(fit.map(|fit| (fit, setting)));
     }

@@ -8,10 +8,10 @@
 
 use ironout_analysis::Options;
 use ironout_analysis::evidence::verdict::judge;
-use ironout_host_tests::frozen::compare::merit;
-use ironout_host_tests::frozen::entry::{Entry, Made};
 use ironout_host_tests::accuracy::simulated::table_of;
 use ironout_host_tests::accuracy::true_error::worst_error_ut;
+use ironout_host_tests::frozen::compare::merit;
+use ironout_host_tests::frozen::entry::{Entry, Made};
 use ironout_host_tests::frozen::row::{HEADER, Row, hidden};
 use ironout_host_tests::frozen::{generated, run, snapshot};
 use ironout_host_tests::rate::Rate;
@@ -59,7 +59,8 @@ fn new_row(entry: &Entry, made: &Made, trace: bool) -> Option<Row> {
     cells[13] = format!("{:.4} wander {:.3} in {:.1} s", found.noise_ut, found.wander.0, found.wander.1);
     cells[14] = format!("{:.4}", found.predicted_error_ut);
     let pairs = made.body_field_ut.as_ref().map(|truth| {
-        let pair = |(row, own): &(usize, [f64; 3])| Some((Vector3::from(*own), Vector3::from(*truth.get(*row)?)));
+        let pair =
+            |(row, own): &(usize, [f64; 3])| Some((Vector3::from(*own), Vector3::from(*truth.get(*row)?)));
         found.corrected.iter().filter_map(pair).collect::<Vec<_>>()
     });
     let error = pairs.filter(|pairs| pairs.len() > 20).and_then(|pairs| worst_error_ut(pairs, false));
@@ -90,11 +91,13 @@ fn counted(folder: &Path) -> (usize, usize) {
 }
 
 fn count() {
-    let room = |name: &str| counted(&Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../analysis/src")).join(name));
+    let room =
+        |name: &str| counted(&Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../analysis/src")).join(name));
     for (engine, rooms) in
         [("old", &["search", "noise", "residual", "base", "outcome"][..]), ("new", &["evidence"][..])]
     {
-        let (lines, constants) = rooms.iter().map(|name| room(name)).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+        let (lines, constants) =
+            rooms.iter().map(|name| room(name)).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
         println!("{engine}: {lines} lines of code, {constants} constants in {}", rooms.join(", "));
     }
 }

@@ -122,7 +122,11 @@ pub fn unseen(logs: u64) -> Vec<Entry> {
         (FROM..FROM + logs).map(move |number| {
             Entry::new(source.name(), format!("unseen {number}"), move || {
                 let (columns, hidden) = source.columns(number).ok_or("SKIPPED: the recording is not here")?;
-                Ok(Made { rows: Rows::Columns(columns), hidden: Hidden::Injected(hidden), body_field_ut: None })
+                Ok(Made {
+                    rows: Rows::Columns(columns),
+                    hidden: Hidden::Injected(hidden),
+                    body_field_ut: None,
+                })
             })
         })
     });
