@@ -134,7 +134,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         if highest <= MIN_TONE_HZ {
             return None;
         }
-        let whitened = screen.residual(fit);
+        let whitened = screen.residual();
         let n = whitened.len();
         let size = (4 * n).next_power_of_two();
         let mut power = vec![0.0; size / 2];

@@ -278,9 +278,8 @@ pub fn term_row(term: &Term, sample: usize, point: &Point, at: &Quantities<f64>,
 }
 
 /// Columns of base and terms with the residual behind them, as block means.
-pub fn rows(log: &Log, blocks: &Blocks, model: &Model, points: &[Point]) -> Vec<f64> {
+pub fn rows(blocks: &Blocks, model: &Model, points: &[Point]) -> Vec<f64> {
     let width = model.columns() + 1;
-    let _ = log;
     blocks.means(width, |sample, row| {
         let point = &points[sample];
         // ‖pull‖ is ‖Cᵀu‖ over the gradient's length: what scales the columns of the matrix.

@@ -168,7 +168,7 @@ impl<'a> Fit<'a> {
         let prior = Prior::of(log, &model, &points, setting.scale);
         let width = model.columns() + 1;
         let mut track = blocks.track(log, &points);
-        let mut rows_now = rows(log, blocks, &model, &points);
+        let mut rows_now = rows(blocks, &model, &points);
         // White noise at first: what is far is far whatever the noise.
         let mut noise = Noise::white(&track, &left_after(&rows_now, width, &track, &prior, &model)?);
         let mut most_squares = f64::INFINITY;
@@ -177,7 +177,7 @@ impl<'a> Fit<'a> {
             let mut steps = 0;
             if round > 0 {
                 points = model.points(log, true)?;
-                rows_now = rows(log, blocks, &model, &points);
+                rows_now = rows(blocks, &model, &points);
                 let residual = residual_of(&rows_now, width);
                 let most_ut = MAX_WANDER_FIELDS * model.field / setting.scale;
                 noise = match round {
@@ -222,7 +222,7 @@ impl<'a> Fit<'a> {
                 let Some((next, next_points, gained)) = better else { break };
                 (model, points) = (next, next_points);
                 track = blocks.track(log, &points);
-                rows_now = rows(log, blocks, &model, &points);
+                rows_now = rows(blocks, &model, &points);
                 if gained < 0.25 * enough && promised < 1.0 {
                     break;
                 }

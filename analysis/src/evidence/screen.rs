@@ -1,7 +1,6 @@
 //! What candidates would gain: their columns through the same filter as the model's, which stay free.
 
-use crate::evidence::design::Blocks;
-use crate::evidence::design::candidate_rows;
+use crate::evidence::design::{Blocks, candidate_rows};
 use crate::evidence::fit::Fit;
 use crate::evidence::log::Log;
 use crate::evidence::noise::Noise;
@@ -51,7 +50,7 @@ impl Screen {
     }
 
     /// The residual, whitened.
-    pub fn residual(&self, _: &Fit) -> Vec<f64> {
+    pub fn residual(&self) -> Vec<f64> {
         self.whitened.chunks_exact(self.width).map(|row| row[self.width - 1]).collect()
     }
 
