@@ -42,3 +42,36 @@ pub const MAX_WANDER_FIELDS: f64 = 0.1;
 
 /// Coloured noise of a sensor, rms per axis, µT, at most: the chips in use have white noise up to about 1 µT and less that is slow.
 pub const MAX_COLOURED_UT: f64 = 1.0;
+
+/// Square of the residual over the field from which the two forms of a term are told apart, in units of the noise: the magnitude shows
+/// about a fifth of a disturbance, and a tenth of the noise is seen in some hundred samples.
+pub const FORMS_DIFFER: f64 = 0.004;
+
+/// Rivals of a term that are fitted in full: the screen orders candidates right within a few places.
+pub const RIVALS: usize = 3;
+
+/// Share of the gain of a term that a rival has at least in a screen to be fitted: noise that is estimated anew changes a gain by less
+/// than the other 40 %.
+pub const RIVAL_SHARE: f64 = 0.6;
+
+/// Leaders of each screen that are fitted in full: the screen orders candidates right within a few places.
+pub const LEADERS: usize = 4;
+
+/// Swaps of terms, at most: each lowers the score, so that more than one per term means a loop.
+pub const MOST_SWAPS: usize = 4;
+
+/// A gap is longer than this many usual distances of the cells of a column: shorter ones are its own rate with jitter.
+pub const USUAL_DISTANCES: usize = 2;
+
+/// What is left of a log must be this share of it: a log that is mostly gaps is read with its gaps filled.
+pub const LEAST_LEFT: f64 = 0.5;
+
+/// Squares of a fit under coloured noise over the least ones, at most: generalised least squares that doubles them has left the region
+/// where the linearisation holds.
+pub const MOST_ABOVE_LEAST: f64 = 2.0;
+
+/// Least slope of the reading by the field: with less, readings fold over, and two fields have one reading.
+pub const LEAST_SLOPE: f64 = 0.05;
+
+/// Largest sine of the dip: within 10° of the vertical the angle to gravity says next to nothing about a rotation.
+pub const MOST_SINE: f64 = 0.985;

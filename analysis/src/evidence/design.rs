@@ -4,6 +4,7 @@
 //! undisturbed reading from the ellipsoid, over the gradient g by m: then it is the noise w along the unit vector q = g/‖g‖, in µT
 //! of the sensor, whatever the model. Columns are taken at the closest point of the ellipsoid, which noise along q does not move.
 
+use crate::evidence::bounds::LEAST_SLOPE;
 use crate::evidence::log::Log;
 use crate::evidence::noise::Track;
 use crate::evidence::term::Term;
@@ -16,8 +17,6 @@ pub const BASE: usize = 9;
 pub const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 /// Steps to the undisturbed reading, at most.
 const MOST_STEPS: usize = 12;
-/// Readings whose slope by the field is less fold over: two fields have one reading.
-const LEAST_SLOPE: f64 = 0.05;
 
 /// What a term bends that reads the field: two forms of one effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,7 +5,7 @@
 
 use crate::base::alignment::align;
 use crate::base::start::NO_ROTATION;
-use crate::evidence::bounds::{MIN_ODDS, MIN_SHARE};
+use crate::evidence::bounds::{MIN_ODDS, MIN_SHARE, MOST_SINE};
 use crate::evidence::design::{BASE, TRIANGLE};
 use crate::evidence::fit::{Fit, Setting};
 use crate::evidence::log::Log;
@@ -19,8 +19,6 @@ const OWN: usize = 7;
 /// Rounds of fit and noise in turn.
 const ROUNDS: usize = 5;
 const LAST: usize = ROUNDS - 1;
-/// Directions nearer to the vertical than this tell no dip: sine.
-const MOST_SINE: f64 = 0.985;
 
 /// What the dip says of a late sensor.
 #[derive(Debug, Clone, Copy)]

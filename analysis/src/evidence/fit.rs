@@ -2,7 +2,9 @@
 
 use crate::base::ground::Ground;
 use crate::base::start;
-use crate::evidence::bounds::{MATRIX_PRIOR, MAX_WANDER_FIELDS, OFFSET_PRIOR_FIELDS, TERM_PRIOR_FIELDS};
+use crate::evidence::bounds::{
+    MATRIX_PRIOR, MAX_WANDER_FIELDS, MOST_ABOVE_LEAST, OFFSET_PRIOR_FIELDS, TERM_PRIOR_FIELDS,
+};
 use crate::evidence::design::{BASE, Bends, Blocks, Model, Point, TRIANGLE, rows};
 use crate::evidence::log::Log;
 use crate::evidence::noise::{Noise, Track, Wander};
@@ -16,8 +18,6 @@ const SETTLED: f64 = 0.02;
 const NEAR: f64 = 1.0;
 /// Steps of one fit, at most.
 const MOST_STEPS: usize = 12;
-/// Squares of a fit under a coloured noise, over the least ones, at most.
-const MOST_ABOVE_LEAST: f64 = 2.0;
 /// Samples that the size of a shape is taken from.
 const SIZED_BY: usize = 200;
 
@@ -38,7 +38,7 @@ pub struct Fit<'a> {
     pub sums: Sums,
     /// −2 log posterior, without constants.
     pub score: f64,
-    /// Sum of squared residuals of the blocks, weighted, µT².
+    /// Sum of squared residuals of the samples, µT².
     pub squares: f64,
 }
 
@@ -232,7 +232,7 @@ impl<'a> Fit<'a> {
         let noise = Noise::with(&track, noise.wander, &residual);
         let mut sums = whitened_sums(&rows_now, width, &track, &noise);
         prior.inform(&mut sums, &model, noise.variance);
-        let squares = plain_squares(&track, &residual);
+        let squares = points.iter().map(|point| point.residual * point.residual).sum();
         let n = residual.len() as f64;
         let price: f64 = model
             .terms
@@ -247,7 +247,7 @@ impl<'a> Fit<'a> {
 
     /// Rms of the residual, µT.
     pub fn rms(&self) -> f64 {
-        (self.squares / self.track.weight.iter().sum::<f64>().max(1.0)).sqrt()
+        (self.squares / self.points.len().max(1) as f64).sqrt()
     }
 
     /// Residual of the blocks, µT.

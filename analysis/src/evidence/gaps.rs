@@ -1,12 +1,8 @@
 //! Cells of a column that are missing: between far cells nobody knows what the column did, so those samples say nothing of it.
 
+use crate::evidence::bounds::{LEAST_LEFT, USUAL_DISTANCES};
 use crate::samples::samples::Samples;
 use crate::table::Table;
-
-/// A gap is longer than this many usual distances of a column's cells.
-const USUAL_DISTANCES: usize = 2;
-/// What is left of a log must be this share of it: a log that is mostly gaps is read with its gaps filled.
-const LEAST_LEFT: f64 = 0.5;
 
 /// The samples without those in gaps of columns; `None` where there are none to leave out.
 pub fn without_gaps(samples: &Samples, table: &Table) -> Option<Samples> {

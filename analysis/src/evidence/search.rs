@@ -1,6 +1,8 @@
 //! Which terms a log asks for: add, drop and swap by one score.
 
-use crate::evidence::bounds::{MAX_TERMS, MIN_ODDS, MIN_SHARE};
+use crate::evidence::bounds::{
+    FORMS_DIFFER, LEADERS, MAX_TERMS, MIN_ODDS, MIN_SHARE, MOST_SWAPS, RIVAL_SHARE, RIVALS,
+};
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::{Bends, Model};
 use crate::evidence::fit::{Fit, Setting};
@@ -8,18 +10,6 @@ use crate::evidence::hidden::{HiddenCause, hidden_cause};
 use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
 use crate::evidence::term::Term;
-
-/// Square of the residual over the field from which the two forms of a term are told apart, in units of the noise: the magnitude shows
-/// about a fifth of a disturbance, and a tenth of the noise is seen in some hundred samples.
-const FORMS_DIFFER: f64 = 0.004;
-/// Leaders of each screen that are fitted in full.
-const LEADERS: usize = 4;
-/// Rivals of a term that are fitted in full, and the share of its gain that they have at least in a screen.
-const RIVALS: usize = 3;
-const RIVAL_SHARE: f64 = 0.6;
-
-/// Swaps of terms, at most.
-const MOST_SWAPS: usize = 4;
 
 /// The result of a search.
 pub struct Found<'a> {

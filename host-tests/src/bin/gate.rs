@@ -1,7 +1,8 @@
 //! `gate`: the search of today and the evidence engine on the same logs, as a table.
 //!
 //! Frozen logs are compared with their snapshot; `--old` runs the old engine on them too, for its times. `--unseen N` takes N logs of
-//! each kind of both generators and of each recording instead, from seeds that nothing was tuned on, and runs both engines.
+//! each kind of both generators and of each recording instead, from seeds that nothing was tuned on, and runs both engines;
+//! `--seeds-from K` leaves out the first K seeds.
 //! `--from K` begins at the K-th log, `--every N` takes each N-th, `--only S` sets whose name contains S, `--log S` one log,
 //! `--rows` prints each log, `--trace` what the search does. `--count` counts lines and constants of both engines.
 //! `--false-alarms N` simulates N logs without effects in white noise and counts those in which somebody is named.
@@ -31,13 +32,18 @@ fn main() -> ExitCode {
     }
 }
 
-/// Processor time of this thread, s; the time of day where the system does not tell it.
+/// Processor time of all threads, s; the time of day where the system does not tell it.
 fn processor_s() -> f64 {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let ns = told.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
-    ns.map_or_else(
+    let told = std::fs::read_to_string("/proc/self/stat").ok();
+    // User and system time, in hundredths of a second, are the 12th and 13th word behind the name.
+    let ticks = told.and_then(|text| {
+        let mut words = text.rsplit(')').next()?.split_whitespace().skip(11);
+        let mut word = || words.next()?.parse::<f64>().ok();
+        Some(word()? + word()?)
+    });
+    ticks.map_or_else(
         || std::time::UNIX_EPOCH.elapsed().map_or(0.0, |elapsed| elapsed.as_secs_f64()),
-        |ns| 1e-9 * ns,
+        |ticks| 0.01 * ticks,
     )
 }
 
@@ -209,6 +215,7 @@ impl Tally {
 fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error::Error>> {
     let (mut from, mut every, mut only, mut rows, mut trace) = (0usize, 1usize, Vec::new(), false, false);
     let (mut log, mut unseen, mut runs_old) = (None, None, false);
+    let mut seeds = 0;
     let mut words = words;
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));
@@ -218,6 +225,7 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
             "--only" => only.push(value()?),
             "--log" => log = Some(value()?),
             "--unseen" => unseen = Some(value()?.parse::<u64>()?),
+            "--seeds-from" => seeds = value()?.parse()?,
             "--old" => runs_old = true,
             "--rows" => rows = true,
             "--trace" => trace = true,
@@ -239,7 +247,7 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
         println!("unseen logs: nothing was tuned on their seeds");
     }
     let entries: Vec<Entry> = unseen
-        .map_or_else(run::entries, generated::unseen)
+        .map_or_else(run::entries, |logs| generated::unseen(seeds..seeds + logs))
         .into_iter()
         .filter(|entry| only.is_empty() || only.iter().any(|word| entry.set.contains(word.as_str())))
         .filter(|entry| log.as_ref().is_none_or(|log| *log == entry.log))

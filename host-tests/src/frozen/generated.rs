@@ -7,6 +7,7 @@ use ironout_analysis::outcome::outcome::Verdict;
 use ironout_simulation::Log;
 use ironout_simulation::truths::{Kind, draw};
 use second_generator::Kind as SecondKind;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// Logs per row of the table of effects.
@@ -89,13 +90,14 @@ pub fn injected() -> Vec<Entry> {
 }
 
 /// Logs that nothing was tuned on: so many of each kind of both generators and of each recording, from seeds that only these have.
-pub fn unseen(logs: u64) -> Vec<Entry> {
+pub fn unseen(numbers: Range<u64>) -> Vec<Entry> {
     /// Seeds of the own simulator.
     const FAMILY: u64 = 0x40_e1;
-    /// Numbers of the second generator, and of injected effects.
+    /// The first number of the second generator, and of injected effects.
     const FROM: u64 = 8000;
+    let later = FROM + numbers.start..FROM + numbers.end;
     let own = Kind::ALL.into_iter().flat_map(|kind| {
-        (0..logs).map(move |number| {
+        numbers.clone().map(move |number| {
             Entry::new(kind.name(), format!("unseen {number}"), move || {
                 let drawn = draw(kind, FAMILY, number);
                 let hidden = match kind {
@@ -106,8 +108,9 @@ pub fn unseen(logs: u64) -> Vec<Entry> {
             })
         })
     });
-    let second = SecondKind::ALL.into_iter().flat_map(|kind| {
-        (FROM..FROM + logs).map(move |number| {
+    let second_numbers = later.clone();
+    let second = SecondKind::ALL.into_iter().flat_map(move |kind| {
+        second_numbers.clone().map(move |number| {
             Entry::new(&format!("second-{}", kind.name()), format!("unseen {number}"), move || {
                 let drawn = second_generator::draw(kind, number);
                 Ok(Made {
@@ -119,7 +122,7 @@ pub fn unseen(logs: u64) -> Vec<Entry> {
         })
     });
     let recorded = Source::ALL.into_iter().flat_map(|source| {
-        (FROM..FROM + logs).map(move |number| {
+        later.clone().map(move |number| {
             Entry::new(source.name(), format!("unseen {number}"), move || {
                 let (columns, hidden) = source.columns(number).ok_or("SKIPPED: the recording is not here")?;
                 Ok(Made {
