@@ -23,7 +23,7 @@ pub const MATRIX_PRIOR: f64 = 0.2;
 pub const TERM_PRIOR_FIELDS: f64 = 0.5;
 
 /// Block means of a long log, at most: the wander of a sensor lasts for many samples, so that a block has one value of it.
-pub const MAX_BLOCKS: usize = 3600;
+pub const MAX_BLOCKS: usize = 4200;
 
 /// Terms of one model, at most: a log with more causes is a log to record again.
 pub const MAX_TERMS: usize = 5;
