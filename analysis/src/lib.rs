@@ -18,6 +18,7 @@ pub mod calibration;
 pub mod confined;
 pub mod correct;
 pub mod effects;
+pub mod evidence;
 pub mod export;
 pub mod fit;
 pub mod fleet;

@@ -26,7 +26,12 @@ pub fn true_error_ut(table: &Table<'_>, diagnosis: &Diagnosis, truth: &[[f64; 3]
         .filter_map(|(row, truth)| Some((Vector3::from(corrector.correct(row).ok()?), Vector3::from(*truth))))
         .filter(|(own, truth)| own.iter().chain(truth).all(|value| value.is_finite()))
         .collect();
-    let linear = linear_error(pairs, matches!(diagnosis.alignment, Alignment::Done { .. }))?;
+    worst_error_ut(pairs, matches!(diagnosis.alignment, Alignment::Done { .. }))
+}
+
+/// The same of corrected vectors beside the true ones; without alignment the best rotation is taken out.
+pub fn worst_error_ut(pairs: Vec<(Vector3<f64>, Vector3<f64>)>, is_aligned: bool) -> Option<f64> {
+    let linear = linear_error(pairs, is_aligned)?;
     let worst = (0..DIRECTIONS).map(|place| {
         // A spiral of equal areas.
         let z = 1.0 - (2 * place + 1) as f64 / DIRECTIONS as f64;

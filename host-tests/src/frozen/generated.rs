@@ -7,6 +7,7 @@ use ironout_analysis::outcome::outcome::Verdict;
 use ironout_simulation::Log;
 use ironout_simulation::truths::{Kind, draw};
 use second_generator::Kind as SecondKind;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// Logs per row of the table of effects.
@@ -86,6 +87,53 @@ pub fn injected() -> Vec<Entry> {
         })
     });
     each.collect()
+}
+
+/// Logs that nothing was tuned on: so many of each kind of both generators and of each recording, from seeds that only these have.
+pub fn unseen(numbers: Range<u64>) -> Vec<Entry> {
+    /// Seeds of the own simulator.
+    const FAMILY: u64 = 0x40_e1;
+    /// The first number of the second generator, and of injected effects.
+    const FROM: u64 = 8000;
+    let later = FROM + numbers.start..FROM + numbers.end;
+    let own = Kind::ALL.into_iter().flat_map(|kind| {
+        numbers.clone().map(move |number| {
+            Entry::new(kind.name(), format!("unseen {number}"), move || {
+                let drawn = draw(kind, FAMILY, number);
+                let hidden = match kind {
+                    Kind::Deleted => Hidden::ColumnMissing,
+                    _ => Hidden::Effects(drawn.hidden),
+                };
+                Ok(made(drawn.world.run(), hidden))
+            })
+        })
+    });
+    let second_numbers = later.clone();
+    let second = SecondKind::ALL.into_iter().flat_map(move |kind| {
+        second_numbers.clone().map(move |number| {
+            Entry::new(&format!("second-{}", kind.name()), format!("unseen {number}"), move || {
+                let drawn = second_generator::draw(kind, number);
+                Ok(Made {
+                    hidden: hidden_by_second(kind, &drawn.truth),
+                    rows: Rows::Columns(drawn.columns),
+                    body_field_ut: Some(drawn.truth.field_body_ut),
+                })
+            })
+        })
+    });
+    let recorded = Source::ALL.into_iter().flat_map(|source| {
+        later.clone().map(move |number| {
+            Entry::new(source.name(), format!("unseen {number}"), move || {
+                let (columns, hidden) = source.columns(number).ok_or("SKIPPED: the recording is not here")?;
+                Ok(Made {
+                    rows: Rows::Columns(columns),
+                    hidden: Hidden::Injected(hidden),
+                    body_field_ut: None,
+                })
+            })
+        })
+    });
+    own.chain(second).chain(recorded).collect()
 }
 
 /// What a log of the second generator hides, as a diagnosis names it.

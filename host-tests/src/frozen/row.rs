@@ -114,7 +114,8 @@ fn number(value: Option<f64>) -> String {
     value.filter(|value| value.is_finite()).map_or_else(String::new, |value| format!("{value:.4}"))
 }
 
-fn hidden(hidden: &Hidden) -> String {
+/// What is hidden, as a cell.
+pub fn hidden(hidden: &Hidden) -> String {
     match hidden {
         Hidden::Unknown => "?".to_owned(),
         Hidden::Effects(ids) => ids.join("+"),

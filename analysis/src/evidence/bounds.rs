@@ -1,0 +1,77 @@
+//! Every threshold of the evidence engine. Each is a probability or a physical bound, with the reason for its value.
+
+/// Twice the log of the posterior odds against a false name: one log in a hundred with a wrongly added term is accepted.
+pub const MIN_ODDS: f64 = 9.210_340_371_976_184;
+
+/// Twice the log of 19: an alternative is unclear while its posterior probability is above 5 %.
+pub const UNCLEAR_ODDS: f64 = 5.888_877_957_332_881;
+
+/// Twice the log of the prior odds against a derived form (square, delay, low-pass): one effect in ten has one.
+pub const DERIVED_ODDS: f64 = 4.605_170_185_988_092;
+
+/// Share of the remaining squared residual that a term must explain: below 5 % a correction changes the rms by less than the
+/// uncertainty of the noise model.
+pub const MIN_SHARE: f64 = 0.05;
+
+/// 1σ of the offset, in units of the field: datasheets allow a few fields of hard iron on a finished board.
+pub const OFFSET_PRIOR_FIELDS: f64 = 3.0;
+
+/// 1σ of an entry of the matrix: soft iron and gains of uncorrected boards stay within some 20 %.
+pub const MATRIX_PRIOR: f64 = 0.2;
+
+/// 1σ of the rms disturbance of one term, in units of the field: a disturbance as large as the field hides the field itself.
+pub const TERM_PRIOR_FIELDS: f64 = 0.5;
+
+/// Block means of a long log, at most: the wander of a sensor lasts for many samples, so that a block has one value of it.
+pub const MAX_BLOCKS: usize = 4200;
+
+/// Terms of one model, at most: a log with more causes is a log to record again.
+pub const MAX_TERMS: usize = 5;
+
+/// Order of the short autoregressive noise, at most: the longest filter of common chips averages 16 samples.
+pub const MAX_AR_ORDER: usize = 16;
+
+/// The longest delay of a cause against its column, s: slower paths are low-passes with a time constant, not delays.
+pub const MAX_DELAY_S: f64 = 5.0;
+
+/// The lowest frequency of a tone, Hz: two slower sinusoids imitate almost any column.
+pub const MIN_TONE_HZ: f64 = 1.0;
+
+/// 1σ of the wander per axis, in units of the field, at most: what moves the offset by more is a cause, not a noise.
+pub const MAX_WANDER_FIELDS: f64 = 0.1;
+
+/// Coloured noise of a sensor, rms per axis, µT, at most: the chips in use have white noise up to about 1 µT and less that is slow.
+pub const MAX_COLOURED_UT: f64 = 1.0;
+
+/// Square of the residual over the field from which the two forms of a term are told apart, in units of the noise: the magnitude shows
+/// about a fifth of a disturbance, and a tenth of the noise is seen in some hundred samples.
+pub const FORMS_DIFFER: f64 = 0.004;
+
+/// Rivals of a term that are fitted in full: the screen orders candidates right within a few places.
+pub const RIVALS: usize = 3;
+
+/// Share of the gain of a term that a rival has at least in a screen to be fitted: noise that is estimated anew changes a gain by less
+/// than the other 40 %.
+pub const RIVAL_SHARE: f64 = 0.6;
+
+/// Leaders of each screen that are fitted in full: the screen orders candidates right within a few places.
+pub const LEADERS: usize = 4;
+
+/// Swaps of terms, at most: each lowers the score, so that more than one per term means a loop.
+pub const MOST_SWAPS: usize = 4;
+
+/// A gap is longer than this many usual distances of the cells of a column: shorter ones are its own rate with jitter.
+pub const USUAL_DISTANCES: usize = 2;
+
+/// What is left of a log must be this share of it: a log that is mostly gaps is read with its gaps filled.
+pub const LEAST_LEFT: f64 = 0.5;
+
+/// Squares of a fit under coloured noise over the least ones, at most: generalised least squares that doubles them has left the region
+/// where the linearisation holds.
+pub const MOST_ABOVE_LEAST: f64 = 2.0;
+
+/// Least slope of the reading by the field: with less, readings fold over, and two fields have one reading.
+pub const LEAST_SLOPE: f64 = 0.05;
+
+/// Largest sine of the dip: within 10° of the vertical the angle to gravity says next to nothing about a rotation.
+pub const MOST_SINE: f64 = 0.985;

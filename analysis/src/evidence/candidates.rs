@@ -1,0 +1,167 @@
+//! The terms that a log allows: fixed forms, and those with a place, a frequency or a delay to be searched.
+
+use crate::evidence::bounds::{DERIVED_ODDS, MAX_DELAY_S, MIN_TONE_HZ};
+use crate::evidence::fit::Fit;
+use crate::evidence::log::Log;
+use crate::evidence::screen::Screen;
+use crate::evidence::term::Term;
+use crate::samples::fft;
+use ironout::effect::{Follows, Named, Registry, Searched};
+
+/// Places of a first look for a step.
+const STEP_PLACES: usize = 48;
+
+/// The forms of effects on a log.
+pub struct Catalogue<'l, 'a> {
+    log: &'l Log<'a>,
+    registry: Registry,
+    /// Terms without anything to search.
+    pub fixed: Vec<Term<'a>>,
+    /// How many candidates there are in all.
+    pub count: f64,
+}
+
+impl<'l, 'a> Catalogue<'l, 'a> {
+    /// Of a log.
+    pub fn new(log: &'l Log<'a>, registry: Registry) -> Self {
+        let mut fixed = Vec::new();
+        let mut count = 0.0;
+        for family in registry.families() {
+            for (place, form) in family.forms().iter().copied().enumerate() {
+                if !form.offered || form.dip_only {
+                    continue;
+                }
+                let columns: Vec<Option<usize>> =
+                    if form.column { log.usable().map(Some).collect() } else { vec![None] };
+                for column in columns {
+                    let named = Named { family, column: "", form };
+                    let Some(mut term) = Term::new(log, &named, column, 0.0) else { continue };
+                    count += 1.0;
+                    if form.searched.is_some() {
+                        continue;
+                    }
+                    term.odds = if form.column && place > 0 { DERIVED_ODDS } else { 0.0 };
+                    fixed.push(term);
+                }
+            }
+        }
+        Catalogue { log, registry, fixed, count }
+    }
+
+    /// The best places of the searched forms at a fit.
+    pub fn searched(&self, fit: &Fit<'a>, screen: &Screen) -> Vec<Term<'a>> {
+        let mut list = Vec::new();
+        for family in self.registry.families() {
+            for form in family.forms().iter().copied().filter(|form| form.offered && !form.dip_only) {
+                let named = Named { family, column: "", form };
+                match form.searched {
+                    Some(Searched::At) => list.extend(self.step(&named, fit, screen)),
+                    Some(Searched::Frequency) => list.extend(self.tone(&named, fit, screen)),
+                    Some(Searched::Delay) if form.column => {
+                        list.extend(
+                            self.log.usable().filter_map(|column| self.late(&named, column, fit, screen)),
+                        );
+                    }
+                    _ => {}
+                }
+            }
+        }
+        list
+    }
+
+    /// The best of several parameters, with how much it gains.
+    fn best(
+        &self,
+        named: &Named<'_>,
+        column: Option<usize>,
+        parameters: impl IntoIterator<Item = f64>,
+        fit: &Fit<'a>,
+        screen: &Screen,
+    ) -> Option<(f64, f64)> {
+        let terms: Vec<Term<'a>> = parameters
+            .into_iter()
+            .filter_map(|parameter| Term::new(self.log, named, column, parameter))
+            .collect();
+        let refs: Vec<&Term<'a>> = terms.iter().collect();
+        let gains = screen.gains(fit, &refs);
+        let best = (0..terms.len()).max_by(|&i, &j| gains[i].total_cmp(&gains[j]))?;
+        Some((terms[best].searched()?.1, gains[best]))
+    }
+
+    fn step(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
+        let (first, length) = (*self.log.time_s.first()?, self.log.length_s());
+        let grid = (1..STEP_PLACES).map(|i| first + length * i as f64 / STEP_PLACES as f64);
+        let (mut at, _) = self.best(named, None, grid, fit, screen)?;
+        let mut width = length / STEP_PLACES as f64;
+        while width > 0.5 * self.log.step_s() {
+            let near = (-4..=4).map(|i| at + width * f64::from(i) / 4.0);
+            at = self.best(named, None, near, fit, screen)?.0;
+            width /= 4.0;
+        }
+        let mut term = Term::new(self.log, named, None, at)?;
+        term.places = STEP_PLACES as f64;
+        Some(term)
+    }
+
+    fn late(&self, named: &Named<'_>, column: usize, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
+        let step = self.log.step_s();
+        let most = MAX_DELAY_S.min(0.2 * self.log.length_s());
+        let mut grid = Vec::new();
+        let (mut a, mut b) = (1.0, 2.0);
+        while a * step <= most {
+            grid.push(a * step);
+            (a, b) = (b, a + b);
+        }
+        // Faster logs begin at the delays that a cause can have, not at a sample.
+        let places = grid.len() as f64;
+        let (mut delay, _) = self.best(named, Some(column), grid, fit, screen)?;
+        for width in [0.3, 0.08] {
+            let near = (-3..=3).map(|i| delay * (1.0 + width * f64::from(i) / 3.0));
+            delay = self.best(named, Some(column), near, fit, screen)?.0;
+        }
+        let mut term = Term::new(self.log, named, Some(column), delay)?;
+        term.places = places.max(1.0);
+        term.odds = DERIVED_ODDS;
+        Some(term)
+    }
+
+    fn tone(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
+        if named.family.follows() != Follows::Tone || !self.log.is_timed {
+            return None;
+        }
+        let (step, length) = (screen.block_s(self.log), self.log.length_s());
+        let highest = 0.5 / step;
+        if highest <= MIN_TONE_HZ {
+            return None;
+        }
+        let whitened = screen.residual();
+        let n = whitened.len();
+        let size = (4 * n).next_power_of_two();
+        let mut power = vec![0.0; size / 2];
+        for axis in 0..3 {
+            let mut data: Vec<(f64, f64)> = whitened
+                .iter()
+                .zip(&fit.track.direction)
+                .map(|(value, direction)| (value * direction[axis], 0.0))
+                .collect();
+            data.resize(size, (0.0, 0.0));
+            fft::forward(&mut data);
+            power.iter_mut().zip(&data).for_each(|(sum, (re, im))| *sum += re * re + im * im);
+        }
+        let hertz = |bin: usize| bin as f64 / (size as f64 * step);
+        let bins = (0..power.len()).filter(|&bin| hertz(bin) >= MIN_TONE_HZ);
+        let top = bins.max_by(|&a, &b| power[a].total_cmp(&power[b]))?;
+        let mut frequency = hertz(top);
+        let mut width = 1.0 / length;
+        for _ in 0..3 {
+            let near = (-3..=3)
+                .map(|i| frequency + width * f64::from(i) / 3.0)
+                .filter(|hertz| *hertz >= MIN_TONE_HZ && *hertz <= highest);
+            frequency = self.best(named, None, near, fit, screen)?.0;
+            width /= 3.0;
+        }
+        let mut term = Term::new(self.log, named, None, frequency)?;
+        term.places = ((highest - MIN_TONE_HZ) * length).max(1.0);
+        Some(term)
+    }
+}

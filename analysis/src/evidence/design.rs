@@ -1,0 +1,309 @@
+//! The model of a log and its linearisation: residual over the gradient, and the columns of every parameter.
+//!
+//! A reading is `m = x + Σ Φ(x)θ + w`, where x = A·h + b lies on the ellipsoid `‖C(x − b)‖ = F`. The residual is the distance of the
+//! undisturbed reading from the ellipsoid, over the gradient g by m: then it is the noise w along the unit vector q = g/‖g‖, in µT
+//! of the sensor, whatever the model. Columns are taken at the closest point of the ellipsoid, which noise along q does not move.
+
+use crate::evidence::bounds::LEAST_SLOPE;
+use crate::evidence::log::Log;
+use crate::evidence::noise::Track;
+use crate::evidence::term::Term;
+use ironout::effect::Quantities;
+use nalgebra::{Matrix3, Vector3};
+
+/// The base columns: three of the offset, six of the upper triangular matrix.
+pub const BASE: usize = 9;
+/// Entries of the triangle in the order of the columns.
+pub const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+/// Steps to the undisturbed reading, at most.
+const MOST_STEPS: usize = 12;
+
+/// What a term bends that reads the field: two forms of one effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bends {
+    /// The field at the sensor: the shape is that of the undisturbed reading.
+    Field,
+    /// The reading: the shape is that of what the sensor gives out, as behind a feedback.
+    Reading,
+}
+
+/// Offset, matrix and field, with the terms.
+#[derive(Clone)]
+pub struct Model<'a> {
+    /// b, µT.
+    pub offset: Vector3<f64>,
+    /// C, upper triangular.
+    pub matrix: Matrix3<f64>,
+    /// F, µT.
+    pub field: f64,
+    /// The terms.
+    pub terms: Vec<Term<'a>>,
+    /// What those terms bend that read the field.
+    pub bends: Bends,
+}
+
+/// One sample at a model.
+#[derive(Debug, Clone, Copy)]
+pub struct Point {
+    /// Closest point of the ellipsoid, µT.
+    pub closest: Vector3<f64>,
+    /// Unit gradient of the residual by the reading.
+    pub direction: Vector3<f64>,
+    /// Gradient by an undisturbed reading, over the length of that by the reading.
+    pub pull: Vector3<f64>,
+    /// Corrected direction.
+    pub unit: Vector3<f64>,
+    /// The residual, µT of the sensor.
+    pub residual: f64,
+    /// Where shapes are taken: the closest point, or the reading that belongs to it.
+    pub shaped_at: Vector3<f64>,
+    /// What a unit of disturbance takes off the residual.
+    pub lever: Vector3<f64>,
+    /// Rate of the field there, A(ω × h), µT/s.
+    pub turning: Vector3<f64>,
+}
+
+impl Point {
+    /// What an effect reads of it.
+    pub fn quantities(&self, offset: &Vector3<f64>) -> Quantities<f64> {
+        let mut at = Quantities::of_vector(self.shaped_at.into());
+        at.centred_ut = (self.shaped_at - offset).into();
+        at.turning_ut_per_s = self.turning.into();
+        at
+    }
+}
+
+impl Model<'_> {
+    /// Columns of base and terms.
+    pub fn columns(&self) -> usize {
+        BASE + self.terms.iter().map(Term::k).sum::<usize>()
+    }
+
+    fn quantities(
+        &self,
+        x: &Vector3<f64>,
+        rate: Option<Vector3<f64>>,
+        inverse: &Matrix3<f64>,
+    ) -> Quantities<f64> {
+        let centred = x - self.offset;
+        let mut at = Quantities::of_vector((*x).into());
+        at.centred_ut = centred.into();
+        if let Some(rate) = rate {
+            at.turning_ut_per_s = (inverse * rate.cross(&(self.matrix * centred))).into();
+        }
+        at
+    }
+
+    /// Every sample at this model; `None` where one has no undisturbed reading, or lies at the centre. Far from the solution shapes
+    /// are taken at the readings themselves: the closest point moves with what is fitted. Near it they are taken at the closest
+    /// point, where noise does not correlate with them.
+    pub fn points(&self, log: &Log, is_near: bool) -> Option<Vec<Point>> {
+        let inverse = self.matrix.try_inverse()?;
+        let reads = self.terms.iter().any(Term::reads);
+        let step = 1e-3 * self.field;
+        let mut points = Vec::with_capacity(log.len());
+        let fixed: Vec<&Term> = self.terms.iter().filter(|term| !term.reads()).collect();
+        let reading: Vec<&Term> = self.terms.iter().filter(|term| term.reads()).collect();
+        let nowhere = Quantities::of_vector([0.0; 3]);
+        for (sample, observation) in log.samples.readings.iter().enumerate() {
+            let added: Vector3<f64> = fixed.iter().map(|term| term.disturbance(sample, &nowhere)).sum();
+            let measured = Vector3::from(observation.measured_ut) - added;
+            let rate = observation.turn_radps.map(Vector3::from);
+            let disturbed = |x: &Vector3<f64>| -> Vector3<f64> {
+                let at = self.quantities(x, rate, &inverse);
+                reading.iter().map(|term| term.disturbance(sample, &at)).sum()
+            };
+            let slope = |x: &Vector3<f64>| {
+                let here = disturbed(x);
+                let mut slope = Matrix3::zeros();
+                for axis in 0..3 {
+                    let mut moved = *x;
+                    moved[axis] += step;
+                    slope.set_column(axis, &((disturbed(&moved) - here) / step));
+                }
+                slope
+            };
+            // The undisturbed reading, and its slope by the reading.
+            let (x, answer) = match (reads, self.bends) {
+                (false, _) => (measured, Matrix3::identity()),
+                // What is added to a reading is no part of what bends it: the shape is of the whole.
+                (true, Bends::Reading) => {
+                    let whole = measured + added;
+                    (measured - disturbed(&whole), Matrix3::identity() - slope(&whole))
+                }
+                (true, Bends::Field) => {
+                    let (mut x, mut answer) = (measured, Matrix3::identity());
+                    for round in 0..MOST_STEPS {
+                        let off = measured - x - disturbed(&x);
+                        if round > 0 && off.norm_squared() < 1e-14 * self.field * self.field {
+                            break;
+                        }
+                        answer = (Matrix3::identity() + slope(&x)).try_inverse()?;
+                        x += answer * off;
+                    }
+                    if !((measured - x - disturbed(&x)).norm() < 1e-3 * self.field) {
+                        return None;
+                    }
+                    (x, answer)
+                }
+            };
+            if !(answer.determinant() > LEAST_SLOPE && answer.determinant() < 1.0 / LEAST_SLOPE) {
+                return None;
+            }
+            let h = self.matrix * (x - self.offset);
+            let length = h.norm();
+            if !(length > 1e-3 * self.field) {
+                return None;
+            }
+            let unit = h / length;
+            let pull = self.matrix.transpose() * unit;
+            let gradient = answer.transpose() * pull;
+            let size = gradient.norm();
+            let field = self.field * log.share.get(sample).copied().unwrap_or(1.0);
+            let residual = (length - field) / size;
+            let direction = gradient / size;
+            let noise = if is_near { direction * residual } else { Vector3::zeros() };
+            let closest = x - answer * noise;
+            let (shaped_at, lever) = match self.bends {
+                Bends::Field => (closest, direction),
+                Bends::Reading => (measured + added - noise, pull / size),
+            };
+            let turning = match rate {
+                Some(rate) => inverse * rate.cross(&(self.matrix * (shaped_at - self.offset))),
+                None => Vector3::zeros(),
+            };
+            if !residual.is_finite() {
+                return None;
+            }
+            points.push(Point {
+                closest,
+                direction,
+                pull: pull / size,
+                unit,
+                residual,
+                shaped_at,
+                lever,
+                turning,
+            });
+        }
+        Some(points)
+    }
+}
+
+/// How samples are gathered into blocks.
+#[derive(Debug, Clone, Copy)]
+pub struct Blocks {
+    /// Samples per block.
+    pub size: usize,
+    /// Samples.
+    pub samples: usize,
+}
+
+impl Blocks {
+    /// At most `most` blocks.
+    pub fn at_most(samples: usize, most: usize) -> Blocks {
+        Blocks { size: samples.div_ceil(most).max(1), samples }
+    }
+
+    /// Number of blocks.
+    pub fn len(&self) -> usize {
+        self.samples.div_ceil(self.size)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.samples == 0
+    }
+
+    fn weight(&self, block: usize) -> f64 {
+        (self.samples - block * self.size).min(self.size) as f64
+    }
+
+    /// Where the blocks of a linearisation are seen.
+    pub fn track(&self, log: &Log, points: &[Point]) -> Track {
+        let mut track = Track::default();
+        for (block, chunk) in points.chunks(self.size).enumerate() {
+            let weight = chunk.len() as f64;
+            let times = &log.time_s[block * self.size..][..chunk.len()];
+            track.time_s.push(times.iter().sum::<f64>() / weight);
+            track.direction.push((chunk.iter().map(|p| p.direction).sum::<Vector3<f64>>() / weight).into());
+            track.weight.push(weight);
+        }
+        track
+    }
+
+    /// Block means of `width` columns that `fill` writes for a sample.
+    pub fn means(&self, width: usize, mut fill: impl FnMut(usize, &mut [f64])) -> Vec<f64> {
+        let mut out = vec![0.0; self.len() * width];
+        if self.size == 1 {
+            for (sample, row) in out.chunks_exact_mut(width).enumerate() {
+                fill(sample, row);
+            }
+            return out;
+        }
+        let mut one = vec![0.0; width];
+        for sample in 0..self.samples {
+            one.fill(0.0);
+            fill(sample, &mut one);
+            let block = sample / self.size;
+            let row = &mut out[block * width..][..width];
+            row.iter_mut().zip(&one).for_each(|(sum, value)| *sum += value);
+        }
+        for (block, row) in out.chunks_exact_mut(width).enumerate() {
+            let weight = self.weight(block);
+            row.iter_mut().for_each(|value| *value /= weight);
+        }
+        out
+    }
+}
+
+/// Derivatives of one sample's residual by the base parameters.
+pub fn base_row(point: &Point, offset: &Vector3<f64>, size: f64, row: &mut [f64]) {
+    for axis in 0..3 {
+        row[axis] = -point.pull[axis];
+    }
+    let centred = point.closest - offset;
+    for (index, (i, j)) in TRIANGLE.into_iter().enumerate() {
+        row[3 + index] = point.unit[i] * centred[j] * size;
+    }
+}
+
+/// Derivatives of one sample's residual by the coefficients of a term.
+pub fn term_row(term: &Term, sample: usize, point: &Point, at: &Quantities<f64>, row: &mut [f64]) {
+    let shape = term.shape(sample, at);
+    for (entry, vector) in row.iter_mut().zip(&shape).take(term.k()) {
+        *entry = -point.lever.dot(&Vector3::from(*vector));
+    }
+}
+
+/// Columns of base and terms with the residual behind them, as block means.
+pub fn rows(blocks: &Blocks, model: &Model, points: &[Point]) -> Vec<f64> {
+    let width = model.columns() + 1;
+    blocks.means(width, |sample, row| {
+        let point = &points[sample];
+        // ‖pull‖ is ‖Cᵀu‖ over the gradient's length: what scales the columns of the matrix.
+        let size = point.pull.norm() / (model.matrix.transpose() * point.unit).norm();
+        base_row(point, &model.offset, size, row);
+        let at = point.quantities(&model.offset);
+        let mut from = BASE;
+        for term in &model.terms {
+            term_row(term, sample, point, &at, &mut row[from..from + term.k()]);
+            from += term.k();
+        }
+        row[from] = point.residual;
+    })
+}
+
+/// Columns of candidates alone, as block means.
+pub fn candidate_rows(blocks: &Blocks, model: &Model, points: &[Point], terms: &[&Term]) -> Vec<f64> {
+    let width: usize = terms.iter().map(|term| term.k()).sum();
+    blocks.means(width, |sample, row| {
+        let point = &points[sample];
+        let at = point.quantities(&model.offset);
+        let mut from = 0;
+        for term in terms {
+            term_row(term, sample, point, &at, &mut row[from..from + term.k()]);
+            from += term.k();
+        }
+    })
+}

@@ -1,0 +1,108 @@
+//! A log as the evidence sees it: samples, their times, and the columns that may be a cause.
+
+use crate::samples::clock::even;
+use crate::samples::samples::Samples;
+use crate::table::Table;
+use ironout::effect::{MAX_INPUTS, Need};
+use std::sync::Arc;
+
+/// Values of the columns of an effect, a row per sample.
+pub type Inputs = Arc<Vec<[f64; MAX_INPUTS]>>;
+
+/// Times that begin this near to zero, s, have a zero of their own that phases may count from.
+const OWN_ZERO_S: f64 = 1000.0;
+
+/// Samples and what belongs to them.
+pub struct Log<'a> {
+    /// The samples.
+    pub samples: &'a Samples,
+    /// The rows they are of.
+    pub table: &'a Table<'a>,
+    /// Times, s; numbers of the samples where the log has none.
+    pub time_s: Vec<f64>,
+    /// Whether the times are those of the log.
+    pub is_timed: bool,
+    /// The even times behind stamps of arrival, where those scatter.
+    pub even_s: Option<Vec<f64>>,
+    /// Field over the mean one along the way, per sample; empty where it is one field.
+    pub share: Vec<f64>,
+}
+
+impl<'a> Log<'a> {
+    /// Of the samples of a table.
+    pub fn new(samples: &'a Samples, table: &'a Table<'a>) -> Self {
+        let (time_s, is_timed) = match &samples.time {
+            Some(time) => (time.clone(), true),
+            None => ((0..samples.len()).map(|i| i as f64).collect(), false),
+        };
+        let even_s = table
+            .time_s
+            .and_then(even)
+            .map(|grid| samples.row.iter().map(|&row| grid[row]).collect::<Vec<f64>>());
+        let share = samples.places.iter().map(|place| place.share).collect();
+        Log { samples, table, time_s, is_timed, even_s, share }
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.samples.is_empty()
+    }
+
+    /// From the first to the last sample, s.
+    pub fn length_s(&self) -> f64 {
+        self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first)
+    }
+
+    /// Mean time between samples, s.
+    pub fn step_s(&self) -> f64 {
+        self.length_s() / self.len().saturating_sub(1).max(1) as f64
+    }
+
+    /// Whether the log has what an effect needs besides its column.
+    pub fn has(&self, need: Need) -> bool {
+        match need {
+            Need::Time => self.is_timed,
+            Need::Gyro => {
+                self.samples.readings.iter().filter(|reading| reading.turn_radps.is_some()).count() * 2
+                    > self.len()
+            }
+        }
+    }
+
+    /// Whether most samples have a direction down.
+    pub fn has_down(&self) -> bool {
+        self.samples.readings.iter().filter(|reading| reading.down.is_some()).count() * 2 > self.len()
+    }
+
+    /// Indices of the columns that can be tested.
+    pub fn usable(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.samples.columns.len()).filter(|&index| self.samples.columns[index].problem.is_none())
+    }
+
+    /// Where phases count from: the log's own zero if that is near its beginning.
+    pub fn origin_s(&self) -> f64 {
+        match self.time_s.first() {
+            Some(first) if first.abs() >= OWN_ZERO_S => *first,
+            _ => 0.0,
+        }
+    }
+
+    /// Values of a column, `delay_s` earlier.
+    pub fn values(&self, index: usize, delay_s: f64) -> Option<Vec<f64>> {
+        let column = &self.samples.columns[index];
+        if delay_s == 0.0 {
+            return Some(column.values.clone());
+        }
+        self.samples.delayed(self.table, &column.name, delay_s)
+    }
+}
+
+/// Values as the first input of an effect.
+pub fn inputs(values: &[f64]) -> Inputs {
+    Arc::new(values.iter().map(|value| [*value, 0.0]).collect())
+}

@@ -1,0 +1,23 @@
+//! One likelihood in the middle: a linearised Gaussian model of a log, one score, and a search by it.
+//!
+//! `docs/method.md` derives model, score and verdicts. The rooms of one thread: [`log`] (samples and columns) → [`term`] (an effect
+//! with its inputs) → [`design`] (residual and columns at the closest point) → [`noise`] (wander and white noise) → [`fit`] →
+//! [`screen`] and [`candidates`] → [`search`] → [`verdict`]. Thresholds stand in [`bounds`].
+
+pub mod bounds;
+pub mod candidates;
+pub mod design;
+pub mod dip;
+pub mod error;
+pub mod fit;
+pub mod gaps;
+pub mod hidden;
+pub mod log;
+pub mod noise;
+pub mod screen;
+pub mod search;
+pub mod solve;
+pub mod term;
+#[cfg(test)]
+mod tests;
+pub mod verdict;

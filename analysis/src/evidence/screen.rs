@@ -1,0 +1,109 @@
+//! What candidates would gain: their columns through the same filter as the model's, which stay free.
+
+use crate::evidence::design::{Blocks, candidate_rows};
+use crate::evidence::fit::Fit;
+use crate::evidence::log::Log;
+use crate::evidence::noise::Noise;
+use crate::evidence::solve::{Factor, Sums, taken_off};
+use crate::evidence::term::Term;
+use nalgebra::{DMatrix, DVector};
+
+/// Columns that are whitened at once.
+const AT_ONCE: usize = 96;
+
+/// A fit under one noise, ready for candidates.
+pub struct Screen {
+    noise: Noise,
+    whitened: Vec<f64>,
+    width: usize,
+    sums: Sums,
+    factor: Factor,
+    step: DVector<f64>,
+    /// Squares that are left when the model's own columns have taken what they can.
+    squares: f64,
+    blocks: Blocks,
+}
+
+impl Screen {
+    /// Of a fit under its own noise, or under white noise: the wander may have taken a cause for itself.
+    pub fn new(fit: &Fit, blocks: Blocks, white: bool) -> Option<Screen> {
+        let noise = if white { Noise::white(&fit.track, &fit.residual()) } else { fit.noise.clone() };
+        let width = fit.model.columns() + 1;
+        let mut whitened = fit.rows.clone();
+        noise.whiten(&fit.track, width, &mut whitened);
+        let mut sums = Sums::of(&whitened, width - 1);
+        // The priors are those of the fit.
+        let own = &fit.sums.matrix;
+        if !white {
+            sums.matrix.copy_from(own);
+            sums.right.copy_from(&fit.sums.right);
+        }
+        let factor = sums.factor()?;
+        let step = -factor.solve(&sums.right);
+        let squares = sums.squares + sums.right.dot(&step);
+        Some(Screen { noise, whitened, width, sums, factor, step, squares, blocks })
+    }
+
+    /// Mean time between blocks, s.
+    pub fn block_s(&self, log: &Log) -> f64 {
+        log.step_s() * self.blocks.size as f64
+    }
+
+    /// The residual, whitened.
+    pub fn residual(&self) -> Vec<f64> {
+        self.whitened.chunks_exact(self.width).map(|row| row[self.width - 1]).collect()
+    }
+
+    /// Gain of −2 log likelihood of each candidate, its coefficients free.
+    pub fn gains(&self, fit: &Fit, terms: &[&Term]) -> Vec<f64> {
+        let mut gains = Vec::with_capacity(terms.len());
+        let mut from = 0;
+        while from < terms.len() {
+            let (mut to, mut width) = (from, 0);
+            while to < terms.len() && (to == from || width + terms[to].k() <= AT_ONCE) {
+                width += terms[to].k();
+                to += 1;
+            }
+            self.some(fit, &terms[from..to], width, &mut gains);
+            from = to;
+        }
+        gains
+    }
+
+    fn some(&self, fit: &Fit, terms: &[&Term], width: usize, gains: &mut Vec<f64>) {
+        let mut z = candidate_rows(&self.blocks, &fit.model, &fit.points, terms);
+        self.noise.whiten(&fit.track, width, &mut z);
+        let p = self.width - 1;
+        // Products with the model's columns and the residual, and of each candidate with itself.
+        let mut cross = vec![0.0; self.width * width];
+        for (row, z) in self.whitened.chunks_exact(self.width).zip(z.chunks_exact(width)) {
+            for (i, &a) in row.iter().enumerate() {
+                let line = &mut cross[i * width..][..width];
+                line.iter_mut().zip(z).for_each(|(entry, z)| *entry += a * z);
+            }
+        }
+        let n = self.sums.rows as f64;
+        let mut at = 0;
+        for term in terms {
+            let k = term.k();
+            let a = DMatrix::from_fn(p, k, |i, j| cross[i * width + at + j]);
+            let mut own = DMatrix::<f64>::zeros(k, k);
+            for z in z.chunks_exact(width) {
+                let z = &z[at..at + k];
+                for i in 0..k {
+                    for j in i..k {
+                        own[(i, j)] += z[i] * z[j];
+                    }
+                }
+            }
+            own.fill_lower_triangle_with_upper_triangle();
+            let right = DVector::from_fn(k, |j, _| cross[p * width + at + j]) + a.transpose() * &self.step;
+            let schur = &own - a.transpose() * self.factor.solve_all(&a);
+            let (taken, _) = taken_off(&schur, &right, &own.diagonal());
+            let left = (self.squares - taken).max(1e-9 * self.squares);
+            let gain = n * (self.squares / left).ln();
+            gains.push(if gain.is_finite() { gain } else { 0.0 });
+            at += k;
+        }
+    }
+}

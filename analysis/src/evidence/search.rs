@@ -1,0 +1,274 @@
+//! Which terms a log asks for: add, drop and swap by one score.
+
+use crate::evidence::bounds::{
+    FORMS_DIFFER, LEADERS, MAX_TERMS, MIN_ODDS, MIN_SHARE, MOST_SWAPS, RIVAL_SHARE, RIVALS,
+};
+use crate::evidence::candidates::Catalogue;
+use crate::evidence::design::{Bends, Model};
+use crate::evidence::fit::{Fit, Setting};
+use crate::evidence::hidden::{HiddenCause, hidden_cause};
+use crate::evidence::log::Log;
+use crate::evidence::screen::Screen;
+use crate::evidence::term::Term;
+
+/// The result of a search.
+pub struct Found<'a> {
+    /// The fit without terms.
+    pub base: Fit<'a>,
+    /// The fit with those that the log asks for, in the order in which they were found.
+    pub fit: Fit<'a>,
+    /// For each of them, what may stand in its place: id, and how much less likely, as −2 log odds.
+    pub rivals: Vec<Vec<Rival>>,
+}
+
+/// A term in the place of another.
+#[derive(Debug, Clone)]
+pub struct Rival {
+    /// Its id.
+    pub id: String,
+    /// −2 log odds against it.
+    pub odds: f64,
+    /// Whether it is another form of the same cause.
+    pub is_variant: bool,
+}
+
+/// A search over a log.
+pub struct Search<'l, 'a> {
+    /// The log.
+    pub log: &'l Log<'a>,
+    /// Its candidates.
+    pub catalogue: &'l Catalogue<'l, 'a>,
+    /// How fits are made.
+    pub setting: Setting,
+    /// Prints each round.
+    pub trace: bool,
+}
+
+impl<'a> Search<'_, 'a> {
+    /// Whether a model with more terms is worth them.
+    fn is_worth(more: &Fit, fewer: &Fit, terms: usize) -> bool {
+        fewer.score - more.score > MIN_ODDS * terms as f64 && more.squares < (1.0 - MIN_SHARE) * fewer.squares
+    }
+
+    /// The fit with one more term. A term that reads the field is tried in both of its forms.
+    pub fn with(&self, fit: &Fit<'a>, term: &Term<'a>) -> Option<Fit<'a>> {
+        let mut model = fit.model.clone();
+        model.terms.push(term.clone());
+        let from = Some(fit.noise.wander);
+        // The forms differ by the square of a disturbance over the field: of a weak one that is less than the noise.
+        let strong = fit.rms() * fit.rms() / fit.model.field > FORMS_DIFFER * fit.noise.variance.sqrt();
+        if !model.terms.iter().any(Term::reads) || !strong {
+            return Fit::of(self.log, &self.setting, model, from);
+        }
+        let forms = [Bends::Field, Bends::Reading].map(|bends| Model { bends, ..model.clone() });
+        let fits = forms.into_iter().filter_map(|model| Fit::of(self.log, &self.setting, model, from));
+        fits.min_by(|a, b| a.score.total_cmp(&b.score))
+    }
+
+    /// The fit without one of its terms.
+    pub fn without(&self, fit: &Fit<'a>, place: usize) -> Option<Fit<'a>> {
+        let mut model = fit.model.clone();
+        model.terms.remove(place);
+        Fit::of(self.log, &self.setting, model, Some(fit.noise.wander))
+    }
+
+    /// Candidates at a fit, those with the most promise first; the fits are still to be made.
+    /// With `own`, only those that gain about as much as that one.
+    pub fn leaders(&self, fit: &Fit<'a>, own: Option<&Term<'a>>) -> Vec<Term<'a>> {
+        let mut list: Vec<(Term<'a>, usize)> = Vec::new();
+        let n = fit.track.weight.len() as f64;
+        for white in [false, true] {
+            let Some(screen) = Screen::new(fit, self.setting.blocks, white) else { continue };
+            let mut terms = self.catalogue.fixed.clone();
+            terms.extend(self.catalogue.searched(fit, &screen));
+            let known = |term: &Term| {
+                fit.model.terms.iter().any(|own| own.id == term.id && !term.form().is_repeated())
+            };
+            terms.retain(|term| !known(term));
+            let gains = screen.gains(fit, &terms.iter().collect::<Vec<_>>());
+            let mut order: Vec<(f64, Term<'a>)> = terms
+                .into_iter()
+                .zip(gains)
+                .map(|(term, gain)| {
+                    (gain - term.visible() as f64 * n.ln() - term.odds - 2.0 * term.places.ln(), term)
+                })
+                .collect();
+            order.sort_by(|a, b| b.0.total_cmp(&a.0));
+            if self.trace {
+                let words: Vec<String> =
+                    order.iter().take(6).map(|(gain, term)| format!("{} {gain:.0}", term.id)).collect();
+                eprintln!("  screen {}: {}", if white { "white" } else { "noise" }, words.join(", "));
+            }
+            let least = match own {
+                Some(own) => {
+                    let gain =
+                        order.iter().find(|(_, term)| term.id == own.id).map_or(0.0, |(gain, _)| *gain);
+                    (RIVAL_SHARE * gain).max(0.0)
+                }
+                None => 0.0,
+            };
+            order.retain(|(gain, term)| *gain > least && own.is_none_or(|own| own.id != term.id));
+            let most = if own.is_some() { RIVALS } else { LEADERS };
+            for (rank, (_, term)) in order.into_iter().take(most).enumerate() {
+                let same =
+                    |own: &&mut (Term<'a>, usize)| own.0.id == term.id && own.0.searched() == term.searched();
+                match list.iter_mut().find(same) {
+                    Some(own) => own.1 = own.1.min(rank),
+                    None => list.push((term, rank)),
+                }
+            }
+        }
+        list.sort_by_key(|(_, rank)| *rank);
+        list.into_iter().map(|(term, _)| term).collect()
+    }
+
+    /// The search from a base fit.
+    pub fn run(&self, base: Fit<'a>) -> Found<'a> {
+        let mut fit = base.clone();
+        let mut path = vec![base.clone()];
+        while fit.model.terms.len() < MAX_TERMS {
+            let leaders = self.leaders(&fit, None);
+            let mut tried: Vec<Fit<'a>> = leaders.iter().filter_map(|term| self.with(&fit, term)).collect();
+            tried.sort_by(|a, b| a.score.total_cmp(&b.score));
+            if self.trace {
+                for one in &tried {
+                    let id = one.model.terms.last().map_or("", |term| term.id.as_str());
+                    eprintln!(
+                        "    {id}: {:.1} rms {:.4} of {:.4} wander {:?} ar {}",
+                        one.score - fit.score,
+                        one.rms(),
+                        fit.rms(),
+                        one.noise.wander,
+                        one.noise.ar.len() - 1
+                    );
+                }
+            }
+            let Some(best) = tried.into_iter().find(|one| Self::is_worth(one, &fit, 1)) else { break };
+            fit = best;
+            self.drop_idle(&mut fit);
+            path.push(fit.clone());
+        }
+        fit = self.likeliest_of(path).unwrap_or(fit);
+        let rivals = self.swap(&mut fit);
+        Found { base, fit, rivals }
+    }
+
+    /// The fit of a path that is likeliest with whatever single cause nobody logged: several columns together imitate any history.
+    fn likeliest_of(&self, path: Vec<Fit<'a>>) -> Option<Fit<'a>> {
+        let mut best: Option<(f64, Fit<'a>)> = None;
+        for fit in path {
+            let gain = hidden_cause(&fit).map_or(0.0, |cause| cause.gain.max(0.0));
+            let total = fit.score - gain;
+            let terms = fit.model.terms.len();
+            let own = best.as_ref().map_or(0, |(_, best)| best.model.terms.len());
+            let margin = MIN_ODDS * terms.saturating_sub(own) as f64;
+            if self.trace {
+                eprintln!("  {terms} terms: {total:.1}, a hidden cause gains {gain:.1}");
+            }
+            if best.as_ref().is_none_or(|(least, _)| total < least - margin) {
+                best = Some((total, fit));
+            }
+        }
+        best.map(|(_, fit)| fit)
+    }
+
+    /// Drops terms that only stand in for a cause that nobody logged, and says whether there is one: a term must be worth its price
+    /// beside such a cause too.
+    pub fn against_hidden_cause(&self, found: &mut Found<'a>) -> Option<HiddenCause> {
+        let gain = |cause: &Option<HiddenCause>| cause.as_ref().map_or(0.0, |cause| cause.gain.max(0.0));
+        let mut cause = hidden_cause(&found.fit);
+        'again: while gain(&cause) > MIN_ODDS {
+            for place in (0..found.fit.model.terms.len()).rev() {
+                let Some(fewer) = self.without(&found.fit, place) else { continue };
+                let other = hidden_cause(&fewer);
+                let odds = (fewer.score - gain(&other)) - (found.fit.score - gain(&cause));
+                if self.trace {
+                    eprintln!("  {} beside a hidden cause: {odds:.1}", found.fit.model.terms[place].id);
+                }
+                if odds < MIN_ODDS {
+                    found.fit = fewer;
+                    found.rivals.remove(place);
+                    cause = other;
+                    continue 'again;
+                }
+            }
+            break;
+        }
+        cause
+    }
+
+    /// Puts likelier terms in the place of those that were found first; gives what else may stand in each place.
+    fn swap(&self, fit: &mut Fit<'a>) -> Vec<Vec<Rival>> {
+        let mut swaps = 0;
+        'again: loop {
+            let mut all = Vec::new();
+            for place in 0..fit.model.terms.len() {
+                let own = &fit.model.terms[place];
+                let Some(fewer) = self.without(fit, place) else {
+                    all.push(Vec::new());
+                    continue;
+                };
+                let leaders = self.leaders(&fewer, Some(own));
+                let mut fits: Vec<Fit<'a>> =
+                    leaders.iter().filter_map(|term| self.with(&fewer, term)).collect();
+                // The term itself goes the same way: the likelihood of a noise has several tops, and each way finds its own.
+                let own_score = match self.with(&fewer, own) {
+                    Some(again) if !fits.is_empty() => again.score.min(fit.score),
+                    _ => fit.score,
+                };
+                fits.sort_by(|a, b| a.score.total_cmp(&b.score));
+                if self.trace {
+                    for one in &fits {
+                        let id = one.model.terms.last().map_or("", |term| term.id.as_str());
+                        eprintln!(
+                            "  {id} in the place of {}: {:.1} rms {:.4}",
+                            own.id,
+                            one.score - fit.score,
+                            one.rms()
+                        );
+                    }
+                }
+                if fits.first().is_some_and(|best| best.score < own_score - 1.0) && swaps < MOST_SWAPS {
+                    let mut best = fits.swap_remove(0);
+                    // In the place of the other: the order of the list is that of what was found first.
+                    if let Some(term) = best.model.terms.pop() {
+                        best.model.terms.insert(place, term);
+                    }
+                    let Some(best) = self.again(best) else { return all };
+                    *fit = best;
+                    swaps += 1;
+                    continue 'again;
+                }
+                let rival = |one: &Fit<'a>| {
+                    let term = one.model.terms.last()?;
+                    Some(Rival {
+                        id: term.id.clone(),
+                        odds: one.score - own_score,
+                        is_variant: term.is_variant_of(own),
+                    })
+                };
+                all.push(fits.iter().filter_map(rival).collect());
+            }
+            return all;
+        }
+    }
+
+    /// The same model fitted from where it stands.
+    fn again(&self, fit: Fit<'a>) -> Option<Fit<'a>> {
+        Fit::of(self.log, &self.setting, fit.model, Some(fit.noise.wander))
+    }
+
+    /// Drops terms that later ones have made superfluous.
+    fn drop_idle(&self, fit: &mut Fit<'a>) {
+        let mut place = 0;
+        while fit.model.terms.len() > 1 && place + 1 < fit.model.terms.len() {
+            match self.without(fit, place) {
+                Some(fewer) if !Self::is_worth(fit, &fewer, 1) => {
+                    *fit = fewer;
+                    place = 0;
+                }
+                _ => place += 1,
+            }
+        }
+    }
+}

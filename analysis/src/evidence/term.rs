@@ -1,0 +1,116 @@
+//! A term of the model: an effect of the registry with its inputs and coefficients.
+
+use crate::base::looked_at::Shared;
+use crate::base::piece::ready;
+use crate::evidence::log::{Inputs, Log, inputs};
+use ironout::effect::{
+    Acts, Follows, Form, Id, MAX_COEFFICIENTS, Made, Named, Parts, Quantities, Searched, Zero, no_shape,
+};
+use nalgebra::Vector3;
+
+/// One term.
+#[derive(Clone)]
+pub struct Term<'a> {
+    /// Id, as a calibration holds it.
+    pub id: String,
+    /// Family and parts.
+    pub made: Made<&'a str>,
+    effect: Shared<'a>,
+    inputs: Inputs,
+    /// Coefficients in the effect's own units.
+    pub theta: [f64; MAX_COEFFICIENTS],
+    /// Places tried for what was searched.
+    pub places: f64,
+    /// Twice the log of the prior odds against this form.
+    pub odds: f64,
+}
+
+impl<'a> Term<'a> {
+    /// The effect of an id on a log, with what was searched. `None` where the log lacks what it needs.
+    pub fn new(log: &Log<'a>, named: &Named<'_>, column: Option<usize>, parameter: f64) -> Option<Self> {
+        let Named { family, form, .. } = *named;
+        if family.need(form).is_some_and(|need| !log.has(need)) {
+            return None;
+        }
+        let known = column.map(|index| &log.samples.columns[index]);
+        let reference = match form.zero {
+            Zero::None => 0.0,
+            Zero::Column => known?.reference,
+            Zero::Square => known?.reference_square,
+            Zero::Time if family.follows() == Follows::Tone => log.origin_s(),
+            Zero::Time => log.samples.middle_s,
+        };
+        let parameter = if form.searched.is_some() { parameter } else { 0.0 };
+        let name = known.map_or("", |column| column.name.as_str());
+        let made = Made::new(family, Parts { form, column: name, reference, parameter })?;
+        let inputs = match family.follows() {
+            Follows::Column => inputs(&log.values(column?, made.parts().delay_s().unwrap_or(0.0))?),
+            Follows::Tone => inputs(log.even_s.as_deref().unwrap_or(&log.time_s)),
+            Follows::Time => inputs(&log.time_s),
+            Follows::Attitude | Follows::Turning => Inputs::default(),
+        };
+        Some(Term {
+            id: Id(&made).to_string(),
+            effect: ready(made),
+            made,
+            inputs,
+            theta: [0.0; MAX_COEFFICIENTS],
+            places: 1.0,
+            odds: 0.0,
+        })
+    }
+
+    /// The form.
+    pub fn form(&self) -> &'static Form {
+        self.made.parts().form
+    }
+
+    /// What was searched, and where it was found.
+    pub fn searched(&self) -> Option<(Searched, f64)> {
+        self.made.parts().parameter()
+    }
+
+    /// Name of the column; empty where it has none.
+    pub fn column(&self) -> &'a str {
+        self.made.parts().column
+    }
+
+    /// What it goes by.
+    pub fn follows(&self) -> Follows {
+        self.made.family().follows()
+    }
+
+    /// Number of coefficients.
+    pub fn k(&self) -> usize {
+        self.form().coefficients.min(MAX_COEFFICIENTS)
+    }
+
+    /// Coefficients that the magnitude can show: a pure delay among them is hidden.
+    pub fn visible(&self) -> usize {
+        self.k() - usize::from(!self.made.family().delay_coefficients(self.form()).is_empty())
+    }
+
+    /// Whether its shape depends on the reading.
+    pub fn reads(&self) -> bool {
+        self.made.family().acts() != Acts::Added
+    }
+
+    /// Whether it stands for the same cause as another: one family and column, or several in time alone.
+    pub fn is_variant_of(&self, other: &Term) -> bool {
+        self.made.family().kind() == other.made.family().kind() && self.column() == other.column()
+    }
+
+    /// Vectors per unit of each coefficient at a sample, µT.
+    pub fn shape(&self, sample: usize, at: &Quantities<f64>) -> [[f64; 3]; MAX_COEFFICIENTS] {
+        let mut shape = no_shape();
+        let at = Quantities { inputs: self.inputs.get(sample).copied().unwrap_or_default(), ..*at };
+        self.effect.shape(&at, &mut shape);
+        shape
+    }
+
+    /// Disturbance at a sample, µT.
+    pub fn disturbance(&self, sample: usize, at: &Quantities<f64>) -> Vector3<f64> {
+        let shape = self.shape(sample, at);
+        (0..self.k()).map(|c| Vector3::from(shape[c]) * self.theta[c]).sum()
+    }
+}
