@@ -377,7 +377,7 @@ mod tests {
         let (n, step) = (2000, 0.1);
         let mut track = Track::default();
         let mut state = [0.0; 3].map(|_: f64| size * normal(&mut rng));
-        let keep = (-step / tau_s as f64).exp();
+        let keep = (-step / tau_s).exp();
         let mut series = Vec::new();
         for k in 0..n {
             let t = step * k as f64;

@@ -155,8 +155,7 @@ mod tests {
         let one: Vec<f64> = line.chunks_exact(3).flat_map(|row| [row[0], row[2]]).collect();
         let base = Sums::of(&one, 1);
         let left = |sums: &Sums| sums.squares - sums.right.dot(&sums.factor().unwrap().solve(&sums.right));
-        let cross =
-            DMatrix::from_fn(1, 2, |_, j| if j == 0 { whole.matrix[(0, 1)] } else { whole.matrix[(0, 1)] });
+        let cross = DMatrix::from_element(1, 2, whole.matrix[(0, 1)]);
         let n = whole.matrix[(0, 0)];
         // The same column twice: the second is left out.
         let own = DMatrix::from_element(2, 2, whole.matrix[(1, 1)]);
