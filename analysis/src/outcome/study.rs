@@ -222,7 +222,8 @@ fn level(
 ) -> Result<Diagnosis, Refusal> {
     let reason = format!(
         "by the accelerometer the board was tilted by {tilt_deg:.0}° (rms) only, which carries no offset and no matrix: study \
-         this log on top of an earlier calibration of the board, --prior CAL.json, or turn the board through more attitudes"
+         this log on top of an earlier calibration of the board, --prior CAL.json, or turn the board through more attitudes; for a vehicle, ironout fit calibrates for \
+         the tilts that it shows"
     );
     if let Some(mut lower) = as_logged(table, samples, options)?.filter(|lower| is_told(lower, options)) {
         lower.reasons.insert(0, reason);

@@ -261,7 +261,7 @@ impl<'a> View<'_, 'a> {
             Some(error) if error <= MAX_PREDICTED_ERROR => {}
             Some(error) => reasons.push(format!(
                 "for its attitude alone the corrected vector would be off by {:.*} % of the field in the worst direction (1σ): turn the board \
-                 through more attitudes",
+                 through more attitudes; for a vehicle, ironout fit calibrates for the tilts that the log shows",
                 usize::from(error < 1.05 * MAX_PREDICTED_ERROR) + 1,
                 100.0 * error
             )),

@@ -15,7 +15,9 @@ fn simulated(name: &str, arguments: &[&str]) -> PathBuf {
 
 fn run(command: &str, log: &Path, options: &[&str]) -> Value {
     let path = log.to_str().expect("a path of text");
-    let run = ironout([command, path, "--json"].iter().chain(options));
+    // A diagnosis is of all attitudes.
+    let all = if command == "fit" { &["--for", "all"][..] } else { &[] };
+    let run = ironout([command, path, "--json"].iter().chain(options).chain(all));
     assert!(run.status <= 1, "{command} {path}: {}", run.stderr);
     run.json()
 }
