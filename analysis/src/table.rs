@@ -24,6 +24,8 @@ pub struct Table<'a> {
     pub track: Option<Track>,
     /// Every other numeric column.
     pub covariates: Vec<Named<'a>>,
+    /// Whether the axes of two sensors disagree, and nothing tells whose are wrong.
+    pub axes_in_doubt: bool,
     /// What has been worked out of these columns; begins empty.
     pub derived: Derived,
 }
@@ -148,6 +150,7 @@ impl<'a> Table<'a> {
             gyro_radps: triple(GYRO)?,
             heading_deg: find("heading_deg"),
             track: None,
+            axes_in_doubt: false,
             covariates: columns
                 .iter()
                 .filter(|(name, _)| !known(name))

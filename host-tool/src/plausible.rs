@@ -95,6 +95,7 @@ pub fn hold(log: &mut Log, arguments: &LogArgs, known: &Known) -> Outcome<()> {
     }
     if let Some(axes) = turning.axes {
         log.notices.push(axes_words(&axes));
+        log.read_as.axes_in_doubt = axes.whose != Whose::Gyro;
         if matches!(axes.whose, Whose::Gyro | Whose::GyroOrAccelerometer | Whose::GyroOrMagnetometer) {
             log.gyro_radps = None;
         }

@@ -199,6 +199,20 @@ impl Rows {
     }
 }
 
+/// Rms by which the corrected reading leaves its mean in a window, one of three axes, µT: what the gyro has to explain.
+pub fn turned_by_ut(log: &Log, state: &State) -> f64 {
+    let rate: Vec<Option<Vector3<f64>>> = log.rows.iter().map(|row| row.rate_radps).collect();
+    let (mut squares, mut count) = (0.0, 0);
+    for window in windows(&log.time_s, &rate, WINDOW_S, BETWEEN) {
+        let list: Vec<Vector3<f64>> =
+            window.iter().map(|stop| state.corrected(&log.rows[stop.sample].measured_ut)).collect();
+        let mean = list.iter().sum::<Vector3<f64>>() / list.len() as f64;
+        squares += list.iter().map(|v| (v - mean).norm_squared()).sum::<f64>();
+        count += 3 * list.len();
+    }
+    (squares / count.max(1) as f64).sqrt()
+}
+
 /// The corrected readings, each turned back to a moment by the gyro and averaged with those around it. Without a gyro they are as they are.
 fn smoothed(log: &Log, state: &State) -> Vec<Vector3<f64>> {
     let mut list: Vec<Vector3<f64>> = log.rows.iter().map(|row| state.corrected(&row.measured_ut)).collect();

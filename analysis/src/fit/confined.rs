@@ -5,7 +5,7 @@ use crate::base::ground::Ground;
 use crate::base::solution::Solution;
 use crate::base::start::sphere;
 use crate::calibration::{AtTilt, HoldsFor, Information, StdErrors};
-use crate::confined::channels::Channel;
+use crate::confined::channels::{Channel, turned_by_ut};
 use crate::confined::heading::{self, heading_error_deg, horizontal_ut};
 use crate::confined::known::{Before, implausible, triangle_covariance};
 use crate::confined::log::Log;
@@ -32,8 +32,9 @@ const LEAST_TILT_DEG: f64 = 5.0;
 const MOST: f64 = 0.95;
 /// The field turns as the gyro says within so many times the error of the magnitude, ...
 const ACROSS: f64 = 3.0;
-/// ... beside this share of the field, which a gyro, a room and the times of a log make.
-const GYRO_SHARE: f64 = 0.05;
+/// ... or explains all but this share of the variance by which it turns: a reversed axis leaves more than half of it, and the zero error
+/// that is fitted beside it takes most of that.
+const UNEXPLAINED: f64 = 0.05;
 /// The dip is one dip within this, degrees rms; more is another mounting, or no gravity.
 const DIP_DEG: f64 = 10.0;
 /// A sensor is not further from what such sensors are than so many standard deviations.
@@ -50,6 +51,7 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
         || options.purpose == Purpose::All
         || !options.add.is_empty()
         || counted.rests
+        || counted.table.axes_in_doubt
         || counted.axes != [true; 3]
         || (counted.used.len() as u64) < MIN_SAMPLES
         || refused.is_of_other_axes()
@@ -109,7 +111,9 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
     fitted.dip_deg =
         Some((solved.state.vertical_ut / solved.state.field_ut).clamp(-1.0, 1.0).asin().to_degrees());
     fitted.heading_error_deg = Some(error_deg);
-    let turns_otherwise = across_ut > (ACROSS * along_ut).hypot(GYRO_SHARE * field_ut);
+    let turned_ut = if across_ut > 0.0 { turned_by_ut(log, &solved.state) } else { 0.0 };
+    let turns_otherwise =
+        across_ut > ACROSS * along_ut && across_ut.powi(2) > UNEXPLAINED * turned_ut.powi(2);
     let implausible = implausible(&solved.state, IMPLAUSIBLE);
     let sound = fitted.is_refused_for_attitudes_only() && along_ut < MAX_RESIDUAL * field_ut;
     if dip_spread_deg > DIP_DEG || !sound {

@@ -55,6 +55,9 @@ pub struct ReadAs {
     pub taken_out: Vec<String>,
     /// Where the file has several magnetometers.
     pub instance: Option<Instance>,
+    /// Whether the axes of two sensors disagree and the magnetometer's may be the wrong ones.
+    #[serde(default)]
+    pub axes_in_doubt: bool,
     /// Rows left out, and why.
     pub left_out: Vec<LeftOut>,
     /// The options that pin this reading, each an option and its value: `("--map", "mx_ut=MagX")`.
