@@ -69,6 +69,8 @@ pub fn fit(
             None
         };
         let arguments = FitArgs {
+            free: None,
+            purpose: None,
             log: held.arguments.clone(),
             field: asked.field.clone(),
             output: None,
