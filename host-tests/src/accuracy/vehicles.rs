@@ -21,7 +21,7 @@ pub const LOGS: u64 = 40;
 const FIRST: u64 = 8100;
 /// An error is beyond what is predicted above so many standard deviations.
 const MAX_ERRORS_PREDICTED: f64 = 3.0;
-const KINDS: [Kind; 4] = [Kind::Flight, Kind::Car, Kind::Boat, Kind::Quick];
+const KINDS: [Kind; 3] = [Kind::Flight, Kind::Car, Kind::Boat];
 /// Headings, and directions to tilt to.
 const HEADINGS: usize = 24;
 const TILTS: usize = 8;
