@@ -15,10 +15,10 @@ const MOUNTING: f64 = 0.1;
 const OFFSET_FIELDS: f64 = 7.0;
 /// Where no field is given its magnitude is that of the log: the mean gain is one by definition.
 const SCALE_BY_DEFINITION: f64 = 1e-4;
-/// A field that is given, in parts: the world magnetic model and the rocks of a place (WMM2025 report: 130 nT globally, a multiple of it over
+/// A field that is given, in parts: the world magnetic model and the rocks of a place (WMM2025 report: 138 nT globally, a multiple of it over
 /// magnetic rock).
 const FIELD_GIVEN: f64 = 0.005;
-/// A dip that is given, rad: the same 0.3°, and the accelerometer's zero error of as much again and more.
+/// A dip that is given, rad: the model's 0.2° (WMM2025 report), and the accelerometer's zero error of as much again and more.
 const DIP_GIVEN: f64 = 0.015;
 /// A gyro's zero error, rad/s (3°/s: datasheets of MEMS gyros), its gains and axes, and a magnetometer's lateness, s.
 const RATE_BIAS: f64 = 0.05;

@@ -175,7 +175,7 @@ pub fn solve(
     let axis = axis.try_normalize(1e-9)?;
     let mirrored = |offset: &Vector3<f64>| offset + 2.0 * axis.dot(&(middle - offset)) * axis;
     let starts = offsets_ut.iter().flat_map(|offset| [*offset, mirrored(offset)]);
-    let mut found: Option<(f64, Solved)> = None;
+    let mut found: Option<Solved> = None;
     for offset_ut in starts {
         let mut state = State {
             offset_ut,
@@ -195,22 +195,20 @@ pub fn solve(
         }
         (state.field_ut, state.vertical_ut) = (before.field_ut.unwrap_or(length), vertical);
         let Some(solved) = from_start(log, &state, before) else { continue };
-        let likelihood = cost(log, &state, &solved, before, found.as_ref().map(|(_, best)| best));
-        if found.as_ref().is_none_or(|_| likelihood < 0.0) {
-            found = Some((likelihood, solved));
+        if found.as_ref().is_none_or(|other| worth(log, &state, &solved, other, before) > 0.0) {
+            found = Some(solved);
         }
     }
-    found.map(|(_, solved)| solved)
+    found
 }
 
-/// By how much `−2 ln L` of this solution is above that of the other, both at the noise of the other; −∞ without another.
-fn cost(log: &Log, start: &State, solved: &Solved, before: &Before, other: Option<&Solved>) -> f64 {
-    let Some(other) = other else { return f64::NEG_INFINITY };
+/// By how much `−2 ln L` of this solution is below that of the other, both at the noise of the other.
+fn worth(log: &Log, start: &State, solved: &Solved, other: &Solved, before: &Before) -> f64 {
     let mut noise = Noise { rows: [(1.0, 1.0); Channel::ALL.len()], share: Share::AS_SHOWN };
     for heard in &other.heard {
         noise.rows[heard.channel as usize].1 = heard.memory;
     }
     let noise = noise_at(log, &other.state, &noise);
     let of = |state: &State| total(log, start, state, before, &noise).0.squares();
-    of(&solved.state) - of(&other.state)
+    of(&other.state) - of(&solved.state)
 }

@@ -19,8 +19,8 @@ use ironout::fit::{MIN_SAMPLES, Order};
 use ironout::quality::MAX_RESIDUAL;
 use nalgebra::{Matrix3, Vector3};
 
-/// Largest 1σ of a heading at the attitudes that a calibration is for, degrees: twice that is what ships' electromagnetic compasses are
-/// allowed (ISO 11606: 3°).
+/// Largest 1σ of a heading at the attitudes that a calibration is for, degrees: nineteen of twenty headings are then within 3°. A decision,
+/// and no physical bound.
 pub const MAX_HEADING_ERROR_DEG: f64 = 1.5;
 /// Tilts that the error of a heading is said for, degrees.
 const TILTS_DEG: [f64; 4] = [0.0, 10.0, 20.0, 45.0];
@@ -125,7 +125,8 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
         refused.reasons.insert(
             0,
             format!(
-                "the field does not turn as the gyro and the accelerometer say{why}. Check the axes and units of the three sensors (--rotate,                  --map), and that magnetometer and gyro have one clock"
+                "the field does not turn as the gyro and the accelerometer say{why}. Check the axes and units of the three sensors \
+                 (--rotate, --map), and that magnetometer and gyro have one clock"
             ),
         );
         return refused;
