@@ -64,6 +64,35 @@ impl Share {
     pub const AS_SHOWN: Share = Share { field: 1.0, tilt: 1.0 };
 }
 
+/// A log at a state: what all channels need of both.
+pub struct Seen<'a> {
+    log: &'a Log,
+    state: &'a State,
+    /// The gyro without its errors, rad/s.
+    rate: Vec<Option<Vector3<f64>>>,
+    /// The corrected readings, each turned back to a moment by the gyro and averaged with those around it. Without a gyro they are as they
+    /// are.
+    smooth: Vec<Vector3<f64>>,
+}
+
+impl<'a> Seen<'a> {
+    /// Of a log at this state.
+    pub fn of(log: &'a Log, state: &'a State) -> Self {
+        let rate: Vec<Option<Vector3<f64>>> =
+            log.rows.iter().map(|row| row.rate_radps.map(|rate| state.rate(&rate))).collect();
+        let mut smooth: Vec<Vector3<f64>> =
+            log.rows.iter().map(|row| state.corrected(&row.measured_ut)).collect();
+        if log.has_gyro() {
+            for window in windows(&log.time_s, &rate, SMOOTHED_S, MOST_SMOOTHED) {
+                let turned = window.iter().map(|stop| stop.turn * smooth[stop.sample]);
+                let mean = turned.sum::<Vector3<f64>>() / window.len() as f64;
+                window.iter().for_each(|stop| smooth[stop.sample] = stop.turn.inverse() * mean);
+            }
+        }
+        Seen { log, state, rate, smooth }
+    }
+}
+
 /// The rows of one channel at a state.
 pub struct Rows {
     /// Block of time, derivatives, residual in µT.
@@ -87,12 +116,12 @@ impl Rows {
     /// A board that speeds up, brakes or turns is tilted less than its accelerometer shows. The direction down is taken as what is to be expected
     /// behind what is shown: the mean direction and `share.tilt` of the way from it (regression calibration: Carroll, Ruppert, Stefanski
     /// and Crainiceanu, Measurement Error in Nonlinear Models, 2006, chapter 4). What is left of it then has no part in the derivative.
-    pub fn of(channel: Channel, log: &Log, state: &State, share: &Share) -> Rows {
+    pub fn of(channel: Channel, seen: &Seen, share: &Share) -> Rows {
+        let Seen { log, state, rate, smooth } = seen;
         let mut rows = Rows { list: Vec::new() };
         let block = |sample: usize| sample * BLOCKS / log.rows.len().max(1);
         match channel {
             Channel::Magnitude | Channel::Dip => {
-                let smooth = smoothed(log, state);
                 for sample in (0..log.rows.len()).step_by(log.stride) {
                     let row = &log.rows[sample];
                     let v = state.corrected(&row.measured_ut);
@@ -122,10 +151,8 @@ impl Rows {
                 }
             }
             Channel::Gyro if log.has_gyro() => {
-                let rate: Vec<Option<Vector3<f64>>> =
-                    log.rows.iter().map(|row| row.rate_radps.map(|rate| state.rate(&rate))).collect();
-                for window in windows(&log.time_s, &rate, WINDOW_S, BETWEEN) {
-                    rows.window(&window, block(window[0].sample), log, state, &rate);
+                for window in windows(&log.time_s, rate, WINDOW_S, BETWEEN) {
+                    rows.window(&window, block(window[0].sample), seen);
                 }
             }
             Channel::Gyro => {}
@@ -134,14 +161,8 @@ impl Rows {
     }
 
     /// Those of one window: two directions across the field for each sample.
-    fn window(
-        &mut self,
-        window: &[Stop],
-        block: usize,
-        log: &Log,
-        state: &State,
-        rate: &[Option<Vector3<f64>>],
-    ) {
+    fn window(&mut self, window: &[Stop], block: usize, seen: &Seen) {
+        let Seen { log, state, rate, .. } = seen;
         let corrected = |stop: &Stop| state.corrected(&log.rows[stop.sample].measured_ut);
         let turned: Vec<Vector3<f64>> = window.iter().map(|stop| stop.turn * corrected(stop)).collect();
         let mean = turned.iter().sum::<Vector3<f64>>() / window.len() as f64;
@@ -213,21 +234,6 @@ pub fn turned_by_ut(log: &Log, state: &State) -> f64 {
     (squares / count.max(1) as f64).sqrt()
 }
 
-/// The corrected readings, each turned back to a moment by the gyro and averaged with those around it. Without a gyro they are as they are.
-fn smoothed(log: &Log, state: &State) -> Vec<Vector3<f64>> {
-    let mut list: Vec<Vector3<f64>> = log.rows.iter().map(|row| state.corrected(&row.measured_ut)).collect();
-    if log.has_gyro() {
-        let rate: Vec<Option<Vector3<f64>>> =
-            log.rows.iter().map(|row| row.rate_radps.map(|rate| state.rate(&rate))).collect();
-        for window in windows(&log.time_s, &rate, SMOOTHED_S, MOST_SMOOTHED) {
-            let mean = window.iter().map(|stop| stop.turn * list[stop.sample]).sum::<Vector3<f64>>()
-                / window.len() as f64;
-            window.iter().for_each(|stop| list[stop.sample] = stop.turn.inverse() * mean);
-        }
-    }
-    list
-}
-
 /// How `along · v` follows offset and matrix.
 fn follow(derivative: &mut [f64; COLUMNS], state: &State, along: &Vector3<f64>, v: &Vector3<f64>) {
     let offset = -state.matrix.transpose() * along;
@@ -287,7 +293,7 @@ mod tests {
     fn true_parameters_leave_nothing() {
         let (log, state) = boat();
         for channel in Channel::ALL {
-            let sums = Rows::of(channel, &log, &state, &Share::AS_SHOWN).sums(1.0);
+            let sums = Rows::of(channel, &Seen::of(&log, &state), &Share::AS_SHOWN).sums(1.0);
             assert!(
                 sums.rows > 100 && sums.rms_ut < 2e-3,
                 "{channel:?}: {} rows, {}",
@@ -301,11 +307,12 @@ mod tests {
     fn residuals_follow_the_parameters_as_their_derivatives_say() {
         let (log, state) = boat();
         for channel in Channel::ALL {
-            let before = Rows::of(channel, &log, &state, &Share::AS_SHOWN);
+            let before = Rows::of(channel, &Seen::of(&log, &state), &Share::AS_SHOWN);
             for parameter in 0..PARAMETERS {
                 let mut step = [0.0; PARAMETERS];
                 step[parameter] = 1e-5;
-                let after = Rows::of(channel, &log, &state.stepped(&step), &Share::AS_SHOWN);
+                let moved = state.stepped(&step);
+                let after = Rows::of(channel, &Seen::of(&log, &moved), &Share::AS_SHOWN);
                 let (mut off, mut size) = (0.0_f64, 1e-3_f64);
                 for ((_, derivative, one), (_, _, two)) in before.list.iter().zip(&after.list) {
                     off = off.max((two - one - 1e-5 * derivative[parameter]).abs() / 1e-5);

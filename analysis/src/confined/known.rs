@@ -1,5 +1,6 @@
 //! What is known before the log: how magnetometers and gyros are, an earlier calibration, the field of the place.
 
+use crate::base::axes;
 use crate::base::piece::{COLUMNS, Matrix};
 use crate::base::prior::Prior;
 use crate::confined::state::{DELAY, FIELD, MATRIX, OFFSET, PARAMETERS, RATE, State, TILT, VERTICAL, ZERO};
@@ -166,7 +167,9 @@ fn nine_follow(to_triangle: &SMatrix<f64, 6, 9>) -> SMatrix<f64, 9, 12> {
 
 /// The upper triangle `T` of `matrix = R · T` by rows, and how it follows `E` in `(1 + E) · matrix`.
 fn triangle_of(matrix: &Matrix3<f64>) -> Option<([f64; 6], SMatrix<f64, 6, 9>)> {
-    let triangle = (matrix.transpose() * matrix).cholesky()?.l().transpose();
+    let rows = std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]));
+    let triangle = axes::triangle_of(&rows)?;
+    let triangle = Matrix3::from_fn(|i, j| triangle[i][j]);
     let rotation = matrix * triangle.try_inverse()?;
     const PLACES: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
     let mut follows = SMatrix::<f64, 6, 9>::zeros();

@@ -1,7 +1,7 @@
 //! The likeliest parameters of a log, and their covariance.
 
 use crate::base::piece::{COLUMNS, Matrix};
-use crate::confined::channels::{Channel, Rows, Share, Sums};
+use crate::confined::channels::{Channel, Rows, Seen, Share, Sums};
 use crate::confined::known::Before;
 use crate::confined::log::Log;
 use crate::confined::state::{PARAMETERS, State};
@@ -54,8 +54,9 @@ struct Noise {
 fn total(log: &Log, start: &State, state: &State, before: &Before, noise: &Noise) -> (Matrix, Vec<Sums>) {
     let mut total = before.matrix(start, state);
     let mut list = Vec::new();
+    let seen = Seen::of(log, state);
     for (channel, (sigma_ut, memory)) in Channel::ALL.into_iter().zip(&noise.rows) {
-        let sums = Rows::of(channel, log, state, &noise.share).sums(*sigma_ut);
+        let sums = Rows::of(channel, &seen, &noise.share).sums(*sigma_ut);
         for block in &sums.blocks {
             weighted(&mut total, block, 1.0 / memory);
         }
@@ -109,11 +110,12 @@ fn settle(log: &Log, start: &State, mut state: State, before: &Before, noise: &N
 /// The noise of each channel at a state; the memory is kept.
 fn noise_at(log: &Log, state: &State, noise: &Noise) -> Noise {
     let mut now = noise.clone();
-    let magnitude_ut = Rows::of(Channel::Magnitude, log, state, &Share::AS_SHOWN).sigma_ut();
-    let shown = Rows::of(Channel::Dip, log, state, &Share::AS_SHOWN);
+    let seen = Seen::of(log, state);
+    let magnitude_ut = Rows::of(Channel::Magnitude, &seen, &Share::AS_SHOWN).sigma_ut();
+    let shown = Rows::of(Channel::Dip, &seen, &Share::AS_SHOWN);
     now.share = Share::of(log, state, magnitude_ut, &shown);
     for (channel, one) in Channel::ALL.into_iter().zip(&mut now.rows) {
-        one.0 = Rows::of(channel, log, state, &now.share).sigma_ut();
+        one.0 = Rows::of(channel, &seen, &now.share).sigma_ut();
     }
     now
 }

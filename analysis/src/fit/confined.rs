@@ -68,12 +68,9 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
 fn solved(ground: &Ground, options: &Options, log: &Log) -> Option<Solved> {
     let prior = options.prior.as_ref();
     let own = ground.base.as_ref().ok().map(|base| base.solution.calibration.offset_ut);
-    let offsets: Vec<Vector3<f64>> = [own, sphere(&ground.counted.samples).map(|(centre, _)| centre)]
-        .into_iter()
-        .chain([prior.map(|prior| prior.offset_ut)])
-        .flatten()
-        .map(Vector3::from)
-        .collect();
+    let own = own.or_else(|| sphere(&ground.counted.samples).map(|(centre, _)| centre));
+    let offsets: Vec<Vector3<f64>> =
+        [own, prior.map(|prior| prior.offset_ut)].into_iter().flatten().map(Vector3::from).collect();
     let matrix = prior.map_or(Matrix3::identity(), |prior| Matrix3::from_fn(|i, j| prior.triangle[i][j]));
     let before = Before { field_ut: options.field_ut, dip_deg: options.dip_deg, prior: prior.cloned() };
     solve(log, matrix, &offsets, &before)
