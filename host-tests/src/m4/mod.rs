@@ -66,12 +66,13 @@ impl From<io::Error> for M4Error {
     }
 }
 
-/// Builds the images and returns their paths by name.
-fn build() -> Result<BTreeMap<String, PathBuf>, M4Error> {
+/// Builds the images in a profile and returns their paths by name.
+pub(crate) fn build_images(profile: &str, target: &str) -> Result<BTreeMap<String, PathBuf>, M4Error> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-        .args(["build", "--release", "-p", "ironout-m4-bench", "--features", "image", "--target", TARGET])
+        .args(["build", "--profile", profile, "-p", "ironout-m4-bench", "--features", "image"])
+        .args(["--target", target])
         .arg("--message-format=json-render-diagnostics")
         .stderr(std::process::Stdio::inherit())
         .output()?;
@@ -109,16 +110,16 @@ fn run(image: &std::path::Path) -> Result<BTreeMap<String, String>, M4Error> {
 }
 
 /// Sizes of an image's sections by name, bytes.
-type Sections = BTreeMap<String, u64>;
+pub(crate) type Sections = BTreeMap<String, u64>;
 
-fn sections(image: &std::path::Path) -> Result<Sections, M4Error> {
+pub(crate) fn sections(image: &std::path::Path) -> Result<Sections, M4Error> {
     let bytes = std::fs::read(image)?;
     let file = object::File::parse(&*bytes)
         .map_err(|error| M4Error::Failed(format!("{}: {error}", image.display())))?;
     Ok(file.sections().filter_map(|s| Some((s.name().ok()?.to_owned(), s.size()))).collect())
 }
 
-fn size(sections: &Sections, name: &str) -> u64 {
+pub(crate) fn size(sections: &Sections, name: &str) -> u64 {
     sections.get(name).copied().unwrap_or(0)
 }
 
@@ -142,7 +143,7 @@ fn panics(image: &std::path::Path) -> Result<u64, M4Error> {
 /// # Errors
 /// See [`M4Error`].
 pub fn measure() -> Result<Measured, M4Error> {
-    let images = build()?;
+    let images = build_images("release", TARGET)?;
     let image =
         |name: &str| images.get(name).ok_or_else(|| M4Error::Failed(format!("cargo built no image {name}")));
     let lines = run(image("counts")?)?;
