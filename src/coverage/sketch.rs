@@ -181,7 +181,8 @@ impl Sketch {
                 // Slice by slice: moving them all at once would link a `memmove` of a kilobyte and a half.
                 for place in 0..SLICES {
                     let to = if by > 0 { SLICES - 1 - place } else { place };
-                    let from = if by > 0 { to.checked_sub(steps as usize) } else { Some(to + steps as usize) };
+                    let from =
+                        if by > 0 { to.checked_sub(steps as usize) } else { Some(to + steps as usize) };
                     let moved = from.and_then(|from| self.cells.get(from)).copied().unwrap_or_default();
                     if let Some(slice) = self.cells.get_mut(to) {
                         *slice = moved;
@@ -195,7 +196,10 @@ impl Sketch {
                     // Row by row: a shift of 128 bits by an unknown number takes more code than time.
                     for _ in 0..steps.min(ROWS as u32) {
                         (*first, *second) = if by > 0 {
-                            (*first << ROW_BITS & WORD, (*second << ROW_BITS | *first >> (HALF - ROW_BITS)) & WORD)
+                            (
+                                *first << ROW_BITS & WORD,
+                                (*second << ROW_BITS | *first >> (HALF - ROW_BITS)) & WORD,
+                            )
                         } else {
                             (*first >> ROW_BITS | *second << (HALF - ROW_BITS) & WORD, *second >> ROW_BITS)
                         };

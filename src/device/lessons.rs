@@ -1,11 +1,16 @@
 //! What the device keeps for its study.
 
 use super::own::OwnColumns;
+use super::study::{Learner, Motion};
+#[cfg(feature = "study")]
 use crate::calibration::Calibration;
-use crate::learn::{Inquiry, Learner, Motion, Outcome};
+#[cfg(feature = "study")]
+use crate::learn::{Inquiry, Outcome};
+#[cfg(feature = "study")]
 use crate::protocol::EffectId;
 
 /// Why a question is asked.
+#[cfg(feature = "study")]
 #[derive(Debug, Clone)]
 pub(super) enum Purpose {
     /// For `why`.
@@ -15,6 +20,7 @@ pub(super) enum Purpose {
 }
 
 /// A question under way.
+#[cfg(feature = "study")]
 #[derive(Debug, Clone)]
 pub(super) struct Question {
     pub(super) purpose: Purpose,
@@ -34,12 +40,13 @@ pub(super) struct Lessons {
     /// The motion as it was fed by name.
     pub(super) accel: Axes,
     pub(super) turn: Axes,
-    pub(super) question: Option<Question>,
+    pub(super) question: Option<super::study::Question>,
     /// When the chip's temperature is asked for next; never, where it has none.
     pub(super) temperature_at_ms: u64,
     /// When it is looked next whether a calibration under way is good enough to begin at.
     pub(super) begin_at_ms: u64,
     /// What `effect add` or `effect remove` will have made of the study once its record is stored.
+    #[cfg(feature = "study")]
     pub(super) changed: Option<Change>,
     /// The effects of time in use go by the board's clock since power-up.
     pub(super) own_clock: bool,
@@ -50,6 +57,7 @@ pub(super) struct Lessons {
 }
 
 /// A change that waits for the store.
+#[cfg(feature = "study")]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Change {
     pub(super) before: Calibration<f64>,
@@ -57,6 +65,7 @@ pub(super) struct Change {
 }
 
 /// The answer and what it took.
+#[cfg(feature = "study")]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Answer {
     pub(super) outcome: Outcome,
@@ -73,6 +82,7 @@ impl Lessons {
             question: None,
             temperature_at_ms: 0,
             begin_at_ms: 0,
+            #[cfg(feature = "study")]
             changed: None,
             own_clock: false,
             no_temperature: false,
@@ -85,7 +95,11 @@ impl Lessons {
         self.learner.begin_anew();
         self.motion = Motion::UNKNOWN;
         (self.accel, self.turn) = ([None; 3], [None; 3]);
-        (self.question, self.changed) = (None, None);
+        self.question = None;
+        #[cfg(feature = "study")]
+        {
+            self.changed = None;
+        }
         (self.temperature_at_ms, self.begin_at_ms) = (0, 0);
         (self.own_clock, self.no_temperature) = (false, false);
         self.own = OwnColumns::new();

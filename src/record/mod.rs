@@ -41,6 +41,7 @@ mod predicted;
 #[cfg(feature = "record")]
 mod stored;
 
+pub use content::Record;
 pub use covariance::Covariance;
 #[cfg(feature = "record")]
 pub(crate) use layout::stated_length;
@@ -52,4 +53,3 @@ pub use layout::{
 pub use predicted::PredictedError;
 #[cfg(feature = "record")]
 pub use stored::{DoesNotFit, Encoded, is_newer};
-pub use content::Record;

@@ -7,12 +7,13 @@ use super::covariance::Covariance;
 #[cfg(feature = "effects")]
 use super::effect;
 use super::layout::{
-    COVARIANCE_BYTES, CRC, CRC_BYTES, LENGTH_AT, MAGIC, MAX_RECORD_BYTES, RECORD_BYTES, Reader, RecordError, VERSION,
-    WITH_COVARIANCE, Writer, check_crc, without_covariance,
+    COVARIANCE_BYTES, CRC, CRC_BYTES, LENGTH_AT, MAGIC, MAX_RECORD_BYTES, RECORD_BYTES, Reader, RecordError,
+    VERSION, WITH_COVARIANCE, Writer, check_crc, without_covariance,
 };
 #[cfg(feature = "effects")]
 use super::layout::{
-    EffectLayout, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, VERSION_WITH_RANGES, VERSION_WITH_RANGES_SHORT_ERRORS,
+    EffectLayout, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, VERSION_WITH_RANGES,
+    VERSION_WITH_RANGES_SHORT_ERRORS,
 };
 use super::predicted::PredictedError;
 use crate::calibration::Calibration;

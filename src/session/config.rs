@@ -42,8 +42,8 @@ impl SessionConfig {
         Self { axes: Some(sensor.axes), ..scaled }
     }
 
-    /// The method of a solve.
-    pub(super) const fn solved_by(&self) -> Method {
+    /// The method of the next solve.
+    pub const fn solved_by(&self) -> Method {
         #[cfg(feature = "methods")]
         return self.method;
         #[cfg(not(feature = "methods"))]

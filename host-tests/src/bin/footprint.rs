@@ -71,12 +71,7 @@ fn image(board: &str) -> Faults {
         size.rodata,
         size.data
     );
-    println!(
-        "  RAM   {:>7}  (statics {}, stack region {})",
-        size.ram(),
-        size.data + size.bss,
-        size.stack
-    );
+    println!("  RAM   {:>7}  (statics {}, stack region {})", size.ram(), size.data + size.bss, size.stack);
     Ok(Vec::new())
 }
 

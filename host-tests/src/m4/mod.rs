@@ -66,13 +66,25 @@ impl From<io::Error> for M4Error {
     }
 }
 
-/// Builds the images in a profile and returns their paths by name.
-pub(crate) fn build_images(profile: &str, target: &str) -> Result<BTreeMap<String, PathBuf>, M4Error> {
+/// Builds the images of the counts and returns their paths by name.
+fn build() -> Result<BTreeMap<String, PathBuf>, M4Error> {
+    build_with(&["--release", "--features", "image,counts"])
+}
+
+/// Builds one image in a profile, with these features of the library, separated by commas.
+pub(crate) fn build_image(name: &str, profile: &str, features: &str) -> Result<PathBuf, M4Error> {
+    let features = format!("image,{features}");
+    build_with(&["--profile", profile, "--bin", name, "--features", &features])?
+        .remove(name)
+        .ok_or_else(|| M4Error::Failed(format!("cargo built no image {name}")))
+}
+
+fn build_with(arguments: &[&str]) -> Result<BTreeMap<String, PathBuf>, M4Error> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-        .args(["build", "--profile", profile, "-p", "ironout-m4-bench", "--features", "image"])
-        .args(["--target", target])
+        .args(["build", "-p", "ironout-m4-bench", "--target", TARGET])
+        .args(arguments)
         .arg("--message-format=json-render-diagnostics")
         .stderr(std::process::Stdio::inherit())
         .output()?;
@@ -143,7 +155,7 @@ fn panics(image: &std::path::Path) -> Result<u64, M4Error> {
 /// # Errors
 /// See [`M4Error`].
 pub fn measure() -> Result<Measured, M4Error> {
-    let images = build_images("release", TARGET)?;
+    let images = build()?;
     let image =
         |name: &str| images.get(name).ok_or_else(|| M4Error::Failed(format!("cargo built no image {name}")));
     let lines = run(image("counts")?)?;
