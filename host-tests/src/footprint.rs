@@ -106,12 +106,13 @@ pub fn programs() -> Result<Vec<Row>, M4Error> {
     rows.collect()
 }
 
-/// Builds the images of the boards and measures them.
+/// Builds the images of the boards and measures them; of those that an emulator runs only, or of all.
 ///
 /// # Errors
 /// [`M4Error::Failed`] with what the build says.
-pub fn images() -> Result<Vec<Row>, M4Error> {
-    let rows = IMAGES.iter().map(|image| {
+pub fn images(emulated_only: bool) -> Result<Vec<Row>, M4Error> {
+    let is_emulated = |image: &&Image| matches!(image.board, "board-pico" | "board-mps2");
+    let rows = IMAGES.iter().filter(|image| !emulated_only || is_emulated(image)).map(|image| {
         let build = if image.is_lean { Firmware::build_lean } else { Firmware::build_for };
         let size = build(image.board)
             .and_then(|firmware| firmware.footprint())
@@ -145,6 +146,27 @@ pub fn table(rows: &[Row]) -> String {
     text
 }
 
+/// The rows that are known: what was measured now, and the others as they are stored.
+pub fn with_stored(rows: &[Row], stored: &str) -> Vec<Row> {
+    let keys = PROGRAMS.iter().map(|program| (program.key, program.before, program.wanted)).chain(
+        IMAGES.iter().map(|image| (image.key, image.before, WANTED.get(usize::from(image.is_lean)).copied())),
+    );
+    let known = keys.filter_map(|(key, before, wanted)| {
+        let measured = rows.iter().find(|row| row.key == key).cloned();
+        measured.or_else(|| {
+            let number = |column| stored_number(stored, key, column);
+            Some(Row { key, before, flash: number(2)?, statics: number(6), wanted })
+        })
+    });
+    known.collect()
+}
+
+/// A number of the stored table, by the row's key and the column.
+fn stored_number(stored: &str, key: &str, column: usize) -> Option<u64> {
+    let line = stored.lines().find(|line| line.split_whitespace().next() == Some(key))?;
+    line.split_whitespace().nth(column)?.parse().ok()
+}
+
 /// Where the snapshot lies.
 pub fn snapshot_path() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/snapshots/footprint.txt"))
@@ -152,11 +174,7 @@ pub fn snapshot_path() -> PathBuf {
 
 /// Rows that take more flash than the stored table says, one sentence each.
 pub fn worse(rows: &[Row], stored: &str) -> Vec<String> {
-    let stored_flash = |key: &str| {
-        let line = stored.lines().find(|line| line.split_whitespace().next() == Some(key))?;
-        line.split_whitespace().nth(2)?.parse::<u64>().ok()
-    };
-    let grown = rows.iter().filter_map(|row| match stored_flash(row.key) {
+    let grown = rows.iter().filter_map(|row| match stored_number(stored, row.key, 2) {
         None => Some(format!("{} is not in the snapshot", row.key)),
         Some(old) if row.flash as f64 > old as f64 * (1.0 + TOLERANCE) => {
             Some(format!("{} grew from {old} to {} bytes", row.key, row.flash))
@@ -181,5 +199,9 @@ mod tests {
         assert!(worse(&[row(41_200)], &stored).is_empty());
         assert_eq!(worse(&[row(41_201)], &stored), ["session grew from 40000 to 41201 bytes"]);
         assert_eq!(worse(&[row(1)], ""), ["session is not in the snapshot"]);
+        // What was not measured stays as it was stored.
+        let kept = with_stored(&[Row { key: "live", ..row(7) }], &stored);
+        let flash: Vec<_> = kept.iter().map(|row| (row.key, row.flash)).collect();
+        assert_eq!(flash, [("session", 40_000), ("live", 7)]);
     }
 }

@@ -1,16 +1,20 @@
-//! `cargo footprint [--accept | linked | BOARD]`: flash and RAM of the library and the firmware.
+//! `cargo footprint [linked | emulated | BOARD] [--accept]`: flash and RAM of the library and the firmware.
 //!
 //! Without an argument it builds the linked programs and all images, prints the table and compares it with the snapshot; `--accept`
-//! writes the snapshot and the table in `docs/measured.md`. `linked` stops before the images; a board's name measures that image alone.
+//! writes the snapshot and the table in `docs/measured.md`. `linked` leaves out the images, `emulated` those that no emulator runs. A
+//! board's name measures that image alone.
 
 use std::process::ExitCode;
 
 #[cfg(unix)]
 fn main() -> ExitCode {
-    let argument = std::env::args().nth(1);
-    let measured = match argument.as_deref() {
-        None | Some("--accept") => whole_table(argument.is_some()),
-        Some("linked") => linked(),
+    let (flags, words): (Vec<String>, Vec<String>) =
+        std::env::args().skip(1).partition(|word| word == "--accept");
+    let accept = !flags.is_empty();
+    let measured = match words.first().map(String::as_str) {
+        None => table_of(Images::All, accept),
+        Some("emulated") => table_of(Images::Emulated, accept),
+        Some("linked") => table_of(Images::None, accept),
         Some(board) => image(board),
     };
     match measured {
@@ -36,24 +40,28 @@ fn stored() -> String {
     std::fs::read_to_string(ironout_host_tests::footprint::snapshot_path()).unwrap_or_default()
 }
 
+/// Which images are measured.
 #[cfg(unix)]
-fn linked() -> Faults {
-    use ironout_host_tests::footprint::{programs, table, worse};
-    let rows = programs()?;
-    print!("{}", table(&rows));
-    Ok(worse(&rows, &stored()))
+enum Images {
+    None,
+    Emulated,
+    All,
 }
 
 #[cfg(unix)]
-fn whole_table(accept: bool) -> Faults {
-    use ironout_host_tests::footprint::{images, programs, snapshot_path, table, worse};
+fn table_of(which: Images, accept: bool) -> Faults {
+    use ironout_host_tests::footprint::{images, programs, snapshot_path, table, with_stored, worse};
     let mut rows = programs()?;
-    rows.extend(images()?);
-    let text = table(&rows);
-    print!("{text}");
+    rows.extend(match which {
+        Images::None => Vec::new(),
+        Images::Emulated => images(true)?,
+        Images::All => images(false)?,
+    });
+    print!("{}", table(&rows));
     if !accept {
         return Ok(worse(&rows, &stored()));
     }
+    let text = table(&with_stored(&rows, &stored()));
     std::fs::write(snapshot_path(), &text)?;
     ironout_host_tests::measured::write(&[("footprint", text)])?;
     Ok(Vec::new())
