@@ -101,17 +101,15 @@ pub(crate) mod decompose {
                     let (sine, cosine) = crate::trig::sin_cos(angle.into());
                     let (sine, cosine) = (sine as Self, cosine as Self);
                     // Rodrigues: cos I + (1 − cos) u uᵀ + sin [u]×.
-                    core::array::from_fn(|row| {
-                        core::array::from_fn(|column| {
-                            let [a, b] = [axis[row], axis[column]];
-                            if row == column {
-                                return a * a + (1.0 - a * a) * cosine;
-                            }
-                            let turned = axis[3 - row - column] * sine;
-                            let is_after = (row + 1) % 3 == column;
-                            a * b * (1.0 - cosine) + if is_after { -turned } else { turned }
-                        })
-                    })
+                    let along = |a: Self| a * a + (1.0 - a * a) * cosine;
+                    let across = |a: Self, b: Self, turned: Self| a * b * (1.0 - cosine) + turned;
+                    let [x, y, z] = axis;
+                    let [tx, ty, tz] = [x * sine, y * sine, z * sine];
+                    [
+                        [along(x), across(x, y, -tz), across(x, z, ty)],
+                        [across(x, y, tz), along(y), across(y, z, -tx)],
+                        [across(x, z, -ty), across(y, z, tx), along(z)],
+                    ]
                 }
             }
         };

@@ -64,14 +64,14 @@ pub fn sin_cos(angle: f64) -> (f64, f64) {
     let mut low = n * LEFT[0];
     let mut y = rest - low;
     // Where the angle is near a multiple, more bits of π count.
-    for (round, lost_bits) in [(1, 16), (2, 49)] {
+    for (lost_bits, (part, left)) in [16, 49].into_iter().zip(PARTS.iter().zip(&LEFT).skip(1)) {
         if exponent(x) - exponent(y) <= lost_bits {
             break;
         }
         let before = rest;
-        low = n * PARTS[round];
+        low = n * part;
         rest = before - low;
-        low = n * LEFT[round] - ((before - rest) - low);
+        low = n * left - ((before - rest) - low);
         y = rest - low;
     }
     let tail = (rest - y) - low;
