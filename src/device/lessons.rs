@@ -1,6 +1,8 @@
 //! What the device keeps for its study.
 
 use super::own::OwnColumns;
+#[cfg(not(feature = "study"))]
+use super::study::Question;
 use super::study::{Learner, Motion};
 #[cfg(feature = "study")]
 use crate::calibration::Calibration;
@@ -40,7 +42,7 @@ pub(super) struct Lessons {
     /// The motion as it was fed by name.
     pub(super) accel: Axes,
     pub(super) turn: Axes,
-    pub(super) question: Option<super::study::Question>,
+    pub(super) question: Option<Question>,
     /// When the chip's temperature is asked for next; never, where it has none.
     pub(super) temperature_at_ms: u64,
     /// When it is looked next whether a calibration under way is good enough to begin at.

@@ -82,6 +82,8 @@ mod study;
 #[cfg(test)]
 mod tests;
 #[cfg(not(feature = "study"))]
+mod unasked;
+#[cfg(not(feature = "study"))]
 mod unstudied;
 mod view;
 #[cfg(feature = "study")]

@@ -1,7 +1,5 @@
 //! What the device needs of the study, or of what stands in its place where the feature `study` is left out.
 
-#[cfg(feature = "study")]
-pub(super) use super::lessons::Question;
 #[cfg(not(feature = "study"))]
 pub(super) use super::unstudied::{Fed, Learner, MAX_TESTED, Motion, Question};
 #[cfg(feature = "study")]

@@ -1,19 +1,12 @@
-//! A device without the study: it keeps the values of columns for the calibrations to come, and says where the question is answered.
-
-use core::fmt;
+//! What stands in the place of the study where it is left out: the values of columns, for the calibrations to come.
 
 use heapless::Vec;
 
-use super::machine::Device;
-use super::name::Id;
 use crate::calibration::Calibration;
-use crate::effect::{ColumnName, Effect};
-use crate::protocol::{Answered, Code, EffectId, Reply};
+use crate::effect::ColumnName;
 
 /// Columns whose values are kept.
-pub(in crate::device) const MAX_TESTED: usize = 3;
-
-const NO_STUDY: &str = "this firmware has no study of effects: record a log and run ironout diagnose";
+pub(super) const MAX_TESTED: usize = 3;
 
 /// What becomes of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,37 +75,5 @@ impl Learner {
 
     pub(super) fn value(&self, name: &str) -> Option<f32> {
         self.0.iter().find(|(known, _)| known.as_str() == name).map(|(_, value)| *value)
-    }
-}
-
-impl Device {
-    pub(super) fn why<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Option<Answered> {
-        Some(reply.err(Code::State, format_args!("{NO_STUDY}")))
-    }
-
-    pub(super) fn effect_add<W: fmt::Write>(&mut self, reply: Reply<'_, W>, _: EffectId) -> Option<Answered> {
-        self.why(reply)
-    }
-
-    pub(super) fn effect_remove<W: fmt::Write>(
-        &mut self,
-        reply: Reply<'_, W>,
-        _: &EffectId,
-    ) -> Option<Answered> {
-        self.why(reply)
-    }
-
-    /// What the calibration in use carries.
-    #[inline(never)]
-    pub(super) fn effect_list<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
-        let in_use = || self.active.iter().flat_map(|active| active.record.effects.iter());
-        for fitted in in_use() {
-            reply.line(format_args!(
-                "effect id={} state=in-use name={}",
-                Id(&fitted.effect),
-                Effect::<f64>::name(&fitted.effect)
-            ));
-        }
-        reply.ok(format_args!("in_use={}", in_use().count()))
     }
 }
