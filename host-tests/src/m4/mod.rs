@@ -68,7 +68,11 @@ impl From<io::Error> for M4Error {
 
 /// Builds the images of the counts and returns their paths by name.
 fn build() -> Result<BTreeMap<String, PathBuf>, M4Error> {
-    build_with(&["--release", "--features", "image,counts"])
+    let mut arguments = vec!["--release", "--features", "image,counts"];
+    for image in ["counts", "sample-path", "size-base", "size-core", "size-magcal"] {
+        arguments.extend(["--bin", image]);
+    }
+    build_with(&arguments)
 }
 
 /// Builds one image in a profile, with these features of the library, separated by commas.
