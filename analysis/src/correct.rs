@@ -2,10 +2,10 @@
 
 use crate::effects::Calibrated;
 use crate::samples::clock::even;
-use crate::samples::samples::{delayed, filled};
+use crate::samples::samples::{filled, past_of};
 use crate::table::Table;
 use ironout::calibration::norm;
-use ironout::effect::{ColumnName, Effect, Follows, MAX_INPUTS, Made, TIME};
+use ironout::effect::{ColumnName, Effect, Follows, MAX_INPUTS, Made, Past, TIME};
 use ironout::extended::{Conditions, FittedEffect, NotCorrected};
 
 /// A column that an effect of the calibration needs and that the log does not have as it is needed.
@@ -96,16 +96,13 @@ impl<'a> Corrector<'a> {
                 }
                 let filled = filled(covariate.values)
                     .ok_or_else(|| missing(column.name, "every cell of it is empty"))?;
-                let delay_s = column.delay_s;
-                *slot = Some(if delay_s > 0.0 {
-                    let time = table.time_s;
-                    delayed(
-                        &filled,
-                        time.ok_or_else(|| missing(TIME, "the log has no time column"))?,
-                        delay_s,
-                    )
-                } else {
-                    filled
+                *slot = Some(match column.past {
+                    Past::Now => filled,
+                    past => {
+                        let time = table.time_s;
+                        let time = time.ok_or_else(|| missing(TIME, "the log has no time column"))?;
+                        past_of(filled, time, past)
+                    }
                 });
             }
             inputs.push(own);

@@ -197,9 +197,7 @@ pub trait Family: Sync {
     /// The columns of [`Effect::columns`], with names that live as long as the parts.
     fn columns<'p>(&self, parts: &Parts<&'p str>) -> [Option<Column<'p, f64>>; MAX_INPUTS] {
         let column = match self.follows() {
-            Follows::Column => {
-                Some(Column { name: parts.column, delay_s: parts.delay_s().unwrap_or_default() })
-            }
+            Follows::Column => Some(Column { name: parts.column, past: parts.past() }),
             Follows::Time | Follows::Tone => Some(Column::now(TIME)),
             Follows::Attitude | Follows::Turning => None,
         };

@@ -5,6 +5,8 @@ use crate::samples::gravity;
 use crate::samples::work::Work;
 use crate::table::{Follows, Table};
 use crate::track::Place;
+use ironout::effect::Past;
+use ironout::extended::LowPass;
 use ironout::study::Observation;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -377,11 +379,11 @@ impl Samples {
         (0..=blocks).map(|k| self.len() * k / blocks).collect()
     }
 
-    /// A covariate `delay_s` earlier, from all rows of the log, linearly between them.
-    pub fn delayed(&self, table: &Table, name: &str, delay_s: f64) -> Option<Vec<f64>> {
+    /// A past of a covariate, from all rows of the log, linearly between them.
+    pub fn past(&self, table: &Table, name: &str, past: Past<f64>) -> Option<Vec<f64>> {
         let time = table.time_s?;
         let named = table.covariates.iter().find(|named| named.name == name)?;
-        let late = delayed(&filled(named.values)?, time, delay_s);
+        let late = past_of(filled(named.values)?, time, past);
         Some(self.row.iter().map(|&row| late[row]).collect())
     }
 }
@@ -402,6 +404,19 @@ pub fn filled(values: &[f64]) -> Option<Vec<f64>> {
         fill_gaps(&mut values);
         values
     })
+}
+
+/// A past of a column without missing cells.
+pub fn past_of(values: Vec<f64>, time_s: &[f64], past: Past<f64>) -> Vec<f64> {
+    match past {
+        Past::Now => values,
+        Past::Delayed(delay_s) => delayed(&values, time_s, delay_s),
+        Past::LowPass(time_constant_s) => {
+            let mut filter = LowPass::<f64>::new(time_constant_s);
+            let held = |(value, now): (f64, &f64)| filter.push(*now, value).unwrap_or(value);
+            values.into_iter().zip(time_s).map(held).collect()
+        }
+    }
 }
 
 /// A column without missing cells `delay_s` earlier, linearly between the rows; before the log began, as in its first
