@@ -147,14 +147,17 @@ impl<C: AsRef<str>, T: Real> Effect<T> for Offset<C, T> {
     fn name(&self) -> &'static str {
         match (Kind::of(self.column.as_ref()), self.power, self.past.word()) {
             (Kind::Temperature, Power::Linear, "") => "temperature offset",
+            (Kind::Temperature, Power::Linear, "ahead") => "temperature offset that is logged late",
             (Kind::Temperature, Power::Linear, "late") => "late temperature offset",
             (Kind::Temperature, Power::Linear, _) => "slow temperature offset",
             (Kind::Temperature, Power::Squared, _) => "squared temperature offset",
             (Kind::Current, Power::Linear, "") => "current offset",
+            (Kind::Current, Power::Linear, "ahead") => "current offset that is logged late",
             (Kind::Current, Power::Linear, "late") => "late current offset",
             (Kind::Current, Power::Linear, _) => "slow current offset",
             (Kind::Current, Power::Squared, _) => "squared current offset",
             (Kind::Other, Power::Linear, "") => "offset with a column",
+            (Kind::Other, Power::Linear, "ahead") => "offset with a column that is logged late",
             (Kind::Other, Power::Linear, "late") => "late offset with a column",
             (Kind::Other, Power::Linear, _) => "slow offset with a column",
             (Kind::Other, Power::Squared, _) => "offset with a column's square",

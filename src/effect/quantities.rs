@@ -56,6 +56,7 @@ impl<T: Real> Past<T> {
     pub fn word(&self) -> &'static str {
         match self {
             Past::Now => "",
+            Past::Delayed(s) if *s < T::zero() => "ahead",
             Past::Delayed(_) => "late",
             Past::LowPass(_) => "slow",
         }
