@@ -149,8 +149,8 @@ impl<C: AsRef<str>, T: Real> Effect<T> for SoftIron<C, T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{PLACES, SoftIron};
-    use crate::effect::{Effect, Quantities, no_shape};
+    use super::super::quantities::no_shape;
+    use super::{Effect, PLACES, Quantities, SoftIron};
 
     #[test]
     fn the_matrix_is_symmetric_and_the_shape_says_the_same() {
