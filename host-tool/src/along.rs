@@ -75,7 +75,8 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
         ));
         return Ok(());
     }
-    let (Some(field), Some(dip)) = (filled(&field), filled(&dip)) else { return Ok(()) };
+    let whole = |values: &[f64]| filled(values).map(std::borrow::Cow::into_owned);
+    let (Some(field), Some(dip)) = (whole(&field), whole(&dip)) else { return Ok(()) };
     let of = match &height {
         Some((name, _)) => format!("lat_deg, lon_deg and {name}"),
         None => "lat_deg and lon_deg (at height 0)".to_string(),
@@ -113,12 +114,12 @@ pub fn reference(log: &mut Log, columns: &str) -> Outcome<()> {
         })?;
         let values = filled(&column.values).filter(|_| column.not_finite == 0);
         let values = values.ok_or_else(|| fail(format!("{name} holds no numbers")))?;
-        squares.iter_mut().zip(values).for_each(|(sum, value)| *sum += value * value);
+        squares.iter_mut().zip(values.iter()).for_each(|(sum, value)| *sum += value * value);
     }
     let field: Vec<f64> = squares.into_iter().map(f64::sqrt).collect();
     let mut sorted = field.clone();
-    let middle = sorted.len() / 2;
-    let median = *sorted.select_nth_unstable_by(middle.min(sorted.len().saturating_sub(1)), f64::total_cmp).1;
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN);
     let named = |end: &str| names.iter().all(|name| name.to_ascii_lowercase().ends_with(end));
     // Fields that the Earth has, and coils make, in each unit: they are a factor of ten apart at least.
     let (unit, ut) = match median {

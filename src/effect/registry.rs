@@ -139,7 +139,7 @@ impl Registry {
         mut use_it: impl FnMut(Named<'a>),
     ) {
         let mut offer = |column: &'a str, named: bool| {
-            for family in self.families() {
+            for family in self.families().filter(|family| family.suits(column)) {
                 let mut last = None;
                 for form in family.forms().iter().copied().filter(|form| form.column == named && form.offered)
                 {

@@ -6,16 +6,16 @@
 //! same filter, and as many parameters less as it has fewer changes.
 
 use crate::unlogged::linear::{BASE, Normal, Row};
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
 /// Base, and the vector.
 const ALL: usize = BASE + 3;
 /// Rounds of states and least squares.
-const ROUNDS: usize = 12;
-/// Samples of a log, as means of neighbours.
+const ROUNDS: usize = 16;
+/// Samples of a log that are looked at.
 const MOST_SAMPLES: usize = 20_000;
-/// Samples that the beginnings are tried on, as means of neighbours.
+/// Samples that the beginnings are tried on.
 const MOST_BLOCKS: usize = 3000;
 /// Sizes of the vector to begin with, in standard deviations of the residual: a vector that switches half of the time has two.
 const SIZES: [f64; 3] = [1.0, 2.0, 4.0];
@@ -45,12 +45,39 @@ pub struct Switching {
     pub odds: f64,
 }
 
-struct Fit {
+/// Where the fit stands: `M h − b`, less v while it is on.
+#[derive(Clone, Copy)]
+struct Point {
+    matrix: SMatrix<f64, 3, 3>,
+    offset: [f64; 3],
     vector: [f64; 3],
+}
+
+struct Fit {
+    point: Point,
     states: Vec<bool>,
-    base: [f64; BASE],
     squares: f64,
     covariance: SMatrix<f64, 3, 3>,
+}
+
+impl Point {
+    /// The vector while it is off.
+    fn off(&self, h: [f64; 3]) -> [f64; 3] {
+        let [x, y, z] = self.offset;
+        let moved = self.matrix * SVector::from(h);
+        [moved[0] - x, moved[1] - y, moved[2] - z]
+    }
+
+    /// What is left of the magnitude, µT.
+    fn left(&self, h: [f64; 3], on: bool, field_ut: f64) -> f64 {
+        let g = self.off(h);
+        let g = if on { less(g, self.vector) } else { g };
+        dot(g, g).sqrt() - field_ut
+    }
+}
+
+fn less(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|axis| a[axis] - b[axis])
 }
 
 /// Whether an offset switches. `corrected_ut` is corrected by a calibration with this matrix and field.
@@ -61,27 +88,31 @@ pub fn switching(
     field_ut: f64,
 ) -> Option<Switching> {
     let inverse = ironout::vector::inverse_3x3(matrix)?;
-    let rows: Vec<Row> = corrected_ut.iter().filter_map(|h| Row::of(*h, field_ut)).collect();
-    if rows.len() != corrected_ut.len() || rows.len() != time_s.len() || rows.len() < 20 * ALL {
+    if corrected_ut.len() != time_s.len() || corrected_ut.len() < 20 * ALL {
         return None;
     }
     // However long a log is, so much of it is looked at.
-    let (rows, time_s) = gathered(&rows, time_s, MOST_SAMPLES);
-    let time_s = time_s.as_slice();
-    let (blocks, _) = gathered(&rows, time_s, MOST_BLOCKS);
-    let start = best_start(&blocks)?;
-    let fit = rounds(&rows, start)?;
+    let time_s: Vec<f64> = thinned(time_s, MOST_SAMPLES);
+    let corrected_ut: Vec<[f64; 3]> = thinned(corrected_ut, MOST_SAMPLES);
+    let (time_s, corrected_ut) = (time_s.as_slice(), corrected_ut.as_slice());
+    let rows: Vec<Row> = corrected_ut.iter().filter_map(|h| Row::of(*h, field_ut)).collect();
+    if rows.len() != corrected_ut.len() {
+        return None;
+    }
+    let start = best_start(&thinned(corrected_ut, MOST_BLOCKS), field_ut)?;
+    let fit = rounds(corrected_ut, field_ut, start)?;
     let n = rows.len() as f64;
     let changes = fit.states.windows(2).filter(|pair| pair[0] != pair[1]).count();
     if changes < FEWEST_CHANGES || n / (changes + 1) as f64 <= FEWEST_SAMPLES {
         return None;
     }
     let before = plain(&rows)?;
-    let left = residuals(&rows, &fit);
+    let left: Vec<f64> =
+        (corrected_ut.iter().zip(&fit.states)).map(|(h, on)| fit.point.left(*h, *on, field_ut)).collect();
     // Noise with a memory of one sample, as the rival's has a state.
     let own = autoregressive(&left) + (3.0 + 2.0 * changes as f64) * n.ln();
     let free: Vec<f64> = rows.iter().map(|row| after_base(row, &before.0)).collect();
-    let along = wandering(&rows, time_s, &free, Some(fit.vector));
+    let along = wandering(&rows, time_s, &free, Some(fit.point.vector));
     let each = wandering(&rows, time_s, &free, None);
     let odds = along.min(each) - own;
     if odds < WORTH_NAMING {
@@ -96,11 +127,11 @@ pub fn switching(
         |v: [f64; 3]| inverse.map(|row| row.iter().zip(v).map(|(a, b)| sign * a * b).sum::<f64>());
     let variance = fit.squares / (n - ALL as f64);
     let error = |axis: usize| {
-        let row = nalgebra::SVector::<f64, 3>::from(inverse[axis]);
+        let row = SVector::<f64, 3>::from(inverse[axis]);
         (row.dot(&(fit.covariance * row)) * variance).max(0.0).sqrt()
     };
     Some(Switching {
-        offset_ut: to_sensor(fit.vector),
+        offset_ut: to_sensor(fit.point.vector),
         std_errors_ut: std::array::from_fn(error),
         on_s: spans(time_s, &states),
         duty: on.min(1.0 - on),
@@ -110,19 +141,9 @@ pub fn switching(
     })
 }
 
-/// Means of neighbours, so that there are few enough.
-fn gathered(rows: &[Row], time_s: &[f64], most: usize) -> (Vec<Row>, Vec<f64>) {
-    let each = rows.len().div_ceil(most);
-    let mean = |chunk: &[Row]| {
-        let n = chunk.len() as f64;
-        let of = |value: &dyn Fn(&Row) -> f64| chunk.iter().map(value).sum::<f64>() / n;
-        Row {
-            residual_ut: of(&|row| row.residual_ut),
-            direction: std::array::from_fn(|axis| of(&|row| row.direction[axis])),
-            base: std::array::from_fn(|k| of(&|row| row.base[k])),
-        }
-    };
-    (rows.chunks(each).map(mean).collect(), time_s.chunks(each).map(|chunk| chunk[0]).collect())
+/// Every so many of a series, so that there are few enough.
+fn thinned<T: Copy>(values: &[T], most: usize) -> Vec<T> {
+    values.iter().step_by(values.len().div_ceil(most).max(1)).copied().collect()
 }
 
 /// The base's own least squares: its step, and what it leaves.
@@ -141,27 +162,28 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The vector, the base with it, and the states that take the most off: from each direction of half a sphere and each size.
-fn best_start(blocks: &[Row]) -> Option<([f64; 3], [f64; BASE])> {
-    let (base, squares) = plain(blocks)?;
-    let sigma = (squares / blocks.len() as f64).sqrt();
-    let mut best: Option<(f64, Fit)> = None;
+/// Where the least is left, with the changes paid for: from each direction of half a sphere and each size.
+fn best_start(sample: &[[f64; 3]], field_ut: f64) -> Option<Point> {
+    let rows: Vec<Row> = sample.iter().filter_map(|h| Row::of(*h, field_ut)).collect();
+    let (_, squares) = plain(&rows)?;
+    let n = sample.len() as f64;
+    let sigma = (squares / n).sqrt();
+    let mut best: Option<(f64, Point)> = None;
     for direction in half_sphere() {
         for size in SIZES {
             let vector = direction.map(|axis| axis * size * sigma * 3.0_f64.sqrt());
             // Half the vector stands in the offset already.
-            let mut from = base;
-            (0..3).for_each(|axis| from[axis] -= 0.5 * vector[axis]);
-            let Some(fit) = rounds(blocks, (vector, from)) else { continue };
+            let offset = vector.map(|axis| -0.5 * axis);
+            let from = Point { matrix: SMatrix::identity(), offset, vector };
+            let Some(fit) = rounds(sample, field_ut, from) else { continue };
             let changes = fit.states.windows(2).filter(|pair| pair[0] != pair[1]).count() as f64;
-            let n = blocks.len() as f64;
             let score = n * fit.squares.max(f64::MIN_POSITIVE).ln() + 2.0 * changes * n.ln();
             if best.as_ref().is_none_or(|(least, _)| score < *least) {
-                best = Some((score, fit));
+                best = Some((score, fit.point));
             }
         }
     }
-    best.map(|(_, fit)| (fit.vector, fit.base))
+    best.map(|(_, point)| point)
 }
 
 /// Thirteen directions: axes, diagonals of faces, diagonals of the cube, one of each pair.
@@ -174,72 +196,80 @@ fn half_sphere() -> impl Iterator<Item = [f64; 3]> {
     })
 }
 
-/// States for the vector, then base and vector for the states, until the states stand.
-fn rounds(rows: &[Row], (mut vector, mut base): ([f64; 3], [f64; BASE])) -> Option<Fit> {
+/// States for the vector, then base and vector for the states (a Gauss–Newton step), until both stand.
+fn rounds(sample: &[[f64; 3]], field_ut: f64, mut point: Point) -> Option<Fit> {
+    let n = sample.len() as f64;
     let mut states: Vec<bool> = Vec::new();
-    let n = rows.len() as f64;
     let mut variance = None;
     let mut last = None;
     for _ in 0..ROUNDS {
-        let left: Vec<f64> = rows.iter().map(|row| after_base(row, &base)).collect();
+        let left: Vec<[f64; 2]> =
+            sample.iter().map(|h| [false, true].map(|on| point.left(*h, on, field_ut))).collect();
         // Before the states are known: what is left where each sample takes the nearer of the two.
-        let nearer = |(row, left): (&Row, &f64)| {
-            let on = left - dot(row.direction, vector);
-            left.powi(2).min(on * on)
-        };
-        let spread = variance.unwrap_or_else(|| rows.iter().zip(&left).map(nearer).sum::<f64>() / n);
-        let next = viterbi(rows, &left, vector, spread.max(f64::MIN_POSITIVE));
-        if next == states {
-            break;
-        }
+        let nearer = || left.iter().map(|[off, on]| (off * off).min(on * on)).sum::<f64>() / n;
+        let next = viterbi(&left, variance.unwrap_or_else(nearer).max(f64::MIN_POSITIVE));
+        let stands = next == states;
         states = next;
         let mut normal = Normal::<ALL>::default();
-        for (row, on) in rows.iter().zip(&states) {
-            let mut columns = [0.0; ALL];
-            columns[..BASE].copy_from_slice(&row.base);
-            if *on {
-                (0..3).for_each(|axis| columns[BASE + axis] = -row.direction[axis]);
-            }
-            normal.add(&columns, row.residual_ut);
+        for (h, on) in sample.iter().zip(&states) {
+            let off = point.off(*h);
+            let seen = Row::of(if *on { less(off, point.vector) } else { off }, field_ut)?;
+            let [[u, v, w], [x, y, z]] = [seen.direction, off];
+            let (a, b, c) = if *on { (-u, -v, -w) } else { (0.0, 0.0, 0.0) };
+            let columns =
+                [-u, -v, -w, u * x, v * y, w * z, u * y + v * x, u * z + w * x, v * z + w * y, a, b, c];
+            normal.add(&columns, seen.residual_ut);
         }
-        let (step, squares) = normal.solve()?;
-        base.copy_from_slice(&step.as_slice()[..BASE]);
-        vector = [step[BASE], step[BASE + 1], step[BASE + 2]];
-        variance = Some(squares / n);
+        let (step, _) = normal.solve()?;
+        let change = SMatrix::<f64, 3, 3>::new(
+            1.0 + step[3],
+            step[6],
+            step[7], //
+            step[6],
+            1.0 + step[4],
+            step[8], //
+            step[7],
+            step[8],
+            1.0 + step[5],
+        );
+        let offset = change * SVector::from(point.offset);
+        point = Point {
+            matrix: change * point.matrix,
+            offset: std::array::from_fn(|axis| offset[axis] + step[axis]),
+            vector: std::array::from_fn(|axis| point.vector[axis] + step[BASE + axis]),
+        };
+        let squares: f64 =
+            (sample.iter().zip(&states)).map(|(h, on)| point.left(*h, *on, field_ut).powi(2)).sum();
+        let before = variance.replace(squares / n);
         let covariance = normal.inverse()?.fixed_view::<3, 3>(BASE, BASE).into_owned();
         last = Some((squares, covariance));
+        if stands && before.is_some_and(|before| (before - squares / n).abs() <= 1e-9 * before) {
+            break;
+        }
     }
-    let (squares, covariance) = last?;
-    Some(Fit { vector, states, base, squares, covariance })
+    let (squares, covariance) = last.filter(|(squares, _)| squares.is_finite())?;
+    Some(Fit { point, states, squares, covariance })
 }
 
 /// The likeliest states: squares over their variance, and 2 ln n for each change.
-fn viterbi(rows: &[Row], left: &[f64], vector: [f64; 3], variance: f64) -> Vec<bool> {
-    let price = 2.0 * (rows.len() as f64).ln();
+fn viterbi(left: &[[f64; 2]], variance: f64) -> Vec<bool> {
+    let price = 2.0 * (left.len() as f64).ln();
     let mut cost = [0.0, 0.0];
-    let mut came: Vec<[bool; 2]> = Vec::with_capacity(rows.len());
-    for (row, left) in rows.iter().zip(left) {
-        let on = left - dot(row.direction, vector);
-        let own = [left * left / variance, on * on / variance];
+    let mut came: Vec<[bool; 2]> = Vec::with_capacity(left.len());
+    for both in left {
+        let own = both.map(|left| left * left / variance);
         let from = [cost[1] + price < cost[0], cost[1] < cost[0] + price];
         let best = [cost[0].min(cost[1] + price), cost[1].min(cost[0] + price)];
         cost = [best[0] + own[0], best[1] + own[1]];
         came.push(from);
     }
     let mut on = cost[1] < cost[0];
-    let mut states = vec![false; rows.len()];
-    for at in (0..rows.len()).rev() {
+    let mut states = vec![false; left.len()];
+    for at in (0..left.len()).rev() {
         states[at] = on;
         on = came[at][usize::from(on)];
     }
     states
-}
-
-fn residuals(rows: &[Row], fit: &Fit) -> Vec<f64> {
-    let of = |(row, on): (&Row, &bool)| {
-        after_base(row, &fit.base) - if *on { dot(row.direction, fit.vector) } else { 0.0 }
-    };
-    rows.iter().zip(&fit.states).map(of).collect()
 }
 
 /// −2 ln L, but a constant, of noise whose values follow each other by ρ.
@@ -280,12 +310,12 @@ fn kalman(
     let stationary: Three = match along {
         None => Three::identity() * ratio,
         Some(v) => {
-            let v = nalgebra::SVector::<f64, 3>::from(v) / dot(v, v).sqrt().max(f64::MIN_POSITIVE);
+            let v = SVector::<f64, 3>::from(v) / dot(v, v).sqrt().max(f64::MIN_POSITIVE);
             // In the mean over the directions a vector shows by a third of its square.
             v * v.transpose() * (3.0 * ratio)
         }
     };
-    let (mut state, mut p) = (nalgebra::SVector::<f64, 3>::zeros(), stationary);
+    let (mut state, mut p) = (SVector::<f64, 3>::zeros(), stationary);
     let (mut logs, mut squares) = (0.0, 0.0);
     for at in 0..rows.len() {
         if at > 0 {
@@ -293,7 +323,7 @@ fn kalman(
             state *= decay;
             p = p * (decay * decay) + stationary * (1.0 - decay * decay);
         }
-        let u = nalgebra::SVector::<f64, 3>::from(rows[at].direction);
+        let u = SVector::<f64, 3>::from(rows[at].direction);
         let seen = p * u;
         let variance = u.dot(&seen) + 1.0;
         let innovation = residual[at] - u.dot(&state);
