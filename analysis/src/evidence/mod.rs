@@ -6,11 +6,14 @@
 
 pub mod bounds;
 pub mod candidates;
+pub mod closest;
 pub mod design;
 pub mod dip;
 pub mod error;
+pub mod fast_tones;
 pub mod fit;
 pub mod gaps;
+pub mod held_out;
 pub mod hidden;
 pub mod log;
 pub mod noise;

@@ -1,16 +1,17 @@
 //! What the odds say of a log.
 
 use crate::base::ground::Ground;
-use crate::evidence::bounds::{MAX_BLOCKS, MAX_COLOURED_UT, MIN_ODDS, UNCLEAR_ODDS};
+use crate::evidence::bounds::{MAX_BLOCKS, MAX_COLOURED_UT, MIN_ODDS, MOST_TONES, UNCLEAR_ODDS};
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::Blocks;
 use crate::evidence::dip::{Dip, Lateness};
 use crate::evidence::error::{corrected, predicted_error_ut};
+use crate::evidence::fast_tones::{fast_tone, without_tone};
 use crate::evidence::fit::{Fit, Setting, starts};
 use crate::evidence::gaps::without_gaps;
 use crate::evidence::hidden::HiddenCause;
 use crate::evidence::log::Log;
-use crate::evidence::search::{Rival, Search};
+use crate::evidence::search::{Found, Rival, Search};
 use crate::outcome::outcome::Verdict;
 use crate::outcome::request::Options;
 use crate::table::Table;
@@ -74,14 +75,51 @@ pub fn judge(table: &Table, options: &Options, trace: bool) -> Evidence {
 fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence> {
     let whole = &ground.counted.samples;
     let without = without_gaps(whole, ground.counted.table);
-    let log = Log::new(without.as_ref().unwrap_or(whole), ground.counted.table);
-    let catalogue = Catalogue::new(&log, options.registry);
+    let mut samples = without.unwrap_or_else(|| whole.clone());
+    let mut tones: Vec<String> = Vec::new();
+    let mut first_rms = None;
+    loop {
+        let log = Log::new(&samples, ground.counted.table);
+        let catalogue = Catalogue::new(&log, options.registry);
+        let (base, setting) = base_of(ground, &log, catalogue.count, trace)?;
+        let first_rms = *first_rms.get_or_insert(base.rms());
+        let tone = |fit: &Fit| {
+            let again = tones.len() < MOST_TONES;
+            let term = again.then(|| fast_tone(&log, options.registry, &setting, fit)).flatten()?;
+            Some((without_tone(&samples, &term, fit), term.id))
+        };
+        if let Some((rest, id)) = tone(&base) {
+            drop((base, catalogue));
+            samples = rest;
+            tones.push(id);
+            continue;
+        }
+        let search = Search { log: &log, catalogue: &catalogue, setting, trace };
+        let mut found = search.run(base);
+        // Next to a stronger effect a tone is less than its share at first.
+        if !found.fit.model.terms.is_empty()
+            && let Some((rest, id)) = tone(&found.fit)
+        {
+            drop((found, catalogue));
+            samples = rest;
+            tones.push(id);
+            continue;
+        }
+        let cause = search.against_hidden_cause(&mut found);
+        if trace {
+            eprintln!("hidden cause: {cause:?}");
+        }
+        return answer(&log, &setting, found, cause, tones, first_rms, trace);
+    }
+}
+
+/// The likeliest fit without terms, with how it was made.
+fn base_of<'a>(ground: &Ground, log: &Log<'a>, candidates: f64, trace: bool) -> Option<(Fit<'a>, Setting)> {
     let blocks = Blocks::at_most(log.len(), MAX_BLOCKS);
-    let candidates = catalogue.count.max(1.0);
     let mut bases = Vec::new();
-    for (model, scale) in starts(ground, &log) {
-        let setting = Setting { blocks, scale, candidates };
-        let fit = Fit::of(&log, &setting, model, None);
+    for (model, scale) in starts(ground, log) {
+        let setting = Setting { blocks, scale, candidates: candidates.max(1.0), is_white: false };
+        let fit = Fit::of(log, &setting, model, None);
         if trace {
             eprintln!(
                 "start: score {:?}, rms {:?}, scale {scale}, b {:?}",
@@ -92,15 +130,19 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
         }
         bases.extend(fit.map(|fit| (fit, setting)));
     }
-    let best = bases.into_iter().min_by(|a, b| a.0.score.total_cmp(&b.0.score));
-    let (base, setting) = best?;
-    let search = Search { log: &log, catalogue: &catalogue, setting, trace };
-    let mut found = search.run(base);
-    let cause = search.against_hidden_cause(&mut found);
-    if trace {
-        eprintln!("hidden cause: {cause:?}");
-    }
-    let (mut named, mut confounded) = (Vec::new(), Vec::new());
+    bases.into_iter().min_by(|a, b| a.0.score.total_cmp(&b.0.score))
+}
+
+fn answer(
+    log: &Log,
+    setting: &Setting,
+    found: Found,
+    cause: Option<HiddenCause>,
+    tones: Vec<String>,
+    first_rms: f64,
+    trace: bool,
+) -> Option<Evidence> {
+    let (mut named, mut confounded) = (tones, Vec::new());
     for (term, rivals) in found.fit.model.terms.iter().zip(&found.rivals) {
         let unclear: Vec<&Rival> =
             rivals.iter().filter(|rival| !rival.is_variant && rival.odds < UNCLEAR_ODDS).collect();
@@ -111,7 +153,7 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
             confounded.extend(unclear.iter().map(|rival| rival.id.clone()));
         }
     }
-    let dip = Dip::of(&log, &setting, &found.fit).and_then(|dip| dip.lateness());
+    let dip = Dip::of(log, setting, &found.fit).and_then(|dip| dip.lateness());
     if trace {
         eprintln!("dip: {dip:?}");
     }
@@ -133,7 +175,7 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
         verdict,
         named,
         confounded,
-        rms_ut: [found.base.rms(), found.fit.rms()],
+        rms_ut: [first_rms, found.fit.rms()],
         noise_ut,
         wander,
         hidden: cause.filter(|_| is_hidden),
