@@ -81,7 +81,7 @@ pub const MOST_SINE: f64 = 0.985;
 pub const MAX_P_HELD_OUT: f64 = 0.001;
 
 /// Shortest time constant of a hidden cause, in blocks: what is shorter is white noise that differs between axes.
-pub const SHORTEST_CAUSE: f64 = 4.0;
+pub const SHORTEST_CAUSE_BLOCKS: f64 = 4.0;
 
 /// Fast tones that are taken out of one log, at most: a motor and its harmonic.
 pub const MOST_TONES: usize = 2;

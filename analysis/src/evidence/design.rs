@@ -76,6 +76,12 @@ impl Point {
 }
 
 impl Model<'_> {
+    /// The same model on other samples of the log.
+    pub fn rebound<'b>(&self, log: &Log<'b>) -> Option<Model<'b>> {
+        let terms = self.terms.iter().map(|term| term.rebound(log)).collect::<Option<Vec<_>>>()?;
+        Some(Model { offset: self.offset, matrix: self.matrix, field: self.field, terms, bends: self.bends })
+    }
+
     /// Columns of base and terms.
     pub fn columns(&self) -> usize {
         BASE + self.terms.iter().map(Term::k).sum::<usize>()

@@ -4,6 +4,7 @@
 //! with its inputs) → [`design`] (residual and columns at the closest point) → [`noise`] (wander and white noise) → [`fit`] →
 //! [`screen`] and [`candidates`] → [`search`] → [`verdict`]. Thresholds stand in [`bounds`].
 
+pub mod autoregression;
 pub mod bounds;
 pub mod candidates;
 pub mod closest;

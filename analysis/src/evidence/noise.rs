@@ -5,6 +5,7 @@
 //! data, so that every column of a linear model passes the same filter. What memory the innovations still have (a driver's rolling
 //! mean, differenced noise) is autoregressive. The whole map is triangular: the likelihood is that of the last white residual.
 
+use crate::evidence::autoregression::burg;
 use crate::evidence::bounds::MAX_AR_ORDER;
 
 /// Sizes and time constants of the wander; sizes relative to the white noise of one sample.
@@ -183,40 +184,6 @@ impl Filter {
             row.iter_mut().for_each(|value| *value *= scale);
         }
     }
-}
-
-/// Autoregressive coefficients by Burg's method with the order of the least −2 log likelihood + order·ln n, and that cost per
-/// sample sum: `n ln σ² + order ln n`.
-fn burg(series: &[f64], most: usize) -> (Vec<f64>, f64, f64) {
-    let n = series.len() as f64;
-    let mut variance = series.iter().map(|v| v * v).sum::<f64>() / n.max(1.0);
-    let mut ar = vec![1.0];
-    let mut best = (ar.clone(), variance, n * variance.max(1e-300).ln());
-    let (mut forward, mut backward) = (series.to_vec(), series.to_vec());
-    let rows = series.len();
-    for order in 1..=most.min(rows / 40) {
-        let (f, b) = (&forward[order..], &backward[order - 1..rows - 1]);
-        let (mut cross, mut power) = (0.0, 0.0);
-        for (f, b) in f.iter().zip(b) {
-            cross += f * b;
-            power += f * f + b * b;
-        }
-        let k = if power > 0.0 { -2.0 * cross / power } else { 0.0 };
-        for row in (order..rows).rev() {
-            let (f, b) = (forward[row], backward[row - 1]);
-            forward[row] = f + k * b;
-            backward[row] = b + k * f;
-        }
-        ar.push(0.0);
-        let reversed: Vec<f64> = ar.iter().rev().copied().collect();
-        ar.iter_mut().zip(reversed).for_each(|(a, r)| *a += k * r);
-        variance *= (1.0 - k * k).max(1e-12);
-        let cost = n * variance.max(1e-300).ln() + order as f64 * n.ln();
-        if cost < best.2 {
-            best = (ar.clone(), variance, cost);
-        }
-    }
-    best
 }
 
 impl Track {
@@ -473,14 +440,5 @@ mod tests {
             noise.cost_of(&alone),
             noise.cost
         );
-    }
-
-    #[test]
-    fn a_rolling_mean_is_a_short_memory() {
-        let (_, white) = wandering(0.0, 5.0, 3);
-        let mean: Vec<f64> =
-            (0..white.len()).map(|k| white[k.saturating_sub(3)..=k].iter().sum::<f64>() / 4.0).collect();
-        let (ar, variance, _) = burg(&mean, MAX_AR_ORDER);
-        assert!(ar.len() > 2 && variance < 0.13, "{ar:?} {variance}");
     }
 }

@@ -12,6 +12,8 @@ use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
 use crate::evidence::term::Term;
 
+/// Share of the least share that a term must have under white noise to be fitted: strong terms explain more than their columns tell.
+const SHARE_TO_FIT: f64 = 0.5;
 /// Candidates that are fitted at each step under white noise.
 const WHITE_LEADERS: usize = 2;
 
@@ -95,19 +97,31 @@ impl<'a> Search<'_, 'a> {
     fn leaders_under(&self, fit: &Fit<'a>, own: Option<&Term<'a>>, noises: &[bool]) -> Vec<Term<'a>> {
         let mut list: Vec<(Term<'a>, usize)> = Vec::new();
         let n = fit.track.weight.len() as f64;
+        let Some(plain) = Screen::new(fit, self.setting.blocks, true) else { return Vec::new() };
+        let least_plain = -n * (1.0 - SHARE_TO_FIT * MIN_SHARE).ln();
         for white in noises.iter().copied() {
-            let Some(screen) = Screen::new(fit, self.setting.blocks, white) else { continue };
+            let coloured = if white { None } else { Screen::new(fit, self.setting.blocks, false) };
+            let screen = match (white, &coloured) {
+                (true, _) => &plain,
+                (false, Some(coloured)) => coloured,
+                (false, None) => continue,
+            };
             let mut terms = self.catalogue.fixed.clone();
-            terms.extend(self.catalogue.searched(fit, &screen));
+            terms.extend(self.catalogue.searched(fit, screen));
             let known = |term: &Term| {
                 fit.model.terms.iter().any(|own| own.id == term.id && !term.form().is_repeated())
             };
             terms.retain(|term| !known(term));
-            let gains = screen.gains(fit, &terms.iter().collect::<Vec<_>>());
+            let refs: Vec<&Term<'a>> = terms.iter().collect();
+            let gains = screen.gains(fit, &refs);
+            // A term that explains too small a share is not worth a fit.
+            let shares = if white { gains.clone() } else { plain.gains(fit, &refs) };
             let mut order: Vec<(f64, Term<'a>)> = terms
                 .into_iter()
                 .zip(gains)
-                .map(|(term, gain)| {
+                .zip(shares)
+                .filter(|(_, plain)| *plain > least_plain)
+                .map(|((term, gain), _)| {
                     (gain - term.visible() as f64 * n.ln() - term.odds - 2.0 * term.places.ln(), term)
                 })
                 .collect();

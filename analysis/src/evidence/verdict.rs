@@ -14,6 +14,7 @@ use crate::evidence::log::Log;
 use crate::evidence::search::{Found, Rival, Search};
 use crate::outcome::outcome::Verdict;
 use crate::outcome::request::Options;
+use crate::samples::samples::Samples;
 use crate::table::Table;
 use nalgebra::Matrix3;
 
@@ -74,43 +75,101 @@ pub fn judge(table: &Table, options: &Options, trace: bool) -> Evidence {
 
 fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence> {
     let whole = &ground.counted.samples;
-    let without = without_gaps(whole, ground.counted.table);
-    let mut samples = without.unwrap_or_else(|| whole.clone());
+    let mut samples = without_gaps(whole, ground.counted.table).unwrap_or_else(|| whole.clone());
     let mut tones: Vec<String> = Vec::new();
     let mut first_rms = None;
     loop {
-        let log = Log::new(&samples, ground.counted.table);
-        let catalogue = Catalogue::new(&log, options.registry);
-        let (base, setting) = base_of(ground, &log, catalogue.count, trace)?;
-        let first_rms = *first_rms.get_or_insert(base.rms());
-        let tone = |fit: &Fit| {
-            let again = tones.len() < MOST_TONES;
-            let term = again.then(|| fast_tone(&log, options.registry, &setting, fit)).flatten()?;
-            Some((without_tone(&samples, &term, fit), term.id))
-        };
-        if let Some((rest, id)) = tone(&base) {
-            drop((base, catalogue));
-            samples = rest;
-            tones.push(id);
-            continue;
+        match round(ground, options, &samples, &tones, first_rms, trace)? {
+            Round::Tone { rest, id, first_rms: rms } => {
+                samples = rest;
+                first_rms = Some(rms);
+                tones.push(id);
+            }
+            Round::Answer(answer) => return Some(*answer),
         }
-        let search = Search { log: &log, catalogue: &catalogue, setting, trace };
-        let mut found = search.run(base);
-        // Next to a stronger effect a tone is less than its share at first.
-        if !found.fit.model.terms.is_empty()
-            && let Some((rest, id)) = tone(&found.fit)
-        {
-            drop((found, catalogue));
-            samples = rest;
-            tones.push(id);
-            continue;
-        }
-        let cause = search.against_hidden_cause(&mut found);
-        if trace {
-            eprintln!("hidden cause: {cause:?}");
-        }
-        return answer(&log, &setting, found, cause, tones, first_rms, trace);
     }
+}
+
+/// What one search ends with.
+enum Round {
+    /// A fast tone, the samples without it, and the rms of the log before.
+    Tone { rest: Samples, id: String, first_rms: f64 },
+    /// The answer.
+    Answer(Box<Evidence>),
+}
+
+fn round(
+    ground: &Ground,
+    options: &Options,
+    samples: &Samples,
+    tones: &[String],
+    first_rms: Option<f64>,
+    trace: bool,
+) -> Option<Round> {
+    let log = Log::new(samples, ground.counted.table);
+    let catalogue = Catalogue::new(&log, options.registry);
+    let (base, setting) = base_of(ground, &log, catalogue.count, trace)?;
+    let first_rms = first_rms.unwrap_or(base.rms());
+    if tones.len() < MOST_TONES
+        && let Some(term) = fast_tone(&log, options.registry, &setting, &base)
+    {
+        let rest = without_tone(samples, &term, &base);
+        return Some(Round::Tone { rest, id: term.id, first_rms });
+    }
+    // Which terms there are is decided by a sample of each block: a term that matters shows in those as well.
+    let few = thinned(samples, ground.counted.table);
+    let few_log = few.as_ref().map(|few| Log::new(few, ground.counted.table));
+    let few_catalogue = few_log.as_ref().map(|log| Catalogue::new(log, options.registry));
+    let (searched, catalogue, setting, begin) = match (&few_log, &few_catalogue) {
+        (Some(few), Some(catalogue)) => {
+            let blocks = Blocks::at_most(few.len(), MAX_BLOCKS);
+            let setting = Setting { blocks, ..setting };
+            let fit = Fit::of(few, &setting, base.model.rebound(few)?, None)?;
+            (few, catalogue, setting, fit)
+        }
+        _ => (&log, &catalogue, setting, base),
+    };
+    let search = Search { log: searched, catalogue, setting, trace };
+    let mut found = search.run(begin);
+    let cause = search.against_hidden_cause(&mut found);
+    if trace {
+        eprintln!("hidden cause: {cause:?}");
+    }
+    let setting = Setting { blocks: Blocks::at_most(log.len(), MAX_BLOCKS), ..setting };
+    let Found { fit, rivals, .. } = found;
+    let fit = match few_log {
+        Some(_) => Fit::of(&log, &setting, fit.model.rebound(&log)?, None)?,
+        None => fit,
+    };
+    // Next to a stronger effect a tone is less than its share at first.
+    if !fit.model.terms.is_empty()
+        && tones.len() < MOST_TONES
+        && let Some(term) = fast_tone(&log, options.registry, &setting, &fit)
+    {
+        let rest = without_tone(samples, &term, &fit);
+        return Some(Round::Tone { rest, id: term.id, first_rms });
+    }
+    answer(&log, &setting, &fit, &rivals, cause, tones, first_rms, trace)
+        .map(|answer| Round::Answer(Box::new(answer)))
+}
+
+/// One sample of each block of a long log, at uneven places: a tone cannot pass for a slower one. `None` where the log is short.
+fn thinned(samples: &Samples, table: &Table) -> Option<Samples> {
+    let size = Blocks::at_most(samples.len(), MAX_BLOCKS).size;
+    if size < 2 {
+        return None;
+    }
+    let places: Vec<usize> = (0..samples.len() / size)
+        .map(|block| {
+            block * size + ((block as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as usize % size
+        })
+        .collect();
+    let mut few = samples.of_these(table, places.iter().map(|&place| samples.row[place]).collect());
+    // What was taken out of the readings stays out.
+    for (reading, place) in few.readings.iter_mut().zip(places) {
+        reading.measured_ut = samples.readings[place].measured_ut;
+    }
+    Some(few)
 }
 
 /// The likeliest fit without terms, with how it was made.
@@ -136,14 +195,15 @@ fn base_of<'a>(ground: &Ground, log: &Log<'a>, candidates: f64, trace: bool) -> 
 fn answer(
     log: &Log,
     setting: &Setting,
-    found: Found,
+    fit: &Fit,
+    rivals: &[Vec<Rival>],
     cause: Option<HiddenCause>,
-    tones: Vec<String>,
+    tones: &[String],
     first_rms: f64,
     trace: bool,
 ) -> Option<Evidence> {
-    let (mut named, mut confounded) = (tones, Vec::new());
-    for (term, rivals) in found.fit.model.terms.iter().zip(&found.rivals) {
+    let (mut named, mut confounded) = (tones.to_vec(), Vec::new());
+    for (term, rivals) in fit.model.terms.iter().zip(rivals) {
         let unclear: Vec<&Rival> =
             rivals.iter().filter(|rival| !rival.is_variant && rival.odds < UNCLEAR_ODDS).collect();
         if unclear.is_empty() {
@@ -153,17 +213,17 @@ fn answer(
             confounded.extend(unclear.iter().map(|rival| rival.id.clone()));
         }
     }
-    let dip = Dip::of(log, setting, &found.fit).and_then(|dip| dip.lateness());
+    let dip = Dip::of(log, setting, fit).and_then(|dip| dip.lateness());
     if trace {
         eprintln!("dip: {dip:?}");
     }
     if dip.is_some_and(|dip| dip.is_shown()) && !named.iter().any(|id| id == "lag") {
         named.push("lag".into());
     }
-    let wander = found.fit.noise.wander_ut();
-    let noise_ut = found.fit.noise.variance.sqrt();
+    let wander = fit.noise.wander_ut();
+    let noise_ut = fit.noise.variance.sqrt();
     let is_hidden = cause.as_ref().is_some_and(|cause| cause.gain > MIN_ODDS);
-    let coloured_ut = (found.fit.rms().powi(2) - noise_ut * noise_ut).max(0.0).sqrt();
+    let coloured_ut = (fit.rms().powi(2) - noise_ut * noise_ut).max(0.0).sqrt();
     let is_hidden = is_hidden || coloured_ut > MAX_COLOURED_UT;
     let verdict = match (confounded.is_empty(), named.is_empty()) {
         _ if is_hidden => Verdict::Unexplained,
@@ -175,14 +235,14 @@ fn answer(
         verdict,
         named,
         confounded,
-        rms_ut: [first_rms, found.fit.rms()],
+        rms_ut: [first_rms, fit.rms()],
         noise_ut,
         wander,
         hidden: cause.filter(|_| is_hidden),
-        predicted_error_ut: predicted_error_ut(&found.fit.model, &found.fit.covariance()?)?,
+        predicted_error_ut: predicted_error_ut(&fit.model, &fit.covariance()?)?,
         lateness: dip,
-        corrected: log.samples.row.iter().copied().zip(corrected(&found.fit)).collect(),
-        calibration: Some((found.fit.model.offset.into(), matrix_rows(&found.fit.model.matrix))),
+        corrected: log.samples.row.iter().copied().zip(corrected(fit)).collect(),
+        calibration: Some((fit.model.offset.into(), matrix_rows(&fit.model.matrix))),
     })
 }
 
