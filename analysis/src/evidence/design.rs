@@ -13,6 +13,8 @@ use core::ops::SubAssign;
 use ironout::effect::Quantities;
 use nalgebra::{Matrix3, Vector3};
 
+/// Steps to the closest point of an ellipsoid: the error falls by the residual over the field in each.
+const FOOT_STEPS: usize = 3;
 /// The base columns: three of the offset, six of the upper triangular matrix.
 pub const BASE: usize = 9;
 /// Entries of the triangle in the order of the columns.
@@ -165,18 +167,27 @@ impl Model<'_> {
                 if !(answer.determinant() > LEAST_SLOPE && answer.determinant() < 1.0 / LEAST_SLOPE) {
                     return None;
                 }
-                let h = self.matrix * (x - self.offset);
-                let length = h.norm();
-                if !(length > 1e-3 * self.field) {
-                    return None;
+                // Towards the closest point: where the ellipsoid is stretched, the gradient at a noisy reading is another, and its error
+                // correlates with the noise.
+                let mut foot = x;
+                let mut seen = None;
+                for _ in 0..if reads { 1 } else { FOOT_STEPS } {
+                    let h = self.matrix * (foot - self.offset);
+                    let length = h.norm();
+                    if !(length > 1e-3 * self.field) {
+                        return None;
+                    }
+                    let unit = h / length;
+                    let pull = self.matrix.transpose() * unit;
+                    let gradient = answer.transpose() * pull;
+                    let size = gradient.norm();
+                    let direction = gradient / size;
+                    let residual = direction.dot(&(x - foot)) + (length - field) / size;
+                    foot = x - direction * residual;
+                    seen = Some((unit, pull, size, direction, residual));
                 }
-                let unit = h / length;
-                let pull = self.matrix.transpose() * unit;
-                let gradient = answer.transpose() * pull;
-                let size = gradient.norm();
-                let direction = gradient / size;
-                let residual = (length - field) / size;
-                let noise = if is_near { direction * residual } else { Vector3::zeros() };
+                let (unit, pull, size, direction, residual) = seen?;
+                let noise = if is_near || !reads { direction * residual } else { Vector3::zeros() };
                 let closest = x - answer * noise;
                 let (shaped_at, lever) = match self.bends {
                     Bends::Field => (closest, direction),

@@ -19,7 +19,7 @@ const NEAR: f64 = 1.0;
 /// Steps of one fit, at most.
 const MOST_STEPS: usize = 20;
 /// Shares of the diagonal that damp a step which leads away otherwise.
-const DAMPINGS: [f64; 6] = [0.0, 1e-4, 1e-3, 1e-2, 0.1, 1.0];
+const DAMPINGS: [f64; 9] = [0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0];
 /// Samples that the size of a shape is taken from.
 const SIZED_BY: usize = 200;
 
@@ -178,7 +178,7 @@ impl<'a> Fit<'a> {
         let mut most_squares = f64::INFINITY;
         // From far with shapes at the readings, then the likeliest noise, then with shapes at the closest points.
         for (round, is_near) in [false, true, true].into_iter().enumerate() {
-            let (mut steps, mut damped) = (0, 0.0);
+            let (mut steps, mut damped) = (0, 0);
             if round > 0 {
                 points = model.points(log, true)?;
                 rows_now = rows(blocks, &model, &points);
@@ -207,7 +207,7 @@ impl<'a> Fit<'a> {
                 steps += 1;
                 let now = sums.squares / noise.variance + prior.cost(&model);
                 let mut better = None;
-                for damping in DAMPINGS.into_iter().filter(|own| *own >= 0.05 * damped) {
+                for (index, damping) in DAMPINGS.into_iter().enumerate().skip(damped) {
                     let delta = match damping > 0.0 {
                         true => -Factor::damped(&known.matrix, damping)?.solve(&known.right),
                         false => delta.clone(),
@@ -224,7 +224,7 @@ impl<'a> Fit<'a> {
                     let cost = squares / noise.variance + prior.cost(&next);
                     // Columns at the closest point ask for a little more than the squares show.
                     if cost < now + if is_near { 0.1 * promised.min(10.0) } else { 0.0 } {
-                        damped = damping;
+                        damped = index.saturating_sub(1);
                         better = Some((next, next_points, now - cost));
                         break;
                     }
