@@ -11,52 +11,62 @@ use nalgebra::{DMatrix, DVector};
 
 /// Parts of a log: enough for an error of nine coefficients, each long enough for all orientations.
 const PARTS: usize = 40;
+/// Rows of a part, at least.
+const FEWEST_ROWS: usize = 4;
 
 /// p-value of each term's coefficients all being zero, by the spread over parts of the log.
 pub fn p_values(fit: &Fit) -> Vec<f64> {
-    let width = fit.model.columns() + 1;
-    let columns = width - 1;
+    let columns = fit.model.columns();
     let mut whitened = fit.rows.clone();
-    fit.noise.whiten(&fit.track, width, &mut whitened);
-    let rows = whitened.len() / width;
-    let ones = vec![1.0; fit.model.terms.len()];
-    if rows < 4 * PARTS {
-        return ones;
-    }
-    let part = rows.div_ceil(PARTS);
-    let Some(factor) = Factor::of(&fit.sums.matrix) else { return ones };
-    // Around the fitted values the estimate without a part moves by (N − N_part)⁻¹ times the part's gradient.
-    let mut changes: Vec<DVector<f64>> = Vec::new();
-    let whole = -factor.solve(&Sums::of(&whitened, columns).right);
-    for chunk in whitened.chunks(part * width) {
-        let sums = Sums::of(chunk, columns);
-        let left = &fit.sums.matrix - &sums.matrix;
-        let Some(left) = Factor::of(&left) else { return ones };
-        let gradient = &sums.right + &sums.matrix * &whole;
-        changes.push(left.solve(&gradient));
-    }
-    let parts = changes.len() as f64;
+    fit.noise.whiten(&fit.track, columns + 1, &mut whitened);
+    let changes = changes(&whitened, columns, &fit.sums.matrix);
     let mut at = BASE;
     let mut out = Vec::new();
     for term in &fit.model.terms {
-        let k = term.k();
-        let mean: DVector<f64> =
-            changes.iter().map(|c| c.rows(at, k).into_owned()).fold(DVector::zeros(k), |a, b| a + b) / parts;
-        let mut spread = DMatrix::zeros(k, k);
-        for change in &changes {
-            let off = change.rows(at, k) - &mean;
-            spread += &off * off.transpose();
-        }
-        spread *= (parts - 1.0) / parts;
-        let theta = DVector::from_fn(k, |i, _| term.theta[i]);
-        // A direction that nothing shows (a pure delay) has no spread to speak of in its own units: it is scaled, not inverted.
-        let square = Factor::of(&spread).map_or(0.0, |factor| theta.dot(&factor.solve(&theta)));
-        let degrees = parts - k as f64;
-        let f = square * degrees / (k as f64 * (parts - 1.0));
-        out.push(f_tail(f, k as f64, degrees));
-        at += k;
+        let theta = DVector::from_fn(term.k(), |i, _| term.theta[i]);
+        out.push(changes.as_ref().map_or(1.0, |changes| p_value(changes, at, &theta)));
+        at += term.k();
     }
     out
+}
+
+/// How far the solution moves with each part of whitened rows left out. `matrix` is the normal matrix of all, priors included. `None` where
+/// the rows are too few, or no part may be missing.
+pub fn changes(whitened: &[f64], columns: usize, matrix: &DMatrix<f64>) -> Option<Vec<DVector<f64>>> {
+    let width = columns + 1;
+    let rows = whitened.len() / width;
+    if rows < FEWEST_ROWS * PARTS {
+        return None;
+    }
+    let whole = -Factor::of(matrix)?.solve(&Sums::of(whitened, columns).right);
+    let part = rows.div_ceil(PARTS);
+    let mut changes = Vec::with_capacity(PARTS);
+    for chunk in whitened.chunks(part * width) {
+        let sums = Sums::of(chunk, columns);
+        // Without a part the solution moves by what is left of the matrix, inverted, times the part's gradient.
+        let left = Factor::of(&(matrix - &sums.matrix))?;
+        changes.push(left.solve(&(&sums.right + &sums.matrix * &whole)));
+    }
+    Some(changes)
+}
+
+/// p-value of the coefficients from the number `at` on all being zero.
+pub fn p_value(changes: &[DVector<f64>], at: usize, theta: &DVector<f64>) -> f64 {
+    let (k, parts) = (theta.len(), changes.len() as f64);
+    let degrees = parts - k as f64;
+    if degrees < 1.0 {
+        return 1.0;
+    }
+    let sum = changes.iter().fold(DVector::zeros(k), |sum, change| sum + change.rows(at, k));
+    let mean = sum / parts;
+    let mut spread = DMatrix::zeros(k, k);
+    for change in changes {
+        let off = change.rows(at, k) - &mean;
+        spread += &off * off.transpose();
+    }
+    spread *= (parts - 1.0) / parts;
+    let square = Factor::of(&spread).map_or(0.0, |factor| theta.dot(&factor.solve(theta)));
+    f_tail(square * degrees / (k as f64 * (parts - 1.0)), k as f64, degrees)
 }
 
 /// Probability of more than `f` under the F distribution.
@@ -110,6 +120,26 @@ fn ln_gamma(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// p-value of a mean where all of it is a `jump` in one part.
+    fn p_with(jump: f64) -> f64 {
+        let rows: Vec<f64> = (0..400)
+            .flat_map(|row| [1.0, if (80..90).contains(&row) { jump } else { 0.1 * f64::from(row % 7 - 3) }])
+            .collect();
+        let sums = Sums::of(&rows, 1);
+        let theta = sums.factor().unwrap().solve(&sums.right);
+        p_value(&changes(&rows, 1, &sums.matrix).unwrap(), 0, &theta)
+    }
+
+    #[test]
+    fn one_part_alone_shows_nothing() {
+        // A mean of one quarter out of a single part, and the same one out of all parts.
+        assert!(p_with(10.0) > 0.05, "{}", p_with(10.0));
+        let rows: Vec<f64> = (0..400).flat_map(|row| [1.0, 0.25 + 0.1 * f64::from(row % 7 - 3)]).collect();
+        let sums = Sums::of(&rows, 1);
+        let theta = sums.factor().unwrap().solve(&sums.right);
+        assert!(p_value(&changes(&rows, 1, &sums.matrix).unwrap(), 0, &theta) < 1e-9);
+    }
 
     #[test]
     fn tails_are_those_of_tables() {

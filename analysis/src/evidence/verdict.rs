@@ -77,13 +77,16 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
     let whole = &ground.counted.samples;
     let mut samples = without_gaps(whole, ground.counted.table).unwrap_or_else(|| whole.clone());
     let mut tones: Vec<String> = Vec::new();
-    let mut first_rms = None;
+    let (mut first_rms, mut rounds) = (None, 0);
     loop {
-        match round(ground, options, &samples, &tones, first_rms, trace)? {
+        match round(ground, options, &samples, (&tones, rounds < MOST_TONES), first_rms, trace)? {
             Round::Tone { rest, id, first_rms: rms } => {
                 samples = rest;
                 first_rms = Some(rms);
-                tones.push(id);
+                if !tones.contains(&id) {
+                    tones.push(id);
+                }
+                rounds += 1;
             }
             Round::Answer(answer) => return Some(*answer),
         }
@@ -102,7 +105,7 @@ fn round(
     ground: &Ground,
     options: &Options,
     samples: &Samples,
-    tones: &[String],
+    (tones, looks_again): (&[String], bool),
     first_rms: Option<f64>,
     trace: bool,
 ) -> Option<Round> {
@@ -110,9 +113,7 @@ fn round(
     let catalogue = Catalogue::new(&log, options.registry);
     let (base, setting) = base_of(ground, &log, catalogue.count, trace)?;
     let first_rms = first_rms.unwrap_or(base.rms());
-    if tones.len() < MOST_TONES
-        && let Some(term) = fast_tone(&log, options.registry, &setting, &base)
-    {
+    if looks_again && let Some(term) = fast_tone(&log, options.registry, &setting, &base) {
         let rest = without_tone(samples, &term, &base);
         return Some(Round::Tone { rest, id: term.id, first_rms });
     }
@@ -143,7 +144,7 @@ fn round(
     };
     // Next to a stronger effect a tone is less than its share at first.
     if !fit.model.terms.is_empty()
-        && tones.len() < MOST_TONES
+        && looks_again
         && let Some(term) = fast_tone(&log, options.registry, &setting, &fit)
     {
         let rest = without_tone(samples, &term, &fit);
@@ -207,7 +208,10 @@ fn answer(
         let unclear: Vec<&Rival> =
             rivals.iter().filter(|rival| !rival.is_variant && rival.odds < UNCLEAR_ODDS).collect();
         if unclear.is_empty() {
-            named.push(term.id.clone());
+            // Two tones are one name.
+            if !named.contains(&term.id) {
+                named.push(term.id.clone());
+            }
         } else {
             confounded.push(term.id.clone());
             confounded.extend(unclear.iter().map(|rival| rival.id.clone()));
