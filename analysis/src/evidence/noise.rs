@@ -92,8 +92,8 @@ impl Filter {
         let mut innovations = Vec::with_capacity(n);
         let q0: [f64; N] = core::array::from_fn(|i| wander.size[(first + i) / 3].powi(2));
         let mut v = [[0.0; N]; N];
-        for i in 0..N {
-            v[i][i] = q0[i];
+        for (i, square) in q0.into_iter().enumerate() {
+            v[i][i] = square;
         }
         let mut state = [0.0; N];
         let mut last = track.time_s.first().copied().unwrap_or(0.0);

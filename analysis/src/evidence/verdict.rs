@@ -150,7 +150,7 @@ fn round(
         let rest = without_tone(samples, &term, &fit);
         return Some(Round::Tone { rest, id: term.id, first_rms });
     }
-    answer(&log, &setting, &fit, &rivals, cause, tones, first_rms, trace)
+    answer(&log, &setting, (&fit, &rivals), cause, tones, first_rms, trace)
         .map(|answer| Round::Answer(Box::new(answer)))
 }
 
@@ -196,8 +196,7 @@ fn base_of<'a>(ground: &Ground, log: &Log<'a>, candidates: f64, trace: bool) -> 
 fn answer(
     log: &Log,
     setting: &Setting,
-    fit: &Fit,
-    rivals: &[Vec<Rival>],
+    (fit, rivals): (&Fit, &[Vec<Rival>]),
     cause: Option<HiddenCause>,
     tones: &[String],
     first_rms: f64,
