@@ -3,9 +3,9 @@
 //! A sensor that bends the field gives out y(u) = x + Φ(x)θ with x = F·C⁻¹u + b. The residual is the distance of the reading from that
 //! surface. It needs no undisturbed reading: a strong effect may fold the readings, and then two fields have one reading.
 
-use crate::evidence::design::Model;
 use crate::evidence::term::Term;
 use core::ops::AddAssign;
+use ironout::effect::Quantities;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 /// Steps to the closest point, at most.
@@ -17,9 +17,11 @@ const WEAK_SLOPE: f64 = 0.3;
 
 /// The surface of readings at one sample.
 pub struct Surface<'m, 'a> {
-    /// The model.
-    pub model: &'m Model<'a>,
-    /// Its terms that read the field.
+    /// b, µT.
+    pub offset: Vector3<f64>,
+    /// C.
+    pub matrix: &'m Matrix3<f64>,
+    /// The terms that read the field.
     pub reading: &'m [&'m Term<'a>],
     /// C⁻¹.
     pub inverse: &'m Matrix3<f64>,
@@ -29,6 +31,23 @@ pub struct Surface<'m, 'a> {
     pub rate: Option<Vector3<f64>>,
     /// Its field, µT.
     pub field: f64,
+}
+
+/// What an effect reads at an undisturbed reading.
+pub fn quantities(
+    x: &Vector3<f64>,
+    rate: Option<Vector3<f64>>,
+    offset: &Vector3<f64>,
+    matrix: &Matrix3<f64>,
+    inverse: &Matrix3<f64>,
+) -> Quantities<f64> {
+    let centred = x - offset;
+    let mut at = Quantities::of_vector((*x).into());
+    at.centred_ut = centred.into();
+    if let Some(rate) = rate {
+        at.turning_ut_per_s = (inverse * rate.cross(&(matrix * centred))).into();
+    }
+    at
 }
 
 /// A point of the surface.
@@ -49,7 +68,7 @@ pub struct Foot {
 
 impl Surface<'_, '_> {
     fn disturbed(&self, x: &Vector3<f64>) -> Vector3<f64> {
-        let at = self.model.quantities(x, self.rate, self.inverse);
+        let at = quantities(x, self.rate, &self.offset, self.matrix, self.inverse);
         self.reading.iter().map(|term| term.disturbance(self.sample, &at)).sum()
     }
 
@@ -68,7 +87,7 @@ impl Surface<'_, '_> {
     /// The closest point to a reading from a direction on.
     pub fn foot(&self, measured: &Vector3<f64>, from: Vector3<f64>) -> Option<Foot> {
         let place = |unit: &Vector3<f64>| {
-            let x = self.inverse * unit * self.field + self.model.offset;
+            let x = self.inverse * unit * self.field + self.offset;
             let disturbance = self.disturbed(&x);
             (x, disturbance, measured - x - disturbance)
         };

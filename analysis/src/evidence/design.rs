@@ -5,7 +5,7 @@
 //! of the sensor, whatever the model. Columns are taken at the closest point of the ellipsoid, which noise along q does not move.
 
 use crate::evidence::bounds::LEAST_SLOPE;
-use crate::evidence::closest::Surface;
+use crate::evidence::closest::{Surface, quantities};
 use crate::evidence::log::Log;
 use crate::evidence::noise::Track;
 use crate::evidence::term::Term;
@@ -89,22 +89,6 @@ impl Model<'_> {
         BASE + self.terms.iter().map(Term::k).sum::<usize>()
     }
 
-    /// What an effect reads at an undisturbed reading.
-    pub fn quantities(
-        &self,
-        x: &Vector3<f64>,
-        rate: Option<Vector3<f64>>,
-        inverse: &Matrix3<f64>,
-    ) -> Quantities<f64> {
-        let centred = x - self.offset;
-        let mut at = Quantities::of_vector((*x).into());
-        at.centred_ut = centred.into();
-        if let Some(rate) = rate {
-            at.turning_ut_per_s = (inverse * rate.cross(&(self.matrix * centred))).into();
-        }
-        at
-    }
-
     /// Every sample at this model; `None` where one has no undisturbed reading, or lies at the centre. Far from the solution shapes
     /// are taken at the readings themselves: the closest point moves with what is fitted. Near it they are taken at the closest
     /// point, where noise does not correlate with them.
@@ -123,12 +107,19 @@ impl Model<'_> {
             let rate = observation.turn_radps.map(Vector3::from);
             let field = self.field * log.share.get(sample).copied().unwrap_or(1.0);
             let disturbed = |x: &Vector3<f64>| -> Vector3<f64> {
-                let at = self.quantities(x, rate, &inverse);
+                let at = quantities(x, rate, &self.offset, &self.matrix, &inverse);
                 reading.iter().map(|term| term.disturbance(sample, &at)).sum()
             };
             let point = if reads && self.bends == Bends::Field {
-                let surface =
-                    Surface { model: self, reading: &reading, inverse: &inverse, sample, rate, field };
+                let surface = Surface {
+                    offset: self.offset,
+                    matrix: &self.matrix,
+                    reading: &reading,
+                    inverse: &inverse,
+                    sample,
+                    rate,
+                    field,
+                };
                 let near = self.matrix * (measured - disturbed(&measured) - self.offset);
                 let straight = self.matrix * (measured - self.offset);
                 let starts = [near, straight].map(|h| h.try_normalize(1e-3 * self.field));
