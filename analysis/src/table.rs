@@ -22,6 +22,8 @@ pub struct Table<'a> {
     pub heading_deg: Option<&'a [f64]>,
     /// The field along the way, where the log tells where it was and that changes it.
     pub track: Option<Track>,
+    /// The first row of each further recording, where several follow each other.
+    pub recordings: Vec<usize>,
     /// Every other numeric column.
     pub covariates: Vec<Named<'a>>,
     /// Whether the axes of two sensors disagree, and nothing tells whose are wrong.
@@ -69,6 +71,8 @@ pub struct Derived {
     pub(crate) accelerometer: OnceLock<Option<Accelerometer>>,
     /// Second moment of the zero error that is left, (m/s²)².
     pub(crate) zero_error_square: OnceLock<Matrix3<f64>>,
+    /// The coarsest step of the readings, µT.
+    pub(crate) quantum_ut: OnceLock<f64>,
 }
 
 /// A column that the log format asks for and that is not there, or one whose length is not that of the others.
@@ -150,6 +154,7 @@ impl<'a> Table<'a> {
             gyro_radps: triple(GYRO)?,
             heading_deg: find("heading_deg"),
             track: None,
+            recordings: Vec::new(),
             axes_in_doubt: false,
             covariates: columns
                 .iter()

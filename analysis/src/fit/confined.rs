@@ -56,7 +56,7 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
         || (counted.used.len() as u64) < MIN_SAMPLES
         || refused.is_of_other_axes()
         || refused.is_of_another_field();
-    let log = if elsewhere { None } else { Log::of(&counted.samples) };
+    let log = if elsewhere { None } else { Log::of_counted(counted) };
     let log = log.filter(|log| log.tilt_deg(MOST) < MOST_TILT_DEG);
     match log.and_then(|log| Some((solved(ground, options, &log)?, log))) {
         Some((solved, log)) => judged(ground, options, refused, &solved, &log),

@@ -27,6 +27,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
     }
     let known = Known::given(expected.field_ut);
     let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, json)?;
+    let expected = expected.or_reference(&arguments.log, &log);
     let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &used)).transpose()?;
     let prior = match arguments.free {
         Some(Free::Offset) => prior.map(|prior| prior.without_offset()),

@@ -20,6 +20,7 @@ impl<'a> From<&'a Log> for Table<'a> {
             gyro_radps: log.gyro_radps.as_ref().map(triple),
             heading_deg: log.heading_deg.as_deref(),
             track,
+            recordings: log.recordings.clone(),
             axes_in_doubt: log.read_as.axes_in_doubt,
             covariates: log
                 .covariates
