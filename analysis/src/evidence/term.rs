@@ -60,6 +60,19 @@ impl<'a> Term<'a> {
         })
     }
 
+    /// The same term on other samples of the log.
+    pub fn rebound<'b>(&self, log: &Log<'b>) -> Option<Term<'b>> {
+        let family = self.made.family();
+        let column = match self.column() {
+            "" => None,
+            name => log.samples.columns.iter().position(|column| column.name == name),
+        };
+        let parameter = self.searched().map_or(0.0, |(_, parameter)| parameter);
+        let named = Named { family, column: "", form: self.form() };
+        let new = Term::new(log, &named, column, parameter)?;
+        Some(Term { theta: self.theta, places: self.places, odds: self.odds, ..new })
+    }
+
     /// The form.
     pub fn form(&self) -> &'static Form {
         self.made.parts().form
