@@ -94,6 +94,7 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
         gyro_radps,
         heading_deg: None,
         earth: None,
+        declination_deg: None,
         covariates: own.into_iter().map(covariate).collect(),
         read_as: ReadAs {
             format: recording.format,
