@@ -71,6 +71,7 @@ pub fn fit(
         let arguments = FitArgs {
             free: None,
             purpose: None,
+            prior_from: None,
             log: held.arguments.clone(),
             field: asked.field.clone(),
             output: None,

@@ -54,7 +54,19 @@ fn boat() -> (Log, State) {
         })
         .collect();
     let (mean_down, effects) = (Vector3::z(), vec![0.5]);
-    (Log { time_s, rows, mean_down, stride: 1, poses, mean_pose_down: mean_down, effects }, state)
+    (
+        Log {
+            time_s,
+            rows,
+            mean_down,
+            stride: 1,
+            poses,
+            mean_pose_down: mean_down,
+            from_north: true,
+            effects,
+        },
+        state,
+    )
 }
 
 #[test]

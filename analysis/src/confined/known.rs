@@ -116,7 +116,7 @@ impl Before {
         add(&[(TILT, 1.0)], state.tilt, TILT_SHOWN);
         if state.parameters() > YAW {
             let yaw = state.yaw.unwrap_or(0.0);
-            let (about, spread) = match self.declination_deg {
+            let (about, spread) = match self.declination_deg.filter(|_| log.from_north) {
                 Some(declination_deg) => (declination_deg.to_radians(), YAW_GIVEN),
                 None => (start.yaw.unwrap_or(0.0), YAW_ANY),
             };

@@ -50,6 +50,8 @@ pub struct Log {
     pub poses: Vec<Option<Pose>>,
     /// The mean direction of its down, in its own axes.
     pub mean_pose_down: Vector3<f64>,
+    /// Whether the yaw of the attitude counts from true north.
+    pub from_north: bool,
     /// Mean square of the column of each effect, about where the effect is zero.
     pub effects: Vec<f64>,
 }
@@ -58,6 +60,8 @@ pub struct Log {
 const TURN_S: f64 = 2.0;
 /// An attitude whose down is further from the accelerometer's in the mean, degrees, has other axes.
 const SAME_DOWN_DEG: f64 = 20.0;
+/// ... and is turned over where its cosine to that is beneath minus this.
+const OVER: f64 = 0.9;
 /// An attitude turns as the gyro says but for this share of the mean square turn, or for this angle, degrees.
 const SAME_TURN: f64 = 0.1;
 const SAME_TURN_DEG: f64 = 2.0;
@@ -81,7 +85,8 @@ impl Log {
         let stride = rows.len().div_ceil(MOST).max(1);
         let time_s = samples.time.clone().unwrap_or_default();
         let (poses, effects) = (Vec::new(), Vec::new());
-        Some(Log { time_s, rows, mean_down, stride, poses, mean_pose_down: Vector3::zeros(), effects })
+        let (mean_pose_down, from_north) = (Vector3::zeros(), false);
+        Some(Log { time_s, rows, mean_down, stride, poses, mean_pose_down, from_north, effects })
     }
 
     /// The same with effects in proportion to these columns.
@@ -111,12 +116,23 @@ impl Log {
                 (0.9..1.1).contains(&norm).then(|| to_world.inverse().to_rotation_matrix().into_inner())
             })
             .collect();
-        let downs: Vec<Vector3<f64>> =
-            turns.iter().flatten().map(|turn| turn.column(2).into_owned()).collect();
-        if 2 * downs.len() <= turns.len() || self.time_s.len() != turns.len() {
+        let mut turns = turns;
+        let down_of = |turns: &[Option<Matrix3<f64>>]| {
+            let downs: Vec<Vector3<f64>> =
+                turns.iter().flatten().map(|turn| turn.column(2).into_owned()).collect();
+            let mean = downs.iter().sum::<Vector3<f64>>().try_normalize(1e-3 * downs.len().max(1) as f64)?;
+            Some((mean, downs.len()))
+        };
+        // A world of east, north, up (ROS, telephones): turned over, with its yaw counted from elsewhere.
+        let turned_over = down_of(&turns).is_some_and(|(mean, _)| mean.dot(&self.mean_down) < -OVER);
+        if turned_over {
+            let over = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0));
+            turns.iter_mut().flatten().for_each(|turn| *turn *= over);
+        }
+        let (mean, known) = down_of(&turns)?;
+        if 2 * known <= turns.len() || self.time_s.len() != turns.len() {
             return Some(Err("it is missing in most rows".into()));
         }
-        let mean = downs.iter().sum::<Vector3<f64>>().try_normalize(1e-3 * downs.len() as f64)?;
         let apart_deg = mean.dot(&self.mean_down).clamp(-1.0, 1.0).acos().to_degrees();
         if apart_deg > SAME_DOWN_DEG {
             return Some(Err(format!("its direction down is {apart_deg:.0}° from the accelerometer's")));
@@ -138,7 +154,7 @@ impl Log {
             Some(Pose { axes, per_s, heading: (east / level, north / level) })
         };
         let poses = (0..turns.len()).map(pose).collect();
-        Some(Ok(Log { poses, mean_pose_down: mean, ..self.clone() }))
+        Some(Ok(Log { poses, mean_pose_down: mean, from_north: !turned_over, ..self.clone() }))
     }
 
     /// By how much an attitude turns otherwise than the gyro, degrees rms, where that is too much.

@@ -23,6 +23,15 @@ fn main() -> ExitCode {
             "--calibrations" => calibrations = true,
             "--predicted" => errors = true,
             "--vehicles" => vehicles = true,
+            "--flights" => {
+                let first = std::env::var("FIRST").ok().and_then(|v| v.parse().ok()).unwrap_or(7000);
+                let logs = std::env::var("LOGS").ok().and_then(|v| v.parse().ok()).unwrap_or(40);
+                print!(
+                    "{}",
+                    ironout_host_tests::accuracy::flights::text(first, logs, |say| eprintln!("{say}"))
+                );
+                return ExitCode::SUCCESS;
+            }
             _ => {
                 eprintln!(
                     "usage: cargo accuracy [--calibrations|--predicted|--vehicles] [--json] [--accept]"

@@ -55,6 +55,7 @@ mod text_questions;
 mod tutorial;
 mod ulog;
 mod vehicles;
+mod vehicles_flights;
 mod writers;
 
 /// Stands in the summary for what this build leaves out.

@@ -312,6 +312,7 @@ fn others(recording: &mut Recording, options: &ReadOptions, notices: &mut Vec<St
         keep(&mut stream, &finite);
         let in_order = ordered(&stream.time_s);
         keep(&mut stream, &in_order);
+        stream.continuous_attitude();
         for (names, matrix) in [(ACCEL, options.mounting.accelerometer), (GYRO, options.mounting.gyroscope)] {
             if let Some(matrix) = matrix {
                 stream.turn(names, &matrix);
