@@ -141,7 +141,11 @@ pub enum Free {
     Offset,
 }
 
-fn purpose(text: &str) -> Result<Purpose, String> {
+/// Reads the attitudes of `--for`.
+///
+/// # Errors
+/// What is expected, in words.
+pub fn purpose(text: &str) -> Result<Purpose, String> {
     match text {
         "all" => Ok(Purpose::All),
         "level" => Ok(Purpose::Tilt(5.0)),

@@ -1,7 +1,7 @@
 //! The likeliest parameters of a log, and their covariance.
 
 use crate::base::piece::{COLUMNS, Matrix};
-use crate::confined::channels::{Channel, Rows, Seen, Share, Sums};
+use crate::confined::channels::{BLOCKS, Channel, Rows, Seen, Share, Sums};
 use crate::confined::known::Before;
 use crate::confined::log::Log;
 use crate::confined::state::{HARMONICS, State, YAW_ERROR, effect_at};
@@ -199,6 +199,8 @@ fn memory(total: &Matrix, sums: &[Sums], parameters: usize) -> Option<(DMatrix<f
                 }
             }
         }
+        // The scores of a solution add up to nothing, which takes this part of what is alike in neighbours.
+        let seen = if lags > 0 { seen / (1.0 - (lags + 1) as f64 / BLOCKS as f64) } else { seen };
         if expected > 0.0 { (seen / expected).max(1.0) } else { 1.0 }
     };
     let list = Channel::ALL.into_iter().zip(sums).map(of).collect();

@@ -1,13 +1,17 @@
 //! Calibrations from ordinary flights: offset and motor vector beside the least squares that ArduPilot's MAGFit describes, on logs of
 //! the second generator.
 
+use crate::accuracy::snapshot;
 use crate::accuracy::truths::in_parallel;
 use crate::accuracy::vehicles::{heading_error, shown_beside_true};
+use crate::measured;
 use ironout_analysis::outcome::request::Purpose;
 use ironout_analysis::table::{ATTITUDE, Earth};
 use ironout_analysis::{Options, Table, fit};
 use nalgebra::{DMatrix, DVector, Matrix3, Quaternion, UnitQuaternion, Vector3};
 use second_generator::{Drawn, Kind, draw};
+use std::io;
+use std::path::PathBuf;
 
 /// What becomes of the attitude that a log has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -231,7 +235,7 @@ pub fn flight(number: u64, logged: Logged) -> Flight {
     level_truth.offset_ut = truth.offset_ut.into();
     let level_drawn = Drawn { columns: Vec::new(), truth: level_truth };
     let shown = shown_beside_true(&drawn, &table);
-    let level = |calibration| {
+    let level = |calibration: &ironout::calibration::Calibration<f64>| {
         let errors = heading_error(&level_drawn, calibration, &shown, 0.0);
         let constant = errors.iter().sum::<f64>() / errors.len() as f64;
         (errors.iter().map(|error| (error - constant).powi(2)).sum::<f64>() / errors.len() as f64).sqrt()
@@ -283,47 +287,98 @@ fn line(values: &[(f64, Option<f64>)]) -> String {
     format!("{:>7}{:>7}{ratio:>7}{beyond:>4}", said(at(0.5)), said(at(0.9)))
 }
 
-/// The table: a line a method and attitude.
-pub fn text(first: u64, logs: u64, say: impl Fn(&str)) -> String {
-    let mut text = format!(
-        "{:<26}{:<8}{:>5}  {:>7}{:>7}{:>7}{:>4}  {:>7}{:>7}{:>7}{:>4}  {:>7}{:>7}{:>7}{:>4}\n",
-        "attitude",
-        "method",
-        "n",
-        "offset",
-        "90 %",
-        "z rms",
-        ">3",
-        "motor",
-        "90 %",
-        "z rms",
-        ">3",
-        "level °",
-        "90 %",
-        "ratio",
-        ">3"
-    );
-    for logged in Logged::ALL {
-        say(logged.words());
-        let flights = in_parallel(first..first + logs, |number| flight(number, logged));
-        for (method, list) in [
-            ("MAGFit", flights.iter().filter_map(|flight| flight.magfit).collect::<Vec<_>>()),
-            ("fit", flights.iter().filter_map(|flight| flight.own).collect()),
-            // The same logs for both.
-            ("MAGFit*", flights.iter().filter_map(|flight| flight.own.and(flight.magfit)).collect()),
-        ] {
-            let of = |pick: &dyn Fn(&Found) -> Option<(f64, Option<f64>)>| -> Vec<(f64, Option<f64>)> {
-                list.iter().filter_map(pick).collect()
-            };
-            text += &format!(
-                "{:<26}{method:<8}{:>5}  {}  {}  {}\n",
-                logged.words(),
-                list.len(),
-                line(&of(&|found| Some(found.offset))),
-                line(&of(&|found| found.motor)),
-                line(&of(&|found| Some(found.level)))
-            );
-        }
+/// Logs of a table.
+pub const LOGS: u64 = 40;
+/// Numbers apart from those on which the fit was made (7000 to 7059).
+const FIRST: u64 = 8200;
+
+/// The methods of the table; the last is the first on those logs that the fit accepts.
+const METHODS: [&str; 3] = ["MAGFit", "fit", "MAGFit*"];
+
+/// The flights of a table, by attitude.
+pub struct Flights(Vec<(Logged, Vec<Flight>)>);
+
+impl Flights {
+    /// Runs so many flights with each attitude; `say` hears each as it begins.
+    pub fn measure(first: u64, logs: u64, say: impl Fn(&str)) -> Self {
+        let of = |logged: Logged| {
+            say(logged.words());
+            (logged, in_parallel(first..first + logs, |number| flight(number, logged)))
+        };
+        Flights(Logged::ALL.map(of).into())
     }
-    text
+
+    /// The same as the document has it.
+    pub fn unseen(say: impl Fn(&str)) -> Self {
+        Self::measure(FIRST, LOGS, say)
+    }
+
+    /// What the snapshot holds: a line an attitude and method.
+    pub fn text(&self) -> String {
+        let mut text = format!(
+            "{:<26}{:<8}{:>5}  {:>7}{:>7}{:>7}{:>4}  {:>7}{:>7}{:>7}{:>4}  {:>7}{:>7}{:>7}{:>4}\n",
+            "attitude",
+            "method",
+            "n",
+            "offset",
+            "90 %",
+            "z rms",
+            ">3",
+            "motor",
+            "90 %",
+            "z rms",
+            ">3",
+            "level °",
+            "90 %",
+            "ratio",
+            ">3"
+        );
+        for (logged, flights) in &self.0 {
+            for method in METHODS {
+                let pick = |flight: &Flight| match method {
+                    "MAGFit" => flight.magfit,
+                    "fit" => flight.own,
+                    _ => flight.own.and(flight.magfit),
+                };
+                let list: Vec<Found> = flights.iter().filter_map(pick).collect();
+                if list.is_empty() {
+                    continue;
+                }
+                let of = |pick: &dyn Fn(&Found) -> Option<(f64, Option<f64>)>| -> Vec<(f64, Option<f64>)> {
+                    list.iter().filter_map(pick).collect()
+                };
+                text += &format!(
+                    "{:<26}{method:<8}{:>5}  {}  {}  {}\n",
+                    logged.words(),
+                    list.len(),
+                    line(&of(&|found| Some(found.offset))),
+                    line(&of(&|found| found.motor)),
+                    line(&of(&|found| Some(found.level)))
+                );
+            }
+        }
+        text
+    }
+
+    /// Where the snapshot lies.
+    pub fn snapshot_path() -> PathBuf {
+        PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/snapshots/flights.txt"))
+    }
+
+    /// Writes the snapshot and the table of the document.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn store(&self) -> io::Result<()> {
+        std::fs::write(Self::snapshot_path(), self.text())?;
+        measured::write(&[("accuracy-flights", self.text())])
+    }
+
+    /// Holds the table to its snapshot.
+    ///
+    /// # Errors
+    /// It differs, or there is no snapshot.
+    pub fn hold(&self) -> io::Result<()> {
+        snapshot::hold(&Self::snapshot_path(), &self.text())
+    }
 }
