@@ -198,3 +198,94 @@ fn parameters_come_back_from_flights_of_ardupilot_and_px4() {
         }
     }
 }
+
+/// The product of two quaternions.
+fn product(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    [
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    ]
+}
+
+/// The flight with another attitude at each row.
+fn with_attitude(drawn: &Drawn, of: impl Fn(usize) -> [f64; 4]) -> Drawn {
+    let mut changed = drawn.clone();
+    for (name, values) in &mut changed.columns {
+        if let Some(place) = ["q_w", "q_x", "q_y", "q_z"].iter().position(|own| own == name) {
+            *values = (0..values.len()).map(|row| of(row)[place]).collect();
+        }
+    }
+    changed
+}
+
+#[test]
+fn a_wrong_attitude_gives_no_false_certainty() {
+    let here = folder("vehicles_attitudes");
+    let [plain, disturbed] = flights();
+    let rows = plain.columns[0].1.len();
+    let late = (0.2 * plain.truth.rate_hz).round() as usize;
+    let inverse = |[w, x, y, z]: [f64; 4]| [w, -x, -y, -z];
+    let (half_roll, right) = (2.0_f64.to_radians(), std::f64::consts::FRAC_1_SQRT_2);
+    let changed = [
+        ("late", with_attitude(&plain, |row| attitude(&plain, row.saturating_sub(late))), None),
+        (
+            "rolled",
+            with_attitude(&plain, |row| {
+                product(attitude(&plain, row), [half_roll.cos(), half_roll.sin(), 0.0, 0.0])
+            }),
+            None,
+        ),
+        // Of a controller whose x axis is the vehicle's down, of another convention, and of another flight.
+        (
+            "mounted",
+            with_attitude(&plain, |row| product(attitude(&plain, row), [right, 0.0, right, 0.0])),
+            Some("from the accelerometer's"),
+        ),
+        ("inverse", with_attitude(&plain, |row| inverse(attitude(&plain, row))), Some("turns otherwise")),
+        ("backwards", with_attitude(&plain, |row| attitude(&plain, rows - 1 - row)), Some("turns otherwise")),
+    ];
+    for (what, drawn, said) in changed {
+        let log = write(&here, &format!("{what}.csv"), drawn.csv());
+        let object = fitted(&log, &drawn, &["--for", "level"]);
+        let reasons = object["reasons"].to_string();
+        match said {
+            Some(words) => assert!(
+                reasons.contains("attitude is not used") && reasons.contains(words),
+                "{what}: {reasons}"
+            ),
+            None => assert!(!reasons.contains("attitude is not used"), "{what}: {reasons}"),
+        }
+        if object["accepted"] == true {
+            assert_within_its_errors(what, &object, &drawn);
+        }
+    }
+    // With an effect that nobody named, the offset is that at the mean of its column.
+    let log = write(&here, "unnamed.csv", disturbed.csv());
+    let start = ["fit", text(&log), "--json", "--date", "2025-07-01", "--for", "level"];
+    let object = ironout(start).json();
+    if object["accepted"] == true {
+        let off = errors(&object["offset_ut"], &object["std_errors"]["offset_ut"], offset_ut(&disturbed));
+        assert!(off < MAX_ERRORS, "{off}: {object}");
+    }
+}
+
+#[test]
+fn another_log_and_the_autopilots_own_calibration_are_priors() {
+    let here = folder("vehicles_priors");
+    let [plain, _] = flights();
+    let log = write(&here, "flight.bin", ardupilot(&plain, Says::Angles));
+    let alone = fitted(&log, &plain, &[]);
+    let twice = fitted(&log, &plain, &["--prior-from", text(&log)]);
+    let error =
+        |object: &Json, axis: usize| object["std_errors"]["offset_ut"][axis].as_f64().expect("an error");
+    for axis in 0..3 {
+        assert!(error(&twice, axis) < error(&alone, axis), "{axis}: {twice} {alone}");
+    }
+    assert_within_its_errors("twice", &twice, &plain);
+    let csv = write(&here, "flight.csv", plain.csv());
+    let refused = ironout(["fit", text(&csv), "--prior-from", "parameters"]);
+    assert_eq!(refused.status, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("no compass calibration of an autopilot"), "{}", refused.stderr);
+}
