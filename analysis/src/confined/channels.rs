@@ -52,6 +52,8 @@ pub struct Share {
     pub field: f64,
     /// Part of the variance of the tilt that the accelerometer shows which is the board's own.
     pub tilt: f64,
+    /// Variance of the shown direction of one axis across down, rad².
+    pub error: f64,
 }
 
 impl Share {
@@ -67,11 +69,11 @@ impl Share {
         let share = if tilt > 0.0 { (1.0 - error / tilt).clamp(0.0, 1.0) } else { 1.0 };
         // What is left of the error where the tilt is taken as that.
         let left_ut2 = magnitude_ut.powi(2) + share * error * level_ut;
-        Share { field: magnitude_ut.powi(2) / left_ut2.max(1e-12), tilt: share }
+        Share { field: magnitude_ut.powi(2) / left_ut2.max(1e-12), tilt: share, error }
     }
 
     /// The tilt as it is shown.
-    pub const AS_SHOWN: Share = Share { field: 1.0, tilt: 1.0 };
+    pub const AS_SHOWN: Share = Share { field: 1.0, tilt: 1.0, error: 0.0 };
 }
 
 /// A log at a state: what all channels need of both.

@@ -57,8 +57,15 @@ pub struct Before {
 
 impl Before {
     /// As information about the parameters at this state, where the first state is `start` and the errors of a logged yaw have these
-    /// sizes.
-    pub fn matrix(&self, start: &State, state: &State, log: &Log, yaw_rad: [f64; 2]) -> Matrix {
+    /// sizes; the shown direction down is wrong by `down_error`, rad² of one axis.
+    pub fn matrix(
+        &self,
+        start: &State,
+        state: &State,
+        log: &Log,
+        yaw_rad: [f64; 2],
+        down_error: f64,
+    ) -> Matrix {
         let mut known = Matrix::new(state.parameters());
         let mut add = |parts: &[(usize, f64)], departs: f64, spread: f64| {
             let mut row = [0.0; COLUMNS];
@@ -98,7 +105,9 @@ impl Before {
             Some(dip_deg) => {
                 let (sine, cosine) = dip_deg.to_radians().sin_cos();
                 let departs = state.vertical_ut - sine * state.field_ut;
-                let spread = DIP_GIVEN * state.field_ut * cosine.abs().max(0.1);
+                // Along a direction that is wrong by an angle the field is smaller by the cosine of it.
+                let smaller = state.vertical_ut.abs() * down_error.min(1.0);
+                let spread = (DIP_GIVEN * state.field_ut * cosine.abs().max(0.1)).hypot(smaller);
                 add(&[(VERTICAL, 1.0), (FIELD, -sine)], departs, spread);
             }
             None => add(&[(VERTICAL, 1.0)], state.vertical_ut, size),

@@ -106,7 +106,8 @@ impl Noise {
 
 /// Everything at one state: the weighted total, and each channel.
 fn total(log: &Log, start: &State, state: &State, before: &Before, noise: &Noise) -> (Matrix, Vec<Sums>) {
-    let mut total = before.matrix(start, state, log, noise.yaw_rad);
+    let down = if log.has_attitude() { &noise.pose_share } else { &noise.share };
+    let mut total = before.matrix(start, state, log, noise.yaw_rad, down.error);
     let mut list = Vec::new();
     let seen = Seen::of(log, state);
     for (channel, (sigma_ut, memory)) in Channel::ALL.into_iter().zip(&noise.rows) {
