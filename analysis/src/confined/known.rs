@@ -169,9 +169,9 @@ pub fn implausible(state: &State, most: f64) -> Option<String> {
     (times > most).then_some(words)
 }
 
-/// The same of a logged attitude.
-pub fn implausible_attitude(state: &State, most: f64) -> Option<String> {
-    let (lean, late_s) = (state.lean.amax(), state.attitude_delay_s.abs());
+/// The same of a logged attitude that is so many seconds early.
+pub fn implausible_attitude(state: &State, early_s: f64, most: f64) -> Option<String> {
+    let (lean, late_s) = (state.lean.amax(), early_s.abs());
     if lean > most * LEAN_RAD {
         return Some(format!("it would be turned by {:.0}° from the accelerometer", lean.to_degrees()));
     }

@@ -58,6 +58,8 @@ pub struct Log {
 
 /// Turns of the board are compared over this time, s.
 const TURN_S: f64 = 2.0;
+/// Between samples further apart than this, s, the attitude is not known.
+const PAUSE_S: f64 = 0.3;
 /// An attitude whose down is further from the accelerometer's in the mean, degrees, has other axes.
 const SAME_DOWN_DEG: f64 = 20.0;
 /// ... and is turned over where its cosine to that is beneath minus this.
@@ -102,11 +104,16 @@ impl Log {
         self
     }
 
-    /// The same with the attitude that the table has.
+    /// The same with the attitude that the table has, as it is so many seconds after each row's time.
     ///
     /// # Errors
     /// Why that attitude cannot be used, in words.
-    pub fn with_attitude(&self, table: &Table, samples: &Samples) -> Option<Result<Log, String>> {
+    pub fn with_attitude(
+        &self,
+        table: &Table,
+        samples: &Samples,
+        after_s: f64,
+    ) -> Option<Result<Log, String>> {
         let columns = table.attitude?;
         let turns: Vec<Option<Matrix3<f64>>> = (samples.row.iter())
             .map(|&row| {
@@ -142,6 +149,7 @@ impl Log {
                 "it turns otherwise than the gyro ({off_deg:.0}° rms in {TURN_S:.0} s)"
             )));
         }
+        let turns = if after_s == 0.0 { turns } else { self.after(&turns, after_s) };
         let forward = mean.cross(&Vector3::ith(mean.iamin(), 1.0)).normalize();
         let pose = |at: usize| {
             let axes = turns[at]?;
@@ -155,6 +163,20 @@ impl Log {
         };
         let poses = (0..turns.len()).map(pose).collect();
         Some(Ok(Log { poses, mean_pose_down: mean, from_north: !turned_over, ..self.clone() }))
+    }
+
+    /// Axes so many seconds after each sample, on the line between those before and behind.
+    fn after(&self, turns: &[Option<Matrix3<f64>>], after_s: f64) -> Vec<Option<Matrix3<f64>>> {
+        let time_s = &self.time_s;
+        let at = |t: f64| {
+            let next = time_s.partition_point(|own| *own <= t);
+            let before = next.checked_sub(1)?;
+            let (Some(&from_s), Some(&to_s)) = (time_s.get(before), time_s.get(next)) else { return None };
+            let (one, two) = (turns[before]?, turns[next]?);
+            let share = (t - from_s) / (to_s - from_s);
+            (to_s - from_s < PAUSE_S).then(|| one + share * (two - one))
+        };
+        time_s.iter().map(|t| at(t + after_s)).collect()
     }
 
     /// By how much an attitude turns otherwise than the gyro, degrees rms, where that is too much.

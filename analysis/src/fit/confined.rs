@@ -42,6 +42,9 @@ const DIP_DEG: f64 = 10.0;
 const YAW_DEG: f64 = 15.0;
 /// The logged yaw errs with the heading by so much, degrees: said, since a yaw that follows this compass does.
 const YAW_ERROR_DEG: f64 = 2.0;
+/// The model is linear in the attitude's delay: it is fitted again about a delay of more than this, s, so many times at most.
+const DELAY_S: f64 = 0.01;
+const DELAY_ROUNDS: usize = 3;
 /// A sensor is not further from what such sensors are than so many standard deviations.
 const IMPLAUSIBLE: f64 = 5.0;
 /// Sectors of heading, and how many of them show the board turned all round.
@@ -63,19 +66,11 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
     let columns = offsets(&counted.samples, options);
     let (false, Some(columns)) = (elsewhere, columns) else { return refused };
     let Some(plain) = Log::of(&counted.samples).map(|log| log.with_effects(&columns)) else { return refused };
-    let (posed, mut unused) = match plain.with_attitude(counted.table, &counted.samples) {
-        Some(Ok(log)) => (Some(log), None),
-        Some(Err(why)) => (None, Some(why)),
-        None => (None, None),
+    let unused = match posed(ground, options, &plain) {
+        Some(Ok((solved, log))) => return judged(ground, options, refused, &solved, &log),
+        Some(Err(why)) => Some(why),
+        None => None,
     };
-    if let Some(log) = posed.filter(|log| log.tilt_deg(MOST) < MOST_TILT_DEG)
-        && let Some(solved) = solved(ground, options, &log)
-    {
-        match attitude_fault(&solved) {
-            None => return judged(ground, options, refused, &solved, &log),
-            Some(why) => unused = Some(why),
-        }
-    }
     if plain.tilt_deg(MOST) >= MOST_TILT_DEG {
         return refused;
     }
@@ -87,8 +82,34 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
     fitted
 }
 
-/// Why the attitude of a log is not to be believed.
-fn attitude_fault(solved: &Solved) -> Option<String> {
+/// The likeliest calibration with the logged attitude, or why that is not used; `None` where there is none.
+fn posed(ground: &Ground, options: &Options, plain: &Log) -> Option<Result<(Solved, Log), String>> {
+    let counted = &ground.counted;
+    let mut after_s = 0.0;
+    let mut rounds = 0;
+    loop {
+        let log = match plain.with_attitude(counted.table, &counted.samples, after_s)? {
+            Ok(log) => log,
+            Err(why) => return Some(Err(why)),
+        };
+        if log.tilt_deg(MOST) >= MOST_TILT_DEG {
+            return None;
+        }
+        let solved = solved(ground, options, &log)?;
+        let delay_s = solved.state.attitude_delay_s;
+        if let Some(why) = attitude_fault(&solved, after_s + delay_s) {
+            return Some(Err(why));
+        }
+        rounds += 1;
+        if delay_s.abs() < DELAY_S || rounds == DELAY_ROUNDS {
+            return Some(Ok((solved, log)));
+        }
+        after_s += delay_s;
+    }
+}
+
+/// Why the attitude of a log, so many seconds early, is not to be believed.
+fn attitude_fault(solved: &Solved, early_s: f64) -> Option<String> {
     let rms_ut =
         |channel| solved.heard.iter().find(|heard| heard.channel == channel).map(|heard| heard.rms_ut);
     let level_ut = horizontal_ut(solved);
@@ -100,7 +121,7 @@ fn attitude_fault(solved: &Solved) -> Option<String> {
     if tilt_deg > DIP_DEG {
         return Some(format!("the dip varies by {tilt_deg:.0}° rms against its down"));
     }
-    implausible_attitude(&solved.state, IMPLAUSIBLE)
+    implausible_attitude(&solved.state, early_s, IMPLAUSIBLE)
 }
 
 /// The likeliest calibration.
