@@ -7,6 +7,7 @@ use crate::table::Table;
 use ironout::calibration::norm;
 use ironout::effect::{ColumnName, Effect, Follows, MAX_INPUTS, Made, TIME};
 use ironout::extended::{Conditions, FittedEffect, NotCorrected};
+use std::borrow::Cow;
 
 /// A column that an effect of the calibration needs and that the log does not have as it is needed.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -98,21 +99,17 @@ impl<'a> Corrector<'a> {
                     .ok_or_else(|| missing(column.name, "every cell of it is empty"))?;
                 let delay_s = column.delay_s;
                 *slot = Some(if delay_s > 0.0 {
-                    let time = table.time_s;
-                    delayed(
-                        &filled,
-                        time.ok_or_else(|| missing(TIME, "the log has no time column"))?,
-                        delay_s,
-                    )
+                    let time = table.time_s.ok_or_else(|| missing(TIME, "the log has no time column"))?;
+                    (0..table.rows()).map(|row| delayed(&filled, time, row, delay_s)).collect()
                 } else {
-                    filled
+                    filled.into_owned()
                 });
             }
             inputs.push(own);
             if fitted.effect.needs_gyro() {
                 let axes = table.gyro_radps.as_ref();
                 let axes = axes.ok_or_else(|| missing("gx_radps", "the log has no rate of turn"))?;
-                let [x, y, z] = axes.map(filled);
+                let [x, y, z] = axes.map(|axis| filled(axis).map(Cow::into_owned));
                 let all = x.zip(y).zip(z).map(|((x, y), z)| [x, y, z]);
                 turn_radps = Some(all.ok_or_else(|| missing("gx_radps", "every cell of it is empty"))?);
             }

@@ -13,7 +13,7 @@ use crate::confined::solve::{Solved, solve};
 use crate::fit::confined_effects::{entries, offsets};
 use crate::fit::fitted::Fitted;
 use crate::outcome::request::{Options, Purpose};
-use crate::samples::samples::Samples;
+use crate::samples::samples::{MOST_SAMPLES, Samples};
 use crate::table::Table;
 use ironout::calibration::{Calibration, norm};
 use ironout::fit::{MIN_SAMPLES, Order};
@@ -65,8 +65,14 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
         || refused.is_of_another_field();
     let columns = offsets(&counted.samples, options);
     let (false, Some(columns)) = (elsewhere, columns) else { return refused };
-    let Some(plain) = Log::of(&counted.samples).map(|log| log.with_effects(&columns)) else { return refused };
-    let unused = match posed(ground, options, &plain) {
+    // Of a log in stretches neither columns nor attitude are at hand.
+    let whole = counted.samples.stride == 1;
+    if !whole && !columns.is_empty() {
+        return refused;
+    }
+    let plain = if whole { Log::of(&counted.samples) } else { Log::of_counted(counted) };
+    let Some(plain) = plain.map(|log| log.with_effects(&columns)) else { return refused };
+    let unused = match if whole { posed(ground, options, &plain) } else { too_long(counted.table.attitude) } {
         Some(Ok((solved, log))) => return judged(ground, options, refused, &solved, &log),
         Some(Err(why)) => Some(why),
         None => None,
@@ -80,6 +86,13 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
         fitted.reasons.push(format!("note: the logged attitude is not used: {why}"));
     }
     fitted
+}
+
+/// Why the attitude of a log that is taken in stretches is not used.
+fn too_long(attitude: Option<[&[f64]; 4]>) -> Option<Result<(Solved, Log), String>> {
+    attitude.map(|_| {
+        Err(format!("the log has more than {MOST_SAMPLES} samples. Fix: cut it, or log at a lower rate"))
+    })
 }
 
 /// The likeliest calibration with the logged attitude, or why that is not used; `None` where there is none.
