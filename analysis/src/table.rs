@@ -26,6 +26,8 @@ pub struct Table<'a> {
     pub earth: Option<Earth>,
     /// The field along the way, where the log tells where it was and that changes it.
     pub track: Option<Track>,
+    /// The first row of each further recording, where several follow each other.
+    pub recordings: Vec<usize>,
     /// Every other numeric column.
     pub covariates: Vec<Named<'a>>,
     /// Whether the axes of two sensors disagree, and nothing tells whose are wrong.
@@ -177,6 +179,7 @@ impl<'a> Table<'a> {
             attitude,
             earth: None,
             track: None,
+            recordings: Vec::new(),
             axes_in_doubt: false,
             covariates: columns
                 .iter()

@@ -44,7 +44,7 @@ impl<'a> Term<'a> {
         let name = known.map_or("", |column| column.name.as_str());
         let made = Made::new(family, Parts { form, column: name, reference, parameter })?;
         let inputs = match family.follows() {
-            Follows::Column => inputs(&log.values(column?, made.parts().delay_s().unwrap_or(0.0))?),
+            Follows::Column => inputs(&log.values(column?, made.parts().past().seconds())?),
             Follows::Tone => inputs(log.even_s.as_deref().unwrap_or(&log.time_s)),
             Follows::Time => inputs(&log.time_s),
             Follows::Attitude | Follows::Turning => Inputs::default(),

@@ -6,5 +6,6 @@ pub mod diagnosed;
 pub mod extended;
 pub mod fitted;
 pub mod ids;
+mod recordings;
 pub mod run;
 pub(crate) mod turn;

@@ -28,6 +28,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
     }
     let known = Known::given(expected.field_ut);
     let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, json)?;
+    let expected = expected.or_reference(&arguments.log, &log);
     let mut options = Options {
         method,
         field_ut: expected.field_ut,

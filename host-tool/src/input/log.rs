@@ -65,6 +65,8 @@ pub struct Log {
     pub earth: Option<[Vec<f64>; 2]>,
     /// Declination there, degrees to the east.
     pub declination_deg: Option<f64>,
+    /// The first row of each further log, where several were joined.
+    pub recordings: Vec<usize>,
     /// Every other numeric column.
     pub covariates: Vec<Covariate>,
     /// How it was read.

@@ -195,6 +195,7 @@ impl Plan {
             heading_deg,
             earth: None,
             declination_deg: None,
+            recordings: Vec::new(),
             covariates,
             read_as: ReadAs { columns, left_out, taken_out, repairs, ..ReadAs::default() },
             notices,

@@ -34,6 +34,7 @@ impl<'a> From<&'a Log> for Table<'a> {
             attitude,
             earth,
             track,
+            recordings: log.recordings.clone(),
             axes_in_doubt: log.read_as.axes_in_doubt,
             covariates: log
                 .covariates

@@ -54,6 +54,7 @@ mod text_corpus;
 mod text_questions;
 mod tutorial;
 mod ulog;
+mod unlogged;
 mod vehicles;
 mod vehicles_flights;
 mod writers;

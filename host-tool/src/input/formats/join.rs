@@ -95,6 +95,7 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
         heading_deg: None,
         earth: None,
         declination_deg: None,
+        recordings: Vec::new(),
         covariates: own.into_iter().map(covariate).collect(),
         read_as: ReadAs {
             format: recording.format,
