@@ -1,6 +1,7 @@
 //! What a fit says.
 
 pub mod confined;
+mod confined_effects;
 pub mod diagnosed;
 pub mod extended;
 pub mod fitted;

@@ -56,6 +56,7 @@ mod tutorial;
 mod ulog;
 mod unlogged;
 mod vehicles;
+mod vehicles_flights;
 mod writers;
 
 /// Stands in the summary for what this build leaves out.
