@@ -2,10 +2,10 @@
 
 use crate::effects::Calibrated;
 use crate::samples::clock::even;
-use crate::samples::samples::{delayed, filled};
+use crate::samples::samples::{filled, past_of};
 use crate::table::Table;
 use ironout::calibration::norm;
-use ironout::effect::{ColumnName, Effect, Follows, MAX_INPUTS, Made, TIME};
+use ironout::effect::{ColumnName, Effect, Follows, MAX_INPUTS, Made, Past, TIME};
 use ironout::extended::{Conditions, FittedEffect, NotCorrected};
 use std::borrow::Cow;
 
@@ -97,12 +97,12 @@ impl<'a> Corrector<'a> {
                 }
                 let filled = filled(covariate.values)
                     .ok_or_else(|| missing(column.name, "every cell of it is empty"))?;
-                let delay_s = column.delay_s;
-                *slot = Some(if delay_s > 0.0 {
-                    let time = table.time_s.ok_or_else(|| missing(TIME, "the log has no time column"))?;
-                    (0..table.rows()).map(|row| delayed(&filled, time, row, delay_s)).collect()
-                } else {
-                    filled.into_owned()
+                *slot = Some(match column.past {
+                    Past::Now => filled.into_owned(),
+                    past => {
+                        let time = table.time_s.ok_or_else(|| missing(TIME, "the log has no time column"))?;
+                        past_of(&filled, time, 0..table.rows(), past)
+                    }
                 });
             }
             inputs.push(own);

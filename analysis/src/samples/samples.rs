@@ -6,6 +6,8 @@ use crate::samples::series::quantum;
 use crate::samples::work::Work;
 use crate::table::{Follows, Table};
 use crate::track::Place;
+use ironout::effect::Past;
+use ironout::extended::LowPass;
 use ironout::study::Observation;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -377,12 +379,11 @@ impl Samples {
         (0..=blocks).map(|k| self.len() * k / blocks).collect()
     }
 
-    /// A covariate `delay_s` earlier, from all rows of the log, linearly between them.
-    pub fn delayed(&self, table: &Table, name: &str, delay_s: f64) -> Option<Vec<f64>> {
+    /// A past of a covariate, from all rows of the log, linearly between them.
+    pub fn past(&self, table: &Table, name: &str, past: Past<f64>) -> Option<Vec<f64>> {
         let time = table.time_s?;
         let named = table.covariates.iter().find(|named| named.name == name)?;
-        let values = filled(named.values)?;
-        Some(self.row.iter().map(|&row| delayed(&values, time, row, delay_s)).collect())
+        Some(past_of(&filled(named.values)?, time, self.row.iter().copied(), past))
     }
 }
 
@@ -404,6 +405,31 @@ pub fn filled(values: &[f64]) -> Option<Cow<'_, [f64]>> {
         fill_gaps(&mut values);
         Cow::Owned(values)
     })
+}
+
+/// A past of a column without missing cells at these rows, which follow each other.
+pub fn past_of(
+    values: &[f64],
+    time_s: &[f64],
+    rows: impl Iterator<Item = usize>,
+    past: Past<f64>,
+) -> Vec<f64> {
+    match past {
+        Past::Now => rows.map(|row| values[row]).collect(),
+        Past::Delayed(delay_s) => rows.map(|row| delayed(values, time_s, row, delay_s)).collect(),
+        Past::LowPass(time_constant_s) => {
+            let mut filter = LowPass::<f64>::new(time_constant_s);
+            let mut filtered =
+                values.iter().zip(time_s).map(|(value, now)| filter.push(*now, *value).unwrap_or(*value));
+            let mut next = 0;
+            rows.filter_map(|row| {
+                let value = filtered.nth(row - next)?;
+                next = row + 1;
+                Some(value)
+            })
+            .collect()
+        }
+    }
 }
 
 /// A column without missing cells `delay_s` before a row, linearly between the rows; before the log began, as in its first
