@@ -75,8 +75,7 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
         ));
         return Ok(());
     }
-    let whole = |values: &[f64]| filled(values).map(std::borrow::Cow::into_owned);
-    let (Some(field), Some(dip)) = (whole(&field), whole(&dip)) else { return Ok(()) };
+    let (Some(field), Some(dip)) = (filled(&field), filled(&dip)) else { return Ok(()) };
     let of = match &height {
         Some((name, _)) => format!("lat_deg, lon_deg and {name}"),
         None => "lat_deg and lon_deg (at height 0)".to_string(),

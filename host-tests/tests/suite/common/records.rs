@@ -2,8 +2,8 @@
 
 use ironout::calibration::Calibration;
 use ironout::effect::{
-    AmbientField, BuiltIn, ColumnName, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity, Offset,
-    Periodic, Power, Step,
+    AmbientField, BuiltIn, ColumnName, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity, Offset, Past,
+    Periodic, Power, SoftIron, Step,
 };
 use ironout::extended::{Effects, FittedEffect};
 use ironout::fit::{Method, Order};
@@ -41,14 +41,16 @@ pub fn fitted(effect: BuiltIn<f64>) -> FittedEffect<f64> {
     FittedEffect::new(effect, coefficients, std_errors)
 }
 
-pub fn all_effects() -> [BuiltIn<f64>; 13] {
+pub fn all_effects() -> [BuiltIn<f64>; 15] {
     let column = ColumnName::new("battery_current_a").expect("a name");
-    let offset = |power, delay_s| BuiltIn::Offset(Offset { column, reference: 1.0 / 3.0, power, delay_s });
+    let offset = |power, past| BuiltIn::Offset(Offset { column, reference: 1.0 / 3.0, power, past });
     [
-        offset(Power::Linear, None),
-        offset(Power::Squared, None),
-        offset(Power::Linear, Some(0.1)),
-        offset(Power::Squared, Some(0.1)),
+        offset(Power::Linear, Past::Now),
+        offset(Power::Squared, Past::Now),
+        offset(Power::Linear, Past::Delayed(0.1)),
+        offset(Power::Squared, Past::Delayed(0.1)),
+        offset(Power::Linear, Past::LowPass(3.5)),
+        BuiltIn::SoftIron(SoftIron { column, reference: 0.5 }),
         BuiltIn::Gain(Gain { column, reference: -0.7 }),
         BuiltIn::Field(AmbientField { column, reference: 1e-7 }),
         BuiltIn::Drift(Drift { reference_s: 61.7 }),
