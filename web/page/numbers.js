@@ -21,7 +21,7 @@ export const ut = (value) => `${fixed(value, 3)} µT`;
 export const percent = (value) => `${fixed(value, 2)} %`;
 export const degrees = (value) => `${fixed(value, 2)}°`;
 
-/** A probability in words. */
+/** A p-value. */
 export function chance(p) {
   if (!known(p)) return NONE;
   return p < 1e-99 ? "< 1e-99" : p < 1e-3 ? p.toExponential(0) : significant(p, 2);

@@ -2,8 +2,8 @@
 import { h } from "./dom.js";
 
 const CELLS = [
-  ["error", "error"], ["rms", "rms"], ["heading", "heading if level"], ["magnitude", "magnitude"],
-  ["x", "x"], ["y", "y"], ["z", "z"], ["recorded", "recorded"],
+  ["error", "error"], ["rms", "error, rms"], ["heading", "heading if level"], ["magnitude", "magnitude"],
+  ["x", "x"], ["y", "y"], ["z", "z"], ["recorded", "samples recorded"],
 ];
 
 // What changes slowly by its nature is written as often as this.
