@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 /// Where the document lies.
 pub fn path() -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/measured.md"))
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../host-tests/measured.md"))
 }
 
 /// Writes tables, each as plain text between the markers of its name.
