@@ -1,6 +1,6 @@
 // A look at a log, drawn: everything but the switches.
 import { by, fill, h, later, save, table } from "./dom.js";
-import { chance, degrees, fixed, percent, significant, ut } from "./numbers.js";
+import { chance, degrees, fixed, labelled, percent, significant, ut } from "./numbers.js";
 import { band, Plot } from "./plots.js";
 import { Sphere } from "./sphere.js";
 
@@ -130,7 +130,7 @@ export class Figures {
   column() {
     const index = this.look.picture.against.findIndex((one) => one.name === this.columns.value);
     const bins = this.look.picture.against[index];
-    const place = bins.unit ? `${bins.name}, ${bins.unit}` : bins.name;
+    const place = labelled(bins.name, bins.unit);
     const effects = this.look.fit.effects.length > 0;
     const found = this.found?.where?.find((one) => one.against === bins.name);
     fill(this.explains, found ? `${bins.name} explains ${fixed(100 * found.explained, 0)} % of the residual variance of offset and matrix (p ${chance(found.p_value).startsWith("<") ? "" : "= "}${chance(found.p_value)}).` : "");

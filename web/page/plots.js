@@ -29,7 +29,7 @@ export class Plot {
   /** `what` says it to those who do not see it; `id` names it. */
   constructor(id, what) {
     this.root = h("div", { class: "plot", id, role: "img", "aria-label": what, "data-what": what });
-    this.numbers = h("div", { class: "no-print" });
+    this.numbers = h("div", { class: "no-print under" });
     this.paper = h("div", { class: "for-print" });
     this.save = saver(id.replace("plot-", ""), () => plotted(this.what, this.given));
     this.whole = h("figure", { class: "plot" }, h("figcaption", {}, what), this.root, this.paper, this.numbers);
