@@ -16,6 +16,7 @@ const VERDICT = { MISSING: "FOUND" };
 
 const figure = (id, title, value, ...lines) => h("div", { class: "figure" }, title, h("b", { id }, value), lines.filter(Boolean).map((line) => h("span", {}, line)));
 const heading = (value) => (value === null ? null : `heading ± ${degrees(value)}`);
+const ofField = (value) => `${percent(value)} of the field`;
 const arrow = () => h("span", { class: "arrow", "aria-hidden": "true" }, "→");
 
 export class Figures {
@@ -37,6 +38,11 @@ export class Figures {
     this.words();
   }
 
+  /** A new log: the column that explains most is shown first again. */
+  forget() {
+    if (this.columns) this.columns.value = "";
+  }
+
   verdict() {
     const { figures, fit, verdict } = this.look;
     const name = VERDICT[verdict.name] ?? verdict.name;
@@ -45,17 +51,17 @@ export class Figures {
     fill(by("advice"), verdict.calibration);
     const parts = [];
     if (figures.before_ut !== null) {
-      parts.push(figure("error-before", "error as measured", ut(figures.before_ut), percent(figures.before_percent), heading(figures.before_heading_deg)), arrow());
+      parts.push(figure("error-before", "error as measured", ut(figures.before_ut), ofField(figures.before_percent), heading(figures.before_heading_deg)), arrow());
     }
     const effects = fit.effects.length > 0;
     if (effects && figures.without_effects_ut !== null && fit.field_ut) {
-      parts.push(figure("error-base", "error with offset and matrix", ut(figures.without_effects_ut), percent((100 * figures.without_effects_ut) / fit.field_ut)), arrow());
+      parts.push(figure("error-base", "error with offset and matrix", ut(figures.without_effects_ut), ofField((100 * figures.without_effects_ut) / fit.field_ut)), arrow());
     }
     if (figures.after_ut !== null) {
       parts.push(figure("error-now", effects ? `error with ${fit.effects.length === 1 ? fit.effects[0].id : `${fit.effects.length} effects added`}` : "error with offset and matrix", ut(figures.after_ut),
-        percent(figures.after_percent), heading(figures.after_heading_deg)));
+        ofField(figures.after_percent), heading(figures.after_heading_deg)));
     }
-    if (figures.floor_ut !== null) parts.push(figure("floor", "noise floor", ut(figures.floor_ut), percent(figures.floor_percent)));
+    if (figures.floor_ut !== null) parts.push(figure("floor", "noise floor", ut(figures.floor_ut), ofField(figures.floor_percent)));
     fill(by("figures"), h("div", { class: "figures" }, parts));
   }
 

@@ -25,7 +25,9 @@ const sized = (ut, deg) => (ut !== undefined ? `${ut} µT` : deg !== undefined ?
 const meter = (id, label, low, high, max, best) => {
   const bar = h("meter", { id: `meter-${id}`, min: 0, max, low, high, optimum: best, value: 0, "aria-label": label });
   const text = h("span", { id: `value-${id}` }, "–");
-  return { bar, text, parts: [h("span", {}, label), bar, text] };
+  const parts = [h("span", {}, label), bar, text];
+  for (const part of parts) part.hidden = true;
+  return { bar, text, parts };
 };
 
 export class Live {
@@ -62,7 +64,7 @@ export class Live {
     this.strip = new Strip("plot-live");
     this.turning = new Turning();
     const ball = h("div", { id: "live-ball" });
-    fill(by("live-body"), this.state, h("div", { class: "where-to" }, this.turning.root, this.hint),
+    fill(by("live-body"), this.state, h("div", { class: "where-to" }, this.hint, this.turning.root),
       h("div", { class: "buttons" }, Object.values(this.buttons)), this.answer,
       h("div", { class: "meter" }, Object.values(this.meters).flatMap((one) => one.parts)), this.collected, this.readings.root, this.judged, this.why,
       this.strip.plot.whole, ball,
@@ -186,14 +188,15 @@ export class Live {
     const [part, hole] = state === "idle" ? [NaN, NaN] : [Number(coverage), Number(gap)];
     this.set("coverage", part, `${fixed(100 * Number(coverage), 0)} %`);
     this.set("gap", hole, `${fixed(Number(gap), 0)}°`);
-    const collected = state === "collecting" ? `${n} samples in the fit · residual ${rms} µT · noise ${noise} µT` : "";
+    const collected = state === "collecting" ? [`${n} samples in the fit`, rms === "-" ? null : `residual ${rms} µT`, noise === "-" ? null : `noise ${noise} µT`].filter(Boolean).join(" · ") : "";
     if (this.collected.textContent !== collected) fill(this.collected, collected);
     this.enable();
     this.later();
   }
 
   set(name, value, text) {
-    const { bar, text: at } = this.meters[name];
+    const { bar, text: at, parts } = this.meters[name];
+    for (const part of parts) part.hidden = !Number.isFinite(value);
     bar.value = Number.isFinite(value) ? value : 0;
     fill(at, Number.isFinite(value) ? text : "–");
   }

@@ -78,7 +78,7 @@ class Page {
         if (kind === "drop") this.take([...event.dataTransfer.files]);
       });
     }
-    fill(by("drop-body"), h("p", { class: "error", id: "trouble", role: "alert", hidden: true }), h("div", { id: "asking" }), zone, this.reading.root);
+    fill(by("drop-body"), h("div", { id: "asking" }), h("div", { class: "error", id: "trouble", role: "alert", hidden: true }), zone, this.reading.root);
   }
 
   /** Reads the log that came with the page. */
@@ -104,12 +104,13 @@ class Page {
   trouble(text, question = null) {
     const at = by("trouble") ?? by("busy");
     at.hidden = !text;
-    fill(at, text);
+    at.classList.toggle("error", !question);
+    fill(at, question ? h("details", {}, h("summary", {}, "The message of the command line"), h("pre", { tabindex: "0" }, text)) : text);
     if (this.reading) fill(by("asking"), question ? this.reading.form(question, () => this.again()) : null);
   }
 
   /** Nothing of the last log stands under the name of another one. */
-  clear(name) {
+  clear(name, asks = false) {
     this.look = null;
     this.beside = [];
     delete document.body.dataset.log;
@@ -117,13 +118,17 @@ class Page {
     for (const id of ["advice", "figures", "parts"]) fill(by(id));
     if (this.reading) by("comparing").hidden = true;
     fill(by("log-name"), h("strong", {}, name));
-    fill(by("sentence"), h("span", { class: "badge", "data-verdict": "REFUSED" }, "NOT READ"), " This log could not be read.");
+    fill(by("sentence"), h("span", { class: "badge", "data-verdict": asks ? "FOUND" : "REFUSED" }, asks ? "QUESTION" : "NOT READ"),
+      asks ? " One answer is needed to read this log." : " This log could not be read.");
     document.title = `${name} · ironout`;
   }
 
   /** Reads a log, fits it, searches, and shows it. */
   async read(log) {
-    if (this.last?.name !== log.name) this.reading?.forget();
+    if (this.last?.name !== log.name) {
+      this.reading?.forget();
+      this.figures.forget();
+    }
     this.last = log;
     this.trouble("");
     by("verdict").hidden = false;
@@ -155,7 +160,7 @@ class Page {
       fill(by("busy"), "");
     } catch (error) {
       fill(by("busy"), "");
-      this.clear(log.name);
+      this.clear(log.name, Boolean(error.question));
       this.trouble(error.message, error.question);
     } finally {
       delete document.body.dataset.busy;

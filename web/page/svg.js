@@ -82,9 +82,16 @@ export function plotted(title, { x, series, axes, marks }) {
     const other = one.fillTo === undefined ? null : series[one.fillTo];
     if (!other) continue;
     const [high, low] = [places(one), places(other)];
-    const both = high.map((at, i) => (at && low[i] ? i : -1)).filter((i) => i >= 0);
-    const ring = [...both.map((i) => high[i]), ...both.reverse().map((i) => low[i])].map((at) => at.map(two).join(",")).join(" ");
-    root.append(s("polygon", { points: ring, fill: ink(one.colour), "fill-opacity": 0.35 }));
+    // A gap in the series is a gap in the band.
+    const runs = [[]];
+    high.forEach((at, i) => {
+      if (at && low[i]) runs.at(-1).push(i);
+      else if (runs.at(-1).length) runs.push([]);
+    });
+    for (const run of runs) {
+      const ring = [...run.map((i) => high[i]), ...[...run].reverse().map((i) => low[i])].map((at) => at.map(two).join(",")).join(" ");
+      if (run.length) root.append(s("polygon", { points: ring, fill: ink(one.colour), "fill-opacity": 0.35 }));
+    }
   }
   for (const one of series) {
     const at = places(one);
@@ -102,7 +109,9 @@ export function plotted(title, { x, series, axes, marks }) {
     root.append(s("path", { d: path, fill: "none", stroke: ink(one.colour), "stroke-width": one.width ?? 1.5, "stroke-dasharray": one.dash?.join(" ") }));
   }
   let left = EDGE.left;
-  for (const one of series) {
+  // The two edges of a band are one entry.
+  const named = series.filter((one) => !one.label.endsWith(" (min)")).map((one) => ({ ...one, label: one.label.replace(/ \(max\)$/, " (min to max)") }));
+  for (const one of named) {
     root.append(s("line", { x1: left, x2: left + 18, y1: 30, y2: 30, stroke: ink(one.colour), "stroke-width": one.points ? 6 : 2.5, "stroke-dasharray": one.dash?.join(" ") }),
       s("text", { x: left + 23, y: 34, fill: ink("--text") }, one.label));
     left += 40 + 6.4 * one.label.length;

@@ -98,7 +98,7 @@ export class Turning {
     const course = Math.atan2(end[1] - before[1], end[0] - before[0]);
     const head = [0, 2.6, -2.6].map((turn) => [end[0] + (turn ? 9 * Math.cos(course + turn) : 0), end[1] + (turn ? 9 * Math.sin(course + turn) : 0)].map((value) => value.toFixed(1)).join(",")).join(" ");
     const [ring, mark] = [flat(this.asked.now), flat(at(this.asked.missing))];
-    const front = flat(at([0.8, 0, 0]));
+    const front = flat(at([0.95, 0, -0.12]));
     fill(this.drawing, s("polyline", { points: points(arc), class: "arc" }), s("polygon", { points: head, class: "head" }), faces, top,
       s("text", { x: front[0].toFixed(1), y: front[1].toFixed(1), class: "where" }, "front"),
       s("circle", { cx: ring[0].toFixed(1), cy: ring[1].toFixed(1), r: 8, class: "ring" }), s("circle", { cx: mark[0].toFixed(1), cy: mark[1].toFixed(1), r: 5, class: "mark-dot", fill: ink("--gap") }));

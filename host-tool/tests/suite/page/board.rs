@@ -81,8 +81,8 @@ fn a_board_that_hangs_and_a_cable_that_is_pulled_are_told_and_waited_for() {
     let (_program, address) = live(&["--tcp", &board.address()]);
     let seen = scenario("cable", json!({"address": address, "hands": hands(board)}));
     for (key, part) in [
-        ("silent", "nothing has come from"),
-        ("gone", "it is waited for"),
+        ("silent", "no data from"),
+        ("gone", "waiting for it"),
         ("back", "LSM303DLHC"),
         ("started", "done: cal start"),
     ] {

@@ -123,7 +123,7 @@ fn a_board_is_calibrated_over_a_serial_port_of_the_browser() {
     });
     let _off = Off { stop, served_at, bridge: Some(bridge) };
     let seen = scenario("serial", json!({"file": here.join("index.html"), "address": address}));
-    assert!(words(&seen["gone"]).contains("it is waited for"), "{seen}");
+    assert!(words(&seen["gone"]).contains("waiting for it"), "{seen}");
     assert_eq!(seen["rates"].as_array().and_then(|rates| rates.first()), Some(&json!(115_200)), "{seen}");
     assert_session(&seen);
     // Nothing is hidden from it.
