@@ -46,7 +46,7 @@ async function session(browser, said, shots, hidden = null) {
   await page.locator("#look-log").click();
   await browser.until(() => document.body.dataset.log || !document.getElementById("busy").textContent.includes("…"));
   await browser.settled();
-  said.sentence = await browser.text("#sentence");
+  said.advice = await browser.text("#advice");
   said.now = await browser.text("#error-now");
   said.objections = await browser.objections();
 }
@@ -240,7 +240,7 @@ export async function sketch({ file, address, rows, hostile, name, shots }) {
   await page.locator("#look-log").click();
   await browser.until(() => document.body.dataset.log === "recording.txt");
   await browser.settled();
-  said.sentence = await browser.text("#sentence");
+  said.advice = await browser.text("#advice");
   said.wrong = await browser.close();
 
   const other = await Browser.open({ init: STAND_IN });

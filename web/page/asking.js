@@ -101,6 +101,11 @@ export class Reading {
       missing.hidden = given.length > 0;
       fill(missing, "Choose an answer first.");
       if (!given.length) return;
+      this.scale.value = "";
+      // An answer takes the place of an earlier one about the same columns.
+      const names = (map) => map.match(/[a-z_]+(?==)/g) ?? [];
+      const own = given.flatMap(([option, value]) => (option === "--map" ? names(value) : [option]));
+      this.answers = this.answers.filter(([option, value]) => !(option === "--map" ? names(value) : [option]).some((name) => own.includes(name)));
       this.answers.push(...given);
       answered();
     };

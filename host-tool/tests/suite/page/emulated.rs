@@ -11,6 +11,8 @@ use std::thread::JoinHandle;
 
 /// What a session by clicks shows, whatever the wire is.
 fn assert_session(seen: &Value) {
+    let turning = number(&seen["turning"]);
+    assert!((10.0..=180.0).contains(&turning) && seen["turned"] == true, "{seen}");
     for (key, part) in [
         ("link", "mps2 with LSM303DLHC"),
         ("started", "done: cal start"),
@@ -21,7 +23,7 @@ fn assert_session(seen: &Value) {
         ("reading", "magnitude 4"),
         ("whyAnswer", "done: why"),
         ("why", "Why is it off?"),
-        ("sentence", "ACCEPTED"),
+        ("advice", "ready to export"),
     ] {
         assert!(words(&seen[key]).contains(part), "{key} without {part}: {seen}");
     }
