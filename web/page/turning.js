@@ -30,12 +30,21 @@ function turned(v, about, angle) {
   return v.map((value, i) => value * c + side[i] * n + about[i] * along);
 }
 
-// Seen from behind, from the right and from above.
-const AWAY = unit([-0.75, 0.5, -0.62]);
-const ACROSS = unit(cross([0, 0, 1], AWAY)).map((value) => -value);
-const UP = cross(AWAY, ACROSS);
-const flat = (v) => [90 + 62 * dot(v, ACROSS), 80 - 62 * dot(v, UP)];
-const points = (all) => all.map((v) => flat(v).map((value) => value.toFixed(1)).join(",")).join(" ");
+
+/** A view from behind and from above, from the right or from the left: the way to the viewer, and the way of a direction onto paper. */
+function view(side) {
+  const away = unit([-0.75, side, -0.62]);
+  const across = unit(cross([0, 0, 1], away)).map((value) => -value);
+  const up = cross(away, across);
+  return { away, flat: (v) => [90 + 62 * dot(v, across), 80 - 62 * dot(v, up)] };
+}
+const VIEWS = [view(0.5), view(-0.5)];
+
+/** How long a way is on paper. */
+const long = ({ flat }, way) => way.slice(1).reduce((sum, v, i) => {
+  const [a, b] = [flat(way[i]), flat(v)];
+  return sum + Math.hypot(a[0] - b[0], a[1] - b[1]);
+}, 0);
 
 export class Turning {
   constructor() {
@@ -63,6 +72,8 @@ export class Turning {
     this.about = unit(Math.hypot(...normal) > 1e-6 ? normal : cross(missing, other));
     this.angle = Math.acos(Math.max(-1, Math.min(1, dot(missing, now))));
     this.asked = asked;
+    this.way = Array.from({ length: 25 }, (_, i) => turned(missing, this.about, (this.angle * i) / 24));
+    this.view = VIEWS.reduce((best, one) => (long(one, this.way) > 1.2 * long(best, this.way) ? one : best));
     this.root.dataset.angle = ((this.angle * 180) / Math.PI).toFixed(0);
     fill(this.words, `Turn the sensor by about ${this.root.dataset.angle}°, so that the orange dot moves onto the blue ring.`);
     this.begun = performance.now();
@@ -71,6 +82,8 @@ export class Turning {
   }
 
   draw(share = null) {
+    const { away, flat } = this.view;
+    const points = (all) => all.map((v) => flat(v).map((value) => value.toFixed(1)).join(",")).join(" ");
     const spent = (performance.now() - this.begun) % (TURN_MS + PAUSE_MS);
     const part = share ?? Math.min(1, spent / TURN_MS);
     const angle = this.angle * part * part * (3 - 2 * part);
@@ -88,12 +101,12 @@ export class Turning {
           corner[c] = j * HALF[c];
           return at(corner);
         });
-        if (dot(at(normal), AWAY) > 0) faces.push(s("polygon", { points: points(corners), class: axis === 2 && sign < 0 ? "face top" : "face" }));
+        if (dot(at(normal), away) > 0) faces.push(s("polygon", { points: points(corners), class: axis === 2 && sign < 0 ? "face top" : "face" }));
       }
     }
     // The arrow on the top side points to the front.
-    const top = dot(at([0, 0, -1]), AWAY) > 0 ? s("polygon", { class: "front", points: points([[0.5, 0, -0.13], [0.15, 0.2, -0.13], [0.15, 0.07, -0.13], [-0.4, 0.07, -0.13], [-0.4, -0.07, -0.13], [0.15, -0.07, -0.13], [0.15, -0.2, -0.13]].map(at)) }) : null;
-    const arc = Array.from({ length: 25 }, (_, i) => turned(this.asked.missing, this.about, (this.angle * i) / 24));
+    const top = dot(at([0, 0, -1]), away) > 0 ? s("polygon", { class: "front", points: points([[0.5, 0, -0.13], [0.15, 0.2, -0.13], [0.15, 0.07, -0.13], [-0.4, 0.07, -0.13], [-0.4, -0.07, -0.13], [0.15, -0.07, -0.13], [0.15, -0.2, -0.13]].map(at)) }) : null;
+    const arc = this.way;
     const [end, before] = [flat(arc[24]), flat(arc[21])];
     const course = Math.atan2(end[1] - before[1], end[0] - before[0]);
     const head = [0, 2.6, -2.6].map((turn) => [end[0] + (turn ? 9 * Math.cos(course + turn) : 0), end[1] + (turn ? 9 * Math.sin(course + turn) : 0)].map((value) => value.toFixed(1)).join(",")).join(" ");
