@@ -17,7 +17,9 @@ pub fn write(tables: &[(&str, String)]) -> io::Result<()> {
     let mut document = std::fs::read_to_string(path())?;
     for (name, table) in tables {
         document = between_markers(&document, name, table).ok_or_else(|| {
-            io::Error::other(format!("host-tests/measured.md has no <!-- {name}:begin --> and <!-- {name}:end -->"))
+            io::Error::other(format!(
+                "host-tests/measured.md has no <!-- {name}:begin --> and <!-- {name}:end -->"
+            ))
         })?;
     }
     std::fs::write(path(), document)

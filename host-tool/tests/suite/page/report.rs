@@ -60,7 +60,13 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
     for (key, parts) in [
         (
             "numbers",
-            &["current offset (offset:current_a)", "Size:", "standard error, µT/A", "offset, µT", "noise floor"][..],
+            &[
+                "current offset (offset:current_a)",
+                "Size:",
+                "standard error, µT/A",
+                "offset, µT",
+                "noise floor",
+            ][..],
         ),
         ("gaps", &["of all directions were seen", "largest gap"]),
         (
