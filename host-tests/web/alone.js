@@ -50,7 +50,7 @@ export async function alone({ file, samples, cal, unreadable, hostile, names, sh
     await browser.until((name) => document.body.dataset.log === name || !document.getElementById("trouble").hidden, basename(sample));
     await browser.settled();
     const trouble = await page.locator("#trouble").textContent();
-    const words = page.locator("#words-body [data-words=fit]");
+    const words = page.locator("#words-body details").filter({ has: page.locator("summary", { hasText: /^ironout fit/ }) });
     said.samples.push({
       name: basename(sample), trouble,
       words: trouble ? null : await words.locator("pre").textContent(),

@@ -235,7 +235,7 @@ export async function sketch({ file, address, rows, hostile, name, shots }) {
   await page.locator("#file").setInputFiles({ name: "recording.txt", mimeType: "text/plain", buffer: Buffer.from(said.log) });
   await browser.until(() => document.body.dataset.log === "recording.txt");
   await browser.settled();
-  said.words = await page.locator("#words-body [data-words=fit]").locator("pre").textContent();
+  said.words = await page.locator("#words-body details").filter({ has: page.locator("summary", { hasText: /^ironout fit/ }) }).locator("pre").textContent();
   await page.evaluate(() => { delete document.body.dataset.log; });
   await page.locator("#look-log").click();
   await browser.until(() => document.body.dataset.log === "recording.txt");

@@ -263,10 +263,10 @@ export class Figures {
 
   words() {
     by("words").hidden = false;
-    const lines = (name, title, text) => h("details", { "data-words": name }, h("summary", {}, title), h("pre", { tabindex: "0" }, text));
+    const lines = (title, text) => h("details", {}, h("summary", {}, title), h("pre", { tabindex: "0" }, text));
     fill(by("words-body"),
-      this.said?.read_words ? lines("reading", "How the log was read", this.said.read_words + this.said.notices.map((notice) => `note: ${notice}\n`).join("")) : null,
-      lines("fit", `ironout fit${this.look.asked.add.map((id) => ` --add ${id}`).join("")}`, this.look.words),
-      this.found?.words ? lines("diagnosis", "ironout diagnose", this.found.words) : null);
+      this.said?.read_words ? lines("How the log was read", this.said.read_words + this.said.notices.map((notice) => `note: ${notice}\n`).join("")) : null,
+      lines(`ironout fit${this.look.asked.add.map((id) => ` --add ${id}`).join("")}`, this.look.words),
+      this.found?.words ? lines("ironout diagnose", this.found.words) : null);
   }
 }
