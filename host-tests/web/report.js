@@ -17,6 +17,7 @@ export async function report({ file, effect, shots }) {
   const view = () => page.locator("#sphere").getAttribute("data-view");
   await browser.until(() => document.getElementById("sphere").dataset.view);
   const first = await view();
+  await page.locator("#sphere").scrollIntoViewIfNeeded();
   const box = await page.locator("#sphere").boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.mouse.down();
@@ -28,6 +29,7 @@ export async function report({ file, effect, shots }) {
   await page.keyboard.press("ArrowRight");
   await browser.until((before) => document.getElementById("sphere").dataset.view !== before, second);
   said.turned = true;
+  await page.evaluate(() => window.scrollTo(0, 0));
   await browser.shot("report-top");
   // The missing effect is on; by the keyboard alone it is switched off and on again.
   const drawn = () => page.locator("#plot-column").getAttribute("data-drawn");
