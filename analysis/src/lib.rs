@@ -35,6 +35,7 @@ pub mod search;
 pub mod table;
 mod threads;
 pub mod track;
+pub mod unlogged;
 
 pub use correct::{CannotCorrect, Corrector, on_another_clock};
 pub use fit::diagnosed::{diagnose, fit_and_diagnose};

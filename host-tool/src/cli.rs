@@ -118,10 +118,15 @@ pub struct FitArgs {
     #[arg(long, requires = "add")]
     pub force_effect: bool,
     /// Fit on top of an earlier calibration's information
-    #[arg(long, value_name = "CAL.json")]
+    #[arg(long, value_name = "CAL.json", group = "earlier")]
     pub prior: Option<PathBuf>,
-    /// Take only the matrix of --prior as known and fit the offset anew: after a battery swap, at another place of the same vehicle
-    #[arg(long, value_name = "WHAT", requires = "prior")]
+    /// Fit on top of another log of the same sensor, which is fitted first; or on top of "parameters", the compass calibration of
+    /// the autopilot that recorded this log
+    #[arg(long, value_name = "LOG|parameters", group = "earlier")]
+    pub prior_from: Option<PathBuf>,
+    /// Take only the matrix of the earlier calibration as known and fit the offset again: after a battery swap, at another place of
+    /// the same vehicle
+    #[arg(long, value_name = "WHAT", requires = "earlier")]
     pub free: Option<Free>,
     /// Attitudes that the calibration is for: all, level (tilts up to 5°), boat (up to 20°), or a tilt in degrees. Without it: all where
     /// the log carries that, else those that it shows
@@ -136,7 +141,11 @@ pub enum Free {
     Offset,
 }
 
-fn purpose(text: &str) -> Result<Purpose, String> {
+/// Reads the attitudes of `--for`.
+///
+/// # Errors
+/// What is expected, in words.
+pub fn purpose(text: &str) -> Result<Purpose, String> {
     match text {
         "all" => Ok(Purpose::All),
         "level" => Ok(Purpose::Tilt(5.0)),

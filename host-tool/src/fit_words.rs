@@ -1,6 +1,7 @@
 //! What `fit` says to people.
 
 use crate::cli::{Expected, FitArgs};
+use crate::diagnosis_words::unlogged;
 use crate::input::Log;
 use crate::output::number;
 use crate::wrap::{hang, wrap};
@@ -19,6 +20,10 @@ pub fn text(arguments: &FitArgs, log: &Log, fitted: &Fitted, expected: &Expected
     let mut lines = Lines(String::new());
     samples(log, fitted, &mut lines);
     lines.line("");
+    if let Some(found) = &fitted.recordings {
+        unlogged::recordings(found, WIDTH).iter().for_each(|line| lines.line(line));
+        lines.line("");
+    }
     if let Some(solution) = &fitted.solution {
         table(solution, expected, &mut lines);
         lines.line("");

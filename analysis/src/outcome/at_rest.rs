@@ -143,6 +143,8 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         shows,
         prior: "none".into(),
         contradiction: None,
+        recordings: None,
+        switching: None,
         traces,
         ..undetermined(table, samples, options.registry, String::new())
     })

@@ -194,6 +194,8 @@ impl Plan {
             gyro_radps,
             heading_deg,
             earth: None,
+            declination_deg: None,
+            recordings: Vec::new(),
             covariates,
             read_as: ReadAs { columns, left_out, taken_out, repairs, ..ReadAs::default() },
             notices,
