@@ -57,42 +57,76 @@
 //! Each room imports only what stands before it in the order of `docs/architecture.md`, which `cargo layers` checks.
 //! Data flow one way: a fit never reads a driver, a driver never knows a calibration, and nothing here names a pin or a bus.
 //!
+//! # Features
+//!
+//! | feature | what it adds |
+//! |---|---|
+//! | none | sums, fit, correction, [`heading`], [`monitor`] |
+//! | `session` (default) | the state machine with rest gate, coverage, independence of samples, verdict |
+//! | `record` | a calibration in checked bytes, and the two slots for it |
+//! | `effects` | calibrations with effects of columns such as a temperature or a current, and their live correction; with `record` also in records |
+//! | `study` | the study of missing effects, on the board and for a host |
+//! | `methods` | sessions by other methods than [`fit::Method::Adjusted`], the default |
+//! | `device` | the whole application of a board with its console: `record` and `effects` too, and `study` where that is chosen |
+//! | `defmt` | `defmt::Format` for what a firmware logs |
+//!
+//! `cargo footprint` prints what each takes of the flash.
+//!
 //! # What is not promised
 //!
 //! Standard errors are "from noise": an effect that is not in the model (temperature, motor current …) makes them too
 //! small. A low residual alone proves nothing. No function panics; each refusal is a named error.
 #![no_std]
 #![forbid(unsafe_code)]
+// What some rooms have for others is not used where those are left out.
+#![cfg_attr(not(all(feature = "device", feature = "study")), allow(dead_code, unused_imports))]
 
 pub mod calibration;
 pub mod clock;
+#[cfg(feature = "session")]
 pub mod coverage;
 mod dense;
+#[cfg(feature = "device")]
 pub mod device;
+#[cfg(feature = "effects")]
 pub mod effect;
+#[cfg(feature = "effects")]
 pub mod extended;
+#[cfg(any(feature = "study", test))]
 mod fdist;
 pub mod fit;
+#[cfg(feature = "session")]
 pub mod gate;
 pub mod heading;
+#[cfg(feature = "study")]
 pub mod learn;
 pub mod math;
+#[cfg(feature = "effects")]
 pub mod model;
 pub mod moments;
 pub mod monitor;
 pub mod monomial;
 pub mod number;
+#[cfg(feature = "device")]
 pub mod protocol;
 mod quadric;
+#[cfg(feature = "session")]
 pub mod quality;
 mod real;
+#[cfg(feature = "session")]
 pub mod record;
 mod refusal;
+#[cfg(feature = "device")]
 pub mod replacement;
 pub mod scatter;
 pub mod sensor;
+#[cfg(feature = "session")]
 pub mod session;
+#[cfg(feature = "record")]
 pub mod store;
+#[cfg(feature = "study")]
 pub mod study;
+mod trig;
 pub mod vector;
+#[cfg(feature = "session")]
 pub mod whiteness;

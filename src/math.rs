@@ -20,19 +20,31 @@ pub fn sqrtf(x: f32) -> f32 {
 /// Sine of an angle in radians.
 #[inline]
 pub fn sin(x: f64) -> f64 {
-    libm::sin(x)
+    crate::trig::sin_cos(x).0
 }
 
 /// Cosine of an angle in radians.
 #[inline]
 pub fn cos(x: f64) -> f64 {
-    libm::cos(x)
+    crate::trig::sin_cos(x).1
+}
+
+/// Sine and cosine of an angle in radians.
+#[inline]
+pub fn sin_cos(x: f64) -> (f64, f64) {
+    crate::trig::sin_cos(x)
 }
 
 /// Arc cosine in radians; the argument is clamped to −1 … 1, so rounding never makes a NaN.
 #[inline]
 pub fn acos(x: f64) -> f64 {
     libm::acos(within(x, -1.0, 1.0))
+}
+
+/// Arc cosine in single precision, radians; the argument is clamped to −1 … 1.
+#[inline]
+pub fn acosf(x: f32) -> f32 {
+    libm::acosf(x.clamp(-1.0, 1.0))
 }
 
 /// Arc sine in radians; the argument is clamped to −1 … 1, so rounding never makes a NaN.

@@ -53,16 +53,20 @@ pub trait Real:
 
 /// What a kept library works out, for each scalar.
 pub(crate) mod decompose {
-    use nalgebra::{Rotation3, SMatrix, SVector, SymmetricEigen, Vector3};
+    #[cfg(feature = "study")]
+    use nalgebra::{SMatrix, SVector, SymmetricEigen};
 
     /// Eigenvalues, and the eigenvector of each.
+    #[cfg(feature = "study")]
     pub type Eigen<T> = ([T; 9], [[T; 9]; 9]);
 
     /// Decompositions in each precision; sealed, so that [`super::Real`] is.
     pub trait Decompose: Sized {
+        #[cfg(feature = "study")]
         /// Eigenvalues and eigenvectors of a symmetric 9×9 matrix; `None` where the iteration does not converge.
         #[doc(hidden)]
         fn symmetric_eigen(matrix: &[[Self; 9]; 9]) -> Option<Eigen<Self>>;
+        #[cfg(feature = "study")]
         /// `aᵀb`.
         #[doc(hidden)]
         fn inner_product(a: &[Self; 9], b: &[Self; 9]) -> Self;
@@ -74,6 +78,7 @@ pub(crate) mod decompose {
     macro_rules! decompose {
         ($scalar:ty) => {
             impl Decompose for $scalar {
+                #[cfg(feature = "study")]
                 fn symmetric_eigen(matrix: &[[Self; 9]; 9]) -> Option<Eigen<Self>> {
                     // Rows first here, columns first there: what rounding left unsymmetric stays where it was.
                     let matrix = SMatrix::<Self, 9, 9>::from(*matrix).transpose();
@@ -81,12 +86,30 @@ pub(crate) mod decompose {
                     // Stored by columns: the vectors one after another.
                     Some((eigen.eigenvalues.into(), eigen.eigenvectors.into()))
                 }
+                #[cfg(feature = "study")]
                 fn inner_product(a: &[Self; 9], b: &[Self; 9]) -> Self {
                     SVector::from(*a).dot(&SVector::from(*b))
                 }
-                fn rotation([x, y, z]: [Self; 3]) -> [[Self; 3]; 3] {
-                    // Stored by columns, and given by rows.
-                    Rotation3::new(Vector3::new(x, y, z)).into_inner().transpose().into()
+                #[inline(never)]
+                fn rotation(vector: [Self; 3]) -> [[Self; 3]; 3] {
+                    let [x, y, z] = vector;
+                    let angle = super::Real::root(x * x + y * y + z * z);
+                    if angle == 0.0 {
+                        return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+                    }
+                    let axis = [x / angle, y / angle, z / angle];
+                    let (sine, cosine) = crate::trig::sin_cos(angle.into());
+                    let (sine, cosine) = (sine as Self, cosine as Self);
+                    // Rodrigues: cos I + (1 − cos) u uᵀ + sin [u]×.
+                    let along = |a: Self| a * a + (1.0 - a * a) * cosine;
+                    let across = |a: Self, b: Self, turned: Self| a * b * (1.0 - cosine) + turned;
+                    let [x, y, z] = axis;
+                    let [tx, ty, tz] = [x * sine, y * sine, z * sine];
+                    [
+                        [along(x), across(x, y, -tz), across(x, z, ty)],
+                        [across(x, y, tz), along(y), across(y, z, -tx)],
+                        [across(x, z, -ty), across(y, z, tx), along(z)],
+                    ]
                 }
             }
         };

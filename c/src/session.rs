@@ -6,8 +6,6 @@ use crate::pointer;
 use crate::sensor::IronoutSensor;
 use crate::state::{self, Kind};
 use crate::status::{IronoutOutcome, IronoutStatus};
-use ironout::fit::Method;
-use ironout::gate::block_samples;
 use ironout::sensor::Sample;
 use ironout::session::{Session, SessionConfig};
 
@@ -56,11 +54,8 @@ impl Collecting {
         }
         let gap_ms = if *rate_hz > 0.0 { (GAP_PERIODS * 1000.0 / rate_hz) as u32 } else { GAP_MS };
         let mut session = Session::new(SessionConfig {
-            ut_per_count: ut_per_count.map(f64::from),
             field_ut: (*field_ut > 0.0).then_some(f64::from(*field_ut)),
-            method: Method::default(),
-            samples_per_block: block_samples(f64::from(*rate_hz)),
-            axes: None,
+            ..SessionConfig::scaled(ut_per_count.map(f64::from), f64::from(*rate_hz))
         });
         session.start();
         Ok(Self { session, ut_per_count: *ut_per_count, gap_ms, last_ms: None })

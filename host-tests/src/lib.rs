@@ -2,6 +2,8 @@
 #![forbid(unsafe_code)]
 
 pub mod accuracy;
+#[cfg(unix)]
+pub mod footprint;
 pub mod frozen;
 pub mod learning;
 pub mod m4;

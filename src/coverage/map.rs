@@ -216,49 +216,67 @@ impl CoverageMap {
             };
         }
         let mut worst = (1.0f32, [0.0f32, 0.0, 1.0]);
-        let mut number = 0;
-        for _ in 0..PROBES {
-            number = (number + PROBE_STRIDE) % PROBES;
-            let Some(probe) = PROBE.get(number) else { continue };
-            let cosine = self.nearest(*probe, worst.0);
+        for probe in Probes::new().take(PROBES) {
+            let cosine = self.nearest(probe, worst.0);
             if cosine < worst.0 {
-                worst = (cosine, *probe);
+                worst = (cosine, probe);
             }
         }
         Coverage {
             fraction: self.bins.count() as f32 / BINS as f32,
-            gap_deg: math::acos(f64::from(worst.0)).to_degrees() as f32,
+            gap_deg: math::acosf(worst.0).to_degrees(),
             gap_direction: worst.1,
             seen: self.bins,
         }
     }
 }
 
-/// The probes: a Fibonacci lattice, evenly spread. A table, computed when the crate is compiled.
-const PROBE: [[f32; 3]; PROBES] = fibonacci();
+/// The probes, each [`PROBE_STRIDE`] after the last: a Fibonacci lattice, evenly spread. Computed as they come: a table would take 2 KB.
+struct Probes {
+    number: usize,
+    /// Cosine and sine of the probe's turn about z.
+    turn: [f32; 2],
+}
 
-const fn fibonacci() -> [[f32; 3]; PROBES] {
-    // cos and sin of the golden angle; the rotation is repeated instead of calling a sine, which is not const.
+impl Probes {
+    const fn new() -> Self {
+        Self { number: 0, turn: [1.0, 0.0] }
+    }
+}
+
+/// Cosine and sine of so many golden angles. The rotation is repeated, since a sine is not const.
+const fn golden_turns(count: usize, backwards: bool) -> [f32; 2] {
     const COS: f64 = -0.737_368_878_078_319_9;
     const SIN: f64 = 0.675_490_294_261_523_8;
-    let mut out = [[0.0; 3]; PROBES];
     let (mut c, mut s) = (1.0f64, 0.0f64);
     let mut i = 0;
-    while i < PROBES {
-        let z = 1.0 - (2.0 * i as f64 + 1.0) / PROBES as f64;
-        // √(1 − z²) by Newton steps.
-        let square = 1.0 - z * z;
-        let mut r = 1.0;
-        let mut step = 0;
-        while step < 12 {
-            r = 0.5 * (r + square / r);
-            step += 1;
-        }
-        out[i] = [(r * c) as f32, (r * s) as f32, z as f32];
+    while i < count {
         (c, s) = (c * COS - s * SIN, s * COS + c * SIN);
         i += 1;
     }
-    out
+    [c as f32, if backwards { -s as f32 } else { s as f32 }]
+}
+
+impl Iterator for Probes {
+    type Item = [f32; 3];
+
+    #[inline]
+    fn next(&mut self) -> Option<[f32; 3]> {
+        const ONWARD: [f32; 2] = golden_turns(PROBE_STRIDE, false);
+        const BACK: [f32; 2] = golden_turns(PROBES - PROBE_STRIDE, true);
+        self.number += PROBE_STRIDE;
+        let mut step = ONWARD;
+        if self.number >= PROBES {
+            self.number -= PROBES;
+            step = BACK;
+        }
+        let [c, s] = self.turn;
+        self.turn = [c * step[0] - s * step[1], s * step[0] + c * step[1]];
+        let z = 1.0 - (2 * self.number + 1) as f32 * (1.0 / PROBES as f32);
+        let square = 1.0 - z * z;
+        let r = square * inverse_root(square);
+        Some([r * self.turn[0], r * self.turn[1], z])
+    }
 }
 
 #[cfg(test)]
@@ -266,14 +284,22 @@ mod tests {
     use super::*;
     use crate::calibration::norm;
 
+    fn probes() -> [[f32; 3]; PROBES] {
+        let mut all = Probes::new();
+        core::array::from_fn(|_| all.next().unwrap())
+    }
+
     #[test]
     fn probes_are_unit_vectors_all_over_the_sphere() {
-        for p in PROBE {
-            assert!((norm(p) - 1.0).abs() < 1e-6);
+        let probes = probes();
+        for p in probes {
+            assert!((norm(p) - 1.0).abs() < 3e-5);
         }
+        // Once around: the first comes again.
+        assert!(Probes::new().nth(PROBES).is_some_and(|p| (p[0] - probes[0][0]).abs() < 3e-5));
         // Each probe's nearest other probe is 10 … 22° away.
-        for (i, p) in PROBE.iter().enumerate() {
-            let best = PROBE
+        for (i, p) in probes.iter().enumerate() {
+            let best = probes
                 .iter()
                 .enumerate()
                 .filter(|(j, _)| *j != i)
@@ -312,7 +338,7 @@ mod tests {
         ];
         for (axis, sign, missing) in sides {
             let mut map = CoverageMap::new();
-            for p in PROBE.iter().filter(|p| p[axis] * sign > 0.0) {
+            for p in probes().iter().filter(|p| p[axis] * sign > 0.0) {
                 map.add(p.map(|v| 48.0 * v));
             }
             let c = map.coverage();

@@ -178,23 +178,32 @@ impl Sketch {
         match axis {
             _ if by == 0 => {}
             2 => {
-                let steps = (steps as usize).min(SLICES);
-                if by > 0 {
-                    self.cells.copy_within(..SLICES - steps, steps);
-                    self.cells[..steps].fill([0; 2]);
-                } else {
-                    self.cells.copy_within(steps.., 0);
-                    self.cells[SLICES - steps..].fill([0; 2]);
+                // Slice by slice: moving them all at once would link a `memmove` of a kilobyte and a half.
+                for place in 0..SLICES {
+                    let to = if by > 0 { SLICES - 1 - place } else { place };
+                    let from =
+                        if by > 0 { to.checked_sub(steps as usize) } else { Some(to + steps as usize) };
+                    let moved = from.and_then(|from| self.cells.get(from)).copied().unwrap_or_default();
+                    if let Some(slice) = self.cells.get_mut(to) {
+                        *slice = moved;
+                    }
                 }
             }
             1 => {
-                let bits = steps * ROW_BITS as u32;
-                let half = (ROWS_IN_WORD * ROW_BITS) as u32;
+                const HALF: i32 = ROWS_IN_WORD * ROW_BITS;
+                const WORD: u64 = (1 << HALF) - 1;
                 for [first, second] in &mut self.cells {
-                    let rows = u128::from(*first) | u128::from(*second) << half;
-                    let moved = if by > 0 { rows.unbounded_shl(bits) } else { rows.unbounded_shr(bits) };
-                    *first = moved as u64 & ((1 << half) - 1);
-                    *second = (moved >> half) as u64;
+                    // Row by row: a shift of 128 bits by an unknown number takes more code than time.
+                    for _ in 0..steps.min(ROWS as u32) {
+                        (*first, *second) = if by > 0 {
+                            (
+                                *first << ROW_BITS & WORD,
+                                (*second << ROW_BITS | *first >> (HALF - ROW_BITS)) & WORD,
+                            )
+                        } else {
+                            (*first >> ROW_BITS | *second << (HALF - ROW_BITS) & WORD, *second >> ROW_BITS)
+                        };
+                    }
                 }
             }
             _ => {

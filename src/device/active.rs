@@ -3,10 +3,10 @@
 use core::fmt;
 
 use super::extrapolated::Extrapolated;
+use super::study::Motion;
 use crate::effect::{Effect, Searched, TIME};
 use crate::extended::{ExtendedCalibration, Live, LiveError, TurningField};
 use crate::fit::MAX_PREDICTED_ERROR;
-use crate::learn::Motion;
 use crate::monitor::Monitor;
 use crate::record::Record;
 use crate::sensor::AxisMap;

@@ -7,8 +7,8 @@ use heapless::Vec;
 use super::learn::{ACCEL, TURN};
 use super::machine::Device;
 use super::own::{MAX_OWN, Origin, OwnColumns};
+use super::study::MAX_TESTED;
 use crate::effect::{ColumnName, TIME};
-use crate::learn::MAX_TESTED;
 use crate::number::Num;
 use crate::protocol::{Answered, Assigned, Assignments, Code, Reply};
 

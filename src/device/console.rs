@@ -6,6 +6,7 @@ use super::active::Active;
 use super::errand::Errand;
 use super::machine::Device;
 use super::sensor::SensorFault;
+use crate::fit::Method;
 use crate::number::Num;
 use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Reply, StreamMode};
 use crate::session::{Hint, State};
@@ -20,12 +21,27 @@ const HELP: [&str; 11] = [
     "field UT: the expected magnitude, microtesla",
     "cov NAME=VALUE: a column that effects may follow, as in cov temp_c=31.5; NAME=- forgets it, NAME=on tests one that the board measures",
     "heading | heading DECLINATION_DEG: where the front points, clockwise from north; east positive",
+    #[cfg(not(feature = "study"))]
+    "effect list",
+    #[cfg(feature = "study")]
     "why: which effect is missing | effect list | effect add ID | effect remove ID",
     "a calibration: cal start, turn the board in all directions, cal stop, cal accept",
     "status says where to turn next",
 ];
 
 impl Device {
+    /// `cal method`.
+    fn set_method<W: fmt::Write>(&mut self, reply: Reply<'_, W>, method: Method) -> Answered {
+        #[cfg(feature = "methods")]
+        self.session.set_method(method);
+        if self.session.config().solved_by() != method {
+            return reply
+                .err(Code::Unknown, format_args!("this firmware solves by the adjusted method alone"));
+        }
+        self.status = None;
+        reply.ok(format_args!("method={}", method.name()))
+    }
+
     /// Whether the answer takes a solve.
     pub(super) fn is_long(&self, line: Line<'_>) -> bool {
         let Line::Text(text) = line else { return false };
@@ -93,11 +109,7 @@ impl Device {
                 self.begin(Errand::Clear, StoreJob::erase());
                 return None;
             }
-            Command::CalMethod(method) => {
-                self.session.set_method(method);
-                self.status = None;
-                reply.ok(format_args!("method={}", method.name()))
-            }
+            Command::CalMethod(method) => self.set_method(reply, method),
             Command::Stream(mode) => self.set_stream(reply, mode),
             Command::Cov(list) => self.cov(reply, &list),
             Command::Heading(declination_deg) => self.heading(reply, declination_deg),

@@ -6,7 +6,8 @@ use super::active::Active;
 use super::errand::Errand;
 use super::lessons::{Change, Purpose};
 use super::machine::Device;
-use super::why::{Figure, Id, NOTHING_YET};
+use super::name::Id;
+use super::why::{Figure, NOTHING_YET};
 use crate::effect::{BuiltIn, Effect, TIME};
 use crate::extended::{Effects, ExtendedCalibration};
 use crate::fit::{MAX_PREDICTED_ERROR, Order};
@@ -149,7 +150,7 @@ impl Device {
             sequence: 0,
             calibration,
             effects: Effects::none(),
-            method: self.session.config().method,
+            method: self.session.config().solved_by(),
             model: Order::Ellipsoid,
             samples: u64::from(outcome.rows),
             noise_ut: f64::from(outcome.floor_ut),

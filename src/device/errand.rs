@@ -13,6 +13,7 @@ pub(super) enum Errand {
     AcceptByButton,
     /// For `cal clear`.
     Clear,
+    #[cfg(feature = "study")]
     /// For `effect add` and `effect remove`.
     Effect,
 }

@@ -4,6 +4,7 @@ use super::light::Light;
 use super::machine::Device;
 use super::sensor::SensorFault;
 use crate::calibration::Calibration;
+#[cfg(feature = "study")]
 use crate::learn::Learner;
 use crate::record::Record;
 use crate::session::{Session, State};
@@ -53,6 +54,7 @@ impl Device {
     }
 
     /// The study of what the calibration in use leaves over.
+    #[cfg(feature = "study")]
     pub const fn learner(&self) -> &Learner {
         &self.lessons.learner
     }

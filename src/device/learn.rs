@@ -5,11 +5,14 @@ use super::lessons::Axes;
 use super::machine::Device;
 use super::own::{Origin, TEMPERATURE};
 use super::sensor::SensorTask;
+use super::study::Fed;
 use crate::effect::{ColumnName, TIME};
+#[cfg(feature = "study")]
 use crate::fit::{MAX_PREDICTED_ERROR, Order};
-use crate::learn::Fed;
 use crate::record::Record;
+#[cfg(feature = "study")]
 use crate::sensor::Sample;
+#[cfg(feature = "study")]
 use crate::session::State;
 use crate::store::Slot;
 
@@ -18,11 +21,15 @@ pub const TEMPERATURE_MS: u64 = 250;
 /// How often a chip that has none is asked, ms.
 pub const NO_TEMPERATURE_MS: u64 = 30_000;
 /// How often a calibration under way is looked at, and with how many samples first.
+#[cfg(feature = "study")]
 const BEGIN_MS: u64 = 2000;
+#[cfg(feature = "study")]
 const BEGIN_SAMPLES: u64 = 150;
 /// The study begins at a calibration whose predicted error is so many times what would be accepted, ...
+#[cfg(feature = "study")]
 const GOOD_ENOUGH: f64 = 5.0;
 /// ... and with so many samples at any: a strong effect is what makes it wrong.
+#[cfg(feature = "study")]
 const MOST_SAMPLES: u64 = 1500;
 
 pub(super) const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
@@ -92,6 +99,7 @@ impl Device {
     }
 
     /// Learns from a sample.
+    #[cfg(feature = "study")]
     #[inline(never)]
     pub(super) fn learn(&mut self, sample: Sample, t_ms: u64) {
         // A question is answered of the moment that it was asked in, all of it, whatever comes between its pieces of work.
@@ -123,6 +131,7 @@ impl Device {
     }
 
     /// Begins the study at a calibration that is under way, once it is good enough. Whether it took a computation.
+    #[cfg(feature = "study")]
     #[inline(never)]
     pub(super) fn begin_to_learn(&mut self) -> bool {
         let lessons = &self.lessons;

@@ -1,11 +1,18 @@
 //! What the device keeps for its study.
 
 use super::own::OwnColumns;
+#[cfg(not(feature = "study"))]
+use super::study::Question;
+use super::study::{Learner, Motion};
+#[cfg(feature = "study")]
 use crate::calibration::Calibration;
-use crate::learn::{Inquiry, Learner, Motion, Outcome};
+#[cfg(feature = "study")]
+use crate::learn::{Inquiry, Outcome};
+#[cfg(feature = "study")]
 use crate::protocol::EffectId;
 
 /// Why a question is asked.
+#[cfg(feature = "study")]
 #[derive(Debug, Clone)]
 pub(super) enum Purpose {
     /// For `why`.
@@ -15,6 +22,7 @@ pub(super) enum Purpose {
 }
 
 /// A question under way.
+#[cfg(feature = "study")]
 #[derive(Debug, Clone)]
 pub(super) struct Question {
     pub(super) purpose: Purpose,
@@ -40,6 +48,7 @@ pub(super) struct Lessons {
     /// When it is looked next whether a calibration under way is good enough to begin at.
     pub(super) begin_at_ms: u64,
     /// What `effect add` or `effect remove` will have made of the study once its record is stored.
+    #[cfg(feature = "study")]
     pub(super) changed: Option<Change>,
     /// The effects of time in use go by the board's clock since power-up.
     pub(super) own_clock: bool,
@@ -50,6 +59,7 @@ pub(super) struct Lessons {
 }
 
 /// A change that waits for the store.
+#[cfg(feature = "study")]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Change {
     pub(super) before: Calibration<f64>,
@@ -57,6 +67,7 @@ pub(super) struct Change {
 }
 
 /// The answer and what it took.
+#[cfg(feature = "study")]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Answer {
     pub(super) outcome: Outcome,
@@ -73,6 +84,7 @@ impl Lessons {
             question: None,
             temperature_at_ms: 0,
             begin_at_ms: 0,
+            #[cfg(feature = "study")]
             changed: None,
             own_clock: false,
             no_temperature: false,
@@ -85,7 +97,11 @@ impl Lessons {
         self.learner.begin_anew();
         self.motion = Motion::UNKNOWN;
         (self.accel, self.turn) = ([None; 3], [None; 3]);
-        (self.question, self.changed) = (None, None);
+        self.question = None;
+        #[cfg(feature = "study")]
+        {
+            self.changed = None;
+        }
         (self.temperature_at_ms, self.begin_at_ms) = (0, 0);
         (self.own_clock, self.no_temperature) = (false, false);
         self.own = OwnColumns::new();

@@ -218,6 +218,7 @@ impl Device {
                 active.take(t_ms, measured_ut, &self.lessons.motion);
             }
         }
+        #[cfg(feature = "study")]
         self.learn(sample, t_ms);
         if self.stream != StreamMode::Off {
             if self.waiting.is_full() {
@@ -300,6 +301,7 @@ impl Device {
             self.pressed();
             return Action::Again;
         }
+        #[cfg(feature = "study")]
         if self.lessons.question.is_some() {
             return if out.takes(MAX_REPLY_BYTES) && self.ponder(out) {
                 Action::Again
@@ -310,7 +312,11 @@ impl Device {
         if self.line_waits && out.takes(MAX_REPLY_BYTES) && self.answer_line(out) {
             return Action::Again;
         }
-        if self.begin_to_learn() || self.look_at_coverage() { Action::Again } else { Action::Sleep }
+        #[cfg(feature = "study")]
+        if self.begin_to_learn() {
+            return Action::Again;
+        }
+        if self.look_at_coverage() { Action::Again } else { Action::Sleep }
     }
 
     /// When there is something to do without anything coming from outside, by the owner's clock; a time past: at once.
@@ -392,7 +398,12 @@ impl Device {
     }
 
     const fn replies(errand: Errand) -> bool {
-        matches!(errand, Errand::Version | Errand::Accept | Errand::Clear | Errand::Effect)
+        match errand {
+            Errand::Version | Errand::Accept | Errand::Clear => true,
+            #[cfg(feature = "study")]
+            Errand::Effect => true,
+            Errand::Boot | Errand::AcceptByButton => false,
+        }
     }
 
     #[inline(never)]
@@ -418,6 +429,7 @@ impl Device {
                 return;
             }
             Errand::Clear => self.cleared(outcome, out),
+            #[cfg(feature = "study")]
             Errand::Effect => self.effect_stored(outcome, out),
         };
         // As for any other line.

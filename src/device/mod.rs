@@ -55,6 +55,7 @@ mod config;
 mod console;
 mod conversions;
 mod dump;
+#[cfg(feature = "study")]
 mod effects;
 mod errand;
 mod extrapolated;
@@ -67,6 +68,7 @@ mod load;
 mod loading;
 mod log;
 mod machine;
+mod name;
 mod output;
 mod own;
 mod packet;
@@ -76,9 +78,15 @@ mod shown;
 mod store_watch;
 mod stream;
 mod streamed;
+mod study;
 #[cfg(test)]
 mod tests;
+#[cfg(not(feature = "study"))]
+mod unasked;
+#[cfg(not(feature = "study"))]
+mod unstudied;
 mod view;
+#[cfg(feature = "study")]
 mod why;
 
 pub use crate::store::{StoreAnswer, StoreTask};

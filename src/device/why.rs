@@ -4,7 +4,8 @@ use core::fmt;
 
 use super::lessons::{Answer, Purpose, Question};
 use super::machine::Device;
-use crate::effect::{BuiltIn, Effect, advice};
+use super::name::Id;
+use crate::effect::{Effect, advice};
 use crate::extended::Effects;
 use crate::learn::{Candidate, Finding, Found, Inquiry, Outcome, Status, Verdict};
 use crate::number::Num;
@@ -198,15 +199,6 @@ fn with_in_use(outcome: &Outcome) -> bool {
 enum Form {
     Id,
     Name,
-}
-
-/// The id of an effect.
-pub(super) struct Id<'a>(pub(super) &'a BuiltIn<f64>);
-
-impl fmt::Display for Id<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        Effect::<f64>::id(self.0, f)
-    }
 }
 
 /// A figure with four decimals, `-` where it is not known.

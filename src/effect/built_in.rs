@@ -22,10 +22,17 @@ macro_rules! built_in_effects {
         const BUILT_IN: &[&dyn Family] = &[$(&$family),+];
 
         /// An effect of this crate, with the name of its column in fixed memory: what a calibration carries and stores.
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Copy, Debug, PartialEq)]
         #[allow(missing_docs)] // each variant is the effect of that name
         pub enum BuiltIn<T> {
             $($($variant($effect)),+),+
+        }
+
+        // Not derived: that would copy variant by variant.
+        impl<T: Copy> Clone for BuiltIn<T> {
+            fn clone(&self) -> Self {
+                *self
+            }
         }
 
         impl<T: Real> BuiltIn<T> {

@@ -138,8 +138,9 @@ impl<T: Real> Effect<T> for Periodic {
         // Whole turns removed in double precision before the sine.
         let turns = self.frequency_hz * (time.as_f64() - self.reference_s);
         let phase = TAU * (turns - math::floor(turns));
-        diagonal([T::of(math::sin(phase)); 3], 0, shape);
-        diagonal([T::of(math::cos(phase)); 3], 3, shape);
+        let (sine, cosine) = math::sin_cos(phase);
+        diagonal([T::of(sine); 3], 0, shape);
+        diagonal([T::of(cosine); 3], 3, shape);
     }
 
     fn reads_centre(&self) -> bool {

@@ -70,16 +70,29 @@ impl<T: Real, E: Effect<T>> ExtendedCalibration<T, E> {
 impl<T: Real> ExtendedCalibration<T> {
     /// The same calibration in another precision.
     pub fn cast<U: Real>(&self) -> ExtendedCalibration<U> {
-        let to = |value: T| U::of(value.as_f64());
-        let effects = self.effects.0.map(|place| {
-            place.map(|FittedEffect { effect, coefficients, std_errors, ranges }| FittedEffect {
-                effect: effect.cast(),
-                coefficients: coefficients.map(to),
-                std_errors: std_errors.map(to),
-                ranges: ranges.map(|range| range.map(|ends| ends.map(to))),
-            })
-        });
-        ExtendedCalibration { base: self.base.cast(), effects: Effects(effects) }
+        // Number by number into their places: arrays that are mapped are written out, each time anew.
+        #[inline(never)]
+        fn cast_all<T: Real, U: Real>(from: &[T], to: &mut [U]) {
+            for (from, to) in from.iter().zip(to) {
+                *to = U::of(from.as_f64());
+            }
+        }
+        let mut effects = Effects::none();
+        for fitted in self.effects.iter() {
+            let mut cast = FittedEffect::new(fitted.effect.cast(), [U::zero(); 9], [U::zero(); 9]);
+            cast_all(&fitted.coefficients, &mut cast.coefficients);
+            cast_all(&fitted.std_errors, &mut cast.std_errors);
+            for (from, to) in fitted.ranges.iter().zip(&mut cast.ranges) {
+                if let Some(from) = from {
+                    let mut ends = [U::zero(); 2];
+                    cast_all(from, &mut ends);
+                    *to = Some(ends);
+                }
+            }
+            // As many places as there were.
+            let _ = effects.push(cast);
+        }
+        ExtendedCalibration { base: self.base.cast(), effects }
     }
 }
 

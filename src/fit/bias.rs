@@ -9,7 +9,7 @@ use super::report::FitReport;
 use super::root::Root;
 use super::solve::check;
 use crate::calibration::Calibration;
-use crate::math;
+use crate::dense;
 use crate::quadric::{Ellipsoid, Order};
 use crate::scatter::Scatter;
 use crate::vector::{minus, norm, upper_triangular};
@@ -27,7 +27,7 @@ impl FitReport {
             .and_then(|unbiased| worst_distance_ut(&self.calibration, &unbiased))
             .unwrap_or(self.calibration.field_ut);
         let square = self.predicted_error_ut * self.predicted_error_ut + bias * bias;
-        self.predicted_error_ut = math::sqrt(square);
+        self.predicted_error_ut = dense::root(square);
     }
 }
 

@@ -211,9 +211,12 @@ impl Spread {
 
     /// The covariance of the nine numbers: symmetric, positive definite.
     pub fn covariance(&self) -> [[f64; 9]; 9] {
-        core::array::from_fn(|r| {
-            core::array::from_fn(|c| self.changes.iter().map(|k| f64::from(k[r]) * f64::from(k[c])).sum())
-        })
+        core::array::from_fn(|r| core::array::from_fn(|c| self.product(r, c)))
+    }
+
+    /// The covariance of two of the nine numbers.
+    pub(crate) fn product(&self, r: usize, c: usize) -> f64 {
+        self.changes.iter().map(|k| f64::from(of(k, r)) * f64::from(of(k, c))).sum()
     }
 
     /// The 1σ error of the corrected vector (rms length), in units of the field, in the worst direction of the sphere.

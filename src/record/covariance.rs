@@ -1,10 +1,13 @@
 //! How the errors of offset and matrix hang together, as a record keeps it: in single precision.
 
+#[cfg(feature = "record")]
 use super::layout::{COVARIANCE_BYTES, Reader, Writer};
 use crate::fit::Spread;
 
 /// Numbers in the upper triangle of nine by nine.
-const ENTRIES: usize = COVARIANCE_BYTES / size_of::<f32>();
+const ENTRIES: usize = PARAMETERS * (PARAMETERS + 1) / 2;
+#[cfg(feature = "record")]
+const _: () = assert!(ENTRIES * size_of::<f32>() == COVARIANCE_BYTES);
 /// Parameters: three of the offset, and the matrix's six from the diagonal on, row by row.
 const PARAMETERS: usize = 9;
 
@@ -31,8 +34,16 @@ impl Covariance {
     }
 
     /// Of the spread that a fit has.
+    #[inline(never)]
     pub(super) fn of_spread(spread: &Spread) -> Option<Self> {
-        Self::of(&spread.covariance())
+        let mut kept = Self([0.0; ENTRIES]);
+        let mut entries = kept.0.iter_mut();
+        for row in 0..PARAMETERS {
+            for (column, entry) in (row..PARAMETERS).zip(&mut entries) {
+                *entry = spread.product(row, column) as f32;
+            }
+        }
+        kept.is_sound().then_some(kept)
     }
 
     /// The rows of the upper triangle, each from its diagonal on: nine numbers, then eight, and so on.
@@ -60,16 +71,29 @@ impl Covariance {
         matrix
     }
 
+    #[inline(never)]
     fn is_sound(&self) -> bool {
-        self.0.iter().all(|value| value.is_finite())
-            && self.rows().all(|row| row.first().is_some_and(|variance| *variance > 0.0))
+        let (mut diagonal, mut row_length) = (0, PARAMETERS);
+        for (place, value) in self.0.iter().enumerate() {
+            let is_variance = place == diagonal;
+            if is_variance {
+                diagonal += row_length;
+                row_length -= 1;
+            }
+            if !value.is_finite() || is_variance && !(*value > 0.0) {
+                return false;
+            }
+        }
+        true
     }
 
+    #[cfg(feature = "record")]
     pub(super) fn write(&self, writer: &mut Writer) {
         self.0.iter().for_each(|value| writer.put(&value.to_le_bytes()));
     }
 
     /// `None` where the bytes are none.
+    #[cfg(feature = "record")]
     pub(super) fn read(reader: &mut Reader<'_>) -> Option<Self> {
         let mut kept = Self([0.0; ENTRIES]);
         for entry in &mut kept.0 {

@@ -31,17 +31,25 @@
 //! from a damaged one, and a longer record is checked by its own length. What is known of a calibration decides its version: one
 //! without effects and without a covariance is written in version 1, which any firmware reads.
 
+mod content;
 mod covariance;
+#[cfg(all(feature = "record", feature = "effects"))]
 mod effect;
+#[cfg(feature = "record")]
 mod layout;
 mod predicted;
+#[cfg(feature = "record")]
 mod stored;
 
+pub use content::Record;
 pub use covariance::Covariance;
+#[cfg(feature = "record")]
 pub(crate) use layout::stated_length;
+#[cfg(feature = "record")]
 pub use layout::{
     COVARIANCE_BYTES, MAX_RECORD_BYTES, RECORD_BYTES, RecordError, VERSION, VERSION_SHORT_ERRORS,
     VERSION_WITH_EFFECTS, VERSION_WITH_RANGES, VERSION_WITH_RANGES_SHORT_ERRORS, WITH_COVARIANCE,
 };
 pub use predicted::PredictedError;
-pub use stored::{DoesNotFit, Encoded, Record, is_newer};
+#[cfg(feature = "record")]
+pub use stored::{DoesNotFit, Encoded, is_newer};

@@ -1,11 +1,9 @@
 //! The predicted error of a stored calibration, in the one byte that every layout has left.
 
-use crate::math;
-
 /// The least share that is told from none.
 const LEAST: f64 = 1e-6;
-/// Codes for each factor of ten.
-const CODES_A_DECADE: f64 = 40.0;
+/// From one code to the next, forty of which are a factor of ten.
+const STEP: f64 = 1.059_253_725_177_288_9;
 
 /// The predicted 1σ error of a calibration's corrected vector in the worst direction, as a share of its field; or that it is not
 /// known. Kept in steps of 6 %, rounded up, from a millionth to twice the field.
@@ -30,32 +28,34 @@ impl PredictedError {
         if !share.is_finite() || share < 0.0 {
             return Self::UNKNOWN;
         }
-        let decades = math::ln(share.max(LEAST) / LEAST) / core::f64::consts::LN_10;
         // Just above a step is that step: a share that was read back keeps its code.
-        let code = 1.0 + ceil(decades * CODES_A_DECADE - 1e-9);
-        Self(code.min(255.0) as u8)
+        let within = share * (1.0 - 1e-9);
+        let code = (1..u8::MAX).zip(Self::steps()).find(|(_, step)| *step >= within);
+        Self(code.map_or(u8::MAX, |(code, _)| code))
     }
 
     /// The share of the field.
     pub fn share(self) -> Option<f64> {
-        let steps = f64::from(self.0.checked_sub(1)?);
-        Some(LEAST * math::exp(steps / CODES_A_DECADE * core::f64::consts::LN_10))
+        Self::steps().nth(self.0.checked_sub(1)?.into())
     }
 
+    /// The shares of all codes, multiplied up: a logarithm and an exponential would be 1.6 KB of `libm`.
+    fn steps() -> impl Iterator<Item = f64> {
+        core::iter::successors(Some(LEAST), |step| Some(step * STEP))
+    }
+
+    #[cfg(feature = "record")]
     pub(super) const fn code(self) -> u8 {
         self.0
     }
 
+    #[cfg(feature = "record")]
     pub(super) const fn of_code(code: u8) -> Self {
         Self(code)
     }
 }
 
-fn ceil(x: f64) -> f64 {
-    -math::floor(-x)
-}
-
-#[cfg(test)]
+#[cfg(all(test, feature = "record"))]
 mod tests {
     use super::PredictedError;
 

@@ -1,48 +1,26 @@
-//! A calibration with where it comes from, and its way into bytes and back.
+//! The way of a record into bytes and back.
 
 use core::fmt;
 
+use super::content::Record;
 use super::covariance::Covariance;
+#[cfg(feature = "effects")]
 use super::effect;
 use super::layout::{
-    COVARIANCE_BYTES, CRC, CRC_BYTES, EffectLayout, LENGTH_AT, MAGIC, MAX_RECORD_BYTES, RECORD_BYTES, Reader,
-    RecordError, VERSION, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, VERSION_WITH_RANGES,
-    VERSION_WITH_RANGES_SHORT_ERRORS, WITH_COVARIANCE, Writer, check_crc, without_covariance,
+    COVARIANCE_BYTES, CRC, CRC_BYTES, LENGTH_AT, MAGIC, MAX_RECORD_BYTES, RECORD_BYTES, Reader, RecordError,
+    VERSION, WITH_COVARIANCE, Writer, check_crc, without_covariance,
+};
+#[cfg(feature = "effects")]
+use super::layout::{
+    EffectLayout, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, VERSION_WITH_RANGES,
+    VERSION_WITH_RANGES_SHORT_ERRORS,
 };
 use super::predicted::PredictedError;
 use crate::calibration::Calibration;
-use crate::extended::{Effects, ExtendedCalibration};
-use crate::fit::{FitReport, Method, Order};
+#[cfg(feature = "effects")]
+use crate::extended::Effects;
+use crate::fit::{Method, Order};
 use crate::sensor::AxisMap;
-
-/// A calibration with where it comes from, as it is stored.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Record {
-    /// Number of the record; each one written is one above the newest found (wrapping).
-    pub sequence: u32,
-    /// The calibration: offset, matrix, field.
-    pub calibration: Calibration<f64>,
-    /// The effects that belong to it.
-    pub effects: Effects<f64>,
-    /// The method of the fit.
-    pub method: Method,
-    /// The model the data carried.
-    pub model: Order,
-    /// Number of samples behind the fit.
-    pub samples: u64,
-    /// Estimated sensor noise, µT per axis.
-    pub noise_ut: f64,
-    /// Residual rms of the corrected magnitude, µT.
-    pub rms_ut: f64,
-    /// How the sensor was mounted; `None` where the record does not say. Offset and matrix are in the board's axes, and right
-    /// only with this mounting.
-    pub axes: Option<AxisMap>,
-    /// The predicted error of the corrected vector in the worst direction, from noise alone.
-    pub predicted_error: PredictedError,
-    /// How the errors of offset and matrix hang together, where that is known. A record whose effects leave no room for it is stored
-    /// without.
-    pub covariance: Option<Covariance>,
-}
 
 /// Whether sequence number `a` is newer than `b`, on the circle of 32-bit numbers.
 pub const fn is_newer(a: u32, b: u32) -> bool {
@@ -76,36 +54,16 @@ impl fmt::Display for DoesNotFit {
 impl core::error::Error for DoesNotFit {}
 
 impl Record {
-    /// The record of a fit, without effects; its sequence number is given when it is stored.
-    pub fn of(report: &FitReport) -> Self {
-        Self {
-            sequence: 0,
-            calibration: report.calibration,
-            effects: Effects::none(),
-            method: report.method,
-            model: report.model,
-            samples: report.samples,
-            noise_ut: report.noise_ut,
-            rms_ut: report.rms_ut,
-            axes: None,
-            predicted_error: PredictedError::of_share(
-                report.predicted_error_ut / report.calibration.field_ut,
-            ),
-            covariance: Covariance::of_spread(&report.spread),
-        }
-    }
-
-    /// Offset, matrix, field and effects.
-    pub fn extended(&self) -> ExtendedCalibration<f64> {
-        ExtendedCalibration { base: self.calibration, effects: self.effects }
-    }
-
     /// The record's bytes.
     ///
     /// # Errors
     /// [`DoesNotFit`]; never without effects.
     pub fn encode(&self) -> Result<Encoded, DoesNotFit> {
+        #[cfg(not(feature = "effects"))]
+        let (version, shorter) = (VERSION, VERSION);
+        #[cfg(feature = "effects")]
         let has_ranges = self.effects.iter().any(|fitted| fitted.ranges.iter().any(Option::is_some));
+        #[cfg(feature = "effects")]
         let (version, shorter) = match (self.effects.is_empty(), has_ranges) {
             (true, _) => (VERSION, VERSION),
             (false, false) => (VERSION_WITH_EFFECTS, VERSION_SHORT_ERRORS),
@@ -122,7 +80,7 @@ impl Record {
 
     fn encode_as(&self, version: u8, covariance: Option<Covariance>) -> Result<Encoded, DoesNotFit> {
         let mut writer = Writer { bytes: [0; MAX_RECORD_BYTES], at: 0 };
-        let effects = self.effects.len() as u8;
+        let effects = self.count_effects();
         writer.put(&MAGIC);
         let stated = if covariance.is_some() { version + WITH_COVARIANCE } else { version };
         writer.put(&[stated, method_code(self.method), model_code(self.model), effects]);
@@ -136,6 +94,7 @@ impl Record {
         writer.put(&self.samples.to_le_bytes());
         writer.float(self.noise_ut);
         writer.float(self.rms_ut);
+        #[cfg(feature = "effects")]
         if let Some(layout) = EffectLayout::of(version) {
             self.effects.iter().for_each(|fitted| effect::write(&mut writer, fitted, layout));
         }
@@ -174,12 +133,15 @@ impl Record {
         let [axes, predicted_error] = reader.take()?;
         check_crc(bytes, length)?;
         let (version_without, has_covariance) = without_covariance(version);
+        #[cfg(feature = "effects")]
         let layout = EffectLayout::of(version_without);
         let plain = RECORD_BYTES + if has_covariance { COVARIANCE_BYTES } else { 0 };
-        let known = match layout {
-            Some(_) => length > plain && count > 0,
-            None => version_without == VERSION && length == plain && count == 0,
-        };
+        let without_effects = version_without == VERSION && length == plain && count == 0;
+        // Without the feature a record with effects is one of a layout that is not known: its calibration alone would be wrong.
+        #[cfg(not(feature = "effects"))]
+        let known = without_effects;
+        #[cfg(feature = "effects")]
+        let known = if layout.is_some() { length > plain && count > 0 } else { without_effects };
         if !known {
             return Err(RecordError::Unsupported { version, sequence });
         }
@@ -194,7 +156,9 @@ impl Record {
         }
         let samples = u64::from_le_bytes(reader.take()?);
         let (noise_ut, rms_ut) = (reader.float()?, reader.float()?);
+        #[cfg(feature = "effects")]
         let mut effects = Effects::none();
+        #[cfg(feature = "effects")]
         if let Some(layout) = layout {
             for _ in 0..count {
                 let fitted = effect::read(&mut reader, layout).ok_or(unsound)?;
@@ -217,6 +181,7 @@ impl Record {
         let record = Self {
             sequence,
             calibration,
+            #[cfg(feature = "effects")]
             effects,
             method,
             model,
@@ -227,7 +192,7 @@ impl Record {
             predicted_error,
             covariance,
         };
-        let numbers = noise_ut.is_finite() && rms_ut.is_finite() && record.extended().is_sound();
+        let numbers = noise_ut.is_finite() && rms_ut.is_finite() && record.is_sound();
         if numbers && reader.at == reader.bytes.len() { Ok(record) } else { Err(unsound) }
     }
 }

@@ -98,21 +98,27 @@ impl Collector {
     fn fit_with(&self, config: &SessionConfig, lower_orders: bool) -> Result<FitReport, FitError> {
         let scatter = Scatter::from_moments(self.gate.moments(), config.ut_per_count)?;
         let options = FitOptions {
-            method: config.method,
+            method: config.solved_by(),
             field_ut: config.field_ut,
             lower_orders,
             ..Default::default()
         };
         let report = fit(&scatter, &options)?;
         let share = self.whiteness.independent_share(&report, config.ut_per_count, scatter.quantisation_ut2);
-        let mut report = match share {
+        let report = match share {
             Some(share) => {
                 let effective_samples = Some((report.samples as f64 * share).max(1.0));
                 fit(&scatter, &FitOptions { effective_samples, ..options })?
             }
             None => report,
         };
-        report.add_noise_bias(&scatter);
+        // The adjusted method has none.
+        #[cfg(feature = "methods")]
+        let report = {
+            let mut report = report;
+            report.add_noise_bias(&scatter);
+            report
+        };
         Ok(report)
     }
 

@@ -11,7 +11,8 @@ pub struct SessionConfig {
     pub ut_per_count: [f64; 3],
     /// The expected magnitude of the field, µT; `None` keeps the mean magnitude.
     pub field_ut: Option<f64>,
-    /// The method.
+    /// The method; without the feature `methods` it is [`Method::Adjusted`], and no other is linked.
+    #[cfg(feature = "methods")]
     pub method: Method,
     /// Samples in a block of the rest gate; see [`crate::gate::block_samples`].
     pub samples_per_block: u16,
@@ -21,16 +22,32 @@ pub struct SessionConfig {
 }
 
 impl SessionConfig {
+    /// For counts of this scale (µT per count, by axis) at this rate (samples a second, 0 where it is not known); the default method, no
+    /// expected magnitude, no mounting.
+    pub fn scaled(ut_per_count: [f64; 3], rate_hz: f64) -> Self {
+        Self {
+            ut_per_count,
+            field_ut: None,
+            #[cfg(feature = "methods")]
+            method: Method::default(),
+            samples_per_block: block_samples(rate_hz),
+            axes: None,
+        }
+    }
+
     /// For a sensor whose every conversion is taken: its scale in the board's axes, its rate, its mounting; the default method, and no
     /// expected magnitude.
     pub fn of(sensor: &Sensor) -> Self {
-        Self {
-            ut_per_count: sensor.board_ut_per_count().map(f64::from),
-            field_ut: None,
-            method: Method::default(),
-            samples_per_block: block_samples(f64::from(sensor.rate_hz)),
-            axes: Some(sensor.axes),
-        }
+        let scaled = Self::scaled(sensor.board_ut_per_count().map(f64::from), f64::from(sensor.rate_hz));
+        Self { axes: Some(sensor.axes), ..scaled }
+    }
+
+    /// The method of the next solve.
+    pub const fn solved_by(&self) -> Method {
+        #[cfg(feature = "methods")]
+        return self.method;
+        #[cfg(not(feature = "methods"))]
+        Method::Adjusted
     }
 
     /// The scale in the precision of coverage, whose cells are coarse.

@@ -3,7 +3,9 @@
 use super::collector::{Collector, Stopped};
 use super::config::SessionConfig;
 use super::status::{Counts, Hint, Outcome, State, StateError, Status};
-use crate::fit::{FitError, FitReport, Method};
+#[cfg(feature = "methods")]
+use crate::fit::Method;
+use crate::fit::{FitError, FitReport};
 use crate::record::Record;
 use crate::sensor::Sample;
 
@@ -38,6 +40,7 @@ impl Session {
     }
 
     /// Changes the method of the next solve.
+    #[cfg(feature = "methods")]
     pub fn set_method(&mut self, method: Method) {
         self.config.method = method;
     }
@@ -184,6 +187,7 @@ mod tests {
         let mut session = Session::new(SessionConfig {
             ut_per_count: [0.05; 3],
             field_ut: Some(50.0),
+            #[cfg(feature = "methods")]
             method: Method::Adjusted,
             samples_per_block: 16,
             axes: None,

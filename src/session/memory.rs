@@ -3,7 +3,7 @@
 use super::config::SessionConfig;
 use super::machine::Session;
 use crate::calibration::Calibration;
-use crate::fit::{FitReport, Method};
+use crate::fit::FitReport;
 use crate::math;
 use crate::sensor::Sample;
 
@@ -34,7 +34,8 @@ fn solve(seed: u64, speed_radps: f64, noise_ut: f64, rho: f64) -> (bool, FitRepo
     let config = SessionConfig {
         ut_per_count: [0.1; 3],
         field_ut: Some(50.0),
-        method: Method::Adjusted,
+        #[cfg(feature = "methods")]
+        method: crate::fit::Method::Adjusted,
         samples_per_block: 16,
         axes: None,
     };

@@ -12,7 +12,7 @@ mod flash;
 mod job;
 mod memory;
 mod slot;
-#[cfg(test)]
+#[cfg(all(test, feature = "effects"))]
 mod tests;
 
 pub use flash::FlashSlots;

@@ -212,6 +212,18 @@ fn power_of_two(exponent: u8) -> f64 {
     (1u64 << exponent.min(63)) as f64
 }
 
+/// `MᵀM`.
+#[inline(never)]
+fn squared(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let mut product = [[0.0; 3]; 3];
+    for from in m {
+        for (row, a) in product.iter_mut().zip(from) {
+            dense::add_scaled(row, *a, from);
+        }
+    }
+    product
+}
+
 /// The quadric `‖C(x−b)‖²/F² − 1` of a calibration, over differences of counts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Weights {
@@ -225,11 +237,11 @@ impl Weights {
     /// For counts about `centre`; `ut_per_count` is the scale of each axis.
     pub fn of(calibration: &Calibration<f64>, ut_per_count: [f64; 3], centre: [i16; 3]) -> Self {
         let f2 = calibration.field_ut * calibration.field_ut;
-        let c = &calibration.matrix;
         // Q = CᵀC/F², µT⁻².
-        let q: [[f64; 3]; 3] = core::array::from_fn(|i| {
-            core::array::from_fn(|j| (0..3).map(|row| c[row][i] * c[row][j]).sum::<f64>() / f2)
-        });
+        let mut q = squared(&calibration.matrix);
+        for entry in q.iter_mut().flatten() {
+            *entry /= f2;
+        }
         let off_ut: [f64; 3] =
             core::array::from_fn(|i| calibration.offset_ut[i] - f64::from(centre[i]) * ut_per_count[i]);
         let quadratic = |i: usize, j: usize| q[i][j] * ut_per_count[i] * ut_per_count[j];
@@ -248,11 +260,12 @@ impl Weights {
             linear(2),
         ];
         // The gradient is 2Q(x−b).
-        let gradient = core::array::from_fn(|i| {
-            core::array::from_fn(|j| {
-                4.0 * ut_per_count[i] * ut_per_count[j] * (0..3).map(|row| q[row][i] * q[row][j]).sum::<f64>()
-            })
-        });
+        let mut gradient = squared(&q);
+        for (row, own) in gradient.iter_mut().zip(ut_per_count) {
+            for (entry, other) in row.iter_mut().zip(ut_per_count) {
+                *entry *= 4.0 * own * other;
+            }
+        }
         Self { difference, gradient }
     }
 }

@@ -10,6 +10,7 @@
 //! parameters, so that the residual holds less of it than there is.
 
 use super::lagged::Differences;
+use crate::dense::root;
 use crate::math;
 
 /// The most correlation of neighbours that is told from the differences.
@@ -72,14 +73,16 @@ impl Observed {
         let share = covariance / variance;
         // The variance of a sample correlation, were the noise as the neighbours say (Bartlett).
         let squares = (1.0 + 2.0 * share * share / (1.0 - rho * rho)) / f64::from(far.pairs);
-        let error = math::sqrt(variance * variance * squares + 0.25 * far.rounding * far.rounding) / aligned;
+        // Over the variance, so that single precision holds the squares.
+        let rounding = (0.5 * far.rounding / variance).min(1e15);
+        let error = variance * root(squares + rounding * rounding) / aligned;
         let expected = covariance * power(rho, self.lag - 1);
         if far_covariance - expected <= SIGMAS * error {
             return Some(of_neighbours);
         }
         let covariance = covariance.max(far_covariance);
         let ratio = far_covariance / covariance;
-        let rho = math::exp(math::ln(ratio) / f64::from(self.lag - 1)).min(MOST_CORRELATED).max(share);
+        let rho = nth_root(ratio, self.lag - 1).min(MOST_CORRELATED).max(share);
         Some(sum_over_lags(variance, covariance, rho).max(of_neighbours))
     }
 }
@@ -92,6 +95,20 @@ fn sum_over_lags(variance: f64, covariance: f64, rho: f64) -> f64 {
 
 fn power(base: f64, exponent: i32) -> f64 {
     (0..exponent).fold(1.0, |product, _| product * base)
+}
+
+/// The root of a number from 0 to 1, by Newton's steps from above: exponential and logarithm would be 1.6 KB of `libm`.
+fn nth_root(number: f64, degree: i32) -> f64 {
+    let mut root = 1.0;
+    // Each step takes off a share of 1/degree at least until it is near.
+    for _ in 0..100 {
+        let change = (root - number / power(root, degree - 1)) / f64::from(degree.max(1));
+        root -= change;
+        if !(change > 1e-15 * root) {
+            break;
+        }
+    }
+    root
 }
 
 /// Differences of a residual between samples of a fixed lag.
@@ -209,6 +226,18 @@ mod tests {
             samples: 1e9,
             parameters: 9.0,
         }
+    }
+
+    #[test]
+    fn the_root_is_that_of_the_logarithm() {
+        for degree in [1, 2, 6, 11] {
+            for number in [1.0, 0.97, 0.3, 1e-3, 1e-9] {
+                let right = math::exp(math::ln(number) / f64::from(degree));
+                let got = nth_root(number, degree);
+                assert!((got / right - 1.0).abs() < 1e-13, "{number} {degree}: {got} for {right}");
+            }
+        }
+        assert_eq!(nth_root(0.0, 6).max(0.5), 0.5);
     }
 
     #[test]

@@ -34,11 +34,11 @@ fn boat() -> Vec<(&'static str, Vec<f64>)> {
         let measured = back * field + Vector3::from(OFFSET_UT);
         let force = back * Vector3::new(0.0, 0.0, -9.81);
         let rate = (at(t - 1e-4).inverse() * at(t + 1e-4)).scaled_axis() / 2e-4;
-        let values = std::iter::once(t)
-            .chain(measured.iter().map(|value| value + noise(0.3)))
-            .chain(force.iter().map(|value| value + noise(0.1)))
-            .chain(rate.iter().map(|value| value + noise(0.005)));
-        columns.iter_mut().zip(values.collect::<Vec<f64>>()).for_each(|(column, value)| column.1.push(value));
+        let mut values = vec![t];
+        for (triple, size) in [(measured, 0.3), (force, 0.1), (rate, 0.005)] {
+            values.extend(triple.iter().map(|value| value + noise(size)));
+        }
+        columns.iter_mut().zip(values).for_each(|(column, value)| column.1.push(value));
     }
     columns
 }

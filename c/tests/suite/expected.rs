@@ -5,8 +5,7 @@ use core::fmt::Write;
 use ironout::calibration::Calibration;
 use ironout::clock::Extended;
 use ironout::extended::Live;
-use ironout::fit::{FitReport, Method};
-use ironout::gate::block_samples;
+use ironout::fit::FitReport;
 use ironout::heading::heading_deg;
 use ironout::monitor::{Condition, Monitor};
 use ironout::record::Record;
@@ -18,13 +17,8 @@ const STEP: usize = 97;
 
 /// What the session of the C interface is made of.
 pub fn config() -> SessionConfig {
-    SessionConfig {
-        ut_per_count: UT_PER_COUNT.map(f64::from),
-        field_ut: Some(f64::from(FIELD_UT)),
-        method: Method::default(),
-        samples_per_block: block_samples(f64::from(RATE_HZ)),
-        axes: None,
-    }
+    let scaled = SessionConfig::scaled(UT_PER_COUNT.map(f64::from), f64::from(RATE_HZ));
+    SessionConfig { field_ut: Some(f64::from(FIELD_UT)), ..scaled }
 }
 
 /// A session that has taken so many rows.

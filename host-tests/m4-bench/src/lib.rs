@@ -5,3 +5,5 @@ pub mod samples;
 
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 pub mod board;
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+pub mod linked;

@@ -1,36 +1,86 @@
-//! `cargo footprint [BOARD]`: builds the firmware and prints what it takes of the microcontroller's flash and RAM.
+//! `cargo footprint [linked | emulated | BOARD] [--accept]`: flash and RAM of the library and the firmware.
+//!
+//! Without an argument it builds the linked programs and all images, prints the table and compares it with the snapshot; `--accept`
+//! writes the snapshot and the table in `docs/measured.md`. `linked` leaves out the images, `emulated` those that no emulator runs. A
+//! board's name measures that image alone.
 
 use std::process::ExitCode;
 
 #[cfg(unix)]
 fn main() -> ExitCode {
-    use ironout_rig::qemu::Firmware;
-
-    let board = std::env::args().nth(1).unwrap_or_else(|| "mps2".to_owned());
-    let measured = Firmware::build_for(&format!("board-{board}")).and_then(|firmware| firmware.footprint());
+    let (flags, words): (Vec<String>, Vec<String>) =
+        std::env::args().skip(1).partition(|word| word == "--accept");
+    let accept = !flags.is_empty();
+    let measured = match words.first().map(String::as_str) {
+        None => table_of(Images::All, accept),
+        Some("emulated") => table_of(Images::Emulated, accept),
+        Some("linked") => table_of(Images::None, accept),
+        Some(board) => image(board),
+    };
     match measured {
-        Ok(size) => {
-            println!("firmware for {board}, bytes");
-            println!(
-                "  flash {:>7}  (code {}, constants {}, initial values {})",
-                size.flash(),
-                size.text,
-                size.rodata,
-                size.data
-            );
-            println!(
-                "  RAM   {:>7}  (statics {}, stack region {})",
-                size.ram(),
-                size.data + size.bss,
-                size.stack
-            );
-            ExitCode::SUCCESS
+        Ok(faults) if faults.is_empty() => ExitCode::SUCCESS,
+        Ok(faults) => {
+            for fault in faults {
+                eprintln!("{fault}");
+            }
+            ExitCode::FAILURE
         }
         Err(error) => {
             eprintln!("{error}");
             ExitCode::FAILURE
         }
     }
+}
+
+#[cfg(unix)]
+type Faults = Result<Vec<String>, Box<dyn std::error::Error>>;
+
+#[cfg(unix)]
+fn stored() -> String {
+    std::fs::read_to_string(ironout_host_tests::footprint::snapshot_path()).unwrap_or_default()
+}
+
+/// Which images are measured.
+#[cfg(unix)]
+enum Images {
+    None,
+    Emulated,
+    All,
+}
+
+#[cfg(unix)]
+fn table_of(which: Images, accept: bool) -> Faults {
+    use ironout_host_tests::footprint::{images, programs, snapshot_path, table, with_stored, worse};
+    let mut rows = programs()?;
+    rows.extend(match which {
+        Images::None => Vec::new(),
+        Images::Emulated => images(true)?,
+        Images::All => images(false)?,
+    });
+    print!("{}", table(&rows));
+    if !accept {
+        return Ok(worse(&rows, &stored()));
+    }
+    let text = table(&with_stored(&rows, &stored()));
+    std::fs::write(snapshot_path(), &text)?;
+    ironout_host_tests::measured::write(&[("footprint", text)])?;
+    Ok(Vec::new())
+}
+
+#[cfg(unix)]
+fn image(board: &str) -> Faults {
+    use ironout_rig::qemu::Firmware;
+    let size = Firmware::build_for(&format!("board-{board}"))?.footprint()?;
+    println!("firmware for {board}, bytes");
+    println!(
+        "  flash {:>7}  (code {}, constants {}, initial values {})",
+        size.flash(),
+        size.text,
+        size.rodata,
+        size.data
+    );
+    println!("  RAM   {:>7}  (statics {}, stack region {})", size.ram(), size.data + size.bss, size.stack);
+    Ok(Vec::new())
 }
 
 #[cfg(not(unix))]

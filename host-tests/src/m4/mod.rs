@@ -66,12 +66,29 @@ impl From<io::Error> for M4Error {
     }
 }
 
-/// Builds the images and returns their paths by name.
+/// Builds the images of the counts and returns their paths by name.
 fn build() -> Result<BTreeMap<String, PathBuf>, M4Error> {
+    let mut arguments = vec!["--release", "--features", "image,counts"];
+    for image in ["counts", "sample-path", "size-base", "size-core", "size-magcal"] {
+        arguments.extend(["--bin", image]);
+    }
+    build_with(&arguments)
+}
+
+/// Builds one image in a profile, with these features of the library, separated by commas.
+pub(crate) fn build_image(name: &str, profile: &str, features: &str) -> Result<PathBuf, M4Error> {
+    let features = format!("image,{features}");
+    build_with(&["--profile", profile, "--bin", name, "--features", &features])?
+        .remove(name)
+        .ok_or_else(|| M4Error::Failed(format!("cargo built no image {name}")))
+}
+
+fn build_with(arguments: &[&str]) -> Result<BTreeMap<String, PathBuf>, M4Error> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let output = Command::new(cargo)
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-        .args(["build", "--release", "-p", "ironout-m4-bench", "--features", "image", "--target", TARGET])
+        .args(["build", "-p", "ironout-m4-bench", "--target", TARGET])
+        .args(arguments)
         .arg("--message-format=json-render-diagnostics")
         .stderr(std::process::Stdio::inherit())
         .output()?;
@@ -109,16 +126,16 @@ fn run(image: &std::path::Path) -> Result<BTreeMap<String, String>, M4Error> {
 }
 
 /// Sizes of an image's sections by name, bytes.
-type Sections = BTreeMap<String, u64>;
+pub(crate) type Sections = BTreeMap<String, u64>;
 
-fn sections(image: &std::path::Path) -> Result<Sections, M4Error> {
+pub(crate) fn sections(image: &std::path::Path) -> Result<Sections, M4Error> {
     let bytes = std::fs::read(image)?;
     let file = object::File::parse(&*bytes)
         .map_err(|error| M4Error::Failed(format!("{}: {error}", image.display())))?;
     Ok(file.sections().filter_map(|s| Some((s.name().ok()?.to_owned(), s.size()))).collect())
 }
 
-fn size(sections: &Sections, name: &str) -> u64 {
+pub(crate) fn size(sections: &Sections, name: &str) -> u64 {
     sections.get(name).copied().unwrap_or(0)
 }
 

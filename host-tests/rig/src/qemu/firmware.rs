@@ -62,18 +62,27 @@ impl Firmware {
         }
     }
 
-    /// Builds the firmware for the board of this feature.
-    pub fn build_for(feature: &str) -> Result<Self, Error> {
+    /// Builds the firmware for the board of this feature, with all that firmware can have.
+    pub fn build_for(board: &str) -> Result<Self, Error> {
+        Self::build_with(board, &format!("{board},study,methods"))
+    }
+
+    /// Builds the firmware for this board without the study and other methods than the adjusted one.
+    pub fn build_lean(board: &str) -> Result<Self, Error> {
+        Self::build_with(board, board)
+    }
+
+    fn build_with(board: &str, features: &str) -> Result<Self, Error> {
         let workspace = Path::new(WORKSPACE);
         if !workspace.join("Cargo.toml").is_file() {
             return Err(Error::NoSource(workspace.to_owned()));
         }
-        let target = target(feature);
+        let target = target(board);
         ensure_target(workspace, target)?;
         // The path of the ELF comes from cargo itself: CARGO_TARGET_DIR or a configuration may have moved it.
         let out = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
             .current_dir(workspace)
-            .args(["build", "--release", "-p", "ironout", "--bin", "firmware", "--features", feature])
+            .args(["build", "--release", "-p", "ironout", "--bin", "firmware", "--features", features])
             .args(["--target", target, "--message-format=json-render-diagnostics"])
             .stdin(Stdio::null())
             .output()

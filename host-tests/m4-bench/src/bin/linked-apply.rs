@@ -1,0 +1,5 @@
+//! Correction by offset and matrix: see `linked`.
+#![no_std]
+#![no_main]
+
+ironout_m4_bench::linked_program!(apply);

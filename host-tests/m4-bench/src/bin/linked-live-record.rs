@@ -1,0 +1,5 @@
+//! Correction with effects, from a record: see `linked`.
+#![no_std]
+#![no_main]
+
+ironout_m4_bench::linked_program!(live_record);

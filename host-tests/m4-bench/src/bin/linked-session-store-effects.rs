@@ -1,0 +1,5 @@
+//! Session, record and store with effects: see `linked`.
+#![no_std]
+#![no_main]
+
+ironout_m4_bench::linked_program!(session_store);

@@ -1,0 +1,5 @@
+//! Study of missing effects: see `linked`.
+#![no_std]
+#![no_main]
+
+ironout_m4_bench::linked_program!(study);

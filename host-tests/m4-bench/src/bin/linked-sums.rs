@@ -1,0 +1,5 @@
+//! Exact sums: see `linked`.
+#![no_std]
+#![no_main]
+
+ironout_m4_bench::linked_program!(sums);
