@@ -1,4 +1,4 @@
-//! The document of everything measured, `docs/measured.md`: each table stands between two markers and is written by the
+//! The document of everything measured, `host-tests/measured.md`: each table stands between two markers and is written by the
 //! command that measures it. A new table needs the markers in the document and one call of [`write()`].
 
 use std::io;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 /// Where the document lies.
 pub fn path() -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured.md"))
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../host-tests/measured.md"))
 }
 
 /// Writes tables, each as plain text between the markers of its name.
@@ -17,7 +17,9 @@ pub fn write(tables: &[(&str, String)]) -> io::Result<()> {
     let mut document = std::fs::read_to_string(path())?;
     for (name, table) in tables {
         document = between_markers(&document, name, table).ok_or_else(|| {
-            io::Error::other(format!("docs/measured.md has no <!-- {name}:begin --> and <!-- {name}:end -->"))
+            io::Error::other(format!(
+                "host-tests/measured.md has no <!-- {name}:begin --> and <!-- {name}:end -->"
+            ))
         })?;
     }
     std::fs::write(path(), document)

@@ -20,21 +20,37 @@ export async function alone({ file, samples, cal, unreadable, hostile, names, sh
   const { page } = browser;
   await browser.go(pathToFileURL(file).href);
   const said = { samples: [], empty: await browser.objections() };
+  // The log that comes with the page, with a search: what is found is on.
+  await page.locator("#example").click();
+  await browser.until(() => document.body.dataset.log === "example.csv");
+  await browser.settled();
+  said.example = { name: await browser.text("#log-name"), sentence: await browser.text("#sentence"), on: await page.locator("[data-effect]:checked").evaluateAll((all) => all.map((one) => one.dataset.effect)) };
   // The samples are many, and the search is tested elsewhere.
-  await page.locator("#reading-options").evaluate((one) => { one.open = true; });
+  await page.locator("#reading-options, #raw-options").evaluateAll((all) => all.forEach((one) => { one.open = true; }));
   await page.locator("#search").uncheck();
   const read = async (options) => {
     for (const name of ["map", "ut_per_count", "instance"]) {
       await page.locator(`#option-${name}`).fill(options.filter(([own]) => own.replaceAll("-", "_") === name).map(([, value]) => value).join(";"));
     }
   };
+  // A question of the reader is a form; nothing of the log before stands under the new name.
+  const { path: asking, options: answers } = samples.at(-1);
+  await drop(page, asking);
+  await browser.until(() => document.getElementById("question"));
+  said.question = { text: await browser.text("#question"), name: await browser.text("#log-name"), left: await page.evaluate(() => [...document.querySelectorAll("main section")].filter((one) => one.checkVisibility()).map((one) => one.id)) };
+  said.question.objections = await browser.objections();
+  await page.locator("#answer-scale").fill(answers.find(([own]) => own === "ut-per-count")[1]);
+  await page.locator("#answer-read").click();
+  await browser.until((name) => document.body.dataset.log === name, basename(asking));
+  await browser.settled();
+  said.question.answered = await browser.maybe("#error-now");
   for (const { path: sample, options } of samples) {
     await read(options);
     await drop(page, sample);
     await browser.until((name) => document.body.dataset.log === name || !document.getElementById("trouble").hidden, basename(sample));
     await browser.settled();
     const trouble = await page.locator("#trouble").textContent();
-    const words = page.locator("#words-body details").filter({ hasText: "The fit, as" });
+    const words = page.locator("#words-body details").filter({ has: page.locator("summary", { hasText: /^ironout fit/ }) });
     said.samples.push({
       name: basename(sample), trouble,
       words: trouble ? null : await words.locator("pre").textContent(),

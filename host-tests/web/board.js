@@ -20,7 +20,11 @@ async function session(browser, said, shots, hidden = null) {
   await browser.until(() => document.body.dataset.board === "collecting");
   await browser.until(() => document.getElementById("hint").textContent.includes("side"));
   said.hint = await browser.text("#hint");
+  // The same as a figure: by how many degrees to turn.
+  await browser.until(() => document.getElementById("turning").checkVisibility());
+  said.turning = Number(await page.locator("#turning").getAttribute("data-angle"));
   await browser.until(() => document.getElementById("hint").textContent.includes("enough directions"));
+  said.turned = !(await page.locator("#turning").isVisible());
   said.coverage = await browser.text("#value-coverage");
   await browser.shot(`${shots}-collecting`, { fullPage: true });
   said.stopped = await click("cal-stop");
@@ -42,7 +46,7 @@ async function session(browser, said, shots, hidden = null) {
   await page.locator("#look-log").click();
   await browser.until(() => document.body.dataset.log || !document.getElementById("busy").textContent.includes("…"));
   await browser.settled();
-  said.sentence = await browser.text("#sentence");
+  said.advice = await browser.text("#advice");
   said.now = await browser.text("#error-now");
   said.objections = await browser.objections();
 }
@@ -231,12 +235,12 @@ export async function sketch({ file, address, rows, hostile, name, shots }) {
   await page.locator("#file").setInputFiles({ name: "recording.txt", mimeType: "text/plain", buffer: Buffer.from(said.log) });
   await browser.until(() => document.body.dataset.log === "recording.txt");
   await browser.settled();
-  said.words = await page.locator("#words-body details").filter({ hasText: "The fit, as" }).locator("pre").textContent();
+  said.words = await page.locator("#words-body details").filter({ has: page.locator("summary", { hasText: /^ironout fit/ }) }).locator("pre").textContent();
   await page.evaluate(() => { delete document.body.dataset.log; });
   await page.locator("#look-log").click();
   await browser.until(() => document.body.dataset.log === "recording.txt");
   await browser.settled();
-  said.sentence = await browser.text("#sentence");
+  said.advice = await browser.text("#advice");
   said.wrong = await browser.close();
 
   const other = await Browser.open({ init: STAND_IN });

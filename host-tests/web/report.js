@@ -10,12 +10,14 @@ export async function report({ file, effect, shots }) {
   said.title = await page.title();
   said.sentence = await browser.text("#sentence");
   said.before = number(await browser.text("#error-before"));
-  said.base = number(await browser.text("#error-now"));
+  said.base = number(await browser.text("#error-base"));
+  said.found = number(await browser.text("#error-now"));
   said.floor = number(await browser.text("#floor"));
   // The picture is drawn, and turns by mouse and by key.
   const view = () => page.locator("#sphere").getAttribute("data-view");
   await browser.until(() => document.getElementById("sphere").dataset.view);
   const first = await view();
+  await page.locator("#sphere").scrollIntoViewIfNeeded();
   const box = await page.locator("#sphere").boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.mouse.down();
@@ -27,11 +29,17 @@ export async function report({ file, effect, shots }) {
   await page.keyboard.press("ArrowRight");
   await browser.until((before) => document.getElementById("sphere").dataset.view !== before, second);
   said.turned = true;
+  await page.evaluate(() => window.scrollTo(0, 0));
   await browser.shot("report-top");
-  // The missing effect, by the keyboard alone.
+  // The missing effect is on; by the keyboard alone it is switched off and on again.
   const drawn = () => page.locator("#plot-column").getAttribute("data-drawn");
   const before = await drawn();
+  said.on = await page.locator(`[data-effect="${effect}"]`).isChecked();
   await page.locator(`[data-effect="${effect}"]`).focus();
+  await page.keyboard.press("Space");
+  await browser.until((value) => document.getElementById("error-now").textContent.startsWith(value), said.base.toFixed(3));
+  await browser.settled();
+  said.sentenceOff = await browser.text("#sentence");
   await page.keyboard.press("Space");
   await browser.until((old) => !document.body.dataset.busy && (document.getElementById("plot-column").dataset.drawn !== old || document.getElementById("busy").textContent), before);
   said.now = number(await browser.text("#error-now"));
@@ -53,8 +61,19 @@ export async function report({ file, effect, shots }) {
     const [file] = await Promise.all([page.waitForEvent("download"), page.locator(`button[data-form=${form}]`).click()]);
     said.targets[form] = [file.suggestedFilename(), await browser.text("#exported")];
   }
+  // Each figure as SVG.
+  said.figures = {};
+  for (const name of ["residual", "dots", "spectrum", "histogram", "directions"]) {
+    const [file] = await Promise.all([page.waitForEvent("download"), page.locator(`[data-svg="${name}"]`).click()]);
+    const text = await (await import("node:fs/promises")).readFile(await file.path(), "utf8");
+    const drawn = await page.evaluate((svg) => {
+      const root = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement;
+      return { root: root.nodeName, marks: root.querySelectorAll("path, circle").length, words: root.textContent };
+    }, text);
+    said.figures[file.suggestedFilename()] = { ...drawn, broken: /NaN|undefined|Infinity/.test(text) };
+  }
   // What else it says of the effect and of the log.
-  said.found = await browser.text("#numbers-body");
+  said.numbers = await browser.text("#numbers-body");
   said.open = await browser.text("#open-body");
   said.choices = await page.locator("#column option").allInnerTexts();
   said.plots = await page.evaluate(() => [...document.querySelectorAll(".plot[id]")].filter((one) => one.checkVisibility() && one.dataset.drawn).map((one) => one.id));
@@ -71,7 +90,7 @@ export async function report({ file, effect, shots }) {
   await page.locator(`[data-effect="${effect}"]`).click();
   await browser.until((value) => document.getElementById("error-now").textContent.startsWith(value), said.base.toFixed(3));
   await browser.settled();
-  said.sentenceOff = await browser.text("#sentence");
+  said.sentenceAgain = await browser.text("#sentence");
   // A telephone.
   await page.setViewportSize({ width: 390, height: 844 });
   await browser.until(() => [...document.querySelectorAll(".uplot")].every((one) => one.clientWidth <= 390));
@@ -79,7 +98,10 @@ export async function report({ file, effect, shots }) {
   await browser.shot("report-phone");
   // Paper: white, without what can only be clicked.
   await page.emulateMedia({ media: "print" });
-  said.onPaper = await page.evaluate(() => [...document.querySelectorAll("header, .buttons, #export, #sentence, #figures, #stairs, #plot-residual, #sphere")].filter((one) => one.checkVisibility()).map((one) => one.id || one.className || one.tagName));
+  await page.evaluate(() => window.dispatchEvent(new Event("beforeprint")));
+  said.onPaper = await page.evaluate(() => [...document.querySelectorAll("header, .buttons, #export, #words, .uplot, #sentence, #figures, #stairs, .for-print > svg")].filter((one) => one.checkVisibility()).map((one) => one.id || one.getAttribute("aria-label") || one.tagName));
+  await browser.shot("report-paper", { fullPage: true });
+  await page.evaluate(() => window.dispatchEvent(new Event("afterprint")));
   await page.emulateMedia({ media: null });
   const pdf = await page.pdf({ format: "A4" });
   said.pages = pdf.toString("latin1").match(/\/Type\s*\/Page[^s]/g)?.length ?? 0;

@@ -1,5 +1,6 @@
 //! The one error type of the tool: what went wrong, where, and what to do about it.
 
+use serde::Serialize;
 use std::fmt;
 use std::path::Path;
 
@@ -9,6 +10,28 @@ pub const EXIT_OK: u8 = 0;
 pub const EXIT_REFUSED: u8 = 1;
 /// Exit status of bad input or usage.
 pub const EXIT_USAGE: u8 = 2;
+
+/// One answer to a [`Question`]: the options of the command line that state it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Choice {
+    /// The answer in words.
+    pub label: String,
+    /// Each option with its value, as in `--map` and `mx_ut=MagX[mG]`.
+    pub options: Vec<(String, String)>,
+}
+
+/// What a reader has to ask, in a form that a page shows as fields.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Question {
+    /// The question in one sentence.
+    pub text: String,
+    /// Answers to choose from.
+    pub choices: Vec<Choice>,
+    /// Headers of the log's columns, if the question is which of them are the magnetometer.
+    pub columns: Vec<String>,
+    /// Whether the scale of counts (`--ut-per-count`) is needed.
+    pub needs_scale: bool,
+}
 
 /// A failure with its place. `message` says what was found, what was expected and what to do.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,12 +46,21 @@ pub struct Failure {
     pub column: Option<String>,
     /// What was found, what was expected, and the remedy.
     pub message: String,
+    /// The question behind it, if an answer is all that is needed.
+    pub question: Option<Box<Question>>,
 }
 
 impl Failure {
     /// Bad input or usage (exit status 2).
     pub fn usage(message: impl Into<String>) -> Self {
-        Failure { exit: EXIT_USAGE, file: None, line: None, column: None, message: message.into() }
+        Failure {
+            exit: EXIT_USAGE,
+            file: None,
+            line: None,
+            column: None,
+            message: message.into(),
+            question: None,
+        }
     }
 
     /// The data do not support it (exit status 1).
@@ -61,6 +93,12 @@ impl Failure {
         self
     }
 
+    /// Adds the question that an answer would settle.
+    pub fn asking(mut self, question: Question) -> Self {
+        self.question = Some(Box::new(question));
+        self
+    }
+
     /// A file that could not be opened, read or written.
     pub fn io(action: &str, path: &Path, error: &std::io::Error) -> Self {
         let remedy = match error.kind() {
@@ -75,9 +113,13 @@ impl Failure {
 
     /// The error object of `--json`.
     pub fn to_json(&self) -> serde_json::Value {
-        serde_json::json!({"error": {
+        let mut error = serde_json::json!({
             "file": self.file, "line": self.line, "column": self.column, "message": self.message,
-        }})
+        });
+        if let (Some(question), Some(object)) = (&self.question, error.as_object_mut()) {
+            object.insert("question".into(), serde_json::json!(question));
+        }
+        serde_json::json!({ "error": error })
     }
 }
 

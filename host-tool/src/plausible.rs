@@ -4,9 +4,9 @@ mod units;
 
 use crate::cal_file::CalFile;
 use crate::cli::{LogArgs, quoted, typed_option};
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Failure, Outcome, Question};
 use crate::input::{Log, parse_map};
-use crate::plausible::units::{directions, short, unit_remedy};
+use crate::plausible::units::{directions, short, unit_question, unit_remedy};
 use ironout_analysis::Table;
 use ironout_analysis::plausible::causes::heading_is_computed;
 use ironout_analysis::plausible::clock::{self, OddClock};
@@ -159,11 +159,19 @@ fn hold_field(log: &mut Log, arguments: &LogArgs, known: &Known, size: &FieldSiz
         ));
         return Ok(());
     }
-    let remedy = match log.ut_per_count {
-        Some(scale) => scale_remedy(&scale, size.field_ut),
-        None => unit_remedy(log, arguments, size),
+    let (remedy, question) = match log.ut_per_count {
+        Some(scale) => (scale_remedy(&scale, size.field_ut), scale_question()),
+        None => (unit_remedy(log, arguments, size), unit_question(log, arguments, size)),
     };
-    Err(Failure::usage(format!("{measured}; {expected}. {remedy}")).in_file(&log.path))
+    Err(Failure::usage(format!("{measured}; {expected}. {remedy}")).in_file(&log.path).asking(question))
+}
+
+fn scale_question() -> Question {
+    Question {
+        text: "This scale does not give a field of the Earth. How many µT is one count?".to_string(),
+        needs_scale: true,
+        ..Question::default()
+    }
 }
 
 /// For counts: the scale with which the field is one of the Earth's.

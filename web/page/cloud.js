@@ -19,6 +19,14 @@ function side(direction) {
   return words.join("-") || "any";
 }
 
+/** The direction of the middle of a tile. */
+function centreOf(tile) {
+  const z = ((Math.floor(tile / SECTORS) + 0.5) * 2) / SLICES - 1;
+  const angle = (((tile % SECTORS) + 0.5) / SECTORS) * 2 * Math.PI;
+  const level = Math.sqrt(1 - z * z);
+  return [level * Math.cos(angle), level * Math.sin(angle), z];
+}
+
 /** How many of the vectors lie in each tile of equal area. */
 function tiles(vectors, middle) {
   const samples = new Array(SLICES * SECTORS).fill(0);
@@ -30,12 +38,7 @@ function tiles(vectors, middle) {
     const turn = (Math.atan2(v[1], v[0]) / (2 * Math.PI) + 1) % 1;
     samples[slice * SECTORS + Math.min(SECTORS - 1, Math.floor(turn * SECTORS))] += 1;
   }
-  const sides = samples.map((_, tile) => {
-    const z = ((Math.floor(tile / SECTORS) + 0.5) * 2) / SLICES - 1;
-    const angle = (((tile % SECTORS) + 0.5) / SECTORS) * 2 * Math.PI;
-    const level = Math.sqrt(1 - z * z);
-    return side([level * Math.cos(angle), level * Math.sin(angle), z]);
-  });
+  const sides = samples.map((_, tile) => side(centreOf(tile)));
   return { slices: SLICES, sectors: SECTORS, samples, sides };
 }
 
@@ -59,6 +62,26 @@ export class Cloud {
     this.points.push(v);
     this.more = true;
     if (this.points.length > POINTS) this.points.shift();
+  }
+
+  /** The nearest direction that no sample has, and the present one; nothing if there is no gap. */
+  gap() {
+    if (this.points.length < 20) return null;
+    const ends = [0, 1, 2].map((axis) => this.points.reduce(([least, most], v) => [Math.min(least, v[axis]), Math.max(most, v[axis])], [Infinity, -Infinity]));
+    const middle = ends.map(([least, most]) => (least + most) / 2);
+    const lit = tiles(this.points, middle);
+    const at = this.points.at(-1).map((value, axis) => value - middle[axis]);
+    const length = Math.hypot(...at) || 1;
+    const now = at.map((value) => value / length);
+    let best = null;
+    lit.samples.forEach((count, tile) => {
+      if (count) return;
+      const centre = centreOf(tile);
+      const near = centre.reduce((sum, value, axis) => sum + value * now[axis], 0);
+      if (!best || near > best.near) best = { near, centre };
+    });
+    const names = best && [side(best.centre), side(now)];
+    return best && names[0] !== names[1] ? { missing: best.centre, now, names } : null;
   }
 
   /** Draws what has come, where a picture is due and seen. */

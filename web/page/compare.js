@@ -10,14 +10,14 @@ export function compare(entries) {
   by("beside").hidden = entries.length < 2;
   if (entries.length < 2) return;
   const row = (name, value) => [name, ...entries.map(value)];
-  const histogram = new Plot("plot-beside-histogram", "How often errors of each size are, side by side");
-  const spectrum = new Plot("plot-beside-spectrum", "Spectrum of the error, side by side (µT/√Hz over Hz)");
+  const histogram = new Plot("plot-beside-histogram", "Error histogram, side by side (share of samples)");
+  const spectrum = new Plot("plot-beside-spectrum", "Spectrum of the error, side by side (µT/√Hz against Hz)");
   fill(by("beside-body"),
     table("Side by side", ["", ...entries.map((one) => one.name)], [
       row("error of the corrected magnitude", (one) => ut(one.rms_ut)),
       row("in % of the field", (one) => percent(one.percent)),
       row("largest error over time", (one) => ut(one.picture.timeline ? Math.max(...one.picture.timeline.residual_ut.high.map(Math.abs), ...one.picture.timeline.residual_ut.low.map(Math.abs)) : null)),
-      row("field, µT", (one) => fixed(one.fit.field_ut, 3)),
+      row("field strength, µT", (one) => fixed(one.fit.field_ut, 3)),
       ...[0, 1, 2].map((axis) => row(`offset ${"xyz"[axis]}, µT`, (one) => fixed(one.fit.offset_ut?.[axis], 3))),
       ...[0, 1, 2].map((axis) => row(`matrix ${"xyz"[axis]}`, (one) => one.fit.matrix?.[axis].map((value) => fixed(value, 5)).join("  ") ?? "–")),
       row("effects", (one) => one.fit.effects.map((effect) => `${effect.id}: ${effect.coefficients.map((value) => significant(value, 3)).join(", ")}`).join("; ") || "none"),
@@ -32,9 +32,9 @@ export function compare(entries) {
     plot.show(at, drawn.map((one, index) => {
       const values = new Array(at.length).fill(undefined);
       x(one).forEach((value, i) => { values[place.get(value)] = pick(one)[i]; });
-      return { label: one.name, values, colour: COLOURS[index % COLOURS.length], dash: index ? [6, 2 + index] : undefined };
+      return { label: one.name, values, colour: COLOURS[index % COLOURS.length], dash: index ? [6, 2 + index] : undefined, spans: true };
     }), axes);
   };
-  overlay(histogram, (one) => one.picture.histogram?.with, (one) => one.picture.histogram.at_ut, { x: "error, µT", y: "share" });
-  overlay(spectrum, (one) => one.picture.spectrum?.with.map((v) => (v > 0 ? v : null)), (one) => one.picture.spectrum.hz, { x: "Hz", y: "µT/√Hz", logX: true, logY: true });
+  overlay(histogram, (one) => one.picture.histogram?.with, (one) => one.picture.histogram.at_ut, { x: "error, µT", y: "share of samples" });
+  overlay(spectrum, (one) => one.picture.spectrum?.with.map((v) => (v > 0 ? v : null)), (one) => one.picture.spectrum.hz, { x: "frequency, Hz", y: "error, µT/√Hz", logX: true, logY: true });
 }

@@ -41,9 +41,9 @@ export class Engine {
     const { answer, ms } = await this.post({ question: JSON.stringify(question), bytes: own }, own ? [own.buffer] : []);
     const value = JSON.parse(answer);
     if (value.error) {
-      const { file, line, column, message } = value.error;
+      const { file, line, column, message, question } = value.error;
       const place = [file && (line ? `${file}:${line}` : file), column && `column ${column}`].filter(Boolean).join(": ");
-      throw new Error(place ? `${place}: ${message}` : message);
+      throw Object.assign(new Error(place ? `${place}: ${message}` : message), { question });
     }
     this.took = ms;
     return value;

@@ -6,6 +6,7 @@ import { fixed } from "./numbers.js";
 import { Readings } from "./readings.js";
 import { Recording } from "./recording.js";
 import { Strip } from "./strip.js";
+import { sides, Turning } from "./turning.js";
 
 const STATUS_MS = 700;
 // Thirty times a second; a little less than a thirtieth, so that what comes in that beat waits for no second one.
@@ -18,10 +19,15 @@ const CONDITIONS = { disturbed: "something disturbs the field, or an effect is m
 
 const vector = (line, from) => line.split(",").slice(from, from + 3).map(Number);
 
+/** An error with its unit: of the magnitude, or of the dip. */
+const sized = (ut, deg) => (ut !== undefined ? `${ut} µT` : deg !== undefined ? `${deg}°` : "");
+
 const meter = (id, label, low, high, max, best) => {
   const bar = h("meter", { id: `meter-${id}`, min: 0, max, low, high, optimum: best, value: 0, "aria-label": label });
   const text = h("span", { id: `value-${id}` }, "–");
-  return { bar, text, parts: [h("span", {}, label), bar, text] };
+  const parts = [h("span", {}, label), bar, text];
+  for (const part of parts) part.hidden = true;
+  return { bar, text, parts };
 };
 
 export class Live {
@@ -35,9 +41,9 @@ export class Live {
     this.hint = h("p", { class: "hint", id: "hint", role: "status", "aria-live": "polite" });
     this.answer = h("p", { class: "note", id: "answer", role: "status", "aria-live": "polite" });
     this.meters = {
-      coverage: meter("coverage", "directions seen", 0.3, 0.6, 1, 1),
-      gap: meter("gap", "largest gap", 40, 90, 180, 0),
-      error: meter("error", "error, % (limit 1)", 1, 2, 4, 0),
+      coverage: meter("coverage", "directions seen, %", 0.3, 0.6, 1, 1),
+      gap: meter("gap", "largest gap, °", 40, 90, 180, 0),
+      error: meter("error", "predicted error, % (limit 1)", 1, 2, 4, 0),
     };
     this.readings = new Readings("reading");
     this.collected = h("p", { class: "state note", id: "collected" });
@@ -47,7 +53,7 @@ export class Live {
       start: button("cal-start", "start", () => this.start()),
       stop: button("cal-stop", "stop and judge", () => this.stop()),
       accept: button("cal-accept", "accept", () => this.accept("")),
-      force: button("cal-force", "accept all the same", () => this.accept(" force")),
+      force: button("cal-force", "accept anyway", () => this.accept(" force")),
       why: button("ask-why", "why is it off?", () => this.ask()),
       record: button("record-log", "record", () => this.record()),
       save: button("save-log", "save the recording", () => this.save()),
@@ -56,12 +62,13 @@ export class Live {
     this.buttons.force.hidden = true;
     this.transcript = h("pre", { class: "console", id: "console", tabindex: "0" });
     this.strip = new Strip("plot-live");
+    this.turning = new Turning();
     const ball = h("div", { id: "live-ball" });
-    fill(by("live-body"), this.state, this.hint,
+    fill(by("live-body"), this.state, h("div", { class: "where-to" }, this.hint, this.turning.root),
       h("div", { class: "buttons" }, Object.values(this.buttons)), this.answer,
       h("div", { class: "meter" }, Object.values(this.meters).flatMap((one) => one.parts)), this.collected, this.readings.root, this.judged, this.why,
       this.strip.plot.whole, ball,
-      h("details", {}, h("summary", {}, "The board's console"), this.transcript));
+      h("details", {}, h("summary", {}, "Console of the board"), this.transcript));
     this.cloud = new Cloud(ball, "live-sphere");
   }
 
@@ -88,7 +95,7 @@ export class Live {
     // Whoever still asks who is there need not.
     this.turn = (this.turn ?? 0) + 1;
     this.board.gone(why);
-    this.say(`${this.wire.name} is not there (${why}); it is waited for`, "gone");
+    this.say(`${this.wire.name} is disconnected (${why}); waiting for it`, "gone");
     this.enable();
   }
 
@@ -100,7 +107,7 @@ export class Live {
   /** Says when nothing comes. */
   watch() {
     if (this.connected && performance.now() - this.heard > SILENT_MS) {
-      this.say(`nothing has come from ${this.wire.name} for ${fixed((performance.now() - this.heard) / 1000, 0)} s: is the board powered?`, "silent");
+      this.say(`no data from ${this.wire.name} for ${fixed((performance.now() - this.heard) / 1000, 0)} s. Is the board powered?`, "silent");
       this.silent = true;
     } else if (this.silent && this.connected) {
       this.silent = false;
@@ -125,7 +132,7 @@ export class Live {
         if (reply.all.ironout) this.who = reply.all;
       } catch (error) {
         if (this.sketch || turn !== this.turn) break;
-        this.say(`${error.message}: is the board powered, and its firmware ironout's?`, "silent");
+        this.say(`${error.message}. Is the board powered, and does it run the firmware of ironout?`, "silent");
         await new Promise((resolve) => setTimeout(resolve, STATUS_MS));
       }
     }
@@ -170,8 +177,9 @@ export class Live {
   status(reply) {
     const { condition, residual_ratio: ratio } = values(reply.info.find((text) => text.startsWith("monitor ")) ?? "");
     const hints = [...reply.info.filter((text) => /^(hint|sensor|outside)/.test(text)).map((text) => text.replace(/^hint /, "")),
-      ...(CONDITIONS[condition] ? [`${CONDITIONS[condition]}: its error is ${ratio} times what is expected`] : [])];
+      ...(CONDITIONS[condition] ? [`${CONDITIONS[condition]}: the error is ${ratio} times the expected error`] : [])];
     if (this.hint.textContent !== hints.join(" · ")) fill(this.hint, hints.join(" · "));
+    this.turning.show(reply.all.state === "collecting" ? sides(hints.join(" ")) : null);
     const { state, coverage, gap_deg: gap, rms_ut: rms, noise_ut: noise, n, calibrated } = reply.all;
     this.known = { state, calibrated: calibrated === "1" };
     document.body.dataset.board = state;
@@ -180,14 +188,15 @@ export class Live {
     const [part, hole] = state === "idle" ? [NaN, NaN] : [Number(coverage), Number(gap)];
     this.set("coverage", part, `${fixed(100 * Number(coverage), 0)} %`);
     this.set("gap", hole, `${fixed(Number(gap), 0)}°`);
-    const collected = state === "collecting" ? `${n} samples in the fit · residual ${rms} µT · noise ${noise} µT` : "";
+    const collected = state === "collecting" ? [`${n} samples in the fit`, rms === "-" ? null : `residual ${rms} µT`, noise === "-" ? null : `noise ${noise} µT`].filter(Boolean).join(" · ") : "";
     if (this.collected.textContent !== collected) fill(this.collected, collected);
     this.enable();
     this.later();
   }
 
   set(name, value, text) {
-    const { bar, text: at } = this.meters[name];
+    const { bar, text: at, parts } = this.meters[name];
+    for (const part of parts) part.hidden = !Number.isFinite(value);
     bar.value = Number.isFinite(value) ? value : 0;
     fill(at, Number.isFinite(value) ? text : "–");
   }
@@ -246,12 +255,11 @@ export class Live {
     const reply = await this.command("cal stop");
     const found = reply.all;
     this.set("error", Number(found.error_percent), `${found.error_percent} %`);
-    const shown = (what) => (what === undefined || what === "-" ? "–" : what);
-    fill(this.judged, reply.ok ? table("Accepted: it waits to be stored", ["", "value", "limit"], [
-      ["predicted error, % of the field", shown(found.error_percent), "1"],
-      ["residual, % of the field", found.rms_ut && found.field_ut ? fixed(100 * Number(found.rms_ut) / Number(found.field_ut), 3) : "–", "5"],
-      ["samples", shown(found.n), ""], ["field, µT", shown(found.field_ut), ""], ["noise, µT", shown(found.noise_ut), ""],
-    ]) : [reply.text.replace(/^refused \S+ /, "Refused: "), ...reply.info.map((text) => text.replace(/^also \S+ /, "Also: "))].map((text) => h("p", { class: "error" }, text)));
+    fill(this.judged, reply.ok ? table("Accepted. Press accept to store it", ["", "value", "limit"], [
+      ["predicted error, % of the field", found.error_percent, "1"],
+      ["residual, % of the field", found.rms_ut && found.field_ut ? fixed(100 * Number(found.rms_ut) / Number(found.field_ut), 3) : null, "5"],
+      ["samples", found.n, ""], ["field strength, µT", found.field_ut, ""], ["noise, µT", found.noise_ut, ""],
+    ].filter(([, value]) => value !== undefined && value !== "-" && value !== null)) : [reply.text.replace(/^refused \S+ /, "Refused: "), ...reply.info.map((text) => text.replace(/^also \S+ /, "Also: "))].map((text) => h("p", { class: "error" }, text)));
     this.known = { ...this.known, state: reply.ok ? "solved" : "refused" };
     document.body.dataset.board = this.known.state;
   }
@@ -275,8 +283,8 @@ export class Live {
     const choice = ({ id, status }) => (offer[status]
       ? h("button", { type: "button", "data-effect-id": id, "aria-label": `${offer[status]} ${id}`, onclick: () => this.act(() => this.change(offer[status], id)) }, offer[status]) : null);
     fill(this.why, h("h3", {}, "Why is it off?"), says.map((text) => h("p", {}, text)), reply.ok ? null : h("p", { class: "error" }, reply.closing),
-      rows.length ? table(`Error now ${base.rms_ut ?? "–"} µT, on unseen time ${base.holdout_rms_ut ?? "–"} µT, noise alone ${base.noise_floor_ut ?? "–"} µT`, ["effect", "status", "before", "after", "chance", "not told from", ""],
-        rows.map((row) => [row.id, row.status, row.before_ut ?? row.before_deg ?? "–", row.after_ut ?? row.after_deg ?? "–", row.p, row.confounded_with, choice(row) ?? ""])) : null);
+      rows.length ? table([["error now", base.rms_ut], ["held-out error", base.holdout_rms_ut], ["noise floor", base.noise_floor_ut]].filter(([, value]) => value !== undefined).map(([name, value]) => `${name} ${value} µT`).join(", "), ["effect", "status", "error before", "error after", "p-value", "not distinguishable from", ""],
+        rows.map((row) => [row.id, row.status, sized(row.before_ut, row.before_deg), sized(row.after_ut, row.after_deg), row.p ?? "", row.confounded_with ?? "", choice(row) ?? ""])) : null);
     this.why.dataset.verdict = values(reply.text).verdict ?? "none";
   }
 
@@ -376,6 +384,16 @@ export class Live {
     }, Math.max(0, DRAW_MS - since));
   }
 
+  /** For a board that gives no hints of its own, the way to the nearest gap. */
+  lead(now) {
+    if (!this.sketch || (this.led && now - this.led < STATUS_MS)) return;
+    this.led = now;
+    const gap = this.cloud.gap();
+    this.turning.show(gap);
+    const words = gap ? `Bring the ${gap.names[0]} side to where the ${gap.names[1]} side is now.` : "Enough directions seen: look at the recording.";
+    if (this.cloud.points.length > 20 && this.hint.textContent !== words) fill(this.hint, words);
+  }
+
   draw() {
     this.counts.drawn += 1;
     const { dataset } = document.body;
@@ -385,6 +403,7 @@ export class Live {
     this.readings.show({ at: this.at, corrected, now: this.now, rms: this.strip.rms(), recorded: this.recording });
     const now = performance.now();
     this.strip.draw(now);
+    this.lead(now);
     this.cloud.draw(now, corrected);
   }
 }

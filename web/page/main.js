@@ -1,10 +1,11 @@
 // The page, put together: what is in it is shown, what is asked goes to the worker.
 import { by, fill, h, later } from "./dom.js";
+import { Reading } from "./asking.js";
 import { compare } from "./compare.js";
 import { Engine } from "./engine.js";
 import { Figures } from "./figures.js";
 import { Live } from "./live.js";
-import { redraw } from "./plots.js";
+import { onPaper, redraw } from "./plots.js";
 import { Staircase } from "./staircase.js";
 import { ServedWire, SerialWire } from "./wires.js";
 
@@ -27,9 +28,9 @@ class Page {
 
   async begin() {
     theme();
-    fill(by("what"), { report: "report", live: "live", alone: "on this machine" }[this.mode]);
+    fill(by("what"), { report: "report", live: "live", alone: "magnetometer calibration" }[this.mode]);
     const licences = await text(this.part, "licences");
-    fill(by("footer"), h("p", {}, "Everything here was computed on this machine; the page sends nothing anywhere. "),
+    fill(by("footer"), h("p", {}, "Everything runs in your browser; no data is uploaded. "),
       later("Licences", () => h("pre", { tabindex: "0" }, licences)));
     const report = await text(this.part, "report");
     if (report) this.open(JSON.parse(report));
@@ -56,20 +57,20 @@ class Page {
 
   /** The page by itself: logs are dropped, boards are connected. */
   alone() {
-    fill(by("sentence"), "Drop a log of your magnetometer here");
+    fill(by("sentence"), "Drop a magnetometer log here");
+    fill(by("advice"), "ironout calibrates the sensor, and looks for the cause of any error that remains.");
     by("drop").hidden = false;
     const input = h("input", { type: "file", id: "file", multiple: true, onchange: ({ target }) => this.take([...target.files]) });
-    const options = ["map", "rotate", "repair", "ut_per_count", "instance", "derive"].map((name) => [name, h("input", { type: "text", id: `option-${name}`, size: 28 })]);
-    this.options = Object.fromEntries(options);
-    this.search = h("input", { type: "checkbox", id: "search", checked: true });
-    this.field = h("input", { type: "text", id: "option-field", size: 8 });
+    this.reading = new Reading(() => this.again());
     this.compare = h("input", { type: "checkbox", id: "compare" });
     const connect = h("button", { type: "button", id: "connect", onclick: () => this.connect() }, "connect a board");
+    const example = h("button", { type: "button", id: "example", onclick: () => this.example() }, "try an example log");
     const zone = h("div", { class: "zone", id: "zone" },
-      h("p", {}, h("label", {}, "A log of any format that ironout reads, or a CAL.json to compare: drop it here, or ", input)),
-      h("p", { id: "comparing", hidden: true }, h("label", {}, this.compare, " the next log stands beside the one that is shown")),
-      h("p", {}, SerialWire.possible ? [connect, " with ironout's console, or one that prints Raw: lines as for MotionCal"]
-        : h("span", { class: "note" }, "This browser has no Web Serial: a board can be connected in Chromium, Chrome or Edge.")));
+      h("p", {}, h("label", {}, "Drop a log (or a CAL.json to compare) here, or ", input)),
+      h("p", { id: "comparing", hidden: true }, h("label", {}, this.compare, " compare the next log with this one")),
+      h("p", { class: "buttons" }, example, SerialWire.possible ? connect : null),
+      h("p", { class: "note" }, SerialWire.possible ? "A board needs ironout's firmware, or a sketch that prints Raw: lines as for MotionCal."
+        : "To connect a board, open this page in Chromium, Chrome or Edge: this browser has no Web Serial."));
     for (const kind of ["dragenter", "dragover", "dragleave", "drop"]) {
       document.addEventListener(kind, (event) => {
         event.preventDefault();
@@ -77,17 +78,13 @@ class Page {
         if (kind === "drop") this.take([...event.dataTransfer.files]);
       });
     }
-    fill(by("drop-body"), zone, h("p", { class: "error", id: "trouble", role: "alert", hidden: true }),
-      h("details", { id: "reading-options" }, h("summary", {}, "How it is to be read"), h("p", { class: "note" }, "As the options of the command line; several of one are separated by semicolons."),
-        options.map(([name, field]) => h("p", {}, h("label", {}, `--${name.replaceAll("_", "-")} `, field))), h("p", {}, h("label", {}, "--field, µT ", this.field)),
-        h("p", {}, h("label", {}, this.search, " search for missing effects")),
-        h("button", { type: "button", id: "again", onclick: () => this.again() }, "read again")));
+    fill(by("drop-body"), h("div", { id: "asking" }), h("div", { class: "error", id: "trouble", role: "alert", hidden: true }), zone, this.reading.root);
   }
 
-  asked(name) {
-    const several = (field) => this.options[field].value.split(";").map((text) => text.trim()).filter(Boolean);
-    const one = (field) => this.options[field].value.trim() || null;
-    return { name, map: several("map"), rotate: several("rotate"), repair: several("repair"), derive: several("derive"), ut_per_count: one("ut_per_count"), instance: one("instance") === null ? null : Number(one("instance")) };
+  /** Reads the log that came with the page. */
+  async example() {
+    const bytes = await this.part("example");
+    if (bytes) await this.read({ name: "example.csv", bytes });
   }
 
   async take(files) {
@@ -103,27 +100,47 @@ class Page {
     if (this.last) this.read(this.last);
   }
 
-  trouble(text) {
+  /** Says what went wrong, with the question if the reader has one. */
+  trouble(text, question = null) {
     const at = by("trouble") ?? by("busy");
     at.hidden = !text;
-    if (text && this.options) by("again").closest("details").open = true;
-    fill(at, text);
+    at.classList.toggle("error", !question);
+    fill(at, question ? h("details", {}, h("summary", {}, "The message of the command line"), h("pre", { tabindex: "0" }, text)) : text);
+    if (this.reading) fill(by("asking"), question ? this.reading.form(question, () => this.again()) : null);
+  }
+
+  /** Nothing of the last log stands under the name of another one. */
+  clear(name, asks = false) {
+    this.look = null;
+    this.beside = [];
+    delete document.body.dataset.log;
+    for (const part of document.querySelectorAll("main section")) if (!["verdict", "drop", "live"].includes(part.id)) part.hidden = true;
+    for (const id of ["advice", "figures", "parts"]) fill(by(id));
+    if (this.reading) by("comparing").hidden = true;
+    fill(by("log-name"), h("strong", {}, name));
+    fill(by("sentence"), h("span", { class: "badge", "data-verdict": asks ? "FOUND" : "REFUSED" }, asks ? "QUESTION" : "NOT READ"),
+      asks ? " One answer is needed to read this log." : " This log could not be read.");
+    document.title = `${name} · ironout`;
   }
 
   /** Reads a log, fits it, searches, and shows it. */
   async read(log) {
+    if (this.last?.name !== log.name) {
+      this.reading?.forget();
+      this.figures.forget();
+    }
     this.last = log;
     this.trouble("");
     by("verdict").hidden = false;
     fill(by("busy"), `Reading ${log.name} …`);
     document.body.dataset.busy = "true";
     try {
-      const options = this.options ? this.asked(log.name) : { name: log.name };
-      const field = this.field?.value.trim() ? Number(this.field.value) : null;
+      const options = this.reading?.asked(log.name) ?? { name: log.name };
+      const field = this.reading?.fieldUt ?? null;
       this.said = await this.engine.ask({ do: "read", place: this.place, options, field_ut: field }, log.bytes);
       let { took } = this.engine;
       fill(by("busy"), `Studying ${this.said.rows} rows …`);
-      const look = await this.engine.ask({ do: "look", place: this.place, asked: { search: this.search?.checked ?? true, field_ut: field } });
+      const look = await this.engine.ask({ do: "look", place: this.place, asked: { search: this.reading?.search.checked ?? true, field_ut: field } });
       took += this.engine.took;
       this.unpacked = Promise.resolve();
       this.found = look.diagnosis;
@@ -132,13 +149,19 @@ class Page {
       this.show(look);
       this.stairs.show(look, this.found);
       this.parts();
-      if (this.options) by("comparing").hidden = false;
+      if (this.reading) {
+        by("comparing").hidden = false;
+        by("zone").classList.add("compact");
+        this.reading.took(this.said);
+      }
+      document.title = `${log.name} · ironout`;
       document.body.dataset.log = log.name;
       document.body.dataset.took = took;
       fill(by("busy"), "");
     } catch (error) {
       fill(by("busy"), "");
-      this.trouble(error.message);
+      this.clear(log.name, Boolean(error.question));
+      this.trouble(error.message, error.question);
     } finally {
       delete document.body.dataset.busy;
     }
@@ -153,7 +176,7 @@ class Page {
   logBeside({ name, bytes }) {
     const field_ut = this.look.asked.field_ut ?? null;
     return this.stand(async () => {
-      await this.engine.ask({ do: "read", place: OTHER, options: this.asked(name), field_ut }, bytes);
+      await this.engine.ask({ do: "read", place: OTHER, options: this.reading?.asked(name) ?? { name }, field_ut }, bytes);
       const { fit, figures, picture } = await this.engine.ask({ do: "look", place: OTHER, asked: { search: false, field_ut } });
       return { name, fit, picture, rms_ut: fit.rms_ut, percent: figures.after_percent };
     });
@@ -195,7 +218,7 @@ class Page {
 
   unpack() {
     this.unpacked ??= this.part("log").then((bytes) => {
-      if (!bytes) throw new Error("this page has no log to fit anew");
+      if (!bytes) throw new Error("this page has no log to fit again");
       return this.engine.ask({ do: "unpack", place: this.place }, bytes);
     });
     return this.unpacked;
@@ -211,7 +234,7 @@ class Page {
 
   /** A look with these effects; whether there is one. */
   async refit(add) {
-    fill(by("busy"), "Fitting anew …");
+    fill(by("busy"), "Fitting …");
     document.body.dataset.busy = "true";
     try {
       await this.unpack();
@@ -248,13 +271,19 @@ function theme() {
   set(dark.matches);
   dark.addEventListener("change", () => set(dark.matches));
   by("theme").addEventListener("click", () => set(root.dataset.theme !== "dark"));
-  // Paper is white.
+  // Paper is white, and its figures are drawn for it.
   let before = null;
   window.addEventListener("beforeprint", () => {
     before = root.dataset.theme;
     set(false);
+    onPaper(true);
+    page?.figures.ball?.onPaper(true);
   });
-  window.addEventListener("afterprint", () => set(before === "dark"));
+  window.addEventListener("afterprint", () => {
+    onPaper(false);
+    page?.figures.ball?.onPaper(false);
+    set(before === "dark");
+  });
 }
 
 let page = null;

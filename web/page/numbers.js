@@ -21,8 +21,16 @@ export const ut = (value) => `${fixed(value, 3)} µT`;
 export const percent = (value) => `${fixed(value, 2)} %`;
 export const degrees = (value) => `${fixed(value, 2)}°`;
 
-/** A probability in words. */
+/** A p-value. */
 export function chance(p) {
   if (!known(p)) return NONE;
   return p < 1e-99 ? "< 1e-99" : p < 1e-3 ? p.toExponential(0) : significant(p, 2);
+}
+
+const UNITS = { c: "°C", a: "A", ma: "mA", v: "V", w: "W", s: "s", m: "m", mps: "m/s", rpm: "rpm", hz: "Hz", pct: "%", deg: "°", rad: "rad", us: "µs", pa: "Pa", hpa: "hPa" };
+
+/** A column with its unit, by the end of its name if the unit is not known; nothing is added if neither tells. */
+export function labelled(name, unit = "") {
+  const known = unit || (UNITS[/_([a-z]+)$/.exec(name)?.[1]] ?? "");
+  return known ? `${name}, ${known}` : name;
 }

@@ -2,13 +2,21 @@
 import uPlot from "./uplot.min.js";
 import { fill, h, later, table } from "./dom.js";
 import { significant } from "./numbers.js";
+import { plotted, saver } from "./svg.js";
 
-const HEIGHT = 230;
+const HEIGHT = 240;
 const ROWS = 40;
 const all = new Set();
 const style = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-/** Draws every plot anew: the theme has changed, or the page is printed. */
+/** For paper every plot is drawn as SVG, which is sharp at any size; afterwards that is taken away. */
+export function onPaper(printing) {
+  for (const plot of all) {
+    if (plot.given) fill(plot.paper, printing ? plotted(plot.what, plot.given) : null);
+  }
+}
+
+/** Draws every plot again: the theme has changed. */
 export function redraw() {
   for (const plot of all) plot.draw();
 }
@@ -21,8 +29,10 @@ export class Plot {
   /** `what` says it to those who do not see it; `id` names it. */
   constructor(id, what) {
     this.root = h("div", { class: "plot", id, role: "img", "aria-label": what, "data-what": what });
-    this.numbers = h("div");
-    this.whole = h("figure", { class: "plot" }, h("figcaption", {}, what), this.root, this.numbers);
+    this.numbers = h("div", { class: "no-print under" });
+    this.paper = h("div", { class: "for-print" });
+    this.save = saver(id.replace("plot-", ""), () => plotted(this.what, this.given));
+    this.whole = h("figure", { class: "plot" }, h("figcaption", {}, what), this.root, this.paper, this.numbers);
     this.what = what;
     this.root.plot = this;
     all.add(this);
@@ -36,7 +46,7 @@ export class Plot {
   show(x, series, axes, marks = []) {
     this.given = { x, series, axes, marks };
     this.draw();
-    fill(this.numbers, later("Numbers as a table", () => this.table()));
+    fill(this.numbers, later("Numbers as a table", () => this.table()), this.save);
   }
 
   /** What is drawn now, as a table. */
@@ -103,7 +113,7 @@ export class Plot {
     }
     this.given = { x, series: [{ label, values, colour: "--blue" }], axes, marks: [], growing: true };
     this.draw();
-    fill(this.numbers, later("Numbers as a table, as they are when it is opened", () => this.table(), true));
+    fill(this.numbers, later("Numbers as a table (values when you open it)", () => this.table(), true), this.save);
   }
 
   fit() {
@@ -115,7 +125,7 @@ export class Plot {
 /** A band of least and greatest values as two series that are filled between. */
 export function band(label, values, colour, place) {
   return [
-    { label: `${label}, least`, values: values.low, colour, width: 1 },
-    { label: `${label}, greatest`, values: values.high, colour, width: 1, fillTo: place },
+    { label: `${label} (min)`, values: values.low, colour, width: 1 },
+    { label: `${label} (max)`, values: values.high, colour, width: 1, fillTo: place },
   ];
 }

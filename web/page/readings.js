@@ -2,8 +2,8 @@
 import { h } from "./dom.js";
 
 const CELLS = [
-  ["error", "error"], ["rms", "rms"], ["heading", "heading if level"], ["magnitude", "magnitude"],
-  ["x", "x"], ["y", "y"], ["z", "z"], ["recorded", "recorded"],
+  ["error", "error"], ["rms", "error, rms"], ["heading", "heading if level"], ["magnitude", "magnitude"],
+  ["x", "x"], ["y", "y"], ["z", "z"], ["recorded", "samples recorded"],
 ];
 
 // What changes slowly by its nature is written as often as this.
@@ -14,8 +14,9 @@ export class Readings {
     this.texts = {};
     const cell = ([name, label]) => {
       const [title, value] = [document.createTextNode(label), document.createTextNode("–")];
-      this.texts[name] = { title, value };
-      return h("div", { class: "now", id: `now-${name}` }, h("span", {}, title), h("strong", {}, value));
+      const root = h("div", { class: "now", id: `now-${name}` }, h("span", {}, title), h("strong", {}, value));
+      this.texts[name] = { title, value, root };
+      return root;
     };
     this.root = h("div", { class: "readings", id }, CELLS.map(cell));
   }
@@ -28,6 +29,11 @@ export class Readings {
 
   /** Shows a sample `at` in µT and, of a corrected one, what is known of it `now`; the rms of the last ones; the recording. */
   show({ at, corrected, now, rms, recorded }) {
+    // What only a calibration gives has no empty place before there is one.
+    if (this.corrected !== corrected) {
+      this.corrected = corrected;
+      for (const name of ["error", "rms", "heading"]) this.texts[name].root.hidden = !corrected;
+    }
     ["x", "y", "z"].forEach((axis, index) => this.set(axis, at ? `${at[index].toFixed(2)} µT` : "–", `${axis} ${corrected ? "corrected" : "measured"}`));
     this.set("magnitude", now ? `${now.norm.toFixed(2)} µT` : at ? `${Math.hypot(...at).toFixed(2)} µT` : "–");
     this.set("error", now ? `${now.residual.toFixed(3)} µT` : "–");

@@ -6,6 +6,7 @@ import {
 } from "./three.min.js";
 import { fill, h, later, table } from "./dom.js";
 import { fixed } from "./numbers.js";
+import { ink, s, saver } from "./svg.js";
 
 const STEPS = 5;
 const TURN = Math.PI / 24;
@@ -95,7 +96,7 @@ export class Sphere {
     this.most = most;
     this.canvas = h("canvas", {
       id, tabindex: "0", role: "img",
-      "aria-label": "Samples on the sphere; drag or use the arrow keys to turn, plus and minus to come nearer",
+      "aria-label": "Samples by direction in 3-D. Drag or use the arrow keys to turn, plus and minus to zoom",
     });
     this.showing = { tiles: true, corrected: true, measured: true };
     const toggle = (key, mark, text) => h("button", {
@@ -112,13 +113,13 @@ export class Sphere {
     this.spared = Boolean(most) && software();
     fill(root, h("div", { class: "ball" },
       h("div", {}, this.canvas, h("div", { class: "buttons" },
-        toggle("measured", "●", "measured"), toggle("corrected", "●", "corrected"), toggle("tiles", "▦", "tiles: seen, and gaps"),
-        h("button", { type: "button", onclick: () => this.home() }, "first view"))),
+        toggle("measured", "●", "measured"), toggle("corrected", "●", "corrected"), toggle("tiles", "▦", "directions: seen, gaps"),
+        h("button", { type: "button", onclick: () => this.home() }, "first view"), most ? null : saver("directions", () => this.drawn())), this.paper = h("div", { class: "for-print" })),
       this.told));
     try {
       this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: !this.spared, alpha: true, preserveDrawingBuffer: !most });
     } catch {
-      this.canvas.replaceWith(h("p", { class: "note" }, "This browser has no WebGL, so there is no picture of the sphere; the table says the same."));
+      this.canvas.replaceWith(h("p", { class: "note" }, "This browser has no WebGL, so there is no picture; the table has the same numbers."));
       return;
     }
     this.scene = new Scene();
@@ -183,6 +184,52 @@ export class Sphere {
     });
   }
 
+  /** For paper the present view is drawn as SVG; afterwards that is taken away. */
+  onPaper(printing) {
+    if (this.renderer && this.picture) fill(this.paper, printing ? this.drawn() : null);
+  }
+
+  /** The present view as an SVG element: tiles, dots, and the names of the axes. */
+  drawn() {
+    const [width, height] = [640, 460];
+    this.camera.lookAt(0, 0, 0);
+    this.camera.updateMatrixWorld();
+    const [view, lens] = [this.camera.matrixWorldInverse.elements, this.camera.projectionMatrix.elements];
+    const times = (m, [x, y, z]) => [0, 1, 2, 3].map((i) => m[i] * x + m[4 + i] * y + m[8 + i] * z + m[12 + i]);
+    const aspect = this.camera.aspect;
+    const at = (v) => {
+      const [x, y, , w] = times(lens, times(view, v));
+      return [width / 2 + ((x / w) * aspect * height) / 2, height / 2 - ((y / w) * height) / 2].map((value) => value.toFixed(1));
+    };
+    const root = s("svg", { xmlns: "http://www.w3.org/2000/svg", viewBox: `0 0 ${width} ${height}`, "font-family": "sans-serif", "font-size": 13, role: "img", "aria-label": "Samples by direction" });
+    root.append(s("rect", { width, height, fill: "#fff" }));
+    const { cloud, tiles } = this.picture;
+    if (tiles && this.showing.tiles) {
+      tiles.samples.forEach((count, tile) => {
+        const place = within(tiles.slices, tiles.sectors, tile, 0.97);
+        const ring = [];
+        for (let i = 0; i < STEPS; i += 1) ring.push(place(i, 0));
+        for (let j = 0; j < STEPS; j += 1) ring.push(place(STEPS, j));
+        for (let i = STEPS; i > 0; i -= 1) ring.push(place(i, STEPS));
+        for (let j = STEPS; j > 0; j -= 1) ring.push(place(0, j));
+        root.append(s("polygon", { points: ring.map((one) => at(one).join(",")).join(" "), fill: ink(count ? "--lit" : "--gap"), "fill-opacity": 0.22, stroke: ink("--soft"), "stroke-opacity": 0.35 }));
+      });
+    }
+    for (const [key, name] of [["measured", "--orange"], ["corrected", "--blue"]]) {
+      const [x, y, z] = cloud[`${key}_ut`];
+      if (!this.showing[key] || !x?.length) continue;
+      root.append(s("g", { fill: ink(name) }, x.map((_, i) => {
+        const [cx, cy] = at(shown([x[i] * this.scale, y[i] * this.scale, z[i] * this.scale]));
+        return s("circle", { cx, cy, r: 1.6 });
+      })));
+    }
+    for (const [name, end] of ENDS) {
+      const [[x1, y1], [x2, y2]] = [at([0, 0, 0]), at(shown(end))];
+      root.append(s("line", { x1, y1, x2, y2, stroke: ink("--soft") }), s("text", { x: x2, y: y2, fill: ink("--text") }, name));
+    }
+    return root;
+  }
+
   /** Shows a picture: its cloud and its tiles. */
   show(picture) {
     this.picture = picture;
@@ -201,7 +248,7 @@ export class Sphere {
     };
     this.things = {
       tiles: new Mesh(new BufferGeometry(), new MeshBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.28, side: DoubleSide, depthWrite: false })),
-      grid: line({ transparent: true, opacity: 0.3 }), axes: line(), measured: cloud(2.5), corrected: cloud(3), labels: new Group(),
+      grid: line({ transparent: true, opacity: 0.3 }), axes: line(), measured: cloud(4), corrected: cloud(4), labels: new Group(),
     };
     // There is nothing to lay or to place yet.
     for (const name of ["tiles", "grid", "measured", "corrected"]) this.things[name].visible = false;
@@ -284,20 +331,20 @@ export class Sphere {
 
   tell() {
     const { tiles } = this.picture;
-    this.words ??= { coverage: h("p"), gaps: h("p"), table: later("Tiles as a table", () => this.table(), true) };
+    this.words ??= { coverage: h("p"), gaps: h("p"), table: later("Numbers as a table", () => this.table(), true) };
     const { coverage, gaps, table: rows } = this.words;
     if (!tiles) {
-      fill(this.told, h("p", { class: "note" }, "Without a calibration there is no sphere: the dots are what was measured."));
+      fill(this.told, h("p", { class: "note" }, "Without a calibration the readings do not lie on a sphere: the dots are the measured values."));
       return;
     }
     // A table that was opened stays open while a board is turned.
     if (!rows.isConnected) fill(this.told, coverage, gaps, rows);
     else if (rows.open) fill(rows.lastChild, this.table());
-    fill(coverage, tiles.rough ? `${fixed(100 * tiles.coverage, 0)} % of the tiles have samples, among the last ones that are drawn.`
+    fill(coverage, tiles.rough ? `${fixed(100 * tiles.coverage, 0)} % of directions covered (in the samples shown).`
       : `${fixed(100 * tiles.coverage, 0)} % of all directions were seen; the largest gap is ${fixed(tiles.gap_deg, 0)}°` +
-        (tiles.gap_deg > 30 ? `, on the ${tiles.gap_side} side.` : "."));
+        (tiles.gap_deg > 30 ? `, on the ${tiles.gap_side} side of the sensor.` : "."));
     const empty = tiles.plain ? [] : [...this.sides()].filter(([, side]) => side.seen < side.tiles).map(([name]) => name);
-    fill(gaps, empty.length ? `Gaps: ${empty.join(", ")}.` : null);
+    fill(gaps, empty.length ? `Sides with gaps: ${empty.join(", ")}.` : null);
   }
 
   /** Tiles and samples by the side of the board. */
@@ -315,7 +362,7 @@ export class Sphere {
   }
 
   table() {
-    return table("Tiles of equal area by the side of the board that the field came through", ["side", "seen", "tiles", "samples"],
+    return table("Directions in tiles of equal area, by the side of the sensor that the field came through", ["side", "tiles seen", "tiles", "samples"],
       [...this.sides()].map(([name, side]) => [name, side.seen, side.tiles, side.samples]));
   }
 }

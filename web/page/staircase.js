@@ -1,9 +1,11 @@
-// The staircase of falling error: every candidate is a switch, and switching one fits anew.
+// The error with each effect added: every candidate is a switch, and switching one fits again.
 import { by, fill, h } from "./dom.js";
 import { chance, percent, ut } from "./numbers.js";
 
 const MOST = 4;
 const ORDER = { missing: 0, confounded: 1, "not-needed": 2, untestable: 3 };
+/** What the page calls each status. */
+const STATUS = { missing: "found", confounded: "confounded", "not-needed": "not needed", untestable: "not testable" };
 
 export class Staircase {
   /** `refit` is asked for a look with a list of effects. */
@@ -17,6 +19,13 @@ export class Staircase {
     by("falling").hidden = !found && look.fit.rms_ut === null;
     this.found = found;
     this.on = [...look.asked.add];
+    // The search has fitted the steps up to what it found.
+    const field = look.fit.field_ut;
+    (found?.steps ?? []).forEach((step, index, steps) => {
+      const added = steps.slice(0, index + 1).map((one) => one.added).filter(Boolean);
+      if (field) this.errors.set(added.join(" "), { rms: step.rms_ut, share: (100 * step.rms_ut) / field });
+    });
+    if (look.figures.without_effects_ut !== null && field) this.errors.set("", { rms: look.figures.without_effects_ut, share: (100 * look.figures.without_effects_ut) / field });
     this.took(look);
     this.list();
   }
@@ -37,7 +46,7 @@ export class Staircase {
     const bar = (rms, kind) => h("div", { class: "track" }, h("div", { class: `bar ${kind}`, style: null, "data-share": (100 * rms / most).toFixed(2) }));
     fill(this.steps, known.flatMap(([name, { rms, share }], index) => [
       h("span", {}, name), h("span", { "data-step": name }, `${ut(rms)}, ${percent(share)}`), bar(rms, index + 1 === known.length ? "last" : ""),
-    ]), this.floor ? [h("span", {}, "noise alone"), h("span", {}, ut(this.floor)), bar(this.floor, "noise")] : []);
+    ]), this.floor ? [h("span", {}, "noise floor"), h("span", {}, ut(this.floor)), bar(this.floor, "noise")] : []);
     for (const one of this.steps.querySelectorAll("[data-share]")) one.style.width = `${one.dataset.share}%`;
   }
 
@@ -46,11 +55,12 @@ export class Staircase {
     const few = candidates.filter((one) => one.status === "missing" || one.status === "confounded" || this.on.includes(one.id));
     const many = candidates.filter((one) => !few.includes(one));
     const one = (row) => this.switch(row);
+    const counts = Object.entries(STATUS).slice(2).map(([status, words]) => [many.filter((row) => row.status === status).length, words]).filter(([count]) => count);
     fill(by("falling-body"), this.steps,
-      candidates.length ? h("p", { class: "note" }, `Each switch fits offset, matrix and all that is switched on anew; ${MOST} at most.`) : null,
+      candidates.length ? h("p", { class: "note no-print" }, `Each switch refits the model with the selected effects, up to ${MOST}.${this.on.length ? " The effects that were found are on." : ""}`) : null,
       h("fieldset", { class: "switches" }, h("legend", {}, "Effects"), few.map(one),
-        many.length ? h("details", {}, h("summary", {}, `${many.length} more that the data do not ask for or cannot test`), h("div", { class: "switches" }, many.map(one))) : null,
-        candidates.length ? null : h("p", { class: "note" }, "No search was made.")));
+        many.length ? h("details", { class: "no-print" }, h("summary", {}, `${many.length} more: ${counts.map(([count, words]) => `${count} ${words}`).join(", ")}`), h("div", { class: "switches" }, many.map(one))) : null,
+        candidates.length ? null : h("p", { class: "note" }, "This log was fitted without a search for missing effects.")));
   }
 
   switch(row) {
@@ -61,10 +71,10 @@ export class Staircase {
       onchange: ({ target }) => this.turned(row.id, target),
     });
     box.checked = this.on.includes(row.id);
-    const held = row.holdout_rms_ut === null ? "" : ` On unseen time ${row.residual === "dip" ? `${row.holdout_rms_ut.toFixed(2)}°` : ut(row.holdout_rms_ut)}; chance ${chance(row.p_value)}.`;
+    const held = row.holdout_rms_ut === null ? "" : ` Held-out error ${row.residual === "dip" ? `${row.holdout_rms_ut.toFixed(2)}°` : ut(row.holdout_rms_ut)}, p = ${chance(row.p_value)}.`;
     return h("div", { class: "switch" }, box,
-      h("label", { for: `switch-${row.id}` }, `${row.name} (${row.id})`, h("span", { class: `tag ${row.status}` }, row.status)),
-      h("span", { class: "why" }, row.why, row.why.endsWith(".") ? "" : ".", base ? " It belongs to the matrix." : held));
+      h("label", { for: `switch-${row.id}` }, `${row.name} (${row.id})`, h("span", { class: `tag ${row.status}` }, STATUS[row.status] ?? row.status)),
+      h("span", { class: "why" }, row.why, row.why.endsWith(".") ? "" : ".", base ? " It belongs to the matrix." : held.replace("p = <", "p <")));
   }
 
   async turned(id, box) {

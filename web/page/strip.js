@@ -41,6 +41,6 @@ export class Strip {
     if (this.values.length < 2 || (this.drawn && now - this.drawn < DUE_MS)) return;
     this.drawn = now;
     if (this.plot.whole.hidden) this.plot.whole.hidden = false;
-    this.plot.stream(this.at, this.values, { x: "time, s", y: "µT", label: "error" });
+    this.plot.stream(this.at, this.values, { x: "time, s", y: "error, µT", label: "error, µT" });
   }
 }

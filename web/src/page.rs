@@ -31,12 +31,13 @@ impl Mode {
 }
 
 /// Scripts, each after those that it imports.
-const SCRIPTS: [&str; 18] = [
+const SCRIPTS: [&str; 21] = [
     "three.min.js",
     "uplot.min.js",
     "dom.js",
     "numbers.js",
     "engine.js",
+    "svg.js",
     "plots.js",
     "sphere.js",
     "figures.js",
@@ -48,6 +49,8 @@ const SCRIPTS: [&str; 18] = [
     "cloud.js",
     "readings.js",
     "strip.js",
+    "turning.js",
+    "asking.js",
     "live.js",
     "main.js",
 ];

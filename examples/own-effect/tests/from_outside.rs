@@ -224,21 +224,6 @@ fn it_is_exported_as_c_and_the_code_corrects_alike() {
 }
 
 #[test]
-fn the_documentation_shows_this_very_code() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/effects.md");
-    let document = std::fs::read_to_string(path).expect("the document");
-    for (name, code) in [
-        ("servo.rs", include_str!("../src/servo.rs")),
-        ("simulated.rs", include_str!("../src/simulated.rs")),
-        ("lib.rs", include_str!("../src/lib.rs")),
-    ] {
-        // Without the head of the file, which the text around it says.
-        let code = code.split_once("\n\n").map_or(code, |(_, rest)| rest).trim();
-        assert!(document.contains(code), "docs/effects.md does not show {name} as it is");
-    }
-}
-
-#[test]
 fn ids_are_read_and_printed() {
     let named = REGISTRY.parse(ID).expect("known");
     assert_eq!((named.family.kind(), named.column), ("servo", COLUMN));

@@ -4,7 +4,7 @@
 //! `--calibrations` measures the first of them alone, `--predicted` that of predicted errors, `--vehicles` that of headings of vehicles:
 //! `--flights` that of ordinary flights beside MAGFit's least squares, which the whole does not run:
 //! minutes instead of an hour.
-//! `--json` prints one object on standard output; `--accept` stores the tables as the new snapshots and writes those of `docs/measured.md`.
+//! `--json` prints one object on standard output; `--accept` stores the tables as the new snapshots and writes those of `host-tests/measured.md`.
 
 use ironout_host_tests::accuracy::effect_report::{Effects, SEEDS};
 use ironout_host_tests::accuracy::flights::Flights;

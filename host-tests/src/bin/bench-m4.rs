@@ -1,6 +1,6 @@
 //! `cargo bench-m4`: instruction counts on the emulated Cortex-M4F, held to a snapshot.
 //!
-//! `--json` prints one object on standard output; `--accept` stores the figures as the new snapshot and in `docs/measured.md`.
+//! `--json` prints one object on standard output; `--accept` stores the figures as the new snapshot and in `host-tests/measured.md`.
 
 use ironout_host_tests::m4::{M4Error, measure, snapshot};
 use ironout_host_tests::measured;

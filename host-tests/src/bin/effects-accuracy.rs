@@ -1,6 +1,6 @@
 //! `cargo effects-accuracy`: the part of `cargo accuracy` about hidden effects alone.
 //!
-//! `--seeds N` runs N logs of each kind and holds them to nothing; `--accept` writes the snapshot and the table of `docs/measured.md`.
+//! `--seeds N` runs N logs of each kind and holds them to nothing; `--accept` writes the snapshot and the table of `host-tests/measured.md`.
 
 use ironout_host_tests::accuracy::effect_report::{Effects, SEEDS};
 use ironout_host_tests::accuracy::snapshot;

@@ -1,7 +1,7 @@
 //! `cargo footprint [linked | emulated | BOARD] [--accept]`: flash and RAM of the library and the firmware.
 //!
 //! Without an argument it builds the linked programs and all images, prints the table and compares it with the snapshot; `--accept`
-//! writes the snapshot and the table in `docs/measured.md`. `linked` leaves out the images, `emulated` those that no emulator runs. A
+//! writes the snapshot and the table in `host-tests/measured.md`. `linked` leaves out the images, `emulated` those that no emulator runs. A
 //! board's name measures that image alone.
 
 use std::process::ExitCode;

@@ -1,7 +1,7 @@
 //! `cargo truths`: harder truths, as a table with intervals; effects put into real recordings among them.
 //!
 //! Without words it runs what the snapshot holds, and holds it to that; `--accept` writes the snapshot and the table of
-//! `docs/measured.md`. `-n N` logs of each kind, `--tuned-on` takes the logs that thresholds were tuned on instead of those that are measured,
+//! `host-tests/measured.md`. `-n N` logs of each kind, `--tuned-on` takes the logs that thresholds were tuned on instead of those that are measured,
 //! `--failing` prints what did not come out as it should, `--all` every log, `--from N` begins elsewhere, words choose kinds.
 //! `--csv N` prints log N of each kind asked for, with what is hidden in it as a comment.
 

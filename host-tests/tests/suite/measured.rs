@@ -52,7 +52,7 @@ fn every_snapshot_is_shown() {
         // The first line of this one is a heading of its own.
         let lines = text.lines().filter(|line| !line.starts_with("The paper's simulation"));
         for line in lines {
-            assert!(shown.contains(&line), "docs/measured.md lacks this line of {name}: {line}");
+            assert!(shown.contains(&line), "host-tests/measured.md lacks this line of {name}: {line}");
         }
     }
 }
@@ -64,7 +64,10 @@ fn every_figure_of_the_microcontroller_is_explained() {
     // The peer's figures stand beside ours under the same words.
     for key in text.lines().skip(1).filter_map(|line| line.split_whitespace().next()) {
         let own = key.strip_prefix("magcal_").is_some();
-        assert!(own || document.contains(&format!("`{key}`")), "docs/measured.md does not explain {key}");
+        assert!(
+            own || document.contains(&format!("`{key}`")),
+            "host-tests/measured.md does not explain {key}"
+        );
     }
 }
 
@@ -97,10 +100,7 @@ fn the_readmes_figures_are_those_of_the_tables() {
         format!("| {} | exact |", value("session_bytes ")),
     ];
     for figure in &figures {
-        assert!(
-            readme.contains(figure),
-            "README.md, \"Six figures\", is out of date: it should say {figure}"
-        );
+        assert!(readme.contains(figure), "README.md, \"Figures\", is out of date: it should say {figure}");
     }
 }
 

@@ -2,7 +2,7 @@
 //! `diagnose` on a million rows as a program of its own. The last lines are the ratios; times are shown, not asserted.
 //!
 //! `cargo bench -- WORD` runs what WORD matches, without the last lines. `IRONOUT_ACCEPT=1 cargo bench` writes them into
-//! `docs/measured.md`.
+//! `host-tests/measured.md`.
 
 mod child;
 mod core;

@@ -5,19 +5,24 @@ use crate::cli::{DiagnoseArgs, FitArgs};
 use crate::diagnosis_words::{self, Told, amount};
 use crate::failure::{Failure, Outcome};
 use crate::fit_words;
+use crate::input::Log;
 use crate::output::json_number;
 use crate::page::asked::LookAsked;
 use crate::page::held::Held;
 use crate::reading::Reading;
 use crate::refusal;
 use crate::registry::REGISTRY;
+use ironout::effect::Group;
 use ironout::fit::Method;
 use ironout_analysis::base::axes::Alignment;
+use ironout_analysis::base::mounting;
 use ironout_analysis::calibration::FittedEffect;
 use ironout_analysis::outcome::json;
-use ironout_analysis::{Diagnosis, Fitted, Options, Table};
+use ironout_analysis::outcome::outcome::Verdict;
+use ironout_analysis::{Diagnosis, Fitted, Look, Options, Refusal, Table};
 use serde_json::{Value, json};
 
+const AXES: [&str; 3] = ["x", "y", "z"];
 /// An error within so many times what noise leaves needs no explanation.
 const EXPLAINED: f64 = 1.2;
 
@@ -39,8 +44,9 @@ pub fn look(held: &Held, asked: &LookAsked) -> Outcome<Value> {
         registry: REGISTRY,
         ..Options::default()
     };
-    let look = ironout_analysis::look(&Table::from(log), &options, asked.floor_ut)
-        .map_err(|refusal| refusal::failure(refusal, &log.path))?;
+    let (look, add) =
+        with_found(log, &options, asked.floor_ut).map_err(|refusal| refusal::failure(refusal, &log.path))?;
+    let asked = &LookAsked { add, ..asked.clone() };
     let arguments = FitArgs {
         free: None,
         purpose: None,
@@ -63,7 +69,7 @@ pub fn look(held: &Held, asked: &LookAsked) -> Outcome<Value> {
         "asked": asked,
         "fit": FitObject::of(&look.fitted, options.method.name()),
         "figures": figures(&look.fitted, look.floor_ut),
-        "sentence": sentence(&look.fitted, look.floor_ut),
+        "verdict": verdict(&look, asked),
         "words": words,
         "cal": cal,
         "effects": effects.map(|effect| explained(held, effect)).collect::<Vec<_>>(),
@@ -75,6 +81,57 @@ pub fn look(held: &Held, asked: &LookAsked) -> Outcome<Value> {
         })).collect::<Vec<_>>(),
         "picture": look.picture,
     }))
+}
+
+/// A look with what its search found switched on, and which effects that are; with what was asked for, if that is something.
+fn with_found(log: &Log, options: &Options, floor_ut: Option<f64>) -> Result<(Look, Vec<String>), Refusal> {
+    let table = Table::from(log);
+    let look = ironout_analysis::look(&table, options, floor_ut)?;
+    if !options.add.is_empty() {
+        return Ok((look, options.add.clone()));
+    }
+    // A log that does not determine the model does not determine what explains its error either.
+    let determined = look.diagnosis.iter().filter(|diagnosis| diagnosis.verdict != Verdict::Undetermined);
+    let steps = determined.flat_map(|diagnosis| &diagnosis.steps);
+    // The alignment, which every fit has, puts axes in order.
+    let found: Vec<String> =
+        steps.filter_map(|step| step.added.clone()).filter(|id| !mounting::is_one(id)).collect();
+    if found.is_empty() {
+        return Ok((look, found));
+    }
+    let with = Options { add: found.clone(), search: false, ..options.clone() };
+    match ironout_analysis::look(&table, &with, look.floor_ut) {
+        Ok(second) if second.fitted.solution.is_some() => {
+            Ok((Look { diagnosis: look.diagnosis, ..second }, found))
+        }
+        _ => Ok((look, Vec::new())),
+    }
+}
+
+/// The verdict on top of a page: of the search if there was one, else of the fit; and whether there is a calibration to take.
+fn verdict(look: &Look, asked: &LookAsked) -> Value {
+    let fitted = &look.fitted;
+    let fit = sentence(fitted, look.floor_ut);
+    let whole = look.diagnosis.as_ref().map_or(fit.clone(), diagnosis_words::sentence);
+    let (name, sentence) = whole.split_once(": ").unwrap_or(("", &whole));
+    let with = if asked.add.is_empty() { String::new() } else { format!(" with {}", asked.add.join(", ")) };
+    let calibration = match (&fitted.solution, fitted.accepted) {
+        (Some(solution), true) => {
+            let error = solution.vector_error_ut();
+            format!(
+                "A calibration{with} is ready to export. The expected error of a corrected vector is {error:.3} µT ({:.2} % of the field).",
+                100.0 * error / solution.calibration.field_ut
+            )
+        }
+        _ => format!("There is no calibration{with} to export: {}.", refused(fitted).trim_end_matches('.')),
+    };
+    json!({"name": name, "sentence": sentence, "calibration": calibration, "accepted": fitted.accepted})
+}
+
+/// The first reason of a refusal.
+fn refused(fitted: &Fitted) -> &str {
+    let why = fitted.reasons.iter().find(|reason| !reason.starts_with("note:"));
+    why.map_or("this log is not enough for one", String::as_str)
 }
 
 /// A log under a calibration that there is already: what is drawn, and its error.
@@ -134,18 +191,17 @@ fn figures(fitted: &Fitted, floor_ut: Option<f64>) -> Value {
 
 /// The verdict of a fit in one sentence.
 fn sentence(fitted: &Fitted, floor_ut: Option<f64>) -> String {
-    let Some(solution) = &fitted.solution else {
-        let why = fitted.reasons.first().map_or("the log carries no calibration", String::as_str);
-        return format!("REFUSED: {why}");
+    let Some(solution) = fitted.solution.as_ref().filter(|_| fitted.accepted) else {
+        return format!("REFUSED: {}", refused(fitted));
     };
-    let field = solution.calibration.field_ut;
-    let both = |ut: f64| format!("{ut:.3} µT ({:.2} %)", 100.0 * ut / field);
+    let both = |rms: f64| format!("{rms:.3} µT ({:.2} %)", 100.0 * rms / solution.calibration.field_ut);
     let after = both(solution.rms_ut);
     let falls = match fitted.before {
-        Some((mean, rms)) => {
-            format!("the error falls from {rms:.3} µT ({:.2} %) to {after}", 100.0 * rms / mean)
-        }
-        None => format!("the error is {after}"),
+        Some((mean, rms)) => format!(
+            "the calibration reduces the error from {rms:.3} µT ({:.2} % of the field) to {after}",
+            100.0 * rms / mean
+        ),
+        None => format!("the error of the corrected magnitude is {after}"),
     };
     let least = fitted.residual_floor_least_ut.filter(|least| *least > 0.0);
     let rest = match floor_ut.filter(|floor| *floor > 0.0) {
@@ -155,18 +211,15 @@ fn sentence(fitted: &Fitted, floor_ut: Option<f64>) -> String {
         {
             let most = solution.rms_ut / least.unwrap_or(floor);
             format!(
-                ", {most:.1} times what is new from sample to sample: noise with a memory, or an error that moves, which \
-                 only a diagnosis against the columns tells"
+                ". The error is {most:.1} times the noise from sample to sample: either the noise is correlated, or something moves \
+                 slowly. Only a search with more columns can tell which"
             )
         }
-        Some(floor) if solution.rms_ut <= EXPLAINED * floor => ", which is what the noise leaves".to_string(),
-        Some(floor) => format!(", {:.1} times what the noise leaves", solution.rms_ut / floor),
+        Some(floor) if solution.rms_ut <= EXPLAINED * floor => ", the noise floor of this log".to_string(),
+        Some(floor) => format!(", {:.1} times the noise floor", solution.rms_ut / floor),
         None => String::new(),
     };
-    match fitted.reasons.iter().find(|reason| !reason.starts_with("note:")).filter(|_| !fitted.accepted) {
-        Some(why) => format!("REFUSED: {why}"),
-        None => format!("ACCEPTED: {falls}{rest}."),
-    }
+    format!("ACCEPTED: {falls}{rest}.")
 }
 
 fn alignment(fitted: &Fitted) -> Value {
@@ -184,11 +237,43 @@ fn explained(held: &Held, effect: &FittedEffect) -> Value {
         "id": effect.id, "name": effect.name, "explanation": effect.explanation, "columns": effect.columns,
         "coefficients": effect.coefficients.iter().map(|v| json_number(Some(*v))).collect::<Vec<_>>(),
         "std_errors": effect.std_errors.iter().map(|v| json_number(Some(*v))).collect::<Vec<_>>(),
-        "unit": effect.unit,
+        "unit": effect.unit, "names": coefficient_names(effect),
         "reference": effect.reference.iter().map(|(n, v)| json!([n, json_number(Some(*v))])).collect::<Vec<_>>(),
         "parameters": effect.parameters.iter().map(|(n, v)| json!([n, json_number(Some(*v))])).collect::<Vec<_>>(),
         "amount": amount(&held.log, REGISTRY, effect),
     })
+}
+
+/// What each coefficient of an effect is called: an axis, or the words of its effect.
+fn coefficient_names(effect: &FittedEffect) -> Vec<String> {
+    let count = effect.coefficients.len();
+    let named = REGISTRY.parse(&effect.id).map(|named| named.of_coefficients(count));
+    let mut names: Vec<String> = match count {
+        1 => vec!["value".into()],
+        3 => AXES.map(String::from).to_vec(),
+        _ => (1..=count).map(|number| format!("coefficient {number}")).collect(),
+    };
+    let mut set = |index: usize, name: String| {
+        if let Some(slot) = names.get_mut(index) {
+            *slot = name;
+        }
+    };
+    for group in named.iter().flat_map(|named| named.family.groups(named.form)) {
+        match *group {
+            Group::Row { label, names, from, .. } => {
+                let whole = |name: &&str| format!("{label} {name}").trim().to_string();
+                names.iter().enumerate().for_each(|(i, name)| set(from + i, whole(name)));
+            }
+            Group::Amplitude { sines, cosines, .. } => {
+                for (i, axis) in AXES.iter().enumerate() {
+                    set(sines + i, format!("sine {axis}"));
+                    set(cosines + i, format!("cosine {axis}"));
+                }
+            }
+            Group::Mean { .. } => {}
+        }
+    }
+    names
 }
 
 fn diagnosed(held: &Held, asked: &LookAsked, diagnosis: &Diagnosis) -> Value {

@@ -1,7 +1,7 @@
 //! What is said of a magnetometer in another unit, and the options that mend it.
 
 use crate::cli::{LogArgs, typed_option};
-use crate::failure::Failure;
+use crate::failure::{Choice, Failure, Question};
 use crate::input::{Log, Quantity, Unit, map_entry as entry, parse_map};
 use ironout_analysis::plausible::field::FieldSize;
 
@@ -14,12 +14,15 @@ pub fn directions(magnitude_ut: f64) -> Failure {
     ))
 }
 
-/// The unit that the columns are rather in, or the factor that they lack, and the options that say so.
-pub fn unit_remedy(log: &Log, arguments: &LogArgs, size: &FieldSize) -> String {
-    let coil = "A field of its own (a coil) is said with --field UT";
+/// The unit of the magnetometer as it was read.
+fn read_unit(log: &Log) -> Unit {
     let read = log.read_as.columns.iter().find(|column| column.name == "mx_ut");
     let read = read.and_then(|column| Unit::stated(&column.unit, Some(Quantity::Field)));
-    let read = read.unwrap_or_else(|| Unit::own(Quantity::Field));
+    read.unwrap_or_else(|| Unit::own(Quantity::Field))
+}
+
+/// The units, or factors, in which the readings are a field of the Earth; the likeliest first.
+fn fitting_units(read: &Unit, size: &FieldSize) -> Vec<Unit> {
     let factor = |unit: &Unit| unit.convert(1.0) / read.convert(1.0);
     let can_be = |unit: &Unit| size.can_be_earth(factor(unit));
     let mut units: Vec<Unit> = Unit::all(Quantity::Field).filter(can_be).collect();
@@ -33,6 +36,30 @@ pub fn unit_remedy(log: &Log, arguments: &LogArgs, size: &FieldSize) -> String {
     }
     let middle = |unit: &Unit| (size.field_ut * factor(unit) / 45.0).ln().abs();
     units.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
+    units
+}
+
+/// Which unit the columns are in, as a question with answers.
+pub fn unit_question(log: &Log, arguments: &LogArgs, size: &FieldSize) -> Question {
+    let read = read_unit(log);
+    let choice = |unit: &Unit| {
+        let field_ut = size.field_ut * unit.convert(1.0) / read.convert(1.0);
+        let map = ("--map".to_string(), unit_map(log, arguments, unit));
+        Choice { label: format!("{} (a field of {} µT)", unit.name, short(field_ut)), options: vec![map] }
+    };
+    Question {
+        text: format!("The readings are not a field of the Earth in {}. Which unit are they in?", read.name),
+        choices: fitting_units(&read, size).iter().map(choice).collect(),
+        ..Question::default()
+    }
+}
+
+/// The unit that the columns are rather in, or the factor that they lack, and the options that say so.
+pub fn unit_remedy(log: &Log, arguments: &LogArgs, size: &FieldSize) -> String {
+    let coil = "A field of its own (a coil) is said with --field UT";
+    let read = read_unit(log);
+    let factor = |unit: &Unit| unit.convert(1.0) / read.convert(1.0);
+    let units = fitting_units(&read, size);
     if units.is_empty() {
         return format!("No unit makes it one: is this the magnetometer? {coil}");
     }
@@ -46,14 +73,14 @@ pub fn unit_remedy(log: &Log, arguments: &LogArgs, size: &FieldSize) -> String {
             short(size.field_ut * factor),
             short_power(times),
             read.name,
-            unit_options(log, arguments, &unit)
+            typed_option("--map", &unit_map(log, arguments, &unit))
         ));
     }
     text + coil
 }
 
-/// The options that read the magnetometer's columns in this unit, and everything else as it was.
-fn unit_options(log: &Log, arguments: &LogArgs, unit: &Unit) -> String {
+/// The `--map` that reads the magnetometer's columns in this unit, and everything else as it was.
+fn unit_map(log: &Log, arguments: &LogArgs, unit: &Unit) -> String {
     let given = parse_map(&arguments.map).unwrap_or_default();
     let names = ["mx_ut", "my_ut", "mz_ut"];
     let source = |name: &str| {
@@ -66,7 +93,7 @@ fn unit_options(log: &Log, arguments: &LogArgs, unit: &Unit) -> String {
     let others = given.iter().filter(|(name, _)| !names.contains(&name.as_str()));
     let others = others.map(|(name, header)| entry(name, header, None));
     let map: Vec<String> = field.into_iter().chain(others).collect();
-    typed_option("--map", &map.join(","))
+    map.join(",")
 }
 
 /// Three significant digits, without a power of ten.

@@ -82,7 +82,9 @@ pub fn run(arguments: &ReportArgs, as_json: bool) -> Outcome<u8> {
             written.iter().map(|(path, bytes)| json!({"output": path, "bytes": bytes})).collect();
         output::line(&json!({"written": files, "accepted": accepted, "fit": looked["fit"]}).to_string());
     } else {
-        output::line(looked["sentence"].as_str().unwrap_or_default());
+        let verdict = |key: &str| looked["verdict"][key].as_str().unwrap_or_default();
+        output::line(&format!("{}: {}", verdict("name"), verdict("sentence")));
+        output::line(verdict("calibration"));
         for (path, bytes) in &written {
             output::line(&format!("wrote {path} ({})", size(*bytes)));
         }

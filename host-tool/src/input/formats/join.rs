@@ -1,6 +1,6 @@
 //! A recording of several streams becomes one log: the magnetometer gives the rows, the rest is read at their times.
 
-use crate::failure::{Failure, Outcome};
+use crate::failure::{Choice, Failure, Outcome, Question};
 use crate::input::columns::Role;
 use crate::input::formats::interpolate::{GAP_PERIODS, at_times, gap_s};
 use crate::input::formats::order::ordered;
@@ -408,10 +408,20 @@ fn no_scale(stream: &Stream, format: &str) -> Failure {
         "{format} holds the magnetometer in counts of its chip, and does not say which chip it is: give the scale with \
          --ut-per-count, in microtesla a count.\nThe counts span ±{squares:.0}, and the Earth's field is 22 to 67 µT:"
     );
+    let mut choices = Vec::new();
     for (chip, scale) in CHIPS {
         let field = squares * scale;
         let fits = if (11.0..=100.0).contains(&field) { "" } else { ", which cannot be" };
         message.push_str(&format!("\n  --ut-per-count {scale}   {chip} (gives ±{field:.0} µT{fits})"));
+        if fits.is_empty() {
+            let options = vec![("--ut-per-count".to_string(), scale.to_string())];
+            choices.push(Choice {
+                label: format!("{chip}: {scale} µT per count (gives ±{field:.0} µT)"),
+                options,
+            });
+        }
     }
-    Failure::usage(message).at_column("magADC")
+    let text = "The magnetometer is in counts of its chip. Which chip is it?".to_string();
+    let question = Question { text, choices, needs_scale: true, ..Question::default() };
+    Failure::usage(message).at_column("magADC").asking(question)
 }

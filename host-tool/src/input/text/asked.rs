@@ -1,6 +1,6 @@
 //! Where two readings are possible: the question, with both of them as options that can be pasted.
 
-use crate::failure::Failure;
+use crate::failure::{Choice, Failure, Question};
 use crate::input::map::entry;
 use crate::input::text::choice::{FIELD_COUNTS, FIELD_UT};
 use crate::input::text::grid::Grid;
@@ -14,19 +14,36 @@ use ironout_analysis::plausible::field::{EARTH_UT, FieldSize};
 /// Names shown of a table.
 const SHOWN: usize = 40;
 
-/// `--map 'mx_ut=MagX[mG],…'` for three columns.
-pub fn map_of(grid: &Grid, columns: [usize; 3], names: [&str; 3], unit: Option<&Unit>) -> String {
+/// `mx_ut=MagX[mG],…` for three columns.
+fn entries(grid: &Grid, columns: [usize; 3], names: [&str; 3], unit: Option<&Unit>) -> String {
     let parts: Vec<String> = columns
         .iter()
         .zip(names)
         .map(|(column, name)| entry(name, header(grid, *column), unit.map(|unit| unit.name.as_ref())))
         .collect();
-    format!("--map {}", quoted(&parts.join(",")))
+    parts.join(",")
 }
 
-/// `--map 't_s=time[ms]'`.
-pub fn map_time(grid: &Grid, column: usize, unit: &str) -> String {
-    format!("--map {}", quoted(&entry("t_s", header(grid, column), Some(unit))))
+/// `--map 'mx_ut=MagX[mG],…'` for three columns.
+pub fn map_of(grid: &Grid, columns: [usize; 3], names: [&str; 3], unit: Option<&Unit>) -> String {
+    format!("--map {}", quoted(&entries(grid, columns, names, unit)))
+}
+
+fn choice(label: String, map: String) -> Choice {
+    Choice { label, options: vec![("--map".to_string(), map)] }
+}
+
+/// Three columns in one of these units, each an answer; in counts if there are none.
+fn in_units(grid: &Grid, columns: [usize; 3], units: &[Unit], counts: bool) -> Vec<Choice> {
+    let label = |unit: &str| format!("{} in {unit}", names(grid, columns));
+    let mut all: Vec<Choice> = units
+        .iter()
+        .map(|unit| choice(label(unit.name.as_ref()), entries(grid, columns, FIELD_UT, Some(unit))))
+        .collect();
+    if counts || units.is_empty() {
+        all.push(choice(label("counts of the chip"), entries(grid, columns, FIELD_COUNTS, None)));
+    }
+    all
 }
 
 fn header(grid: &Grid, column: usize) -> &str {
@@ -64,7 +81,13 @@ pub fn field_unit(grid: &Grid, columns: [usize; 3], units: &[Unit], counts: bool
             map_of(grid, columns, FIELD_COUNTS, None)
         ));
     }
-    place(grid, Failure::usage(lines.join("\n")).at_column(place_of(grid, columns[0])))
+    let question = Question {
+        text: format!("What is the unit of the magnetometer ({})?", names(grid, columns)),
+        choices: in_units(grid, columns, units, counts),
+        needs_scale: counts || units.is_empty(),
+        ..Question::default()
+    };
+    place(grid, Failure::usage(lines.join("\n")).at_column(place_of(grid, columns[0])).asking(question))
 }
 
 /// The scales that make the radius a field of the Earth.
@@ -93,7 +116,12 @@ pub fn scale(grid: &Grid, columns: [usize; 3]) -> Failure {
          AK8963 or AK09916)",
         names(grid, columns)
     );
-    place(grid, Failure::usage(text).at_column(place_of(grid, columns[0])))
+    let question = Question {
+        text: format!("The magnetometer ({}) is in counts. How many µT is one count?", names(grid, columns)),
+        needs_scale: true,
+        ..Question::default()
+    };
+    place(grid, Failure::usage(text).at_column(place_of(grid, columns[0])).asking(question))
 }
 
 /// Several columns can be the magnetometer, and nothing tells which.
@@ -107,7 +135,14 @@ pub fn which_vector(grid: &Grid, candidates: &[[usize; 3]], units: &[Vec<Unit>])
             ),
         }
     }
-    place(grid, Failure::usage(lines.join("\n")))
+    let each = candidates.iter().zip(units);
+    let question = Question {
+        text: "Which columns are the magnetometer?".to_string(),
+        choices: each.flat_map(|(columns, units)| in_units(grid, *columns, units, false)).collect(),
+        needs_scale: units.iter().any(Vec::is_empty),
+        ..Question::default()
+    };
+    place(grid, Failure::usage(lines.join("\n")).asking(question))
 }
 
 /// The unit of time is not known.
@@ -121,8 +156,14 @@ pub fn time_unit(grid: &Grid, column: usize, units: &[Unit], step: f64) -> Failu
     let all = ["s", "ms"];
     let units: Vec<&str> =
         if units.is_empty() { all.to_vec() } else { units.iter().map(|unit| unit.name.as_ref()).collect() };
-    lines.extend(units.into_iter().map(|unit| format!("  {}", map_time(grid, column, unit))));
-    place(grid, Failure::usage(lines.join("\n")).at_column(place_of(grid, column)))
+    let map = |unit: &&str| entry("t_s", name, Some(unit));
+    lines.extend(units.iter().map(|unit| format!("  --map {}", quoted(&map(unit)))));
+    let question = Question {
+        text: format!("What is the unit of the time in {}?", shorten(name)),
+        choices: units.iter().map(|unit| choice(format!("{} in {unit}", shorten(name)), map(unit))).collect(),
+        ..Question::default()
+    };
+    place(grid, Failure::usage(lines.join("\n")).at_column(place_of(grid, column)).asking(question))
 }
 
 /// No magnetometer: what was looked for, what is there.
@@ -141,7 +182,12 @@ pub fn no_field(grid: &Grid) -> Failure {
         there.join(", "),
         quoted(&example)
     );
-    place(grid, Failure::usage(text))
+    let question = Question {
+        text: "Which columns are the magnetometer?".to_string(),
+        columns: grid.columns.iter().map(|column| column.header.clone()).collect(),
+        ..Question::default()
+    };
+    place(grid, Failure::usage(text).asking(question))
 }
 
 /// Three neighbouring columns whose readings lie on a sphere that is the Earth's field in some unit: nothing else is worth a proposal.

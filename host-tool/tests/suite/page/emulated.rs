@@ -11,6 +11,8 @@ use std::thread::JoinHandle;
 
 /// What a session by clicks shows, whatever the wire is.
 fn assert_session(seen: &Value) {
+    let turning = number(&seen["turning"]);
+    assert!((10.0..=180.0).contains(&turning) && seen["turned"] == true, "{seen}");
     for (key, part) in [
         ("link", "mps2 with LSM303DLHC"),
         ("started", "done: cal start"),
@@ -21,7 +23,7 @@ fn assert_session(seen: &Value) {
         ("reading", "magnitude 4"),
         ("whyAnswer", "done: why"),
         ("why", "Why is it off?"),
-        ("sentence", "ACCEPTED"),
+        ("advice", "ready to export"),
     ] {
         assert!(words(&seen[key]).contains(part), "{key} without {part}: {seen}");
     }
@@ -123,7 +125,7 @@ fn a_board_is_calibrated_over_a_serial_port_of_the_browser() {
     });
     let _off = Off { stop, served_at, bridge: Some(bridge) };
     let seen = scenario("serial", json!({"file": here.join("index.html"), "address": address}));
-    assert!(words(&seen["gone"]).contains("it is waited for"), "{seen}");
+    assert!(words(&seen["gone"]).contains("waiting for it"), "{seen}");
     assert_eq!(seen["rates"].as_array().and_then(|rates| rates.first()), Some(&json!(115_200)), "{seen}");
     assert_session(&seen);
     // Nothing is hidden from it.

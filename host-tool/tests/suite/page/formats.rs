@@ -138,6 +138,15 @@ fn every_format_dropped_on_the_page_says_what_the_command_line_says() {
         assert_eq!(shown, printed, "{name}");
     }
     assert!(words(&seen["beside"]).contains("cal.json"), "{seen}");
+    let example = &seen["example"];
+    assert!(words(&example["name"]).starts_with("example.csv"), "{example}");
+    assert!(words(&example["sentence"]).starts_with("FOUND"), "{example}");
+    assert_eq!(example["on"], json!(["offset:current_a"]));
+    let asked = &seen["question"];
+    assert!(words(&asked["text"]).contains("Which chip is it?"), "{asked}");
+    assert_eq!((&asked["left"], &asked["objections"]), (&json!(["verdict", "drop"]), &json!([])), "{asked}");
+    let own = seen["samples"].as_array().and_then(|all| all.last()).map(|last| &last["now"]);
+    assert!(words(&asked["name"]).starts_with("flight.bbl") && Some(&asked["answered"]) == own, "{asked}");
     // The same digits of a log that only stands beside another.
     let first =
         samples.first().expect("samples").path.file_name().and_then(|name| name.to_str()).expect("a name");

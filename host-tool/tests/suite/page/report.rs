@@ -14,7 +14,9 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
     let file = here.join("report.html");
     let run = ironout(["report", text(&log), "-o", text(&file), "--json"]);
     assert_eq!(run.status, 0, "{}", run.stderr);
-    let fitted = &run.json()["fit"];
+    // What was found is on, in the page and in what the command says of it.
+    assert_eq!(run.json()["fit"]["effects"][0]["id"], "offset:current_a");
+    let fitted = ironout(["fit", text(&log), "--json"]).json();
     let seen = scenario("report", json!({"file": file, "effect": "offset:current_a"}));
     // The command line's own digits.
     assert!((number(&seen["base"]) - number(&fitted["rms_ut"])).abs() <= 5.01e-4, "{seen}");
@@ -23,10 +25,12 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
     assert!(base > 2.0 * floor && now < 1.15 * floor, "{seen}");
     // What is missing is not called noise before it is switched on, nor after it was switched off.
     assert!((number(&seen["floor"]) - floor).abs() < 0.05 * floor, "{seen}");
-    for key in ["sentence", "sentenceOff"] {
-        assert!(words(&seen[key]).contains("times what the noise leaves"), "{seen}");
+    assert!(words(&seen["sentence"]).starts_with("FOUND"), "{seen}");
+    for key in ["sentenceOff", "sentenceAgain"] {
+        assert!(words(&seen[key]).contains("times the noise floor"), "{seen}");
     }
-    assert!(words(&seen["sentenceNow"]).contains("which is what the noise leaves"), "{seen}");
+    assert!(words(&seen["sentenceNow"]).contains("the noise floor of this log"), "{seen}");
+    assert_eq!((&seen["on"], number(&seen["found"])), (&json!(true), now));
     let with = ironout(["fit", text(&log), "--add", "offset:current_a", "--json"]).json();
     assert!((now - number(&with["rms_ut"])).abs() <= 5.01e-4, "{now} {}", with["rms_ut"]);
     assert_eq!((&seen["turned"], &seen["checked"]), (&json!(true), &json!(true)));
@@ -55,8 +59,14 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
     assert_eq!(words(&targets["c"][1]).trim(), header.stdout.trim());
     for (key, parts) in [
         (
-            "found",
-            &["current offset (offset:current_a)", "It amounts to", "± 1σ", "offset, µT", "floor by noise"][..],
+            "numbers",
+            &[
+                "current offset (offset:current_a)",
+                "Size:",
+                "standard error, µT/A",
+                "offset, µT",
+                "noise floor",
+            ][..],
         ),
         ("gaps", &["of all directions were seen", "largest gap"]),
         (
@@ -90,7 +100,7 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
                 "plot-histogram",
             ],
         ),
-        ("onPaper", &["sentence", "figures", "stairs", "plot-residual", "sphere"]),
+        ("onPaper", &["sentence", "figures", "stairs", "Residual", "Spectrum", "Samples by direction"]),
     ] {
         let all = seen[key].as_array().expect("a list");
         assert!(
@@ -99,7 +109,20 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
             seen[key]
         );
     }
-    assert_eq!(seen["onPaper"].as_array().map(Vec::len), Some(5), "{}", seen["onPaper"]);
+    // Eight plots and the sphere, and no canvas, button or export beside them.
+    assert_eq!(seen["onPaper"].as_array().map(Vec::len), Some(12), "{}", seen["onPaper"]);
+    let figures = seen["figures"].as_object().expect("figures");
+    for (name, word) in [
+        ("residual.svg", "residual, µT"),
+        ("dots.svg", "current_a, A"),
+        ("spectrum.svg", "frequency, Hz"),
+        ("histogram.svg", "share of samples"),
+        ("directions.svg", "front"),
+    ] {
+        let drawn = &figures[name];
+        assert_eq!((&drawn["root"], &drawn["broken"]), (&json!("svg"), &json!(false)), "{name}: {drawn}");
+        assert!(number(&drawn["marks"]) >= 2.0 && words(&drawn["words"]).contains(word), "{name}: {drawn}");
+    }
     assert_eq!(seen["dark"], "dark");
     assert!(number(&seen["pages"]) >= 2.0, "{seen}");
 }
