@@ -80,7 +80,7 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
         Some((name, _)) => format!("lat_deg, lon_deg and {name}"),
         None => "lat_deg and lon_deg (at height 0)".to_string(),
     };
-    log.earth = Some([field, dip]);
+    log.earth = Some([field.into_owned(), dip.into_owned()]);
     log.declination_deg = last.map(|(_, earth)| earth.declination_deg);
     if let Some(words) = travels(log, &format!("by {of} and the world magnetic model of {on}, {words}")) {
         // Of the program's own format no reasons are printed.
