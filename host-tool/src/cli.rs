@@ -8,6 +8,8 @@ pub use crate::cli_export::{ExportArgs, ExportForm};
 #[cfg(not(target_arch = "wasm32"))]
 pub use crate::cli_page::{LiveArgs, ReportArgs, WebArgs};
 #[cfg(not(target_arch = "wasm32"))]
+use crate::field_unit::FieldUnit;
+#[cfg(not(target_arch = "wasm32"))]
 use crate::link_args::{FetchArgs, RecordArgs, SendArgs};
 use clap::Args;
 #[cfg(not(target_arch = "wasm32"))]
@@ -50,6 +52,41 @@ pub struct Cli {
     /// One JSON object on standard output and nothing else there (unknown values are null)
     #[arg(long, global = true)]
     pub json: bool,
+    /// Print every figure, not only the answer
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
+    /// Print one line
+    #[arg(short, long, global = true, conflicts_with_all = ["verbose", "json"])]
+    pub quiet: bool,
+    /// Unit of magnetic fields in printed text (JSON and files keep microtesla)
+    #[arg(long, global = true, value_enum, ignore_case = true, value_name = "UNIT", default_value = "ut")]
+    pub unit: FieldUnit,
+}
+
+/// How much is printed, and how.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// One JSON object.
+    Json,
+    /// One line.
+    Line,
+    /// The answer, at most a screen.
+    Brief,
+    /// The answer and every figure.
+    Full,
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+impl Cli {
+    /// The form that the options ask for.
+    pub fn form(&self) -> Form {
+        match (self.json, self.quiet, self.verbose) {
+            (true, ..) => Form::Json,
+            (_, true, _) => Form::Line,
+            (.., true) => Form::Full,
+            _ => Form::Brief,
+        }
+    }
 }
 
 /// The commands.

@@ -24,6 +24,7 @@ pub mod derive;
 pub mod diagnosis_words;
 pub mod exported;
 pub mod failure;
+pub mod field_unit;
 pub mod fit_words;
 pub mod geomag;
 pub mod input;
@@ -35,6 +36,7 @@ pub mod link_args;
 pub mod log_args;
 pub mod output;
 pub mod page;
+pub mod paint;
 pub mod plausible;
 pub mod prior;
 #[cfg_attr(target_arch = "wasm32", path = "progress_none.rs")]

@@ -207,6 +207,24 @@ impl FieldArgs {
         Ok(method)
     }
 
+    /// The options as they are typed. With effects, everything is fitted together, whatever the base's method.
+    pub fn typed(&self, with_effects: bool) -> String {
+        let mut words = String::new();
+        if let Some(field) = self.field {
+            words.push_str(&typed_option("--field", &field.to_string()));
+        }
+        if let Some(at) = &self.at {
+            words.push_str(&typed_option("--at", at));
+        }
+        match self.method {
+            MethodArg::Adjusted => {}
+            _ if with_effects => {}
+            MethodArg::Trace => words.push_str(" --method trace"),
+            MethodArg::Constant => words.push_str(" --method constant"),
+        }
+        words
+    }
+
     /// The expected field; errors name the option.
     pub fn expected(&self) -> Outcome<Expected> {
         if let Some(text) = &self.at {

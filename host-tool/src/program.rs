@@ -1,7 +1,7 @@
 //! The whole program: a command line in, an exit status out.
 
 use crate::failure::{self, EXIT_USAGE, Failure};
-use crate::{cli, commands, output, wrap};
+use crate::{cli, commands, field_unit, output, wrap};
 use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -13,6 +13,7 @@ pub fn run(arguments: Vec<OsString>) -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return usage(&error, json),
     };
+    field_unit::choose(cli.unit);
     match commands::run(&cli) {
         Ok(status) => delivered(status),
         Err(failure) => {

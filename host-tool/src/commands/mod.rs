@@ -27,13 +27,13 @@ use crate::failure::Outcome;
 /// Runs the command.
 pub fn run(cli: &Cli) -> Outcome<u8> {
     match &cli.command {
-        Command::Fit(arguments) => fit::run(arguments, cli.json),
+        Command::Fit(arguments) => fit::run(arguments, cli.form()),
         Command::Apply(arguments) => apply::run(arguments, cli.json),
         Command::Check(arguments) => check::run::run(arguments, cli.json),
         Command::Export(arguments) => export::run::run(arguments, cli.json),
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
         Command::Demo(arguments) => demo::run(arguments, cli.json),
-        Command::Diagnose(arguments) => diagnose::run(arguments, cli.json),
+        Command::Diagnose(arguments) => diagnose::run(arguments, cli.form()),
         Command::Batch(arguments) => batch::run::run(arguments, cli.json),
         Command::Send(arguments) => send::run(arguments, cli.json),
         Command::Fetch(arguments) => fetch::run(arguments, cli.json),

@@ -1,17 +1,27 @@
-//! What `diagnose` says to people: an explanation from the noise floor to the command that repairs it.
+//! What `diagnose` says to people: the answer first, then the details from the noise floor to the tested effects.
 
-use crate::diagnosis_words::numbers::{hang, microtesla, probability, wrap};
+use crate::diagnosis_words::numbers::{field, hang, microtesla, probability, wrap};
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, counted, groups, name_of, title};
-use crate::diagnosis_words::{advice, conclusion, found, place};
+use crate::diagnosis_words::{advice, answer, found, place};
+use crate::field_unit::symbol;
 use ironout::effect::{Named, Registry};
 use ironout_analysis::base::mounting;
 use ironout_analysis::noise::colour::Colour;
 use ironout_analysis::outcome::outcome::{CandidateRow, Status, Verdict};
 use ironout_analysis::samples::faults::{DataFault, FaultKind};
 
-/// The whole explanation.
+/// The answer alone: verdict, figures and next steps, at most a screen.
+pub fn brief(told: &Told) -> String {
+    let mut out = answer::answer(told);
+    out.push(String::new());
+    out.push("Residual by column, coefficients and all tested effects: repeat the command with -v.".into());
+    joined(&out)
+}
+
+/// The answer, then every detail.
 pub fn text(told: &Told) -> String {
-    let mut out = Vec::new();
+    let mut out = answer::answer(told);
+    out.push(String::new());
     heading(told, &mut out);
     faults(told, &mut out);
     base(told, &mut out);
@@ -22,11 +32,11 @@ pub fn text(told: &Told) -> String {
     tested(told, &mut out);
     untestable(told, &mut out);
     confounded(told, &mut out);
-    conclusion::verdict(told, &mut out);
-    conclusion::what_next(told, &mut out);
-    let mut text = out.join("\n");
-    text.push('\n');
-    text
+    joined(&out)
+}
+
+fn joined(lines: &[String]) -> String {
+    lines.iter().map(|line| format!("{line}\n")).collect()
 }
 
 fn heading(told: &Told, out: &mut Vec<String>) {
@@ -108,7 +118,7 @@ fn base(told: &Told, out: &mut Vec<String>) {
     };
     let mut row = |label: &str, value: Option<f64>, note: String| {
         let number = value.map_or("-".into(), microtesla);
-        out.push(format!("  {label:<16} {number:>8} µT   {note}").trim_end().to_string());
+        out.push(format!("  {label:<16} {number:>8} {}   {note}", symbol()).trim_end().to_string());
     };
     row("noise floor", diagnosis.noise_floor_ut, "per axis, as the residual shows it (1σ)".into());
     if !at_rest(diagnosis) {
@@ -261,9 +271,9 @@ fn confounded(told: &Told, out: &mut Vec<String>) {
         title(out, "Cannot be told apart with this log");
         for id in &group {
             let row = told.diagnosis.candidates.iter().find(|row| row.id == *id);
-            let held = row.and_then(|row| row.holdout_rms_ut).map_or(String::new(), |ut| {
-                format!(": with it alone the error on unseen time is {} µT", microtesla(ut))
-            });
+            let held = row
+                .and_then(|row| row.holdout_rms_ut)
+                .map_or(String::new(), |ut| format!(": held-out error {} with it alone", field(ut)));
             let text = format!("{} ({id}){held}", name_of(told.diagnosis, id));
             out.extend(hang(&text, "  - ", "    ", WIDTH));
         }
