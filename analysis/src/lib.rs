@@ -32,11 +32,13 @@ pub mod plausible;
 pub mod residual;
 pub mod samples;
 pub mod search;
+pub mod similar;
 pub mod table;
 mod threads;
 pub mod track;
 
 pub use correct::{CannotCorrect, Corrector, on_another_clock};
+pub use fit::allowed::{Allowed, allowed};
 pub use fit::diagnosed::{diagnose, fit_and_diagnose};
 pub use fit::fitted::Fitted;
 pub use fit::run::fit;

@@ -37,7 +37,7 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
         (Some(on), _) => (on, "as given".to_string()),
         (None, Some(on)) => (on, "by its times".to_string()),
         (None, None) => {
-            (given(ASSUMED)?, "assumed, for the log tells no date: --date YYYY-MM-DD gives it".to_string())
+            (given(ASSUMED)?, "assumed, because the log has no date. Use --date YYYY-MM-DD".to_string())
         }
     };
     let mut field = vec![f64::NAN; log.rows];
@@ -71,7 +71,7 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
     unknown = unknown.max(log.rows - 1 - known);
     if unknown as f64 > UNKNOWN * log.rows as f64 {
         log.notices.push(format!(
-            "lat_deg and lon_deg tell no place in {unknown} rows on end: the field is taken as one along the way"
+            "lat_deg and lon_deg are invalid in {unknown} consecutive rows, so ironout assumes a uniform field"
         ));
         return Ok(());
     }
@@ -103,7 +103,7 @@ pub fn travels(log: &Log, source: &str) -> Option<String> {
     let [field, dip] = log.earth.as_ref()?;
     let [least, most] = Track::of(field, dip)?.range_ut;
     Some(format!(
-        "the field of the Earth is {least:.2} to {most:.2} µT along the way ({source}); each place is held against its own, so that \
-         travelling is no effect"
+        "the Earth's field is {least:.2} to {most:.2} µT along the path ({source}). ironout compares each place with its \
+         own field, so travelling is not reported as an effect"
     ))
 }

@@ -16,6 +16,8 @@ pub mod cli_batch;
 pub mod cli_demo;
 pub mod cli_export;
 #[cfg(not(target_arch = "wasm32"))]
+pub mod cli_help;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod cli_page;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod commands;

@@ -14,17 +14,17 @@ pub const SAVED: &str = "log.csv";
 /// Options about reading a log.
 #[derive(Debug, Args, Clone)]
 pub struct LogArgs {
-    /// The log: any format that is read (docs/formats.md), told by its content; - is standard input
+    /// The log, in any supported format (docs/formats.md); ironout detects the format from the content; - is standard input
     pub log: PathBuf,
     /// Further logs of the same sensor in the same mounting
     #[arg(value_name = "LOG")]
     pub more: Vec<PathBuf>,
-    /// Scale of mx_counts,… in microtesla a count: one number, or three for x,y,z
+    /// Scale of raw counts, in µT per count: one number, or three (x,y,z)
     #[arg(long, value_name = "UT[,UT,UT]", help_heading = "Reading the log", allow_hyphen_values = true)]
     pub ut_per_count: Option<String>,
     /// Which column is what, with its unit (repeatable)
     #[arg(
-        help = "Which column is what: mx_ut=MagX,my_ut=MagY,mz_ut=MagZ, with its unit as in t_s=time[ms] or mx_ut=MagX[mG] (repeatable)"
+        help = "Map columns: NAME=HEADER[UNIT], e.g. mx_ut=MagX[mG],my_ut=MagY[mG],mz_ut=MagZ[mG],t_s=time[ms] (repeatable)"
     )]
     #[arg(long, value_name = "NAME=HEADER[UNIT],…", help_heading = "Reading the log")]
     pub map: Vec<String>,
@@ -32,10 +32,10 @@ pub struct LogArgs {
     /// numbers; mag:, accel: or gyro: before it turns one sensor only (repeatable)
     #[arg(long, value_name = "ROTATION", help_heading = "Reading the log", allow_hyphen_values = true)]
     pub rotate: Vec<String>,
-    /// Which magnetometer of the log, where it has several
+    /// Which magnetometer of the log, if it has several
     #[arg(long, value_name = "N", help_heading = "Reading the log")]
     pub instance: Option<usize>,
-    /// A further column, computed from others row by row: 'drive=throttle^1.5*vbat' (repeatable); operators + - * / ^,
+    /// Add a computed column, row by row: 'drive=throttle^1.5*vbat' (repeatable); operators + - * / ^,
     /// functions sin, sqrt, exp, min(a,b), diff(x), lowpass(x,seconds) …
     #[arg(
         long,
@@ -50,7 +50,9 @@ pub struct LogArgs {
     /// Broken numbers of the magnetometer, mended (repeatable): unsigned, swapped-bytes, signed-low-byte, x:unwrap=…, x:late=ROWS,
     /// range, error-code=VALUE; none takes them as they are
     #[arg(
-        help = "Mend broken numbers of the magnetometer: unsigned | swapped-bytes | signed-low-byte | x:unwrap=MODULUS/FROM | x:late=ROWS | range | error-code=VALUE, with the axes in front where it is not all of them (xy:unsigned); none takes the numbers as they are (repeatable)"
+        help = "Repair corrupted magnetometer numbers: unsigned | swapped-bytes | signed-low-byte | x:unwrap=MODULUS/FROM | \
+             x:late=ROWS | range | error-code=VALUE, prefixed with the axes if not all are affected (xy:unsigned); none \
+             uses the numbers unchanged (repeatable)"
     )]
     #[arg(long, value_name = "REPAIR", help_heading = "Reading the log", allow_hyphen_values = true)]
     pub repair: Vec<String>,
@@ -147,8 +149,8 @@ pub fn scale(text: &str) -> Outcome<[f64; 3]> {
         Some([one]) => Ok([*one; 3]),
         Some([x, y, z]) => Ok([*x, *y, *z]),
         _ => Err(Failure::usage(format!(
-            "--ut-per-count {text}: expected one positive number, or three for x,y,z, in microtesla a count, as in \
-             --ut-per-count 0.0333 (an axis of the wrong sign is for --rotate)"
+            "--ut-per-count {text}: expected one positive number, or three for x,y,z, in µT per count, as in \
+             --ut-per-count 0.0333 (for an axis with the wrong sign use --rotate)"
         ))),
     }
 }
@@ -167,13 +169,13 @@ pub enum MethodArg {
 /// Options about the field and the method.
 #[derive(Debug, Args, Clone)]
 pub struct FieldArgs {
-    /// The magnitude to scale corrected vectors to, microtesla (without it, the log's own mean is kept)
+    /// Field strength of corrected vectors, in µT (default: mean field strength of the log)
     #[arg(long, value_name = "UT", conflicts_with = "at", allow_hyphen_values = true)]
     pub field: Option<f64>,
-    /// The same from the world magnetic model: degrees north, degrees east, YYYY-MM-DD
+    /// Set the field strength from the World Magnetic Model at this latitude, longitude (degrees) and date (YYYY-MM-DD)
     #[arg(long, value_name = "LAT,LON,DATE", allow_hyphen_values = true)]
     pub at: Option<String>,
-    /// How to fit offset and matrix (with effects, or on top of --prior, everything is fitted at once)
+    /// How to fit offset and matrix (with --add or --prior, everything is fitted together)
     #[arg(long, value_enum, default_value_t = MethodArg::Adjusted)]
     pub method: MethodArg,
 }
@@ -200,7 +202,7 @@ impl FieldArgs {
         };
         if method != Method::Adjusted && !(add.is_empty() && prior.is_none()) {
             return Err(Failure::usage(format!(
-                "--method {}: with --add and --prior everything is fitted at once, which these methods do not: leave it out",
+                "--method {}: this method cannot be combined with --add or --prior. Omit it",
                 method.name()
             )));
         }

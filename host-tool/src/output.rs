@@ -25,7 +25,7 @@ pub fn leave_to(path: Option<&Path>, json: bool) -> Outcome<()> {
     }
     if json {
         return Err(Failure::usage(
-            "-o - and --json both write to standard output: name a file with -o, or leave --json out",
+            "-o - and --json both write to standard output. Name a file with -o, or omit --json",
         ));
     }
     TAKEN.store(true, Ordering::Relaxed);

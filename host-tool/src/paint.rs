@@ -65,7 +65,8 @@ mod tests {
 
     #[test]
     fn colour_changes_no_word() {
-        let plain = "FOUND: current offset.\n\nNext steps\n    ironout fit a.csv\n  FOUNDRY\n";
+        let plain =
+            "FOUND: offset proportional to current.\n\nNext steps\n    ironout fit a.csv\n  FOUNDRY\n";
         let painted = text(plain);
         assert!(painted.len() > plain.len() && painted.contains("\u{1b}["));
         assert_eq!(anstream::adapter::strip_str(&painted).to_string(), plain);

@@ -39,14 +39,14 @@ pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Prior> {
     let mut conditions = file.conditions.clone();
     for entry in &file.fit.effects {
         let cannot = |why: String| {
-            Failure::usage(format!("its effect {} cannot be carried over to this log: {why}", entry.id))
+            Failure::usage(format!("its effect {} cannot be used with this log: {why}", entry.id))
                 .in_file(path)
         };
         let fitted = effects::from_entry(entry, REGISTRY).map_err(cannot)?;
         let Parts { column, reference, .. } = *fitted.effect.parts();
         if !fitted.effect.family().is_proportional(&fitted.effect.parts().borrowed()) {
             return Err(cannot(format!(
-                "only offsets in proportion to a column are ({})",
+                "only offsets proportional to a column can be ({})",
                 fitted.effect.name()
             )));
         }

@@ -22,7 +22,7 @@ pub fn text(log: &Log) -> String {
     let rows = vectors(&read.columns);
     rows.iter().take(SHOWN).for_each(|row| push(&mut out, "  ", row));
     if rows.len() > SHOWN {
-        push(&mut out, "  ", &format!("… and {} columns more", rows.len() - SHOWN));
+        push(&mut out, "  ", &format!("… and {} more columns", rows.len() - SHOWN));
     }
     read.reasons.iter().for_each(|reason| push(&mut out, "  because: ", reason));
     read.taken_out.iter().for_each(|what| push(&mut out, "  taken out: ", what));

@@ -11,6 +11,7 @@ use crate::plausible::{self, Known};
 use crate::read_block;
 use crate::reading::Reading;
 use crate::wrap;
+use ironout_analysis::similar;
 use std::path::Path;
 
 /// Reads the logs as one, whatever field is in them. Counts may keep their unit: without a scale they are counts of one. How each was
@@ -131,7 +132,8 @@ fn as_kept(
             let mut log =
                 held(&filled, Some(reading), known, voice).map_err(|_| reading.cannot(file, &failure))?;
             let notice = format!(
-                "it has not the columns of the calibration's log (--map {}), and is read by its own names",
+                "the columns named in the calibration are missing here (--map {}), so ironout uses the file's own column \
+                 names",
                 reading.map.join(" --map ")
             );
             if voice != Voice::Silent {
@@ -201,8 +203,10 @@ fn ignore(log: &mut Log, names: &[String]) -> Outcome<()> {
         if log.covariate(name).is_none() {
             let known: Vec<&str> = log.covariates.iter().map(|column| column.name.as_str()).collect();
             let has = if known.is_empty() { "none".into() } else { known.join(", ") };
+            let meant = similar::did_you_mean(name, known.iter().copied());
+            let meant = meant.map_or(String::new(), |meant| format!(" {meant}"));
             return Err(Failure::usage(format!(
-                "--ignore {name}: the log has no such column. Fix: take one of {has}"
+                "--ignore {name}: the log has no such column.{meant} It has {has}"
             )));
         }
         log.covariates.retain(|column| column.name != *name);

@@ -29,7 +29,7 @@ impl fmt::Display for LiveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Singular => f.write_str("the calibration's matrix is singular"),
-            Self::TooManyDelayed => write!(f, "more than {MAX_DELAYED} columns of the calibration act late"),
+            Self::TooManyDelayed => write!(f, "the calibration has more than {MAX_DELAYED} delayed columns"),
         }
     }
 }

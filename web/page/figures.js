@@ -85,7 +85,7 @@ export class Figures {
     this.times.magnitude.show(x, [...band("measured", timeline.measured_ut, "--orange", 0), ...band("corrected", add(timeline.residual_ut), "--blue", 2),
       { label: "model", values: x.map(() => field), colour: "--text", dash: [6, 4] }], { x: seconds, y: "µT" }, spans);
     const effects = this.look.fit.effects.length > 0;
-    this.times.residual.show(x, [...(effects ? band("offset and matrix alone", timeline.without_ut, "--orange", 0) : []),
+    this.times.residual.show(x, [...(effects ? band("offset and matrix only", timeline.without_ut, "--orange", 0) : []),
       ...band(effects ? "with what is switched on" : "offset and matrix", timeline.residual_ut, "--blue", effects ? 2 : 0)], { x: seconds, y: "µT" }, spans);
     for (const [key, values, unit] of [["dip", timeline.dip_deg, "°"], ["heading", timeline.heading_error_deg, "°"]]) {
       this.times[key].whole.hidden = !values;
@@ -127,9 +127,9 @@ export class Figures {
     fill(this.explains, found ? `Of the squared error of offset and matrix it explains ${fixed(100 * found.explained, 0)} %; chance does as well with probability ${chance(found.p_value)}.` : "");
     const floor = this.look.figures.floor_ut;
     this.columnPlot.show(bins.at, [
-      { label: "offset and matrix alone", values: bins.without_ut, colour: "--orange", points: 7 },
+      { label: "offset and matrix only", values: bins.without_ut, colour: "--orange", points: 7 },
       ...(effects ? [
-        { label: "what the effects make of it", values: bins.effect_ut, colour: "--text", width: 2, dash: [7, 4] },
+        { label: "with the effects", values: bins.effect_ut, colour: "--text", width: 2, dash: [7, 4] },
         { label: "with what is switched on", values: bins.rms_ut, colour: "--blue", points: 7 },
       ] : []),
       ...(floor === null ? [] : [{ label: "noise alone", values: bins.at.map(() => floor), colour: "--grey", dash: [2, 3] }]),
@@ -138,7 +138,7 @@ export class Figures {
       .sort((a, b) => this.cloud.columns[index][a] - this.cloud.columns[index][b]);
     const pick = (values) => order.map((i) => values[i]);
     this.columnDots.show(pick(this.cloud.columns[index]), [
-      { label: "offset and matrix alone", values: pick(this.cloud.without_ut), colour: "--orange", points: 2.5 },
+      { label: "offset and matrix only", values: pick(this.cloud.without_ut), colour: "--orange", points: 2.5 },
       ...(effects ? [{ label: "with what is switched on", values: pick(this.cloud.residual_ut), colour: "--blue", points: 2.5 }] : []),
     ], { x: place, y: "µT" });
   }
@@ -156,7 +156,7 @@ export class Figures {
     const positive = (values) => values.map((value) => (value > 0 ? value : null));
     if (spectrum) {
       this.spectrum.show(spectrum.hz, [
-        { label: "offset and matrix alone", values: positive(spectrum.without), colour: "--orange" },
+        { label: "offset and matrix only", values: positive(spectrum.without), colour: "--orange" },
         ...(effects ? [{ label: "with what is switched on", values: positive(spectrum.with), colour: "--blue" }] : []),
         ...(spectrum.noise ? [{ label: "noise alone", values: spectrum.hz.map(() => spectrum.noise), colour: "--grey", dash: [4, 3] }] : []),
       ], { x: "Hz", y: "µT/√Hz", logX: true, logY: true });
@@ -164,7 +164,7 @@ export class Figures {
     this.histogram.whole.hidden = !histogram;
     if (histogram) {
       this.histogram.show(histogram.at_ut, [
-        { label: "offset and matrix alone", values: histogram.without, colour: "--orange" },
+        { label: "offset and matrix only", values: histogram.without, colour: "--orange" },
         ...(effects ? [{ label: "with what is switched on", values: histogram.with, colour: "--blue" }] : []),
         ...(histogram.noise.length ? [{ label: "noise alone", values: histogram.noise, colour: "--grey", dash: [4, 3] }] : []),
       ], { x: "error, µT", y: "share" });

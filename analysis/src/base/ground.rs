@@ -52,8 +52,8 @@ impl<'a> Ground<'a> {
     pub fn note(&self) -> Option<String> {
         self.odd_field_ut.map(|field| {
             format!(
-                "note: the measurements have a magnitude of {field:.4} µT, which the Earth's field (22 to 67 µT) nowhere has: check \
-                 the unit of the columns (1 gauss is 100 µT, 1000 nT are 1 µT) or --ut-per-count"
+                "note: the measured magnitude is {field:.4} µT, but the Earth's field is 22 to 67 µT everywhere. Check the \
+                 unit of the columns (1 gauss is 100 µT, 1000 nT are 1 µT) or --ut-per-count"
             )
         })
     }

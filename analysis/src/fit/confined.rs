@@ -122,13 +122,13 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
         refused.reasons.insert(
             0,
             format!(
-                "the field does not turn as the gyro and the accelerometer say{why}. Check the axes and units of the three sensors \
-                 (--rotate, --map), and that magnetometer and gyro have one clock"
+                "the field does not rotate as gyro and accelerometer measure{why}. Check the axes and units of the three \
+                 sensors (--rotate, --map), and that magnetometer and gyro use the same clock"
             ),
         );
         return refused;
     }
-    let shown = format!("this log does not show all attitudes (tilts up to {own_tilt_deg:.0}°)");
+    let shown = format!("this log does not contain all orientations (tilts up to {own_tilt_deg:.0}°)");
     if !(error_deg <= MAX_HEADING_ERROR_DEG) {
         let mut refused = refused;
         refused.reasons.insert(0, too_little(&shown, &holds_for, tilt_deg, error_deg, sectors));
@@ -136,13 +136,14 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
     }
     fitted.accepted = true;
     fitted.reasons = vec![format!(
-        "note: {shown}. Fitted for tilts up to {tilt_deg:.0}°: a heading is right to {} (1σ). How the board stands in the vehicle is a \
-         constant besides, which no magnetometer shows",
+        "note: {shown}. Fitted for tilts up to {tilt_deg:.0}°: the heading error is {} (1σ), plus the constant mounting \
+         angle of the sensor in the vehicle, which a magnetometer cannot measure",
         holds_for.words()
     )];
     if across_ut == 0.0 {
         fitted.reasons.push(
-            "note: without a gyro a reversed axis of the magnetometer does not show: compare one heading that you know".into(),
+            "note: without a gyro ironout cannot detect an inverted magnetometer axis. Compare with one known \
+             heading".into(),
         );
     }
     fitted.reasons.extend(refused.reasons.iter().filter(|reason| reason.starts_with("note: ")).cloned());
@@ -157,7 +158,8 @@ pub fn beyond(holds_for: &HoldsFor, table: &Table) -> Option<String> {
     let tilt_deg = log.tilt_deg(MOST);
     (tilt_deg > holds_for.tilt_deg + LEAST_TILT_DEG).then(|| {
         format!(
-            "this log is tilted by up to {tilt_deg:.0}° and the calibration is for tilts up to {:.0}°: a heading is right to {} (1σ)",
+            "this log is tilted by up to {tilt_deg:.0}° and the calibration is for tilts up to {:.0}°: the heading error is \
+             {} (1σ)",
             holds_for.tilt_deg,
             holds_for.words()
         )
@@ -168,15 +170,16 @@ pub fn beyond(holds_for: &HoldsFor, table: &Table) -> Option<String> {
 fn too_little(shown: &str, holds_for: &HoldsFor, tilt_deg: f64, error_deg: f64, sectors: usize) -> String {
     let remedy = if sectors < ALL_ROUND {
         format!(
-            "{sectors} of {SECTORS} sectors of heading were seen: turn a full circle to the left and one to the right"
+            "only {sectors} of {SECTORS} sectors of heading were covered. Fix: turn a full circle to the left and one to \
+             the right"
         )
     } else {
-        "drive or sail on, over slopes and in both directions".to_string()
+        "continue, over slopes and in both directions".to_string()
     };
     let asked = if error_deg > 90.0 { "anything".to_string() } else { format!("{error_deg:.1}°") };
     format!(
-        "{shown}, and for tilts up to {tilt_deg:.0}° a heading would be wrong by {asked} (1σ; {} at most): {}. {remedy}; or fit on top of a \
-         calibration made on the bench: --prior bench.json --free offset",
+        "{shown}, and for tilts up to {tilt_deg:.0}° the heading error would be {asked} (1σ; {} at most): {}. Fix: \
+         {remedy}, or use a calibration made on the bench with --prior bench.json --free offset",
         format_args!("{MAX_HEADING_ERROR_DEG}°"),
         holds_for.words()
     )
@@ -228,9 +231,9 @@ fn solution(ground: &Ground, options: &Options, solved: &Solved, log: &Log) -> O
         alignment: Alignment::ByAll,
         without_effects: None,
         prior: Some(match options.prior {
-            Some(_) => "the information of the earlier calibration, and how magnetometers are".into(),
-            None => "how magnetometers are: gains within 10 % of each other, axes within 3° of right angles, mounted within 6° of the \
-                     accelerometer's axes"
+            Some(_) => "the information of the earlier calibration, and typical magnetometer tolerances".into(),
+            None => "typical magnetometer tolerances: gains within 10 %, axes within 3° of right angles, mounted within 6° \
+                 of the accelerometer's axes"
                 .into(),
         }),
     })

@@ -58,7 +58,7 @@ pub(crate) fn leave_out(ground: &mut Ground, options: &Options) {
         let counted = &mut ground.counted;
         for samples in [Some(&mut counted.samples), counted.with_bursts.as_mut()].into_iter().flatten() {
             for column in samples.columns.iter_mut().filter(|column| column.name == name) {
-                column.problem = Some(format!("{name} is left out of the candidates: it is {}", one.what));
+                column.problem = Some(format!("{name} is not a candidate: it is {}", one.what));
                 column.causes_nothing = true;
             }
         }

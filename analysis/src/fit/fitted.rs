@@ -200,7 +200,8 @@ impl Fitted {
                 Reason::ErrorTooLarge { .. } if !all_round => {
                     let start_down = counted.samples.readings.iter().find_map(|reading| reading.down);
                     format!(
-                        "the predicted error of the corrected vector is {vector_percent:.1} % of the field, more than {:.0} %: {}",
+                        "The predicted error of the corrected vector is {vector_percent:.1} % of the field (limit {:.0} %). \
+                         Fix: {}",
                         100.0 * MAX_PREDICTED_ERROR,
                         where_to_turn(coverage.gap_direction, start_down, self.dip_deg)
                     )
@@ -283,8 +284,8 @@ impl Fitted {
 /// The reason where the gyro turns otherwise than the field; both figures are over the field.
 fn of_another_field(across: f64, along: f64) -> String {
     format!(
-        "the field differs from place to place: over two seconds its direction departs from the gyro by {:.1} % of the field, {:.1} times the \
-         error of the magnitude. Keep away from magnets, steel and cables, and turn the board about one spot",
+        "The field is not uniform: over 2 s its direction differs from the gyro by {:.1} % of the field, {:.1} × the error \
+         of the magnitude. Fix: keep away from magnets, steel and cables, and rotate the sensor in one spot",
         100.0 * across,
         across / along
     )
@@ -292,15 +293,11 @@ fn of_another_field(across: f64, along: f64) -> String {
 
 /// The reason where the error on unseen time says more than the noise does.
 fn of_unseen_time(percent: f64, adds: bool) -> String {
-    let remedy = if adds {
-        "leave out an effect that was added, record longer"
-    } else {
-        "record longer, through more attitudes"
-    };
+    let remedy =
+        if adds { "drop an added effect, or record longer" } else { "record longer, in more orientations" };
     format!(
-        "each tenth of the log under the fit of the others is off by {percent:.1} % of the field beyond its noise, more than \
-         {:.0} %: what was fitted does not hold on unseen time; {remedy}, and see \
-         with ironout diagnose what is missing in the model",
+        "The held-out error (10-fold) exceeds the noise by {percent:.1} % of the field (limit {:.0} %), so the fit does not \
+         generalise. Fix: {remedy}, and run ironout diagnose to find the cause",
         MAX_PREDICTED_ERROR * 100.0
     )
 }
@@ -308,9 +305,9 @@ fn of_unseen_time(percent: f64, adds: bool) -> String {
 /// The reason where the board was turned all round: more directions are no remedy.
 fn of_a_short_log(percent: f64) -> String {
     format!(
-        "the predicted error of the corrected vector is {percent:.1} % of the field, more than {:.0} %, though all directions \
-         were seen: the error is too large beside the length of the log; record longer, and see with ironout diagnose what \
-         is missing in the model",
+        "The predicted error of the corrected vector is {percent:.1} % of the field (limit {:.0} %), although all \
+         directions were covered. The log is too short for this much error. Fix: record longer, or run ironout diagnose to \
+         find the cause",
         100.0 * MAX_PREDICTED_ERROR
     )
 }

@@ -1,5 +1,6 @@
 //! What a fit says.
 
+pub mod allowed;
 pub mod confined;
 pub mod diagnosed;
 pub mod extended;

@@ -72,15 +72,15 @@ impl Colour {
         match self {
             Colour::White => "white".into(),
             Colour::Fading(correlation) => {
-                format!("noise with a memory (a correlation of {correlation:.2} from sample to sample)")
+                format!("correlated noise (correlation {correlation:.2} from sample to sample)")
             }
             Colour::RollingMean { of, white } if white > 0.0 => {
                 format!(
-                    "a rolling mean over {of} samples with {:.0} % of white noise",
+                    "a moving average over {of} samples with {:.0} % of white noise",
                     (100.0 * white).max(1.0)
                 )
             }
-            Colour::RollingMean { of, .. } => format!("a rolling mean over {of} samples"),
+            Colour::RollingMean { of, .. } => format!("a moving average over {of} samples"),
             Colour::Flicker { exponent, white, .. } if white > 0.0 => {
                 format!("1/f noise (exponent {exponent:.1}) with {:.0} % of white noise", 100.0 * white)
             }

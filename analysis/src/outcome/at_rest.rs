@@ -26,8 +26,14 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     let known = Known::default();
     let mean = samples.mean_vector();
     let model = Model::new(mean, start::NO_ROTATION, 1.0, start::NO_ROTATION, 0.0);
-    let nothing =
-        || undetermined(table, samples, options.registry, "the board rests and nothing else changes".into());
+    let nothing = || {
+        undetermined(
+            table,
+            samples,
+            options.registry,
+            "the sensor did not move and nothing else changes".into(),
+        )
+    };
     if catalogue.usable_columns().next().is_none() {
         return Ok(nothing());
     }
@@ -38,7 +44,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     let mut start = base.clone();
     for id in &options.add {
         if start.pieces.len() >= MOST_ADDED {
-            return Err(Refusal::cannot_add(id, format!("a model carries at most {MOST_ADDED} effects")));
+            return Err(Refusal::cannot_add(id, format!("a model has at most {MOST_ADDED} effects")));
         }
         let Some(candidate) = added(&pass, &catalogue, &start, id)? else {
             return Err(Refusal::cannot_add(id, cannot_add(&catalogue, id)));
@@ -78,12 +84,10 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             describe(piece, errors)
         })
         .collect();
-    let mut reasons = vec![
-        "the board rests: the vector itself is the residual, there is no calibration in this log".into(),
-    ];
+    let mut reasons = vec!["The sensor did not move, so this log alone cannot be calibrated".into()];
     let verdict = if left.structure > 0.0 {
         reasons.push(format!(
-            "{:.0} % of the variance is structure that no candidate explains",
+            "{:.0} % of the variance is not noise, and no candidate explains it",
             100.0 * left.structure
         ));
         Verdict::Unexplained

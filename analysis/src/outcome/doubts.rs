@@ -62,8 +62,8 @@ impl View<'_, '_> {
         let (column, share, chance) = of_column.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let chance = if chance < 1e-99 { "below 1e-99".into() } else { format!("{chance:.0e}") };
         Some(format!(
-            "{column} explains {:.0} % of the residual (chance {chance}), though no effect of it is certain: something that \
-             moves with it in part may not be in the log",
+            "{column} explains {:.0} % of the residual variance (p = {chance}), but no effect of it is significant by \
+             itself. The cause may be a quantity that is correlated with it and was not logged",
             100.0 * share
         ))
     }
@@ -103,8 +103,8 @@ impl View<'_, '_> {
         let pairs = list.iter().enumerate().flat_map(|(at, a)| list[at + 1..].iter().map(move |b| (*a, *b)));
         let (a, b) = pairs.into_iter().find(|(a, b)| alike(a, b))?;
         Some(format!(
-            "{} and {} move the offset the same way: they stand in for one cause that changes in time and that the log does \
-             not hold; log what changes meanwhile (a temperature, a current)",
+            "{} and {} change the offset in the same direction. They are probably proxies for one cause that was not \
+             logged. Fix: log what changes over time (temperature, current)",
             a.id, b.id
         ))
     }

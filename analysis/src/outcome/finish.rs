@@ -64,8 +64,8 @@ impl View<'_, '_> {
         let field_varies = wanted.then(|| field_share(&applied.residuals, &traces.directions)).flatten();
         if let Some(share) = field_varies {
             reasons.push(format!(
-                "{:.0} % of what is left does not depend on the attitude and changes along the way: the field itself is another one from \
-                 place to place, as beside iron, magnets or cables",
+                "{:.0} % of the remaining variance does not depend on the orientation and changes along the path. The field \
+                 itself is not uniform, as next to iron, magnets or cables",
                 100.0 * share
             ));
         }

@@ -55,13 +55,11 @@ impl Order {
 
     fn words(self) -> String {
         let what = match self {
-            Order::Scale => "its scale is estimated, its offset is zero within 5 % of the field",
-            Order::Offset => "its offset is estimated, with the field given by the magnitude",
-            Order::Gains => {
-                "offset and a gain for each axis are estimated, with the field given by the magnitude"
-            }
+            Order::Scale => "only its scale is estimated (offset zero within 5 % of the field)",
+            Order::Offset => "only an offset is estimated",
+            Order::Gains => "only an offset and a gain per axis are estimated",
         };
-        format!("the sensor is taken as calibrated before, with every column at rest: {what}")
+        format!("assuming the sensor was already calibrated, {what}")
     }
 
     /// What this moves beyond the one before.
@@ -158,8 +156,8 @@ pub(crate) fn as_logged(
     diagnosis.predicted_error_ut = None;
     diagnosis.reasons.insert(
         0,
-        "the attitude does not carry a calibration; the sensor is taken as calibrated before, and only effects were \
-         looked for"
+        "there are too few orientations for a calibration. ironout assumes that the sensor was already calibrated, and \
+         searched for effects only"
             .into(),
     );
     Ok(Some(diagnosis))

@@ -207,11 +207,11 @@ impl<'a> View<'_, 'a> {
 
     pub(crate) fn prior_words(&self) -> String {
         if self.known.earlier.is_some() {
-            "the information of the earlier calibration, and a weak physical prior".into()
+            "earlier calibration, and a weak physical prior".into()
         } else if let Some(words) = &self.lower_order {
             words.clone()
         } else {
-            "weak: gains within some 20 % of each other, axes within some 10°, offset within a few fields"
+            "weak prior: gains within 20 %, axes within 10°, offset within a few times the field strength"
                 .into()
         }
     }
@@ -260,12 +260,12 @@ impl<'a> View<'_, 'a> {
         match error {
             Some(error) if error <= MAX_PREDICTED_ERROR => {}
             Some(error) => reasons.push(format!(
-                "for its attitude alone the corrected vector would be off by {:.*} % of the field in the worst direction (1σ): turn the board \
-                 through more attitudes; for a vehicle, ironout fit calibrates for the tilts that the log shows",
+                "Too few orientations: the predicted error is {:.*} % of the field in the worst direction (1σ). Rotate the \
+                 sensor through more orientations. For a vehicle, ironout fit calibrates for the tilts in the log",
                 usize::from(error < 1.05 * MAX_PREDICTED_ERROR) + 1,
                 100.0 * error
             )),
-            None => reasons.push("the attitude does not determine the ellipsoid".into()),
+            None => reasons.push("too few orientations to determine the ellipsoid".into()),
         }
         // Noise so large carries no calibration; structure so large is a missing effect, whatever the attitude.
         if left.rms > MAX_RESIDUAL * field && left.structure <= 0.0 {
@@ -330,19 +330,18 @@ impl<'a> View<'_, 'a> {
         let mut reasons = Vec::new();
         if let Some(error) = refused {
             reasons.push(format!(
-                "a calibration from this log would be off by {:.1} % of the field in the worst direction (1σ){}",
+                "The predicted error of a calibration from this log is {:.1} % of the field in the worst direction (1σ){}",
                 100.0 * error,
                 match (left.structure > 0.0, self.explanation.fitted.pieces.is_empty()) {
-                    (true, _) => ", with what is left unexplained",
-                    (false, true) => ", for its noise: record longer, through more attitudes",
-                    (false, false) => ", for its noise and its effects: record longer, through more attitudes",
+                    (true, _) => ", including the unexplained error",
+                    (false, true) => ", for its noise: record longer, in more orientations",
+                    (false, false) => ", for its noise and its effects: record longer, in more orientations",
                 }
             ));
         }
         if self.explanation.ended_early {
             reasons.push(
-                "the search ended at the limit of its work, or where its model ran away, with candidates left that were not tried \
-                 beside what was found"
+                "The search stopped at its limit, with candidates that were not tested in addition to the effects found"
                     .into(),
             );
             if left.structure <= 0.0 {
@@ -351,7 +350,7 @@ impl<'a> View<'_, 'a> {
         }
         if left.structure > 0.0 {
             reasons.push(format!(
-                "{:.0} % of the residual's variance is structure that no candidate explains for certain",
+                "{:.0} % of the residual variance is not noise, and no candidate explains it significantly",
                 100.0 * left.structure
             ));
             return (Verdict::Unexplained, reasons, false);
@@ -362,20 +361,19 @@ impl<'a> View<'_, 'a> {
         }
         if let Some(times) = fails {
             reasons.push(format!(
-                "on unseen time the error is {times:.1} times what the noise leaves: what stands in the model is not all, \
-                 or the log is too short for it"
+                "The held-out error is {times:.1} × the noise floor: the model is incomplete, or the log is too short for it"
             ));
             let explained = self.explanation.fitted.converged && self.explanation.confounded.is_empty();
             let alone = explained && reasons.len() == 1;
             return (Verdict::Unexplained, reasons, alone);
         }
         if !self.explanation.fitted.converged {
-            reasons.push("the fit of the model with all that was found did not converge".into());
+            reasons.push("The fit with all effects found did not converge".into());
             return (Verdict::Unexplained, reasons, false);
         }
         if !self.explanation.confounded.is_empty() {
             for group in &self.explanation.confounded {
-                reasons.push(format!("{} explain the same", group.ids.join(", ")));
+                reasons.push(format!("{} explain the error equally well", group.ids.join(", ")));
             }
             return (Verdict::Confounded, reasons, false);
         }

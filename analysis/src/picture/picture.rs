@@ -26,7 +26,7 @@ pub struct Cloud {
     pub measured_ut: [Vec<f32>; 3],
     /// Corrected, µT; empty without a calibration.
     pub corrected_ut: [Vec<f32>; 3],
-    /// Residual of offset and matrix alone, µT.
+    /// Residual of offset and matrix only, µT.
     pub without_ut: Vec<f32>,
     /// Residual of the whole model, µT.
     pub residual_ut: Vec<f32>,

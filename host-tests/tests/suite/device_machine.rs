@@ -359,7 +359,7 @@ fn a_calibration_of_another_mounting_is_shown_and_not_applied() {
     let mut board = board_with(&Record { axes: rotated, ..record(&[]) });
     let status = board.command("status");
     assert_eq!(value(&status[1], "calibrated"), "0");
-    assert!(status[0].contains("not applied: it was made with the sensor mounted otherwise"), "{status:?}");
+    assert!(status[0].contains("not applied: it was made with another mounting of the sensor"), "{status:?}");
     assert!(last(&mut board, "stream cal").starts_with("err state "));
     assert!(last(&mut board, "cal show").ends_with("stored=1"), "it is there to be read");
     let mut board = board_with(&Record { axes: Some(AxisMap::IDENTITY), ..record(&[]) });

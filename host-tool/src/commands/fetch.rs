@@ -18,7 +18,7 @@ pub fn run(arguments: &FetchArgs, json: bool) -> Outcome<u8> {
     let effects: Vec<&str> = cal.fit.effects.iter().map(|entry| entry.id.as_str()).collect();
     let mut notes = Vec::new();
     if !dumped.stored {
-        notes.push("it waits on the board for cal accept, and is not in use there");
+        notes.push("it is not yet accepted on the board (cal accept), and is not in use there");
     }
     if cal.information.is_none() {
         notes.push(

@@ -64,7 +64,7 @@ pub fn run(arguments: &FitArgs, form: Form) -> Outcome<u8> {
             atomic::write(path, |out| writeln!(out, "{text}"))?;
             if output::is_standard(path) { String::new() } else { format!("wrote {}", path.display()) }
         } else if path.exists() {
-            format!("refused: {} is left as it was", path.display())
+            format!("refused: {} is unchanged", path.display())
         } else {
             format!("refused: {} is not written", path.display())
         });

@@ -5,9 +5,11 @@ mod batch;
 pub mod check;
 mod demo;
 mod diagnose;
+mod effects;
 mod export;
 mod fetch;
 mod fit;
+mod help;
 mod import;
 #[cfg(feature = "page")]
 mod live;
@@ -46,6 +48,9 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Live(arguments) => live::run(arguments, cli.json),
         #[cfg(not(feature = "page"))]
         Command::Report(_) | Command::Web(_) | Command::Live(_) => page_on_demand::run(),
+        Command::Effects(arguments) => effects::run(arguments, cli.form()),
+        Command::Completions(arguments) => help::completions(arguments),
+        Command::Man(arguments) => help::man(arguments),
         Command::Import(arguments) => import::run(arguments, cli.json),
     }
 }

@@ -330,8 +330,7 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             );
         }
         Verdict::Undetermined if goes_with(diagnosis, &add, out) => {
-            if arguments.prior.is_none() && diagnosis.reasons.iter().any(|reason| reason.contains("attitude"))
-            {
+            if arguments.prior.is_none() && !diagnosis.has_attitude {
                 say(out, "An earlier good calibration can replace the missing orientations:");
                 command(out, next::diagnose(arguments, &path, "--prior earlier.json"));
             }

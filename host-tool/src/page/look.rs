@@ -134,7 +134,8 @@ fn figures(fitted: &Fitted, floor_ut: Option<f64>) -> Value {
 /// The verdict of a fit in one sentence.
 fn sentence(fitted: &Fitted, floor_ut: Option<f64>) -> String {
     let Some(solution) = &fitted.solution else {
-        let why = fitted.reasons.first().map_or("the log carries no calibration", String::as_str);
+        let why =
+            fitted.reasons.first().map_or("this log is not sufficient for a calibration", String::as_str);
         return format!("REFUSED: {why}");
     };
     let field = solution.calibration.field_ut;
@@ -142,7 +143,7 @@ fn sentence(fitted: &Fitted, floor_ut: Option<f64>) -> String {
     let after = both(solution.rms_ut);
     let falls = match fitted.before {
         Some((mean, rms)) => {
-            format!("the error falls from {rms:.3} µT ({:.2} %) to {after}", 100.0 * rms / mean)
+            format!("error {rms:.3} µT ({:.2} %) → {after}", 100.0 * rms / mean)
         }
         None => format!("the error is {after}"),
     };
@@ -154,12 +155,12 @@ fn sentence(fitted: &Fitted, floor_ut: Option<f64>) -> String {
         {
             let most = solution.rms_ut / least.unwrap_or(floor);
             format!(
-                ", {most:.1} times what is new from sample to sample: noise with a memory, or an error that moves, which \
-                 only a diagnosis against the columns tells"
+                ", {most:.1} × the change from sample to sample: either correlated noise or a missing cause of error; a \
+                 diagnosis can distinguish them"
             )
         }
-        Some(floor) if solution.rms_ut <= EXPLAINED * floor => ", which is what the noise leaves".to_string(),
-        Some(floor) => format!(", {:.1} times what the noise leaves", solution.rms_ut / floor),
+        Some(floor) if solution.rms_ut <= EXPLAINED * floor => ", the noise floor".to_string(),
+        Some(floor) => format!(", {:.1} × the noise floor", solution.rms_ut / floor),
         None => String::new(),
     };
     match fitted.reasons.iter().find(|reason| !reason.starts_with("note:")).filter(|_| !fitted.accepted) {

@@ -57,7 +57,7 @@ fn a_hidden_temperature_offset_is_explained_from_the_noise_to_the_command() {
         "times what the noise leaves: something is missing",
         "Where the base model fails",
         "temp_c",
-        "1. temperature offset   offset:temp_c",
+        "1. offset proportional to temperature   offset:temp_c",
         "The zero of the sensor element drifts with temperature",
         "µT/°C",
         "on unseen time",
@@ -65,7 +65,7 @@ fn a_hidden_temperature_offset_is_explained_from_the_noise_to_the_command() {
         "+ offset:temp_c",
         "noise alone",
         "Tested and not needed",
-        "MISSING: temperature offset.",
+        "MISSING: offset proportional to temperature.",
         "ironout fit LOG --add offset:temp_c -o cal.json",
         "ironout check second.csv --cal cal.json",
     ] {
@@ -98,7 +98,9 @@ fn a_steady_ramp_is_said_to_be_ambiguous_with_the_recording_that_separates() {
     lines_fit(&text);
     let flat = joined(&text);
     assert!(
-        flat.contains("CONFOUNDED: temperature offset and offset drift explain the error equally well"),
+        flat.contains(
+            "CONFOUNDED: offset proportional to temperature and offset drift explain the error equally well"
+        ),
         "{text}"
     );
     assert!(flat.contains("while it cools down") && flat.contains("at constant temperature"), "{text}");

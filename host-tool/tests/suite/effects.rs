@@ -108,8 +108,8 @@ fn two_effects_at_once_and_the_words_say_what_they_are() {
     let run = ironout(["fit", text(&log), "--add", "offset:temp_c", "--add", "offset:current_a"]);
     assert_eq!(run.status, 0, "{}", run.stderr);
     for words in [
-        "temperature offset (offset:temp_c)",
-        "current offset (offset:current_a)",
+        "offset proportional to temperature (offset:temp_c)",
+        "offset proportional to current (offset:current_a)",
         "Biot–Savart",
         "µT/°C",
         "µT/A",

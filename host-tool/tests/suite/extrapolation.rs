@@ -142,13 +142,13 @@ fn exports_say_what_lies_outside() {
     assert_eq!(String::from_utf8_lossy(&out.stdout), "0 0 1 1 1");
 }
 
-/// The project's example of a calibration with a temperature offset, fitted over 20 to 30 °C.
+/// The project's example of a calibration with a offset proportional to temperature, fitted over 20 to 30 °C.
 fn calibration_with_a_range(here: &Path) -> PathBuf {
     let fixture = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/cal.json"));
     let content = std::fs::read_to_string(fixture).expect("text");
     let mut cal: Value = serde_json::from_str(&content).expect("JSON");
     cal["effects"] = json!([{
-        "id": "offset:temp_c", "name": "temperature offset", "columns": ["temp_c"], "coefficients": [0.1, 0.2, 0.3],
+        "id": "offset:temp_c", "name": "offset proportional to temperature", "columns": ["temp_c"], "coefficients": [0.1, 0.2, 0.3],
         "std_errors": [0.01, 0.01, 0.01], "unit": "µT/°C", "reference": {"temp_c": 25.0}, "parameters": {},
         "range": {"temp_c": [20.0, 30.0]},
     }]);

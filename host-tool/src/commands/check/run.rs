@@ -161,7 +161,7 @@ impl Checked<'_> {
         line(&format!("{}: {} samples against {}", self.log.path.display(), self.samples, file.display()));
         line(&format!("error now             {:9.3} µT  {:6.2} %", self.rms_ut, percent(self.rms_ut)));
         line(&format!("error at calibration  {:9.3} µT  {:6.2} %", self.own_ut, percent(self.own_ut)));
-        line(&format!("good up to            {:9.3} µT  {:6.2} %", self.limit_ut, percent(self.limit_ut)));
+        line(&format!("limit                 {:9.3} µT  {:6.2} %", self.limit_ut, percent(self.limit_ut)));
         if let Some(shift) = self.known() {
             let [x, y, z] = shift.offset_ut;
             let [sx, sy, sz] = shift.offset_std_ut;

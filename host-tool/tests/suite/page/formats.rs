@@ -146,5 +146,5 @@ fn every_format_dropped_on_the_page_says_what_the_command_line_says() {
     assert!(beside.contains(first) && beside.contains(own), "{first} {own}: {beside}");
     assert_eq!(seen["stays"], json!(true), "{seen}");
     assert_text(&seen["hostile"]);
-    assert!(words(&seen["refused"]).contains("no log is recognised"), "{}", seen["refused"]);
+    assert!(words(&seen["refused"]).contains("the format is unknown"), "{}", seen["refused"]);
 }

@@ -56,7 +56,13 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
     for (key, parts) in [
         (
             "found",
-            &["current offset (offset:current_a)", "It amounts to", "± 1σ", "offset, µT", "floor by noise"][..],
+            &[
+                "offset proportional to current (offset:current_a)",
+                "It amounts to",
+                "± 1σ",
+                "offset, µT",
+                "floor by noise",
+            ][..],
         ),
         ("gaps", &["of all directions were seen", "largest gap"]),
         (
