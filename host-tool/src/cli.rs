@@ -108,7 +108,7 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Run a complete calibration on an emulated board, with the error before and after
     Demo(DemoArgs),
-    /// Find out what causes the error that the calibration leaves
+    /// Find out what causes the remaining error
     Diagnose(DiagnoseArgs),
     /// List the effects that can be tested on a log, and what it lacks for the others
     Effects(EffectsArgs),
@@ -281,7 +281,7 @@ pub struct SimulateArgs {
     /// Let the temperature rise steadily with time instead of warming up
     #[arg(long)]
     pub ramp: bool,
-    /// Leave a column out of the log (repeatable)
+    /// Omit a column from the log (repeatable)
     #[arg(long, value_name = "COLUMN")]
     pub without: Vec<String>,
 }

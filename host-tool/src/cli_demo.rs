@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   ironout demo
-  ironout demo --hidden temperature    the board names what it is missing
+  ironout demo --hidden temperature    the board finds the cause
   ironout demo --board pico
 
 Needs qemu-system-arm for mps2, without which the same session runs on a

@@ -44,10 +44,10 @@ pub struct LogArgs {
         allow_hyphen_values = true
     )]
     pub derive: Vec<String>,
-    /// Leave a column out, as if the log did not contain it (repeatable)
+    /// Ignore a column, as if the log did not contain it (repeatable)
     #[arg(long, value_name = "COLUMN", help_heading = "Reading the log")]
     pub ignore: Vec<String>,
-    /// Broken numbers of the magnetometer, mended (repeatable): unsigned, swapped-bytes, signed-low-byte, x:unwrap=…, x:late=ROWS,
+    /// Broken numbers of the magnetometer, repaired (repeatable): unsigned, swapped-bytes, signed-low-byte, x:unwrap=…, x:late=ROWS,
     /// range, error-code=VALUE; none takes them as they are
     #[arg(
         help = "Repair corrupted magnetometer numbers: unsigned | swapped-bytes | signed-low-byte | x:unwrap=MODULUS/FROM | \
@@ -131,15 +131,15 @@ impl LogArgs {
     }
 }
 
-/// A file as it is typed: one that begins with a minus would be taken for an option.
+/// A file as it is typed: one that begins with a minus would be read as an option.
 fn typed_path(path: &str) -> String {
     if path.starts_with('-') && path != "-" { quoted(&format!("./{path}")) } else { quoted(path) }
 }
 
-/// Microtesla a count for x, y, z, of one number or of three.
+/// Scale in µT per count for x, y, z, of one number or of three.
 ///
 /// # Errors
-/// What is no positive number, with the form.
+/// What is not a positive number, with the form.
 pub fn scale(text: &str) -> Outcome<[f64; 3]> {
     let values: Option<Vec<f64>> = text
         .split(',')
@@ -193,7 +193,7 @@ impl FieldArgs {
     /// The method of the base model.
     ///
     /// # Errors
-    /// Where effects or an earlier calibration are to be fitted together with it, which these methods do not.
+    /// If effects or an earlier calibration are to be fitted together with it, which these methods do not.
     pub fn method_with(&self, add: &[String], prior: Option<&PathBuf>) -> Outcome<Method> {
         let method = match self.method {
             MethodArg::Adjusted => Method::Adjusted,

@@ -155,7 +155,7 @@ fn hold_field(log: &mut Log, arguments: &LogArgs, known: &Known, size: &FieldSiz
     if let (Known::Given(field), Some(scale)) = (known, log.ut_per_count) {
         let [x, y, z] = scale.map(|scale| short(scale * field / size.field_ut));
         log.notices.push(format!(
-            "{measured}, and {expected}. The scale of the counts is probably {x}, {y}, {z} µT per count. The calibration includes this factor"
+            "{measured}, but {expected}. The scale of the counts is probably {x}, {y}, {z} µT per count. The calibration includes this factor"
         ));
         return Ok(());
     }

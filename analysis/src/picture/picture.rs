@@ -130,9 +130,9 @@ impl Drawn<'_> {
         let angle = |of: &dyn Fn([f64; 3]) -> f64| -> Vec<f64> {
             rows.corrected_ut.iter().map(|v| of(*v).to_degrees()).collect()
         };
-        columns.push(("azimuth in the board".into(), "°", angle(&|v| v[1].atan2(v[0]))));
+        columns.push(("azimuth in sensor axes".into(), "°", angle(&|v| v[1].atan2(v[0]))));
         columns.push((
-            "elevation in the board".into(),
+            "elevation in sensor axes".into(),
             "°",
             angle(&|v| (-v[2] / norm(v)).clamp(-1.0, 1.0).asin()),
         ));

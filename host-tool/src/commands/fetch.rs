@@ -22,8 +22,8 @@ pub fn run(arguments: &FetchArgs, json: bool) -> Outcome<u8> {
     }
     if cal.information.is_none() {
         notes.push(
-            "the board does not know what is behind it (information is null): effects were taken in or out since it was \
-             calibrated, or leave no room for it; fit --prior needs a log",
+            "the board has no covariance for it (information is null): effects were added or removed after the calibration, \
+             or need its memory. fit --prior needs a log",
         );
     }
     if json {

@@ -69,7 +69,7 @@ fn is_spoilt(answer: &str) -> bool {
         .any(|start| answer.starts_with(start))
 }
 
-#[allow(clippy::too_many_arguments, reason = "everything that is said")]
+#[allow(clippy::too_many_arguments, reason = "everything that is printed")]
 fn say(
     arguments: &SendArgs,
     board: &Identity,

@@ -112,7 +112,7 @@ impl Work<'_> {
                     };
                     text.push_str(if function { "))" } else { ")" });
                 }
-                Token::Mark(',') => return Err("a comma stands outside a function".into()),
+                Token::Mark(',') => return Err("a comma is outside a function".into()),
                 Token::Mark(mark) => {
                     let inner = open.last_mut().ok_or("a parenthesis has no opening")?;
                     let begins = matches!(before, None | Some(Token::Mark('(')));

@@ -43,6 +43,7 @@ mod packed;
 #[cfg(feature = "emulated")]
 mod page;
 mod passes;
+mod plain_words;
 mod plausible;
 mod prior;
 mod reader;

@@ -33,7 +33,7 @@ fn words(effect: HiddenArg) -> &'static str {
     match effect {
         HiddenArg::Temperature => "the chip warms up, and its offset moves with its temperature",
         HiddenArg::Current => {
-            "the motors run, and their current moves the offset (the board is told it: cov current_a=…)"
+            "the motors run, and their current moves the offset (sent to the board with cov current_a=…)"
         }
         HiddenArg::Step => "something magnetic is attached, and the offset jumps",
     }

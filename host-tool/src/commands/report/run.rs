@@ -16,7 +16,7 @@ use std::path::Path;
 pub fn run(arguments: &ReportArgs, as_json: bool) -> Outcome<u8> {
     let expected = arguments.field.expected()?;
     if arguments.field.method != MethodArg::Adjusted {
-        return Err(Failure::usage("--method: a page fits by adjusted least squares only, leave it out"));
+        return Err(Failure::usage("--method: a page uses adjusted least squares only. Omit it"));
     }
     if let Some(path) = &arguments.output {
         output::leave_to(Some(path), as_json)?;
