@@ -29,6 +29,7 @@ pub mod outside;
 pub mod picture;
 mod plain;
 pub mod plausible;
+pub mod reason;
 pub mod residual;
 pub mod samples;
 pub mod search;

@@ -83,7 +83,7 @@ impl FitObject {
             coverage: fitted.coverage,
             gap_deg: fitted.gap_deg,
             accepted: fitted.accepted,
-            reasons: fitted.reasons.clone(),
+            reasons: fitted.reasons.iter().map(ToString::to_string).collect(),
             contradiction: fitted.contradiction.clone(),
             beside_gyro: fitted.beside_gyro,
             accelerometer: fitted.accelerometer,

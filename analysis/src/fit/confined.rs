@@ -12,6 +12,7 @@ use crate::confined::log::Log;
 use crate::confined::solve::{Solved, solve};
 use crate::fit::fitted::Fitted;
 use crate::outcome::request::{Options, Purpose};
+use crate::reason::Reason;
 use crate::samples::samples::Samples;
 use crate::table::Table;
 use ironout::calibration::{Calibration, norm};
@@ -121,30 +122,31 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
         let why = implausible.map_or_else(String::new, |words| format!(": {words}"));
         refused.reasons.insert(
             0,
-            format!(
+            Reason::new("gyro-disagrees", format!(
                 "the field does not rotate as gyro and accelerometer measure{why}. Check the axes and units of the three \
                  sensors (--rotate, --map), and that magnetometer and gyro use the same clock"
-            ),
-        );
+            )));
         return refused;
     }
     let shown = format!("this log does not contain all orientations (tilts up to {own_tilt_deg:.0}°)");
     if !(error_deg <= MAX_HEADING_ERROR_DEG) {
         let mut refused = refused;
-        refused.reasons.insert(0, too_little(&shown, &holds_for, tilt_deg, error_deg, sectors));
+        let words = too_little(&shown, &holds_for, tilt_deg, error_deg, sectors);
+        refused.reasons.insert(0, Reason::new("too-few-orientations", words));
         return refused;
     }
     fitted.accepted = true;
-    fitted.reasons = vec![format!(
-        "note: {shown}. Fitted for tilts up to {tilt_deg:.0}°: the heading error is {} (1σ), plus the constant mounting \
+    fitted.reasons = vec![Reason::new(
+        "limited-tilt",
+        format!(
+            "note: {shown}. Fitted for tilts up to {tilt_deg:.0}°: the heading error is {} (1σ), plus the constant mounting \
          angle of the sensor in the vehicle, which a magnetometer cannot measure",
-        holds_for.words()
+            holds_for.words()
+        ),
     )];
     if across_ut == 0.0 {
-        fitted.reasons.push(
-            "note: without a gyro ironout cannot detect an inverted magnetometer axis. Compare with one known \
-             heading".into(),
-        );
+        fitted.reasons.push(Reason::new("no-gyro", "note: without a gyro ironout cannot detect an inverted magnetometer axis. Compare with one known \
+             heading"));
     }
     fitted.reasons.extend(refused.reasons.iter().filter(|reason| reason.starts_with("note: ")).cloned());
     fitted.holds_for = Some(holds_for);

@@ -7,6 +7,7 @@ use crate::fit::fitted::Fitted;
 use crate::outcome::outcome::Diagnosis;
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::study::study;
+use crate::reason::Reason;
 use crate::search::shown::Shown;
 use ironout::calibration::norm;
 use ironout::fit::Order;
@@ -23,10 +24,8 @@ pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fit
     let Some(solution) = solution(&ground.counted, &diagnosis, options) else {
         fitted.reasons = diagnosis.reasons;
         if fitted.reasons.is_empty() {
-            fitted.reasons.push(
-                "this log does not determine these effects in addition to offset and matrix. Fix: drop one, or record \
-                 more".into(),
-            );
+            fitted.reasons.push(Reason::new("effects-undetermined", "this log does not determine these effects in addition to offset and matrix. Fix: drop one, or record \
+                 more"));
         }
         fitted.reasons.extend(ground.note());
         return Ok(fitted);
@@ -46,15 +45,23 @@ pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fit
                  one, or record more"
             }
         };
-        fitted.reasons.insert(0, why.into());
+        fitted.reasons.insert(0, Reason::new("no-convergence", why));
     }
     let doubts = not_shown(&diagnosis.shown);
     if options.force_effect {
-        let kept = |doubt: &String| format!("note: {doubt}. It is kept because of --force-effect");
+        let kept = |doubt: &String| {
+            Reason::new(
+                "effect-not-significant",
+                format!("note: {doubt}. It is kept because of --force-effect"),
+            )
+        };
         fitted.reasons.extend(doubts.iter().map(kept));
     } else if !doubts.is_empty() {
         (fitted.accepted, fitted.only_saturated) = (false, false);
-        fitted.reasons.splice(0..0, doubts.iter().map(|doubt| format!("{doubt}. {REMEDY}")));
+        fitted.reasons.splice(
+            0..0,
+            doubts.iter().map(|doubt| Reason::new("effect-not-significant", format!("{doubt}. {REMEDY}"))),
+        );
     }
     Ok(fitted)
 }

@@ -11,6 +11,7 @@ use crate::outcome::outcome::{Diagnosis, NoiseRow, Status, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::rows::describe;
 use crate::outcome::view::View;
+use crate::reason::Reason;
 use crate::residual::traces::Traces;
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
@@ -31,7 +32,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             table,
             samples,
             options.registry,
-            "the sensor did not move and nothing else changes".into(),
+            Reason::new("at-rest", "the sensor did not move and nothing else changes"),
         )
     };
     if catalogue.usable_columns().next().is_none() {
@@ -84,11 +85,15 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             describe(piece, errors)
         })
         .collect();
-    let mut reasons = vec!["The sensor did not move, so this log alone cannot be calibrated".into()];
+    let mut reasons =
+        vec![Reason::new("at-rest", "The sensor did not move, so this log alone cannot be calibrated")];
     let verdict = if left.structure > 0.0 {
-        reasons.push(format!(
-            "{:.0} % of the variance is not noise, and no candidate explains it",
-            100.0 * left.structure
+        reasons.push(Reason::new(
+            "unexplained-variance",
+            format!(
+                "{:.0} % of the variance is not noise, and no candidate explains it",
+                100.0 * left.structure
+            ),
         ));
         Verdict::Unexplained
     } else if !confounded.is_empty() {
@@ -148,6 +153,6 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         prior: "none".into(),
         contradiction: None,
         traces,
-        ..undetermined(table, samples, options.registry, String::new())
+        ..undetermined(table, samples, options.registry, Reason::new("at-rest", ""))
     })
 }

@@ -14,6 +14,7 @@ use crate::outcome::explain::{Stand, explain};
 use crate::outcome::outcome::{Diagnosis, StepRow, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::view::View;
+use crate::reason::Reason;
 use crate::samples::samples::Samples;
 use crate::samples::series::{Autocorrelation, rms};
 use crate::search::candidates::Catalogue;
@@ -154,12 +155,8 @@ pub(crate) fn as_logged(
     diagnosis.calibration = None;
     diagnosis.information = None;
     diagnosis.predicted_error_ut = None;
-    diagnosis.reasons.insert(
-        0,
-        "there are too few orientations for a calibration. ironout assumes that the sensor was already calibrated, and \
-         searched for effects only"
-            .into(),
-    );
+    diagnosis.reasons.insert(0, Reason::new("effects-only", "Too few orientations for a calibration. ironout assumes that the sensor was already calibrated, and \
+         searched for effects only"));
     Ok(Some(diagnosis))
 }
 

@@ -9,6 +9,7 @@ use crate::calibration::{FittedEffect, Information, StdErrors};
 use crate::noise::colour::Colour;
 use crate::outcome::contradiction::Contradiction;
 use crate::plain;
+use crate::reason::Reason;
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
 use crate::search::shown::Shown;
@@ -169,7 +170,7 @@ pub struct Diagnosis {
     /// The verdict.
     pub verdict: Verdict,
     /// Why, in words.
-    pub reasons: Vec<String>,
+    pub reasons: Vec<Reason>,
     /// `magnitude`, or `vector` for a board at rest.
     pub residual: &'static str,
     /// The error falling.

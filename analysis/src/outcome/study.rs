@@ -16,6 +16,7 @@ use crate::outcome::passes;
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::standing;
 use crate::outcome::view::View;
+use crate::reason::Reason;
 use crate::samples::faults::{self, FaultKind};
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
@@ -38,7 +39,10 @@ pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     let counted = &ground.counted;
     let mut diagnosis = of_kind(ground, options)?;
     if diagnosis.steps.iter().any(|step| !step.rms_ut.is_finite()) {
-        let why = "the readings are too large to compute with. Is this the magnetometer?".into();
+        let why = Reason::new(
+            "not-finite",
+            "the readings are too large to compute with. Is this the magnetometer?",
+        );
         diagnosis = undetermined(counted.table, &counted.samples, options.registry, why);
     }
     // What the study has left out is told after the faults of the sensor.
@@ -134,7 +138,8 @@ fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagn
                  it"
             ),
         };
-        let mut diagnosis = undetermined(table, samples, options.registry, why);
+        let mut diagnosis =
+            undetermined(table, samples, options.registry, Reason::new("too-few-samples", why));
         // What so few samples seem to say of a column is not so.
         for row in &mut diagnosis.candidates {
             row.why = format!("the log has only {few} samples");
@@ -145,13 +150,16 @@ fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagn
         return at_rest(table, samples, options);
     }
     if ground.counted.axes != [true; 3] {
-        let why = "one axis is a copy of another, so no ellipsoid fits. Fix: correct the driver".into();
+        let why = Reason::new(
+            "copied-axis",
+            "one axis is a copy of another, so no ellipsoid fits. Fix: correct the driver",
+        );
         return Ok(undetermined(table, samples, options.registry, why));
     }
     let none_fits = || {
         let why = match options.prior {
-            Some(_) => "the earlier calibration does not match this field".into(),
-            None => "no sphere or ellipsoid fits the samples".into(),
+            Some(_) => Reason::new("prior-mismatch", "the earlier calibration does not match this field"),
+            None => Reason::new("no-ellipsoid", "no sphere or ellipsoid fits the samples"),
         };
         undetermined(table, samples, options.registry, why)
     };
@@ -223,9 +231,12 @@ fn level(
     base: Option<&Base>,
     tilt_deg: f64,
 ) -> Result<Diagnosis, Refusal> {
-    let reason = format!(
-        "The sensor was tilted by only {tilt_deg:.0}° (rms), so offset and matrix cannot be found. Record again with large \
+    let reason = Reason::new(
+        "tilted-too-little",
+        format!(
+            "The sensor was tilted by only {tilt_deg:.0}° (rms), so offset and matrix cannot be found. Record again with large \
          tilts, or use --prior CAL.json. For a vehicle, ironout fit calibrates for the tilts in the log"
+        ),
     );
     if let Some(mut lower) = as_logged(table, samples, options)?.filter(|lower| is_told(lower, options)) {
         lower.reasons.insert(0, reason);
@@ -290,7 +301,10 @@ fn magnitude(
     let pass = Pass::new(samples, Residual::Magnitude);
     let (explanation, pure_lag) = match explain(pass, &catalogue, model, known, options, stand)? {
         Ok(explained) => explained,
-        Err(why) => return Ok(undetermined(table, samples, options.registry, why)),
+        Err(why) => {
+            let why = Reason::new("no-convergence", why);
+            return Ok(undetermined(table, samples, options.registry, why));
+        }
     };
     let base = stand.base;
     let (dip_deg, searches) = (options.dip_deg, options.search);

@@ -13,6 +13,7 @@ use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::{Residue, attitude_error, covariance, error_beyond};
 use crate::base::start;
 use crate::outcome::outcome::{Heading, StepRow, Verdict, Where};
+use crate::reason::Reason;
 use crate::residual::late::{Late, scan};
 use crate::samples::samples::Samples;
 use crate::samples::series::Autocorrelation;
@@ -38,7 +39,7 @@ const MOST: f64 = 0.5;
 /// A verdict and why.
 pub(crate) struct Judged {
     pub(crate) verdict: Verdict,
-    pub(crate) reasons: Vec<String>,
+    pub(crate) reasons: Vec<Reason>,
     /// Whether all is explained, and only the calibration not sure enough.
     pub(crate) only_unsure: bool,
     /// Whether the attitude determines the base model.
@@ -259,17 +260,20 @@ impl<'a> View<'_, 'a> {
         };
         match error {
             Some(error) if error <= MAX_PREDICTED_ERROR => {}
-            Some(error) => reasons.push(format!(
+            Some(error) => reasons.push(Reason::new("too-few-orientations", format!(
                 "Too few orientations: the predicted error is {:.*} % of the field in the worst direction (1σ). Rotate the \
                  sensor through more orientations. For a vehicle, ironout fit calibrates for the tilts in the log",
                 usize::from(error < 1.05 * MAX_PREDICTED_ERROR) + 1,
                 100.0 * error
-            )),
-            None => reasons.push("too few orientations to determine the ellipsoid".into()),
+            ))),
+            None => reasons.push(Reason::new("too-few-orientations", "too few orientations to determine the ellipsoid")),
         }
         // Noise so large carries no calibration; structure so large is a missing effect, whatever the attitude.
         if left.rms > MAX_RESIDUAL * field && left.structure <= 0.0 {
-            reasons.push(format!("the residual is {:.1} % of the field", 100.0 * left.rms / field));
+            reasons.push(Reason::new(
+                "residual-too-large",
+                format!("The residual is {:.1} % of the field", 100.0 * left.rms / field),
+            ));
         } else if reasons.is_empty() {
             return self.of_model(left, applied, predicted, field, true);
         } else if error.is_some_and(|error| error <= MAX_ERROR_TO_NAME) && self.is_certain() {
@@ -326,54 +330,54 @@ impl<'a> View<'_, 'a> {
         left: &Residue,
         refused: Option<f64>,
         fails: Option<f64>,
-    ) -> (Verdict, Vec<String>, bool) {
+    ) -> (Verdict, Vec<Reason>, bool) {
         let mut reasons = Vec::new();
         if let Some(error) = refused {
-            reasons.push(format!(
+            reasons.push(Reason::new("error-too-large", format!(
                 "The predicted error of a calibration from this log is {:.1} % of the field in the worst direction (1σ){}",
                 100.0 * error,
                 match (left.structure > 0.0, self.explanation.fitted.pieces.is_empty()) {
                     (true, _) => ", including the unexplained error",
-                    (false, true) => ", for its noise: record longer, in more orientations",
-                    (false, false) => ", for its noise and its effects: record longer, in more orientations",
+                    (false, true) => ", because of its noise. Record longer, in more orientations",
+                    (false, false) => ", because of its noise and its effects. Record longer, in more orientations",
                 }
-            ));
+            )));
         }
         if self.explanation.ended_early {
-            reasons.push(
-                "The search stopped at its limit, with candidates that were not tested in addition to the effects found"
-                    .into(),
-            );
+            reasons.push(Reason::new("search-limit", "The search stopped at its limit, with candidates that were not tested in addition to the effects found"));
             if left.structure <= 0.0 {
                 return (Verdict::Unexplained, reasons, false);
             }
         }
         if left.structure > 0.0 {
-            reasons.push(format!(
+            reasons.push(Reason::new("unexplained-variance", format!(
                 "{:.0} % of the residual variance is not noise, and no candidate explains it significantly",
                 100.0 * left.structure
-            ));
+            )));
             return (Verdict::Unexplained, reasons, false);
         }
         if let Some(words) = self.stand_ins() {
-            reasons.push(words);
+            reasons.push(Reason::new("probable-proxies", words));
             return (Verdict::Unexplained, reasons, false);
         }
         if let Some(times) = fails {
-            reasons.push(format!(
+            reasons.push(Reason::new("held-out-error", format!(
                 "The held-out error is {times:.1} × the noise floor: the model is incomplete, or the log is too short for it"
-            ));
+            )));
             let explained = self.explanation.fitted.converged && self.explanation.confounded.is_empty();
             let alone = explained && reasons.len() == 1;
             return (Verdict::Unexplained, reasons, alone);
         }
         if !self.explanation.fitted.converged {
-            reasons.push("The fit with all effects found did not converge".into());
+            reasons.push(Reason::new("no-convergence", "The fit with all effects found did not converge"));
             return (Verdict::Unexplained, reasons, false);
         }
         if !self.explanation.confounded.is_empty() {
             for group in &self.explanation.confounded {
-                reasons.push(format!("{} explain the error equally well", group.ids.join(", ")));
+                reasons.push(Reason::new(
+                    "confounded",
+                    format!("{} explain the error equally well", group.ids.join(", ")),
+                ));
             }
             return (Verdict::Confounded, reasons, false);
         }

@@ -39,7 +39,7 @@ pub fn run(arguments: &DiagnoseArgs, form: Form) -> Outcome<u8> {
         Form::Json => {
             let mut object = json::object(&diagnosis);
             if let Some(fields) = object.as_object_mut() {
-                fields.insert("read_as".into(), read_block::json(&log));
+                fields.extend(read_block::context(&log));
             }
             output::line(&object.to_string());
         }

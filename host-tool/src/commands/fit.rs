@@ -8,6 +8,7 @@ use crate::progress::Working;
 use crate::reading::Reading;
 use crate::registry::REGISTRY;
 use crate::{atomic, fit_words, output, prior, read_block, refusal, source};
+use ironout_analysis::reason::codes;
 use ironout_analysis::{Options, Table, fit};
 
 /// The object of `--json`: the fit, and how the log was read.
@@ -15,7 +16,9 @@ use ironout_analysis::{Options, Table, fit};
 struct Said {
     #[serde(flatten)]
     fit: FitObject,
-    read_as: serde_json::Value,
+    reason_codes: Vec<&'static str>,
+    #[serde(flatten)]
+    context: serde_json::Map<String, serde_json::Value>,
 }
 
 /// Fits, reports, and keeps an accepted calibration.
@@ -71,7 +74,11 @@ pub fn run(arguments: &FitArgs, form: Form) -> Outcome<u8> {
     }
     match form {
         Form::Json => {
-            let object = Said { fit: FitObject::of(&fitted, method.name()), read_as: read_block::json(&log) };
+            let object = Said {
+                fit: FitObject::of(&fitted, method.name()),
+                reason_codes: codes(&fitted.reasons),
+                context: read_block::context(&log),
+            };
             output::line(&serde_json::to_string(&object).map_err(to_text)?);
         }
         Form::Line => output::text(&(fit_words::one_line(&fitted) + "\n")),

@@ -338,7 +338,7 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             command(out, next::try_fit(arguments, &add));
         }
         Verdict::Undetermined
-            if diagnosis.reasons.iter().all(|reason| reason.starts_with("the residual is")) =>
+            if diagnosis.reasons.iter().all(|reason| reason.code == "residual-too-large") =>
         {
             say(
                 out,

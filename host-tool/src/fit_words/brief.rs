@@ -33,7 +33,7 @@ pub fn answer(arguments: &FitArgs, log: &Log, fitted: &Fitted, expected: &Expect
 /// The answer in one line (`-q`).
 pub fn one_line(fitted: &Fitted) -> String {
     let Some(solution) = &fitted.solution else {
-        let why = fitted.reasons.first().map_or("no calibration fits", String::as_str);
+        let why = fitted.reasons.first().map_or("no calibration fits", |reason| reason.words.as_str());
         return format!("{}: {why}", verdict(fitted));
     };
     let before = fitted.before.map_or(String::new(), |(_, rms)| format!("{} → ", fixed(Some(rms), 2)));

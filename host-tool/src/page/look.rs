@@ -134,8 +134,10 @@ fn figures(fitted: &Fitted, floor_ut: Option<f64>) -> Value {
 /// The verdict of a fit in one sentence.
 fn sentence(fitted: &Fitted, floor_ut: Option<f64>) -> String {
     let Some(solution) = &fitted.solution else {
-        let why =
-            fitted.reasons.first().map_or("this log is not sufficient for a calibration", String::as_str);
+        let why = fitted
+            .reasons
+            .first()
+            .map_or("this log is not sufficient for a calibration", |reason| reason.words.as_str());
         return format!("REFUSED: {why}");
     };
     let field = solution.calibration.field_ut;

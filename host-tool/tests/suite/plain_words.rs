@@ -55,8 +55,20 @@ const FORBIDDEN: [(&str, &str); 43] = [
 ];
 
 /// Words after which `a` or `an` means per.
-const MEASURES: [&str; 12] =
-    ["microtesla", "µt", "ut", "gauss", "counts", "samples", "rows", "gain", "factor", "value", "degrees", "g"];
+const MEASURES: [&str; 12] = [
+    "microtesla",
+    "µt",
+    "ut",
+    "gauss",
+    "counts",
+    "samples",
+    "rows",
+    "gain",
+    "factor",
+    "value",
+    "degrees",
+    "g",
+];
 /// What a measure is per.
 const PER: [&str; 8] = ["count", "sample", "second", "axis", "row", "unit", "degree", "ampere"];
 
@@ -158,7 +170,11 @@ fn the_rules_find_what_they_forbid() {
     ] {
         assert!(!faults(bad).is_empty(), "{bad}");
     }
-    for good in ["there is no calibration in use", "it is no longer tested here", "the log marks where they were lost"] {
+    for good in [
+        "there is no calibration in use",
+        "it is no longer tested here",
+        "the log marks where they were lost",
+    ] {
         let wrong: Vec<String> = faults(good).into_iter().filter(|fault| !fault.contains("where")).collect();
         assert!(wrong.is_empty(), "{good}: {wrong:?}");
     }
@@ -193,7 +209,9 @@ fn the_help_of_every_command_is_plain_english() {
     let commands = help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1);
     let commands: Vec<&str> = commands
         .take_while(|line| !line.is_empty())
-        .filter_map(|line| line.strip_prefix("  ")?.split_whitespace().next().filter(|_| !line.starts_with("   ")))
+        .filter_map(|line| {
+            line.strip_prefix("  ")?.split_whitespace().next().filter(|_| !line.starts_with("   "))
+        })
         .collect();
     assert!(commands.len() >= 15 && commands.contains(&"effects"), "{commands:?}");
     let mut wrong = Vec::new();
