@@ -10,7 +10,7 @@ const KINDS: [&str; 7] = [
     "effects hidden",
     "nothing hidden",
     "confounded by its column",
-    "too little attitude",
+    "too few orientations",
     "its column left out",
     "a fault alone",
     "an effect and a fault",

@@ -1,5 +1,6 @@
 //! The tests of the program: one binary, one module a subject. Each runs the built `ironout`, as a user would.
 
+mod answer_first;
 mod batch;
 mod blackbox;
 #[cfg(feature = "demo")]
@@ -49,6 +50,7 @@ mod prior;
 mod reader;
 mod reading;
 mod recordings;
+mod schemas;
 mod several;
 mod telemetry;
 mod text_corpus;

@@ -24,9 +24,9 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
     // What is missing is not called noise before it is switched on, nor after it was switched off.
     assert!((number(&seen["floor"]) - floor).abs() < 0.05 * floor, "{seen}");
     for key in ["sentence", "sentenceOff"] {
-        assert!(words(&seen[key]).contains("times what the noise leaves"), "{seen}");
+        assert!(words(&seen[key]).contains("× the noise floor"), "{seen}");
     }
-    assert!(words(&seen["sentenceNow"]).contains("which is what the noise leaves"), "{seen}");
+    assert!(words(&seen["sentenceNow"]).contains("the noise floor"), "{seen}");
     let with = ironout(["fit", text(&log), "--add", "offset:current_a", "--json"]).json();
     assert!((now - number(&with["rms_ut"])).abs() <= 5.01e-4, "{now} {}", with["rms_ut"]);
     assert_eq!((&seen["turned"], &seen["checked"]), (&json!(true), &json!(true)));
@@ -61,7 +61,7 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
                 "It amounts to",
                 "± 1σ",
                 "offset, µT",
-                "floor by noise",
+                "noise floor",
             ][..],
         ),
         ("gaps", &["of all directions were seen", "largest gap"]),
