@@ -44,7 +44,7 @@ const LESS_BY_SIGMAS: f64 = 5.0;
 
 /// What the residual of a model is made of.
 #[derive(Debug, Clone, Serialize)]
-pub struct Residue {
+pub struct NoiseEstimate {
     /// Rms, µT.
     pub rms: f64,
     /// The part of it that is noise, µT.
@@ -67,7 +67,7 @@ pub struct Residue {
     pub is_noise: bool,
 }
 
-/// [`Residue::memory`] of a residual, from its second differences: those hold what is new from sample to sample.
+/// [`NoiseEstimate::memory`] of a residual, from its second differences: those hold what is new from sample to sample.
 fn memory(residuals: &[f64]) -> f64 {
     let quick = second_difference_sigma(residuals);
     let share = independent_share(quick * quick, rms(residuals).powi(2));
@@ -83,7 +83,7 @@ pub fn residue(
     quantum_ut: f64,
     step_s: f64,
     turning: &Turning,
-) -> Residue {
+) -> NoiseEstimate {
     let n = residuals.len();
     let correlation = Autocorrelation::of(residuals);
     let freedom = n.saturating_sub(parameters).max(1) as f64;
@@ -108,7 +108,7 @@ pub fn residue(
     // What is less at rest comes with the turning.
     let remembers = match noise.colour {
         Colour::White => false,
-        Colour::Fading(rho) => rho > LEAST_MEMORY,
+        Colour::Ar1(rho) => rho > LEAST_MEMORY,
         Colour::RollingMean { .. } | Colour::Flicker { .. } => true,
     };
     let rests = remembers.then(|| Still::of(residuals, turning, noise.colour, rounding)).flatten();
@@ -116,7 +116,7 @@ pub fn residue(
     let is_noise = turning.of_magnitude && noise.is_noise(step_s) && !together && rests.is_none();
     // A memory that no filter has, or a spectrum that no noise with a memory has: an error that moves. A rolling mean's has zeros,
     // which rounding and the board's turns fill.
-    let forgets = matches!(noise.colour, Colour::Fading(_) | Colour::Flicker { .. });
+    let forgets = matches!(noise.colour, Colour::Ar1(_) | Colour::Flicker { .. });
     let own = noise.colour.is_of_a_sensor(step_s) && (is_noise || !forgets) && !together && rests.is_none();
     let moves = turning.of_magnitude && !own;
     let (share, smooth) = match rests.map(|still| still.share.max(LEAST_AT_REST)) {
@@ -130,7 +130,7 @@ pub fn residue(
         false => (share, smooth),
     };
     let floor = if structured { smooth } else { whole };
-    Residue {
+    NoiseEstimate {
         rms: rms(residuals),
         floor_least: if noise.colour == Colour::White { floor } else { floor.min(quick) },
         floor,
@@ -183,7 +183,7 @@ pub fn covariance_of(total: &Matrix, fitted: &Fitted, time: f64) -> Option<Vec<[
 /// Predicted 1σ error (rms length) of the corrected vector in the worst direction, in units of the field:
 /// `δh = δC y − C δb − C Φ δθ` with `y = A h`, in the mean over what the effects' columns were: offset and matrix trade against them, and
 /// only together do their errors mean anything.
-pub fn predicted_error(pass: &Pass, fitted: &Fitted, known: &Known, left: &Residue) -> Option<f64> {
+pub fn predicted_error(pass: &Pass, fitted: &Fitted, known: &Known, left: &NoiseEstimate) -> Option<f64> {
     // What is known besides stands against the data as they count: as of so many fewer samples.
     let data = Matrix::total(&fitted.blocks, None);
     let list: Vec<&Piece> = fitted.pieces.iter().collect();
@@ -215,7 +215,7 @@ pub fn memory_of_scores(pass: &Pass, fitted: &Fitted) -> f64 {
 
 /// The same as the attitude alone decides it: were the effects known, and every sample's noise its own. A log that is
 /// only too short for its noise or for its effects can still be diagnosed.
-pub fn attitude_error(fitted: &Fitted, left: &Residue) -> Option<f64> {
+pub fn attitude_error(fitted: &Fitted, left: &NoiseEstimate) -> Option<f64> {
     let base = Residual::Magnitude.base_columns();
     let keep: [usize; 9] = core::array::from_fn(|column| column);
     let factor = fitted.total().select(&keep).factor()?;

@@ -2,7 +2,7 @@
 
 use crate::base::applied::Applied;
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::Residue;
+use crate::base::quality::NoiseEstimate;
 use crate::outcome::view::View;
 use crate::samples::faults;
 use crate::search::certain::PREDICTS;
@@ -29,7 +29,7 @@ const SAME_WAY: f64 = 0.97;
 impl View<'_, '_> {
     /// The held-out error over the noise floor, where it is more than that many parameters and that noise's memory make of
     /// it: a model that explains the samples it has seen by chance, or structure that passes for noise.
-    pub(super) fn fails_on_unseen_time(&self, left: &Residue, applied: &Applied) -> Option<f64> {
+    pub(super) fn fails_on_unseen_time(&self, left: &NoiseEstimate, applied: &Applied) -> Option<f64> {
         let fitted = &self.explanation.fitted;
         let held_out = held_out_rms(fitted)?;
         let ratio = applied.share * held_out / left.floor;

@@ -4,7 +4,7 @@ use crate::base::applied::Applied;
 use crate::base::engine::Fitted;
 use crate::base::mounting::AXIS_ORDER;
 use crate::base::quality::{
-    Residue, covariance, information, memory_of_scores, noise_gain, predicted_error, residue,
+    NoiseEstimate, covariance, information, memory_of_scores, noise_gain, predicted_error, residue,
 };
 use crate::calibration::Information;
 use crate::outcome::outcome::{Diagnosis, Dip, NoiseRow, StepRow, Verdict};
@@ -170,7 +170,7 @@ impl View<'_, '_> {
     }
 
     /// What a model leaves under its own correction.
-    fn residue(&self, fitted: &Fitted, applied: &Applied) -> Residue {
+    fn residue(&self, fitted: &Fitted, applied: &Applied) -> NoiseEstimate {
         residue(
             &applied.residuals,
             fitted.columns(),

@@ -49,7 +49,7 @@ fn noise(row: NoiseRow) -> Value {
     });
     let own = match row.colour {
         Colour::White => json!({}),
-        Colour::Fading(correlation) => json!({"correlation": correlation}),
+        Colour::Ar1(correlation) => json!({"correlation": correlation}),
         Colour::RollingMean { of, white } => json!({"samples": of, "white": white}),
         Colour::Flicker { exponent, white, .. } => json!({"exponent": exponent, "white": white}),
     };

@@ -4,7 +4,7 @@ use crate::base::axes::Alignment;
 use crate::base::model::Base;
 use crate::base::mounting::Standing;
 use crate::base::order::AxisOrder;
-use crate::base::quality::Residue;
+use crate::base::quality::NoiseEstimate;
 use crate::calibration::{FittedEffect, Information, StdErrors};
 use crate::noise::colour::Colour;
 use crate::outcome::contradiction::Contradiction;
@@ -158,8 +158,8 @@ pub struct NoiseRow {
 
 impl NoiseRow {
     /// Of a residual.
-    pub fn of(left: &Residue) -> NoiseRow {
-        let Residue { colour, misfit, is_noise, memory, .. } = *left;
+    pub fn of(left: &NoiseEstimate) -> NoiseRow {
+        let NoiseEstimate { colour, misfit, is_noise, memory, .. } = *left;
         NoiseRow { colour, misfit, is_noise, memory_samples: memory }
     }
 }

@@ -10,7 +10,7 @@ use crate::base::known::Known;
 use crate::base::model::Base;
 use crate::base::mounting::Standing;
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::{Residue, attitude_error, covariance, error_beyond};
+use crate::base::quality::{NoiseEstimate, attitude_error, covariance, error_beyond};
 use crate::base::start;
 use crate::outcome::outcome::{Heading, StepRow, Verdict, Where};
 use crate::reason::Reason;
@@ -247,7 +247,7 @@ impl<'a> View<'_, 'a> {
     /// What the model says of the log.
     pub(crate) fn verdict(
         &self,
-        left: &Residue,
+        left: &NoiseEstimate,
         applied: &Applied,
         predicted: Option<f64>,
         field: f64,
@@ -311,7 +311,7 @@ impl<'a> View<'_, 'a> {
     /// What the model says of a log, whether or not its attitude is enough.
     fn of_model(
         &self,
-        left: &Residue,
+        left: &NoiseEstimate,
         applied: &Applied,
         predicted: Option<f64>,
         field: f64,
@@ -327,7 +327,7 @@ impl<'a> View<'_, 'a> {
     /// Verdict and reasons, and whether all is explained and only the calibration not sure enough.
     fn reasoned(
         &self,
-        left: &Residue,
+        left: &NoiseEstimate,
         refused: Option<f64>,
         fails: Option<f64>,
     ) -> (Verdict, Vec<Reason>, bool) {

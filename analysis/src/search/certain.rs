@@ -3,7 +3,7 @@
 
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::{Residue, error_beyond, predicted_error, residue};
+use crate::base::quality::{NoiseEstimate, error_beyond, predicted_error, residue};
 use crate::noise::colour::Colour;
 use crate::search::screen::ACCUSED;
 use crate::search::state::{Explanation, Greedy, Step, Withdrawn, errors_applied, held_out_rms};
@@ -246,7 +246,7 @@ impl<'a> Greedy<'_, 'a> {
     fn does_not_hold(
         &self,
         explanation: &Explanation<'a>,
-        left: &Residue,
+        left: &NoiseEstimate,
         asked: &[String],
     ) -> Option<Withdrawn> {
         let fitted = &explanation.fitted;

@@ -10,7 +10,7 @@ const KINDS: [&str; 7] = [
     "effects hidden",
     "nothing hidden",
     "confounded by its column",
-    "too few orientations",
+    "too little attitude",
     "its column left out",
     "a fault alone",
     "an effect and a fault",

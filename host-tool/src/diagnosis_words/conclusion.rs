@@ -3,7 +3,7 @@
 use crate::cli::{DiagnoseArgs, typed_option};
 use crate::diagnosis_words::numbers::{degrees, field, microtesla, wrap};
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, groups, listed, name_of, title};
-use crate::diagnosis_words::{found, next};
+use crate::diagnosis_words::{advice, found, next};
 use crate::log_args::SAVED;
 use ironout_analysis::base::mounting;
 use ironout_analysis::outcome::outcome::{Diagnosis, Status, Verdict};
@@ -270,7 +270,11 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             }
         }
         Verdict::Confounded => {
-            say(out, "Record a log that separates them, and diagnose it:");
+            for group in groups(diagnosis).iter().filter(|group| group.len() > 1).take(1) {
+                let advice = advice::separating(diagnosis.registry, &group[0], &group[1]);
+                say(out, &format!("Record a log that separates {} and {}: {advice}", group[0], group[1]));
+            }
+            say(out, "Then diagnose that log:");
             command(out, next::diagnose(arguments, "second.csv", ""));
             say(
                 out,
