@@ -268,7 +268,7 @@ mod tests {
                 cal.information.is_some() && turn == flip,
                 "{notices:?}"
             );
-            assert!(notices[0].contains("turned back"));
+            assert!(notices[0].contains("rotated back"));
         }
     }
 }

@@ -101,7 +101,7 @@ fn travelling_is_no_effect_where_the_log_tells_where_it_was() {
     // Several degrees of dip too.
     assert!(seen["dip"]["rms_deg_after"].as_f64().expect("a number") < 0.5, "{}", seen["dip"]);
     assert!(
-        run.said().contains("along the way") && run.said().contains("2026-01-01, assumed"),
+        run.said().contains("along the path") && run.said().contains("2026-01-01, assumed"),
         "{}",
         run.stderr
     );
