@@ -13,7 +13,8 @@ pub fn similar<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<
         })
         .filter(|(distance, own)| *distance <= (own.chars().count().max(wanted.chars().count()) / 3).max(1))
         .collect();
-    ranked.sort();
+    // Of equally similar names the first comes first.
+    ranked.sort_by_key(|(distance, _)| *distance);
     ranked.into_iter().map(|(_, own)| own).collect()
 }
 

@@ -39,8 +39,9 @@ impl Failure {
 
     /// A file that should hold a calibration.
     pub fn not_a_calibration(why: &str) -> Self {
+        let end = if why.ends_with('?') { "" } else { "." };
         Failure::usage(format!(
-            "this is not a valid ironout calibration: {why}. Create one with: ironout fit LOG -o CAL.json"
+            "this is not a valid ironout calibration: {why}{end} Create one with: ironout fit LOG -o CAL.json"
         ))
     }
 

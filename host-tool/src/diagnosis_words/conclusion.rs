@@ -151,7 +151,6 @@ fn goes_with(diagnosis: &Diagnosis, add: &[String], out: &mut Vec<String>) -> bo
 
 /// The verdict.
 pub fn verdict(told: &Told, out: &mut Vec<String>) {
-    out.push(String::new());
     out.extend(wrap(&sentence(told.diagnosis), "", WIDTH));
     for id in &told.arguments.add {
         let row = told.diagnosis.candidates.iter().find(|row| row.id == *id);
