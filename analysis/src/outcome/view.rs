@@ -212,8 +212,7 @@ impl<'a> View<'_, 'a> {
         } else if let Some(words) = &self.lower_order {
             words.clone()
         } else {
-            "weak prior: gains within 20 %, axes within 10°, offset within a few times the field strength"
-                .into()
+            "weak (gains within 20 %, axes within 10°, offset within a few times the field strength)".into()
         }
     }
 

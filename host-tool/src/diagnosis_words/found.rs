@@ -279,10 +279,10 @@ fn before_and_after(told: &Told, effect: &FittedEffect) -> Vec<String> {
     let (low, high) = axis_label(column, &before);
     let what = place::what(&before);
     let first =
-        format!("{INDENT}{:<15}{low} {} {high}", "residual before", sparkline(&before.values, bottom, top));
+        format!("{INDENT}{:<16}{low} {} {high}", "residual before", sparkline(&before.values, bottom, top));
     let blank = " ".repeat(low.chars().count());
     let second = format!(
-        "{INDENT}{:<15}{blank} {}   {what}, {} … {}",
+        "{INDENT}{:<16}{blank} {}   {what}, {} … {}",
         "residual after",
         sparkline(&after.values, bottom, top),
         microtesla(bottom),

@@ -118,11 +118,7 @@ fn base(told: &Told, out: &mut Vec<String>) {
         let number = value.map_or("-".into(), microtesla);
         out.push(format!("  {label:<16} {number:>8} {}   {note}", symbol()).trim_end().to_string());
     };
-    row(
-        "sensor noise",
-        diagnosis.noise_floor_ut,
-        "sensor noise per axis (1σ), estimated from the residual".into(),
-    );
+    row("sensor noise", diagnosis.noise_floor_ut, "per axis (1σ), estimated from the residual".into());
     if !at_rest(diagnosis) {
         let note = diagnosis
             .residual_floor_ut
