@@ -30,7 +30,7 @@ pub struct EffectEntry {
     pub unit: String,
     /// The value of each column at which the effect is zero (for its square: whose square is).
     pub reference: BTreeMap<String, f64>,
-    /// `at_s`, `frequency_hz`, `delay_s` where the effect has one.
+    /// `at_s`, `frequency_hz`, `delay_s`, `time_constant_s` where the effect has one.
     pub parameters: BTreeMap<String, f64>,
     /// The least and the greatest value of each column that the effect was fitted over; absent in files of earlier
     /// programs.
@@ -239,7 +239,7 @@ pub struct FittedEffect {
     pub unit: String,
     /// Where it vanishes: column and value.
     pub reference: Vec<(String, f64)>,
-    /// `at_s`, `frequency_hz`, `delay_s`.
+    /// `at_s`, `frequency_hz`, `delay_s`, `time_constant_s`.
     pub parameters: Vec<(&'static str, f64)>,
     /// The least and the greatest value of each column over the samples of the fit.
     pub range: Vec<(String, [f64; 2])>,

@@ -2,11 +2,12 @@
 
 use crate::effects::Calibrated;
 use crate::samples::clock::even;
-use crate::samples::samples::{delayed, filled};
+use crate::samples::samples::{filled, past_of};
 use crate::table::Table;
 use ironout::calibration::norm;
-use ironout::effect::{ColumnName, Effect, Follows, MAX_INPUTS, Made, TIME};
+use ironout::effect::{ColumnName, Effect, Follows, MAX_INPUTS, Made, Past, TIME};
 use ironout::extended::{Conditions, FittedEffect, NotCorrected};
+use std::borrow::Cow;
 
 /// A column that an effect of the calibration needs and that the log does not have as it is needed.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -99,23 +100,19 @@ impl<'a> Corrector<'a> {
                 }
                 let filled = filled(covariate.values)
                     .ok_or_else(|| missing(column.name, "every cell of it is empty"))?;
-                let delay_s = column.delay_s;
-                *slot = Some(if delay_s > 0.0 {
-                    let time = table.time_s;
-                    delayed(
-                        &filled,
-                        time.ok_or_else(|| missing(TIME, "the log has no time column"))?,
-                        delay_s,
-                    )
-                } else {
-                    filled
+                *slot = Some(match column.past {
+                    Past::Now => filled.into_owned(),
+                    past => {
+                        let time = table.time_s.ok_or_else(|| missing(TIME, "the log has no time column"))?;
+                        past_of(&filled, time, 0..table.rows(), past)
+                    }
                 });
             }
             inputs.push(own);
             if fitted.effect.needs_gyro() {
                 let axes = table.gyro_radps.as_ref();
                 let axes = axes.ok_or_else(|| missing("gx_radps", "the log has no gyro"))?;
-                let [x, y, z] = axes.map(filled);
+                let [x, y, z] = axes.map(|axis| filled(axis).map(Cow::into_owned));
                 let all = x.zip(y).zip(z).map(|((x, y), z)| [x, y, z]);
                 turn_radps = Some(all.ok_or_else(|| missing("gx_radps", "every cell of it is empty"))?);
             }

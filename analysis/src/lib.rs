@@ -37,6 +37,7 @@ pub mod similar;
 pub mod table;
 mod threads;
 pub mod track;
+pub mod unlogged;
 
 pub use correct::{CannotCorrect, Corrector, on_another_clock};
 pub use fit::allowed::{Allowed, allowed};

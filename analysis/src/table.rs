@@ -20,14 +20,34 @@ pub struct Table<'a> {
     pub gyro_radps: Option<[&'a [f64]; 3]>,
     /// Reference heading, degrees.
     pub heading_deg: Option<&'a [f64]>,
+    /// The attitude that an autopilot worked out, as a quaternion from body axes (forward, right, down) to north, east, down: w, x, y, z.
+    pub attitude: Option<[&'a [f64]; 4]>,
+    /// The field of the Earth where the log was recorded, where that is known.
+    pub earth: Option<Earth>,
     /// The field along the way, where the log tells where it was and that changes it.
     pub track: Option<Track>,
+    /// The first row of each further recording, where several follow each other.
+    pub recordings: Vec<usize>,
     /// Every other numeric column.
     pub covariates: Vec<Named<'a>>,
     /// Whether the axes of two sensors disagree, and nothing tells whose are wrong.
     pub axes_in_doubt: bool,
     /// What has been worked out of these columns; begins empty.
     pub derived: Derived,
+}
+
+/// Names of the columns of a logged attitude.
+pub const ATTITUDE: [&str; 4] = ["q_w", "q_x", "q_y", "q_z"];
+
+/// The field of the Earth at a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Earth {
+    /// Magnitude, µT.
+    pub field_ut: f64,
+    /// Dip below the horizon, degrees.
+    pub dip_deg: f64,
+    /// Declination to the east, degrees.
+    pub declination_deg: f64,
 }
 
 /// Specific force without the board's own acceleration, in body axes, against gravity and with its usual length.
@@ -69,6 +89,8 @@ pub struct Derived {
     pub(crate) accelerometer: OnceLock<Option<Accelerometer>>,
     /// Second moment of the zero error that is left, (m/s²)².
     pub(crate) zero_error_square: OnceLock<Matrix3<f64>>,
+    /// The coarsest step of the readings, µT.
+    pub(crate) quantum_ut: OnceLock<f64>,
 }
 
 /// A column that the log format asks for and that is not there, or one whose length is not that of the others.
@@ -106,8 +128,8 @@ pub struct Named<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// From columns named as in the log format: `mx_ut,my_ut,mz_ut` are needed, `t_s`, `ax_mps2 …`, `gx_radps …` and
-    /// `heading_deg` are known, every other is a covariate. A missing cell is NaN.
+    /// From columns named as in the log format: `mx_ut,my_ut,mz_ut` are needed, `t_s`, `ax_mps2 …`, `gx_radps …`,
+    /// `q_w …` and `heading_deg` are known, every other is a covariate. A missing cell is NaN.
     ///
     /// # Errors
     /// [`BadTable`].
@@ -136,8 +158,13 @@ impl<'a> Table<'a> {
         if let Some((name, _)) = columns.iter().find(|(_, values)| values.len() != field_ut[0].len()) {
             return Err(BadTable::Ragged((*name).to_string()));
         }
+        let attitude = match ATTITUDE.map(find) {
+            [Some(w), Some(x), Some(y), Some(z)] => Some([w, x, y, z]),
+            _ => None,
+        };
         let known = |name: &str| {
             FIELD.contains(&name)
+                || (attitude.is_some() && ATTITUDE.contains(&name))
                 || ACCEL.contains(&name)
                 || GYRO.contains(&name)
                 || ["t_s", "heading_deg"].contains(&name)
@@ -149,7 +176,10 @@ impl<'a> Table<'a> {
             accel_mps2: triple(ACCEL)?,
             gyro_radps: triple(GYRO)?,
             heading_deg: find("heading_deg"),
+            attitude,
+            earth: None,
             track: None,
+            recordings: Vec::new(),
             axes_in_doubt: false,
             covariates: columns
                 .iter()

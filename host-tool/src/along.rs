@@ -75,12 +75,14 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
         ));
         return Ok(());
     }
-    let (Some(field), Some(dip)) = (filled(&field), filled(&dip)) else { return Ok(()) };
+    let whole = |values: &[f64]| filled(values).map(std::borrow::Cow::into_owned);
+    let (Some(field), Some(dip)) = (whole(&field), whole(&dip)) else { return Ok(()) };
     let of = match &height {
         Some((name, _)) => format!("lat_deg, lon_deg and {name}"),
         None => "lat_deg and lon_deg (at height 0)".to_string(),
     };
     log.earth = Some([field, dip]);
+    log.declination_deg = last.map(|(_, earth)| earth.declination_deg);
     if let Some(words) = travels(log, &format!("by {of} and the world magnetic model of {on}, {words}")) {
         // Of the program's own format no reasons are printed.
         if log.read_as.own_csv {
@@ -88,6 +90,65 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
         }
         log.read_as.reasons.push(words);
     }
+    Ok(())
+}
+
+/// Gives the log the field of each row that a reference measured: one column with its magnitude, or three whose norm it is. The columns
+/// are no candidates then.
+///
+/// # Errors
+/// A column that is not there or has no value in most rows, another number of columns, a size that is no field.
+pub fn reference(log: &mut Log, columns: &str) -> Outcome<()> {
+    let names: Vec<&str> = columns.split(',').map(str::trim).collect();
+    let fail = |what: String| Failure::usage(format!("--reference {columns}: {what}"));
+    if !matches!(names.len(), 1 | 3) {
+        return Err(fail("name one column with the magnitude, or three with a vector".into()));
+    }
+    let mut squares = vec![0.0; log.rows];
+    for name in &names {
+        let column = log.covariate(name).ok_or_else(|| {
+            let known: Vec<&str> = log.covariates.iter().map(|column| column.name.as_str()).collect();
+            fail(format!(
+                "the log has no such column; it has {}",
+                if known.is_empty() { "none".into() } else { known.join(", ") }
+            ))
+        })?;
+        let values = filled(&column.values).filter(|_| column.not_finite == 0);
+        let values = values.ok_or_else(|| fail(format!("{name} holds no numbers")))?;
+        squares.iter_mut().zip(values.iter()).for_each(|(sum, value)| *sum += value * value);
+    }
+    let field: Vec<f64> = squares.into_iter().map(f64::sqrt).collect();
+    let mut sorted = field.clone();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN);
+    let named = |end: &str| names.iter().all(|name| name.to_ascii_lowercase().ends_with(end));
+    // Fields that the Earth has, and coils make, in each unit: they are a factor of ten apart at least.
+    let (unit, ut) = match median {
+        _ if named("_nt") => ("nT", 1e-3),
+        _ if named("_ut") => ("µT", 1.0),
+        _ if named("_g") || named("_gauss") => ("G", 100.0),
+        m if (0.1..1.5).contains(&m) => ("G", 100.0),
+        m if (10.0..150.0).contains(&m) => ("µT", 1.0),
+        m if (10_000.0..150_000.0).contains(&m) => ("nT", 1e-3),
+        m => {
+            return Err(fail(format!(
+                "its median {m} is no field in nT, µT or G; let the name end in _nt, _ut or _g, as in --derive 'ref_nt = 1000 * {}'",
+                names[0]
+            )));
+        }
+    };
+    let field: Vec<f64> = field.iter().map(|value| value * ut).collect();
+    let spread = field.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], f| [a.min(*f), b.max(*f)]);
+    if !(spread[0] > 0.0) {
+        return Err(fail("its magnitude is zero in some rows".into()));
+    }
+    log.notices.push(format!(
+        "{columns} is the true field, {:.3} to {:.3} µT (read as {unit}): each row is held against its own, and the scale is absolute",
+        spread[0], spread[1]
+    ));
+    let dip = vec![0.0; log.rows];
+    log.earth = Some([field, dip]);
+    log.covariates.retain(|column| !names.contains(&column.name.as_str()));
     Ok(())
 }
 

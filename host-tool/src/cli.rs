@@ -165,10 +165,15 @@ pub struct FitArgs {
     #[arg(long, requires = "add")]
     pub force_effect: bool,
     /// Use the information of an earlier calibration
-    #[arg(long, value_name = "CAL.json")]
+    #[arg(long, value_name = "CAL.json", group = "earlier")]
     pub prior: Option<PathBuf>,
-    /// Keep only the matrix of --prior and fit the offset again: after a battery swap, or at another place of the same vehicle
-    #[arg(long, value_name = "WHAT", requires = "prior")]
+    /// Use another log of the same sensor, fitted first, as the earlier calibration; or "parameters", the compass calibration of
+    /// the autopilot that recorded this log
+    #[arg(long, value_name = "LOG|parameters", group = "earlier")]
+    pub prior_from: Option<PathBuf>,
+    /// Keep only the matrix of the earlier calibration and fit the offset again: after a battery swap, or at another place of
+    /// the same vehicle
+    #[arg(long, value_name = "WHAT", requires = "earlier")]
     pub free: Option<Free>,
     /// Orientations that the calibration is for: all, level (tilts up to 5°), boat (up to 20°), or a tilt in degrees (default: all if the
     /// log contains them, otherwise those in the log)
@@ -183,7 +188,11 @@ pub enum Free {
     Offset,
 }
 
-fn purpose(text: &str) -> Result<Purpose, String> {
+/// Reads the attitudes of `--for`.
+///
+/// # Errors
+/// What is expected, in words.
+pub fn purpose(text: &str) -> Result<Purpose, String> {
     match text {
         "all" => Ok(Purpose::All),
         "level" => Ok(Purpose::Tilt(5.0)),

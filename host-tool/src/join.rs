@@ -116,6 +116,8 @@ fn append(whole: &mut Log, next: Log, timed: bool, gap_s: f64) {
         [field, dip]
     });
     covariates(whole, next.covariates, before, rows, &name);
+    whole.recordings.push(before);
+    whole.recordings.extend(next.recordings.iter().map(|first| before + first));
     whole.rows = before + rows;
     whole.read_as.left_out.extend(next.read_as.left_out);
     whole.path = format!("{} + {name}", whole.path.display()).into();

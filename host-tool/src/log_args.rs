@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Outcome};
 use crate::geomag::EarthField;
-use crate::input::{self, Mounting, ReadOptions};
+use crate::input::{self, Log, Mounting, ReadOptions};
 use crate::shell::{quoted, typed_option};
 use clap::{Args, ValueEnum};
 use ironout::fit::Method;
@@ -59,6 +59,10 @@ pub struct LogArgs {
     /// The day of the log: for the field along lat_deg, lon_deg and the height
     #[arg(long, value_name = "YYYY-MM-DD", help_heading = "Reading the log")]
     pub date: Option<String>,
+    /// The true field at every row: a magnitude (a proton, fluxgate or base station magnetometer, a coil), or three columns of
+    /// a reference sensor in whatever axes; nT, µT or G by the name's end or by the size
+    #[arg(long, value_name = "COLUMN[,COLUMN,COLUMN]", help_heading = "Reading the log")]
+    pub reference: Option<String>,
 }
 
 impl LogArgs {
@@ -75,6 +79,7 @@ impl LogArgs {
             ignore: Vec::new(),
             repair: Vec::new(),
             date: None,
+            reference: None,
         }
     }
 
@@ -187,6 +192,15 @@ pub struct Expected {
     pub field_ut: Option<f64>,
     /// The model's answer to `--at`.
     pub earth: Option<EarthField>,
+}
+
+impl Expected {
+    /// With the mean of a reference that was logged, where no magnitude was given.
+    pub fn or_reference(self, arguments: &LogArgs, log: &Log) -> Expected {
+        let logged = log.earth.as_ref().filter(|_| arguments.reference.is_some());
+        let mean = logged.map(|[field, _]| field.iter().sum::<f64>() / field.len().max(1) as f64);
+        Expected { field_ut: self.field_ut.or(mean), ..self }
+    }
 }
 
 impl FieldArgs {

@@ -3,14 +3,17 @@
 use crate::cal_file::CalFile;
 use crate::cli::LogArgs;
 use crate::failure::{Failure, Outcome};
-
 use crate::input::Log;
+use crate::plausible::Known;
+use crate::reading::Reading;
+use crate::registry::REGISTRY;
+use crate::{refusal, source};
+use ironout::effect::{Effect, Parts};
 use ironout_analysis::base::axes::triangle_of;
 use ironout_analysis::base::prior::Prior;
-use ironout_analysis::effects;
-
-use crate::registry::REGISTRY;
-use ironout::effect::{Effect, Parts};
+use ironout_analysis::outcome::request::Purpose;
+use ironout_analysis::{Options, Table, effects, fit};
+use nalgebra::{Matrix3, Vector3};
 use std::path::Path;
 
 /// Reads a calibration file as information for this log. The offsets of its effects are carried over to the log's own
@@ -20,7 +23,76 @@ use std::path::Path;
 /// # Errors
 /// A file that is no calibration, is of another scale or mounting, holds no information, or carries effects that this log cannot be related to.
 pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Prior> {
-    let file = CalFile::read(path)?;
+    of_file(&CalFile::read(path)?, path, log, arguments)
+}
+
+/// The name that stands for the calibration of the autopilot that recorded the log.
+const PARAMETERS: &str = "parameters";
+/// An autopilot's calibration is right to this share of the field (compasses are calibrated away from the motors and loads of a
+/// flight: 5 to 10 µT), and to this in gains and axes.
+const AUTOPILOT_OFFSET: f64 = 0.15;
+const AUTOPILOT_GAIN: f64 = 0.05;
+
+/// Fits another log, named in `from`, as this one is fitted, or takes the autopilot's own calibration out of this log, as information.
+///
+/// # Errors
+/// Those of reading and of fitting; a log whose fit is refused; an autopilot that had no calibration.
+pub fn from(from: &Path, log: &Log, arguments: &LogArgs, options: &Options, json: bool) -> Outcome<Prior> {
+    if from == Path::new(PARAMETERS) {
+        return of_autopilot(log);
+    }
+    let (other, used) =
+        source::read_held(&arguments.alone(from), None, &Known::given(options.field_ut), json)?;
+    let options = Options { prior: None, purpose: Purpose::AsShown, ..options.clone() };
+    let fitted = fit(&Table::from(&other), &options).map_err(|refused| refusal::failure(refused, from))?;
+    if !fitted.accepted {
+        let why = fitted.reasons.first().map(ToString::to_string).unwrap_or_default();
+        return Err(Failure::usage(format!(
+            "its own fit is refused, so it cannot be used as a prior: {why}"
+        ))
+        .in_file(from));
+    }
+    let mut file = CalFile::of(&fitted, options.method.name());
+    let columns: Vec<String> = file.fit.effects.iter().flat_map(|effect| effect.columns.clone()).collect();
+    file.reading = Some(Reading::of(&other, &used, &columns)?);
+    of_file(&file, from, log, arguments)
+}
+
+/// The calibration that the autopilot had when it recorded the log, as the reader took it out.
+fn of_autopilot(log: &Log) -> Outcome<Prior> {
+    let none = || {
+        Failure::usage(
+            "--prior-from parameters: this log contains no compass calibration of an autopilot. Fix: give --prior CAL.json or --prior-from LOG",
+        )
+    };
+    let removed = log.frame.removed.last().ok_or_else(none)?;
+    let [turn, matrix] =
+        [&log.frame.from_source, &removed.matrix].map(|rows| Matrix3::from_fn(|i, j| rows[i][j]));
+    let unit = Matrix3::from_diagonal(&log.frame.ut_per_number.into());
+    let offset = turn * unit * Vector3::from(removed.offset);
+    let back = (turn * unit).try_inverse().ok_or_else(none)?;
+    let matrix = turn * unit * matrix * back;
+    let rows: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]));
+    if offset.norm() == 0.0 {
+        return Err(none());
+    }
+    let n = log.rows.max(1) as f64;
+    let field_ut =
+        (0..log.rows).map(|row| (matrix * (Vector3::from(log.field(row)) - offset)).norm()).sum::<f64>() / n;
+    let spread = |i: usize| if i < 3 { AUTOPILOT_OFFSET * field_ut } else { AUTOPILOT_GAIN };
+    Ok(Prior {
+        offset_ut: offset.into(),
+        triangle: triangle_of(&rows).ok_or_else(none)?,
+        information: std::array::from_fn(|i| {
+            std::array::from_fn(|j| if i == j { spread(i).powi(-2) } else { 0.0 })
+        }),
+        field_ut,
+        conditions: Default::default(),
+    })
+}
+
+/// A calibration file as information for this log.
+fn of_file(file: &CalFile, path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Prior> {
     if let Some(reading) = &file.reading {
         reading.must_fit(path, log, arguments)?;
     }

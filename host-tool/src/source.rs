@@ -192,7 +192,10 @@ fn finished(mut log: Log, arguments: &LogArgs, path: &Path, kept: &[String]) -> 
     definitions.retain(|one| !there(one));
     derive::add(&mut log, &definitions, &Mounting::parse(&arguments.rotate)?)
         .map_err(|failure| failure.in_file(path))?;
-    along::know(&mut log, arguments.date.as_deref())?;
+    match &arguments.reference {
+        Some(columns) => along::reference(&mut log, columns).map_err(|failure| failure.in_file(path))?,
+        None => along::know(&mut log, arguments.date.as_deref())?,
+    }
     ignore(&mut log, &arguments.ignore).map_err(|failure| failure.in_file(path))?;
     Ok(log)
 }

@@ -6,7 +6,7 @@ use crate::wait::{on_thread, raised};
 use ironout_analysis::outcome::json;
 use ironout_analysis::{Options, Table};
 use ironout_cli::cal_file::{CalFile, FitObject};
-use ironout_cli::cli::{DiagnoseArgs, ExportArgs, ExportForm, FitArgs};
+use ironout_cli::cli::{DiagnoseArgs, ExportArgs, ExportForm, FitArgs, Free};
 use ironout_cli::commands::check::run::judge;
 use ironout_cli::corrected::Corrected;
 use ironout_cli::diagnosis_words::{self, Told};
@@ -28,6 +28,7 @@ fn analysis_options(held: &Inner, asked: &Asked, search: bool) -> Outcome<Option
     let prior = asked.prior.as_ref().map(PathBuf::from);
     let expected = asked.field.expected()?;
     let read = |path: &PathBuf| prior::read(path, &held.log, &held.arguments);
+    let known = prior.as_ref().map(read).transpose()?;
     Ok(Options {
         method: asked.field.method_with(&asked.add, prior.as_ref())?,
         field_ut: expected.field_ut,
@@ -35,7 +36,11 @@ fn analysis_options(held: &Inner, asked: &Asked, search: bool) -> Outcome<Option
         add: asked.add.clone(),
         force_effect: asked.force_effect || search,
         search,
-        prior: prior.as_ref().map(read).transpose()?,
+        prior: match asked.free {
+            Some(Free::Offset) => known.map(|known| known.without_offset()),
+            None => known,
+        },
+        purpose: asked.purpose.unwrap_or_default(),
         registry: REGISTRY,
         ..Options::default()
     })
@@ -69,8 +74,9 @@ pub fn fit(
             None
         };
         let arguments = FitArgs {
-            free: None,
-            purpose: None,
+            free: asked.free,
+            purpose: asked.purpose,
+            prior_from: None,
             log: held.arguments.clone(),
             field: asked.field.clone(),
             output: None,

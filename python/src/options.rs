@@ -1,6 +1,7 @@
 //! Keyword arguments, as the options of the command line that they are.
 
-use ironout_cli::cli::{FieldArgs, MethodArg};
+use ironout_analysis::outcome::request::Purpose;
+use ironout_cli::cli::{FieldArgs, Free, MethodArg, purpose};
 use ironout_cli::failure::{Failure, Outcome};
 use ironout_cli::page::ReadAsked;
 use serde_json::Value;
@@ -13,6 +14,10 @@ pub struct Asked {
     pub force_effect: bool,
     /// File of an earlier calibration.
     pub prior: Option<String>,
+    /// What of it is fitted again.
+    pub free: Option<Free>,
+    /// The attitudes that the calibration is to be for.
+    pub purpose: Option<Purpose>,
 }
 
 fn wrong(what: &str) -> Failure {
@@ -42,10 +47,24 @@ pub fn asked(text: &str) -> Outcome<Asked> {
     if field.is_some() && at.is_some() {
         return Err(wrong("field_ut and at both give the magnitude of the field. Fix: give one of them"));
     }
+    let prior = value["prior"].as_str().map(String::from);
+    let free = match value["free"].as_str() {
+        None => None,
+        Some("offset") if prior.is_some() => Some(Free::Offset),
+        Some("offset") => return Err(wrong("free needs a prior, whose matrix is kept. Fix: give prior")),
+        Some(other) => return Err(wrong(&format!("free {other:?}: expected \"offset\""))),
+    };
+    let purpose = value["for"]
+        .as_str()
+        .map(purpose)
+        .transpose()
+        .map_err(|error| wrong(&format!("attitudes: {error}")))?;
     Ok(Asked {
         field: FieldArgs { field, at, method },
         add: add.collect(),
         force_effect: value["force_effect"].as_bool() == Some(true),
-        prior: value["prior"].as_str().map(String::from),
+        prior,
+        free,
+        purpose,
     })
 }

@@ -49,6 +49,8 @@ fn draw_any(spec: &EffectSpec, scenery: &Scenery, rng: &mut ChaCha8Rng) -> Hidde
         at_s: seconds * rng.random_range(0.25..0.75),
         frequency_hz: rng.random_range(1.5..(nyquist * 0.95).max(1.6)),
         delay_s: rng.random_range(0.15..0.6),
+        // Of what the log is long enough to show.
+        time_constant_s: if spec.kind.slow { seconds * rng.random_range(0.02..0.15) } else { 0.0 },
         rotation: None,
     };
     let mut effect = HiddenEffect { kind: spec.kind.clone(), drawn };

@@ -40,7 +40,9 @@ pub(super) fn apart<'a>(own: &Subject<'a>, other: &Subject<'a>) -> Option<Advice
 }
 
 fn same_column(own: &Subject, other: &Subject) -> &'static str {
-    if own.form.is_late() != other.form.is_late() {
+    if own.form.is_late() && other.form.is_late() {
+        "change {0} abruptly, several times, and wait: a delayed effect jumps later, a low-pass filtered one changes gradually."
+    } else if own.form.is_late() != other.form.is_late() {
         "change {0} abruptly, several times: a delayed effect then trails visibly behind it."
     } else if own.form.is_squared() != other.form.is_squared() {
         "move {0} through its whole range, and through both signs if it has two: a square does not change sign."

@@ -197,9 +197,7 @@ pub trait Family: Sync {
     /// The columns of [`Effect::columns`], with names that live as long as the parts.
     fn columns<'p>(&self, parts: &Parts<&'p str>) -> [Option<Column<'p, f64>>; MAX_INPUTS] {
         let column = match self.follows() {
-            Follows::Column => {
-                Some(Column { name: parts.column, delay_s: parts.delay_s().unwrap_or_default() })
-            }
+            Follows::Column => Some(Column { name: parts.column, past: parts.past() }),
             Follows::Time | Follows::Tone => Some(Column::now(TIME)),
             Follows::Attitude | Follows::Turning => None,
         };
@@ -208,6 +206,11 @@ pub trait Family: Sync {
     /// Whether it goes by the time of the log it was found in, so that it cannot correct another one.
     fn is_bound_to_its_log(&self) -> bool {
         matches!(self.follows(), Follows::Time | Follows::Tone)
+    }
+    /// Whether a search offers it for a column of this name: some causes do not know what a column measures.
+    fn suits(&self, column: &str) -> bool {
+        let _ = column;
+        true
     }
     /// What a log must have besides the column.
     fn need(&self, form: &Form) -> Option<Need> {

@@ -81,6 +81,7 @@ mod parts;
 mod periodic;
 mod quantities;
 mod registry;
+mod soft_iron;
 mod step;
 #[cfg(test)]
 mod tests;
@@ -101,6 +102,9 @@ pub use nonlinearity::Nonlinearity;
 pub use offset::{Offset, Power};
 pub use parts::{Form, InParts, Parts, Searched, Zero};
 pub use periodic::Periodic;
-pub use quantities::{Coefficients, Column, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, Shape, TIME, no_shape};
+pub use quantities::{
+    Coefficients, Column, MAX_COEFFICIENTS, MAX_INPUTS, Past, Quantities, Shape, TIME, no_shape,
+};
 pub use registry::{BuiltIn, Named, Registry};
+pub use soft_iron::SoftIron;
 pub use step::Step;

@@ -7,7 +7,7 @@ use super::columns::{ColumnKind as Kind, Usual};
 use super::definition::Effect;
 use super::family::{Advice, Amount, Family, Follows, Subject};
 use super::parts::{Form, Parts, Searched, Zero};
-use super::quantities::{Coefficients, Column, MAX_INPUTS, Quantities, Shape, along, isotropic};
+use super::quantities::{Coefficients, Column, MAX_INPUTS, Past, Quantities, Shape, along, isotropic};
 use crate::math::Real;
 use core::fmt;
 
@@ -32,14 +32,14 @@ pub struct Offset<C, T> {
     pub reference: T,
     /// Linear or squared.
     pub power: Power,
-    /// How late the column acts, s; `None` for the plain effect.
-    pub delay_s: Option<T>,
+    /// Which past of the column acts.
+    pub past: Past<T>,
 }
 
 impl<C, T> Offset<C, T> {
     /// The plain effect.
     pub const fn linear(column: C, reference: T) -> Self {
-        Offset { column, reference, power: Power::Linear, delay_s: None }
+        Offset { column, reference, power: Power::Linear, past: Past::Now }
     }
 }
 
@@ -48,33 +48,35 @@ const KIND: &str = "offset";
 const PLAIN: Form = Form { tag: 1, column: true, zero: Zero::Column, ..Form::PLAIN };
 const SQUARED: Form = Form { tag: 2, suffix: "^2", zero: Zero::Square, ..PLAIN };
 const LATE: Form = Form { tag: 3, suffix: "@delay", searched: Some(Searched::Delay), ..PLAIN };
+const SLOW: Form = Form { tag: 14, suffix: "~tau", searched: Some(Searched::TimeConstant), ..PLAIN };
 const BOTH: Form = Form { tag: 4, suffix: "@delay^2", zero: Zero::Square, offered: false, ..LATE };
 
 impl<C, T> Offset<C, T> {
     const fn form(&self) -> &'static Form {
-        match (self.power, self.delay_s.is_some()) {
-            (Power::Linear, false) => &PLAIN,
-            (Power::Squared, false) => &SQUARED,
-            (Power::Linear, true) => &LATE,
-            (Power::Squared, true) => &BOTH,
+        match (self.power, &self.past) {
+            (Power::Linear, Past::Now) => &PLAIN,
+            (Power::Linear, Past::Delayed(_)) => &LATE,
+            (Power::Linear, Past::LowPass(_)) => &SLOW,
+            (Power::Squared, Past::Now) => &SQUARED,
+            (Power::Squared, _) => &BOTH,
         }
     }
 }
 
 impl<C: Copy, T: Real> Typed<C> for Offset<C, T> {
-    const FORMS: &'static [&'static Form] = &[&PLAIN, &SQUARED, &LATE, &BOTH];
+    const FORMS: &'static [&'static Form] = &[&PLAIN, &SQUARED, &LATE, &BOTH, &SLOW];
 
     fn of(parts: &Parts<C>) -> Self {
         Offset {
             column: parts.column,
             reference: T::of(parts.reference),
             power: if parts.form.is_squared() { Power::Squared } else { Power::Linear },
-            delay_s: parts.delay_s().map(T::of),
+            past: parts.past().cast(),
         }
     }
 
     fn parts(&self) -> Parts<C> {
-        let parameter = self.delay_s.map_or(0.0, Real::as_f64);
+        let parameter = self.past.seconds().as_f64();
         Parts { form: self.form(), column: self.column, reference: self.reference.as_f64(), parameter }
     }
 }
@@ -112,15 +114,16 @@ impl Family for Offsets {
         let (column, reference) = (code.column, code.number(parts.reference));
         write!(
             out,
-            "BuiltIn::Offset(Offset {{ column: {column}, reference: {reference}, power: Power::{power:?}, delay_s: "
+            "BuiltIn::Offset(Offset {{ column: {column}, reference: {reference}, power: Power::{power:?}, past: Past::"
         )?;
-        match parts.delay_s() {
-            Some(delay_s) => write!(out, "Some({}) }})", code.number(delay_s)),
-            None => out.write_str("None })"),
+        match parts.past() {
+            Past::Now => out.write_str("Now })"),
+            Past::Delayed(s) => write!(out, "Delayed({}) }})", code.number(s)),
+            Past::LowPass(s) => write!(out, "LowPass({}) }})", code.number(s)),
         }
     }
     fn rust_names(&self, _: &Parts<&str>) -> &'static [&'static str] {
-        &["BuiltIn", "Offset", "Power"]
+        &["BuiltIn", "Offset", "Past", "Power"]
     }
     fn c(
         &self,
@@ -142,15 +145,21 @@ impl<C: AsRef<str>, T: Real> Effect<T> for Offset<C, T> {
     }
 
     fn name(&self) -> &'static str {
-        match (Kind::of(self.column.as_ref()), self.power, self.delay_s.is_some()) {
-            (Kind::Temperature, Power::Linear, false) => "offset proportional to temperature",
-            (Kind::Temperature, Power::Linear, true) => "delayed offset proportional to temperature",
+        match (Kind::of(self.column.as_ref()), self.power, self.past.word()) {
+            (Kind::Temperature, Power::Linear, "") => "offset proportional to temperature",
+            (Kind::Temperature, Power::Linear, "ahead") => "offset proportional to temperature, logged late",
+            (Kind::Temperature, Power::Linear, "late") => "delayed offset proportional to temperature",
+            (Kind::Temperature, Power::Linear, _) => "low-pass filtered offset proportional to temperature",
             (Kind::Temperature, Power::Squared, _) => "offset proportional to temperature squared",
-            (Kind::Current, Power::Linear, false) => "offset proportional to current",
-            (Kind::Current, Power::Linear, true) => "delayed offset proportional to current",
+            (Kind::Current, Power::Linear, "") => "offset proportional to current",
+            (Kind::Current, Power::Linear, "ahead") => "offset proportional to current, logged late",
+            (Kind::Current, Power::Linear, "late") => "delayed offset proportional to current",
+            (Kind::Current, Power::Linear, _) => "low-pass filtered offset proportional to current",
             (Kind::Current, Power::Squared, _) => "offset proportional to current squared",
-            (Kind::Other, Power::Linear, false) => "offset proportional to a column",
-            (Kind::Other, Power::Linear, true) => "delayed offset proportional to a column",
+            (Kind::Other, Power::Linear, "") => "offset proportional to a column",
+            (Kind::Other, Power::Linear, "ahead") => "offset proportional to a column, logged late",
+            (Kind::Other, Power::Linear, "late") => "delayed offset proportional to a column",
+            (Kind::Other, Power::Linear, _) => "low-pass filtered offset proportional to a column",
             (Kind::Other, Power::Squared, _) => "offset proportional to a column squared",
         }
     }
@@ -181,7 +190,7 @@ impl<C: AsRef<str>, T: Real> Effect<T> for Offset<C, T> {
     }
 
     fn columns(&self) -> [Option<Column<'_, T>>; MAX_INPUTS] {
-        [Some(Column { name: self.column.as_ref(), delay_s: self.delay_s.unwrap_or(T::zero()) }), None]
+        [Some(Column { name: self.column.as_ref(), past: self.past }), None]
     }
 
     fn coefficients(&self) -> usize {

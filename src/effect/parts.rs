@@ -1,6 +1,7 @@
 //! An effect taken apart: the plain data that ids, calibration files, records and searches have in common.
 
 use super::column_name::ColumnName;
+use super::quantities::Past;
 
 /// What of a shape is searched for, since the fit is not linear in it. How a search goes about it depends on what a shape
 /// of that kind looks like, so this is fixed too.
@@ -10,13 +11,15 @@ pub enum Searched {
     At,
     /// The frequency of three sines and three cosines, in this order, Hz.
     Frequency,
-    /// How late a column acts that adds a vector of three coefficients, s.
+    /// How late a column acts that adds a vector of three coefficients, s; negative where it acts before it is logged.
     Delay,
+    /// The time constant of the low-pass through which a column acts that adds a vector of three coefficients, s.
+    TimeConstant,
 }
 
 impl Searched {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::At, Self::Frequency, Self::Delay];
+    pub const ALL: [Self; 4] = [Self::At, Self::Frequency, Self::Delay, Self::TimeConstant];
 
     /// Its key in calibration files and on the console.
     pub const fn name(self) -> &'static str {
@@ -24,12 +27,13 @@ impl Searched {
             Self::At => "at_s",
             Self::Frequency => "frequency_hz",
             Self::Delay => "delay_s",
+            Self::TimeConstant => "time_constant_s",
         }
     }
 
     /// Whether a value can be meant: finite, and not negative for what cannot be.
     pub fn is_sound(self, value: f64) -> bool {
-        value.is_finite() && (value >= 0.0 || self == Self::At)
+        value.is_finite() && (value >= 0.0 || matches!(self, Self::At | Self::Delay))
     }
 }
 
@@ -91,9 +95,9 @@ impl Form {
         self.zero == Zero::Square
     }
 
-    /// Whether the column acts late.
+    /// Whether a past of the column acts: late, or through a low-pass.
     pub fn is_late(&self) -> bool {
-        self.searched == Some(Searched::Delay)
+        matches!(self.searched, Some(Searched::Delay | Searched::TimeConstant))
     }
 }
 
@@ -136,9 +140,13 @@ impl<C> Parts<C> {
         self.form.searched.map(|searched| (searched, self.parameter))
     }
 
-    /// How late the column acts, s.
-    pub fn delay_s(&self) -> Option<f64> {
-        self.form.is_late().then_some(self.parameter)
+    /// Which past of the column acts.
+    pub fn past(&self) -> Past<f64> {
+        match self.form.searched {
+            Some(Searched::Delay) => Past::Delayed(self.parameter),
+            Some(Searched::TimeConstant) => Past::LowPass(self.parameter),
+            _ => Past::Now,
+        }
     }
 
     /// When the effect has its own zero of time, s; `None` for an effect that does not read the time.
@@ -160,7 +168,7 @@ impl<C> Parts<C> {
         }
     }
 
-    /// Whether every number in it is finite, and no delay or frequency negative.
+    /// Whether every number in it is finite, and no time constant or frequency negative.
     pub fn is_sound(&self) -> bool {
         self.reference().is_none_or(f64::is_finite)
             && self.parameter().is_none_or(|(searched, value)| searched.is_sound(value))

@@ -1,6 +1,6 @@
 //! What an effect reads of a sample, and what it gives.
 
-use crate::math::Real;
+use crate::math::{self, Real};
 
 /// The most coefficients an effect may have.
 pub const MAX_COEFFICIENTS: usize = 9;
@@ -22,19 +22,71 @@ pub fn no_shape<T: Real>() -> Shape<T> {
     [[T::zero(); 3]; MAX_COEFFICIENTS]
 }
 
-/// A column that an effect reads, perhaps late.
+/// Which past of a column acts now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Past<T> {
+    /// None: its value now.
+    Now,
+    /// Its value so many seconds ago: a command that a motor follows, a filter with a fixed delay. Negative: its value so many
+    /// seconds later, since it is logged late.
+    Delayed(T),
+    /// A low-pass of first order with this time constant, s: `τ dy/dt = x − y`, from the first value on. A thermal mass, an RC filter.
+    LowPass(T),
+}
+
+impl<T: Real> Past<T> {
+    /// The same in another precision.
+    pub fn cast<U: Real>(&self) -> Past<U> {
+        match self {
+            Past::Now => Past::Now,
+            Past::Delayed(s) => Past::Delayed(U::of(s.as_f64())),
+            Past::LowPass(s) => Past::LowPass(U::of(s.as_f64())),
+        }
+    }
+
+    /// The delay or the time constant, s; zero for now.
+    pub fn seconds(&self) -> T {
+        match *self {
+            Past::Now => T::zero(),
+            Past::Delayed(s) | Past::LowPass(s) => s,
+        }
+    }
+
+    /// What tells the name of such a value from the column's own: `current_a_late`.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Past::Now => "",
+            Past::Delayed(s) if *s < T::zero() => "ahead",
+            Past::Delayed(_) => "late",
+            Past::LowPass(_) => "slow",
+        }
+    }
+
+    /// The value of a low-pass, `y` at the column's value `before`, when it has gone on linearly to `now` within `dt_s`. Exact for
+    /// a column that is linear in between.
+    pub fn low_pass(time_constant_s: f64, dt_s: f64, [y, before, now]: [f64; 3]) -> f64 {
+        if !(dt_s > 0.0 && time_constant_s > 0.0) {
+            return if time_constant_s > 0.0 { y } else { now };
+        }
+        // What lies behind the column in the steady state of a ramp.
+        let behind = (now - before) * (time_constant_s / dt_s);
+        now - behind + (y - before + behind) * math::exp(-dt_s / time_constant_s)
+    }
+}
+
+/// A column that an effect reads, perhaps a past of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column<'a, T> {
     /// Name in the log; [`TIME`] is the time in seconds.
     pub name: &'a str,
-    /// How long ago the value was that acts now, s.
-    pub delay_s: T,
+    /// Which past of it acts.
+    pub past: Past<T>,
 }
 
 impl<'a, T: Real> Column<'a, T> {
     /// A column that acts at once.
     pub fn now(name: &'a str) -> Self {
-        Column { name, delay_s: T::zero() }
+        Column { name, past: Past::Now }
     }
 }
 

@@ -6,7 +6,7 @@ use super::definition::Effect;
 use super::family::{Advice, Family, Need, Subject};
 use super::parts::{Form, InParts, Parts};
 use super::quantities::{Coefficients, Column, MAX_INPUTS, Quantities, Shape};
-use super::{cross_axis, drift, field, gain, lag, nonlinearity, offset, periodic, step};
+use super::{cross_axis, drift, field, gain, lag, nonlinearity, offset, periodic, soft_iron, step};
 use crate::math::Real;
 use core::fmt;
 
@@ -14,6 +14,7 @@ built_in_effects! {
     offset::Offsets => Offset(offset::Offset<ColumnName, T>);
     gain::Gains => Gain(gain::Gain<ColumnName, T>);
     field::AmbientFields => Field(field::AmbientField<ColumnName, T>);
+    soft_iron::SoftIrons => SoftIron(soft_iron::SoftIron<ColumnName, T>);
     drift::Drifts => Drift(drift::Drift<T>);
     step::Steps => Step(step::Step<T>);
     periodic::Tones => Periodic(periodic::Periodic);
@@ -138,7 +139,7 @@ impl Registry {
         mut use_it: impl FnMut(Named<'a>),
     ) {
         let mut offer = |column: &'a str, named: bool| {
-            for family in self.families() {
+            for family in self.families().filter(|family| family.suits(column)) {
                 let mut last = None;
                 for form in family.forms().iter().copied().filter(|form| form.column == named && form.offered)
                 {

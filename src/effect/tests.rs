@@ -4,19 +4,21 @@ extern crate std;
 
 use super::{
     AmbientField, BuiltIn, Coefficients, ColumnName, CrossAxis, Drift, Eddy, Effect, Form, Gain, Id, Lag,
-    MAX_COEFFICIENTS, Made, Need, Nonlinearity, Offset, Parts, Periodic, Power, Quantities, Registry, Step,
-    no_shape,
+    MAX_COEFFICIENTS, Made, Need, Nonlinearity, Offset, Parts, Past, Periodic, Power, Quantities, Registry,
+    SoftIron, Step, no_shape,
 };
 use std::string::{String, ToString};
 use std::vec::Vec;
 
-fn all() -> [BuiltIn<f64>; 11] {
+fn all() -> [BuiltIn<f64>; 13] {
     let column = ColumnName::new("temp_c").unwrap();
     [
         BuiltIn::Offset(Offset::linear(column, 24.5)),
-        BuiltIn::Offset(Offset { column, reference: 9.0, power: Power::Squared, delay_s: Some(0.25) }),
+        BuiltIn::Offset(Offset { column, reference: 9.0, power: Power::Squared, past: Past::Delayed(0.25) }),
+        BuiltIn::Offset(Offset { column, reference: 9.0, power: Power::Linear, past: Past::LowPass(2.5) }),
         BuiltIn::Gain(Gain { column, reference: 20.0 }),
         BuiltIn::Field(AmbientField { column, reference: 21.0 }),
+        BuiltIn::SoftIron(SoftIron { column, reference: 21.0 }),
         BuiltIn::Drift(Drift { reference_s: 40.0 }),
         BuiltIn::Step(Step { at_s: 3.0 }),
         BuiltIn::Lag(Lag),
@@ -85,7 +87,7 @@ fn numbers_of_records_are_never_given_again() {
     let mut tags: Vec<u8> =
         Registry::BUILT_IN.families().flat_map(|f| f.forms()).map(|form| form.tag).collect();
     tags.sort_unstable();
-    let all: Vec<u8> = (1..=13).collect();
+    let all: Vec<u8> = (1..=15).collect();
     assert_eq!(tags, all);
 }
 
@@ -150,20 +152,21 @@ fn a_log_is_offered_what_its_columns_allow() {
         Registry::BUILT_IN.known(["u"].into_iter(), has, |named| list.push(named.to_string()));
         list.join(" ")
     };
-    assert_eq!(known(|_| false), "offset:u offset:u^2 gain:u field:u nonlinearity cross-axis");
-    let all =
-        "offset:u offset:u^2 offset:u@delay gain:u field:u drift step periodic lag nonlinearity cross-axis";
+    assert_eq!(known(|_| false), "offset:u offset:u^2 gain:u field:u soft-iron:u nonlinearity cross-axis");
+    let all = "offset:u offset:u^2 offset:u@delay offset:u~tau gain:u field:u soft-iron:u drift step periodic lag nonlinearity cross-axis";
     assert_eq!(known(|_| true), all);
 }
 
 #[test]
 fn every_pair_has_advice_that_names_its_columns() {
-    const IDS: [&str; 14] = [
+    const IDS: [&str; 16] = [
         "offset:temp_c",
         "gain:temp_c",
         "offset:temp_c^2",
         "offset:current_a",
         "offset:current_a@delay",
+        "offset:current_a~tau",
+        "soft-iron:lid",
         "offset:throttle",
         "field:height_m",
         "offset:servo",

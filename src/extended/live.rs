@@ -4,14 +4,15 @@ use super::calibration::ExtendedCalibration;
 use super::correction::{NotCorrected, Prepared, correct};
 use super::delay::DelayLine;
 use super::fitted::{Limits, MAX_EFFECTS, Ranges, held};
+use super::low_pass::LowPass;
 use super::outside::Outside;
 use crate::calibration::Calibration;
-use crate::effect::{BuiltIn, Coefficients, Effect, MAX_INPUTS, TIME};
+use crate::effect::{BuiltIn, Coefficients, Effect, MAX_INPUTS, Past, TIME};
 use crate::math::Real;
 use core::fmt;
 use heapless::Vec;
 
-/// The most delayed columns that a live correction keeps the past of: each effect of the catalogue may have one, so that whatever
+/// The most columns that a live correction keeps the past of: each effect of the catalogue may have one, so that whatever
 /// a record holds can run.
 pub const MAX_DELAYED: usize = MAX_EFFECTS;
 
@@ -21,15 +22,22 @@ pub const MAX_DELAYED: usize = MAX_EFFECTS;
 pub enum LiveError {
     /// Its matrix has no inverse.
     Singular,
-    /// More than [`MAX_DELAYED`] columns act late.
+    /// More than [`MAX_DELAYED`] columns act late or through a low-pass.
     TooManyDelayed,
+    /// A column acts before it is logged: its value is not known yet when the sample is. Log or feed it earlier.
+    AheadOfItsColumn,
 }
 
 impl fmt::Display for LiveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::AheadOfItsColumn => f.write_str(
+                "a column of the calibration acts before it is logged, so its value is not known in time",
+            ),
             Self::Singular => f.write_str("the calibration's matrix is singular"),
-            Self::TooManyDelayed => write!(f, "the calibration has more than {MAX_DELAYED} delayed columns"),
+            Self::TooManyDelayed => {
+                write!(f, "the calibration has more than {MAX_DELAYED} delayed or low-pass filtered columns")
+            }
         }
     }
 }
@@ -71,7 +79,32 @@ struct Place<T, E> {
 struct Late<T> {
     slot: Slots,
     now: T,
-    line: DelayLine<T>,
+    memory: Memory<T>,
+}
+
+// The places of all are reserved anyhow, so that the larger one sets the size.
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Memory<T> {
+    Line(DelayLine<T>),
+    LowPass(LowPass<T>),
+}
+
+impl<T: Real> Memory<T> {
+    fn of(past: Past<T>) -> Option<Self> {
+        match past {
+            Past::Now => None,
+            Past::Delayed(delay_s) => (delay_s != T::zero()).then(|| Self::Line(DelayLine::new(delay_s))),
+            Past::LowPass(s) => (s > T::zero()).then(|| Self::LowPass(LowPass::new(s))),
+        }
+    }
+
+    fn push(&mut self, now_s: f64, value: T) -> Option<T> {
+        match self {
+            Self::Line(line) => line.push(now_s, value),
+            Self::LowPass(filter) => filter.push(now_s, value),
+        }
+    }
 }
 
 /// A calibration at work: columns are set when they are measured, samples corrected as they come.
@@ -143,8 +176,10 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
                 live.needed.0 |= slot.0;
                 if column.name == TIME {
                     live.time.0 |= slot.0;
-                } else if column.delay_s > T::zero() {
-                    let late = Late { slot, now: T::of(f64::NAN), line: DelayLine::new(column.delay_s) };
+                } else if matches!(column.past, Past::Delayed(s) if s < T::zero()) {
+                    return Err(LiveError::AheadOfItsColumn);
+                } else if let Some(memory) = Memory::of(column.past) {
+                    let late = Late { slot, now: T::of(f64::NAN), memory };
                     live.late.push(late).map_err(|_| LiveError::TooManyDelayed)?;
                 }
             }
@@ -172,7 +207,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
         !slots.is_empty()
     }
 
-    /// Sets a column: it keeps this value until it is set again; NaN makes it unknown. A delayed column takes effect with
+    /// Sets a column: it keeps this value until it is set again; NaN makes it unknown. A column whose past acts takes effect with
     /// [`Live::advance`].
     #[inline]
     pub fn set_slots(&mut self, slots: Slots, value: T) {
@@ -189,7 +224,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
         put(&mut self.known, &mut self.inputs, slots, value);
     }
 
-    /// Moves the time on, s, in double precision also where the correction is in single: what effects of time and of delayed columns go by. Not needed where there are none
+    /// Moves the time on, s, in double precision also where the correction is in single: what effects of time and of the past of columns go by. Not needed where there are none
     /// ([`Live::needs_time`]).
     pub fn advance(&mut self, now_s: f64) {
         self.now_s = now_s;
@@ -203,7 +238,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
         }
         for index in 0..self.late.len() {
             let Some(late) = self.late.get_mut(index) else { break };
-            let (slot, value) = (late.slot, late.line.push(now_s, late.now));
+            let (slot, value) = (late.slot, late.memory.push(now_s, late.now));
             self.put(slot, value.unwrap_or(T::of(f64::NAN)));
         }
     }

@@ -93,6 +93,7 @@ mod correction;
 mod delay;
 mod fitted;
 mod live;
+mod low_pass;
 mod outside;
 #[cfg(test)]
 mod tests;
@@ -103,5 +104,6 @@ pub use correction::{Conditions, MAX_RATIO_TO_FIELD, NotCorrected};
 pub use delay::{DELAY_PLACES, DelayLine};
 pub use fitted::{Effects, FittedEffect, MAX_EFFECTS, MAX_WIDTHS_OUTSIDE, Ranges};
 pub use live::{Live, LiveError, MAX_DELAYED, Slots};
+pub use low_pass::LowPass;
 pub use outside::Outside;
 pub use turning::TurningField;

@@ -2,7 +2,9 @@
 
 use super::{Conditions, ExtendedCalibration, FittedEffect, Live, MAX_EFFECTS, NotCorrected};
 use crate::calibration::Calibration;
-use crate::effect::{AmbientField, BuiltIn, ColumnName, Eddy, Effect, Gain, Lag, Offset, Quantities, Shape};
+use crate::effect::{
+    AmbientField, BuiltIn, ColumnName, Eddy, Effect, Gain, Lag, Offset, Past, Quantities, Shape,
+};
 use crate::model::{Model, Observation, Residual, Term};
 use crate::vector::{minus, norm, times, turned};
 use core::fmt;
@@ -52,7 +54,7 @@ fn the_study_and_the_correction_mean_the_same() {
 fn a_column_is_outside_beyond_the_ends_of_its_range_and_not_at_them() {
     let column = |name| ColumnName::new(name).unwrap();
     let heat = fitted(BuiltIn::Offset(Offset::linear(column("temp_c"), 25.0)), 0.1);
-    let late = Offset { delay_s: Some(0.5), ..Offset::linear(column("current_a"), 0.0) };
+    let late = Offset { past: Past::Delayed(0.5), ..Offset::linear(column("current_a"), 0.0) };
     let mut calibration = ExtendedCalibration::plain(Calibration::identity(50.0));
     calibration.effects.push(heat.over([Some([10.1, 35.7]), None])).unwrap();
     calibration.effects.push(fitted(BuiltIn::Offset(late), 0.1).over([Some([-1.0, 4.0]), None])).unwrap();

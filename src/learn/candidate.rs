@@ -4,7 +4,7 @@ use super::columns::MAX_TESTED;
 use super::layout::{DRIFT, STEP};
 use super::learner::Learner;
 use super::solve::Chosen;
-use crate::effect::{BuiltIn, Drift, Lag, Offset, Power, Step};
+use crate::effect::{BuiltIn, Drift, Lag, Offset, Past, Power, Step};
 
 /// An effect that a board tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,7 +128,7 @@ impl Learner {
                     column: column.name,
                     reference,
                     power: Power::Linear,
-                    delay_s: None,
+                    past: Past::Now,
                 })
             }
             Candidate::Step => BuiltIn::Step(Step { at_s: self.marks.best_ms(self.last_ms)? as f64 * 1e-3 }),
@@ -140,7 +140,7 @@ impl Learner {
     pub fn candidate(&self, effect: &BuiltIn<f64>) -> Option<Candidate> {
         match effect {
             BuiltIn::Drift(_) => Some(Candidate::Drift),
-            BuiltIn::Offset(Offset { column, power: Power::Linear, delay_s: None, .. }) => {
+            BuiltIn::Offset(Offset { column, power: Power::Linear, past: Past::Now, .. }) => {
                 self.columns.place(column.as_str()).map(|place| Candidate::Column(place as u8))
             }
             BuiltIn::Step(_) => Some(Candidate::Step),

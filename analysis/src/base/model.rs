@@ -8,9 +8,10 @@ use crate::base::engine::Pass;
 use crate::base::hemisphere::{Evidence, settle};
 use crate::base::holdout;
 use crate::base::known::Known;
-use crate::base::quality::{NoiseEstimate, memory_of_scores, residue};
+use crate::base::quality::{NoiseEstimate, Sizes, memory_of_scores, residue_by_part};
 use crate::base::solution::Solution;
 use crate::base::start::{self, NO_ROTATION};
+use crate::noise::stretches::{stretches, within};
 use crate::noise::turning::Turning;
 use crate::plain;
 use crate::samples::data::Data;
@@ -66,14 +67,18 @@ impl Base {
         let first = fit_samples(data, used, &white)?;
         let residual = data.residual(used, &first.calibration);
         let step_s = counted.samples.step_s() / counted.samples.stride as f64;
-        let directions = used.iter().map(|&sample| first.calibration.apply(data.field(sample)));
+        let stretches = stretches(used.len());
+        let directions =
+            within(used, &stretches).into_iter().map(|sample| first.calibration.apply(data.field(sample)));
         let turning = Turning::of(directions, &first.calibration.matrix).beside(
             &counted.samples.rest,
             1,
             &first.calibration,
         );
         let of = |residual: &[f64], report: &FitReport| {
-            residue(residual, report.model.parameters(), counted.samples.quantum_ut, step_s, &turning)
+            let (sizes, part) = (Sizes::of(residual), within(residual, &stretches));
+            let parameters = report.model.parameters();
+            residue_by_part(&sizes, &part, parameters, counted.samples.quantum_ut, step_s, &turning)
         };
         // Where noise has a memory, or structure remains, averaging removes less of it.
         let memory = of(&residual, &first).memory;

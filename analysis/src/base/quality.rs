@@ -67,11 +67,28 @@ pub struct NoiseEstimate {
     pub is_noise: bool,
 }
 
-/// [`NoiseEstimate::memory`] of a residual, from its second differences: those hold what is new from sample to sample.
-fn memory(residuals: &[f64]) -> f64 {
-    let quick = second_difference_sigma(residuals);
-    let share = independent_share(quick * quick, rms(residuals).powi(2));
-    1.0 / share.max(1.0 / residuals.len().max(1) as f64)
+/// What of a residual is computed of all its samples, however many.
+#[derive(Debug, Clone, Copy)]
+pub struct Sizes {
+    /// Samples.
+    n: usize,
+    /// Rms, µT.
+    rms: f64,
+    /// σ of what is new from sample to sample, µT.
+    quick: f64,
+}
+
+impl Sizes {
+    /// Of a whole residual.
+    pub fn of(residuals: &[f64]) -> Self {
+        Sizes { n: residuals.len(), rms: rms(residuals), quick: second_difference_sigma(residuals) }
+    }
+
+    /// [`NoiseEstimate::memory`], from the second differences: those hold what is new from sample to sample.
+    fn memory(&self) -> f64 {
+        let share = independent_share(self.quick * self.quick, self.rms.powi(2));
+        1.0 / share.max(1.0 / self.n.max(1) as f64)
+    }
 }
 
 /// Splits a residual into noise and structure. Noise with a short memory is noise.
@@ -84,11 +101,24 @@ pub fn residue(
     step_s: f64,
     turning: &Turning,
 ) -> NoiseEstimate {
-    let n = residuals.len();
-    let correlation = Autocorrelation::of(residuals);
-    let freedom = n.saturating_sub(parameters).max(1) as f64;
-    let whole = rms(residuals) * (n as f64 / freedom).sqrt();
-    let quick = second_difference_sigma(residuals);
+    residue_by_part(&Sizes::of(residuals), residuals, parameters, quantum_ut, step_s, turning)
+}
+
+/// The same of a long residual of these sizes, its colour and structure by a `part` of it ([`crate::noise::stretches`]) that
+/// `turning` is of.
+pub fn residue_by_part(
+    sizes: &Sizes,
+    part: &[f64],
+    parameters: usize,
+    quantum_ut: f64,
+    step_s: f64,
+    turning: &Turning,
+) -> NoiseEstimate {
+    let n = part.len();
+    let correlation = Autocorrelation::of(part);
+    let freedom = sizes.n.saturating_sub(parameters).max(1) as f64;
+    let whole = sizes.rms * (sizes.n as f64 / freedom).sqrt();
+    let quick = sizes.quick;
     let smooth = quick.min(whole);
     let share = 1.0 - (smooth / whole.max(1e-300)).powi(2);
     // Independent noise that is more than the column's rounding, with something slow beside it: two causes, of which the
@@ -99,19 +129,19 @@ pub fn residue(
     let beside = correlation.two_parts(n).is_some_and(|(independent, slow, sigmas)| {
         sigmas > STRUCTURE_SIGMAS && independent > 3.0 * rounding && slow > SLOW_SHARE && slow_to_fade
     });
-    let noise = Seen::of(residuals, turning, &turning.absorbed, rounding).describe();
+    let noise = Seen::of(part, turning, &turning.absorbed, rounding).describe();
     let odd = correlation.structure(n) > STRUCTURE_RATIO || beside;
     let lines = noise.misfit() > STRUCTURE_MISFIT && noise.excess > STRUCTURE_SHARE;
     // A resting board's own drifts, and what a logger rounds, look like slow noise: there only a short memory is noise.
     // What has a memory and moves the axes together is no sensor's own.
-    let together = noise.colour != Colour::White && together(residuals, turning, noise.colour, rounding);
+    let together = noise.colour != Colour::White && together(part, turning, noise.colour, rounding);
     // What is less at rest comes with the turning.
     let remembers = match noise.colour {
         Colour::White => false,
         Colour::Ar1(rho) => rho > LEAST_MEMORY,
         Colour::RollingMean { .. } | Colour::Flicker { .. } => true,
     };
-    let rests = remembers.then(|| Still::of(residuals, turning, noise.colour, rounding)).flatten();
+    let rests = remembers.then(|| Still::of(part, turning, noise.colour, rounding)).flatten();
     let rests = rests.filter(|still| still.sigmas < -LESS_BY_SIGMAS && still.share < LESS_AT_REST);
     let is_noise = turning.of_magnitude && noise.is_noise(step_s) && !together && rests.is_none();
     // A memory that no filter has, or a spectrum that no noise with a memory has: an error that moves. A rolling mean's has zeros,
@@ -131,12 +161,12 @@ pub fn residue(
     };
     let floor = if structured { smooth } else { whole };
     NoiseEstimate {
-        rms: rms(residuals),
+        rms: sizes.rms,
         floor_least: if noise.colour == Colour::White { floor } else { floor.min(quick) },
         floor,
         structure: if structured { share } else { 0.0 },
         time: correlation.time,
-        memory: memory(residuals),
+        memory: sizes.memory(),
         colour: noise.colour,
         misfit: noise.misfit(),
         is_noise,

@@ -3,7 +3,7 @@
 use crate::base::piece::{COLUMNS, Matrix};
 use crate::base::windows::{GYRO, Stop, windows};
 use crate::confined::log::Log;
-use crate::confined::state::{DELAY, FIELD, MATRIX, OFFSET, PARAMETERS, RATE, State, TILT, VERTICAL, ZERO};
+use crate::confined::state::{DELAY, FIELD, RATE, State, TILT, VERTICAL, ZERO};
 use nalgebra::{Matrix3, Vector3};
 
 /// Blocks of time, whose sums show how far the samples of a channel err together.
@@ -28,11 +28,21 @@ pub enum Channel {
     Dip,
     /// `v` turned back to its window's first sample, without its mean there, across the field: along it is the magnitude's.
     Gyro,
+    /// `d · v − V` with the down of a logged attitude.
+    Tilt,
+    /// `e · v`, `e` magnetic east by a logged attitude.
+    Yaw,
 }
 
 impl Channel {
     /// All of them.
-    pub const ALL: [Channel; 3] = [Channel::Magnitude, Channel::Dip, Channel::Gyro];
+    pub const ALL: [Channel; 5] =
+        [Channel::Magnitude, Channel::Dip, Channel::Gyro, Channel::Tilt, Channel::Yaw];
+
+    /// Whether its errors last longer than a block of time: those of an attitude drift.
+    pub fn drifts(self) -> bool {
+        matches!(self, Channel::Tilt | Channel::Yaw)
+    }
 }
 
 /// What a dip is made of.
@@ -42,26 +52,28 @@ pub struct Share {
     pub field: f64,
     /// Part of the variance of the tilt that the accelerometer shows which is the board's own.
     pub tilt: f64,
+    /// Variance of the shown direction of one axis across down, rad².
+    pub error: f64,
 }
 
 impl Share {
-    /// As the residuals of a dip taken along what the accelerometer shows have it.
-    pub fn of(log: &Log, state: &State, magnitude_ut: f64, shown: &Rows) -> Share {
+    /// As the residuals of a dip taken along what is shown have it; `tilt_square` is the mean square of the tilt that is shown.
+    pub fn of(tilt_square: f64, state: &State, magnitude_ut: f64, shown: &Rows) -> Share {
         let squares: f64 = shown.list.iter().map(|(_, _, residual)| residual * residual).sum();
         let dip_ut = (squares / shown.list.len().max(1) as f64).sqrt();
         let level_ut =
             (state.field_ut.powi(2) - state.vertical_ut.powi(2)).max(0.01 * state.field_ut.powi(2));
         // Of one direction across down.
         let error = (dip_ut.powi(2) - magnitude_ut.powi(2)).max(0.0) / level_ut;
-        let tilt = 0.5 * log.tilt_square();
+        let tilt = 0.5 * tilt_square;
         let share = if tilt > 0.0 { (1.0 - error / tilt).clamp(0.0, 1.0) } else { 1.0 };
         // What is left of the error where the tilt is taken as that.
         let left_ut2 = magnitude_ut.powi(2) + share * error * level_ut;
-        Share { field: magnitude_ut.powi(2) / left_ut2.max(1e-12), tilt: share }
+        Share { field: magnitude_ut.powi(2) / left_ut2.max(1e-12), tilt: share, error }
     }
 
     /// The tilt as it is shown.
-    pub const AS_SHOWN: Share = Share { field: 1.0, tilt: 1.0 };
+    pub const AS_SHOWN: Share = Share { field: 1.0, tilt: 1.0, error: 0.0 };
 }
 
 /// A log at a state: what all channels need of both.
@@ -80,8 +92,7 @@ impl<'a> Seen<'a> {
     pub fn of(log: &'a Log, state: &'a State) -> Self {
         let rate: Vec<Option<Vector3<f64>>> =
             log.rows.iter().map(|row| row.rate_radps.map(|rate| state.rate(&rate))).collect();
-        let mut smooth: Vec<Vector3<f64>> =
-            log.rows.iter().map(|row| state.corrected(&row.measured_ut)).collect();
+        let mut smooth: Vec<Vector3<f64>> = log.rows.iter().map(|row| state.corrected(row)).collect();
         if log.has_gyro() {
             for window in windows(&log.time_s, &rate, SMOOTHED_S, MOST_SMOOTHED) {
                 let turned = window.iter().map(|stop| stop.turn * smooth[stop.sample]);
@@ -124,7 +135,7 @@ impl Rows {
             Channel::Magnitude | Channel::Dip => {
                 for sample in (0..log.rows.len()).step_by(log.stride) {
                     let row = &log.rows[sample];
-                    let v = state.corrected(&row.measured_ut);
+                    let v = state.corrected(row);
                     let (along, there, residual, column) = match (channel, row.down) {
                         (Channel::Magnitude, _) => {
                             let along = smooth[sample].normalize();
@@ -140,7 +151,7 @@ impl Rows {
                         (_, None) => continue,
                     };
                     let mut derivative = [0.0; COLUMNS];
-                    follow(&mut derivative, state, &along, &there);
+                    state.follow(&mut derivative, row, &along, &there);
                     derivative[column] = -1.0;
                     if let (Channel::Dip, Some(shown)) = (channel, row.down) {
                         let level = along * along.dot(&there) - there;
@@ -156,14 +167,48 @@ impl Rows {
                 }
             }
             Channel::Gyro => {}
+            Channel::Tilt | Channel::Yaw => {
+                for sample in (0..log.poses.len()).step_by(log.stride) {
+                    rows.posed(channel, sample, block(sample), seen, share);
+                }
+            }
         }
         rows
+    }
+
+    /// The row of a logged attitude at one sample.
+    fn posed(&mut self, channel: Channel, sample: usize, block: usize, seen: &Seen, share: &Share) {
+        let Seen { log, state, smooth, .. } = seen;
+        let (row, Some(mut pose)) = (&log.rows[sample], log.poses[sample]) else { return };
+        let mut derivative = [0.0; COLUMNS];
+        let v = state.corrected(row);
+        if channel == Channel::Tilt {
+            let shown = pose.axes.column(2).into_owned();
+            let own = log.mean_pose_down + share.tilt * (shown - log.mean_pose_down);
+            pose.axes.set_column(2, &own);
+            let predicted = state.predicted(&pose, &row.acts);
+            let down = predicted.axes[2];
+            let there =
+                smooth[sample] - down * (share.field * (down.dot(&smooth[sample]) - state.vertical_ut));
+            state.follow(&mut derivative, row, &down, &there);
+            State::follow_attitude(&mut derivative, &down, &predicted.per_s[1], &there);
+            derivative[VERTICAL] = -1.0;
+            self.list.push((block, derivative, down.dot(&v) - state.vertical_ut));
+        } else {
+            let predicted = state.predicted(&pose, &row.acts);
+            let [north, east, _] = predicted.axes;
+            let there = smooth[sample] - east * east.dot(&smooth[sample]);
+            state.follow(&mut derivative, row, &east, &there);
+            State::follow_attitude(&mut derivative, &east, &predicted.per_s[0], &there);
+            state.follow_yaw(&mut derivative, &predicted, &row.acts, north.dot(&there));
+            self.list.push((block, derivative, east.dot(&v)));
+        }
     }
 
     /// Those of one window: two directions across the field for each sample.
     fn window(&mut self, window: &[Stop], block: usize, seen: &Seen) {
         let Seen { log, state, rate, .. } = seen;
-        let corrected = |stop: &Stop| state.corrected(&log.rows[stop.sample].measured_ut);
+        let corrected = |stop: &Stop| state.corrected(&log.rows[stop.sample]);
         let turned: Vec<Vector3<f64>> = window.iter().map(|stop| stop.turn * corrected(stop)).collect();
         let mean = turned.iter().sum::<Vector3<f64>>() / window.len() as f64;
         let (first, second) = across(&mean);
@@ -174,7 +219,7 @@ impl Rows {
                     // In the axes of this sample.
                     let here = stop.turn.inverse() * direction;
                     let v = stop.turn.inverse() * mean;
-                    follow(&mut derivative, state, &here, &v);
+                    state.follow(&mut derivative, &log.rows[stop.sample], &here, &v);
                     let gyro = -(mean.cross_matrix() * stop.follows).transpose() * direction;
                     derivative[RATE..RATE + GYRO].copy_from_slice(gyro.as_slice());
                     let rate = rate[stop.sample].unwrap_or_default();
@@ -206,8 +251,8 @@ impl Rows {
     }
 
     /// Sums in units of this standard deviation, with what stands out weighed down.
-    pub fn sums(&self, sigma_ut: f64) -> Sums {
-        let mut blocks = vec![Matrix::new(PARAMETERS); BLOCKS];
+    pub fn sums(&self, sigma_ut: f64, parameters: usize) -> Sums {
+        let mut blocks = vec![Matrix::new(parameters); BLOCKS];
         let mut squares = 0.0;
         for (block, derivative, residual) in &self.list {
             squares += residual * residual;
@@ -226,23 +271,12 @@ pub fn turned_by_ut(log: &Log, state: &State) -> f64 {
     let (mut squares, mut count) = (0.0, 0);
     for window in windows(&log.time_s, &rate, WINDOW_S, BETWEEN) {
         let list: Vec<Vector3<f64>> =
-            window.iter().map(|stop| state.corrected(&log.rows[stop.sample].measured_ut)).collect();
+            window.iter().map(|stop| state.corrected(&log.rows[stop.sample])).collect();
         let mean = list.iter().sum::<Vector3<f64>>() / list.len() as f64;
         squares += list.iter().map(|v| (v - mean).norm_squared()).sum::<f64>();
         count += 3 * list.len();
     }
     (squares / count.max(1) as f64).sqrt()
-}
-
-/// How `along · v` follows offset and matrix.
-fn follow(derivative: &mut [f64; COLUMNS], state: &State, along: &Vector3<f64>, v: &Vector3<f64>) {
-    let offset = -state.matrix.transpose() * along;
-    derivative[OFFSET..OFFSET + 3].copy_from_slice(offset.as_slice());
-    for i in 0..3 {
-        for j in 0..3 {
-            derivative[MATRIX + 3 * i + j] = along[i] * v[j];
-        }
-    }
 }
 
 /// Two unit vectors at right angles to this one and each other.
@@ -253,73 +287,5 @@ fn across(v: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::confined::log::Row;
-    use nalgebra::Rotation3;
-
-    /// A boat without noise, and its true parameters.
-    fn boat() -> (Log, State) {
-        let state = State {
-            offset_ut: Vector3::new(20.0, -30.0, 10.0),
-            matrix: Matrix3::new(1.05, 0.02, -0.03, 0.04, 0.97, 0.01, -0.02, 0.03, 1.01),
-            field_ut: 50.0,
-            vertical_ut: 43.0,
-            gyro: Default::default(),
-            delay_s: 0.0,
-            zero: Vector3::zeros(),
-            tilt: 0.0,
-        };
-        let inverse = state.matrix.try_inverse().expect("invertible");
-        let at =
-            |t: f64| Rotation3::from_euler_angles(0.2 * (1.3 * t).sin(), 0.15 * (0.9 * t).cos(), 0.3 * t);
-        let world = Vector3::new((50.0_f64.powi(2) - 43.0_f64.powi(2)).sqrt(), 0.0, 43.0);
-        let time_s: Vec<f64> = (0..2000).map(|i| 0.02 * f64::from(i)).collect();
-        let rows = (time_s.iter())
-            .map(|&t| {
-                let here = at(t).inverse();
-                let step = at(t - 1e-4).inverse() * at(t + 1e-4);
-                Row {
-                    measured_ut: state.offset_ut + inverse * (here * world),
-                    down: Some(here * Vector3::z()),
-                    rate_radps: Some(step.scaled_axis() / 2e-4),
-                }
-            })
-            .collect();
-        (Log { time_s, rows, mean_down: Vector3::z(), stride: 1 }, state)
-    }
-
-    #[test]
-    fn true_parameters_leave_nothing() {
-        let (log, state) = boat();
-        for channel in Channel::ALL {
-            let sums = Rows::of(channel, &Seen::of(&log, &state), &Share::AS_SHOWN).sums(1.0);
-            assert!(
-                sums.rows > 100 && sums.rms_ut < 2e-3,
-                "{channel:?}: {} rows, {}",
-                sums.rows,
-                sums.rms_ut
-            );
-        }
-    }
-
-    #[test]
-    fn residuals_follow_the_parameters_as_their_derivatives_say() {
-        let (log, state) = boat();
-        for channel in Channel::ALL {
-            let before = Rows::of(channel, &Seen::of(&log, &state), &Share::AS_SHOWN);
-            for parameter in 0..PARAMETERS {
-                let mut step = [0.0; PARAMETERS];
-                step[parameter] = 1e-5;
-                let moved = state.stepped(&step);
-                let after = Rows::of(channel, &Seen::of(&log, &moved), &Share::AS_SHOWN);
-                let (mut off, mut size) = (0.0_f64, 1e-3_f64);
-                for ((_, derivative, one), (_, _, two)) in before.list.iter().zip(&after.list) {
-                    off = off.max((two - one - 1e-5 * derivative[parameter]).abs() / 1e-5);
-                    size = size.max(derivative[parameter].abs());
-                }
-                assert!(off < 0.02 * size, "{channel:?} {parameter}: {off} of {size}");
-            }
-        }
-    }
-}
+#[path = "channels_tests.rs"]
+mod tests;

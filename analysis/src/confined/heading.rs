@@ -1,7 +1,7 @@
 //! What a calibration's errors make of a heading, at the attitudes that a vehicle has.
 
 use crate::confined::solve::Solved;
-use crate::confined::state::{MATRIX, OFFSET, PARAMETERS, ZERO};
+use crate::confined::state::{MATRIX, OFFSET, ZERO, effect_at};
 use nalgebra::{DVector, Rotation3, Vector3};
 
 /// Headings, and directions to tilt to, over which an error is averaged.
@@ -15,7 +15,7 @@ fn follows(solved: &Solved, mean_down: &Vector3<f64>, attitude: &Rotation3<f64>)
     let level_ut = horizontal_ut(solved);
     let field = attitude.inverse() * Vector3::new(level_ut, 0.0, state.vertical_ut);
     let east = attitude.inverse() * Vector3::y();
-    let mut row = DVector::zeros(PARAMETERS);
+    let mut row = DVector::zeros(state.parameters());
     let offset = -state.matrix.transpose() * east;
     for i in 0..3 {
         row[OFFSET + i] = offset[i] / level_ut;
@@ -36,8 +36,13 @@ pub fn horizontal_ut(solved: &Solved) -> f64 {
 }
 
 /// Standard deviation of a heading, degrees rms over all headings and all ways to be tilted by so much from the mean attitude, with the
-/// accelerometer's gravity. One constant for all headings is no error of a calibration: it is how the board stands in the vehicle.
-pub fn heading_error_deg(solved: &Solved, mean_down: &Vector3<f64>, tilt_deg: f64) -> f64 {
+/// accelerometer's gravity and effects whose columns have these mean squares. One constant for all headings is no error of a calibration: it is how the board stands in the vehicle.
+pub fn heading_error_deg(
+    solved: &Solved,
+    mean_down: &Vector3<f64>,
+    effects_square: &[f64],
+    tilt_deg: f64,
+) -> f64 {
     let upright = Rotation3::rotation_between(mean_down, &Vector3::z())
         .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
     let turn = |part: usize, of: usize| std::f64::consts::TAU * part as f64 / of as f64;
@@ -57,6 +62,12 @@ pub fn heading_error_deg(solved: &Solved, mean_down: &Vector3<f64>, tilt_deg: f6
         for way in 0..ways {
             let row = follows(solved, mean_down, &at(heading, tilt_deg.to_radians(), way)) - &constant;
             square += row.dot(&(&solved.covariance * &row));
+            for (effect, column_square) in effects_square.iter().enumerate() {
+                // The vector of an effect moves a heading as the offset does, as much as its column is away from where it is zero.
+                let by_offset = row.fixed_rows::<3>(OFFSET);
+                let part = solved.covariance.fixed_view::<3, 3>(effect_at(effect), effect_at(effect));
+                square += column_square * by_offset.dot(&(part * by_offset));
+            }
         }
     }
     (square / (HEADINGS * ways) as f64).max(0.0).sqrt().to_degrees()
@@ -74,7 +85,7 @@ pub fn vector_error_ut(solved: &Solved) -> f64 {
         let v = Vector3::new(r * angle.cos(), r * angle.sin(), z) * state.field_ut;
         let square: f64 = (0..3)
             .map(|axis| {
-                let mut row = DVector::zeros(PARAMETERS);
+                let mut row = DVector::zeros(state.parameters());
                 for i in 0..3 {
                     row[OFFSET + i] = -state.matrix[(axis, i)];
                     row[MATRIX + 3 * axis + i] = v[i];

@@ -3,7 +3,11 @@
 use crate::base::axes;
 use crate::base::piece::{COLUMNS, Matrix};
 use crate::base::prior::Prior;
-use crate::confined::state::{DELAY, FIELD, MATRIX, OFFSET, PARAMETERS, RATE, State, TILT, VERTICAL, ZERO};
+use crate::confined::log::Log;
+use crate::confined::state::{
+    ATTITUDE_DELAY, DELAY, FIELD, HARMONICS, LEAN, MATRIX, OFFSET, RATE, State, TILT, VERTICAL, YAW,
+    YAW_ERROR, ZERO, effect_at,
+};
 use nalgebra::{DMatrix, Matrix3, SMatrix, SVector};
 
 /// Gains of the axes beside their mean, and angles between axes (rad): factory trims are within 5 %, soft iron of a vehicle within as much
@@ -30,6 +34,14 @@ const ZERO_G: f64 = 0.03;
 /// A board at 1 m from the axis of a rock of 4 s is accelerated by a quarter of what it tilts: nearer and slower ones by less.
 const TILT_SHOWN: f64 = 0.1;
 
+/// Between the axes of an autopilot's attitude and those of its accelerometer, rad: the level that a user has set.
+const LEAN_RAD: f64 = 0.03;
+/// The yaw of an autopilot counts from true north, but for this, rad; from anywhere where no declination is known.
+const YAW_GIVEN: f64 = 0.1;
+const YAW_ANY: f64 = 1.0;
+/// The offset that an effect makes at the rms of its column, in fields.
+const EFFECT_FIELDS: f64 = 0.5;
+
 /// What is known before the log.
 #[derive(Debug, Clone, Default)]
 pub struct Before {
@@ -37,14 +49,24 @@ pub struct Before {
     pub field_ut: Option<f64>,
     /// Its dip, degrees, where it is given.
     pub dip_deg: Option<f64>,
+    /// The declination, degrees, where the log tells its place.
+    pub declination_deg: Option<f64>,
     /// An earlier calibration.
     pub prior: Option<Prior>,
 }
 
 impl Before {
-    /// As information about the parameters at this state, where the first state is `start`.
-    pub fn matrix(&self, start: &State, state: &State) -> Matrix {
-        let mut known = Matrix::new(PARAMETERS);
+    /// As information about the parameters at this state, where the first state is `start` and the errors of a logged yaw have these
+    /// sizes; the shown direction down is wrong by `down_error`, rad² of one axis.
+    pub fn matrix(
+        &self,
+        start: &State,
+        state: &State,
+        log: &Log,
+        yaw_rad: [f64; 2],
+        down_error: f64,
+    ) -> Matrix {
+        let mut known = Matrix::new(state.parameters());
         let mut add = |parts: &[(usize, f64)], departs: f64, spread: f64| {
             let mut row = [0.0; COLUMNS];
             parts.iter().for_each(|(at, value)| row[*at] = value / spread);
@@ -83,7 +105,9 @@ impl Before {
             Some(dip_deg) => {
                 let (sine, cosine) = dip_deg.to_radians().sin_cos();
                 let departs = state.vertical_ut - sine * state.field_ut;
-                let spread = DIP_GIVEN * state.field_ut * cosine.abs().max(0.1);
+                // Along a direction that is wrong by an angle the field is smaller by the cosine of it.
+                let smaller = state.vertical_ut.abs() * down_error.min(1.0);
+                let spread = (DIP_GIVEN * state.field_ut * cosine.abs().max(0.1)).hypot(smaller);
                 add(&[(VERTICAL, 1.0), (FIELD, -sine)], departs, spread);
             }
             None => add(&[(VERTICAL, 1.0)], state.vertical_ut, size),
@@ -99,6 +123,24 @@ impl Before {
             add(&[(ZERO + axis, 1.0)], state.zero[axis], ZERO_G);
         }
         add(&[(TILT, 1.0)], state.tilt, TILT_SHOWN);
+        if state.parameters() > YAW {
+            let yaw = state.yaw.unwrap_or(0.0);
+            let (about, spread) = match self.declination_deg.filter(|_| log.from_north) {
+                Some(declination_deg) => (declination_deg.to_radians(), YAW_GIVEN),
+                None => (start.yaw.unwrap_or(0.0), YAW_ANY),
+            };
+            add(&[(YAW, 1.0)], (yaw - about).sin().atan2((yaw - about).cos()), spread);
+            (0..3).for_each(|i| add(&[(LEAN + i, 1.0)], state.lean[i], LEAN_RAD));
+            add(&[(ATTITUDE_DELAY, 1.0)], state.attitude_delay_s, LATE_S);
+            (0..HARMONICS).for_each(|k| add(&[(YAW_ERROR + k, 1.0)], state.yaw_error[k], yaw_rad[0]));
+        }
+        for (at, ((effect, yaw), square)) in state.effects.iter().zip(&log.effects).enumerate() {
+            let rms = square.sqrt().max(1e-9);
+            for i in 0..3 {
+                add(&[(effect_at(at) + i, 1.0)], effect[i], EFFECT_FIELDS * size / rms);
+                add(&[(effect_at(at) + 3 + i, 1.0)], yaw[i], yaw_rad[1] / rms);
+            }
+        }
         if let Some(prior) = &self.prior {
             earlier(&mut known, prior, self.field_ut, state);
         }
@@ -125,6 +167,15 @@ pub fn implausible(state: &State, most: f64) -> Option<String> {
     let [first, rest @ ..] = said;
     let (times, words) = rest.into_iter().fold(first, |one, other| if other.0 > one.0 { other } else { one });
     (times > most).then_some(words)
+}
+
+/// The same of a logged attitude that is so many seconds early.
+pub fn implausible_attitude(state: &State, early_s: f64, most: f64) -> Option<String> {
+    let (lean, late_s) = (state.lean.amax(), early_s.abs());
+    if lean > most * LEAN_RAD {
+        return Some(format!("it would be turned by {:.0}° from the accelerometer", lean.to_degrees()));
+    }
+    (late_s > most * LATE_S).then(|| format!("it would be {late_s:.2} s apart from the magnetometer"))
 }
 
 /// Adds an earlier calibration's information about offset and triangle.

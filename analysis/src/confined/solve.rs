@@ -1,10 +1,10 @@
 //! The likeliest parameters of a log, and their covariance.
 
 use crate::base::piece::{COLUMNS, Matrix};
-use crate::confined::channels::{Channel, Rows, Seen, Share, Sums};
+use crate::confined::channels::{BLOCKS, Channel, Rows, Seen, Share, Sums};
 use crate::confined::known::Before;
 use crate::confined::log::Log;
-use crate::confined::state::{PARAMETERS, State};
+use crate::confined::state::{HARMONICS, State, YAW_ERROR, effect_at};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// How often the noise of each channel is worked out anew.
@@ -13,6 +13,12 @@ const ROUNDS: usize = 5;
 const STEPS: usize = 12;
 /// A step that promises less than this many units of `−2 ln L` is the last.
 const SETTLED: f64 = 1e-3;
+/// The errors of an attitude are alike over so many blocks of time (Newey and West, 1987).
+const DRIFT_BLOCKS: usize = 5;
+/// Where the size of the yaw's errors begins, rad: what a compass in need of calibration makes of a yaw that follows it.
+const YAW_ERROR_RAD: f64 = 0.15;
+/// No yaw of an autopilot is nearer than this at all headings, rad.
+const LEAST_YAW_ERROR_RAD: f64 = 0.003;
 /// A step is halved until it is good, so often at most.
 const HALVED: usize = 8;
 
@@ -40,6 +46,8 @@ pub struct Solved {
     pub heard: Vec<Heard>,
     /// The part of the variance of the shown tilt that is the board's own.
     pub tilt_share: f64,
+    /// Size of the errors of the logged yaw that depend on the heading, rad.
+    pub yaw_error_rad: f64,
 }
 
 /// Noise of the channels.
@@ -48,17 +56,64 @@ struct Noise {
     /// Standard deviation of a row, µT, and how many rows count as one.
     rows: [(f64, f64); Channel::ALL.len()],
     share: Share,
+    /// The same of the tilt that the logged attitude shows.
+    pose_share: Share,
+    /// Size of the yaw's errors by heading, and by the effects' columns at their rms, rad.
+    yaw_rad: [f64; 2],
+}
+
+impl Noise {
+    fn start() -> Self {
+        Noise {
+            rows: [(1.0, 1.0); Channel::ALL.len()],
+            share: Share::AS_SHOWN,
+            pose_share: Share::AS_SHOWN,
+            yaw_rad: [YAW_ERROR_RAD; 2],
+        }
+    }
+
+    fn share(&self, channel: Channel) -> &Share {
+        if channel == Channel::Tilt { &self.pose_share } else { &self.share }
+    }
+
+    /// The size of errors of which these are estimates with these variances, and which had this size before (one step of expectation
+    /// and maximization: Dempster, Laird and Rubin, 1977).
+    fn sized(estimates: impl Iterator<Item = (f64, f64)>, before: f64) -> f64 {
+        let squares: Vec<f64> =
+            estimates.map(|(estimate, variance)| estimate * estimate + variance).collect();
+        match squares.len() {
+            0 => before,
+            n => (squares.iter().sum::<f64>() / n as f64).sqrt().max(LEAST_YAW_ERROR_RAD),
+        }
+    }
+
+    /// Takes the size of the yaw's errors from a solution.
+    fn learn_yaw(&mut self, log: &Log, state: &State, covariance: &DMatrix<f64>) {
+        if !log.has_attitude() {
+            return;
+        }
+        let own = (0..HARMONICS).map(|k| (state.yaw_error[k], covariance[(YAW_ERROR + k, YAW_ERROR + k)]));
+        let by_effect =
+            state.effects.iter().zip(&log.effects).enumerate().flat_map(|(at, ((_, yaw), square))| {
+                (0..3).map(move |k| {
+                    let place = effect_at(at) + 3 + k;
+                    (square.sqrt() * yaw[k], square * covariance[(place, place)])
+                })
+            });
+        self.yaw_rad = [Noise::sized(own, self.yaw_rad[0]), Noise::sized(by_effect, self.yaw_rad[1])];
+    }
 }
 
 /// Everything at one state: the weighted total, and each channel.
 fn total(log: &Log, start: &State, state: &State, before: &Before, noise: &Noise) -> (Matrix, Vec<Sums>) {
-    let mut total = before.matrix(start, state);
+    let down = if log.has_attitude() { &noise.pose_share } else { &noise.share };
+    let mut total = before.matrix(start, state, log, noise.yaw_rad, down.error);
     let mut list = Vec::new();
     let seen = Seen::of(log, state);
     for (channel, (sigma_ut, memory)) in Channel::ALL.into_iter().zip(&noise.rows) {
-        let sums = Rows::of(channel, &seen, &noise.share).sums(*sigma_ut);
+        let sums = Rows::of(channel, &seen, noise.share(channel)).sums(*sigma_ut, state.parameters());
         for block in &sums.blocks {
-            weighted(&mut total, block, 1.0 / memory);
+            weighted(&mut total, block, 1.0 / memory, state.parameters());
         }
         list.push(sums);
     }
@@ -66,26 +121,27 @@ fn total(log: &Log, start: &State, state: &State, before: &Before, noise: &Noise
 }
 
 /// Adds a block with a weight.
-fn weighted(total: &mut Matrix, block: &Matrix, weight: f64) {
-    for i in 0..PARAMETERS {
+fn weighted(total: &mut Matrix, block: &Matrix, weight: f64, parameters: usize) {
+    for i in 0..parameters {
         total.pull(i, weight * block.right(i));
-        (i..PARAMETERS).for_each(|j| total.inform(i, j, weight * block.entry(i, j)));
+        (i..parameters).for_each(|j| total.inform(i, j, weight * block.entry(i, j)));
     }
     total.depart(weight * block.squares());
 }
 
 /// What a full step promises, `gᵀH⁻¹g`, and that step.
-fn promise(at: &Matrix) -> Option<(f64, [f64; COLUMNS])> {
+fn promise(at: &Matrix, parameters: usize) -> Option<(f64, [f64; COLUMNS])> {
     let step = at.step(&at.factor()?);
-    Some(((0..PARAMETERS).map(|i| -step[i] * at.right(i)).sum(), step))
+    Some(((0..parameters).map(|i| -step[i] * at.right(i)).sum(), step))
 }
 
 /// Steps to where `Jᵀr = 0` with this noise. With derivatives beside the readings that is not where the cost is least, so that a step is
 /// good where it lowers the cost or where the next one promises less.
 fn settle(log: &Log, start: &State, mut state: State, before: &Before, noise: &Noise) -> Option<State> {
+    let parameters = state.parameters();
     let (mut at, _) = total(log, start, &state, before, noise);
     for _ in 0..STEPS {
-        let (promised, step) = promise(&at)?;
+        let (promised, step) = promise(&at, parameters)?;
         if promised < SETTLED {
             break;
         }
@@ -94,7 +150,7 @@ fn settle(log: &Log, start: &State, mut state: State, before: &Before, noise: &N
         for _ in 0..HALVED {
             let next = state.stepped(&step.map(|value| share * value));
             let (there, _) = total(log, start, &next, before, noise);
-            let promises = promise(&there).map_or(f64::INFINITY, |(promised, _)| promised);
+            let promises = promise(&there, parameters).map_or(f64::INFINITY, |(promised, _)| promised);
             if there.squares() < at.squares() || promises < promised {
                 moved = Some((next, there));
                 break;
@@ -113,54 +169,66 @@ fn noise_at(log: &Log, state: &State, noise: &Noise) -> Noise {
     let seen = Seen::of(log, state);
     let magnitude_ut = Rows::of(Channel::Magnitude, &seen, &Share::AS_SHOWN).sigma_ut();
     let shown = Rows::of(Channel::Dip, &seen, &Share::AS_SHOWN);
-    now.share = Share::of(log, state, magnitude_ut, &shown);
-    for (channel, one) in Channel::ALL.into_iter().zip(&mut now.rows) {
-        one.0 = Rows::of(channel, &seen, &now.share).sigma_ut();
+    now.share = Share::of(log.tilt_square(), state, magnitude_ut, &shown);
+    if log.has_attitude() {
+        let shown = Rows::of(Channel::Tilt, &seen, &Share::AS_SHOWN);
+        now.pose_share = Share::of(log.pose_tilt_square(), state, magnitude_ut, &shown);
     }
+    let sigmas = Channel::ALL.map(|channel| Rows::of(channel, &seen, now.share(channel)).sigma_ut());
+    now.rows.iter_mut().zip(sigmas).for_each(|(one, sigma_ut)| one.0 = sigma_ut);
     now
 }
 
 /// The covariance at a state, and how many rows of each channel count as one: `Σ gᵦᵀ M gᵦ / tr(M H)` over the blocks of time, 1 where rows
-/// err independently.
-fn memory(total: &Matrix, sums: &[Sums]) -> Option<(DMatrix<f64>, Vec<f64>)> {
+/// err independently. An attitude's errors go on from block to block: `gᵦᵀ M gᵦ₊ₖ` counts too.
+fn memory(total: &Matrix, sums: &[Sums], parameters: usize) -> Option<(DMatrix<f64>, Vec<f64>)> {
     let factor = total.factor()?;
-    let columns: Vec<[f64; COLUMNS]> = (0..PARAMETERS).map(|column| factor.inverse_column(column)).collect();
-    let covariance = DMatrix::from_fn(PARAMETERS, PARAMETERS, |i, j| 0.5 * (columns[i][j] + columns[j][i]));
-    let of = |sums: &Sums| {
+    let columns: Vec<[f64; COLUMNS]> = (0..parameters).map(|column| factor.inverse_column(column)).collect();
+    let covariance = DMatrix::from_fn(parameters, parameters, |i, j| 0.5 * (columns[i][j] + columns[j][i]));
+    let of = |(channel, sums): (Channel, &Sums)| {
         let (mut seen, mut expected) = (0.0, 0.0);
-        for block in &sums.blocks {
-            for i in 0..PARAMETERS {
-                for j in 0..PARAMETERS {
+        let lags = if channel.drifts() { DRIFT_BLOCKS } else { 0 };
+        for (at, block) in sums.blocks.iter().enumerate() {
+            for i in 0..parameters {
+                for j in 0..parameters {
                     seen += block.right(i) * covariance[(i, j)] * block.right(j);
+                    for (lag, later) in sums.blocks.iter().skip(at + 1).take(lags).enumerate() {
+                        let weight = 2.0 * (1.0 - (lag + 1) as f64 / (lags + 1) as f64);
+                        seen += weight * block.right(i) * covariance[(i, j)] * later.right(j);
+                    }
                     expected += covariance[(i, j)] * block.entry(i, j);
                 }
             }
         }
+        // The scores of a solution add up to nothing, which takes this part of what is alike in neighbours.
+        let seen = if lags > 0 { seen / (1.0 - (lags + 1) as f64 / BLOCKS as f64) } else { seen };
         if expected > 0.0 { (seen / expected).max(1.0) } else { 1.0 }
     };
-    let list = sums.iter().map(of).collect();
+    let list = Channel::ALL.into_iter().zip(sums).map(of).collect();
     Some((covariance, list))
 }
 
 /// The likeliest state from this start.
 fn from_start(log: &Log, start: &State, before: &Before) -> Option<Solved> {
-    let mut noise = Noise { rows: [(1.0, 1.0); Channel::ALL.len()], share: Share::AS_SHOWN };
+    let mut noise = Noise::start();
     noise = noise_at(log, start, &noise);
     let mut state = settle(log, start, start.clone(), before, &noise)?;
     for _ in 0..ROUNDS {
         noise = noise_at(log, &state, &noise);
         state = settle(log, start, state, before, &noise)?;
         let (at, sums) = total(log, start, &state, before, &noise);
-        let (_, memories) = memory(&at, &sums)?;
+        let (covariance, memories) = memory(&at, &sums, state.parameters())?;
+        noise.learn_yaw(log, &state, &covariance);
         noise.rows.iter_mut().zip(memories).for_each(|(one, memory)| one.1 = memory);
     }
     let (at, sums) = total(log, start, &state, before, &noise);
-    let (covariance, _) = memory(&at, &sums)?;
+    let (covariance, _) = memory(&at, &sums, state.parameters())?;
     let heard = (Channel::ALL.into_iter().zip(&sums).zip(noise.rows))
         .filter(|((_, sums), _)| sums.rows > 0)
         .map(|((channel, sums), (_, memory))| Heard { channel, rows: sums.rows, rms_ut: sums.rms_ut, memory })
         .collect();
-    Some(Solved { state, covariance, heard, tilt_share: noise.share.tilt })
+    let tilt_share = if log.has_attitude() { 1.0 } else { noise.share.tilt };
+    Some(Solved { state, covariance, heard, tilt_share, yaw_error_rad: noise.yaw_rad[0] })
 }
 
 /// The likeliest parameters of a log. `offsets_ut` are where to begin. A band of attitudes about one axis has a mirror image: the offset on
@@ -183,19 +251,22 @@ pub fn solve(
             offset_ut,
             matrix,
             field_ut: 1.0,
-            vertical_ut: 0.0,
-            gyro: Default::default(),
-            delay_s: 0.0,
-            zero: Vector3::zeros(),
-            tilt: 0.0,
+            effects: vec![Default::default(); log.effects.len()],
+            ..State::default()
         };
         let (mut length, mut vertical) = (0.0, 0.0);
         for row in &log.rows {
-            let v = state.corrected(&row.measured_ut);
+            let v = state.corrected(row);
             length += v.norm() / n;
             vertical += row.down.map_or(0.0, |down| down.dot(&v)) / n;
         }
         (state.field_ut, state.vertical_ut) = (before.field_ut.unwrap_or(length), vertical);
+        if log.has_attitude() {
+            let posed = log.rows.iter().zip(&log.poses).filter_map(|(row, pose)| Some((row, pose.as_ref()?)));
+            let world: Vector3<f64> =
+                posed.map(|(row, pose)| pose.axes.transpose() * state.corrected(row)).sum();
+            state.yaw = Some(world.y.atan2(world.x));
+        }
         let Some(solved) = from_start(log, &state, before) else { continue };
         if found.as_ref().is_none_or(|other| worth(log, &state, &solved, other, before) > 0.0) {
             found = Some(solved);
@@ -206,7 +277,7 @@ pub fn solve(
 
 /// By how much `−2 ln L` of this solution is below that of the other, both at the noise of the other.
 fn worth(log: &Log, start: &State, solved: &Solved, other: &Solved, before: &Before) -> f64 {
-    let mut noise = Noise { rows: [(1.0, 1.0); Channel::ALL.len()], share: Share::AS_SHOWN };
+    let mut noise = Noise::start();
     for heard in &other.heard {
         noise.rows[heard.channel as usize].1 = heard.memory;
     }

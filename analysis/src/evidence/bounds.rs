@@ -75,3 +75,13 @@ pub const LEAST_SLOPE: f64 = 0.05;
 
 /// Largest sine of the dip: within 10° of the vertical the angle to gravity says next to nothing about a rotation.
 pub const MOST_SINE: f64 = 0.985;
+
+/// Largest p-value of a term by the spread of its coefficients over parts of the log: one in a thousand, as the score has paid for the
+/// number of candidates already.
+pub const MAX_P_HELD_OUT: f64 = 0.001;
+
+/// Shortest time constant of a hidden cause, in blocks: what is shorter is white noise that differs between axes.
+pub const SHORTEST_CAUSE_BLOCKS: f64 = 4.0;
+
+/// Fast tones that are taken out of one log, at most: a motor and its harmonic.
+pub const MOST_TONES: usize = 2;

@@ -5,18 +5,20 @@
 //! of the sensor, whatever the model. Columns are taken at the closest point of the ellipsoid, which noise along q does not move.
 
 use crate::evidence::bounds::LEAST_SLOPE;
+use crate::evidence::closest::{Surface, quantities};
 use crate::evidence::log::Log;
 use crate::evidence::noise::Track;
 use crate::evidence::term::Term;
+use core::ops::SubAssign;
 use ironout::effect::Quantities;
 use nalgebra::{Matrix3, Vector3};
 
+/// Steps to the closest point of an ellipsoid: the error falls by the residual over the field in each.
+const FOOT_STEPS: usize = 3;
 /// The base columns: three of the offset, six of the upper triangular matrix.
 pub const BASE: usize = 9;
 /// Entries of the triangle in the order of the columns.
 pub const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
-/// Steps to the undisturbed reading, at most.
-const MOST_STEPS: usize = 12;
 
 /// What a term bends that reads the field: two forms of one effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +53,8 @@ pub struct Point {
     pub direction: Vector3<f64>,
     /// Gradient by an undisturbed reading, over the length of that by the reading.
     pub pull: Vector3<f64>,
+    /// What a unit of the corrected vector is in µT of the residual.
+    pub stretch: f64,
     /// Corrected direction.
     pub unit: Vector3<f64>,
     /// The residual, µT of the sensor.
@@ -74,24 +78,15 @@ impl Point {
 }
 
 impl Model<'_> {
+    /// The same model on other samples of the log.
+    pub fn rebound<'b>(&self, log: &Log<'b>) -> Option<Model<'b>> {
+        let terms = self.terms.iter().map(|term| term.rebound(log)).collect::<Option<Vec<_>>>()?;
+        Some(Model { offset: self.offset, matrix: self.matrix, field: self.field, terms, bends: self.bends })
+    }
+
     /// Columns of base and terms.
     pub fn columns(&self) -> usize {
         BASE + self.terms.iter().map(Term::k).sum::<usize>()
-    }
-
-    fn quantities(
-        &self,
-        x: &Vector3<f64>,
-        rate: Option<Vector3<f64>>,
-        inverse: &Matrix3<f64>,
-    ) -> Quantities<f64> {
-        let centred = x - self.offset;
-        let mut at = Quantities::of_vector((*x).into());
-        at.centred_ut = centred.into();
-        if let Some(rate) = rate {
-            at.turning_ut_per_s = (inverse * rate.cross(&(self.matrix * centred))).into();
-        }
-        at
     }
 
     /// Every sample at this model; `None` where one has no undisturbed reading, or lies at the centre. Far from the solution shapes
@@ -105,86 +100,110 @@ impl Model<'_> {
         let fixed: Vec<&Term> = self.terms.iter().filter(|term| !term.reads()).collect();
         let reading: Vec<&Term> = self.terms.iter().filter(|term| term.reads()).collect();
         let nowhere = Quantities::of_vector([0.0; 3]);
+        let mut last = Vector3::zeros();
         for (sample, observation) in log.samples.readings.iter().enumerate() {
             let added: Vector3<f64> = fixed.iter().map(|term| term.disturbance(sample, &nowhere)).sum();
             let measured = Vector3::from(observation.measured_ut) - added;
             let rate = observation.turn_radps.map(Vector3::from);
+            let field = self.field * log.share.get(sample).copied().unwrap_or(1.0);
             let disturbed = |x: &Vector3<f64>| -> Vector3<f64> {
-                let at = self.quantities(x, rate, &inverse);
+                let at = quantities(x, rate, &self.offset, &self.matrix, &inverse);
                 reading.iter().map(|term| term.disturbance(sample, &at)).sum()
             };
-            let slope = |x: &Vector3<f64>| {
-                let here = disturbed(x);
-                let mut slope = Matrix3::zeros();
-                for axis in 0..3 {
-                    let mut moved = *x;
-                    moved[axis] += step;
-                    slope.set_column(axis, &((disturbed(&moved) - here) / step));
+            let point = if reads && self.bends == Bends::Field {
+                let surface = Surface {
+                    offset: self.offset,
+                    matrix: &self.matrix,
+                    reading: &reading,
+                    inverse: &inverse,
+                    sample,
+                    rate,
+                    field,
+                };
+                let near = self.matrix * (measured - disturbed(&measured) - self.offset);
+                let straight = self.matrix * (measured - self.offset);
+                let starts = [near, straight].map(|h| h.try_normalize(1e-3 * self.field));
+                let others = [starts[1].unwrap_or(last), last];
+                let others = if last == Vector3::zeros() { &others[..1] } else { &others[..] };
+                let foot = surface.closest(&measured, starts[0].or(starts[1])?, others)?;
+                last = foot.unit;
+                let pull = foot.slope.transpose() * foot.normal;
+                Point {
+                    closest: foot.x,
+                    direction: foot.normal,
+                    pull,
+                    stretch: foot.unit.dot(&(inverse.transpose() * pull)),
+                    unit: foot.unit,
+                    residual: foot.residual,
+                    shaped_at: if is_near { foot.x } else { measured },
+                    lever: foot.normal,
+                    turning: Vector3::zeros(),
                 }
-                slope
-            };
-            // The undisturbed reading, and its slope by the reading.
-            let (x, answer) = match (reads, self.bends) {
-                (false, _) => (measured, Matrix3::identity()),
+            } else {
                 // What is added to a reading is no part of what bends it: the shape is of the whole.
-                (true, Bends::Reading) => {
-                    let whole = measured + added;
-                    (measured - disturbed(&whole), Matrix3::identity() - slope(&whole))
-                }
-                (true, Bends::Field) => {
-                    let (mut x, mut answer) = (measured, Matrix3::identity());
-                    for round in 0..MOST_STEPS {
-                        let off = measured - x - disturbed(&x);
-                        if round > 0 && off.norm_squared() < 1e-14 * self.field * self.field {
-                            break;
-                        }
-                        answer = (Matrix3::identity() + slope(&x)).try_inverse()?;
-                        x += answer * off;
+                let whole = measured + added;
+                let (x, answer) = if reads {
+                    let here = disturbed(&whole);
+                    let mut answer = Matrix3::identity();
+                    for axis in 0..3 {
+                        let mut moved = whole;
+                        moved[axis] += step;
+                        let by_axis = (disturbed(&moved) - here) / step;
+                        answer.column_mut(axis).sub_assign(&by_axis);
                     }
-                    if !((measured - x - disturbed(&x)).norm() < 1e-3 * self.field) {
+                    (measured - here, answer)
+                } else {
+                    (measured, Matrix3::identity())
+                };
+                if !(answer.determinant() > LEAST_SLOPE && answer.determinant() < 1.0 / LEAST_SLOPE) {
+                    return None;
+                }
+                // Towards the closest point: where the ellipsoid is stretched, the gradient at a noisy reading is another, and its error
+                // correlates with the noise.
+                let mut foot = x;
+                let mut seen = None;
+                for _ in 0..if reads { 1 } else { FOOT_STEPS } {
+                    let h = self.matrix * (foot - self.offset);
+                    let length = h.norm();
+                    if !(length > 1e-3 * self.field) {
                         return None;
                     }
-                    (x, answer)
+                    let unit = h / length;
+                    let pull = self.matrix.transpose() * unit;
+                    let gradient = answer.transpose() * pull;
+                    let size = gradient.norm();
+                    let direction = gradient / size;
+                    let residual = direction.dot(&(x - foot)) + (length - field) / size;
+                    foot = x - direction * residual;
+                    seen = Some((unit, pull, size, direction, residual));
+                }
+                let (unit, pull, size, direction, residual) = seen?;
+                let noise = if is_near || !reads { direction * residual } else { Vector3::zeros() };
+                let closest = x - answer * noise;
+                let (shaped_at, lever) = match self.bends {
+                    Bends::Field => (closest, direction),
+                    Bends::Reading => (whole - noise, pull / size),
+                };
+                Point {
+                    closest,
+                    direction,
+                    pull: pull / size,
+                    stretch: 1.0 / size,
+                    unit,
+                    residual,
+                    shaped_at,
+                    lever,
+                    turning: Vector3::zeros(),
                 }
             };
-            if !(answer.determinant() > LEAST_SLOPE && answer.determinant() < 1.0 / LEAST_SLOPE) {
-                return None;
-            }
-            let h = self.matrix * (x - self.offset);
-            let length = h.norm();
-            if !(length > 1e-3 * self.field) {
-                return None;
-            }
-            let unit = h / length;
-            let pull = self.matrix.transpose() * unit;
-            let gradient = answer.transpose() * pull;
-            let size = gradient.norm();
-            let field = self.field * log.share.get(sample).copied().unwrap_or(1.0);
-            let residual = (length - field) / size;
-            let direction = gradient / size;
-            let noise = if is_near { direction * residual } else { Vector3::zeros() };
-            let closest = x - answer * noise;
-            let (shaped_at, lever) = match self.bends {
-                Bends::Field => (closest, direction),
-                Bends::Reading => (measured + added - noise, pull / size),
-            };
             let turning = match rate {
-                Some(rate) => inverse * rate.cross(&(self.matrix * (shaped_at - self.offset))),
+                Some(rate) => inverse * rate.cross(&(self.matrix * (point.shaped_at - self.offset))),
                 None => Vector3::zeros(),
             };
-            if !residual.is_finite() {
+            if !point.residual.is_finite() {
                 return None;
             }
-            points.push(Point {
-                closest,
-                direction,
-                pull: pull / size,
-                unit,
-                residual,
-                shaped_at,
-                lever,
-                turning,
-            });
+            points.push(Point { turning, ..point });
         }
         Some(points)
     }
@@ -258,13 +277,13 @@ impl Blocks {
 }
 
 /// Derivatives of one sample's residual by the base parameters.
-pub fn base_row(point: &Point, offset: &Vector3<f64>, size: f64, row: &mut [f64]) {
+pub fn base_row(point: &Point, offset: &Vector3<f64>, row: &mut [f64]) {
     for axis in 0..3 {
         row[axis] = -point.pull[axis];
     }
     let centred = point.closest - offset;
     for (index, (i, j)) in TRIANGLE.into_iter().enumerate() {
-        row[3 + index] = point.unit[i] * centred[j] * size;
+        row[3 + index] = point.unit[i] * centred[j] * point.stretch;
     }
 }
 
@@ -281,9 +300,7 @@ pub fn rows(blocks: &Blocks, model: &Model, points: &[Point]) -> Vec<f64> {
     let width = model.columns() + 1;
     blocks.means(width, |sample, row| {
         let point = &points[sample];
-        // ‖pull‖ is ‖Cᵀu‖ over the gradient's length: what scales the columns of the matrix.
-        let size = point.pull.norm() / (model.matrix.transpose() * point.unit).norm();
-        base_row(point, &model.offset, size, row);
+        base_row(point, &model.offset, row);
         let at = point.quantities(&model.offset);
         let mut from = BASE;
         for term in &model.terms {

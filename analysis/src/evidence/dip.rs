@@ -5,9 +5,10 @@
 
 use crate::base::alignment::align;
 use crate::base::start::NO_ROTATION;
-use crate::evidence::bounds::{MIN_ODDS, MIN_SHARE, MOST_SINE};
+use crate::evidence::bounds::{MAX_P_HELD_OUT, MIN_ODDS, MIN_SHARE, MOST_SINE};
 use crate::evidence::design::{BASE, TRIANGLE};
 use crate::evidence::fit::{Fit, Setting};
+use crate::evidence::held_out::{changes, p_value};
 use crate::evidence::log::Log;
 use crate::evidence::noise::{Noise, Track};
 use crate::evidence::solve::{Factor, Sums};
@@ -31,12 +32,17 @@ pub struct Lateness {
     pub gain: f64,
     /// Share of the squared residual that it explains.
     pub share: f64,
+    /// p-value of no delay, by its spread over parts of the log.
+    pub p_held_out: f64,
 }
 
 impl Lateness {
     /// Whether a delay is to be named.
     pub fn is_shown(&self) -> bool {
-        self.gain > MIN_ODDS && self.share > MIN_SHARE && self.delay_s > 0.0
+        self.gain > MIN_ODDS
+            && self.share > MIN_SHARE
+            && self.delay_s > 0.0
+            && self.p_held_out < MAX_P_HELD_OUT
     }
 }
 
@@ -215,6 +221,24 @@ impl Dip {
         answer
     }
 
+    /// Squares of the delay's own part over all: other parameters may have moved next to it.
+    fn own_share(&self, with: &Explained) -> f64 {
+        let column = self.rows.chunks_exact(self.width).map(|row| row[self.width - 2]);
+        let own: f64 = column.zip(&self.track.weight).map(|(value, w)| (value * with.last).powi(2) * w).sum();
+        own / (own + with.squares)
+    }
+
+    /// p-value of the last column by its spread over parts of the log.
+    fn p_held_out(&self, with: &Explained) -> Option<f64> {
+        let columns = self.width - 1;
+        let mut whitened = self.rows.clone();
+        with.noise.whiten(&self.track, self.width, &mut whitened);
+        let matrix = Sums::of(&whitened, columns).matrix
+            + self.known.matrix.view((0, 0), (columns, columns)) * with.noise.variance;
+        let changes = changes(&whitened, columns, &matrix)?;
+        Some(p_value(&changes, columns - 1, &DVector::from_element(1, with.last)))
+    }
+
     /// Whether the sensor is late.
     pub fn lateness(&self) -> Option<Lateness> {
         let columns = self.width - 1;
@@ -228,7 +252,8 @@ impl Dip {
             delay_s: with.last,
             error_s: with.error,
             gain: without.cost - with.cost - price,
-            share: 1.0 - with.squares / without.squares,
+            share: (1.0 - with.squares / without.squares).min(self.own_share(&with)),
+            p_held_out: self.p_held_out(&with).unwrap_or(1.0),
         })
     }
 }

@@ -1,5 +1,6 @@
 //! The predicted error of a corrected vector, from the covariance of a fit.
 
+use crate::evidence::bounds::LEAST_SLOPE;
 use crate::evidence::design::{BASE, Model, Point, TRIANGLE};
 use crate::evidence::fit::Fit;
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -51,12 +52,11 @@ pub fn predicted_error_ut(model: &Model, covariance: &DMatrix<f64>) -> Option<f6
 /// Corrected vectors of a fit: every term taken out, noise left in.
 pub fn corrected(fit: &Fit) -> Vec<[f64; 3]> {
     let model = &fit.model;
-    let length = |unit: &Vector3<f64>| unit.norm().max(1e-300);
     let one = |point: &Point| -> [f64; 3] {
         let h = model.matrix * (point.closest - model.offset);
-        // The closest point has the residual taken out; along the field it goes back in.
-        let size = (model.matrix.transpose() * point.unit).norm() / length(&point.pull);
-        (h + point.unit * point.residual * size).into()
+        // The closest point has the residual taken out; along the field it goes back in, not amplified where readings fold.
+        (h + point.unit * point.residual / point.stretch.abs().max(LEAST_SLOPE) * point.stretch.signum())
+            .into()
     };
     fit.points.iter().map(one).collect()
 }

@@ -17,7 +17,9 @@ const SETTLED: f64 = 0.02;
 /// Less than this is near enough for shapes at the closest points.
 const NEAR: f64 = 1.0;
 /// Steps of one fit, at most.
-const MOST_STEPS: usize = 12;
+const MOST_STEPS: usize = 20;
+/// Shares of the diagonal that damp a step which leads away otherwise.
+const DAMPINGS: [f64; 9] = [0.0, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0];
 /// Samples that the size of a shape is taken from.
 const SIZED_BY: usize = 200;
 
@@ -103,18 +105,18 @@ pub fn parameters(model: &Model) -> Vec<f64> {
     out
 }
 
-fn moved<'a>(model: &Model<'a>, delta: &DVector<f64>, share: f64) -> Model<'a> {
+fn moved<'a>(model: &Model<'a>, delta: &DVector<f64>) -> Model<'a> {
     let mut model = model.clone();
     for axis in 0..3 {
-        model.offset[axis] += share * delta[axis];
+        model.offset[axis] += delta[axis];
     }
     for (index, (i, j)) in TRIANGLE.into_iter().enumerate() {
-        model.matrix[(i, j)] += share * delta[3 + index];
+        model.matrix[(i, j)] += delta[3 + index];
     }
     let mut at = BASE;
     for term in &mut model.terms {
         for c in 0..term.k() {
-            term.theta[c] += share * delta[at];
+            term.theta[c] += delta[at];
             at += 1;
         }
     }
@@ -130,6 +132,8 @@ pub struct Setting {
     pub scale: f64,
     /// Candidates of the log.
     pub candidates: f64,
+    /// Whether the noise is held white.
+    pub is_white: bool,
 }
 
 /// The models that a log may begin with: the ground's fit, and the sphere in the middle of the readings. Each with its scale.
@@ -174,13 +178,14 @@ impl<'a> Fit<'a> {
         let mut most_squares = f64::INFINITY;
         // From far with shapes at the readings, then the likeliest noise, then with shapes at the closest points.
         for (round, is_near) in [false, true, true].into_iter().enumerate() {
-            let mut steps = 0;
+            let (mut steps, mut damped) = (0, 0);
             if round > 0 {
                 points = model.points(log, true)?;
                 rows_now = rows(blocks, &model, &points);
                 let residual = residual_of(&rows_now, width);
                 let most_ut = MAX_WANDER_FIELDS * model.field / setting.scale;
                 noise = match round {
+                    _ if setting.is_white => Noise::white(&track, &residual),
                     1 => {
                         most_squares = MOST_ABOVE_LEAST * plain_squares(&track, &residual);
                         Noise::fit(&track, &residual, from, most_ut)
@@ -202,8 +207,12 @@ impl<'a> Fit<'a> {
                 steps += 1;
                 let now = sums.squares / noise.variance + prior.cost(&model);
                 let mut better = None;
-                for share in [1.0, 0.4, 0.1, 0.02] {
-                    let next = moved(&model, &delta, share);
+                for (index, damping) in DAMPINGS.into_iter().enumerate().skip(damped) {
+                    let delta = match damping > 0.0 {
+                        true => -Factor::damped(&known.matrix, damping)?.solve(&known.right),
+                        false => delta.clone(),
+                    };
+                    let next = moved(&model, &delta);
                     let Some(next_points) = next.points(log, is_near) else { continue };
                     let mut residual = blocks.means(1, |sample, row| row[0] = next_points[sample].residual);
                     // A wander can stand for an offset far off: the squares themselves tell that the model went astray.
@@ -215,6 +224,7 @@ impl<'a> Fit<'a> {
                     let cost = squares / noise.variance + prior.cost(&next);
                     // Columns at the closest point ask for a little more than the squares show.
                     if cost < now + if is_near { 0.1 * promised.min(10.0) } else { 0.0 } {
+                        damped = index.saturating_sub(1);
                         better = Some((next, next_points, now - cost));
                         break;
                     }
@@ -229,7 +239,10 @@ impl<'a> Fit<'a> {
             }
         }
         let residual = residual_of(&rows_now, width);
-        let noise = Noise::with(&track, noise.wander, &residual);
+        let noise = match setting.is_white {
+            true => Noise::white(&track, &residual),
+            false => Noise::with(&track, noise.wander, &residual),
+        };
         let mut sums = whitened_sums(&rows_now, width, &track, &noise);
         prior.inform(&mut sums, &model, noise.variance);
         let squares = points.iter().map(|point| point.residual * point.residual).sum();

@@ -3,6 +3,7 @@
 //! A sensor's own noise is independent per axis. A cause that nobody logged adds `v·s(t)`, or bends the gain by `diag(v)·x·s(t)`: one
 //! history s for all axes. Both are the same Kalman filter with another view of the slow state; the likelier one wins.
 
+use crate::evidence::bounds::SHORTEST_CAUSE_BLOCKS;
 use crate::evidence::fit::Fit;
 use crate::evidence::noise::{Noise, Track, Wander};
 use nalgebra::Vector3;
@@ -108,7 +109,9 @@ pub fn hidden_cause(fit: &Fit) -> Option<HiddenCause> {
         let whole = Track { without_memory: false, ..view(&v) };
         let noise = Noise::fit(&whole, &residual, Some(near.wander), f64::INFINITY);
         let noise = if noise.cost < near.cost { noise } else { near };
-        let gain = fit.noise.cost - noise.cost - price;
+        // A history as short as a block is no history: white noise may differ between axes.
+        let is_short = noise.wander.tau_s[1] < SHORTEST_CAUSE_BLOCKS * length / n;
+        let gain = if is_short { 0.0 } else { fit.noise.cost - noise.cost - price };
         if best.as_ref().is_none_or(|best| gain > best.gain) {
             best = Some(HiddenCause {
                 gain,

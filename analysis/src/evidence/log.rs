@@ -3,7 +3,7 @@
 use crate::samples::clock::even;
 use crate::samples::samples::Samples;
 use crate::table::Table;
-use ironout::effect::{MAX_INPUTS, Need};
+use ironout::effect::{MAX_INPUTS, Need, Past};
 use std::sync::Arc;
 
 /// Values of the columns of an effect, a row per sample.
@@ -98,7 +98,7 @@ impl<'a> Log<'a> {
         if delay_s == 0.0 {
             return Some(column.values.clone());
         }
-        self.samples.delayed(self.table, &column.name, delay_s)
+        self.samples.past(self.table, &column.name, Past::Delayed(delay_s))
     }
 }
 

@@ -4,13 +4,17 @@
 //! with its inputs) → [`design`] (residual and columns at the closest point) → [`noise`] (wander and white noise) → [`fit`] →
 //! [`screen`] and [`candidates`] → [`search`] → [`verdict`]. Thresholds stand in [`bounds`].
 
+pub mod autoregression;
 pub mod bounds;
 pub mod candidates;
+pub mod closest;
 pub mod design;
 pub mod dip;
 pub mod error;
+pub mod fast_tones;
 pub mod fit;
 pub mod gaps;
+pub mod held_out;
 pub mod hidden;
 pub mod log;
 pub mod noise;

@@ -5,6 +5,7 @@
 //! data, so that every column of a linear model passes the same filter. What memory the innovations still have (a driver's rolling
 //! mean, differenced noise) is autoregressive. The whole map is triangular: the likelihood is that of the last white residual.
 
+use crate::evidence::autoregression::burg;
 use crate::evidence::bounds::MAX_AR_ORDER;
 
 /// Sizes and time constants of the wander; sizes relative to the white noise of one sample.
@@ -58,6 +59,29 @@ struct Filter {
 impl Filter {
     /// Gains along a track, with the innovations of one series at once.
     fn run(track: &Track, wander: &Wander, series: &[f64]) -> (Filter, Vec<f64>) {
+        match wander.size.map(|size| size > 0.0) {
+            [false, false] => Self::white(track, series),
+            [true, false] => Self::states::<3>(track, wander, 0, series),
+            [false, true] => Self::states::<3>(track, wander, 3, series),
+            [true, true] => Self::states::<6>(track, wander, 0, series),
+        }
+    }
+
+    /// Without a wander nothing is to be followed.
+    fn white(track: &Track, series: &[f64]) -> (Filter, Vec<f64>) {
+        let scale: Vec<f64> = track.weight.iter().map(|weight| weight.sqrt()).collect();
+        let innovations = series.iter().zip(&scale).map(|(value, scale)| value * scale).collect();
+        let log_det = -track.weight.iter().map(|weight| weight.ln()).sum::<f64>();
+        (Filter { decay: Vec::new(), gain: Vec::new(), scale, log_det }, innovations)
+    }
+
+    /// `N` states, the first of which is the number `first` of six.
+    fn states<const N: usize>(
+        track: &Track,
+        wander: &Wander,
+        first: usize,
+        series: &[f64],
+    ) -> (Filter, Vec<f64>) {
         let n = series.len();
         let mut out = Filter {
             decay: Vec::with_capacity(n),
@@ -66,14 +90,16 @@ impl Filter {
             log_det: 0.0,
         };
         let mut innovations = Vec::with_capacity(n);
-        let q0: [f64; 2] = wander.size.map(|size| size * size);
-        let mut v = [[0.0; 6]; 6];
-        for i in 0..6 {
-            v[i][i] = q0[i / 3];
+        let q0: [f64; N] = core::array::from_fn(|i| wander.size[(first + i) / 3].powi(2));
+        let mut v = [[0.0; N]; N];
+        for (i, square) in q0.into_iter().enumerate() {
+            v[i][i] = square;
         }
-        let mut state = [0.0; 6];
+        let mut state = [0.0; N];
         let mut last = track.time_s.first().copied().unwrap_or(0.0);
         let (mut step, mut phi) = (f64::NAN, [1.0; 2]);
+        // Products of many variances: one logarithm for all of them.
+        let mut product = 1.0;
         for k in 0..n {
             let dt = (track.time_s[k] - last).max(0.0);
             last = track.time_s[k];
@@ -81,105 +107,83 @@ impl Filter {
                 step = dt;
                 phi = wander.tau_s.map(|tau| (-dt / tau).exp());
             }
-            let decay: [f64; 6] = [phi[0], phi[0], phi[0], phi[1], phi[1], phi[1]];
+            let decay: [f64; N] = core::array::from_fn(|i| phi[(first + i) / 3]);
             let (q, p) = (track.direction[k], track.slow_direction(k));
-            let h = [q[0], q[1], q[2], p[0], p[1], p[2]];
-            let mut vh = [0.0; 6];
-            for i in 0..6 {
+            let all = [q[0], q[1], q[2], p[0], p[1], p[2]];
+            let h: [f64; N] = core::array::from_fn(|i| all[first + i]);
+            let mut vh = [0.0; N];
+            for i in 0..N {
                 let mut sum = 0.0;
-                for j in 0..6 {
+                for j in 0..N {
                     v[i][j] *= decay[i] * decay[j];
                     sum += v[i][j] * h[j];
                 }
-                let fresh = q0[i / 3] * (1.0 - decay[i] * decay[i]);
+                let fresh = q0[i] * (1.0 - decay[i] * decay[i]);
                 v[i][i] += fresh;
                 vh[i] = sum + fresh * h[i];
                 state[i] *= decay[i];
             }
             let mut f = 1.0 / track.weight[k];
             let mut innovation = series[k];
-            for i in 0..6 {
+            for i in 0..N {
                 f += h[i] * vh[i];
                 innovation -= h[i] * state[i];
             }
             f = f.max(1.0 / track.weight[k]);
-            let mut gain = [0.0; 6];
-            for i in 0..6 {
+            let mut gain = [0.0; N];
+            let mut whole = [0.0; 6];
+            for i in 0..N {
                 gain[i] = vh[i] / f;
                 state[i] += gain[i] * innovation;
+                whole[first + i] = gain[i];
             }
             // One triangle and its mirror: rounding must not make it lopsided.
-            for i in 0..6 {
-                for j in i..6 {
+            for i in 0..N {
+                for j in i..N {
                     v[i][j] -= gain[i] * vh[j];
                     v[j][i] = v[i][j];
                 }
             }
             let scale = 1.0 / f.sqrt();
             out.decay.push(phi);
-            out.gain.push(gain);
+            out.gain.push(whole);
             out.scale.push(scale);
-            out.log_det += f.ln();
+            product *= f;
+            if !(1e-100..1e100).contains(&product) {
+                out.log_det += product.ln();
+                product = 1.0;
+            }
             innovations.push(innovation * scale);
         }
+        out.log_det += product.ln();
         (out, innovations)
     }
 
     /// Innovations of `width` columns, row by row, in place.
-    fn apply(&self, track: &Track, width: usize, columns: &mut [f64]) {
+    fn apply(&self, track: &Track, wander: &Wander, width: usize, columns: &mut [f64]) {
+        let first = if wander.size[0] > 0.0 { 0 } else { 3 };
+        let last = if wander.size[1] > 0.0 { 6 } else { 3 };
         let mut state = vec![0.0; 6 * width];
         for (k, row) in columns.chunks_exact_mut(width).enumerate() {
             let (phi, gain, scale) = (self.decay[k], self.gain[k], self.scale[k]);
             let (q, p) = (track.direction[k], track.slow_direction(k));
-            let (fast, slow) = state.split_at_mut(3 * width);
-            for axis in 0..3 {
-                let (a, b) = (&mut fast[axis * width..][..width], &mut slow[axis * width..][..width]);
-                for ((value, a), b) in row.iter_mut().zip(a).zip(b) {
-                    *a *= phi[0];
-                    *b *= phi[1];
-                    *value -= q[axis] * *a + p[axis] * *b;
+            let seen = [q[0], q[1], q[2], p[0], p[1], p[2]];
+            for i in first..last {
+                let (seen, phi) = (seen[i], phi[i / 3]);
+                for (value, state) in row.iter_mut().zip(&mut state[i * width..][..width]) {
+                    *state *= phi;
+                    *value -= seen * *state;
                 }
             }
-            for axis in 0..3 {
-                let (a, b) = (&mut fast[axis * width..][..width], &mut slow[axis * width..][..width]);
-                for ((value, a), b) in row.iter_mut().zip(a).zip(b) {
-                    *a += gain[axis] * *value;
-                    *b += gain[axis + 3] * *value;
+            for i in first..last {
+                let gain = gain[i];
+                for (value, state) in row.iter().zip(&mut state[i * width..][..width]) {
+                    *state += gain * *value;
                 }
             }
             row.iter_mut().for_each(|value| *value *= scale);
         }
     }
-}
-
-/// Autoregressive coefficients by Burg's method with the order of the least −2 log likelihood + order·ln n, and that cost per
-/// sample sum: `n ln σ² + order ln n`.
-fn burg(series: &[f64], most: usize) -> (Vec<f64>, f64, f64) {
-    let n = series.len() as f64;
-    let mut variance = series.iter().map(|v| v * v).sum::<f64>() / n.max(1.0);
-    let mut ar = vec![1.0];
-    let mut best = (ar.clone(), variance, n * variance.max(1e-300).ln());
-    let (mut forward, mut backward) = (series.to_vec(), series.to_vec());
-    for order in 1..=most.min(series.len() / 40) {
-        let (f, b) = (&forward[1..], &backward[..backward.len() - 1]);
-        let (mut cross, mut power) = (0.0, 0.0);
-        for (f, b) in f.iter().zip(b) {
-            cross += f * b;
-            power += f * f + b * b;
-        }
-        let k = if power > 0.0 { -2.0 * cross / power } else { 0.0 };
-        let (f, b): (Vec<f64>, Vec<f64>) = f.iter().zip(b).map(|(f, b)| (f + k * b, b + k * f)).unzip();
-        (forward, backward) = (f, b);
-        ar.push(0.0);
-        let reversed: Vec<f64> = ar.iter().rev().copied().collect();
-        ar.iter_mut().zip(reversed).for_each(|(a, r)| *a += k * r);
-        variance *= (1.0 - k * k).max(1e-12);
-        let cost = n * variance.max(1e-300).ln() + order as f64 * n.ln();
-        if cost < best.2 {
-            best = (ar.clone(), variance, cost);
-        }
-    }
-    best
 }
 
 impl Track {
@@ -308,7 +312,7 @@ impl Noise {
                 row.iter_mut().for_each(|value| *value *= scale);
             }
         } else {
-            self.filter.apply(track, width, columns);
+            self.filter.apply(track, &self.wander, width, columns);
         }
         let rows = columns.len() / width;
         let order = self.ar.len() - 1;
@@ -436,14 +440,5 @@ mod tests {
             noise.cost_of(&alone),
             noise.cost
         );
-    }
-
-    #[test]
-    fn a_rolling_mean_is_a_short_memory() {
-        let (_, white) = wandering(0.0, 5.0, 3);
-        let mean: Vec<f64> =
-            (0..white.len()).map(|k| white[k.saturating_sub(3)..=k].iter().sum::<f64>() / 4.0).collect();
-        let (ar, variance, _) = burg(&mean, MAX_AR_ORDER);
-        assert!(ar.len() > 2 && variance < 0.13, "{ar:?} {variance}");
     }
 }

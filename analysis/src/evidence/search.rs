@@ -1,15 +1,21 @@
 //! Which terms a log asks for: add, drop and swap by one score.
 
 use crate::evidence::bounds::{
-    FORMS_DIFFER, LEADERS, MAX_TERMS, MIN_ODDS, MIN_SHARE, MOST_SWAPS, RIVAL_SHARE, RIVALS,
+    FORMS_DIFFER, LEADERS, MAX_P_HELD_OUT, MAX_TERMS, MIN_ODDS, MIN_SHARE, MOST_SWAPS, RIVAL_SHARE, RIVALS,
 };
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::{Bends, Model};
 use crate::evidence::fit::{Fit, Setting};
+use crate::evidence::held_out::p_values;
 use crate::evidence::hidden::{HiddenCause, hidden_cause};
 use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
 use crate::evidence::term::Term;
+
+/// Share of the least share that a term must have under white noise to be fitted: strong terms explain more than their columns tell.
+const SHARE_TO_FIT: f64 = 0.5;
+/// Candidates that are fitted at each step under white noise.
+const WHITE_LEADERS: usize = 2;
 
 /// The result of a search.
 pub struct Found<'a> {
@@ -50,6 +56,16 @@ impl<'a> Search<'_, 'a> {
         fewer.score - more.score > MIN_ODDS * terms as f64 && more.squares < (1.0 - MIN_SHARE) * fewer.squares
     }
 
+    /// Whether the last term of a fit is shown by the parts of the log together.
+    fn holds(&self, fit: &Fit) -> bool {
+        let p = p_values(fit);
+        if self.trace {
+            let ids: Vec<&str> = fit.model.terms.iter().map(|term| term.id.as_str()).collect();
+            eprintln!("    held out: {ids:?} p {p:?}");
+        }
+        p.last().is_some_and(|p| *p < MAX_P_HELD_OUT)
+    }
+
     /// The fit with one more term. A term that reads the field is tried in both of its forms.
     pub fn with(&self, fit: &Fit<'a>, term: &Term<'a>) -> Option<Fit<'a>> {
         let mut model = fit.model.clone();
@@ -75,21 +91,37 @@ impl<'a> Search<'_, 'a> {
     /// Candidates at a fit, those with the most promise first; the fits are still to be made.
     /// With `own`, only those that gain about as much as that one.
     pub fn leaders(&self, fit: &Fit<'a>, own: Option<&Term<'a>>) -> Vec<Term<'a>> {
+        self.leaders_under(fit, own, &[false, true])
+    }
+
+    fn leaders_under(&self, fit: &Fit<'a>, own: Option<&Term<'a>>, noises: &[bool]) -> Vec<Term<'a>> {
         let mut list: Vec<(Term<'a>, usize)> = Vec::new();
         let n = fit.track.weight.len() as f64;
-        for white in [false, true] {
-            let Some(screen) = Screen::new(fit, self.setting.blocks, white) else { continue };
+        let Some(plain) = Screen::new(fit, self.setting.blocks, true) else { return Vec::new() };
+        let least_plain = -n * (1.0 - SHARE_TO_FIT * MIN_SHARE).ln();
+        for white in noises.iter().copied() {
+            let coloured = if white { None } else { Screen::new(fit, self.setting.blocks, false) };
+            let screen = match (white, &coloured) {
+                (true, _) => &plain,
+                (false, Some(coloured)) => coloured,
+                (false, None) => continue,
+            };
             let mut terms = self.catalogue.fixed.clone();
-            terms.extend(self.catalogue.searched(fit, &screen));
+            terms.extend(self.catalogue.searched(fit, screen));
             let known = |term: &Term| {
                 fit.model.terms.iter().any(|own| own.id == term.id && !term.form().is_repeated())
             };
             terms.retain(|term| !known(term));
-            let gains = screen.gains(fit, &terms.iter().collect::<Vec<_>>());
+            let refs: Vec<&Term<'a>> = terms.iter().collect();
+            let gains = screen.gains(fit, &refs);
+            // A term that explains too small a share is not worth a fit.
+            let shares = if white { gains.clone() } else { plain.gains(fit, &refs) };
             let mut order: Vec<(f64, Term<'a>)> = terms
                 .into_iter()
                 .zip(gains)
-                .map(|(term, gain)| {
+                .zip(shares)
+                .filter(|(_, plain)| *plain > least_plain)
+                .map(|((term, gain), _)| {
                     (gain - term.visible() as f64 * n.ln() - term.odds - 2.0 * term.places.ln(), term)
                 })
                 .collect();
@@ -143,14 +175,80 @@ impl<'a> Search<'_, 'a> {
                     );
                 }
             }
-            let Some(best) = tried.into_iter().find(|one| Self::is_worth(one, &fit, 1)) else { break };
+            let Some(place) = tried.iter().position(|one| Self::is_worth(one, &fit, 1) && self.holds(one))
+            else {
+                break;
+            };
+            let best = Self::plainer(tried, place);
             fit = best;
             self.drop_idle(&mut fit);
             path.push(fit.clone());
         }
+        if let Some(several) = self.together(&fit) {
+            path.push(several.clone());
+            fit = several;
+        }
         fit = self.likeliest_of(path).unwrap_or(fit);
         let rivals = self.swap(&mut fit);
         Found { base, fit, rivals }
+    }
+
+    /// Several terms that are worth their price together. Where the motion repeats itself, an autoregressive noise imitates the misfit of
+    /// each single one; under white noise they are found one by one, and judged by the full score at the end.
+    fn together(&self, fit: &Fit<'a>) -> Option<Fit<'a>> {
+        let white = Search { setting: Setting { is_white: true, ..self.setting }, ..*self };
+        let mut now = Fit::of(self.log, &white.setting, fit.model.clone(), None)?;
+        let before = fit.model.terms.len();
+        while now.model.terms.len() < MAX_TERMS {
+            let leaders = white.leaders_under(&now, None, &[true]);
+            let tried = leaders.iter().take(WHITE_LEADERS).filter_map(|term| white.with(&now, term));
+            let Some(next) = tried.min_by(|a, b| a.score.total_cmp(&b.score)) else { break };
+            if !Self::is_worth(&next, &now, 1) {
+                break;
+            }
+            now = next;
+        }
+        if now.model.terms.len() < before + 2 {
+            return None;
+        }
+        white.swap(&mut now);
+        let mut full = Fit::of(self.log, &self.setting, now.model.clone(), None)?;
+        loop {
+            if self.trace {
+                let ids: Vec<&str> = full.model.terms.iter().map(|term| term.id.as_str()).collect();
+                eprintln!("  together {ids:?}: {:.1} rms {:.4}", full.score - fit.score, full.rms());
+            }
+            let more = full.model.terms.len().checked_sub(before).filter(|more| *more > 1)?;
+            if Self::is_worth(&full, fit, more) {
+                let fewer = (before..full.model.terms.len())
+                    .filter_map(|place| self.without(&full, place))
+                    .min_by(|a, b| a.score.total_cmp(&b.score));
+                match fewer {
+                    Some(fewer) if !Self::is_worth(&full, &fewer, 1) => full = fewer,
+                    _ => break,
+                }
+            } else {
+                // The last that white noise let in.
+                full = self.without(&full, full.model.terms.len() - 1)?;
+            }
+        }
+        p_values(&full)[before..].iter().all(|p| *p < MAX_P_HELD_OUT).then_some(full)
+    }
+
+    /// The likeliest fit, or that with the plain form of its last term where the derived one changes next to nothing.
+    fn plainer(mut tried: Vec<Fit<'a>>, place: usize) -> Fit<'a> {
+        let best = &tried[place];
+        let is_plain = |one: &Fit<'a>| match (one.model.terms.last(), best.model.terms.last()) {
+            (Some(own), Some(derived)) => {
+                derived.odds > 0.0
+                    && own.odds == 0.0
+                    && own.is_variant_of(derived)
+                    && best.squares > (1.0 - MIN_SHARE) * one.squares
+            }
+            _ => false,
+        };
+        let plain = tried.iter().position(is_plain).unwrap_or(place);
+        tried.swap_remove(plain)
     }
 
     /// The fit of a path that is likeliest with whatever single cause nobody logged: several columns together imitate any history.
@@ -228,7 +326,15 @@ impl<'a> Search<'_, 'a> {
                         );
                     }
                 }
-                if fits.first().is_some_and(|best| best.score < own_score - 1.0) && swaps < MOST_SWAPS {
+                let is_likelier = |one: &Fit<'a>| {
+                    let is_derived =
+                        one.model.terms.last().is_some_and(|term| {
+                            term.odds > 0.0 && own.odds == 0.0 && term.is_variant_of(own)
+                        });
+                    one.score < own_score - 1.0
+                        && (!is_derived || one.squares < (1.0 - MIN_SHARE) * fit.squares)
+                };
+                if fits.first().is_some_and(is_likelier) && swaps < MOST_SWAPS {
                     let mut best = fits.swap_remove(0);
                     // In the place of the other: the order of the list is that of what was found first.
                     if let Some(term) = best.model.terms.pop() {

@@ -60,11 +60,16 @@ pub struct Factor {
 impl Factor {
     /// Of a symmetric matrix; `None` where it is not positive.
     pub fn of(matrix: &DMatrix<f64>) -> Option<Factor> {
+        Factor::damped(matrix, 1e-11)
+    }
+
+    /// With a share of the diagonal added: steps along directions that hardly anything shows become short (Levenberg–Marquardt).
+    pub fn damped(matrix: &DMatrix<f64>, damping: f64) -> Option<Factor> {
         let scale = DVector::from_fn(matrix.nrows(), |i, _| 1.0 / matrix[(i, i)].max(1e-300).sqrt());
         let mut unit =
             DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] * scale[i] * scale[j]);
         for i in 0..unit.nrows() {
-            unit[(i, i)] += 1e-11;
+            unit[(i, i)] += damping;
         }
         Some(Factor { cholesky: unit.cholesky()?, scale })
     }

@@ -44,7 +44,7 @@ impl<'a> Term<'a> {
         let name = known.map_or("", |column| column.name.as_str());
         let made = Made::new(family, Parts { form, column: name, reference, parameter })?;
         let inputs = match family.follows() {
-            Follows::Column => inputs(&log.values(column?, made.parts().delay_s().unwrap_or(0.0))?),
+            Follows::Column => inputs(&log.values(column?, made.parts().past().seconds())?),
             Follows::Tone => inputs(log.even_s.as_deref().unwrap_or(&log.time_s)),
             Follows::Time => inputs(&log.time_s),
             Follows::Attitude | Follows::Turning => Inputs::default(),
@@ -58,6 +58,19 @@ impl<'a> Term<'a> {
             places: 1.0,
             odds: 0.0,
         })
+    }
+
+    /// The same term on other samples of the log.
+    pub fn rebound<'b>(&self, log: &Log<'b>) -> Option<Term<'b>> {
+        let family = self.made.family();
+        let column = match self.column() {
+            "" => None,
+            name => log.samples.columns.iter().position(|column| column.name == name),
+        };
+        let parameter = self.searched().map_or(0.0, |(_, parameter)| parameter);
+        let named = Named { family, column: "", form: self.form() };
+        let new = Term::new(log, &named, column, parameter)?;
+        Some(Term { theta: self.theta, places: self.places, odds: self.odds, ..new })
     }
 
     /// The form.

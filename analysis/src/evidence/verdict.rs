@@ -1,18 +1,20 @@
 //! What the odds say of a log.
 
 use crate::base::ground::Ground;
-use crate::evidence::bounds::{MAX_BLOCKS, MAX_COLOURED_UT, MIN_ODDS, UNCLEAR_ODDS};
+use crate::evidence::bounds::{MAX_BLOCKS, MAX_COLOURED_UT, MIN_ODDS, MOST_TONES, UNCLEAR_ODDS};
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::Blocks;
 use crate::evidence::dip::{Dip, Lateness};
 use crate::evidence::error::{corrected, predicted_error_ut};
+use crate::evidence::fast_tones::{fast_tone, without_tone};
 use crate::evidence::fit::{Fit, Setting, starts};
 use crate::evidence::gaps::without_gaps;
 use crate::evidence::hidden::HiddenCause;
 use crate::evidence::log::Log;
-use crate::evidence::search::{Rival, Search};
+use crate::evidence::search::{Found, Rival, Search};
 use crate::outcome::outcome::Verdict;
 use crate::outcome::request::Options;
+use crate::samples::samples::Samples;
 use crate::table::Table;
 use nalgebra::Matrix3;
 
@@ -73,15 +75,111 @@ pub fn judge(table: &Table, options: &Options, trace: bool) -> Evidence {
 
 fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence> {
     let whole = &ground.counted.samples;
-    let without = without_gaps(whole, ground.counted.table);
-    let log = Log::new(without.as_ref().unwrap_or(whole), ground.counted.table);
+    let mut samples = without_gaps(whole, ground.counted.table).unwrap_or_else(|| whole.clone());
+    let mut tones: Vec<String> = Vec::new();
+    let (mut first_rms, mut rounds) = (None, 0);
+    loop {
+        match round(ground, options, &samples, (&tones, rounds < MOST_TONES), first_rms, trace)? {
+            Round::Tone { rest, id, first_rms: rms } => {
+                samples = rest;
+                first_rms = Some(rms);
+                if !tones.contains(&id) {
+                    tones.push(id);
+                }
+                rounds += 1;
+            }
+            Round::Answer(answer) => return Some(*answer),
+        }
+    }
+}
+
+/// What one search ends with.
+enum Round {
+    /// A fast tone, the samples without it, and the rms of the log before.
+    Tone { rest: Samples, id: String, first_rms: f64 },
+    /// The answer.
+    Answer(Box<Evidence>),
+}
+
+fn round(
+    ground: &Ground,
+    options: &Options,
+    samples: &Samples,
+    (tones, looks_again): (&[String], bool),
+    first_rms: Option<f64>,
+    trace: bool,
+) -> Option<Round> {
+    let log = Log::new(samples, ground.counted.table);
     let catalogue = Catalogue::new(&log, options.registry);
+    let (base, setting) = base_of(ground, &log, catalogue.count, trace)?;
+    let first_rms = first_rms.unwrap_or(base.rms());
+    if looks_again && let Some(term) = fast_tone(&log, options.registry, &setting, &base) {
+        let rest = without_tone(samples, &term, &base);
+        return Some(Round::Tone { rest, id: term.id, first_rms });
+    }
+    // Which terms there are is decided by a sample of each block: a term that matters shows in those as well.
+    let few = thinned(samples, ground.counted.table);
+    let few_log = few.as_ref().map(|few| Log::new(few, ground.counted.table));
+    let few_catalogue = few_log.as_ref().map(|log| Catalogue::new(log, options.registry));
+    let (searched, catalogue, setting, begin) = match (&few_log, &few_catalogue) {
+        (Some(few), Some(catalogue)) => {
+            let blocks = Blocks::at_most(few.len(), MAX_BLOCKS);
+            let setting = Setting { blocks, ..setting };
+            let fit = Fit::of(few, &setting, base.model.rebound(few)?, None)?;
+            (few, catalogue, setting, fit)
+        }
+        _ => (&log, &catalogue, setting, base),
+    };
+    let search = Search { log: searched, catalogue, setting, trace };
+    let mut found = search.run(begin);
+    let cause = search.against_hidden_cause(&mut found);
+    if trace {
+        eprintln!("hidden cause: {cause:?}");
+    }
+    let setting = Setting { blocks: Blocks::at_most(log.len(), MAX_BLOCKS), ..setting };
+    let Found { fit, rivals, .. } = found;
+    let fit = match few_log {
+        Some(_) => Fit::of(&log, &setting, fit.model.rebound(&log)?, None)?,
+        None => fit,
+    };
+    // Next to a stronger effect a tone is less than its share at first.
+    if !fit.model.terms.is_empty()
+        && looks_again
+        && let Some(term) = fast_tone(&log, options.registry, &setting, &fit)
+    {
+        let rest = without_tone(samples, &term, &fit);
+        return Some(Round::Tone { rest, id: term.id, first_rms });
+    }
+    answer(&log, &setting, (&fit, &rivals), cause, tones, first_rms, trace)
+        .map(|answer| Round::Answer(Box::new(answer)))
+}
+
+/// One sample of each block of a long log, at uneven places: a tone cannot pass for a slower one. `None` where the log is short.
+fn thinned(samples: &Samples, table: &Table) -> Option<Samples> {
+    let size = Blocks::at_most(samples.len(), MAX_BLOCKS).size;
+    if size < 2 {
+        return None;
+    }
+    let places: Vec<usize> = (0..samples.len() / size)
+        .map(|block| {
+            block * size + ((block as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as usize % size
+        })
+        .collect();
+    let mut few = samples.of_these(table, places.iter().map(|&place| samples.row[place]).collect());
+    // What was taken out of the readings stays out.
+    for (reading, place) in few.readings.iter_mut().zip(places) {
+        reading.measured_ut = samples.readings[place].measured_ut;
+    }
+    Some(few)
+}
+
+/// The likeliest fit without terms, with how it was made.
+fn base_of<'a>(ground: &Ground, log: &Log<'a>, candidates: f64, trace: bool) -> Option<(Fit<'a>, Setting)> {
     let blocks = Blocks::at_most(log.len(), MAX_BLOCKS);
-    let candidates = catalogue.count.max(1.0);
     let mut bases = Vec::new();
-    for (model, scale) in starts(ground, &log) {
-        let setting = Setting { blocks, scale, candidates };
-        let fit = Fit::of(&log, &setting, model, None);
+    for (model, scale) in starts(ground, log) {
+        let setting = Setting { blocks, scale, candidates: candidates.max(1.0), is_white: false };
+        let fit = Fit::of(log, &setting, model, None);
         if trace {
             eprintln!(
                 "start: score {:?}, rms {:?}, scale {scale}, b {:?}",
@@ -92,36 +190,43 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
         }
         bases.extend(fit.map(|fit| (fit, setting)));
     }
-    let best = bases.into_iter().min_by(|a, b| a.0.score.total_cmp(&b.0.score));
-    let (base, setting) = best?;
-    let search = Search { log: &log, catalogue: &catalogue, setting, trace };
-    let mut found = search.run(base);
-    let cause = search.against_hidden_cause(&mut found);
-    if trace {
-        eprintln!("hidden cause: {cause:?}");
-    }
-    let (mut named, mut confounded) = (Vec::new(), Vec::new());
-    for (term, rivals) in found.fit.model.terms.iter().zip(&found.rivals) {
+    bases.into_iter().min_by(|a, b| a.0.score.total_cmp(&b.0.score))
+}
+
+fn answer(
+    log: &Log,
+    setting: &Setting,
+    (fit, rivals): (&Fit, &[Vec<Rival>]),
+    cause: Option<HiddenCause>,
+    tones: &[String],
+    first_rms: f64,
+    trace: bool,
+) -> Option<Evidence> {
+    let (mut named, mut confounded) = (tones.to_vec(), Vec::new());
+    for (term, rivals) in fit.model.terms.iter().zip(rivals) {
         let unclear: Vec<&Rival> =
             rivals.iter().filter(|rival| !rival.is_variant && rival.odds < UNCLEAR_ODDS).collect();
         if unclear.is_empty() {
-            named.push(term.id.clone());
+            // Two tones are one name.
+            if !named.contains(&term.id) {
+                named.push(term.id.clone());
+            }
         } else {
             confounded.push(term.id.clone());
             confounded.extend(unclear.iter().map(|rival| rival.id.clone()));
         }
     }
-    let dip = Dip::of(&log, &setting, &found.fit).and_then(|dip| dip.lateness());
+    let dip = Dip::of(log, setting, fit).and_then(|dip| dip.lateness());
     if trace {
         eprintln!("dip: {dip:?}");
     }
     if dip.is_some_and(|dip| dip.is_shown()) && !named.iter().any(|id| id == "lag") {
         named.push("lag".into());
     }
-    let wander = found.fit.noise.wander_ut();
-    let noise_ut = found.fit.noise.variance.sqrt();
+    let wander = fit.noise.wander_ut();
+    let noise_ut = fit.noise.variance.sqrt();
     let is_hidden = cause.as_ref().is_some_and(|cause| cause.gain > MIN_ODDS);
-    let coloured_ut = (found.fit.rms().powi(2) - noise_ut * noise_ut).max(0.0).sqrt();
+    let coloured_ut = (fit.rms().powi(2) - noise_ut * noise_ut).max(0.0).sqrt();
     let is_hidden = is_hidden || coloured_ut > MAX_COLOURED_UT;
     let verdict = match (confounded.is_empty(), named.is_empty()) {
         _ if is_hidden => Verdict::Unexplained,
@@ -133,14 +238,14 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
         verdict,
         named,
         confounded,
-        rms_ut: [found.base.rms(), found.fit.rms()],
+        rms_ut: [first_rms, fit.rms()],
         noise_ut,
         wander,
         hidden: cause.filter(|_| is_hidden),
-        predicted_error_ut: predicted_error_ut(&found.fit.model, &found.fit.covariance()?)?,
+        predicted_error_ut: predicted_error_ut(&fit.model, &fit.covariance()?)?,
         lateness: dip,
-        corrected: log.samples.row.iter().copied().zip(corrected(&found.fit)).collect(),
-        calibration: Some((found.fit.model.offset.into(), matrix_rows(&found.fit.model.matrix))),
+        corrected: log.samples.row.iter().copied().zip(corrected(fit)).collect(),
+        calibration: Some((fit.model.offset.into(), matrix_rows(&fit.model.matrix))),
     })
 }
 

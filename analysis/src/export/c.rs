@@ -7,7 +7,7 @@ use crate::export::measured;
 use crate::export::range::{Range, ranges};
 use crate::frame::Frame;
 use ironout::calibration::{Calibration, inverse_3x3};
-use ironout::effect::{ColumnName, Effect, Id, Made, TIME};
+use ironout::effect::{ColumnName, Effect, Id, Made, Past, TIME};
 use ironout::extended::{FittedEffect, MAX_RATIO_TO_FIELD, MAX_WIDTHS_OUTSIDE};
 use std::fmt::Write as _;
 
@@ -76,7 +76,7 @@ fn rows(matrix: &[[f64; 3]; 3]) -> String {
 }
 
 /// The parameter of the C function that carries a column.
-fn parameter(name: &str, late: bool) -> String {
+fn parameter(name: &str, past: Past<f64>) -> String {
     let mut word: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if word.starts_with(|c: char| c.is_ascii_digit()) {
         word.insert_str(0, "column_");
@@ -88,7 +88,10 @@ fn parameter(name: &str, late: bool) -> String {
     if ["measured_ut", "corrected_ut", "turn_radps", "ironout_real"].contains(&word.as_str()) {
         word.push_str("_column");
     }
-    if late { format!("{word}_late") } else { word }
+    match past.word() {
+        "" => word,
+        which => format!("{word}_{which}"),
+    }
 }
 
 /// What a parameter is called once it is held at the ends of its range.
@@ -106,19 +109,19 @@ fn held(calibration: &Calibrated, column: &str) -> bool {
 struct Parameter {
     name: String,
     column: String,
-    delay_s: f64,
+    past: Past<f64>,
 }
 
 fn parameters(calibration: &Calibrated) -> Result<Vec<Parameter>, CannotExport> {
     let mut list: Vec<Parameter> = Vec::new();
     for fitted in calibration.effects.iter() {
         for column in fitted.effect.columns().into_iter().flatten() {
-            let name = parameter(column.name, column.delay_s > 0.0);
+            let name = parameter(column.name, column.past);
             match list.iter().find(|known| known.name == name) {
                 None => {
-                    list.push(Parameter { name, column: column.name.to_string(), delay_s: column.delay_s });
+                    list.push(Parameter { name, column: column.name.to_string(), past: column.past });
                 }
-                Some(known) if known.column == column.name && known.delay_s == column.delay_s => {}
+                Some(known) if known.column == column.name && known.past == column.past => {}
                 Some(known) => {
                     return Err(CannotExport::SameName(known.column.clone(), column.name.to_string()));
                 }
@@ -175,11 +178,20 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
         true => " It needs nothing else.\n",
         false => "\n   Besides it needs:\n",
     });
-    for Parameter { name, column, delay_s } in &list {
+    for Parameter { name, column, past } in &list {
         let what = match column.as_str() {
             TIME => "the time, s, on the recording's clock".to_string(),
-            _ if *delay_s > 0.0 => format!("the column {column} as it was {delay_s:.4} s ago"),
-            _ => format!("the column {column}"),
+            _ => match past {
+                Past::Now => format!("the column {column}"),
+                Past::Delayed(s) if *s < 0.0 => {
+                    format!("the column {column} as it will be in {:.4} s: correct samples that late", -s)
+                }
+                Past::Delayed(delay_s) => format!("the column {column} as it was {delay_s:.4} s ago"),
+                Past::LowPass(s) => format!(
+                    "the column {column} through a low-pass with the time constant {s:.4} s:\n      \
+                     y += (x - y) * (1 - exp(-dt_s / {s:.4})) for each value x, beginning with y = x"
+                ),
+            },
         };
         let _ = writeln!(text, "   {name}: {what}");
     }
@@ -199,8 +211,8 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
     if looks > 1 {
         text.push_str("    ironout_real moved, size;\n");
     }
-    for Parameter { name, column, delay_s } in &list {
-        let range = ranges.iter().find(|range| range.column == *column && range.delay_s == *delay_s);
+    for Parameter { name, column, past } in &list {
+        let range = ranges.iter().find(|range| range.column == *column && range.past == *past);
         if let Some(Range { ends: [least, most], .. }) = range.filter(|_| held(calibration, column)) {
             let scalar = if column == TIME { "double" } else { "ironout_real" };
             let (end, margin) =
@@ -249,7 +261,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
 fn outside(list: &[Parameter], ranges: &[Range]) -> String {
     let of = |parameter: &Parameter| {
         let mut all = ranges.iter();
-        all.find(|range| range.column == parameter.column && range.delay_s == parameter.delay_s)
+        all.find(|range| range.column == parameter.column && range.past == parameter.past)
     };
     if list.iter().all(|parameter| of(parameter).is_none()) {
         return String::new();
@@ -363,8 +375,7 @@ fn body(fitted: &Fitted, text: &mut String) -> std::fmt::Result {
         "            static const ironout_real theta[{k}] = {};",
         triple(&fitted.coefficients[..k])
     )?;
-    let mut names =
-        made.inputs().map(|column| column.map_or(String::new(), |c| parameter(c.name, c.delay_s > 0.0)));
+    let mut names = made.inputs().map(|column| column.map_or(String::new(), |c| parameter(c.name, c.past)));
     for (name, _) in
         names.iter_mut().zip(fitted.ranges).filter(|(_, range)| range.is_some() && !made.repeats())
     {

@@ -1,15 +1,15 @@
 //! The ranges of columns that a calibration was fitted over, for the exports.
 
 use crate::effects::Calibrated;
-use ironout::effect::Effect;
+use ironout::effect::{Effect, Past};
 
-/// The range of one column, at the lateness at which it acts.
+/// The range of one column, or of the past of it that acts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Range {
     /// The column.
     pub column: String,
-    /// How late it acts, s.
-    pub delay_s: f64,
+    /// Which past of it acts.
+    pub past: Past<f64>,
     /// Its least and its greatest value; where several effects follow it, those that lie in all of their ranges.
     pub ends: [f64; 2],
 }
@@ -20,11 +20,11 @@ pub fn ranges(calibration: &Calibrated) -> Vec<Range> {
     for fitted in calibration.effects.iter() {
         for (column, ends) in fitted.effect.columns().into_iter().zip(fitted.ranges) {
             let Some((column, ends)) = column.zip(ends) else { continue };
-            let same = |known: &&mut Range| known.column == column.name && known.delay_s == column.delay_s;
+            let same = |known: &&mut Range| known.column == column.name && known.past == column.past;
             match list.iter_mut().find(same) {
                 Some(known) => known.ends = [known.ends[0].max(ends[0]), known.ends[1].min(ends[1])],
                 None => {
-                    list.push(Range { column: column.name.to_string(), delay_s: column.delay_s, ends });
+                    list.push(Range { column: column.name.to_string(), past: column.past, ends });
                 }
             }
         }

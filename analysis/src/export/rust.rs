@@ -6,7 +6,7 @@ use crate::export::measured;
 use crate::export::range::{Range, ranges};
 use crate::frame::Frame;
 use ironout::calibration::Calibration;
-use ironout::effect::{ColumnName, Effect, Made, RustCode, TIME};
+use ironout::effect::{ColumnName, Effect, Made, Past, RustCode, TIME};
 use ironout::extended::{FittedEffect, MAX_EFFECTS, Ranges};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -44,12 +44,12 @@ fn outside(ranges: &[Range]) -> String {
     if ranges.is_empty() {
         return String::new();
     }
-    let row = |Range { column, delay_s, ends: [least, most] }: &Range| {
-        format!("    (\"{column}\", {delay_s:?}, [{least:?}, {most:?}]),\n")
+    let row = |Range { column, past, ends: [least, most] }: &Range| {
+        format!("    (\"{column}\", {:?}, [{least:?}, {most:?}]),\n", past.seconds())
     };
     let rows: String = ranges.iter().map(row).collect();
     format!(
-        "\n/// Column, how late it acts (s), and the range that its effects were fitted over.\n#[allow(dead_code)]\n\
+        "\n/// Column, how late it acts or its time constant (s), and the range that its effects were fitted over.\n#[allow(dead_code)]\n\
          pub const RANGES: [(&str, f64, [f64; 2]); {}] = [\n{rows}];\n\n\
          /// Whether a value of a column lies outside the range that its effects were fitted over: there the effects are\n\
          /// extrapolated by at most the width of the range, and the error grows with the distance.\n#[allow(dead_code)]\n\
@@ -164,7 +164,7 @@ fn usage(calibration: &Calibrated, columns: &[ColumnName]) -> String {
     let all = || calibration.effects.iter().map(|fitted| &fitted.effect);
     let by_time = |effect: &Made<ColumnName>| {
         let mut columns = effect.columns().into_iter().flatten();
-        columns.any(|column| column.name == TIME || column.delay_s > 0.0)
+        columns.any(|column| column.name == TIME || column.past != Past::Now)
     };
     if all().any(by_time) {
         text.push_str("// `live.advance(now_s);`\n");

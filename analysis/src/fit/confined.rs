@@ -4,16 +4,17 @@ use crate::base::axes::Alignment;
 use crate::base::ground::Ground;
 use crate::base::solution::Solution;
 use crate::base::start::sphere;
-use crate::calibration::{AtTilt, HoldsFor, Information, StdErrors};
+use crate::calibration::{AtTilt, FittedEffect, HoldsFor, Information, StdErrors};
 use crate::confined::channels::{Channel, turned_by_ut};
 use crate::confined::heading::{self, heading_error_deg, horizontal_ut};
-use crate::confined::known::{Before, implausible, triangle_covariance};
+use crate::confined::known::{Before, implausible, implausible_attitude, triangle_covariance};
 use crate::confined::log::Log;
 use crate::confined::solve::{Solved, solve};
+use crate::fit::confined_effects::{entries, offsets};
 use crate::fit::fitted::Fitted;
 use crate::outcome::request::{Options, Purpose};
 use crate::reason::Reason;
-use crate::samples::samples::Samples;
+use crate::samples::samples::{MOST_SAMPLES, Samples};
 use crate::table::Table;
 use ironout::calibration::{Calibration, norm};
 use ironout::fit::{MIN_SAMPLES, Order};
@@ -38,6 +39,13 @@ const ACROSS: f64 = 3.0;
 const UNEXPLAINED: f64 = 0.05;
 /// The dip is one dip within this, degrees rms; more is another mounting, or no gravity.
 const DIP_DEG: f64 = 10.0;
+/// The field keeps its direction against a logged yaw within this, degrees rms, after all that is fitted of it.
+const YAW_DEG: f64 = 15.0;
+/// The logged yaw errs with the heading by so much, degrees: said, since a yaw that follows this compass does.
+const YAW_ERROR_DEG: f64 = 2.0;
+/// The model is linear in the attitude's delay: it is fitted again about a delay of more than this, s, so many times at most.
+const DELAY_S: f64 = 0.01;
+const DELAY_ROUNDS: usize = 3;
 /// A sensor is not further from what such sensors are than so many standard deviations.
 const IMPLAUSIBLE: f64 = 5.0;
 /// Sectors of heading, and how many of them show the board turned all round.
@@ -50,19 +58,87 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
     let counted = &ground.counted;
     let elsewhere = refused.accepted
         || options.purpose == Purpose::All
-        || !options.add.is_empty()
         || counted.rests
         || counted.table.axes_in_doubt
         || counted.axes != [true; 3]
         || (counted.used.len() as u64) < MIN_SAMPLES
         || refused.is_of_other_axes()
         || refused.is_of_another_field();
-    let log = if elsewhere { None } else { Log::of(&counted.samples) };
-    let log = log.filter(|log| log.tilt_deg(MOST) < MOST_TILT_DEG);
-    match log.and_then(|log| Some((solved(ground, options, &log)?, log))) {
-        Some((solved, log)) => judged(ground, options, refused, &solved, &log),
-        None => refused,
+    let columns = offsets(&counted.samples, options);
+    let (false, Some(columns)) = (elsewhere, columns) else { return refused };
+    // Of a log in stretches neither columns nor attitude are at hand.
+    let whole = counted.samples.stride == 1;
+    if !whole && !columns.is_empty() {
+        return refused;
     }
+    let plain = if whole { Log::of(&counted.samples) } else { Log::of_counted(counted) };
+    let Some(plain) = plain.map(|log| log.with_effects(&columns)) else { return refused };
+    let unused = match if whole { posed(ground, options, &plain) } else { too_long(counted.table.attitude) } {
+        Some(Ok((solved, log))) => return judged(ground, options, refused, &solved, &log),
+        Some(Err(why)) => Some(why),
+        None => None,
+    };
+    if plain.tilt_deg(MOST) >= MOST_TILT_DEG {
+        return refused;
+    }
+    let Some(solved) = solved(ground, options, &plain) else { return refused };
+    let mut fitted = judged(ground, options, refused, &solved, &plain);
+    if let Some(why) = unused {
+        fitted.reasons.push(Reason::new(
+            "logged-attitude-unused",
+            format!("note: the logged attitude is not used: {why}"),
+        ));
+    }
+    fitted
+}
+
+/// Why the attitude of a log that is taken in stretches is not used.
+fn too_long(attitude: Option<[&[f64]; 4]>) -> Option<Result<(Solved, Log), String>> {
+    attitude.map(|_| {
+        Err(format!("the log has more than {MOST_SAMPLES} samples. Fix: cut it, or log at a lower rate"))
+    })
+}
+
+/// The likeliest calibration with the logged attitude, or why that is not used; `None` where there is none.
+fn posed(ground: &Ground, options: &Options, plain: &Log) -> Option<Result<(Solved, Log), String>> {
+    let counted = &ground.counted;
+    let mut after_s = 0.0;
+    let mut rounds = 0;
+    loop {
+        let log = match plain.with_attitude(counted.table, &counted.samples, after_s)? {
+            Ok(log) => log,
+            Err(why) => return Some(Err(why)),
+        };
+        if log.tilt_deg(MOST) >= MOST_TILT_DEG {
+            return None;
+        }
+        let solved = solved(ground, options, &log)?;
+        let delay_s = solved.state.attitude_delay_s;
+        if let Some(why) = attitude_fault(&solved, after_s + delay_s) {
+            return Some(Err(why));
+        }
+        rounds += 1;
+        if delay_s.abs() < DELAY_S || rounds == DELAY_ROUNDS {
+            return Some(Ok((solved, log)));
+        }
+        after_s += delay_s;
+    }
+}
+
+/// Why the attitude of a log, so many seconds early, is not to be believed.
+fn attitude_fault(solved: &Solved, early_s: f64) -> Option<String> {
+    let rms_ut =
+        |channel| solved.heard.iter().find(|heard| heard.channel == channel).map(|heard| heard.rms_ut);
+    let level_ut = horizontal_ut(solved);
+    let yaw_deg = rms_ut(Channel::Yaw)?.atan2(level_ut).to_degrees();
+    let tilt_deg = rms_ut(Channel::Tilt)?.atan2(level_ut).to_degrees();
+    if yaw_deg > YAW_DEG {
+        return Some(format!("the field turns by {yaw_deg:.0}° rms against its yaw"));
+    }
+    if tilt_deg > DIP_DEG {
+        return Some(format!("the dip varies by {tilt_deg:.0}° rms against its down"));
+    }
+    implausible_attitude(&solved.state, early_s, IMPLAUSIBLE)
 }
 
 /// The likeliest calibration.
@@ -73,13 +149,21 @@ fn solved(ground: &Ground, options: &Options, log: &Log) -> Option<Solved> {
     let offsets: Vec<Vector3<f64>> =
         [own, prior.map(|prior| prior.offset_ut)].into_iter().flatten().map(Vector3::from).collect();
     let matrix = prior.map_or(Matrix3::identity(), |prior| Matrix3::from_fn(|i, j| prior.triangle[i][j]));
-    let before = Before { field_ut: options.field_ut, dip_deg: options.dip_deg, prior: prior.cloned() };
+    let earth = ground.counted.table.earth;
+    let before = Before {
+        field_ut: options.field_ut.or(earth.map(|earth| earth.field_ut)),
+        dip_deg: options.dip_deg.or(earth.map(|earth| earth.dip_deg)),
+        declination_deg: earth.map(|earth| earth.declination_deg),
+        prior: prior.cloned(),
+    };
     solve(log, matrix, &offsets, &before)
 }
 
 /// How far a solution carries, and the verdict.
 fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, log: &Log) -> Fitted {
-    let Some(solution) = solution(ground, options, solved, log) else { return refused };
+    let found = entries(&ground.counted.samples, options, solved, log);
+    let Some((effects, doubts)) = found else { return refused };
+    let Some(solution) = solution(ground, options, solved, log, effects) else { return refused };
     let own_tilt_deg = (solved.tilt_share.sqrt() * log.tilt_deg(MOST)).max(LEAST_TILT_DEG);
     let tilt_deg = match options.purpose {
         Purpose::Tilt(tilt_deg) => tilt_deg,
@@ -87,7 +171,7 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
     };
     let at = |tilt_deg| AtTilt {
         tilt_deg,
-        heading_error_deg: heading_error_deg(solved, &log.mean_down, tilt_deg),
+        heading_error_deg: heading_error_deg(solved, &log.mean_down, &log.effects, tilt_deg),
     };
     let holds_for = HoldsFor {
         tilt_deg,
@@ -101,7 +185,8 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
         heard.map_or(0.0, |heard| heard.rms_ut)
     };
     let (along_ut, across_ut) = (rms_ut(Channel::Magnitude), rms_ut(Channel::Gyro));
-    let dip_spread_deg = rms_ut(Channel::Dip).atan2(horizontal_ut(solved)).to_degrees();
+    let dip_channel = if log.has_attitude() { Channel::Tilt } else { Channel::Dip };
+    let dip_spread_deg = rms_ut(dip_channel).atan2(horizontal_ut(solved)).to_degrees();
     let sectors = sectors(log, solved);
     let mut fitted = refused.clone();
     fitted.holdout_rms_ut = None;
@@ -135,6 +220,17 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
         refused.reasons.insert(0, Reason::new("too-few-orientations", words));
         return refused;
     }
+    if !doubts.is_empty() && !options.force_effect {
+        let mut refused = refused;
+        let remedy = "Drop it, or use --force-effect if you know it from another test";
+        refused.reasons.splice(
+            0..0,
+            doubts
+                .into_iter()
+                .map(|doubt| Reason::new("effect-not-significant", format!("{doubt}. {remedy}"))),
+        );
+        return refused;
+    }
     fitted.accepted = true;
     fitted.reasons = vec![Reason::new(
         "limited-tilt",
@@ -148,6 +244,19 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
         fitted.reasons.push(Reason::new("no-gyro", "note: without a gyro ironout cannot detect an inverted magnetometer axis. Compare with one known \
              heading"));
     }
+    let yaw_error_deg = solved.yaw_error_rad.to_degrees();
+    if log.has_attitude() && yaw_error_deg > YAW_ERROR_DEG {
+        fitted.reasons.push(Reason::new(
+            "logged-yaw",
+            format!(
+                "note: the logged yaw is wrong by about {yaw_error_deg:.0}° in a way that depends on the heading, as if it came from \
+                 this compass. ironout gives it less weight"
+            ),
+        ));
+    }
+    fitted.reasons.extend(doubts.into_iter().map(|doubt| {
+        Reason::new("effect-not-significant", format!("note: {doubt}. It is kept because of --force-effect"))
+    }));
     fitted.reasons.extend(refused.reasons.iter().filter(|reason| reason.starts_with("note: ")).cloned());
     fitted.holds_for = Some(holds_for);
     fitted
@@ -193,7 +302,7 @@ fn sectors(log: &Log, solved: &Solved) -> usize {
     let second = log.mean_down.cross(&first);
     let mut seen = [false; SECTORS];
     for row in &log.rows {
-        let v = solved.state.corrected(&row.measured_ut);
+        let v = solved.state.corrected(row);
         let turn = second.dot(&v).atan2(first.dot(&v)) / std::f64::consts::TAU;
         seen[((turn + 0.5) * SECTORS as f64) as usize % SECTORS] = true;
     }
@@ -201,7 +310,13 @@ fn sectors(log: &Log, solved: &Solved) -> usize {
 }
 
 /// As other fits give it.
-fn solution(ground: &Ground, options: &Options, solved: &Solved, log: &Log) -> Option<Solution> {
+fn solution(
+    ground: &Ground,
+    options: &Options,
+    solved: &Solved,
+    log: &Log,
+    effects: Vec<FittedEffect>,
+) -> Option<Solution> {
     let state = &solved.state;
     let full = state.matrix_as_shown(&log.mean_down);
     let rows_of = |matrix: &Matrix3<f64>| std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]));
@@ -216,12 +331,19 @@ fn solution(ground: &Ground, options: &Options, solved: &Solved, log: &Log) -> O
         let squares: f64 = counted.used.iter().map(|&sample| value(counted.data.field(sample)).powi(2)).sum();
         (squares / counted.used.len().max(1) as f64).sqrt()
     };
+    let rms_ut = match effects.is_empty() {
+        true => mean_square(&|v| norm(calibration.apply(v)) - state.field_ut),
+        false => {
+            let off = |row| (state.corrected(row).norm() - state.field_ut).powi(2);
+            (log.rows.iter().map(off).sum::<f64>() / log.rows.len().max(1) as f64).sqrt()
+        }
+    };
     let covariance = triangle_covariance(&state.matrix, &solved.covariance)?;
     Some(Solution {
         calibration,
         std_errors: StdErrors { offset_ut, matrix },
-        effects: Vec::new(),
-        rms_ut: mean_square(&|v| norm(calibration.apply(v)) - state.field_ut),
+        effects,
+        rms_ut,
         predicted_error_ut: heading::vector_error_ut(solved),
         rotation_error_rad: 0.0,
         field_varies_by_ut: 0.0,

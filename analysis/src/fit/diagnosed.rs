@@ -3,8 +3,8 @@
 use crate::base::ground::Ground;
 use crate::base::mounting;
 use crate::fit::fitted::Fitted;
-use crate::fit::ids;
 use crate::fit::run::of_ground;
+use crate::fit::{ids, recordings};
 use crate::outcome::contradiction::freed;
 use crate::outcome::outcome::{Diagnosis, Verdict};
 use crate::outcome::request::{Options, Refusal};
@@ -21,10 +21,20 @@ use std::borrow::Cow;
 /// Only where `options` ask for an effect that is not known or that this log does not allow.
 pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
     with_room(|| {
-        let mut ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
-        leave_out(&mut ground, options);
-        of_ground_searched(&ground, options)
+        let lay = |table| Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
+        let ground = lay(table);
+        let Some(found) = recordings::apart(&ground) else { return searched(ground, options) };
+        let readings = recordings::moved(table, &found);
+        let one = recordings::with_readings(table, &readings);
+        let mut diagnosis = searched(lay(&one), options)?;
+        diagnosis.recordings = Some(found);
+        Ok(diagnosis)
     })
+}
+
+fn searched(mut ground: Ground, options: &Options) -> Result<Diagnosis, Refusal> {
+    leave_out(&mut ground, options);
+    of_ground_searched(&ground, options)
 }
 
 /// The fit and the diagnosis of a log, of the same samples.

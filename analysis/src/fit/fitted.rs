@@ -17,6 +17,7 @@ use crate::reason::Reason;
 use crate::samples::gravity::accelerometer;
 use crate::samples::samples::{Condition, Samples};
 use crate::samples::series::median;
+use crate::unlogged::recordings::Recordings;
 use ironout::calibration::{Calibration, norm};
 use ironout::coverage::CoverageMap;
 use ironout::effect::Registry;
@@ -82,6 +83,9 @@ pub struct Fitted {
     /// The attitudes that the calibration is for, where it is not for all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub holds_for: Option<HoldsFor>,
+    /// The offsets of several recordings, where they differ: the calibration is of the last of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recordings: Option<Recordings>,
     /// Whether the calibration may be used.
     pub accepted: bool,
     /// Why not, or what to know.
@@ -102,6 +106,7 @@ impl Fitted {
     pub(crate) fn new(counted: &Counted, options: &Options) -> Self {
         Fitted {
             expected_field_ut: options.field_ut,
+            recordings: None,
             log: counted.table.fingerprint(),
             rows: counted.table.rows(),
             repeated: counted.repeated,

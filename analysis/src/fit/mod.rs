@@ -2,9 +2,11 @@
 
 pub mod allowed;
 pub mod confined;
+mod confined_effects;
 pub mod diagnosed;
 pub mod extended;
 pub mod fitted;
 pub mod ids;
+mod recordings;
 pub mod run;
 pub(crate) mod turn;

@@ -3,7 +3,7 @@
 
 use crate::base::ground::Ground;
 use crate::fit::fitted::Fitted;
-use crate::fit::{confined, extended, ids};
+use crate::fit::{confined, extended, ids, recordings};
 use crate::outcome::contradiction::freed;
 use crate::outcome::request::{Options, Refusal};
 use crate::reason::Reason;
@@ -16,7 +16,17 @@ use crate::threads::with_room;
 /// Only where `options` ask for an effect that is not known or that this log does not allow.
 pub fn fit(table: &Table, options: &Options) -> Result<Fitted, Refusal> {
     ids::check(table, &options.add, options.registry)?;
-    with_room(|| of_ground(&Ground::of(table, options.method, options.scale_ut(), options.dip_deg), options))
+    with_room(|| {
+        let lay = |table| Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
+        let ground = lay(table);
+        let Some(found) = recordings::apart(&ground) else { return of_ground(&ground, options) };
+        let readings = recordings::moved(table, &found);
+        let one = recordings::with_readings(table, &readings);
+        let mut fitted = of_ground(&lay(&one), options)?;
+        fitted.log = table.fingerprint();
+        fitted.recordings = Some(found);
+        Ok(fitted)
+    })
 }
 
 /// The same of a log whose samples are sorted out, with `with_room` to work in; the ids are checked.

@@ -4,6 +4,7 @@ pub mod colour;
 pub mod power;
 pub mod shared;
 pub mod still;
+pub mod stretches;
 pub mod turning;
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use crate::samples::fft;
 
 /// Room behind a series, so that its end does not meet its beginning within a short memory.
-const PADDING: usize = 64;
+pub const PADDING: usize = 64;
 /// A band is wider than the one below by this.
 const WIDER: f64 = 1.25;
 /// Fewer independent values are no band.

@@ -152,6 +152,8 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         shows,
         prior: "none".into(),
         contradiction: None,
+        recordings: None,
+        switching: None,
         traces,
         ..undetermined(table, samples, options.registry, Reason::new("at-rest", ""))
     })

@@ -156,6 +156,8 @@ impl View<'_, '_> {
             samples_set_aside: 0,
             prior: self.prior_words(),
             contradiction: None,
+            recordings: None,
+            switching: None,
             lower_order: self.lower_order.is_some(),
             shown: self.shown(&dip, force_lag),
             traces,

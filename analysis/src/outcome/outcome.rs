@@ -13,6 +13,8 @@ use crate::reason::Reason;
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
 use crate::search::shown::Shown;
+use crate::unlogged::recordings::Recordings;
+use crate::unlogged::switching::Switching;
 use ironout::calibration::Calibration;
 use ironout::effect::Registry;
 use serde::Serialize;
@@ -247,6 +249,12 @@ pub struct Diagnosis {
     /// What the log says against the earlier calibration that it was studied on top of.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contradiction: Option<Contradiction>,
+    /// The offsets of several recordings, where they differ: all else is of the readings with that of the last of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recordings: Option<Recordings>,
+    /// An offset that switches between two values with no column that says when, where what is left shows one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub switching: Option<Switching>,
     /// Whether a lower-order base (no soft iron) was used.
     pub lower_order: bool,
     /// Whether the log shows the effects that were asked for. A search tests in another way, and leaves this to the steps.

@@ -7,6 +7,9 @@ use crate::base::known::Known;
 use crate::base::level::{LEVEL_DEG, tilt_deg};
 use crate::base::model::Base;
 use crate::base::start;
+use crate::calibration::EffectEntry;
+use crate::correct::Corrector;
+use crate::effects::calibrated;
 use crate::outcome::at_rest::at_rest;
 use crate::outcome::blank::undetermined;
 use crate::outcome::explain::{Stand, explain};
@@ -21,6 +24,7 @@ use crate::samples::faults::{self, FaultKind};
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
 use crate::table::Table;
+use crate::unlogged::switching::{Switching, switching};
 use ironout::effect::Follows;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::{Model, Residual};
@@ -64,7 +68,25 @@ pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
         faults::merge_bursts(&mut diagnosis.data_faults);
     }
     diagnosis.base = ground.base.as_ref().ok().filter(|_| !counted.rests && options.prior.is_none()).cloned();
+    diagnosis.switching = switches(counted, &diagnosis);
     Ok(diagnosis)
+}
+
+/// An offset that switches with no column behind it, in what is left.
+fn switches(counted: &Counted, diagnosis: &Diagnosis) -> Option<Switching> {
+    let time_s = counted.table.time_s?;
+    if diagnosis.verdict != Verdict::Unexplained || counted.rests {
+        return None;
+    }
+    let base = diagnosis.calibration?;
+    let entries: Vec<EffectEntry> = diagnosis.effects.iter().map(EffectEntry::from).collect();
+    let whole = calibrated(base, &entries, diagnosis.registry).ok()?;
+    let corrector = Corrector::new(whole, counted.table).ok()?;
+    // What stands out may be the one of two values that is rare.
+    let samples = counted.with_bursts.as_ref().unwrap_or(&counted.samples);
+    let corrected = |row: &usize| Some((time_s[*row], corrector.correct(*row).ok()?));
+    let (times_s, corrected): (Vec<f64>, Vec<[f64; 3]>) = samples.row.iter().filter_map(corrected).unzip();
+    switching(&times_s, &corrected, &base.matrix, base.field_ut)
 }
 
 fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {

@@ -86,16 +86,17 @@ pub fn field_copies(table: &Table) -> Vec<FieldCopy> {
     if table.covariates.is_empty() || rows < LEAST || !is_turned() {
         return Vec::new();
     }
-    let field: Vec<Vector3<f64>> = (0..rows).map(|row| table.field(row).into()).collect();
+    let field = |row: usize| Vector3::from(table.field(row));
     let stride = rows.div_ceil(MOST).max(1);
     let chosen: Vec<usize> = (0..rows).step_by(stride).collect();
     let terms = (chosen.len() as f64 * (PARTS - 1) as f64 / PARTS as f64 / ROWS_PER_TERM) as usize;
     let pasts = PASTS.get(..(terms.saturating_sub(1) / 3).clamp(1, PASTS.len())).unwrap_or_default();
-    let smoothed: Vec<Vec<Vector3<f64>>> = pasts.iter().map(|past| seen_through(&field, *past)).collect();
-    let now = axes_of(&smoothed, &chosen, 1);
-    let with_past = axes_of(&smoothed, &chosen, pasts.len());
-    let magnitudes = magnitudes_of(&smoothed, &chosen);
-    let own_noise = magnitude_noise(&field);
+    let smoothed: Vec<Vec<Vector3<f64>>> =
+        pasts.iter().map(|past| seen_through(field, rows, stride, *past)).collect();
+    let now = axes_of(&smoothed, 1);
+    let with_past = axes_of(&smoothed, pasts.len());
+    let magnitudes = magnitudes_of(&smoothed);
+    let own_noise = magnitude_noise(field, rows);
     let designs = [
         (CopyOf::Field, false, Design::new(now)),
         (CopyOf::Field, true, Design::new(with_past)),
@@ -116,7 +117,7 @@ pub fn field_copies(table: &Table) -> Vec<FieldCopy> {
             (told.explained >= MIN_EXPLAINED && repeats).then_some((*of, *filtered, told.explained))
         });
         let Some((of, filtered, explained)) = copy else { continue };
-        if of == CopyOf::Field && explains_all_axes(&field, &chosen, &values) {
+        if of == CopyOf::Field && explains_all_axes(field, &chosen, &values) {
             continue;
         }
         found.push(FieldCopy { covariate, of, filtered, explained });
@@ -131,48 +132,54 @@ fn varies(values: &[f64]) -> bool {
     known.len() * 10 >= values.len() * 9 && known.iter().any(|value| *value != first)
 }
 
-/// The field as this past of it.
-fn seen_through(field: &[Vector3<f64>], past: Past) -> Vec<Vector3<f64>> {
+/// The field as this past of it, at every `stride`th row.
+fn seen_through(
+    field: impl Fn(usize) -> Vector3<f64>,
+    rows: usize,
+    stride: usize,
+    past: Past,
+) -> Vec<Vector3<f64>> {
     match past {
-        Past::Shift(rows) => (0..field.len())
+        Past::Shift(by) => (0..rows)
+            .step_by(stride)
             .map(|row| {
-                let at = (row as i64 - i64::from(rows)).clamp(0, field.len() as i64 - 1);
-                field.get(usize::try_from(at).unwrap_or(0)).copied().unwrap_or_default()
+                let at = (row as i64 - i64::from(by)).clamp(0, rows as i64 - 1);
+                field(usize::try_from(at).unwrap_or(0))
             })
             .collect(),
         Past::Mean(time_constant) => {
             let weight = 1.0 / (1.0 + time_constant);
-            let mut mean = field.first().copied().unwrap_or_default();
-            field
-                .iter()
-                .map(|value| {
-                    mean += weight * (value - mean);
-                    mean
-                })
-                .collect()
+            let mut mean = field(0);
+            let means = (0..rows).map(|row| {
+                mean += weight * (field(row) - mean);
+                mean
+            });
+            means.step_by(stride).collect()
         }
     }
 }
 
-fn axes_of(smoothed: &[Vec<Vector3<f64>>], chosen: &[usize], pasts: usize) -> DMatrix<f64> {
-    DMatrix::from_fn(chosen.len(), 1 + 3 * pasts, |row, term| match term.checked_sub(1) {
+fn axes_of(smoothed: &[Vec<Vector3<f64>>], pasts: usize) -> DMatrix<f64> {
+    let rows = smoothed.first().map_or(0, Vec::len);
+    DMatrix::from_fn(rows, 1 + 3 * pasts, |row, term| match term.checked_sub(1) {
         None => 1.0,
-        Some(term) => smoothed[term / 3][chosen[row]][term % 3],
+        Some(term) => smoothed[term / 3][row][term % 3],
     })
 }
 
-fn magnitudes_of(smoothed: &[Vec<Vector3<f64>>], chosen: &[usize]) -> DMatrix<f64> {
-    DMatrix::from_fn(chosen.len(), 1 + smoothed.len(), |row, term| match term.checked_sub(1) {
+fn magnitudes_of(smoothed: &[Vec<Vector3<f64>>]) -> DMatrix<f64> {
+    let rows = smoothed.first().map_or(0, Vec::len);
+    DMatrix::from_fn(rows, 1 + smoothed.len(), |row, term| match term.checked_sub(1) {
         None => 1.0,
-        Some(term) => smoothed[term][chosen[row]].norm(),
+        Some(term) => smoothed[term][row].norm(),
     })
 }
 
 /// Noise of the magnitude from one row to the next (1σ), from its second differences.
-fn magnitude_noise(field: &[Vector3<f64>]) -> f64 {
+fn magnitude_noise(field: impl Fn(usize) -> Vector3<f64>, rows: usize) -> f64 {
     let square = |[a, b, c]: [f64; 3]| (a - 2.0 * b + c).powi(2) / 6.0;
-    let mut squares: Vec<f64> = field
-        .windows(3)
+    let mut squares: Vec<f64> = (2..rows)
+        .map(|row| [field(row - 2), field(row - 1), field(row)])
         .filter(|rows| rows[0] != rows[1] && rows[1] != rows[2])
         .map(|rows| square([rows[0].norm(), rows[1].norm(), rows[2].norm()]))
         .collect();
@@ -203,12 +210,12 @@ fn noise_gain(pasts: &[Past], slopes: &[f64]) -> f64 {
 }
 
 /// Whether the column explains nearly all that the field does: it is the field that follows the column.
-fn explains_all_axes(field: &[Vector3<f64>], chosen: &[usize], values: &[f64]) -> bool {
+fn explains_all_axes(field: impl Fn(usize) -> Vector3<f64>, chosen: &[usize], values: &[f64]) -> bool {
     let known: Vec<(Vector3<f64>, f64)> = chosen
         .iter()
         .zip(values)
         .filter(|(_, value)| value.is_finite())
-        .map(|(row, value)| (field[*row], *value))
+        .map(|(row, value)| (field(*row), *value))
         .collect();
     let count = known.len().max(1) as f64;
     let mean = known.iter().map(|(field, _)| field).sum::<Vector3<f64>>() / count;

@@ -47,8 +47,7 @@ pub fn odd(table: &Table) -> Option<OddGravity> {
     let magnitude_mps2 = median(&mut sizes);
     let near = sizes.iter().filter(|size| (*size / magnitude_mps2 - 1.0).abs() < NEAR).count();
     let quiet = near as f64 >= QUIET * readings as f64 && magnitude_mps2 > 0.0;
-    sizes.sort_by(f64::total_cmp);
-    let most = sizes.get(readings * 9 / 10).copied()?;
+    let most = *sizes.select_nth_unstable_by(readings * 9 / 10, f64::total_cmp).1;
     let unit = UNITS.into_iter().find(|(_, size)| (magnitude_mps2 * size / 9.806_65 - 1.0).abs() < UNIT);
     let unit = unit.filter(|_| quiet);
     let weightless = unit.is_none() && most < WEIGHTLESS_MPS2;

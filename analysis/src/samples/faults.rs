@@ -151,11 +151,14 @@ fn copied_axis(table: &Table, faults: &mut Faults) {
             continue;
         }
         for sign in [1.0, -1.0] {
+            let same = a.iter().zip(b).filter(|(x, y)| **x == sign * **y).count();
+            if same * 10 < rows * 8 || !faults.axes[second] {
+                continue;
+            }
             // A copy may have been rounded once more: one step of the column off, and mostly not even that.
             let step = quantum(a);
-            let same = a.iter().zip(b).filter(|(x, y)| **x == sign * **y).count();
             let near = a.iter().zip(b).filter(|(x, y)| (**x - sign * **y).abs() <= 1.01 * step).count();
-            if same * 10 >= rows * 8 && near * 1000 >= rows * 995 && faults.axes[second] {
+            if near * 1000 >= rows * 995 {
                 faults.axes[second] = false;
                 faults.list.push(span(table, FaultKind::CopiedAxis, 0, rows - 1, same, &[first, second]));
             }
@@ -169,9 +172,9 @@ fn glitches(table: &Table, unique: &[usize], faults: &mut Faults) {
     let mut out = vec![false; n];
     for axis in 0..3 {
         let values: Vec<f64> = unique.iter().map(|&row| table.field_ut[axis][row]).collect();
-        let mut sorted = values.clone();
-        sorted.sort_by(f64::total_cmp);
-        let (low, high) = (sorted[n * 2 / 100], sorted[n - 1 - n * 2 / 100]);
+        let mut some = values.clone();
+        let low = *some.select_nth_unstable_by(n * 2 / 100, f64::total_cmp).1;
+        let high = *some.select_nth_unstable_by(n - 1 - n * 2 / 100, f64::total_cmp).1;
         let reach = GLITCH_REACH * (high - low);
         for (flag, value) in out.iter_mut().zip(&values) {
             *flag |= *value > high + reach || *value < low - reach;
@@ -210,8 +213,8 @@ fn stuck(table: &Table, unique: &[usize], faults: &mut Faults) {
     let mut moves: Vec<f64> =
         unique.windows(2).map(|pair| distance(table.field(pair[0]), table.field(pair[1]))).collect();
     let usual_move = median(&mut moves);
-    lengths.sort_unstable();
-    let usual = lengths.get(lengths.len() * 95 / 100).copied().unwrap_or(1);
+    let most = lengths.len() * 95 / 100;
+    let usual = if most < lengths.len() { *lengths.select_nth_unstable(most).1 } else { 1 };
     for (from, to) in unique.iter().copied().zip(ends) {
         let length = to - from;
         let seconds = table.time_s.map(|t| t[to - 1] - t[from]);
@@ -235,8 +238,8 @@ fn stuck(table: &Table, unique: &[usize], faults: &mut Faults) {
 fn gap(table: &Table, unique: &[usize], faults: &mut Faults) {
     let Some(time) = table.time_s else { return };
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    let usual = steps[steps.len() * 99 / 100];
+    let most = steps.len() * 99 / 100;
+    let usual = *steps.select_nth_unstable_by(most, f64::total_cmp).1;
     let seconds = time[time.len() - 1] - time[0];
     let mean = seconds / unique.len().max(2) as f64;
     for row in 1..table.rows() {

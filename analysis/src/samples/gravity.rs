@@ -83,22 +83,12 @@ fn quiet_force(time_s: &[f64], accel_mps2: [&[f64]; 3], gyro_radps: [&[f64]; 3])
     }
     // Shaking makes the readings longer than gravity, and no scale error is that large.
     let gravity_mps2 = median(&mut lengths).min(STANDARD_GRAVITY_MPS2);
-    let mut windows = Windows::new(time_s, accel_mps2, gyro_radps, Vector3::zeros());
-    for _ in 0..GAUSS_NEWTON_STEPS {
-        let (gyro_zero, _) = windows.gyro_zero();
-        windows = Windows::new(time_s, accel_mps2, gyro_radps, gyro_zero);
-    }
+    drop(lengths);
+    // One set of windows at a time: on a long log they are the largest thing in memory.
+    let of = |gyro_zero| Windows::new(time_s, accel_mps2, gyro_radps, gyro_zero);
+    let gyro_zero = (0..GAUSS_NEWTON_STEPS).fold(Vector3::zeros(), |zero, _| of(zero).gyro_zero().0);
+    let windows = of(gyro_zero);
     let (_, gyro_zero_covariance) = windows.gyro_zero();
-    let mut quiet = [vec![f64::NAN; rows], vec![f64::NAN; rows], vec![f64::NAN; rows]];
-    let mut kept = Vec::with_capacity(rows);
-    for (row, (sum, weight)) in windows.sums.iter().enumerate() {
-        let length = sum.norm() / weight;
-        if length > 0.0 && length.is_finite() {
-            kept.push(length / gravity_mps2);
-            let force = windows.frames[row].inverse() * sum.normalize() * gravity_mps2;
-            (0..3).for_each(|axis| quiet[axis][row] = force[axis]);
-        }
-    }
     let follows = windows.marks.iter().enumerate().map(|(mark, sums)| {
         let row = mark * windows.every;
         let ((sum, weight), back) = (windows.sums[row], matrix(&windows.frames[row]).transpose());
@@ -106,12 +96,25 @@ fn quiet_force(time_s: &[f64], accel_mps2: [&[f64]; 3], gyro_radps: [&[f64]; 3])
         Follows { accel: back * sums.frames * scale, gyro_s: back * sums.drifts_s / weight.max(1.0) }
     });
     let (follows, every) = (follows.collect(), windows.every);
-    (median(&mut kept) >= MIN_LENGTH_KEPT).then_some(QuietForce {
-        mps2: quiet,
-        follows,
-        every,
-        gyro_zero_covariance,
-    })
+    let Windows { frames, mut sums, .. } = windows;
+    let mut kept = Vec::with_capacity(rows);
+    // In place of the sums: on a long log a copy of them would be the largest thing in memory.
+    for ((sum, weight), frame) in sums.iter_mut().zip(&frames) {
+        let length = sum.norm() / *weight;
+        if length > 0.0 && length.is_finite() {
+            kept.push(length / gravity_mps2);
+            *sum = frame.inverse() * sum.normalize() * gravity_mps2;
+        } else {
+            *sum = Vector3::from_element(f64::NAN);
+        }
+    }
+    drop(frames);
+    if !(median(&mut kept) >= MIN_LENGTH_KEPT) {
+        return None;
+    }
+    drop(kept);
+    let mps2 = std::array::from_fn(|axis| sums.iter().map(|(force, _)| force[axis]).collect());
+    Some(QuietForce { mps2, follows, every, gyro_zero_covariance })
 }
 
 fn vector(axes: &[&[f64]; 3], row: usize) -> Option<Vector3<f64>> {

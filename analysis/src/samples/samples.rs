@@ -2,9 +2,12 @@
 
 use crate::calibration::STANDARD_GRAVITY_MPS2;
 use crate::samples::gravity;
+use crate::samples::series::quantum;
 use crate::samples::work::Work;
 use crate::table::{Follows, Table};
 use crate::track::Place;
+use ironout::effect::Past;
+use ironout::extended::LowPass;
 use ironout::study::Observation;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -261,18 +264,17 @@ impl Samples {
             gyro_zero_covariance: quiet.map_or_else(Matrix3::zeros, |quiet| quiet.gyro_zero_covariance),
             follows,
         };
-        samples.quantum_ut =
-            table.field_ut.iter().map(|axis| crate::samples::series::quantum(axis)).fold(0.0, f64::max);
+        let quantum = || table.field_ut.iter().map(|axis| quantum(axis)).fold(0.0, f64::max);
+        samples.quantum_ut = *table.derived.quantum_ut.get_or_init(quantum);
         samples.find_down(table, 0.0);
         samples
     }
 
     /// Directions down, where the accelerometer measures little besides gravity.
     fn find_down(&mut self, table: &Table, late_s: f64) {
-        let Some(accel) = late(table, &gravity::of_table(table), late_s) else { return };
+        let Some(accel) = gravity::of_table(table) else { return };
         let norm = |a: [f64; 3]| (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt();
-        let vectors: Vec<[f64; 3]> =
-            self.row.iter().map(|&row| accel.each_ref().map(|axis| axis[row])).collect();
+        let vectors: Vec<[f64; 3]> = self.row.iter().map(|&row| late(table, &accel, row, late_s)).collect();
         let mut norms: Vec<f64> =
             vectors.iter().map(|a| norm(*a)).filter(|n| n.is_finite() && *n > 0.0).collect();
         if norms.len() < 20 {
@@ -332,9 +334,9 @@ impl Samples {
     pub fn beside_late(&self, table: &Table, late_s: f64) -> Option<Samples> {
         table.time_s?;
         let mut out = self.clone();
-        if let Some(gyro) = late(table, &table.gyro_radps, late_s) {
+        if let Some(gyro) = &table.gyro_radps {
             for (reading, &row) in out.readings.iter_mut().zip(&self.row) {
-                let turn = gyro.each_ref().map(|axis| axis[row]);
+                let turn = late(table, gyro, row, late_s);
                 reading.turn_radps = turn.iter().all(|value| value.is_finite()).then_some(turn);
             }
         }
@@ -377,53 +379,71 @@ impl Samples {
         (0..=blocks).map(|k| self.len() * k / blocks).collect()
     }
 
-    /// A covariate `delay_s` earlier, from all rows of the log, linearly between them.
-    pub fn delayed(&self, table: &Table, name: &str, delay_s: f64) -> Option<Vec<f64>> {
+    /// A past of a covariate, from all rows of the log, linearly between them.
+    pub fn past(&self, table: &Table, name: &str, past: Past<f64>) -> Option<Vec<f64>> {
         let time = table.time_s?;
         let named = table.covariates.iter().find(|named| named.name == name)?;
-        let late = delayed(&filled(named.values)?, time, delay_s);
-        Some(self.row.iter().map(|&row| late[row]).collect())
+        Some(past_of(&filled(named.values)?, time, self.row.iter().copied(), past))
     }
 }
 
-/// Three axes of another sensor as they were `late_s` earlier.
-fn late<'a>(table: &Table, axes: &Option<[&'a [f64]; 3]>, late_s: f64) -> Option<[Cow<'a, [f64]>; 3]> {
-    let axes = (*axes)?;
-    Some(axes.map(|axis| match table.time_s {
-        Some(time) if late_s != 0.0 => Cow::Owned(delayed(axis, time, late_s)),
-        _ => Cow::Borrowed(axis),
-    }))
-}
-
-/// A column with missing cells taken from their neighbours, linearly; `None` if all are missing.
-pub fn filled(values: &[f64]) -> Option<Vec<f64>> {
-    values.iter().any(|value| value.is_finite()).then(|| {
-        let mut values = values.to_vec();
-        fill_gaps(&mut values);
-        values
+/// Three axes of another sensor as they were `late_s` before this row.
+fn late(table: &Table, axes: &[&[f64]; 3], row: usize, late_s: f64) -> [f64; 3] {
+    axes.map(|axis| match table.time_s {
+        Some(time) if late_s != 0.0 => delayed(axis, time, row, late_s),
+        _ => axis[row],
     })
 }
 
-/// A column without missing cells `delay_s` earlier, linearly between the rows; before the log began, as in its first
+/// A column with missing cells taken from their neighbours, linearly; `None` if all are missing.
+pub fn filled(values: &[f64]) -> Option<Cow<'_, [f64]>> {
+    if values.iter().all(|value| value.is_finite()) && !values.is_empty() {
+        return Some(Cow::Borrowed(values));
+    }
+    values.iter().any(|value| value.is_finite()).then(|| {
+        let mut values = values.to_vec();
+        fill_gaps(&mut values);
+        Cow::Owned(values)
+    })
+}
+
+/// A past of a column without missing cells at these rows, which follow each other.
+pub fn past_of(
+    values: &[f64],
+    time_s: &[f64],
+    rows: impl Iterator<Item = usize>,
+    past: Past<f64>,
+) -> Vec<f64> {
+    match past {
+        Past::Now => rows.map(|row| values[row]).collect(),
+        Past::Delayed(delay_s) => rows.map(|row| delayed(values, time_s, row, delay_s)).collect(),
+        Past::LowPass(time_constant_s) => {
+            let mut filter = LowPass::<f64>::new(time_constant_s);
+            let mut filtered =
+                values.iter().zip(time_s).map(|(value, now)| filter.push(*now, *value).unwrap_or(*value));
+            let mut next = 0;
+            rows.filter_map(|row| {
+                let value = filtered.nth(row - next)?;
+                next = row + 1;
+                Some(value)
+            })
+            .collect()
+        }
+    }
+}
+
+/// A column without missing cells `delay_s` before a row, linearly between the rows; before the log began, as in its first
 /// row.
-pub fn delayed(values: &[f64], time_s: &[f64], delay_s: f64) -> Vec<f64> {
-    let mut at = 0;
-    time_s
-        .iter()
-        .map(|now| {
-            let wanted = now - delay_s;
-            while at + 1 < time_s.len() && time_s[at + 1] <= wanted {
-                at += 1;
-            }
-            let next = (at + 1).min(time_s.len() - 1);
-            let (from, span) = (time_s[at], time_s[next] - time_s[at]);
-            if wanted <= from || span <= 0.0 {
-                values[at]
-            } else {
-                values[at] + (values[next] - values[at]) * (wanted - from) / span
-            }
-        })
-        .collect()
+pub fn delayed(values: &[f64], time_s: &[f64], row: usize, delay_s: f64) -> f64 {
+    let wanted = time_s[row] - delay_s;
+    let at = time_s.partition_point(|time| *time <= wanted).saturating_sub(1);
+    let next = (at + 1).min(time_s.len() - 1);
+    let (from, span) = (time_s[at], time_s[next] - time_s[at]);
+    if wanted <= from || span <= 0.0 {
+        values[at]
+    } else {
+        values[at] + (values[next] - values[at]) * (wanted - from) / span
+    }
 }
 
 #[cfg(test)]
@@ -434,15 +454,17 @@ mod tests {
     fn a_delayed_column_is_taken_between_its_rows() {
         let time: Vec<f64> = (0..10).map(|i| f64::from(i) * 0.1).collect();
         let values: Vec<f64> = (0..10).map(|i| f64::from(i * i)).collect();
-        let late = delayed(&values, &time, 0.15);
-        assert_eq!(late[0], 0.0);
-        assert!((late[5] - 12.5).abs() < 1e-9, "{late:?}");
+        let late = |row: usize| delayed(&values, &time, row, 0.15);
+        assert_eq!(late(0), 0.0);
+        assert!((late(5) - 12.5).abs() < 1e-9, "{}", late(5));
     }
 
     #[test]
     fn missing_cells_lie_between_their_neighbours() {
         let gap = f64::NAN;
-        assert_eq!(filled(&[gap, 1.0, gap, gap, 4.0, gap]), Some(vec![1.0, 1.0, 2.0, 3.0, 4.0, 4.0]));
+        let column = [gap, 1.0, gap, gap, 4.0, gap];
+        let between = filled(&column);
+        assert_eq!(between.as_deref(), Some([1.0, 1.0, 2.0, 3.0, 4.0, 4.0].as_slice()));
         assert_eq!(filled(&[gap, gap]), None);
     }
 }

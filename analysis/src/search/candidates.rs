@@ -7,8 +7,8 @@ use crate::samples::families::Families;
 use crate::samples::samples::Samples;
 use crate::table::Table;
 use ironout::effect::{
-    Acts, Column, Effect, Family, Follows, Form, MAX_INPUTS, Made, Named, Need, Parts, Registry, Searched,
-    TIME, Usual, Zero,
+    Acts, Column, Effect, Family, Follows, Form, MAX_INPUTS, Made, Named, Need, Parts, Registry, TIME, Usual,
+    Zero,
 };
 use std::sync::Arc;
 
@@ -171,8 +171,8 @@ impl<'a> Catalogue<'a> {
             return self.time.clone();
         }
         let index = self.usable(column.name)?;
-        if column.delay_s > 0.0 {
-            let values = self.samples.delayed(self.table, self.names[index], column.delay_s)?;
+        if column.past.seconds() != 0.0 {
+            let values = self.samples.past(self.table, self.names[index], column.past)?;
             return Some(inputs(&values));
         }
         Some(self.columns[index].clone())
@@ -211,7 +211,7 @@ impl<'a> Catalogue<'a> {
         let mut list = Vec::new();
         for column in self.usable_columns() {
             for first in [true, false] {
-                for family in self.registry.families().filter(shows) {
+                for family in self.registry.families().filter(shows).filter(|family| family.suits(column)) {
                     let forms = family.forms().iter().copied().enumerate();
                     let forms =
                         forms.filter(|(place, form)| form.column && (*place == 0) == first && fixed(form));
@@ -239,12 +239,11 @@ impl<'a> Catalogue<'a> {
         list
     }
 
-    /// The forms that follow a column late.
+    /// The forms that follow the past of a column.
     pub fn late(&self, column: &'a str) -> Vec<Named<'a>> {
         let mut list = Vec::new();
         for family in self.registry.families() {
-            let late =
-                |form: &&'static Form| form.offered && form.column && form.searched == Some(Searched::Delay);
+            let late = |form: &&'static Form| form.offered && form.column && form.is_late();
             list.extend(family.forms().iter().copied().filter(late).map(|form| Named {
                 family,
                 column,

@@ -167,21 +167,21 @@ impl<'a> Greedy<'_, 'a> {
         {
             best = prompt.clone();
         }
-        let forms = named.family.forms();
-        let late = forms.iter().find(|form| form.offered && form.is_late());
-        if let Some(form) = late
-            && let Some(late) = search::best(&self.pass, fitted, self.catalogue, &Named { form, ..named })?
-            && !fitted.pieces.iter().any(|piece| piece.id == late.id)
-            && let Some(rivals) = rivalry(&self.pass, fitted, &late, &best.piece, self.known)?
-            && rivals.first * late.places * (count as f64) < SIGNIFICANCE
-            && rivals.second > 1e3 * rivals.first
-        {
-            let tested = screen(&self.pass, fitted, std::slice::from_ref(&late), count)?;
-            if let Some(tested) = tested.into_iter().next()
-                && tested.accepted
-                && tested.decrease > best.tested.decrease
+        for form in named.family.forms().iter().copied().filter(|form| form.offered && form.is_late()) {
+            if let Some(late) = search::best(&self.pass, fitted, self.catalogue, &Named { form, ..named })?
+                && !fitted.pieces.iter().any(|piece| piece.id == late.id)
+                && late.id != best.piece.id
+                && let Some(rivals) = rivalry(&self.pass, fitted, &late, &best.piece, self.known)?
+                && rivals.first * late.places * (count as f64) < SIGNIFICANCE
+                && rivals.second > 1e3 * rivals.first
             {
-                return Ok(Judged { piece: late, tested });
+                let tested = screen(&self.pass, fitted, std::slice::from_ref(&late), count)?;
+                if let Some(tested) = tested.into_iter().next()
+                    && tested.accepted
+                    && tested.decrease > best.tested.decrease
+                {
+                    best = Judged { piece: late, tested };
+                }
             }
         }
         Ok(best)

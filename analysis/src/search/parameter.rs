@@ -6,6 +6,7 @@ use crate::base::known::Known;
 use crate::base::piece::{BadShape, COLUMNS, Clock, Matrix, Piece};
 use crate::search::candidates::Catalogue;
 use ironout::effect::{Column, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, Searched, Shape, TIME};
+use ironout::extended::LowPass;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -13,8 +14,8 @@ use std::sync::Arc;
 enum Slope {
     /// A change of frequency, Hz.
     Frequency { frequency_hz: f64, reference_s: f64, coefficients: [f64; 6] },
-    /// A change of delay, s; the input is the rate of change of the late column.
-    Delay { coefficients: [f64; 3] },
+    /// A change of delay or of a time constant, s; the input is the rate of change of the column's past, or its low-pass.
+    Past { coefficients: [f64; 3] },
 }
 
 impl Effect<f64> for Slope {
@@ -25,7 +26,7 @@ impl Effect<f64> for Slope {
         "parameter of a shape"
     }
     fn explanation(&self) -> &'static str {
-        "A small error of a frequency or of a delay changes the shape. It is estimated together with the amplitudes."
+        "A small error of a frequency, a delay or a time constant changes the shape. It is estimated together with the amplitudes."
     }
     fn columns(&self) -> [Option<Column<'_, f64>>; MAX_INPUTS] {
         [Some(Column::now(TIME)), None]
@@ -36,7 +37,7 @@ impl Effect<f64> for Slope {
     fn unit(&self) -> &'static str {
         match self {
             Slope::Frequency { .. } => "Hz",
-            Slope::Delay { .. } => "s",
+            Slope::Past { .. } => "s",
         }
     }
     fn reads_centre(&self) -> bool {
@@ -50,7 +51,7 @@ impl Effect<f64> for Slope {
                 let (sin, cos) = (TAU * frequency_hz * since).sin_cos();
                 core::array::from_fn(|axis| TAU * since * (c[axis] * cos - c[3 + axis] * sin))
             }
-            Slope::Delay { coefficients } => coefficients.map(|c| -c * input),
+            Slope::Past { coefficients } => coefficients.map(|c| -c * input),
         };
     }
 }
@@ -89,9 +90,21 @@ fn slope<'a>(pass: &Pass, piece: &Piece<'a>) -> Option<Piece<'a>> {
             let reference_s = piece.parts()?.reference;
             (Slope::Frequency { frequency_hz, reference_s, coefficients }, piece.inputs.clone())
         }
-        (Searched::Delay, _) => {
-            let rates = rates(piece, pass.samples.time.as_deref()?);
-            (Slope::Delay { coefficients: [c[0], c[1], c[2]] }, Arc::new(rates))
+        (searched @ (Searched::Delay | Searched::TimeConstant), now) => {
+            let time = pass.samples.time.as_deref()?;
+            let mut rates = rates(piece, time);
+            if searched == Searched::TimeConstant {
+                // By τ, τ dy/dt = x − y gives τ dz/dt = −z − dy/dt: z is minus the low-pass of dy/dt.
+                let mut filter = LowPass::<f64>::new(now);
+                // The filter begins at its column's value, whatever τ is.
+                if let Some(first) = rates.first_mut() {
+                    first[0] = 0.0;
+                }
+                for (rate, at) in rates.iter_mut().zip(time) {
+                    rate[0] = filter.push(*at, rate[0]).unwrap_or_default();
+                }
+            }
+            (Slope::Past { coefficients: [c[0], c[1], c[2]] }, Arc::new(rates))
         }
         (Searched::At, _) => return None,
     };
@@ -123,7 +136,13 @@ pub fn with_slopes(pass: &Pass, fitted: &Fitted) -> Result<Option<Matrix>, BadSh
 fn moved<'a>(piece: &Piece<'a>, change: f64, catalogue: &Catalogue<'a>) -> Option<Piece<'a>> {
     let next = match piece.searched()? {
         (Searched::Frequency, now) => catalogue.by(piece.clock, &piece.named()?, now + change)?,
-        (Searched::Delay, now) => catalogue.build(&piece.named()?, (now + change).max(0.2 * now))?,
+        (Searched::Delay | Searched::TimeConstant, now) => {
+            {
+                // Neither a time constant nor a delay changes its sign on the way.
+                let next = (now + change) / now;
+                catalogue.build(&piece.named()?, now * next.max(0.2))?
+            }
+        }
         (Searched::At, _) => return None,
     };
     Some(Piece { coefficients: piece.coefficients, id: piece.id.clone(), places: piece.places, ..next })

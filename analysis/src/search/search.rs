@@ -15,6 +15,14 @@ use ironout::study::rule::STEP_PLACES as STEP_SEGMENTS;
 /// A column that takes so many times more off the error late than at once is worth a closer look.
 const LATE_OVER_PROMPT: f64 = 1.2;
 
+/// Leads are looked for up to this, s: telemetry of one value a second is late by up to two of them.
+const LONGEST_LEAD_S: f64 = 2.0;
+
+/// Time constants are looked for up to this, s: boards and batteries warm within minutes.
+const LONGEST_TIME_CONSTANT_S: f64 = 600.0;
+/// Between two that are tried at first: the shapes of two low-passes this far apart are alike by 97 % at least.
+const TIME_CONSTANTS_APART: f64 = 2.0;
+
 /// Delays are looked for up to this, s: what follows later than a motor or a power module does has a time of its own to show.
 const LONGEST_DELAY_S: f64 = 5.0;
 
@@ -28,7 +36,7 @@ pub fn best<'a>(
     match named.form.searched {
         Some(Searched::At) => step(pass, fitted, catalogue, named),
         Some(Searched::Frequency) => periodic(pass, fitted, catalogue, named),
-        Some(Searched::Delay) => delay(pass, fitted, catalogue, named),
+        Some(Searched::Delay | Searched::TimeConstant) => past(pass, fitted, catalogue, named),
         None => Ok(None),
     }
 }
@@ -160,8 +168,8 @@ pub(crate) fn two_steps<'a>(
     Ok(best.and_then(|(_, first, second)| Some([step(first)?, step(second)?])))
 }
 
-/// Delays that are tried at first: whole samples, ever fewer the longer.
-fn delays(samples: &Samples) -> Option<Vec<f64>> {
+/// Delays that are tried at first: whole samples, ever fewer the longer; or time constants, each twice the one before.
+fn pasts(samples: &Samples, searched: Option<Searched>) -> Option<Vec<f64>> {
     let time = samples.time.as_ref()?;
     let mut gaps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).filter(|gap| *gap > 0.0).collect();
     let step = median(&mut gaps) / samples.stride as f64;
@@ -169,13 +177,23 @@ fn delays(samples: &Samples) -> Option<Vec<f64>> {
     if step.is_nan() || step <= 0.0 {
         return None;
     }
+    if searched == Some(Searched::TimeConstant) {
+        let longest = LONGEST_TIME_CONSTANT_S.min(seconds / 2.0);
+        let tried = std::iter::successors(Some(2.0 * step), |s| Some(TIME_CONSTANTS_APART * s));
+        let tried: Vec<f64> = tried.take_while(|s| *s <= longest).collect();
+        return (!tried.is_empty()).then_some(tried);
+    }
     let longest = LONGEST_DELAY_S.max(10.0 * step).min(seconds / 10.0);
-    let mut delays = Vec::new();
+    let mut delays: Vec<f64> = Vec::new();
     let (mut one, mut two) = (1.0, 2.0);
     while one * step <= longest {
         delays.push(one * step);
         (one, two) = (two, one + two);
     }
+    // Before its column is logged: a slower bus or a rolling mean behind it.
+    let early = delays.iter().map(|delay| -delay).take_while(|delay| *delay >= -LONGEST_LEAD_S);
+    let mut delays: Vec<f64> = early.chain(delays.iter().copied()).collect();
+    delays.sort_by(f64::total_cmp);
     (!delays.is_empty()).then_some(delays)
 }
 
@@ -186,7 +204,7 @@ pub fn acts_late<'a>(
     catalogue: &Catalogue<'a>,
     named: &Named,
 ) -> Result<bool, BadShape> {
-    let Some(mut delays) = delays(pass.samples) else { return Ok(false) };
+    let Some(mut delays) = pasts(pass.samples, named.form.searched) else { return Ok(false) };
     delays.insert(0, 0.0);
     let pieces: Vec<Piece> = delays.iter().filter_map(|d| catalogue.build(named, *d)).collect();
     let taken = decreases(pass, fitted, &pieces)?;
@@ -195,14 +213,14 @@ pub fn acts_late<'a>(
     Ok(most > LATE_OVER_PROMPT * prompt && most > WORTH_NAMING * fitted.squares)
 }
 
-/// How late a column acts, if it acts late.
-fn delay<'a>(
+/// How late a column acts, or through which low-pass, where a past of it acts.
+fn past<'a>(
     pass: &Pass,
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
 ) -> Result<Option<Piece<'a>>, BadShape> {
-    let Some(mut delays) = delays(pass.samples) else { return Ok(None) };
+    let Some(mut delays) = pasts(pass.samples, named.form.searched) else { return Ok(None) };
     let searched = delays.len() as f64;
     for round in 0..3 {
         let pieces: Vec<Piece> = delays.iter().filter_map(|d| catalogue.build(named, *d)).collect();
@@ -211,7 +229,7 @@ fn delay<'a>(
         if round == 2 || gains.get(best).is_none_or(|gain| *gain <= 0.0) {
             return Ok(pieces.into_iter().nth(best).map(|piece| Piece { places: searched, ..piece }));
         }
-        let low = if best == 0 { 0.5 * delays[0] } else { delays[best - 1] };
+        let low = if best == 0 { delays[0] - 0.5 * delays[0].abs() } else { delays[best - 1] };
         let high = delays.get(best + 1).copied().unwrap_or(delays[best]);
         delays = (0..9).map(|k| low + (high - low) * f64::from(k) / 8.0).collect();
     }

@@ -5,6 +5,7 @@ mod another_field;
 mod borne_out;
 mod broken_numbers;
 mod kin;
+mod long_vehicle;
 mod modes;
 mod one_column;
 mod search;

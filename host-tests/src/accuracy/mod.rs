@@ -7,6 +7,7 @@ pub mod correlated;
 pub mod dip_table;
 pub mod effect_report;
 pub mod effect_table;
+pub mod flights;
 pub mod gates;
 pub mod injected;
 pub mod irrelevant;

@@ -37,7 +37,7 @@ pub struct Judged {
 }
 
 /// The specific force that a log shows beside the true direction down, in the mean.
-fn shown_beside_true(drawn: &Drawn, table: &Table) -> (Vector3<f64>, Vector3<f64>) {
+pub(super) fn shown_beside_true(drawn: &Drawn, table: &Table) -> (Vector3<f64>, Vector3<f64>) {
     let samples = Samples::take(table, &vec![false; table.rows()], [true; 3]);
     let (mut beside, mut mean, mut count) = (Vector3::zeros(), Vector3::zeros(), 0.0_f64);
     for (reading, row) in samples.readings.iter().zip(&samples.row) {
@@ -52,7 +52,7 @@ fn shown_beside_true(drawn: &Drawn, table: &Table) -> (Vector3<f64>, Vector3<f64
 }
 
 /// True error of headings at this tilt, degrees rms about `constant`, and their mean.
-fn heading_error(
+pub(super) fn heading_error(
     drawn: &Drawn,
     calibration: &Calibration<f64>,
     shown: &(Vector3<f64>, Vector3<f64>),

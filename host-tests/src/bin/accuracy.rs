@@ -2,10 +2,12 @@
 //! tables held to their snapshots.
 //!
 //! `--calibrations` measures the first of them alone, `--predicted` that of predicted errors, `--vehicles` that of headings of vehicles:
+//! `--flights` that of ordinary flights beside MAGFit's least squares, which the whole does not run:
 //! minutes instead of an hour.
 //! `--json` prints one object on standard output; `--accept` stores the tables as the new snapshots and writes those of `docs/measured.md`.
 
 use ironout_host_tests::accuracy::effect_report::{Effects, SEEDS};
+use ironout_host_tests::accuracy::flights::Flights;
 use ironout_host_tests::accuracy::irrelevant_table::{self, Irrelevant};
 use ironout_host_tests::accuracy::predicted::{self, Predicted};
 use ironout_host_tests::accuracy::truths_table::{LOGS, Truths};
@@ -14,8 +16,8 @@ use ironout_host_tests::accuracy::{gates, snapshot, table};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let (mut json, mut accept, mut calibrations, mut errors, mut vehicles) =
-        (false, false, false, false, false);
+    let (mut json, mut accept, mut calibrations, mut errors, mut vehicles, mut flights) =
+        (false, false, false, false, false, false);
     for argument in std::env::args().skip(1) {
         match argument.as_str() {
             "--json" => json = true,
@@ -23,9 +25,10 @@ fn main() -> ExitCode {
             "--calibrations" => calibrations = true,
             "--predicted" => errors = true,
             "--vehicles" => vehicles = true,
+            "--flights" => flights = true,
             _ => {
                 eprintln!(
-                    "usage: cargo accuracy [--calibrations|--predicted|--vehicles] [--json] [--accept]"
+                    "usage: cargo accuracy [--calibrations|--predicted|--vehicles|--flights] [--json] [--accept]"
                 );
                 return ExitCode::from(2);
             }
@@ -42,6 +45,11 @@ fn main() -> ExitCode {
         let printed = if json { table.json().to_string() } else { table.text() };
         let held = if accept { table.store() } else { table.hold() };
         return exit_code(alone("--vehicles", &printed, held));
+    }
+    if flights {
+        let table = Flights::unseen(|attitude| eprintln!("{attitude} …"));
+        let held = if accept { table.store() } else { table.hold() };
+        return exit_code(alone("--flights", &table.text(), held));
     }
     eprintln!("calibrations and verdicts …");
     let solvers = table::measure(table::FULL);

@@ -2,7 +2,7 @@
 //!
 //! Frozen logs are compared with their snapshot; `--old` runs the old engine on them too, for its times. `--unseen N` takes N logs of
 //! each kind of both generators and of each recording instead, from seeds that nothing was tuned on, and runs both engines;
-//! `--seeds-from K` leaves out the first K seeds.
+//! `--seeds-from K` leaves out the first K seeds; `--alone` runs the evidence engine only.
 //! `--from K` begins at the K-th log, `--every N` takes each N-th, `--only S` sets whose name contains S, `--log S` one log,
 //! `--rows` prints each log, `--trace` what the search does. `--count` counts lines and constants of both engines.
 //! `--false-alarms N` simulates N logs without effects in white noise and counts those in which somebody is named.
@@ -214,7 +214,7 @@ impl Tally {
 
 fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error::Error>> {
     let (mut from, mut every, mut only, mut rows, mut trace) = (0usize, 1usize, Vec::new(), false, false);
-    let (mut log, mut unseen, mut runs_old) = (None, None, false);
+    let (mut log, mut unseen, mut runs_old, mut alone) = (None, None, false, false);
     let mut seeds = 0;
     let mut words = words;
     while let Some(word) = words.next() {
@@ -227,6 +227,7 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
             "--unseen" => unseen = Some(value()?.parse::<u64>()?),
             "--seeds-from" => seeds = value()?.parse()?,
             "--old" => runs_old = true,
+            "--alone" => alone = true,
             "--rows" => rows = true,
             "--trace" => trace = true,
             "--count" => {
@@ -261,7 +262,9 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
         let begin = processor_s();
         let Some(row) = new_row(entry, &made, trace) else { continue };
         seconds.push((processor_s() - begin, name()));
-        let before = if unseen.is_some() || runs_old {
+        let before = if alone {
+            row.clone()
+        } else if unseen.is_some() || runs_old {
             let begin = processor_s();
             let row = Row::of(&entry.set, &entry.log, &made);
             old_seconds.push((processor_s() - begin, name()));

@@ -5,7 +5,7 @@ use ironout::calibration::Calibration;
 use ironout::device::{
     Action, ButtonEvent, Device, DeviceConfig, Pace, SensorAnswer, SensorTask, StoreAnswer, StoreTask,
 };
-use ironout::effect::{BuiltIn, ColumnName, Offset, Power};
+use ironout::effect::{BuiltIn, ColumnName, Offset, Past, Power};
 use ironout::extended::{Effects, FittedEffect};
 use ironout::fit::{Method, Order};
 use ironout::record::Record;
@@ -259,7 +259,7 @@ fn the_hints_lead_to_a_calibration_anywhere_on_earth_and_on_a_rotated_chip() {
 
 fn late(column: &str) -> FittedEffect<f64> {
     let column = ColumnName::new(column).unwrap();
-    let effect = Offset { column, reference: 0.0, power: Power::Linear, delay_s: Some(0.2) };
+    let effect = Offset { column, reference: 0.0, power: Power::Linear, past: Past::Delayed(0.2) };
     let coefficients = std::array::from_fn(|i| if i == 0 { 1.0 } else { 0.0 });
     FittedEffect::new(BuiltIn::Offset(effect), coefficients, [0.01; 9])
 }

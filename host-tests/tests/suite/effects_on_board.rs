@@ -2,7 +2,7 @@
 
 use crate::common::last;
 use ironout::calibration::Calibration;
-use ironout::effect::{BuiltIn, ColumnName, Drift, Gain, Offset, Power};
+use ironout::effect::{BuiltIn, ColumnName, Drift, Gain, Offset, Past, Power};
 use ironout::extended::{Conditions, Effects, ExtendedCalibration, FittedEffect};
 use ironout::fit::{Method, Order};
 use ironout::record::Record;
@@ -144,8 +144,12 @@ fn effects_of_time_wait_for_the_clock_and_then_go_by_it() {
 
 #[test]
 fn a_late_column_is_known_after_its_delay() {
-    let late =
-        Offset { column: column("current_a"), reference: 0.0, power: Power::Linear, delay_s: Some(0.5) };
+    let late = Offset {
+        column: column("current_a"),
+        reference: 0.0,
+        power: Power::Linear,
+        past: Past::Delayed(0.5),
+    };
     let mut board = board_with(&record(&[fitted(BuiltIn::Offset(late), [1.0, 0.0, 0.0])]));
     last(&mut board, "cov current_a=2");
     board.run_ms(200);
@@ -215,8 +219,12 @@ fn status_says_which_column_is_outside_its_range_and_by_how_much() {
 
 #[test]
 fn a_late_column_is_outside_when_its_value_acts() {
-    let late =
-        Offset { column: column("current_a"), reference: 0.0, power: Power::Linear, delay_s: Some(0.5) };
+    let late = Offset {
+        column: column("current_a"),
+        reference: 0.0,
+        power: Power::Linear,
+        past: Past::Delayed(0.5),
+    };
     let late = fitted(BuiltIn::Offset(late), [1.0, 0.0, 0.0]).over([Some([0.0, 4.0]), None]);
     let mut board = board_with(&record(&[late]));
     let outside =

@@ -2,7 +2,7 @@
 
 use crate::common::records::{all_effects, bytes, fitted, record, with, with_crc, with_ranges};
 use ironout::effect::{
-    AmbientField, BuiltIn, ColumnName, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity, Offset,
+    AmbientField, BuiltIn, ColumnName, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity, Offset, Past,
     Periodic, Power, Step,
 };
 use ironout::extended::Effects;
@@ -107,8 +107,9 @@ fn any_four_different_effects_fit_whatever_their_columns_are_called() {
     let name = |n: usize| ColumnName::new(&format!("{n:032}")).unwrap();
     // What is in a record at most once, and what may be there for several columns, steps or tones.
     let of_column = |n: usize| {
-        let late =
-            |power| BuiltIn::Offset(Offset { column: name(n), reference: 0.1, power, delay_s: Some(0.3) });
+        let late = |power| {
+            BuiltIn::Offset(Offset { column: name(n), reference: 0.1, power, past: Past::Delayed(0.3) })
+        };
         [
             late(Power::Linear),
             late(Power::Squared),

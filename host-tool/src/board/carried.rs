@@ -51,6 +51,9 @@ pub fn carried(cal: &CalFile, board: &Identity) -> Outcome<Carried> {
         LiveError::TooManyDelayed => cannot(&format!(
             "a board supports {MAX_DELAYED} delayed columns, and this calibration needs more. Fix: fit again with fewer"
         )),
+        LiveError::AheadOfItsColumn => cannot(
+            "a column acts before it is logged, and a board cannot wait for it: feed that column to the board earlier, or fit again without the effect",
+        ),
         LiveError::Singular => cannot("its matrix cannot be inverted in single precision: fit again"),
     })?;
     let method = Method::parse(&cal.fit.method).unwrap_or_default();

@@ -18,6 +18,7 @@ pub fn run(arguments: &DiagnoseArgs, form: Form) -> Outcome<u8> {
     let method = arguments.field.method_with(&arguments.add, arguments.prior.as_ref())?;
     let known = Known::given(expected.field_ut);
     let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, form)?;
+    let expected = expected.or_reference(&arguments.log, &log);
     let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &used)).transpose()?;
     let options = Options {
         method,

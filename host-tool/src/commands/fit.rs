@@ -25,29 +25,34 @@ struct Said {
 pub fn run(arguments: &FitArgs, form: Form) -> Outcome<u8> {
     let json = form == Form::Json;
     let expected = arguments.field.expected()?;
-    let method = arguments.field.method_with(&arguments.add, arguments.prior.as_ref())?;
+    let earlier = arguments.prior.as_ref().or(arguments.prior_from.as_ref());
+    let method = arguments.field.method_with(&arguments.add, earlier)?;
     if let Some(path) = &arguments.output {
         output::leave_to(Some(path), json)?;
         arguments.log.logs().try_for_each(|log| atomic::not_over(log, path))?;
     }
     let known = Known::given(expected.field_ut);
     let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, form)?;
-    let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &used)).transpose()?;
-    let prior = match arguments.free {
-        Some(Free::Offset) => prior.map(|prior| prior.without_offset()),
-        None => prior,
-    };
-    let options = Options {
+    let expected = expected.or_reference(&arguments.log, &log);
+    let mut options = Options {
         method,
         field_ut: expected.field_ut,
         dip_deg: expected.earth.map(|earth| earth.dip_deg),
         add: arguments.add.clone(),
         force_effect: arguments.force_effect,
         search: false,
-        prior,
         purpose: arguments.purpose.unwrap_or_default(),
         registry: REGISTRY,
         ..Options::default()
+    };
+    let prior = match (&arguments.prior, &arguments.prior_from) {
+        (Some(path), _) => Some(prior::read(path, &log, &used)?),
+        (None, Some(from)) => Some(prior::from(from, &log, &used, &options, json)?),
+        (None, None) => None,
+    };
+    options.prior = match arguments.free {
+        Some(Free::Offset) => prior.map(|prior| prior.without_offset()),
+        None => prior,
     };
     let working = Working::new("fitting");
     let fitted = fit(&Table::from(&log), &options).map_err(|refusal| refusal::failure(refusal, &log.path))?;

@@ -101,7 +101,13 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
         .map(|(name, value)| match *name {
             "at_s" => format!("at {value:.2} s"),
             "frequency_hz" => format!("at {value:.3} Hz"),
+            "delay_s" if *value < 0.0 => {
+                format!("{:.2} s before it is logged: the column is logged late", -value)
+            }
             "delay_s" => format!("delayed by {value:.2} s"),
+            "time_constant_s" => {
+                format!("through a low-pass with a time constant of {} s", significant(*value, 3))
+            }
             other => format!("{other} = {}", significant(*value, 4)),
         })
         .collect();

@@ -9,6 +9,7 @@ mod next;
 mod numbers;
 mod place;
 mod told;
+pub(crate) mod unlogged;
 mod words;
 
 pub use conclusion::sentence;

@@ -2,9 +2,9 @@
 
 use crate::diagnosis_words::numbers::{field, hang, microtesla, probability, wrap};
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, counted, groups, name_of, title};
-use crate::diagnosis_words::{advice, answer, found, place};
+use crate::diagnosis_words::{advice, answer, found, place, unlogged};
 use crate::field_unit::symbol;
-use ironout::effect::{Named, Registry};
+use ironout::effect::{Named, Registry, Searched};
 use ironout_analysis::base::mounting;
 use ironout_analysis::noise::colour::Colour;
 use ironout_analysis::outcome::outcome::{CandidateRow, Status, Verdict};
@@ -25,6 +25,7 @@ pub fn text(told: &Told) -> String {
     heading(told, &mut out);
     faults(told, &mut out);
     base(told, &mut out);
+    unlogged::sections(told, &mut out);
     place::failures(told, &mut out);
     found::effects(told, &mut out);
     found::falling(told, &mut out);
@@ -237,11 +238,12 @@ fn families<'a>(registry: Registry, ids: &[&'a str]) -> Vec<(&'static str, Vec<&
     let mut list: Vec<(&'static str, Vec<&str>)> = Vec::new();
     for family in registry.families() {
         for form in family.forms().iter().filter(|form| form.column) {
-            let label = match (form.is_squared(), form.is_late()) {
-                (false, false) => family.kind(),
-                (true, false) => "  squared",
-                (false, true) => "  late",
-                (true, true) => "  both",
+            let label = match (form.is_squared(), form.searched) {
+                (false, None) => family.kind(),
+                (true, None) => "  squared",
+                (false, Some(Searched::TimeConstant)) => "  slow",
+                (false, _) => "  late",
+                (true, _) => "  both",
             };
             let members = named.iter().filter(|one| one.family.kind() == family.kind() && one.form == *form);
             list.push((label, members.map(|one| one.column).collect()));

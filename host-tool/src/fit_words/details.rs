@@ -1,6 +1,7 @@
 //! Every figure of a fit: samples, matrix with standard errors, alignment, effects, errors.
 
 use crate::cli::Expected;
+use crate::diagnosis_words::unlogged;
 use crate::field_unit::{derived, fixed, symbol};
 use crate::fit_words::brief::{MIN_ERROR_RATIO_TO_DIAGNOSE, length, posture};
 use crate::input::Log;
@@ -17,6 +18,9 @@ use ironout_analysis::calibration::FittedEffect;
 pub fn details(log: &Log, fitted: &Fitted, expected: &Expected) -> Vec<String> {
     let mut lines = Lines(Vec::new());
     samples(log, fitted, &mut lines);
+    if let Some(found) = &fitted.recordings {
+        unlogged::recordings(found, WIDTH).iter().for_each(|line| lines.line(line));
+    }
     if let Some(solution) = &fitted.solution {
         lines.line("");
         table(solution, expected, &mut lines);

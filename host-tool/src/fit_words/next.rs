@@ -14,6 +14,9 @@ pub fn fit(arguments: &FitArgs) -> String {
     if let Some(prior) = &arguments.prior {
         words += &typed_option("--prior", &prior.display().to_string());
     }
+    if let Some(from) = &arguments.prior_from {
+        words += &typed_option("--prior-from", &from.display().to_string());
+    }
     if let Some(Free::Offset) = arguments.free {
         words += " --free offset";
     }

@@ -63,6 +63,10 @@ pub struct Log {
     pub heading_deg: Option<Vec<f64>>,
     /// The field of the Earth at every row, where the log tells where it was: magnitude, µT, and dip, degrees.
     pub earth: Option<[Vec<f64>; 2]>,
+    /// Declination there, degrees to the east.
+    pub declination_deg: Option<f64>,
+    /// The first row of each further log, where several were joined.
+    pub recordings: Vec<usize>,
     /// Every other numeric column.
     pub covariates: Vec<Covariate>,
     /// How it was read.

@@ -195,6 +195,8 @@ impl Plan {
             gyro_radps,
             heading_deg,
             earth: None,
+            declination_deg: None,
+            recordings: Vec::new(),
             covariates,
             read_as: ReadAs { columns, left_out, taken_out, repairs, ..ReadAs::default() },
             notices,

@@ -49,6 +49,7 @@ impl ReadAsked {
     /// As the command line has it.
     pub fn arguments(&self) -> LogArgs {
         LogArgs {
+            reference: None,
             log: self.name.clone().into(),
             more: Vec::new(),
             ut_per_count: self.ut_per_count.clone(),

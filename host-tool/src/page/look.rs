@@ -44,6 +44,7 @@ pub fn look(held: &Held, asked: &LookAsked) -> Outcome<Value> {
     let arguments = FitArgs {
         free: None,
         purpose: None,
+        prior_from: None,
         log: held.asked.arguments(),
         field: asked.field(),
         output: Some("cal.json".into()),

@@ -1,19 +1,22 @@
 //! `docs/effects.md` says of each effect what the code says: id, name, cause, unit, number of coefficients.
 
 use ironout::effect::{
-    AmbientField, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity, Offset, Periodic, Power, Step,
+    AmbientField, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity, Offset, Past, Periodic, Power,
+    SoftIron, Step,
 };
 
 fn catalogue() -> Vec<Box<dyn Effect<f64>>> {
-    let offset = |column, power, delay_s| -> Box<dyn Effect<f64>> {
-        Box::new(Offset { column, reference: 0.0, power, delay_s })
+    let offset = |column, power, past| -> Box<dyn Effect<f64>> {
+        Box::new(Offset { column, reference: 0.0, power, past })
     };
     vec![
-        offset("temp_c", Power::Linear, None),
-        offset("current_a", Power::Linear, None),
-        offset("servo", Power::Linear, None),
-        offset("current_a", Power::Squared, None),
-        offset("current_a", Power::Linear, Some(0.1)),
+        offset("temp_c", Power::Linear, Past::Now),
+        offset("current_a", Power::Linear, Past::Now),
+        offset("servo", Power::Linear, Past::Now),
+        offset("current_a", Power::Squared, Past::Now),
+        offset("current_a", Power::Linear, Past::Delayed(0.1)),
+        offset("current_a", Power::Linear, Past::LowPass(2.0)),
+        Box::new(SoftIron { column: "gripper", reference: 0.0 }),
         Box::new(Gain { column: "temp_c", reference: 0.0 }),
         Box::new(AmbientField { column: "height_m", reference: 0.0 }),
         Box::new(Drift { reference_s: 0.0 }),

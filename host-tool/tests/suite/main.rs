@@ -57,7 +57,9 @@ mod text_corpus;
 mod text_questions;
 mod tutorial;
 mod ulog;
+mod unlogged;
 mod vehicles;
+mod vehicles_flights;
 mod writers;
 
 /// Stands in the summary for what this build leaves out.

@@ -13,6 +13,7 @@ from ._log import IronoutWarning, Log, read, simulate
 from ._report import report
 from ._results import Candidate, Diagnosis, Effect, Fit, Step
 from ._run import diagnose, fit
+from ._sums import moments
 
 __all__ = [
     "Calibration",
@@ -30,6 +31,7 @@ __all__ = [
     "check",
     "diagnose",
     "fit",
+    "moments",
     "read",
     "report",
     "simulate",

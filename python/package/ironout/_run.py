@@ -6,7 +6,7 @@ import contextlib
 import json
 import os
 import tempfile
-from typing import Any, Iterator, Optional
+from typing import Any, Iterator, Optional, Union
 
 import numpy as np
 
@@ -35,17 +35,21 @@ def fit(
     add: Strings = None,
     force_effect: bool = False,
     prior: Any = None,
+    free: Optional[str] = None,
+    attitudes: Union[str, float, None] = None,
     progress: Optional[Progress] = None,
     **columns: Any,
 ) -> Fit:
     """Calibrates: offset and matrix, their standard errors, a verdict. A refused fit is a result with ``accepted == False``.
 
     ``mag`` is a log (or what :func:`read` takes), or an n × 3 array in µT; then ``t`` (s), ``accel`` (m/s²), ``gyro`` (rad/s) and any
-    further columns by name are arrays of as many rows. ``add`` names effects for the model, ``prior`` is an earlier calibration.
+    further columns by name are arrays of as many rows. ``add`` names effects for the model, ``prior`` is an earlier calibration;
+    ``free="offset"`` takes only its matrix as known. ``attitudes`` is what ``--for`` is on the command line: ``"all"``, ``"level"``, ``"boat"`` or degrees of
+    tilt. An attitude worked out by an autopilot goes into the columns ``q_w``, ``q_x``, ``q_y``, ``q_z``.
     """
     log = _log(mag, t, accel, gyro, field_ut, progress, columns)
     with _prior(prior) as path:
-        asked = _asked(field_ut, at, method, add, force_effect, path)
+        asked = _asked(field_ut, at, method, add, force_effect, path, free, attitudes)
         text, cal, words = _ironout.fit(log._native, asked, progress)
     return Fit._of(text, cal, words, log)
 
@@ -121,6 +125,8 @@ def _asked(
     add: Strings,
     force_effect: bool,
     prior: Optional[str],
+    free: Optional[str] = None,
+    attitudes: Union[str, float, None] = None,
 ) -> str:
     return json.dumps(
         {
@@ -130,6 +136,8 @@ def _asked(
             "add": strings(add),
             "force_effect": force_effect,
             "prior": prior,
+            "free": free,
+            "for": None if attitudes is None else str(attitudes),
         }
     )
 

@@ -12,6 +12,7 @@ mod nonlinearity;
 mod offset;
 mod periodic;
 mod simulated;
+mod soft_iron;
 mod spec;
 mod step;
 

@@ -23,13 +23,19 @@ pub struct EffectKind {
     pub squared: bool,
     /// Whether the column acts late: `@delay`.
     pub delayed: bool,
+    /// Whether the column acts through a low-pass: `~tau`.
+    pub slow: bool,
 }
 
 impl EffectKind {
     /// The id under which `diagnose` names this effect.
     pub fn id(&self) -> String {
         let id = self.simulated.id();
-        let late = if self.delayed { "@delay" } else { "" };
+        let late = match (self.delayed, self.slow) {
+            (true, _) => "@delay",
+            (_, true) => "~tau",
+            _ => "",
+        };
         let square = if self.squared { "^2" } else { "" };
         if self.column.is_empty() { id.to_string() } else { format!("{id}:{}{late}{square}", self.column) }
     }
@@ -66,6 +72,8 @@ pub struct Drawn {
     pub frequency_hz: f64,
     /// Delay of a late column or of a lag, s.
     pub delay_s: f64,
+    /// Time constant of the low-pass through which a column acts, s.
+    pub time_constant_s: f64,
     /// The rotation of a misalignment or of swapped axes, rows.
     pub rotation: Option<[[f64; 3]; 3]>,
 }
@@ -97,7 +105,7 @@ pub trait Simulated: Sync {
     fn takes_column(&self) -> bool {
         false
     }
-    /// Whether that column may act squared or late.
+    /// Whether that column may act squared, late or through a low-pass.
     fn takes_variants(&self) -> bool {
         false
     }

@@ -93,8 +93,12 @@ fn kind(simulated: &'static dyn Simulated, id: &str, column: Option<&str>) -> Re
     };
     let (name, squared) = cut(column.unwrap_or_default(), "^2");
     let (name, delayed) = cut(&name, "@delay");
+    let (name, slow) = cut(&name, "~tau");
+    if slow && (delayed || squared) {
+        return Err(SpecError(format!("`{id}`: a low-pass stands alone, without `@delay` and `^2`")));
+    }
     if column.is_some() && name.is_empty() {
         return Err(SpecError(format!("effect `{id}` names no column")));
     }
-    Ok(EffectKind { simulated, column: name, squared, delayed })
+    Ok(EffectKind { simulated, column: name, squared, delayed, slow })
 }

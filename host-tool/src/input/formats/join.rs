@@ -94,6 +94,8 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
         gyro_radps,
         heading_deg: None,
         earth: None,
+        declination_deg: None,
+        recordings: Vec::new(),
         covariates: own.into_iter().map(covariate).collect(),
         read_as: ReadAs {
             format: recording.format,
@@ -313,6 +315,7 @@ fn others(recording: &mut Recording, options: &ReadOptions, notices: &mut Vec<St
         keep(&mut stream, &finite);
         let in_order = ordered(&stream.time_s);
         keep(&mut stream, &in_order);
+        stream.continuous_attitude();
         for (names, matrix) in [(ACCEL, options.mounting.accelerometer), (GYRO, options.mounting.gyroscope)] {
             if let Some(matrix) = matrix {
                 stream.turn(names, &matrix);

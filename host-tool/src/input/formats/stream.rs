@@ -1,6 +1,9 @@
 //! What a recording holds: columns that share a time base of their own.
 
 use ironout_analysis::frame::Frame;
+use ironout_analysis::table::ATTITUDE;
+
+const ANGLES: [&str; 3] = ["roll_deg", "pitch_deg", "yaw_deg"];
 
 /// How a column is read between two of its samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -78,6 +81,54 @@ impl Stream {
         self.time_s.push(time_s);
         for (index, column) in self.columns.iter_mut().enumerate() {
             column.values.push(values.get(index).copied().unwrap_or(f64::NAN));
+        }
+    }
+
+    /// Makes a quaternion of `roll_deg`, `pitch_deg` and `yaw_deg`, where the stream has these.
+    pub fn attitude_of_angles(&mut self) {
+        let places = ANGLES.map(|name| self.columns.iter().position(|column| column.name == name));
+        let [Some(roll), Some(pitch), Some(yaw)] = places else { return };
+        let half = |at: usize| -> Vec<(f64, f64)> {
+            let values = self.columns.get(at).map(|column| column.values.as_slice()).unwrap_or_default();
+            values.iter().map(|degrees| (0.5 * degrees).to_radians().sin_cos()).collect()
+        };
+        let angles = half(roll).into_iter().zip(half(pitch)).zip(half(yaw));
+        let mut made: [Vec<f64>; 4] = Default::default();
+        for (((sr, cr), (sp, cp)), (sy, cy)) in angles {
+            let quaternion = [
+                cr * cp * cy + sr * sp * sy,
+                sr * cp * cy - cr * sp * sy,
+                cr * sp * cy + sr * cp * sy,
+                cr * cp * sy - sr * sp * cy,
+            ];
+            made.iter_mut().zip(quaternion).for_each(|(column, value)| column.push(value));
+        }
+        let source = format!("roll, pitch and yaw of {}", self.name);
+        self.columns.retain(|column| !ANGLES.contains(&column.name.as_str()));
+        for (name, values) in ATTITUDE.into_iter().zip(made) {
+            let (name, source) = (name.to_string(), source.clone());
+            self.columns.push(Column { name, source, scale: 1.0, values, ..Column::default() });
+        }
+    }
+
+    /// A quaternion and its negative are one attitude: takes of both the one nearer to the sample before, so that a line between two
+    /// samples is the way between them.
+    pub fn continuous_attitude(&mut self) {
+        let [Some(w), Some(x), Some(y), Some(z)] =
+            ATTITUDE.map(|name| self.columns.iter().position(|column| column.name == name))
+        else {
+            return;
+        };
+        let Ok([w, x, y, z]) = self.columns.get_disjoint_mut([w, x, y, z]) else { return };
+        let mut last: Option<[f64; 4]> = None;
+        for (((w, x), y), z) in w.values.iter_mut().zip(&mut x.values).zip(&mut y.values).zip(&mut z.values) {
+            let own = [*w, *x, *y, *z];
+            let along: f64 = last.map_or(1.0, |last| last.iter().zip(own).map(|(one, two)| one * two).sum());
+            let now = if along < 0.0 { own.map(|value| -value) } else { own };
+            [*w, *x, *y, *z] = now;
+            if now.iter().all(|value| value.is_finite()) {
+                last = Some(now);
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 /// The kinds of message of the test, as ArduPilot 4.5 defines them: type, name, letters, labels.
-const KINDS: [(u8, &str, &str, &str); 8] = [
+const KINDS: [(u8, &str, &str, &str); 10] = [
     (129, "PARM", "QNff", "TimeUS,Name,Value,Default"),
     (130, "MAG", "QBhhhhhhhhhBI", "TimeUS,I,MagX,MagY,MagZ,OfsX,OfsY,OfsZ,MOX,MOY,MOZ,Health,S"),
     (131, "IMU", "QBffffffIIfBBHH", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T,GH,AH,GHz,AHz"),
@@ -11,6 +11,8 @@ const KINDS: [(u8, &str, &str, &str); 8] = [
     (133, "MSG", "QZ", "TimeUS,Message"),
     (134, "GPS", "QBBIHBcLLeff", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt,Spd,GCrs"),
     (135, "ESC", "QBffffcfcf", "TimeUS,Instance,RPM,RawRPM,Volt,Curr,Temp,CTot,MotTemp,Err"),
+    (137, "XKQ", "QBffff", "TimeUS,C,Q1,Q2,Q3,Q4"),
+    (138, "ATT", "QccccCC", "TimeUS,DesRoll,Roll,DesPitch,Pitch,DesYaw,Yaw"),
     (136, "RCOU", "QHHHH", "TimeUS,C1,C2,C3,C4"),
 ];
 

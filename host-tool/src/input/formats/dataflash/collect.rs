@@ -68,7 +68,9 @@ impl Plan {
         let base = definition.name.trim_end_matches(|c: char| c.is_ascii_digit());
         let Message { fields, place, all } = wanted(base)?;
         let number: u8 = definition.name.get(base.len()..).and_then(|rest| rest.parse().ok()).unwrap_or(1);
-        let instance = label(&["I", "Inst", "Instance"]).ok_or(number.saturating_sub(1));
+        // A filter numbers its cores.
+        let numbers: &[&str] = if base.ends_with("KQ") { &["C"] } else { &["I", "Inst", "Instance"] };
+        let instance = label(numbers).ok_or(number.saturating_sub(1));
         let (time, time_scale) = time?;
         let mut found: Vec<Written> = Vec::new();
         for field in fields {
@@ -180,6 +182,7 @@ impl Collected {
                 column.scale = written.scale(&self.units, most);
                 column.values.iter_mut().for_each(|value| *value *= column.scale);
             }
+            stream.attitude_of_angles();
         }
     }
 }

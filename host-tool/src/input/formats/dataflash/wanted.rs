@@ -87,6 +87,14 @@ const CTUN: [Field; 2] = [field("ThO", "throttle", ""), field("ThrOut", "throttl
 const ESC: [Field; 3] =
     [field("Curr", "esc_#_a", "A"), field("RPM", "esc_#_rpm", "1/min"), field("Temp", "esc_#_c", "°C")];
 
+/// The filter's attitude, from body axes to north, east, down.
+const FILTER: [Field; 4] =
+    [field("Q1", "q_w", ""), field("Q2", "q_x", ""), field("Q3", "q_y", ""), field("Q4", "q_z", "")];
+
+/// The attitude in use; [`crate::input::formats::stream::Stream::attitude_of_angles`] makes a quaternion of it.
+const ATT: [Field; 3] =
+    [field("Roll", "roll_deg", "°"), field("Pitch", "pitch_deg", "°"), field("Yaw", "yaw_deg", "°")];
+
 const GPS: [Field; 3] = [
     field("Lat", "lat_deg", "°"),
     Field { between: Between::Circle, ..field("Lng", "lon_deg", "°") },
@@ -117,6 +125,9 @@ pub fn wanted(name: &str) -> Option<Message> {
         "RCOU" => (&RCOU, 7, false),
         "BARO" => (&BARO, 8, false),
         "GPS" => (&GPS, 9, false),
+        "XKQ" => (&FILTER, 10, false),
+        "NKQ" => (&FILTER, 11, false),
+        "ATT" => (&ATT, 12, false),
         _ => return None,
     };
     Some(Message { fields, place, all })

@@ -2,9 +2,10 @@
 
 use crate::input::formats::stream::Between;
 use crate::input::formats::ulog::collector::Want;
+use ironout_analysis::table::ATTITUDE;
 
 /// Topics in the order in which they are asked: of two columns of one name the first with values is taken.
-const ORDER: [&str; 21] = [
+const ORDER: [&str; 22] = [
     "sensor_mag",
     "vehicle_magnetometer",
     "sensor_combined",
@@ -26,6 +27,7 @@ const ORDER: [&str; 21] = [
     "sensor_gps",
     "actuator_armed",
     "vehicle_control_mode",
+    "vehicle_attitude",
 ];
 
 /// The place of a topic in the order; `None` where it is not read.
@@ -148,6 +150,12 @@ pub fn wants(topic: &str, instance: u8) -> Vec<Want> {
                 want("alt", "gps_height_m", "mm", 1e-3),
             ]
         }
+        // From the vehicle's axes (forward, right, down) to north, east, down.
+        ("vehicle_attitude", 0) => ATTITUDE
+            .into_iter()
+            .enumerate()
+            .map(|(at, name)| want(format!("q[{at}]"), name, "", 1.0))
+            .collect(),
         ("actuator_armed", 0) => {
             vec![Want { between: Between::Hold, ..want("armed", "armed", "", 1.0) }]
         }

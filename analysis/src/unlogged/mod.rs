@@ -1,0 +1,7 @@
+//! Causes that no column shows: an offset for each of several recordings, an offset that switches between two values.
+//!
+//! Both work on corrected vectors, µT, and give back vectors in the sensor's own axes.
+
+pub mod linear;
+pub mod recordings;
+pub mod switching;
