@@ -132,7 +132,7 @@ pub fn reference(log: &mut Log, columns: &str) -> Outcome<()> {
         m if (10_000.0..150_000.0).contains(&m) => ("nT", 1e-3),
         m => {
             return Err(fail(format!(
-                "its median {m} is no field in nT, µT or G; let the name end in _nt, _ut or _g, as in --derive 'ref_nt = 1000 * {}'",
+                "its median {m} does not fit the Earth's field in nT, µT or G. Use a name that ends in _nt, _ut or _g, as in --derive 'ref_nt = 1000 * {}'",
                 names[0]
             )));
         }

@@ -79,9 +79,20 @@ fn words(text: &str) -> Vec<String> {
         .collect()
 }
 
+/// A text without the names in its placeholders.
+fn without_placeholders(text: &str) -> String {
+    let mut out = String::new();
+    let mut inside = false;
+    for c in text.chars() {
+        inside = (inside || c == '{') && c != '}';
+        out.push(if inside || c == '}' { ' ' } else { c });
+    }
+    out
+}
+
 /// What is wrong with a text.
 fn faults(text: &str) -> Vec<String> {
-    let words = words(text);
+    let words = words(&without_placeholders(text));
     if words.len() < MIN_WORDS {
         return Vec::new();
     }
