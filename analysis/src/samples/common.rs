@@ -68,7 +68,8 @@ impl Samples {
         let mut common = Samples::of_rows(table, row, self.stride, self.axes);
         common.rest = self.rest.clone();
         for (name, missing) in refused {
-            let problem = format!("{name} is missing for long in {missing} of {} samples", self.len());
+            let problem =
+                format!("{name} is missing for long periods, in {missing} of {} samples", self.len());
             if let Some(column) = common.columns.iter_mut().find(|own| own.name == name) {
                 column.problem = Some(problem);
             }

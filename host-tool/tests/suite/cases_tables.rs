@@ -141,7 +141,7 @@ fn a_sensor_that_was_hardly_turned_is_asked_about_and_one_level_turn_bounds_the_
         text + &format!("{:.3},{:.3},{:.3}\n", 20.0 + n(7), -30.0 + n(11), 40.0 + n(13))
     });
     let failure = read(&log, &[]).map(|log| read_block::text(&log)).expect_err("a question");
-    for word in ["turned too little", "mx_ut=x[uT]", "mx_ut=x[mG]"] {
+    for word in ["rotated too little", "mx_ut=x[uT]", "mx_ut=x[mG]"] {
         assert!(failure.message.contains(word), "{failure}");
     }
 }

@@ -34,7 +34,7 @@ fn two_logs_are_one_calibration() {
     let whole = ironout(["fit", text(&here.join("whole.csv")), "--json"]).json();
     let both = ironout(["fit", text(&a), text(&b), "--json", "-o", text(&cal)]);
     assert_eq!(both.status, 0, "{}", both.stderr);
-    assert!(both.said().contains("its 2500 rows follow, and its times begin at 50."), "{}", both.stderr);
+    assert!(both.said().contains("is appended (2500 rows) at t = 50."), "{}", both.stderr);
     let both = both.json();
     assert_eq!(
         number(&both, "samples_used") + number(&both, "samples_set_aside"),

@@ -103,7 +103,7 @@ fn no_magnetometer_says_what_was_looked_for_and_what_is_there() {
         format!("{:.2},{},{},{}", r.t, r.m[0], r.m[1], r.temp)
     });
     asked(&log, &["mz_ut is missing", "MagX (uT)"]);
-    asked("Booting\nReady.\nwaiting for sensor\n", &["no log is recognised", "looked for", "Booting"]);
+    asked("Booting\nReady.\nwaiting for sensor\n", &["the format is unknown", "looked for", "Booting"]);
     asked("Time (s);MagX (uT);MagY (uT);MagZ (uT)\n", &["no rows"]);
     let log = table("t_s;mx;my;mz", |_, r| {
         let n = r.m.iter().map(|v| v * v).sum::<f64>().sqrt();

@@ -336,7 +336,7 @@ fn what_is_cut_off_or_missing_is_said() {
     holed[middle..middle + 400].fill(0xee);
     let log = read(&holed).expect("a log with a hole");
     assert!(log.rows > 2900, "{}", log.rows);
-    assert!(log.notices.iter().any(|notice| notice.contains("no ULog record")), "{:?}", log.notices);
+    assert!(log.notices.iter().any(|notice| notice.contains("not a ULog record")), "{:?}", log.notices);
     // No magnetometer: what was looked for, what is there.
     let mut without = head(None);
     without.subscribe(0, 6, "cpuload");

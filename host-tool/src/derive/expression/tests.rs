@@ -76,10 +76,10 @@ fn what_is_missing_stays_missing() {
 #[test]
 fn what_cannot_be_read_is_said() {
     for (text, word) in [
-        ("throtle^2", "did you mean throttle?"),
-        ("Throttle", "did you mean throttle?"),
+        ("throtle^2", "Did you mean throttle?"),
+        ("Throttle", "Did you mean throttle?"),
         ("zzzzzz", "the columns are t_s, a, b"),
-        ("sinn(a)", "did you mean sin"),
+        ("sinn(a)", "Did you mean sin"),
         ("sin", "is a function"),
         ("a^2^3", "two ways"),
         ("a b", "missing"),
