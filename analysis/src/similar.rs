@@ -11,7 +11,9 @@ pub fn similar<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Vec<
                 wanted.len() > 1 && lower.len() > 1 && (lower.contains(&wanted) || wanted.contains(&lower));
             (if inside { 1 } else { distance(&wanted, &lower) }, own)
         })
-        .filter(|(distance, own)| *distance <= (own.chars().count().max(wanted.chars().count()) / 3).max(1))
+        .filter(|(distance, own)| {
+            *distance <= (2 * own.chars().count().max(wanted.chars().count()) / 5).max(1)
+        })
         .collect();
     // Of equally similar names the first comes first.
     ranked.sort_by_key(|(distance, _)| *distance);

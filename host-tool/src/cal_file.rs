@@ -12,6 +12,7 @@ use ironout_analysis::calibration::{EffectEntry, HoldsFor, Information, StdError
 use ironout_analysis::effects::{Calibrated, calibrated};
 use ironout_analysis::outcome::contradiction::Contradiction;
 use ironout_analysis::samples::samples::Condition;
+use ironout_analysis::unlogged::recordings::Recordings;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -58,6 +59,8 @@ pub struct FitObject {
     pub accelerometer: Option<Accelerometer>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub holds_for: Option<HoldsFor>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recordings: Option<Recordings>,
 }
 
 impl FitObject {
@@ -88,6 +91,7 @@ impl FitObject {
             beside_gyro: fitted.beside_gyro,
             accelerometer: fitted.accelerometer,
             holds_for: fitted.holds_for.clone(),
+            recordings: fitted.recordings.clone(),
         }
     }
 }
@@ -309,6 +313,7 @@ mod tests {
                 contradiction: None,
                 beside_gyro: None,
                 accelerometer: None,
+                recordings: None,
             },
             information: Information::from_covariance(&covariance),
             conditions: BTreeMap::from([("temp_c".into(), Condition { mean: 21.5, mean_square: 463.0 })]),

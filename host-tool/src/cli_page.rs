@@ -14,7 +14,7 @@ use std::time::Duration;
   ironout report log.csv -o report.html
   ironout report log.csv --add offset:current_a -o report.html
   ironout report log.csv --cal old.json --cal new.json -o report.html   side by side
-  ironout report log.csv --beside later.csv -o report.html
+  ironout report log.csv --compare later.csv -o report.html
   ironout report log.csv --plots figures/                               each plot as SVG
 
 One file that works offline: the browser refits when you switch effects on or
@@ -36,8 +36,8 @@ pub struct ReportArgs {
     #[arg(long, value_name = "CAL.json")]
     pub cal: Vec<PathBuf>,
     /// Another log of the same kind, fitted separately and shown next to this one
-    #[arg(long, value_name = "LOG")]
-    pub beside: Option<PathBuf>,
+    #[arg(long, alias = "beside", value_name = "LOG")]
+    pub compare: Option<PathBuf>,
     /// Write each plot into this folder as SVG
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,

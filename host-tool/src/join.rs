@@ -209,7 +209,8 @@ mod tests {
     fn one_without_time_takes_it_from_all_and_says_so() {
         let joined = join(vec![log("a", Some([0.0, 0.1, 0.2]), None), log("b", None, None)]).expect("alike");
         assert!(
-            joined.time_s.is_none() && joined.notices.iter().any(|notice| notice.contains("without one"))
+            joined.time_s.is_none()
+                && joined.notices.iter().any(|notice| notice.contains("reads all without time"))
         );
     }
 

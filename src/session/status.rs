@@ -161,7 +161,7 @@ mod tests {
         let hint = Hint::Turn { missing: "front-left", now: "bottom" };
         assert_eq!(
             hint.to_string(),
-            "keep turning; bring the front-left side to where the bottom side is now"
+            "keep rotating; bring the front-left side to where the bottom side is now"
         );
     }
 }

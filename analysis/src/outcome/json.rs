@@ -151,6 +151,12 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
         if let Some(contradiction) = &diagnosis.contradiction {
             map.insert("contradiction".into(), json!(contradiction));
         }
+        if let Some(recordings) = &diagnosis.recordings {
+            map.insert("recordings".into(), json!(recordings));
+        }
+        if let Some(switching) = &diagnosis.switching {
+            map.insert("switching".into(), json!(switching));
+        }
         // With swapped axes the log is to be repaired first.
         let calibration = diagnosis.calibration.filter(|_| diagnosis.axis_order().is_none());
         let entry = |calibration: Calibration<f64>, std_errors: Option<&StdErrors>| {

@@ -224,6 +224,7 @@ pub fn cal_file(record: &Record, covariance: Option<&[[f64; 9]; 9]>, board: &Ide
             contradiction: None,
             beside_gyro: None,
             accelerometer: None,
+            recordings: None,
         },
         information: covariance.and_then(Information::from_covariance),
         conditions: Default::default(),
@@ -271,7 +272,7 @@ mod tests {
                 cal.information.is_some() && turn == flip,
                 "{notices:?}"
             );
-            assert!(notices[0].contains("rotated back"));
+            assert!(notices[0].contains("ironout rotates it back"));
         }
     }
 }

@@ -4,6 +4,7 @@ use crate::diagnosis_words::conclusion::{verdict, what_next};
 use crate::diagnosis_words::found::{amount, axis_order};
 use crate::diagnosis_words::numbers::{degrees, microtesla, percent, probability};
 use crate::diagnosis_words::told::{Told, at_rest, counted};
+use crate::diagnosis_words::unlogged;
 use crate::field_unit::symbol;
 use crate::wrap::shortened;
 use ironout_analysis::outcome::outcome::{StepRow, Verdict};
@@ -56,6 +57,12 @@ fn figures(told: &Told, out: &mut Vec<String>) {
             "error",
             format!("{} {} rms{of}{held_out}", fall(first.rms_ut, last.rms_ut, microtesla), symbol()),
         );
+    }
+    if let Some(found) = &diagnosis.recordings {
+        row("recordings", unlogged::recordings_in_short(found));
+    }
+    if let Some(found) = &diagnosis.switching {
+        row("switching", unlogged::switching_in_short(found));
     }
     if let Some(floor) = diagnosis.residual_floor_ut {
         row("noise floor", format!("{} {}", microtesla(floor), symbol()));

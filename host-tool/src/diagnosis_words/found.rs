@@ -2,7 +2,7 @@
 
 use crate::diagnosis_words::curve::{bar, limits, sparkline};
 use crate::diagnosis_words::numbers::{
-    degrees, field, microtesla, probability, readable_unit, significant, unit_of, with_error, wrap,
+    degrees, field, hang, microtesla, probability, readable_unit, significant, unit_of, with_error, wrap,
 };
 use crate::diagnosis_words::place::{self, axis_label};
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, name_of, title};
@@ -105,9 +105,7 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
                 format!("{:.2} s before it is logged: the column is logged late", -value)
             }
             "delay_s" => format!("delayed by {value:.2} s"),
-            "time_constant_s" => {
-                format!("through a low-pass with a time constant of {} s", significant(*value, 3))
-            }
+            "time_constant_s" => format!("low-pass filtered, time constant {} s", significant(*value, 3)),
             other => format!("{other} = {}", significant(*value, 4)),
         })
         .collect();
@@ -120,7 +118,8 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
         }));
     }
     if !at.is_empty() {
-        out.push(format!("{INDENT}{:<15}{}", "parameters", at.join(", ")));
+        let [first, rest] = ["parameters", ""].map(|label| format!("{INDENT}{label:<15}"));
+        out.extend(hang(&at.join(", "), &first, &rest, WIDTH));
     }
     if let Some(text) = amount(told.log, told.diagnosis.registry, effect) {
         out.push(format!("{INDENT}{:<15}{text}", "size"));

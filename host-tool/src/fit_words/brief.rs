@@ -1,6 +1,7 @@
 //! The answer of a fit: verdict, the figures that matter, and what to do next.
 
 use crate::cli::{Expected, FitArgs};
+use crate::diagnosis_words::unlogged;
 use crate::field_unit::{fixed, symbol};
 use crate::fit_words::next;
 use crate::input::Log;
@@ -58,6 +59,10 @@ pub fn length(log: &Log, rows: usize) -> String {
 fn figures(log: &Log, fitted: &Fitted, expected: &Expected, out: &mut Vec<String>) {
     let mut row = |label: &str, text: String| out.push(format!("  {label:<16} {text}"));
     row("log", format!("{}: {}, {} samples used", log.path.display(), length(log, fitted.rows), fitted.used));
+    if let Some(found) = &fitted.recordings {
+        row("recordings", unlogged::recordings_in_short(found));
+        row("", "the calibration has the offset of the last recording".into());
+    }
     let unit = symbol();
     if let Some(solution) = &fitted.solution {
         let field = solution.calibration.field_ut;

@@ -56,7 +56,7 @@ pub fn unit_question(log: &Log, arguments: &LogArgs, size: &FieldSize) -> Questi
 
 /// The unit that the columns are rather in, or the factor that they lack, and the options that say so.
 pub fn unit_remedy(log: &Log, arguments: &LogArgs, size: &FieldSize) -> String {
-    let coil = "A field of its own (a coil) is said with --field UT";
+    let coil = "If a coil makes the field, give it with --field UT";
     let read = read_unit(log);
     let factor = |unit: &Unit| unit.convert(1.0) / read.convert(1.0);
     let units = fitting_units(&read, size);

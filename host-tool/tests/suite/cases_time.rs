@@ -159,7 +159,7 @@ fn what_cannot_be_a_time_is_said_and_the_log_is_read_without() {
     for (name, told, row) in [
         (
             "backward.csv",
-            "runs backward",
+            "it decreases in",
             Box::new(|i: usize| format!("{}.5,{{m}}", (i * 7) % 240)) as Box<dyn Fn(usize) -> String>,
         ),
         (

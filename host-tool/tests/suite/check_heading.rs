@@ -76,5 +76,5 @@ fn a_wrong_heading_is_not_good() {
     let flat = write(&here, "flat.csv", content);
     let unlevelled = check(&flat, &[]);
     assert_eq!((&unlevelled["verdict"], &unlevelled["heading"]), (&"good".into(), &serde_json::Value::Null));
-    assert!(unlevelled["reasons"].to_string().contains("needs an accelerometer"), "{unlevelled}");
+    assert!(unlevelled["reasons"].to_string().contains("the log has no accelerometer"), "{unlevelled}");
 }

@@ -101,7 +101,8 @@ fn a_steady_ramp_is_said_to_be_ambiguous_with_the_recording_that_separates() {
     let flat = joined(&text);
     assert!(
         flat.contains(
-            "CONFOUNDED: offset proportional to temperature and offset drift explain the error equally well"
+            "CONFOUNDED: offset proportional to temperature (offset:temp_c) and offset drift (drift) explain the \
+             error equally well"
         ),
         "{text}"
     );

@@ -77,9 +77,9 @@ fn what_cannot_be_written_is_refused_with_the_remedy() {
     };
     assert!(message(&["--as", "px4", "--number", "4"]).contains("from 0 to 3"));
     assert!(message(&["--as", "ardupilot", "--number", "0"]).contains("from 1 to 3"));
-    assert!(message(&["--as", "rust", "--number", "1"]).contains("--number says nothing to --as rust"));
+    assert!(message(&["--as", "rust", "--number", "1"]).contains("--number has no effect with --as rust"));
     assert!(message(&["--as", "ros", "--device-id", "1"]).contains("Omit it"));
-    assert!(message(&["--as", "ros", "--euler"]).contains("--euler says nothing"));
+    assert!(message(&["--as", "ros", "--euler"]).contains("--euler has no effect"));
     assert!(message(&["--as", "iio"]).contains("--ut-per-count"));
     assert!(message(&["--as", "iio", "--ut-per-count", "-1"]).contains("positive"));
     assert!(message(&["--as", "px4", "--log", "nothing.csv"]).contains("no such file"));
@@ -108,7 +108,7 @@ fn of_two_currents_the_one_that_moves_more_is_held() {
     ];
     let cal = cal(&here, &SYMMETRIC, &effects, reading(&[]));
     let file = exported(&cal, "px4", &[]);
-    assert!(file.contains("the effect offset:motor_a: PX4 has room for one current or throttle"), "{file}");
+    assert!(file.contains("the effect offset:motor_a: PX4 supports one current or throttle"), "{file}");
     assert!(file.contains("the effect gain:temp_c: PX4 has no parameter for it"), "{file}");
     let p = px4(&file);
     assert!((p["CAL_MAG0_XCOMP"] + 3.1).abs() < 1e-6, "{p:?}");

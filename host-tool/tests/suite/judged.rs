@@ -95,7 +95,9 @@ fn a_log_that_is_named_ten_times_counts_once() {
     for key in ["samples_used", "offset_ut", "matrix", "accepted", "std_errors"] {
         assert_eq!(ten[key], once[key], "{key}: {ten}");
     }
-    let words = ironout(arguments.iter().filter(|argument| **argument != "--json")).stdout;
+    arguments.retain(|argument| *argument != "--json");
+    arguments.push("-v");
+    let words = ironout(&arguments).stdout;
     assert!(words.contains("copies of earlier readings"), "{words}");
 }
 

@@ -265,7 +265,7 @@ fn a_bad_calibration_file_is_named() {
     let log = log.to_str().expect("text");
     for (name, content, words) in [
         ("empty.json", "", "empty"),
-        ("cut.json", "{\"version\": 1,\n\"method\":", "EOF"),
+        ("cut.json", "{\"version\": 1,\n\"method\":", "damaged JSON"),
         ("other.json", "{\"hello\": 1}", "version"),
         ("future.json", "{\"version\": 99}", "version 99"),
     ] {

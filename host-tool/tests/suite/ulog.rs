@@ -329,7 +329,7 @@ fn what_is_cut_off_or_missing_is_said() {
     // Cut in the middle: what is there is read.
     let log = read(&whole[..whole.len() / 2 + 1]).expect("half a log");
     assert!(log.rows > 1400 && log.rows < 1600, "{}", log.rows);
-    assert!(log.notices.iter().any(|notice| notice.contains("cut off")), "{:?}", log.notices);
+    assert!(log.notices.iter().any(|notice| notice.contains("truncated")), "{:?}", log.notices);
     // A hole in it: reading goes on behind the next synchronisation.
     let mut holed = whole.clone();
     let middle = whole.len() / 2;

@@ -40,7 +40,7 @@ pub fn run(arguments: &ReportArgs, as_json: bool) -> Outcome<u8> {
         let text = std::fs::read_to_string(path).map_err(|error| Failure::io("read", path, &error))?;
         beside.push(under(&held_log, &text, &path.display().to_string())?);
     }
-    if let Some(path) = &arguments.beside {
+    if let Some(path) = &arguments.compare {
         let other = source::read_held(&arguments.log.alone(path), None, &known, as_json)?.0;
         beside.push(fitted_beside(&Held { log: other, ..held_log.clone() }, path, &asked)?);
     }

@@ -32,7 +32,7 @@ fn what_cannot_be_sent_is_refused_before_anything_is() {
         (&five, "more than 4 effects"),
         (&unknown, "there is no effect servo"),
         (&rotated, "cannot be rotated back"),
-        (&scaled, "counts"),
+        (&scaled, "0.5,0.5,0.5 µT per count"),
     ] {
         let run = on(&board, &["send", text(file), "--json"]);
         let message = run.error()["message"].to_string();
@@ -80,7 +80,7 @@ fn what_is_no_board_is_told_apart() {
             let _ = client.read_to_end(&mut Vec::new());
         }
     });
-    for words in ["no answer for", "no text", "HTTP/1.1 400"] {
+    for words in ["no answer for", "not text", "HTTP/1.1 400"] {
         let run = ironout(["send", text(&cal), "--tcp", &address, "--wait", "1"]);
         assert!(run.status == 2 && run.said().contains(words), "{words}: {}", run.stderr);
     }
