@@ -134,7 +134,7 @@ fn status_says_what_keeps_a_calibration_from_use() {
             mounted_otherwise,
             "+ hint the stored calibration is not applied: it was made with another mounting of the sensor",
         ),
-        (drift, "+ hint the calibration waits for: cov t_s=VALUE"),
+        (drift, "+ hint the calibration needs: cov t_s=VALUE"),
     ] {
         Active::install(&mut device.active, Slot::A, &record, AxisMap::IDENTITY);
         let said = answer(&mut device, "status", 3000);

@@ -183,7 +183,7 @@ fn attitude_that_lacks_little_still_tells_a_cause_that_is_certain() {
         let (found, named) = study(&log(seconds, offset_ut, wide, moved, &beside));
         assert_eq!((found.verdict, named), (Verdict::Unexplained, vec!["offset:pump_a".to_string()]));
         // The calibration is not sure, and nothing else is wrong.
-        assert!(found.reasons.len() == 1 && found.reasons[0].contains("attitudes"), "{:?}", found.reasons);
+        assert!(found.reasons.len() == 1 && found.reasons[0].contains("orientations"), "{:?}", found.reasons);
         assert!(found.fit_refuses.is_some(), "{seconds} s");
         let (found, named) = study(&log(seconds, offset_ut, wide, |_| [0.0; 3], &beside));
         assert_eq!((found.verdict, named.len()), (Verdict::Undetermined, 0), "{seconds} s");

@@ -29,18 +29,17 @@ pub fn answer(told: &Told) -> Vec<String> {
 
 fn figures(told: &Told, out: &mut Vec<String>) {
     let diagnosis = told.diagnosis;
-    let mut row = |label: &str, text: String| out.push(shortened(&format!("  {label:<14} {text}"), WIDTH));
     let seconds = told.log.time_s.as_ref().and_then(|t| Some(t.last()? - t.first()?));
     let over = seconds.map_or(" (no time column)".to_string(), |s| format!(" over {s:.1} s"));
-    row(
+    // As long as it is: a long path must not cut the counts.
+    out.push(format!(
+        "  {:<14} {}: {}{over}, {} used",
         "log",
-        format!(
-            "{}: {}{over}, {} used",
-            told.log.path.display(),
-            counted(told.log.rows, "row"),
-            counted(diagnosis.samples_used, "sample")
-        ),
-    );
+        told.log.path.display(),
+        counted(told.log.rows, "row"),
+        counted(diagnosis.samples_used, "sample")
+    ));
+    let mut row = |label: &str, text: String| out.push(shortened(&format!("  {label:<14} {text}"), WIDTH));
     let steps: Vec<&StepRow> = diagnosis.steps.iter().collect();
     let determined = diagnosis.verdict != Verdict::Undetermined;
     if let (Some(first), Some(last)) = (steps.first(), steps.last()) {

@@ -23,17 +23,14 @@ pub(crate) fn sections(told: &Told, out: &mut Vec<String>) {
 /// The offsets of recordings in one line.
 pub(crate) fn recordings_in_short(found: &Recordings) -> String {
     let [x, y, z] = found.per_recording_ut.map(|value| format!("{value:+.2}"));
-    format!(
-        "one matrix, {} offsets; the offset changes by x {x}, y {y}, z {z} µT per recording",
-        found.recordings.len()
-    )
+    format!("one matrix, {} offsets; change per recording x {x}, y {y}, z {z} µT", found.recordings.len())
 }
 
 /// A switching offset in one line.
 pub(crate) fn switching_in_short(found: &Switching) -> String {
     let [x, y, z] = found.offset_ut.map(|value| format!("{value:+.2}"));
     format!(
-        "offset x {x}, y {y}, z {z} µT, on {} times, {:.0} % of samples; no column says when",
+        "offset x {x}, y {y}, z {z} µT, on {} times ({:.0} % of samples), not logged",
         found.on_s.len(),
         100.0 * found.duty
     )
@@ -65,8 +62,8 @@ pub(crate) fn recordings(found: &Recordings, width: usize) -> Vec<String> {
         format!(" ± {}", errors.map(|error| format!("{error:.2}")).join(", "))
     });
     let text = format!(
-        "One matrix and an offset for each recording: the error falls from {} to {} µT (chance {}). From one recording to the next the \
-         offset changes by {per}{errors} µT. All that follows is of the readings with the offset of the last recording.",
+        "One matrix and an offset for each recording: the error falls from {} to {} µT (p-value {}). From one recording to the next the \
+         offset changes by {per}{errors} µT. The rest of this answer uses the offset of the last recording.",
         microtesla(found.common_rms_ut),
         microtesla(found.rms_ut),
         probability(found.p_value),

@@ -161,9 +161,9 @@ fn lacking(grid: &Grid, meanings: &[Meaning]) -> Failure {
     };
     let lacking: Vec<&str> =
         FIELD_UT.iter().enumerate().filter(|(axis, _)| !of_part(*axis)).map(|(_, name)| *name).collect();
-    let (plural, there) = if lacking.len() == 1 { ("", "is") } else { ("s", "are") };
+    let there = if lacking.len() == 1 { "is" } else { "are" };
     let failure = Failure::usage(format!(
-        "column{plural} {} {there} missing: {}.\n  Other headers are named with --map \
+        "{} {there} missing: {}.\n  Other headers are named with --map \
          mx_ut=HEADER[uT],my_ut=HEADER[uT],mz_ut=HEADER[uT]",
         lacking.join(", "),
         crate::input::words::listing(&grid.headers())

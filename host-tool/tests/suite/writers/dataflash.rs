@@ -99,6 +99,7 @@ fn number(letter: u8, value: f64, out: &mut Vec<u8>) {
         b'h' => out.extend((whole as i16).to_le_bytes()),
         b'H' => out.extend((whole as u16).to_le_bytes()),
         b'c' => out.extend(((value * 100.0).round() as i16).to_le_bytes()),
+        b'C' => out.extend(((value * 100.0).round() as u16).to_le_bytes()),
         b'e' => out.extend(((value * 100.0).round() as i32).to_le_bytes()),
         b'L' => out.extend(((value * 1e7).round() as i32).to_le_bytes()),
         b'I' => out.extend((whole as u32).to_le_bytes()),
