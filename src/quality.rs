@@ -70,32 +70,32 @@ impl fmt::Display for Reason {
             Self::ErrorTooLarge { percent, missing_side } => {
                 write!(
                     f,
-                    "the predicted error of the corrected vector is {:.1} % of the field, more than {:.0} %: ",
+                    "the predicted error of the corrected vector is {:.1} % of the field (limit {:.0} %). Fix: ",
                     Num(*percent),
                     Num(MAX_PREDICTED_ERROR * 100.0)
                 )?;
                 match missing_side {
                     Some(side) => {
-                        write!(f, "keep turning until the field has come through the {side} side too")
+                        write!(f, "keep rotating until the field points through the {side} side too")
                     }
-                    None => write!(f, "turn through more directions"),
+                    None => write!(f, "rotate through more directions"),
                 }
             }
             Self::ResidualTooLarge { percent } => write!(
                 f,
-                "the residual is {:.1} % of the field, more than {:.0} %: keep away from moving iron and currents, or \
+                "the residual is {:.1} % of the field (limit {:.0} %). Fix: keep away from moving iron and currents, or \
                  look for a missing effect",
                 Num(*percent),
                 Num(MAX_RESIDUAL * 100.0)
             ),
             Self::Saturated { percent } => write!(
                 f,
-                "{:.1} % of the samples are at the sensor's limits: choose a wider range, or remove the magnet",
+                "{:.1} % of the samples are at the limits of the sensor. Fix: choose a wider range, or remove the magnet",
                 Num(*percent)
             ),
             Self::FieldMismatch { measured_ut, expected_ut } => write!(
                 f,
-                "note: the sensor measures {:.1} uT where {:.1} uT are expected; the matrix makes up for it",
+                "note: the sensor measures {:.1} uT instead of {:.1} uT. The matrix corrects it",
                 Num(*measured_ut),
                 Num(*expected_ut)
             ),

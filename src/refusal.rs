@@ -82,11 +82,11 @@ impl fmt::Display for FitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TooFewSamples { samples } => {
-                write!(f, "{samples} samples in motion are too few: keep turning the board")
+                write!(f, "the sensor hardly moved ({samples} samples of motion): keep rotating it")
             }
             Self::StuckAxis { axis } => write!(
                 f,
-                "the {} axis never moved: turn the board in all directions; if it did move, check the sensor",
+                "the {} axis never changed: rotate the sensor in all directions. If it was rotated, check the sensor",
                 axis_letter(*axis)
             ),
             Self::CopiedAxis { axis, of } => write!(
@@ -97,27 +97,29 @@ impl fmt::Display for FitError {
             ),
             Self::Planar { thickness } => write!(
                 f,
-                "all samples lie near one plane (thickness {:.1} % of the width): tilt the board on its side and upside down",
+                "all samples are near one plane (thickness {:.1} % of the width): tilt the sensor on its side and upside \
+                 down",
                 Num(thickness * 100.0)
             ),
             Self::NotAnEllipsoid => write!(
                 f,
-                "no ellipsoid fits: turn the board through more directions, away from moving iron and currents"
+                "no ellipsoid fits: rotate the sensor through more directions, away from moving iron and currents"
             ),
             Self::ThroughOrigin { distance } => write!(
                 f,
-                "the ellipsoid passes through the sensor's zero (within {:.2} %), where the constant method is singular: \
-                 use the trace or adjusted method",
+                "the ellipsoid passes through the origin (within {:.2} %), and there the constant method is singular: use \
+                 the trace or adjusted method",
                 Num(distance * 100.0)
             ),
             Self::OffsetTooLarge { fields } => write!(
                 f,
-                "the offset is {:.0} times the field: no board has that; look for a magnet, or turn through more directions",
+                "the offset is {:.0} times the field: which is implausible: look for a magnet, or rotate through more \
+                 directions",
                 Num(*fields)
             ),
             Self::AxisRatio { ratio } => write!(
                 f,
-                "the axes differ by a factor of {:.1}: no magnetometer has that; check the scale of each axis, or turn \
+                "the axes differ by a factor of {:.1}: which is implausible: check the scale of each axis, or rotate \
                  through more directions",
                 Num(*ratio)
             ),

@@ -37,8 +37,9 @@ impl fmt::Display for Worse {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "its predicted error is {:.2} % of the field, that of the calibration in use {:.2} %, and the two agree: keep the \
-             old one, turn through more directions, or insist with: cal accept force",
+            "its predicted error is {:.2} % of the field, that of the calibration in use {:.2} %, and the two agree: keep \
+             the \
+             old one, rotate through more directions, or use: cal accept force",
             Num(self.new_percent),
             Num(self.in_use_percent)
         )

@@ -62,7 +62,7 @@ impl HoldsFor {
     /// What to know before it is used elsewhere.
     pub fn notice(&self) -> String {
         format!(
-            "fitted for tilts up to {:.0}°: a heading is right to {} (1σ); what it is exported to does not know that",
+            "fitted for tilts up to {:.0}°: the heading error is {} (1σ). The target of an export does not know this limit",
             self.tilt_deg,
             self.words()
         )

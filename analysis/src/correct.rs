@@ -90,7 +90,10 @@ impl<'a> Corrector<'a> {
                 let covariate = table.covariate(column.name).ok_or_else(|| {
                     let names: Vec<&str> = table.covariates.iter().map(|c| c.name).collect();
                     let has = if names.is_empty() { "none".into() } else { names.join(", ") };
-                    missing(column.name, &format!("the log has no such column (of that kind it has {has})"))
+                    missing(
+                        column.name,
+                        &format!("this log has no such column (columns of this kind: {has})"),
+                    )
                 })?;
                 if covariate.not_finite > 0 {
                     return Err(missing(column.name, "some of its cells are NaN or infinite"));
@@ -108,7 +111,7 @@ impl<'a> Corrector<'a> {
             inputs.push(own);
             if fitted.effect.needs_gyro() {
                 let axes = table.gyro_radps.as_ref();
-                let axes = axes.ok_or_else(|| missing("gx_radps", "the log has no rate of turn"))?;
+                let axes = axes.ok_or_else(|| missing("gx_radps", "the log has no gyro"))?;
                 let [x, y, z] = axes.map(|axis| filled(axis).map(Cow::into_owned));
                 let all = x.zip(y).zip(z).map(|((x, y), z)| [x, y, z]);
                 turn_radps = Some(all.ok_or_else(|| missing("gx_radps", "every cell of it is empty"))?);
@@ -154,7 +157,7 @@ impl<'a> Corrector<'a> {
         let names = timed(&self.calibration);
         (!names.is_empty()).then(|| {
             format!(
-                "{} by this log's clock: right for a log on the same clock as the one it was fitted to",
+                "{} uses this log's clock: it is correct only if that is the clock of the log it was fitted to",
                 if names.len() == 1 {
                     format!("{} goes", names[0])
                 } else {

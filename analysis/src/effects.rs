@@ -34,7 +34,7 @@ pub fn calibrated(
     let mut calibration = Calibrated::plain(base);
     for entry in entries {
         let fitted = from_entry(entry, registry)?;
-        let too_many = |_| format!("it carries more than {MAX_EFFECTS} effects");
+        let too_many = |_| format!("it contains more than {MAX_EFFECTS} effects");
         calibration.effects.push(fitted).map_err(too_many)?;
     }
     Ok(calibration)

@@ -29,15 +29,18 @@ pub mod outside;
 pub mod picture;
 mod plain;
 pub mod plausible;
+pub mod reason;
 pub mod residual;
 pub mod samples;
 pub mod search;
+pub mod similar;
 pub mod table;
 mod threads;
 pub mod track;
 pub mod unlogged;
 
 pub use correct::{CannotCorrect, Corrector, on_another_clock};
+pub use fit::allowed::{Allowed, allowed};
 pub use fit::diagnosed::{diagnose, fit_and_diagnose};
 pub use fit::fitted::Fitted;
 pub use fit::run::fit;

@@ -103,16 +103,15 @@ impl Outside {
         let [least, most] = self.range.map(short);
         let error = match (self.error_ut, self.error_at_range_ut) {
             (Some(there), Some(here)) => format!(
-                "ironout extrapolates by at most the width of the range. The error of the corrected field is {there:.3} µT ({:.2} % of the \
-                 field) there and {here:.3} µT at the end of the range",
+                "Extrapolation error {there:.3} µT ({:.2} % of the field), {here:.3} µT at the end of the range; ironout \
+                 extrapolates by at most the width of the range",
                 100.0 * there / field_ut
             ),
-            _ => {
-                "ironout extrapolates by at most the width of the range. The error there is not known".into()
-            }
+            _ => "The extrapolation error is unknown; ironout extrapolates by at most the width of the range"
+                .into(),
         };
         format!(
-            "{} of {} rows have {} outside {least} … {most}, which {} was fitted over, as far as {}: {error}",
+            "{} of {} rows have {} outside {least} … {most}, the range fitted for {}, up to {}. {error}",
             self.rows,
             self.of_rows,
             self.column,
@@ -128,8 +127,8 @@ impl Extrapolation {
         let mut notices: Vec<String> = self.outside.iter().map(|one| one.in_words(field_ut)).collect();
         if !self.unknown.is_empty() {
             notices.push(format!(
-                "the calibration does not say over which range {} was fitted (an earlier program wrote it): readings outside \
-                 cannot be told",
+                "the calibration (from an earlier program) does not state the range that {} was fitted over, so ironout \
+                 cannot detect readings outside it",
                 self.unknown.join(", ")
             ));
         }

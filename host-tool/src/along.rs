@@ -37,7 +37,7 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
         (Some(on), _) => (on, "as given".to_string()),
         (None, Some(on)) => (on, "by its times".to_string()),
         (None, None) => {
-            (given(ASSUMED)?, "assumed, for the log tells no date: --date YYYY-MM-DD gives it".to_string())
+            (given(ASSUMED)?, "assumed, because the log has no date. Use --date YYYY-MM-DD".to_string())
         }
     };
     let mut field = vec![f64::NAN; log.rows];
@@ -71,7 +71,7 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
     unknown = unknown.max(log.rows - 1 - known);
     if unknown as f64 > UNKNOWN * log.rows as f64 {
         log.notices.push(format!(
-            "lat_deg and lon_deg tell no place in {unknown} rows on end: the field is taken as one along the way"
+            "lat_deg and lon_deg are invalid in {unknown} consecutive rows, so ironout assumes a uniform field"
         ));
         return Ok(());
     }
@@ -131,7 +131,7 @@ pub fn reference(log: &mut Log, columns: &str) -> Outcome<()> {
         m if (10_000.0..150_000.0).contains(&m) => ("nT", 1e-3),
         m => {
             return Err(fail(format!(
-                "its median {m} is no field in nT, µT or G; let the name end in _nt, _ut or _g, as in --derive 'ref_nt = 1000 * {}'",
+                "its median {m} does not fit the Earth's field in nT, µT or G. Use a name that ends in _nt, _ut or _g, as in --derive 'ref_nt = 1000 * {}'",
                 names[0]
             )));
         }
@@ -163,7 +163,7 @@ pub fn travels(log: &Log, source: &str) -> Option<String> {
     let [field, dip] = log.earth.as_ref()?;
     let [least, most] = Track::of(field, dip)?.range_ut;
     Some(format!(
-        "the field of the Earth is {least:.2} to {most:.2} µT along the way ({source}); each place is held against its own, so that \
-         travelling is no effect"
+        "the Earth's field is {least:.2} to {most:.2} µT along the path ({source}). ironout compares each place with its \
+         own field, so travelling is not reported as an effect"
     ))
 }

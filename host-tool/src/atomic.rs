@@ -31,13 +31,13 @@ pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<(
         return through().map_err(fail);
     }
     if old.as_ref().is_some_and(|old| old.permissions().readonly()) {
-        return Err(Failure::usage("this file is read-only: name another one with -o").in_file(path));
+        return Err(Failure::usage("this file is read-only. Name another one with -o").in_file(path));
     }
     // A link's target is replaced, not the link.
     let target = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let name = target
         .file_name()
-        .ok_or_else(|| Failure::usage("this is no file name: name a file to write").in_file(path))?;
+        .ok_or_else(|| Failure::usage("this is not a file name. Name a file to write").in_file(path))?;
     let mut beside = std::ffi::OsString::from(".");
     beside.push(name);
     beside.push(format!(".{}.part", std::process::id()));
@@ -67,8 +67,9 @@ pub fn same_file(a: &Path, b: &Path) -> bool {
 /// Refuses to write over what is read.
 pub fn not_over(input: &Path, target: &Path) -> Outcome<()> {
     if !output::is_standard(target) && same_file(input, target) {
-        return Err(Failure::usage("this would replace the file that is read: name another one with -o")
-            .in_file(target));
+        return Err(
+            Failure::usage("this would overwrite the input file. Name another one with -o").in_file(target)
+        );
     }
     Ok(())
 }

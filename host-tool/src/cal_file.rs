@@ -12,6 +12,7 @@ use ironout_analysis::calibration::{EffectEntry, HoldsFor, Information, StdError
 use ironout_analysis::effects::{Calibrated, calibrated};
 use ironout_analysis::outcome::contradiction::Contradiction;
 use ironout_analysis::samples::samples::Condition;
+use ironout_analysis::unlogged::recordings::Recordings;
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -58,6 +59,8 @@ pub struct FitObject {
     pub accelerometer: Option<Accelerometer>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub holds_for: Option<HoldsFor>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recordings: Option<Recordings>,
 }
 
 impl FitObject {
@@ -83,11 +86,12 @@ impl FitObject {
             coverage: fitted.coverage,
             gap_deg: fitted.gap_deg,
             accepted: fitted.accepted,
-            reasons: fitted.reasons.clone(),
+            reasons: fitted.reasons.iter().map(ToString::to_string).collect(),
             contradiction: fitted.contradiction.clone(),
             beside_gyro: fitted.beside_gyro,
             accelerometer: fitted.accelerometer,
             holds_for: fitted.holds_for.clone(),
+            recordings: fitted.recordings.clone(),
         }
     }
 }
@@ -134,7 +138,9 @@ impl CalFile {
         let mut text = String::new();
         let file = std::fs::File::open(path).map_err(|error| Failure::io("open", path, &error))?;
         file.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(|error| match error.kind() {
-            std::io::ErrorKind::InvalidData => Failure::not_a_calibration("it is not text").in_file(path),
+            std::io::ErrorKind::InvalidData => {
+                Failure::not_a_calibration("not text. Did you swap LOG and CAL?").in_file(path)
+            }
             _ => Failure::io("read", path, &error),
         })?;
         if text.len() as u64 > MAX_BYTES {
@@ -150,16 +156,21 @@ impl CalFile {
             if error.line() == 0 { failure } else { failure.at_line(error.line() as u64) }
         };
         let value: serde_json::Value = serde_json::from_str(text).map_err(|error| {
-            let what = if text.trim().is_empty() { "it is empty".into() } else { format!("{error}") };
-            place(error, what)
+            if text.trim().is_empty() {
+                return Failure::not_a_calibration("it is empty");
+            }
+            match text.trim_start().starts_with('{') {
+                true => place(error, "damaged JSON".into()),
+                false => Failure::not_a_calibration("not JSON. Did you swap LOG and CAL?"),
+            }
         })?;
         // The version first: the rest may differ between versions.
         match value.get("version").and_then(serde_json::Value::as_u64) {
             Some(version) if version == u64::from(VERSION) => {}
             Some(version) => {
                 return Err(Failure::usage(format!(
-                    "this calibration has version {version}, this program reads version {VERSION}: use the program \
-                     that wrote it, or fit again"
+                    "this calibration has version {version}, but this program reads version {VERSION}. Use the program that \
+                     wrote it, or fit again"
                 ))
                 .at_column("version"));
             }
@@ -223,11 +234,11 @@ impl CalFile {
             }
         }
         if let Some((column, _)) = self.conditions.iter().find(|(_, condition)| !condition.is_sound()) {
-            return Err(Failure::not_a_calibration(&format!("no column has such a mean as {column}"))
+            return Err(Failure::not_a_calibration(&format!("the mean of {column} is implausible"))
                 .at_column("conditions"));
         }
         if !self.extended()?.is_sound() {
-            return Err(Failure::not_a_calibration("an effect holds a number that is not finite")
+            return Err(Failure::not_a_calibration("an effect contains a number that is not finite")
                 .at_column("effects"));
         }
         if Method::parse(&self.fit.method).is_none() {
@@ -302,6 +313,7 @@ mod tests {
                 contradiction: None,
                 beside_gyro: None,
                 accelerometer: None,
+                recordings: None,
             },
             information: Information::from_covariance(&covariance),
             conditions: BTreeMap::from([("temp_c".into(), Condition { mean: 21.5, mean_square: 463.0 })]),

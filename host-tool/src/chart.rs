@@ -11,7 +11,7 @@ const TICKS: f64 = 6.0;
 
 /// The colours of the page: told apart by the colour-blind too.
 pub const BLUE: &str = "#0062a3";
-/// Of what was measured, and of offset and matrix alone.
+/// Of what was measured, and of offset and matrix only.
 pub const ORANGE: &str = "#b34700";
 /// Of the dip and the heading.
 pub const GREEN: &str = "#00724f";
@@ -125,7 +125,8 @@ impl Chart {
             }
         }
         let mut out = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"sans-serif\" font-size=\"12\">\n\
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"sans-serif\" \
+             font-size=\"12\">\n\
              <title>{title}</title>\n<rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"#fff\"/>\n\
              <text x=\"{left}\" y=\"18\" font-size=\"14\">{title}</text>\n",
             title = escaped(&self.title)

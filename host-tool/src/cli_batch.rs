@@ -27,7 +27,7 @@ pub struct BatchArgs {
     /// Write the table here: CSV, or JSON Lines if the name ends in .jsonl
     #[arg(short, long, value_name = "TABLE.csv|TABLE.jsonl")]
     pub output: PathBuf,
-    /// Logs studied at the same time (without it: as many as there are cores)
+    /// Logs analysed at the same time (default: number of cores)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
     /// Vehicle and sensor from the path, if the log does not name them: a pattern of its last parts with {vehicle}, {sensor} and *

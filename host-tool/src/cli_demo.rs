@@ -6,16 +6,16 @@ use clap::{Args, ValueEnum};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   ironout demo
-  ironout demo --hidden temperature    the board names what it is missing
+  ironout demo --hidden temperature    the board finds the cause
   ironout demo --board pico
 
 Needs qemu-system-arm for mps2, without which the same session runs on a
 simulated bus, and Node with rp2040js (npm ci in host-tests/pico) for pico.")]
 pub struct DemoArgs {
-    /// Use the simulated bus even where QEMU is installed
+    /// Use the simulated bus even if QEMU is installed
     #[arg(long)]
     pub no_qemu: bool,
-    /// Hide an effect that the board has to name, learn and correct
+    /// Hide an effect that the board has to find, learn and correct
     #[arg(long, value_enum, value_name = "EFFECT")]
     pub hidden: Option<HiddenArg>,
     /// The board whose firmware is emulated
@@ -26,9 +26,9 @@ pub struct DemoArgs {
 /// What `demo` may hide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum HiddenArg {
-    /// An offset that follows the chip's temperature
+    /// An offset proportional to the chip's temperature
     Temperature,
-    /// An offset that follows a current, which the board is told with cov
+    /// An offset proportional to a current (sent to the board with `cov`)
     Current,
     /// An offset that jumps: something magnetic was attached
     Step,

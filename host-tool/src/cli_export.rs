@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// The forms of `export`.
+/// The output formats of `export`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ExportForm {
     /// A Rust const for the crate ironout
@@ -48,8 +48,8 @@ impl ExportForm {
   ironout export cal.json --as px4 --log log.csv -o mag.params
   ironout export cal.json --as ardupilot --number 2 -o mag2.param
 
-Where a program does not hold all of the calibration the file says what is lost;
-with --log it is fitted anew on that log, and the file says what that costs.
+If a program cannot represent the whole calibration, the file states what is
+lost. With --log ironout refits it on that log, and states the extra error.
 docs/exports.md has the formulas, units and how to load each.")]
 pub struct ExportArgs {
     /// The calibration
@@ -57,10 +57,10 @@ pub struct ExportArgs {
     /// The form
     #[arg(long = "as", value_enum)]
     pub form: ExportForm,
-    /// Write here instead of to standard output
+    /// Output file (default: standard output)
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Fit what the target holds anew on this log (that of the calibration), and say what the rest costs
+    /// Refit the target's parameters on this log (the one of the calibration), and print the extra error
     #[arg(long, value_name = "LOG", help_heading = "Parameters of other programs")]
     pub log: Option<PathBuf>,
     /// Other headers of that log, as for fit (repeatable)
@@ -80,7 +80,7 @@ pub struct ExportArgs {
     /// PX4, ArduPilot: the whole rotation to the accelerometer as Euler angles (external magnetometers only)
     #[arg(long, help_heading = "Parameters of other programs")]
     pub euler: bool,
-    /// Microtesla in a count of the target's driver, for Betaflight and IIO (without it, that of the log)
+    /// Scale of the target's driver in µT per count, for Betaflight and IIO (default: that of the log)
     #[arg(
         long,
         value_name = "UT[,UT,UT]",

@@ -14,11 +14,11 @@ use std::time::Duration;
   ironout report log.csv -o report.html
   ironout report log.csv --add offset:current_a -o report.html
   ironout report log.csv --cal old.json --cal new.json -o report.html   side by side
-  ironout report log.csv --beside later.csv -o report.html
+  ironout report log.csv --compare later.csv -o report.html
   ironout report log.csv --plots figures/                               each plot as SVG
 
-One file that works offline: effects are switched on and fitted anew in the
-browser. Nothing leaves the machine that opens it.")]
+One file that works offline: the browser refits when you switch effects on or
+off. No data is uploaded.")]
 pub struct ReportArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -29,15 +29,15 @@ pub struct ReportArgs {
     /// Write the page here
     #[arg(short, long, value_name = "REPORT.html", required_unless_present = "plots")]
     pub output: Option<PathBuf>,
-    /// Begin with this effect switched on (repeatable)
+    /// Start with this effect switched on (repeatable)
     #[arg(long, value_name = "EFFECT")]
     pub add: Vec<String>,
-    /// Show the log under this calibration too, beside the others (repeatable)
+    /// Also show the log with this calibration (repeatable)
     #[arg(long, value_name = "CAL.json")]
     pub cal: Vec<PathBuf>,
-    /// Another log of the same kind, fitted by itself and shown beside this one
-    #[arg(long, value_name = "LOG")]
-    pub beside: Option<PathBuf>,
+    /// Another log of the same kind, fitted separately and shown next to this one
+    #[arg(long, alias = "beside", value_name = "LOG")]
+    pub compare: Option<PathBuf>,
     /// Write each plot into this folder as SVG
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,
@@ -56,7 +56,7 @@ pub struct WebArgs {
     pub output: PathBuf,
 }
 
-/// Slower, a log stands still; faster, a machine does not follow.
+/// Slower, a log hardly moves; faster, a machine cannot keep up.
 const MIN_SPEED: f64 = 0.1;
 const MAX_SPEED: f64 = 50.0;
 
@@ -66,10 +66,10 @@ const MAX_SPEED: f64 = 50.0;
 #[command(after_help = "Examples:
   ironout live --port /dev/ttyACM0      then open the address that it prints
   ironout live --qemu                   an emulated board that turns by itself
-  ironout live --qemu --hidden temperature   one that has to name what it is missing
+  ironout live --qemu --hidden temperature   one that has to find the cause
   ironout live --replay log.csv         a simulated board in the field of a log
 
-The page is served on this machine alone. Ctrl-C ends.")]
+The page is served on this machine only. Ctrl-C ends.")]
 pub struct LiveArgs {
     /// The board's serial port, as in /dev/ttyACM0 or COM5 (115200 8N1)
     #[arg(long, value_name = "SERIAL", help_heading = "The board")]
@@ -83,10 +83,10 @@ pub struct LiveArgs {
     /// A simulated board in the field of this log, with its columns, at the log's own pace
     #[arg(long, value_name = "LOG", help_heading = "The board")]
     pub replay: Option<PathBuf>,
-    /// Hide an effect from the board in QEMU: it acts once a calibration was accepted
+    /// Hide an effect from the board in QEMU. It starts when a calibration is accepted
     #[arg(long, value_enum, value_name = "EFFECT", conflicts_with_all = ["port", "tcp", "replay"], help_heading = "The board")]
     pub hidden: Option<HiddenArg>,
-    /// Replay so many seconds of the log in one
+    /// Replay speed factor
     #[arg(
         long,
         value_name = "TIMES",
@@ -98,7 +98,7 @@ pub struct LiveArgs {
     /// The port on this machine to serve the page at (0: a free one)
     #[arg(long, value_name = "PORT", default_value_t = 0)]
     pub listen: u16,
-    /// How long the board may take to answer, seconds
+    /// Timeout for an answer of the board, in seconds
     #[arg(long, value_name = "S", default_value_t = 10.0, help_heading = "The board")]
     pub wait: f64,
 }

@@ -47,7 +47,7 @@ impl<'a> Corrected<'a> {
         };
         if !left_out.is_empty() {
             notes.push(format!(
-                "ironout leaves out {}: effects of time depend on the clock of the log that was fitted, and this is another log",
+                "ironout does not apply {}: effects of time depend on the clock of the fitted log, and this is another log",
                 left_out.join(" and ")
             ));
         }

@@ -1,5 +1,6 @@
 //! The one error type of the tool: what went wrong, where, and what to do about it.
 
+use ironout_analysis::similar;
 use serde::Serialize;
 use std::fmt;
 use std::path::Path;
@@ -70,8 +71,9 @@ impl Failure {
 
     /// A file that should hold a calibration.
     pub fn not_a_calibration(why: &str) -> Self {
+        let end = if why.ends_with('?') { "" } else { "." };
         Failure::usage(format!(
-            "this is no calibration that can be used: {why}; make one with ironout fit LOG -o CAL.json"
+            "this is not a valid ironout calibration: {why}{end} Create one with: ironout fit LOG -o CAL.json"
         ))
     }
 
@@ -101,10 +103,13 @@ impl Failure {
 
     /// A file that could not be opened, read or written.
     pub fn io(action: &str, path: &Path, error: &std::io::Error) -> Self {
+        if error.kind() == std::io::ErrorKind::NotFound {
+            let meant = near(path).map_or(String::new(), |meant| format!(". {meant}"));
+            return Failure::usage(format!("no such file or folder{meant}")).in_file(path);
+        }
         let remedy = match error.kind() {
-            std::io::ErrorKind::NotFound => "no such file or folder: check the path",
-            std::io::ErrorKind::PermissionDenied => "permission denied: check the file's rights",
-            std::io::ErrorKind::IsADirectory => "this is a folder: name a file",
+            std::io::ErrorKind::PermissionDenied => "permission denied. Check the file's permissions",
+            std::io::ErrorKind::IsADirectory => "this is a folder. Name a file",
             _ => "",
         };
         let why = if remedy.is_empty() { error.to_string() } else { remedy.to_string() };
@@ -121,6 +126,17 @@ impl Failure {
         }
         serde_json::json!({ "error": error })
     }
+}
+
+/// `Did you mean …?` with names of the same folder.
+fn near(path: &Path) -> Option<String> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let names: Vec<String> = std::fs::read_dir(folder)
+        .ok()?
+        .filter_map(|entry| Some(entry.ok()?.file_name().to_str()?.to_string()))
+        .take(10_000)
+        .collect();
+    similar::did_you_mean(path.file_name()?.to_str()?, names.iter().map(String::as_str))
 }
 
 impl fmt::Display for Failure {

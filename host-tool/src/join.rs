@@ -19,7 +19,7 @@ pub fn join(logs: Vec<Log>) -> Outcome<Log> {
     let gap_s = GAP_STEPS * logs.iter().filter_map(mean_step_s).fold(f64::INFINITY, f64::min);
     let gap_s = if gap_s.is_finite() && gap_s > 0.0 { gap_s } else { LEAST_GAP_S };
     let mut logs = logs.into_iter();
-    let mut whole = logs.next().ok_or_else(|| Failure::usage("no log is named"))?;
+    let mut whole = logs.next().ok_or_else(|| Failure::usage("no log is given"))?;
     for next in logs {
         alike(&whole, &next)?;
         append(&mut whole, next, timed, gap_s);
@@ -41,13 +41,13 @@ fn alike(first: &Log, next: &Log) -> Outcome<()> {
     };
     let fail = |what: String| {
         Failure::usage(format!(
-            "{what}: one calibration is of one sensor, read in one way; fit the logs apart, or name those alike"
+            "{what}. One calibration is for one sensor, read in one way. Fit the logs separately"
         ))
         .in_file(&next.path)
     };
     if first.ut_per_count != next.ut_per_count {
         return Err(fail(format!(
-            "this log holds {}, and {} holds {}",
+            "this log contains {}, but {} contains {}",
             words(next.ut_per_count),
             first.path.display(),
             words(first.ut_per_count)
@@ -58,7 +58,7 @@ fn alike(first: &Log, next: &Log) -> Outcome<()> {
         && own != other
     {
         return Err(fail(format!(
-            "this log's magnetometer is number {other}, and that of {} is number {own}",
+            "this log's magnetometer is number {other}, but that of {} is number {own}",
             first.path.display()
         )));
     }
@@ -74,21 +74,22 @@ fn append(whole: &mut Log, next: Log, timed: bool, gap_s: f64) {
             let first = own.first().copied().unwrap_or_default();
             time.extend(own.iter().map(|t| begins + (t - first)));
             whole.notices.push(format!(
-                "{name}: its {rows} rows follow, and its times begin at {begins:.2} s; what changes there changed between the recordings"
+                "{name} is appended ({rows} rows) at t = {begins:.2} s. A step found at that time means that something \
+                 changed between the two recordings"
             ));
         }
         _ => {
             if whole.time_s.take().is_some() || next.time_s.is_some() {
-                whole
-                    .notices
-                    .push(format!("{name}: not every log has a time column, so all are read without one"));
+                whole.notices.push(format!(
+                    "{name}: not every log has a time column, so ironout reads all without time"
+                ));
             }
         }
     }
     if next.frame != whole.frame {
         whole.notices.push(format!(
-            "{name}: its numbers are read in another frame (axes, unit or the calibration that was taken out): exports are for the \
-             numbers of the first log"
+            "{name}: its numbers are in another frame (axes, unit or removed calibration). Exports are for the numbers of \
+             the first log"
         ));
     }
     for (column, own) in whole.field_ut.iter_mut().zip(next.field_ut) {
@@ -154,13 +155,13 @@ fn covariates(whole: &mut Log, next: Vec<Covariate>, before: usize, rows: usize,
             None => {
                 let mut values = vec![f64::NAN; before];
                 values.extend(own.values);
-                whole.notices.push(format!("{name}: only from here on is there a column {}", own.name));
+                whole.notices.push(format!("{name}: column {} exists only from here on", own.name));
                 whole.covariates.push(Covariate { values, empty: own.empty + before, ..own });
             }
         }
     }
     if !lacking.is_empty() {
-        whole.notices.push(format!("{name}: it lacks {}, which are empty there", lacking.join(", ")));
+        whole.notices.push(format!("{name}: it lacks {}, which stay empty there", lacking.join(", ")));
     }
 }
 
@@ -208,7 +209,8 @@ mod tests {
     fn one_without_time_takes_it_from_all_and_says_so() {
         let joined = join(vec![log("a", Some([0.0, 0.1, 0.2]), None), log("b", None, None)]).expect("alike");
         assert!(
-            joined.time_s.is_none() && joined.notices.iter().any(|notice| notice.contains("without one"))
+            joined.time_s.is_none()
+                && joined.notices.iter().any(|notice| notice.contains("reads all without time"))
         );
     }
 

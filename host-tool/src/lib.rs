@@ -16,6 +16,8 @@ pub mod cli_batch;
 pub mod cli_demo;
 pub mod cli_export;
 #[cfg(not(target_arch = "wasm32"))]
+pub mod cli_help;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod cli_page;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod commands;
@@ -24,6 +26,7 @@ pub mod derive;
 pub mod diagnosis_words;
 pub mod exported;
 pub mod failure;
+pub mod field_unit;
 pub mod fit_words;
 pub mod geomag;
 pub mod input;
@@ -35,6 +38,7 @@ pub mod link_args;
 pub mod log_args;
 pub mod output;
 pub mod page;
+pub mod paint;
 pub mod plausible;
 pub mod prior;
 #[cfg_attr(target_arch = "wasm32", path = "progress_none.rs")]

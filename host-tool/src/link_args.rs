@@ -5,7 +5,7 @@ use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// The longest time that is waited for an answer, s.
+/// The longest timeout of an answer, s.
 const LONGEST_WAIT_S: f64 = 3600.0;
 
 /// Where the board is.
@@ -23,7 +23,7 @@ pub struct LinkArgs {
     /// The board's console behind a TCP port, as in localhost:4000
     #[arg(long, value_name = "ADDR", help_heading = "The board")]
     pub tcp: Option<String>,
-    /// How long an answer may take, seconds (a board answers within 2)
+    /// Timeout for an answer, in seconds (a board answers within 2)
     #[arg(long, value_name = "S", default_value_t = 10.0, help_heading = "The board")]
     pub wait: f64,
 }
@@ -54,9 +54,9 @@ pub fn wait(seconds: f64) -> Outcome<Duration> {
   ironout send cal.json --port /dev/ttyACM0
   ironout send cal.json --tcp localhost:4000
 
-The board checks all of it before anything changes, stores it as if it had been
-made there, and gives it back to be compared. A transfer that is cut changes
-nothing. Exit status 1: the board refused, and says why.")]
+The board checks the whole calibration before it changes anything, stores it
+like its own, and returns it for comparison. An interrupted transfer changes
+nothing. Exit status 1: the board refused; the reason is printed.")]
 pub struct SendArgs {
     /// The calibration, as fit writes it
     pub cal: PathBuf,
@@ -71,8 +71,8 @@ pub struct SendArgs {
   ironout fetch --port /dev/ttyACM0 -o cal.json
   ironout export cal.json --as c
 
-What a later fit can build on (fit --prior) comes with it where the board has
-it: of a calibration that was made there or sent to it, and not after effect add.")]
+If the board still has the covariance (it is lost after effect add), the file
+also contains it, so that fit --prior can use it.")]
 pub struct FetchArgs {
     /// Write the board's calibration here
     #[arg(short, long, value_name = "CAL.json")]
@@ -90,16 +90,16 @@ pub struct FetchArgs {
   ironout fit log.csv -o cal.json
 
 The log has the board's own time stamps, the field in microtesla and every
-column that the board knows. Samples that were lost are marked. When the cable
-is pulled, recording goes on as soon as the board is back.")]
+column that the board knows. Lost samples are marked. If the board is
+disconnected, recording continues when it is back.")]
 pub struct RecordArgs {
     /// Write the log here (whole, at the end)
     #[arg(short, long, value_name = "LOG.csv")]
     pub output: PathBuf,
-    /// Stop after so many seconds of the board's clock (without it: at Ctrl-C)
+    /// Stop after this many seconds of the board's clock (default: at Ctrl-C)
     #[arg(long, value_name = "S")]
     pub seconds: Option<f64>,
-    /// How long a board that is gone is waited for, seconds
+    /// How long to wait for a disconnected board, in seconds
     #[arg(long, value_name = "S", default_value_t = 60.0)]
     pub patience: f64,
     #[command(flatten)]

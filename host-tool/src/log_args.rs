@@ -14,17 +14,17 @@ pub const SAVED: &str = "log.csv";
 /// Options about reading a log.
 #[derive(Debug, Args, Clone)]
 pub struct LogArgs {
-    /// The log: any format that is read (docs/formats.md), told by its content; - is standard input
+    /// The log, in any supported format (docs/formats.md); ironout detects the format from the content; - is standard input
     pub log: PathBuf,
     /// Further logs of the same sensor in the same mounting
     #[arg(value_name = "LOG")]
     pub more: Vec<PathBuf>,
-    /// Scale of mx_counts,… in microtesla a count: one number, or three for x,y,z
+    /// Scale of raw counts, in µT per count: one number, or three (x,y,z)
     #[arg(long, value_name = "UT[,UT,UT]", help_heading = "Reading the log", allow_hyphen_values = true)]
     pub ut_per_count: Option<String>,
     /// Which column is what, with its unit (repeatable)
     #[arg(
-        help = "Which column is what: mx_ut=MagX,my_ut=MagY,mz_ut=MagZ, with its unit as in t_s=time[ms] or mx_ut=MagX[mG] (repeatable)"
+        help = "Map columns: NAME=HEADER[UNIT], e.g. mx_ut=MagX[mG],my_ut=MagY[mG],mz_ut=MagZ[mG],t_s=time[ms] (repeatable)"
     )]
     #[arg(long, value_name = "NAME=HEADER[UNIT],…", help_heading = "Reading the log")]
     pub map: Vec<String>,
@@ -32,10 +32,10 @@ pub struct LogArgs {
     /// numbers; mag:, accel: or gyro: before it turns one sensor only (repeatable)
     #[arg(long, value_name = "ROTATION", help_heading = "Reading the log", allow_hyphen_values = true)]
     pub rotate: Vec<String>,
-    /// Which magnetometer of the log, where it has several
+    /// Which magnetometer of the log, if it has several
     #[arg(long, value_name = "N", help_heading = "Reading the log")]
     pub instance: Option<usize>,
-    /// A further column, computed from others row by row: 'drive=throttle^1.5*vbat' (repeatable); operators + - * / ^,
+    /// Add a computed column, row by row: 'drive=throttle^1.5*vbat' (repeatable); operators + - * / ^,
     /// functions sin, sqrt, exp, min(a,b), diff(x), lowpass(x,seconds) …
     #[arg(
         long,
@@ -44,13 +44,15 @@ pub struct LogArgs {
         allow_hyphen_values = true
     )]
     pub derive: Vec<String>,
-    /// Leave a column out, as if the log did not contain it (repeatable)
+    /// Ignore a column, as if the log did not contain it (repeatable)
     #[arg(long, value_name = "COLUMN", help_heading = "Reading the log")]
     pub ignore: Vec<String>,
-    /// Broken numbers of the magnetometer, mended (repeatable): unsigned, swapped-bytes, signed-low-byte, x:unwrap=…, x:late=ROWS,
+    /// Broken numbers of the magnetometer, repaired (repeatable): unsigned, swapped-bytes, signed-low-byte, x:unwrap=…, x:late=ROWS,
     /// range, error-code=VALUE; none takes them as they are
     #[arg(
-        help = "Mend broken numbers of the magnetometer: unsigned | swapped-bytes | signed-low-byte | x:unwrap=MODULUS/FROM | x:late=ROWS | range | error-code=VALUE, with the axes in front where it is not all of them (xy:unsigned); none takes the numbers as they are (repeatable)"
+        help = "Repair corrupted magnetometer numbers: unsigned | swapped-bytes | signed-low-byte | x:unwrap=MODULUS/FROM | \
+             x:late=ROWS | range | error-code=VALUE, prefixed with the axes if not all are affected (xy:unsigned); none \
+             uses the numbers unchanged (repeatable)"
     )]
     #[arg(long, value_name = "REPAIR", help_heading = "Reading the log", allow_hyphen_values = true)]
     pub repair: Vec<String>,
@@ -134,15 +136,15 @@ impl LogArgs {
     }
 }
 
-/// A file as it is typed: one that begins with a minus would be taken for an option.
+/// A file as it is typed: one that begins with a minus would be read as an option.
 fn typed_path(path: &str) -> String {
     if path.starts_with('-') && path != "-" { quoted(&format!("./{path}")) } else { quoted(path) }
 }
 
-/// Microtesla a count for x, y, z, of one number or of three.
+/// Scale in µT per count for x, y, z, of one number or of three.
 ///
 /// # Errors
-/// What is no positive number, with the form.
+/// What is not a positive number, with the form.
 pub fn scale(text: &str) -> Outcome<[f64; 3]> {
     let values: Option<Vec<f64>> = text
         .split(',')
@@ -152,8 +154,8 @@ pub fn scale(text: &str) -> Outcome<[f64; 3]> {
         Some([one]) => Ok([*one; 3]),
         Some([x, y, z]) => Ok([*x, *y, *z]),
         _ => Err(Failure::usage(format!(
-            "--ut-per-count {text}: expected one positive number, or three for x,y,z, in microtesla a count, as in \
-             --ut-per-count 0.0333 (an axis of the wrong sign is for --rotate)"
+            "--ut-per-count {text}: expected one positive number, or three for x,y,z, in µT per count, as in \
+             --ut-per-count 0.0333 (for an axis with the wrong sign use --rotate)"
         ))),
     }
 }
@@ -172,13 +174,13 @@ pub enum MethodArg {
 /// Options about the field and the method.
 #[derive(Debug, Args, Clone)]
 pub struct FieldArgs {
-    /// The magnitude to scale corrected vectors to, microtesla (without it, the log's own mean is kept)
+    /// Field strength of corrected vectors, in µT (default: mean field strength of the log)
     #[arg(long, value_name = "UT", conflicts_with = "at", allow_hyphen_values = true)]
     pub field: Option<f64>,
-    /// The same from the world magnetic model: degrees north, degrees east, YYYY-MM-DD
+    /// Set the field strength from the World Magnetic Model at this latitude, longitude (degrees) and date (YYYY-MM-DD)
     #[arg(long, value_name = "LAT,LON,DATE", allow_hyphen_values = true)]
     pub at: Option<String>,
-    /// How to fit offset and matrix (with effects, or on top of --prior, everything is fitted at once)
+    /// How to fit offset and matrix (with --add or --prior, everything is fitted together)
     #[arg(long, value_enum, default_value_t = MethodArg::Adjusted)]
     pub method: MethodArg,
 }
@@ -205,7 +207,7 @@ impl FieldArgs {
     /// The method of the base model.
     ///
     /// # Errors
-    /// Where effects or an earlier calibration are to be fitted together with it, which these methods do not.
+    /// If effects or an earlier calibration are to be fitted together with it, which these methods do not.
     pub fn method_with(&self, add: &[String], prior: Option<&PathBuf>) -> Outcome<Method> {
         let method = match self.method {
             MethodArg::Adjusted => Method::Adjusted,
@@ -214,11 +216,29 @@ impl FieldArgs {
         };
         if method != Method::Adjusted && !(add.is_empty() && prior.is_none()) {
             return Err(Failure::usage(format!(
-                "--method {}: with --add and --prior everything is fitted at once, which these methods do not: leave it out",
+                "--method {}: this method cannot be combined with --add or --prior. Omit it",
                 method.name()
             )));
         }
         Ok(method)
+    }
+
+    /// The options as they are typed. With effects, everything is fitted together, whatever the base's method.
+    pub fn typed(&self, with_effects: bool) -> String {
+        let mut words = String::new();
+        if let Some(field) = self.field {
+            words.push_str(&typed_option("--field", &field.to_string()));
+        }
+        if let Some(at) = &self.at {
+            words.push_str(&typed_option("--at", at));
+        }
+        match self.method {
+            MethodArg::Adjusted => {}
+            _ if with_effects => {}
+            MethodArg::Trace => words.push_str(" --method trace"),
+            MethodArg::Constant => words.push_str(" --method constant"),
+        }
+        words
     }
 
     /// The expected field; errors name the option.

@@ -1,6 +1,7 @@
 //! Words and tables on standard output.
 
 use crate::failure::{Failure, Outcome};
+use crate::paint;
 use std::io::{self, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,7 +25,7 @@ pub fn leave_to(path: Option<&Path>, json: bool) -> Outcome<()> {
     }
     if json {
         return Err(Failure::usage(
-            "-o - and --json both write to standard output: name a file with -o, or leave --json out",
+            "-o - and --json both write to standard output. Name a file with -o, or omit --json",
         ));
     }
     TAKEN.store(true, Ordering::Relaxed);
@@ -77,11 +78,11 @@ pub fn json_number(value: Option<f64>) -> serde_json::Value {
     value.filter(|value| value.is_finite()).map_or(serde_json::Value::Null, serde_json::Value::from)
 }
 
-/// Several lines on standard output, each with its end.
+/// Several lines on standard output, each with its end; in colour if the terminal shows it and `NO_COLOR` is not set.
 pub fn text(text: &str) {
     if TAKEN.load(Ordering::Relaxed) {
-        eprint!("{text}");
+        anstream::eprint!("{}", paint::text(text));
         return;
     }
-    note(write!(io::stdout(), "{text}"));
+    note(write!(anstream::stdout(), "{}", paint::text(text)));
 }

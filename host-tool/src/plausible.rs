@@ -71,7 +71,7 @@ pub fn hold(log: &mut Log, arguments: &LogArgs, known: &Known) -> Outcome<()> {
     };
     if computed {
         log.notices.push(
-            "heading_deg is left out: it is computed from this field, so it contains its errors and is not a reference".into(),
+            "ironout ignores heading_deg: it is computed from this field, so it is not a reference".into(),
         );
         log.heading_deg = None;
     }
@@ -111,8 +111,8 @@ pub fn hold(log: &mut Log, arguments: &LogArgs, known: &Known) -> Outcome<()> {
 
 fn coarse_words(coarse: &Coarse) -> String {
     format!(
-        "the readings move in steps of {} µT, {:.0} % of the field ({} µT): the low byte of the numbers is lost, or digits are cut off, or \
-         the range is far too wide. Fix: log every bit of the sensor, in a range of a few times the field",
+        "the readings change in steps of {} µT, {:.0} % of the field ({} µT): the low byte of the numbers is lost, digits \
+         are missing, or the range is far too wide. Fix: log every bit of the sensor, in a range of a few times the field",
         short(coarse.step_ut),
         100.0 * coarse.step_ut / coarse.field_ut,
         short(coarse.field_ut)
@@ -136,7 +136,7 @@ fn hold_field(log: &mut Log, arguments: &LogArgs, known: &Known, size: &FieldSiz
         return Ok(());
     }
     let measured = format!(
-        "the magnetometer turned in a field of {}{} µT as it is read ({}, {} readings)",
+        "with this unit the field is {}{} µT ({}, {} readings)",
         if size.is_radius() { "" } else { "at least " },
         short(size.field_ut),
         match size.evidence {
@@ -155,7 +155,7 @@ fn hold_field(log: &mut Log, arguments: &LogArgs, known: &Known, size: &FieldSiz
     if let (Known::Given(field), Some(scale)) = (known, log.ut_per_count) {
         let [x, y, z] = scale.map(|scale| short(scale * field / size.field_ut));
         log.notices.push(format!(
-            "{measured}, and {expected}: the scale of the counts is rather {x}, {y}, {z} µT; the calibration carries the factor"
+            "{measured}, but {expected}. The scale of the counts is probably {x}, {y}, {z} µT per count. The calibration includes this factor"
         ));
         return Ok(());
     }
@@ -178,8 +178,9 @@ fn scale_question() -> Question {
 fn scale_remedy(scale: &[f64; 3], field_ut: f64) -> String {
     let of = |field: f64| scale.map(|scale| short(scale * field / field_ut)).join(",");
     format!(
-        "The scale of the counts must lie between {} and {} µT (see the data sheet, and the range that is set); nearest to the \
-         middle is\n    --ut-per-count {}\nA field of its own (a coil) is said with --field UT",
+        "The scale must be between {} and {} µT per count (see the data sheet and the configured range), for \
+         example\n    --ut-per-count {}\nIf the sensor is in an artificial field (a coil), give its strength with --field \
+         UT",
         of(22.0),
         of(67.0),
         of(45.0)
@@ -194,17 +195,17 @@ fn hold_clock(
     rate: Option<&OddRate>,
 ) -> Outcome<()> {
     let mut text = format!(
-        "the rows are {} s apart as the time is read, {} s from the first to the last (median of {} steps)",
+        "with this unit of time the rows are {} s apart, {} s from first to last (median of {} steps)",
         short(clock.step_s),
         short(clock.seconds),
         clock.steps
     );
     if clock.certain {
-        text.push_str(", which no magnetometer is");
+        text.push_str(", which is implausible for a magnetometer");
     }
     if let (Some(_), Some(rate)) = (by_gyro, rate) {
         text.push_str(&format!(
-            ", and the gyro turned {} times as far in that time as the {} did",
+            ", and in that time the gyro rotates {} times as far as the {}",
             short(1.0 / rate.factor),
             if rate.by_field { "field" } else { "accelerometer" }
         ));
@@ -219,7 +220,7 @@ fn hold_clock(
     }
     if clock.certain && units.is_empty() {
         // Nothing mends it: a log without time can still be fitted.
-        log.notices.push(format!("{text}; the log is read without time"));
+        log.notices.push(format!("{text}. ironout reads the log without time"));
         log.time_s = None;
         return Ok(());
     }
@@ -254,13 +255,11 @@ fn time_option(log: &Log, arguments: &LogArgs, factor: f64) -> Option<String> {
 
 fn rate_words(log: &Log, arguments: &LogArgs, rate: &OddRate) -> String {
     let what = if rate.by_field { "the field" } else { "gravity" };
-    let unit = rate
-        .unit
-        .map_or("a unit that is none of the usual (raw counts?)".to_string(), |(unit, _)| unit.to_string());
+    let unit = rate.unit.map_or("an unusual unit (raw counts?)".to_string(), |(unit, _)| unit.to_string());
     let factor = rate.unit.map_or(rate.factor, |(_, size)| size);
     format!(
-        "the gyro is left out: its numbers are {} times the turning that {what} shows ({:.0} % of which they explain, {} \
-         stretches), so they are in {unit}, not in rad/s. Say so with\n   {}",
+        "ironout ignores the gyro: its numbers are {} × the rotation of {what} ({:.0} % explained, {} segments), so they \
+         are in {unit}, not in rad/s. To use it, add\n   {}",
         short(1.0 / rate.factor),
         100.0 * rate.explained,
         rate.stretches,
@@ -296,7 +295,7 @@ fn gyro_options(log: &Log, arguments: &LogArgs, factor: f64) -> String {
 
 fn axes_words(axes: &OddAxes) -> String {
     let figures = format!(
-        "{:.0} % of the turning is explained as it is, {:.0} % then; {} stretches",
+        "{:.0} % of the rotation is explained now, {:.0} % then; {} segments",
         100.0 * axes.explained,
         100.0 * axes.explained_then,
         axes.stretches
@@ -323,14 +322,15 @@ fn axes_words(axes: &OddAxes) -> String {
     let mirrored = axes.orders.iter().all(|order| order.is_mirrored());
     let mut text = format!("{whose} ({figures})");
     if left_out {
-        text.push_str("; the gyro is left out");
+        text.push_str(". ironout ignores the gyro");
     }
     match axes.orders.as_slice() {
         [one] => text.push_str(&format!(
             ". They agree with\n   {}{}",
             typed_option("--rotate", &format!("{form}:{}", one.name())),
             if mirrored {
-                format!("\nThat is a mirror, which no mounting makes: the {sensor}'s driver has an axis or a sign wrong")
+                format!("\nThis is a mirror image, so it cannot be a mounting: the {sensor}'s driver has a wrong axis or \
+                     sign")
             } else {
                 String::new()
             }
@@ -338,15 +338,15 @@ fn axes_words(axes: &OddAxes) -> String {
         several => {
             let names: Vec<String> = several.iter().take(6).map(|order| quoted(&order.name())).collect();
             text.push_str(&format!(
-                ". The log was turned about too few axes to say in which order they agree ({}): turn it about all three",
+                ". The sensor was rotated about too few axes to determine the correct order ({}). Rotate it about all three",
                 names.join(", ")
             ));
         }
     }
     if let (Whose::LikelyMagnetometer, [one]) = (axes.whose, axes.orders.as_slice()) {
         text.push_str(&format!(
-            "\nWhich of the two stands otherwise the accelerometer does not tell. Gyro and accelerometer are mostly one chip: the \
-             magnetometer is taken for the odd one. If it is the gyro, read the log with\n   {}",
+            "\nThe accelerometer cannot show which of the two has other axes. Gyro and accelerometer are usually one chip, \
+             so ironout assumes that it is the magnetometer. If it is the gyro, read the log with\n   {}",
             typed_option("--rotate", &format!("gyro:{}", one.back().name()))
         ));
     }
@@ -355,9 +355,7 @@ fn axes_words(axes: &OddAxes) -> String {
         Whose::GyroOrAccelerometer => "accelerometer",
         _ => return text,
     };
-    text.push_str(&format!(
-        "\nOr it is the {other} that stands otherwise: this log does not tell which of the two"
-    ));
+    text.push_str(&format!("\nOr the {other} has other axes. This log cannot show which of the two"));
     text
 }
 
@@ -365,15 +363,15 @@ fn gravity_words(gravity: &OddGravity) -> String {
     let OddGravity { magnitude_mps2, readings, unit, weightless } = gravity;
     let measured = format!("the accelerometer reads {} m/s² (median of {readings})", short(*magnitude_mps2));
     match unit {
-        Some((unit, _)) => format!(
-            "{measured}, which is gravity in {unit} and not in m/s²: of it only the direction is used, the same in any unit"
-        ),
+        Some((unit, _)) => {
+            format!("{measured}, which is gravity in {unit}, not in m/s². ironout uses its direction only")
+        }
         None if *weightless => format!(
-            "{measured}, so there is no gravity in it (a phone's \"linear acceleration\"): it is left out; log the \
+            "{measured}, so it does not contain gravity (a phone's \"linear acceleration\"). ironout ignores it. Log the \
              accelerometer with gravity"
         ),
         None => format!(
-            "{measured} where at rest it must be 9.8: its scale is another one; only the direction is used"
+            "{measured}, but at rest it must be 9.8, so its scale is wrong. ironout uses its direction only"
         ),
     }
 }

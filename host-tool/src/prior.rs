@@ -46,8 +46,11 @@ pub fn from(from: &Path, log: &Log, arguments: &LogArgs, options: &Options, json
     let options = Options { prior: None, purpose: Purpose::AsShown, ..options.clone() };
     let fitted = fit(&Table::from(&other), &options).map_err(|refused| refusal::failure(refused, from))?;
     if !fitted.accepted {
-        let why = fitted.reasons.first().cloned().unwrap_or_default();
-        return Err(Failure::usage(format!("its own fit is refused, so it is no prior: {why}")).in_file(from));
+        let why = fitted.reasons.first().map(ToString::to_string).unwrap_or_default();
+        return Err(Failure::usage(format!(
+            "its own fit is refused, so it cannot be used as a prior: {why}"
+        ))
+        .in_file(from));
     }
     let mut file = CalFile::of(&fitted, options.method.name());
     let columns: Vec<String> = file.fit.effects.iter().flat_map(|effect| effect.columns.clone()).collect();
@@ -108,14 +111,14 @@ fn of_file(file: &CalFile, path: &Path, log: &Log, arguments: &LogArgs) -> Outco
     let mut conditions = file.conditions.clone();
     for entry in &file.fit.effects {
         let cannot = |why: String| {
-            Failure::usage(format!("its effect {} cannot be carried over to this log: {why}", entry.id))
+            Failure::usage(format!("its effect {} cannot be used with this log: {why}", entry.id))
                 .in_file(path)
         };
         let fitted = effects::from_entry(entry, REGISTRY).map_err(cannot)?;
         let Parts { column, reference, .. } = *fitted.effect.parts();
         if !fitted.effect.family().is_proportional(&fitted.effect.parts().borrowed()) {
             return Err(cannot(format!(
-                "only offsets in proportion to a column are ({})",
+                "only offsets proportional to a column can be ({})",
                 fitted.effect.name()
             )));
         }

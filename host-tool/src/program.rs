@@ -1,7 +1,7 @@
 //! The whole program: a command line in, an exit status out.
 
 use crate::failure::{self, EXIT_USAGE, Failure};
-use crate::{cli, commands, output, wrap};
+use crate::{cli, commands, field_unit, output, paint, wrap};
 use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -11,8 +11,9 @@ pub fn run(arguments: Vec<OsString>) -> ExitCode {
     let json = arguments.iter().any(|argument| argument == "--json");
     let cli = match cli::Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
-        Err(error) => return usage(&error, json),
+        Err(error) => return usage(&advised(error), json),
     };
+    field_unit::choose(cli.unit);
     match commands::run(&cli) {
         Ok(status) => delivered(status),
         Err(failure) => {
@@ -38,8 +39,25 @@ fn report(failure: &Failure, json: bool) {
     if json {
         output::line(&failure.to_json().to_string());
     } else {
-        eprintln!("{}", wrap::message(&format!("error: {failure}"), wrap::WIDTH));
+        let text = wrap::message(&format!("error: {failure}"), wrap::WIDTH);
+        anstream::eprintln!("{}", paint::text(&text));
     }
+}
+
+/// An error of usage without advice that fits no option of this program (`use '-- --units'`).
+fn advised(mut error: clap::Error) -> clap::Error {
+    use clap::error::{ContextKind, ContextValue};
+    let misleads = matches!(error.get(ContextKind::Suggested), Some(ContextValue::StyledStrs(list))
+        if list.iter().any(|text| text.to_string().contains("to pass '")));
+    if misleads {
+        error.remove(ContextKind::Suggested);
+        let unit = "'--map mx_ut=HEADER[mG]' states the unit of a column, '--unit' that of the output";
+        if matches!(error.get(ContextKind::InvalidArg), Some(ContextValue::String(name)) if name.starts_with("--unit"))
+        {
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![unit.into()]));
+        }
+    }
+    error
 }
 
 /// Help and version are answers; everything else clap says is an error of usage.

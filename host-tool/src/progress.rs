@@ -102,7 +102,7 @@ impl Drop for Counting {
     }
 }
 
-/// A template of the program's own, which cannot be wrong; the usual bar if it were.
+/// A template of the program's own, implausible wrong; the usual bar if it were.
 fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template)
         .unwrap_or_else(|_| ProgressStyle::default_bar())

@@ -1,8 +1,9 @@
 //! The *read as* block: what was decided while a log was read, and the options that pin it.
 
 use crate::input::{Log, ReadAs, ReadColumn};
+use crate::output::json_number;
 use crate::shell::typed_option;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 /// Columns shown, a vector counted once.
 const SHOWN: usize = 24;
@@ -22,7 +23,7 @@ pub fn text(log: &Log) -> String {
     let rows = vectors(&read.columns);
     rows.iter().take(SHOWN).for_each(|row| push(&mut out, "  ", row));
     if rows.len() > SHOWN {
-        push(&mut out, "  ", &format!("… and {} columns more", rows.len() - SHOWN));
+        push(&mut out, "  ", &format!("… and {} more columns", rows.len() - SHOWN));
     }
     read.reasons.iter().for_each(|reason| push(&mut out, "  because: ", reason));
     read.taken_out.iter().for_each(|what| push(&mut out, "  taken out: ", what));
@@ -71,6 +72,20 @@ pub fn text(log: &Log) -> String {
 /// The options that pin the reading, as a POSIX shell takes them, each after a blank.
 pub fn pins(read: &ReadAs) -> String {
     read.pins.iter().map(|(option, value)| typed_option(option, value)).collect()
+}
+
+/// What a JSON answer says of its input, next to the answer itself: the program's version, the input, its notes, how it was read.
+pub fn context(log: &Log) -> Map<String, Value> {
+    let seconds = log.time_s.as_ref().and_then(|time| Some(time.last()? - time.first()?));
+    let mut map = Map::new();
+    map.insert("version".into(), env!("CARGO_PKG_VERSION").into());
+    map.insert(
+        "input".into(),
+        json!({"path": log.path.display().to_string(), "rows": log.rows, "seconds": json_number(seconds)}),
+    );
+    map.insert("notes".into(), json!(log.notices));
+    map.insert("read_as".into(), json(log));
+    map
 }
 
 /// The same for `--json`, under `read_as`.

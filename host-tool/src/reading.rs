@@ -195,7 +195,7 @@ impl Reading {
         }
         lines.push(format!("here  {}", failure.message));
         let told = Failure::usage(format!(
-            "this log cannot be read as that of {} was:\n{}\nsay how this one is to be read (--map, --instance), or fit again",
+            "this log cannot be read like that of {}:\n{}\nFix: use --map or --instance, or fit again",
             file.display(),
             lines.join("\n")
         ));
@@ -226,8 +226,8 @@ impl Reading {
 
 fn differs(file: &Path, lines: &[String]) -> Failure {
     Failure::usage(format!(
-        "this calibration is of a log that was read otherwise:\n{}\nleave these options out (the calibration knows its own), or \
-         fit again; --rotate none says that a log stands in body axes already",
+        "the log of this calibration was read differently:\n{}\nFix: omit these options (the calibration contains its own), \
+         or fit again. If a log is in body axes already, use --rotate none",
         lines.join("\n")
     ))
     .in_file(file)

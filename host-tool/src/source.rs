@@ -2,7 +2,7 @@
 
 use crate::along;
 use crate::cal_file::CalFile;
-use crate::cli::LogArgs;
+use crate::cli::{Form, LogArgs};
 use crate::derive::{self, Definition};
 use crate::failure::{Failure, Outcome};
 use crate::input::{self, Log, Mounting, ReadOptions};
@@ -11,17 +11,18 @@ use crate::plausible::{self, Known};
 use crate::read_block;
 use crate::reading::Reading;
 use crate::wrap;
+use ironout_analysis::similar;
 use std::path::Path;
 
 /// Reads the logs as one, whatever field is in them. Counts may keep their unit: without a scale they are counts of one. How each was
 /// read is said, unless `json`: then the caller gives [`read_block::json`] a place in its object.
 pub fn read_raw(arguments: &LogArgs, json: bool) -> Outcome<Log> {
     let log = |path: &std::path::PathBuf| {
-        let log = one(arguments, path, Some([1.0; 3]), &[], Voice::of(json))?;
-        say(&log, Voice::of(json));
+        let log = one(arguments, path, Some([1.0; 3]), &[], Voice::from(json))?;
+        say(&log, Voice::from(json));
         Ok(log)
     };
-    whole(arguments.logs().map(log).collect::<Outcome<Vec<Log>>>()?)
+    whole(arguments.logs().map(log).collect::<Outcome<Vec<Log>>>()?, Voice::from(json))
 }
 
 /// Reads the logs as one for a fit, each held against what is known of the field; on top of an earlier calibration as that
@@ -33,8 +34,9 @@ pub fn read_held(
     arguments: &LogArgs,
     prior: Option<&Path>,
     known: &Known,
-    json: bool,
+    voice: impl Into<Voice>,
 ) -> Outcome<(Log, LogArgs)> {
+    let voice = voice.into();
     let cal = prior.map(CalFile::read).transpose()?;
     let known = match (&cal, known) {
         (Some(cal), Known::Earth) => Known::of(cal),
@@ -44,7 +46,7 @@ pub fn read_held(
     let mut used = None;
     let mut logs = Vec::new();
     for path in arguments.logs() {
-        let (log, filled) = as_kept(&arguments.alone(path), reading, &known, Voice::of(json))?;
+        let (log, filled) = as_kept(&arguments.alone(path), reading, &known, voice)?;
         logs.push(log);
         used.get_or_insert(filled);
     }
@@ -53,7 +55,7 @@ pub fn read_held(
         more: arguments.more.clone(),
         ..used.unwrap_or_else(|| arguments.clone())
     };
-    Ok((whole(logs)?, used))
+    Ok((whole(logs, voice)?, used))
 }
 
 /// Reads the logs as one for a calibration, which knows how its own was read.
@@ -61,7 +63,7 @@ pub fn read_held(
 /// # Errors
 /// Those of reading, and a log that is read in another scale or mounting than the calibration's.
 pub fn read_for(arguments: &LogArgs, cal: &CalFile, file: &Path, json: bool) -> Outcome<Log> {
-    whole(read_each_for(arguments, cal, file, json)?)
+    whole(read_each_for(arguments, cal, file, json)?, Voice::from(json))
 }
 
 /// The same, log by log.
@@ -69,7 +71,7 @@ pub fn read_each_for(arguments: &LogArgs, cal: &CalFile, file: &Path, json: bool
     let (reading, known) = (cal.reading.as_ref().map(|reading| (reading, file)), Known::of(cal));
     arguments
         .logs()
-        .map(|path| Ok(as_kept(&arguments.alone(path), reading, &known, Voice::of(json))?.0))
+        .map(|path| Ok(as_kept(&arguments.alone(path), reading, &known, Voice::from(json))?.0))
         .collect()
 }
 
@@ -84,17 +86,28 @@ pub fn read_quietly_for(arguments: &LogArgs, cal: &CalFile, file: &Path) -> Outc
 
 /// What is said on standard error while a log is read.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Voice {
+pub enum Voice {
     /// How the log was read, and notes.
     All,
     /// Notes.
     Notes,
+    /// Nothing.
     Silent,
 }
 
-impl Voice {
-    fn of(json: bool) -> Self {
+impl From<bool> for Voice {
+    fn from(json: bool) -> Self {
         if json { Voice::Notes } else { Voice::All }
+    }
+}
+
+impl From<Form> for Voice {
+    fn from(form: Form) -> Self {
+        match form {
+            Form::Json => Voice::Notes,
+            Form::Line => Voice::Silent,
+            Form::Brief | Form::Full => Voice::All,
+        }
     }
 }
 
@@ -119,7 +132,8 @@ fn as_kept(
             let mut log =
                 held(&filled, Some(reading), known, voice).map_err(|_| reading.cannot(file, &failure))?;
             let notice = format!(
-                "it has not the columns of the calibration's log (--map {}), and is read by its own names",
+                "the columns named in the calibration are missing here (--map {}), so ironout uses the file's own column \
+                 names",
                 reading.map.join(" --map ")
             );
             if voice != Voice::Silent {
@@ -192,8 +206,10 @@ fn ignore(log: &mut Log, names: &[String]) -> Outcome<()> {
         if log.covariate(name).is_none() {
             let known: Vec<&str> = log.covariates.iter().map(|column| column.name.as_str()).collect();
             let has = if known.is_empty() { "none".into() } else { known.join(", ") };
+            let meant = similar::did_you_mean(name, known.iter().copied());
+            let meant = meant.map_or(String::new(), |meant| format!(" {meant}"));
             return Err(Failure::usage(format!(
-                "--ignore {name}: the log has no such column. Fix: take one of {has}"
+                "--ignore {name}: the log has no such column.{meant} It has {has}"
             )));
         }
         log.covariates.retain(|column| column.name != *name);
@@ -234,7 +250,7 @@ pub fn finish_quietly(log: Log, arguments: &LogArgs, known: &Known) -> Outcome<L
     Ok(log)
 }
 
-fn whole(logs: Vec<Log>) -> Outcome<Log> {
+fn whole(logs: Vec<Log>, voice: Voice) -> Outcome<Log> {
     // Told already, each under its own name.
     let logs: Vec<Log> = logs.into_iter().map(|log| Log { notices: Vec::new(), ..log }).collect();
     let several = logs.len() > 1;
@@ -244,7 +260,9 @@ fn whole(logs: Vec<Log>) -> Outcome<Log> {
     if several {
         let apart = logs_apart.then(|| along::travels(&log, "each log by its own places")).flatten();
         log.notices.extend(apart);
-        tell(&log, 0);
+        if voice != Voice::Silent {
+            tell(&log, 0);
+        }
     }
     Ok(log)
 }

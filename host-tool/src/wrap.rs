@@ -30,6 +30,14 @@ pub fn hang(text: &str, first: &str, rest: &str, width: usize) -> Vec<String> {
     lines
 }
 
+/// One line of at most `width` characters; what is cut off is marked.
+pub fn shortened(text: &str, width: usize) -> String {
+    match text.chars().count() {
+        count if count > width => text.chars().take(width - 1).chain(['…']).collect(),
+        _ => text.to_string(),
+    }
+}
+
 /// A message of any length for a terminal: its lines broken at `width` and indented from the second on. What begins with
 /// four blanks is to be pasted, and stays on one line.
 pub fn message(text: &str, width: usize) -> String {

@@ -9,7 +9,7 @@ use std::io::{self, Write};
 pub fn comment(log: &Log, arguments: &LogArgs) -> String {
     let mut text = format!("imported from {}\n{}", log.path.display(), read_block::text(log));
     for rotate in &arguments.rotate {
-        text.push_str(&format!("turned with --rotate={rotate}: the columns are in body axes\n"));
+        text.push_str(&format!("rotated with --rotate={rotate}: the columns are in body axes\n"));
     }
     text
 }

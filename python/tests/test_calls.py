@@ -93,7 +93,7 @@ def test_errors_have_the_place_and_the_remedy(tmp_path, clean, hidden):
     assert not refused.accepted and refused.reasons
     with pytest.raises(IronoutError, match="the fit was refused: the predicted error"):
         refused.calibration
-    with pytest.raises(IronoutError, match="no calibration that can be used"):
+    with pytest.raises(IronoutError, match="not a valid ironout calibration"):
         ironout.Calibration("{}")
     with pytest.raises(IronoutError, match="expected one of rust, c"):
         ironout.fit(clean).calibration.export("fortran")

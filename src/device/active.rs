@@ -25,7 +25,7 @@ impl fmt::Display for NotApplied {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             NotApplied::Live(error) => error.fmt(f),
-            NotApplied::Mounting => f.write_str("it was made with the sensor mounted otherwise"),
+            NotApplied::Mounting => f.write_str("it was made with another mounting of the sensor"),
         }
     }
 }

@@ -101,7 +101,8 @@ impl Device {
         let outcome = match self.session.stop() {
             Ok(outcome) => outcome,
             Err(_) => {
-                return reply.err(Code::State, format_args!("nothing is being collected: cal start first"));
+                return reply
+                    .err(Code::State, format_args!("no samples are being collected: cal start first"));
             }
         };
         let mut reasons = outcome.verdict.reasons.iter();
@@ -151,7 +152,7 @@ impl Device {
             Err(error) => reply.err(
                 Code::Store,
                 format_args!(
-                    "{error}: the calibration in use is unchanged, the solution waits; cal accept tries again"
+                    "{error}: the calibration in use is unchanged and the solution is kept; cal accept tries again"
                 ),
             ),
         }
@@ -185,7 +186,7 @@ impl Device {
             }
             Err(error) => reply.err(
                 Code::Store,
-                format_args!("{error}: the calibration in use stays; cal clear tries again"),
+                format_args!("{error}: the calibration in use is unchanged; cal clear tries again"),
             ),
         }
     }
@@ -196,7 +197,7 @@ impl Device {
         let waiting = self.waiting();
         let stored = self.active.as_ref().map(|active| &active.record);
         let Some(record) = stored.or(waiting.as_ref()) else {
-            return reply.err(Code::State, format_args!("there is no calibration: cal start begins one"));
+            return reply.err(Code::State, format_args!("there is no calibration: cal start"));
         };
         // `{:?}` writes the shortest digits that read back to the same bits.
         let [x, y, z] = record.calibration.offset_ut.map(Num);
@@ -229,9 +230,8 @@ impl Device {
 fn refused<W: fmt::Write>(reply: Reply<'_, W>, reason: Option<&Reason>) -> Answered {
     match reason {
         Some(reason) => reply.err(Code::Refused, format_args!("{} {reason}", reason.code())),
-        None => {
-            reply.err(Code::Refused, format_args!("not-finite the solution is no calibration: start again"))
-        }
+        None => reply
+            .err(Code::Refused, format_args!("not-finite the solution is not a calibration: start again")),
     }
 }
 

@@ -75,7 +75,7 @@ impl Device {
             return reply.err(
                 Code::State,
                 format_args!(
-                    "no room: {MAX_TESTED} columns are tested at once ({tested}); forget one first with cov NAME=-"
+                    "no room: {MAX_TESTED} columns are tested at the same time ({tested}); forget one first with cov NAME=-"
                 ),
             );
         }

@@ -16,16 +16,17 @@ const HELP: [&str; 11] = [
     "help | version | status",
     "cal start | cal stop | cal accept [force] | cal cancel | cal show | cal clear",
     "cal method adjusted|trace|constant",
-    "cal dump: the calibration byte by byte; cal load: one from elsewhere (ironout fetch, ironout send)",
+    "cal dump: print the calibration byte by byte; cal load: receive one (ironout fetch, ironout send)",
     "stream off | stream raw | stream cal | stream motioncal | stream log",
     "field UT: the expected magnitude, microtesla",
-    "cov NAME=VALUE: a column that effects may follow, as in cov temp_c=31.5; NAME=- forgets it, NAME=on tests one that the board measures",
-    "heading | heading DECLINATION_DEG: where the front points, clockwise from north; east positive",
+    "cov NAME=VALUE: the value of a column, as in cov temp_c=31.5; NAME=- forgets it, NAME=on tests a column that the board \
+     measures",
+    "heading | heading DECLINATION_DEG: heading of the x axis, clockwise from north; east positive",
     #[cfg(not(feature = "study"))]
     "effect list",
     #[cfg(feature = "study")]
     "why: which effect is missing | effect list | effect add ID | effect remove ID",
-    "a calibration: cal start, turn the board in all directions, cal stop, cal accept",
+    "a calibration: cal start, rotate the sensor in all directions, cal stop, cal accept",
     "status says where to turn next",
 ];
 
@@ -64,7 +65,8 @@ impl Device {
             Line::Packet(bytes) => return self.motioncal_packet(bytes, reply),
             Line::NotText => {
                 return Some(
-                    reply.err(Code::Usage, format_args!("a line holds printable ASCII characters only")),
+                    reply
+                        .err(Code::Usage, format_args!("a line may contain printable ASCII characters only")),
                 );
             }
         };
@@ -175,14 +177,14 @@ impl Device {
             Some(fault) => reply.line(format_args!("sensor {} {fault}", self.config.sensor.name)),
             None => match self.active.as_ref().map(|active| &active.live) {
                 Some(Err(why)) if matches!(status.state, State::Idle) => reply.line(format_args!(
-                    "hint the stored calibration is not applied: {why}; begin another one with: cal start"
+                    "hint the stored calibration is not applied: {why}; start another one with: cal start"
                 )),
                 Some(Ok(live)) if status.state == State::Idle => match live.waits_for() {
                     Some(column) => {
-                        reply.line(format_args!("hint the calibration waits for: cov {column}=VALUE"));
+                        reply.line(format_args!("hint the calibration needs: cov {column}=VALUE"));
                     }
                     None => reply.line(format_args!(
-                        "hint a calibration is in use; begin another one with: cal start"
+                        "hint a calibration is in use; start another one with: cal start"
                     )),
                 },
                 _ => reply.line(format_args!("hint {}", status.hint)),
@@ -203,7 +205,7 @@ impl Device {
         if self.store_watch.is_silent() {
             let [a, b] = self.slots().states;
             reply.line(format_args!(
-                "store does not answer (slots={a},{b}): check its power and wiring; it is asked again by itself"
+                "store does not answer (slots={a},{b}): check its power and wiring; the firmware retries"
             ));
         }
         // What went wrong: restarts of the firmware, lost transactions, and samples out of range.
@@ -211,7 +213,8 @@ impl Device {
             .into_iter()
             .fold(counts.saturated, |sum, faults| sum.saturating_add(u64::from(faults)));
         reply.ok(format_args!(
-            "state={} n={} skipped={} coverage={:.3} gap_deg={:.1} rms_ut={:.4} noise_ut={:.4} calibrated={} faults={faults}",
+            "state={} n={} skipped={} coverage={:.3} gap_deg={:.1} rms_ut={:.4} noise_ut={:.4} calibrated={} \
+             faults={faults}",
             status.state.name(),
             counts.n,
             counts.skipped,
@@ -237,7 +240,7 @@ impl Device {
             StreamMode::Off => "off",
             StreamMode::Raw => "raw",
             StreamMode::Calibrated if self.record().is_none() => {
-                return reply.err(Code::State, format_args!("there is no calibration: cal start begins one"));
+                return reply.err(Code::State, format_args!("there is no calibration: cal start"));
             }
             StreamMode::Calibrated => "cal",
             StreamMode::MotionCal => "motioncal",

@@ -15,7 +15,7 @@ impl Device {
     pub(super) fn cal_dump<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
         let stored = self.active.as_ref().map(|active| active.record);
         let Some(record) = stored.or_else(|| self.waiting()) else {
-            return reply.err(Code::State, format_args!("there is no calibration: cal start begins one"));
+            return reply.err(Code::State, format_args!("there is no calibration: cal start"));
         };
         let encoded = match record.encode() {
             Ok(encoded) => encoded,

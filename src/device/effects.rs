@@ -50,7 +50,7 @@ impl Device {
         }
         reply.line(format_args!("hint offset:NAME is tested from the first cov NAME=VALUE on"));
         reply.line(format_args!(
-            "hint gain, field, nonlinearity, cross-axis and periodic are tested on the host, from a log"
+            "hint the host tests gain, field, nonlinearity, cross-axis and periodic, from a log"
         ));
         reply.ok(format_args!("in_use={}", in_use().count()))
     }
@@ -96,15 +96,13 @@ impl Device {
         outcome: &Outcome,
     ) -> Option<Answered> {
         let Some(candidate) = self.named(id) else {
-            return Some(
-                reply.err(Code::State, format_args!("{id} is not tested any more; see effect list")),
-            );
+            return Some(reply.err(Code::State, format_args!("{id} is no longer tested; see effect list")));
         };
         let finding = outcome.of(candidate);
         if !matches!(finding.status, Status::Missing | Status::Confounded) {
             let text = match finding.status {
-                Status::NotNeeded => "the samples do not ask for it",
-                _ => "the samples cannot tell yet: turn the board longer",
+                Status::NotNeeded => "not significant in these samples",
+                _ => "not enough samples yet: keep rotating the sensor",
             };
             let (status, p) = (finding.status.name(), Num(finding.p_value));
             let (before, after) = (Figure(finding.before), Figure(finding.after));
@@ -117,7 +115,7 @@ impl Device {
             return Some(reply.err(
                 Code::Refused,
                 format_args!(
-                    "error-too-large the base is not known well enough for a calibration yet: turn the board through all directions"
+                    "error-too-large offset and matrix are not accurate enough yet: rotate the sensor through all directions"
                 ),
             ));
         };
@@ -126,7 +124,7 @@ impl Device {
             return Some(reply.err(
                 Code::State,
                 format_args!(
-                    "the calibration has effects of another recording's time: effect remove those first"
+                    "the calibration has effects tied to the time of another recording: effect remove those first"
                 ),
             ));
         }

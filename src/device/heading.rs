@@ -31,14 +31,14 @@ enum Missing {
 impl fmt::Display for Missing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Missing::Calibration => "there is no calibration in use: cal start begins one",
-            Missing::Sample => "no sample in range came within a second",
+            Missing::Calibration => "there is no calibration in use: cal start",
+            Missing::Sample => "no sample in range within one second",
             Missing::Accelerometer => {
-                "which way is down is not known: cov ax_mps2=X ay_mps2=Y az_mps2=Z, at rest 9.81 upwards"
+                "the direction of gravity is unknown: cov ax_mps2=X ay_mps2=Y az_mps2=Z, at rest 9.81 upwards"
             }
-            Missing::Column => "the calibration waits for a column: status names it",
+            Missing::Column => "the calibration needs a column: status names it",
             Missing::Geometry(NoHeading::NotMeasured) => "field or acceleration is zero",
-            Missing::Geometry(NoHeading::Steep) => "the front points up or down: hold it flatter",
+            Missing::Geometry(NoHeading::Steep) => "the x axis points up or down: hold it more level",
             Missing::Geometry(NoHeading::VerticalField) => "the field is vertical here",
         })
     }

@@ -30,10 +30,10 @@ impl fmt::Display for NotTaken {
             NotTaken::NotBegun => f.write_str("no calibration is being loaded: cal load begin first"),
             NotTaken::Length => write!(f, "a record has at most {MAX_RECORD_BYTES} bytes, and 5 at least"),
             NotTaken::Next { received, of } => {
-                write!(f, "byte {received} of {of} comes next; cal load begin starts again")
+                write!(f, "byte {received} of {of} is expected next; cal load begin starts again")
             }
             NotTaken::TooMuch { of } => {
-                write!(f, "the record that was announced has {of} bytes; cal load begin starts again")
+                write!(f, "the announced record has {of} bytes; cal load begin starts again")
             }
         }
     }
@@ -56,15 +56,15 @@ impl fmt::Display for NotLoaded {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             NotLoaded::Crc | NotLoaded::Record(RecordError::Torn | RecordError::Empty) => {
-                f.write_str("crc what came is not what was sent; nothing has changed: send it again")
+                f.write_str("crc the received record is damaged; nothing has changed: send it again")
             }
             NotLoaded::Record(RecordError::Unsupported { version, .. }) => {
                 write!(f, "unsupported this firmware does not read records of version {version}: update it")
             }
             NotLoaded::Record(RecordError::Unsound { .. }) => {
-                f.write_str("unsound its numbers are no calibration; nothing has changed")
+                f.write_str("unsound its numbers are not a valid calibration; nothing has changed")
             }
-            NotLoaded::Mounting => f.write_str("mounting it was made with the sensor mounted otherwise"),
+            NotLoaded::Mounting => f.write_str("mounting it was made with another mounting of the sensor"),
             NotLoaded::Live(error) => write!(f, "not-live {error}"),
         }
     }

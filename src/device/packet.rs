@@ -20,10 +20,9 @@ impl Device {
         reply: Reply<'_, W>,
     ) -> Option<Answered> {
         let Some(packet) = Packet::read(bytes) else {
-            return Some(reply.err(
-                Code::Usage,
-                format_args!("the packet is not what was sent: send the calibration again"),
-            ));
+            return Some(
+                reply.err(Code::Usage, format_args!("the packet is damaged: send the calibration again")),
+            );
         };
         if self.session.state() == State::Collecting {
             return Some(reply.err(

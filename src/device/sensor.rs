@@ -45,13 +45,13 @@ impl fmt::Display for SensorFault {
                 f.write_str("does not answer on the bus: check power, wiring and address")
             }
             SensorFault::WrongChip { expected, found } => {
-                write!(f, "is another chip: identity {found:02x?} where {expected:02x?} is expected")
+                write!(f, "is another chip: identity {found:02x?} instead of {expected:02x?}")
             }
-            SensorFault::NotKept => f.write_str("does not keep its configuration: check its supply"),
+            SensorFault::NotKept => f.write_str("does not keep its configuration: check its supply voltage"),
             SensorFault::Silent => f.write_str("answers but measures nothing: check its supply"),
             SensorFault::InvalidConfig(what) => write!(f, "cannot be configured like this: {what}"),
             SensorFault::AtRest => {
-                f.write_str("is left alone after repeated faults of the firmware (see version): switch the power off and on")
+                f.write_str("is not used after repeated faults of the firmware (see version): switch the power off and on")
             }
         }
     }

@@ -132,7 +132,7 @@ fn status_says_what_keeps_a_calibration_from_use() {
     for (record, hint) in [
         (
             mounted_otherwise,
-            "+ hint the stored calibration is not applied: it was made with the sensor mounted",
+            "+ hint the stored calibration is not applied: it was made with another mounting of the sensor",
         ),
         (drift, "+ hint the calibration waits for: cov t_s=VALUE"),
     ] {
@@ -180,7 +180,7 @@ fn the_heading_needs_a_sample_and_the_way_down_and_takes_a_declination() {
     assert!(answer(&mut device, "heading", 1).starts_with("err sensor "), "nothing was measured");
     // Level, the front to the east: 20 µT of north come from the left.
     device.on_sample(&Reading { counts: [0, -200, 450], overflow: [false; 3] }, 10);
-    assert!(answer(&mut device, "heading", 11).starts_with("err state which way is down is not known"));
+    assert!(answer(&mut device, "heading", 11).starts_with("err state the direction of gravity is unknown"));
     device.on_motion(Some([0.0, 0.0, -9.81]), None);
     assert_eq!(answer(&mut device, "heading", 12), "ok heading_deg=90.0 declination_deg=0.0");
     assert_eq!(answer(&mut device, "heading 3.5", 13), "ok heading_deg=93.5 declination_deg=3.5");
@@ -193,7 +193,7 @@ fn the_heading_needs_a_sample_and_the_way_down_and_takes_a_declination() {
         "it is remembered"
     );
     device.on_motion(Some([-9.81, 0.0, 0.0]), None);
-    assert!(answer(&mut device, "heading", 22).starts_with("err state the front points up or down"));
+    assert!(answer(&mut device, "heading", 22).starts_with("err state the x axis points up or down"));
     device.active = None;
     assert!(answer(&mut device, "heading", 23).starts_with("err state there is no calibration in use"));
 }
@@ -263,7 +263,7 @@ fn a_packet_of_motioncal_is_confirmed_stored_and_applied() {
     let packet = crate::protocol::Packet(calibration).bytes();
     let mut spoilt = packet;
     spoilt[30] ^= 1;
-    assert!(typed(&mut device, &spoilt, 6).starts_with("err usage the packet is not what was sent"));
+    assert!(typed(&mut device, &spoilt, 6).starts_with("err usage the packet is damaged"));
     assert_eq!(
         typed(&mut device, &packet, 7),
         "Cal1:0.0,0.0,0.0,0.0,0.0,0.0,12.5,-30.25,7.0,48.5\nCal2:1.25,0.125,0.0,0.125,1.0,0.0,0.0,0.0,0.75\n\

@@ -115,25 +115,25 @@ impl Device {
             Verdict::Complete => {
                 let besides = if with_in_use(outcome) { " with the effects in use" } else { "" };
                 reply.line(format_args!(
-                    "says COMPLETE: nothing is missing. Offset and matrix{besides} explain these samples down to the sensor's noise."
+                    "says COMPLETE: offset and matrix{besides} explain these samples down to the sensor noise."
                 ));
             }
             Verdict::Missing | Verdict::Confounded | Verdict::Unexplained => {
                 if !missing.is_empty() {
-                    reply.line(format_args!("says MISSING: {}.", self.ids(missing, " and ", Form::Name)));
+                    reply.line(format_args!("says FOUND: {}.", self.ids(missing, " and ", Form::Name)));
                 }
                 for candidate in missing.iter() {
                     let Some(effect) = self.lessons.learner.effect(candidate) else { continue };
                     let (finding, unit) = (
                         outcome.of(candidate),
                         match candidate {
-                            Candidate::Lag if outcome.late_by_turning => "deg of the turning",
+                            Candidate::Lag if outcome.late_by_turning => "deg of the rotation",
                             Candidate::Lag => "deg of the dip",
                             _ => "uT",
                         },
                     );
                     reply.line(format_args!(
-                        "says With it the error falls from {} to {} {unit}: effect add {}",
+                        "says Modelling it reduces the error from {} to {} {unit}: effect add {}",
                         Figure(finding.before),
                         Figure(finding.after),
                         Id(&effect)
@@ -142,14 +142,15 @@ impl Device {
             }
             Verdict::Undetermined => {
                 reply.line(format_args!(
-                    "says UNDETERMINED: too few samples or directions. Turn the board through all directions and ask again."
+                    "says UNDETERMINED: too few samples or directions. Rotate the sensor through all directions and ask \
+                     again."
                 ));
             }
         }
         for candidate in with(Status::Confounded).iter() {
             let partners = outcome.of(candidate).partners;
             reply.line(format_args!(
-                "says CONFOUNDED: {} explain the error equally well, and these samples cannot tell which it is.",
+                "says CONFOUNDED: {} explain the error equally well. These samples cannot show which of them is the cause.",
                 self.ids(partners.with(candidate), " and ", Form::Name)
             ));
             for partner in partners.iter() {
@@ -158,10 +159,10 @@ impl Device {
         }
         if outcome.verdict == Verdict::Unexplained {
             reply.line(format_args!(
-                "says UNEXPLAINED: an error remains that nothing here explains. Feed what changes near the sensor"
+                "says UNEXPLAINED: error remains that no tested effect explains. Send what changes near the sensor"
             ));
             reply.line(format_args!(
-                "says (temperatures, currents, what moves) with cov NAME=VALUE, or log it and let the host diagnose it."
+                "says (temperature, current, moving parts) with cov NAME=VALUE, or log it and run ironout diagnose."
             ));
         }
     }
@@ -170,7 +171,7 @@ impl Device {
     fn separate<W: fmt::Write>(&self, reply: &mut Reply<'_, W>, one: Candidate, other: Candidate) {
         let learner = &self.lessons.learner;
         let (Some(one), Some(other)) = (learner.effect(one), learner.effect(other)) else { return };
-        advice(&one, &other, |text| reply.line(format_args!("says To tell them apart: {text}")));
+        advice(&one, &other, |text| reply.line(format_args!("says To separate them: {text}")));
     }
 
     fn ids(&self, set: Found, between: &'static str, form: Form) -> impl fmt::Display + '_ {
@@ -189,7 +190,8 @@ impl Device {
     }
 }
 
-pub(super) const NOTHING_YET: &str = "nothing to study yet: cal start and turn the board; the study begins as soon as that gives a calibration";
+pub(super) const NOTHING_YET: &str = "no samples to study yet: cal start and rotate the sensor; the study begins with the \
+     first calibration";
 
 fn with_in_use(outcome: &Outcome) -> bool {
     outcome.findings.iter().any(|finding| finding.status == Status::InUse)

@@ -9,7 +9,7 @@ use core::fmt;
 
 /// What is said where nothing better is known.
 const RECORD_AGAIN: &str =
-    "record again for longer, through more attitudes and at different speeds, with pauses";
+    "record again for longer, in more orientations and at different speeds, with pauses";
 
 /// Hands on the recording that would tell two effects of this crate apart, whichever of the two knows one.
 pub(crate) fn advice(one: &BuiltIn<f64>, other: &BuiltIn<f64>, mut use_it: impl FnMut(&dyn fmt::Display)) {

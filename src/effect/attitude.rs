@@ -6,14 +6,14 @@ use super::family::{Advice, Follows, Subject};
 pub(super) fn apart<'a>(_: &Subject<'a>, other: &Subject<'a>) -> Option<Advice<'a>> {
     let text = match other.follows {
         Follows::Attitude => {
-            "record every direction evenly, then again with a small magnet fixed near the sensor (a large offset): \
-             squares and products of axes grow differently with it."
+            "record all directions evenly, then again with a small magnet fixed near the sensor (a large offset): squares \
+             and products of axes grow differently with it."
         }
         Follows::Column => {
-            "hold {0} constant through one log of all directions: what is left is the sensor itself."
+            "keep {0} constant in one log of all directions: the remaining error comes from the sensor itself."
         }
         Follows::Time => {
-            "go through all directions twice in one log: the sensor's own errors repeat, what depends on time does \
+            "move through all directions twice in one log: the sensor's own errors repeat, errors that depend on time do \
              not."
         }
         Follows::Tone | Follows::Turning => return None,

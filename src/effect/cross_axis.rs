@@ -75,7 +75,8 @@ impl Family for CrossAxes {
     }
     fn c(&self, _: &Parts<&str>, _: [&str; MAX_INPUTS], out: &mut dyn fmt::Write) -> fmt::Result {
         out.write_str(
-            "            const ironout_real xy = measured_ut[0] * measured_ut[1], xz = measured_ut[0] * measured_ut[2], yz = \
+            "            const ironout_real xy = measured_ut[0] * measured_ut[1], xz = measured_ut[0] * measured_ut[2], yz \
+             = \
              measured_ut[1] * measured_ut[2];\n            sum[0] += theta[0] * xy + theta[1] * xz + theta[6] * yz;\n            \
              sum[1] += theta[2] * xy + theta[3] * yz;\n            sum[2] += theta[4] * xz + theta[5] * yz;\n",
         )
@@ -93,7 +94,7 @@ impl<T: Real> Effect<T> for CrossAxis {
 
     fn explanation(&self) -> &'static str {
         "The field across a magnetoresistive bridge changes its sensitivity along it. \
-         Each axis' error follows products of readings of different axes."
+         The error of each axis is a sum of products of the readings of different axes."
     }
 
     fn coefficients(&self) -> usize {

@@ -54,7 +54,7 @@ impl Family for Drifts {
     }
     fn apart<'a>(&self, _: &Subject<'a>, other: &Subject<'a>) -> Option<Advice<'a>> {
         (other.follows == Follows::Time && other.is_sudden()).then_some(Advice {
-            text: "record for at least twice as long: a drift goes on, a step stays where it is.",
+            text: "record for at least twice as long: a drift continues, a step stays constant.",
             names: [""; 2],
         })
     }

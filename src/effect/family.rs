@@ -222,7 +222,7 @@ pub trait Family: Sync {
     }
     /// Why a form that only the dip shows cannot be tested where no accelerometer tells the direction down.
     fn without_down(&self) -> &'static str {
-        "only the dip shows it: log ax_mps2,ay_mps2,az_mps2"
+        "it needs an accelerometer: log ax_mps2,ay_mps2,az_mps2"
     }
     /// Columns whose absence from a log is worth a word.
     fn usual_columns(&self) -> &'static [Usual] {

@@ -77,7 +77,8 @@ impl Family for AmbientFields {
         let reference = CNumber(parts.reference);
         write!(
             out,
-            "            const ironout_real value = {input} - {reference};\n            for (i = 0; i < 3; i++) {{\n                \
+            "            const ironout_real value = {input} - {reference};\n            for (i = 0; i < 3; i++) \
+             {{\n                \
              sum[i] += theta[0] * value * left[i];\n            }}\n"
         )
     }
@@ -89,12 +90,12 @@ impl<C: AsRef<str>, T: Real> Effect<T> for AmbientField<C, T> {
     }
 
     fn name(&self) -> &'static str {
-        "ambient field"
+        "field strength proportional to a column"
     }
 
     fn explanation(&self) -> &'static str {
-        "The Earth's field, or that of a building, is not the same everywhere and always. \
-         Its magnitude follows this column, whatever the attitude."
+        "The field of the Earth or of a building is not constant in space and time. Its magnitude changes with this column, \
+         independent of the orientation."
     }
 
     fn columns(&self) -> [Option<Column<'_, T>>; MAX_INPUTS] {

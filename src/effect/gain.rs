@@ -88,9 +88,9 @@ impl<C: AsRef<str>, T: Real> Effect<T> for Gain<C, T> {
 
     fn name(&self) -> &'static str {
         match Kind::of(self.column.as_ref()) {
-            Kind::Temperature => "temperature gain",
-            Kind::Current => "gain with a current",
-            Kind::Other => "gain with a column",
+            Kind::Temperature => "gain proportional to temperature",
+            Kind::Current => "gain proportional to current",
+            Kind::Other => "gain proportional to a column",
         }
     }
 
@@ -101,8 +101,8 @@ impl<C: AsRef<str>, T: Real> Effect<T> for Gain<C, T> {
                  The error grows with the reading and with the temperature's distance from its reference."
             }
             Kind::Current | Kind::Other => {
-                "The sensitivity of each sensor axis follows this column, as with a sagging supply voltage. \
-                 The error grows with the reading and with the column's distance from its reference."
+                "The sensitivity of each sensor axis changes with this column, as with a falling supply voltage. The error \
+                 grows with the reading and with the column's distance from its reference."
             }
         }
     }

@@ -33,8 +33,8 @@ impl<T: Real> Effect<T> for Lag {
     }
 
     fn explanation(&self) -> &'static str {
-        "The sensor's filter or its bus delays the reading against the other sensors. \
-         While the board turns, the measured direction trails the true one."
+        "The sensor's filter or its bus delays the reading relative to the other sensors. During rotation the measured \
+         direction trails the true one."
     }
 
     fn needs_gyro(&self) -> bool {
@@ -97,8 +97,8 @@ impl<T: Real> Effect<T> for Eddy {
     }
 
     fn explanation(&self) -> &'static str {
-        "A field that turns with respect to the board induces currents in metal plates near the sensor, and filters \
-         delay it. The error is in proportion to how fast the field turns, through a 3×3 coupling."
+        "A rotating field induces eddy currents in metal plates near the sensor, and filters delay it. The error is \
+         proportional to the rotation rate of the field, through a 3×3 coupling."
     }
 
     fn needs_gyro(&self) -> bool {
@@ -169,7 +169,8 @@ impl Family for Lags {
         Acts::Turning
     }
     fn without_down(&self) -> &'static str {
-        "a pure delay leaves the magnitude alone: log ax_mps2,ay_mps2,az_mps2 (eddy currents were tested)"
+        "a pure delay does not change the magnitude, so it needs an accelerometer: log ax_mps2,ay_mps2,az_mps2 (eddy \
+         currents were tested)"
     }
     fn delay_coefficients(&self, form: &Form) -> &'static [usize] {
         if form.dip_only { &[0] } else { &[0, 4, 8] }
@@ -184,7 +185,7 @@ impl Family for Lags {
                 label: "delay",
                 of: &[0, 4, 8],
                 factor: 1e3,
-                unit: "ms, its part that is a pure delay",
+                unit: "ms (the part that is a pure delay)",
             },
         ];
         if form.dip_only { DELAYED } else { COUPLED }
@@ -195,11 +196,10 @@ impl Family for Lags {
     fn apart<'a>(&self, _: &Subject<'a>, other: &Subject<'a>) -> Option<Advice<'a>> {
         let text = match other.follows {
             Follows::Attitude => {
-                "go through the same directions once slowly and once fast: only lag and eddy currents know the speed."
+                "move through the same directions once slowly and once fast: only lag and eddy currents depend on the speed."
             }
             _ => {
-                "turn the same way once slowly and once fast, and both ways round: lag and eddy currents change with the \
-                 speed, nothing else does."
+                "rotate once slowly and once fast, in both directions: only lag and eddy currents change with the speed."
             }
         };
         Some(Advice { text, names: [""; 2] })
@@ -216,7 +216,8 @@ impl Family for Lags {
             return Ok(());
         }
         out.write_str(
-            "            for (i = 0; i < 3; i++) {\n                sum[i] += theta[3 * i] * turning[0] + theta[3 * i + 1] * \
+            "            for (i = 0; i < 3; i++) \
+             {\n                sum[i] += theta[3 * i] * turning[0] + theta[3 * i + 1] * \
              turning[1] + theta[3 * i + 2] * turning[2];\n            }\n",
         )
     }

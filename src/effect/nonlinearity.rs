@@ -83,7 +83,7 @@ impl<T: Real> Effect<T> for Nonlinearity {
 
     fn explanation(&self) -> &'static str {
         "The core or the amplifier of an axis begins to saturate. \
-         Each axis' error follows the square and the cube of its own reading."
+         The error of each axis depends on the square and the cube of its own reading."
     }
 
     fn coefficients(&self) -> usize {

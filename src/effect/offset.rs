@@ -146,45 +146,45 @@ impl<C: AsRef<str>, T: Real> Effect<T> for Offset<C, T> {
 
     fn name(&self) -> &'static str {
         match (Kind::of(self.column.as_ref()), self.power, self.past.word()) {
-            (Kind::Temperature, Power::Linear, "") => "temperature offset",
-            (Kind::Temperature, Power::Linear, "ahead") => "temperature offset that is logged late",
-            (Kind::Temperature, Power::Linear, "late") => "late temperature offset",
-            (Kind::Temperature, Power::Linear, _) => "slow temperature offset",
-            (Kind::Temperature, Power::Squared, _) => "squared temperature offset",
-            (Kind::Current, Power::Linear, "") => "current offset",
-            (Kind::Current, Power::Linear, "ahead") => "current offset that is logged late",
-            (Kind::Current, Power::Linear, "late") => "late current offset",
-            (Kind::Current, Power::Linear, _) => "slow current offset",
-            (Kind::Current, Power::Squared, _) => "squared current offset",
-            (Kind::Other, Power::Linear, "") => "offset with a column",
-            (Kind::Other, Power::Linear, "ahead") => "offset with a column that is logged late",
-            (Kind::Other, Power::Linear, "late") => "late offset with a column",
-            (Kind::Other, Power::Linear, _) => "slow offset with a column",
-            (Kind::Other, Power::Squared, _) => "offset with a column's square",
+            (Kind::Temperature, Power::Linear, "") => "offset proportional to temperature",
+            (Kind::Temperature, Power::Linear, "ahead") => "offset proportional to temperature, logged late",
+            (Kind::Temperature, Power::Linear, "late") => "delayed offset proportional to temperature",
+            (Kind::Temperature, Power::Linear, _) => "low-pass filtered offset proportional to temperature",
+            (Kind::Temperature, Power::Squared, _) => "offset proportional to temperature squared",
+            (Kind::Current, Power::Linear, "") => "offset proportional to current",
+            (Kind::Current, Power::Linear, "ahead") => "offset proportional to current, logged late",
+            (Kind::Current, Power::Linear, "late") => "delayed offset proportional to current",
+            (Kind::Current, Power::Linear, _) => "low-pass filtered offset proportional to current",
+            (Kind::Current, Power::Squared, _) => "offset proportional to current squared",
+            (Kind::Other, Power::Linear, "") => "offset proportional to a column",
+            (Kind::Other, Power::Linear, "ahead") => "offset proportional to a column, logged late",
+            (Kind::Other, Power::Linear, "late") => "delayed offset proportional to a column",
+            (Kind::Other, Power::Linear, _) => "low-pass filtered offset proportional to a column",
+            (Kind::Other, Power::Squared, _) => "offset proportional to a column squared",
         }
     }
 
     fn explanation(&self) -> &'static str {
         match (Kind::of(self.column.as_ref()), self.power) {
             (Kind::Temperature, _) => {
-                "The zero of the sensor element drifts with temperature, and magnets near it weaken with heat. \
-                 Both add a vector in proportion to the temperature."
+                "The offset of the sensor element drifts with temperature, and magnets near it weaken with heat. Both add a \
+                 vector proportional to the temperature."
             }
             (Kind::Current, Power::Linear) => {
                 "A current in wires near the sensor has a magnetic field of its own (Biot–Savart). \
-                 It adds a vector of fixed direction in proportion to the current."
+                 It adds a vector of fixed direction, proportional to the current."
             }
             (Kind::Current, Power::Squared) => {
-                "Iron near a current-carrying wire is magnetised in proportion to the current's square, or the logged \
-                 value is not linear in the true current. It adds a vector of fixed direction."
+                "The magnetisation of iron near a current-carrying wire grows with the current squared, or the logged value \
+                 is not linear in the true current. It adds a vector of fixed direction."
             }
             (Kind::Other, Power::Linear) => {
-                "Something that this column measures carries a magnetic field or shifts the sensor's zero. \
-                 It adds a vector of fixed direction in proportion to the column."
+                "The quantity in this column generates a magnetic field, or changes the sensor's offset. It adds a vector \
+                 of fixed direction, proportional to the column."
             }
             (Kind::Other, Power::Squared) => {
-                "Something behind this column has a magnetic field that grows with the column's square, as iron does \
-                 that is magnetised by a coil. It adds a vector of fixed direction."
+                "The field grows with the column squared, as from iron magnetised by a coil. It adds a vector of fixed \
+                 direction."
             }
         }
     }

@@ -62,12 +62,10 @@ impl Family for Tones {
     fn apart<'a>(&self, _: &Subject<'a>, other: &Subject<'a>) -> Option<Advice<'a>> {
         let text = match other.follows {
             Follows::Column => {
-                "log {0} and the field at another sampling rate: a frequency folded by sampling moves, {0} does not."
+                "log {0} and the field at another sampling rate: an aliased frequency moves, {0} does not."
             }
             Follows::Turning => return None,
-            _ => {
-                "record again at another sampling rate: a frequency folded by sampling moves to another place."
-            }
+            _ => "record again at another sampling rate: an aliased frequency moves.",
         };
         Some(Advice { text, names: [other.column, ""] })
     }
@@ -105,8 +103,8 @@ impl<T: Real> Effect<T> for Periodic {
     }
 
     fn explanation(&self) -> &'static str {
-        "Mains wiring or a turning motor adds a field that alternates. \
-         Sampled, it appears at its own frequency or folded below half the sampling rate."
+        "Mains wiring or a rotating motor adds an alternating field. In the log it appears at its own frequency, or aliased \
+         below half the sampling rate."
     }
 
     fn columns(&self) -> [Option<Column<'_, T>>; MAX_INPUTS] {

@@ -73,8 +73,7 @@ impl<T: Real> Effect<T> for Step<T> {
     }
 
     fn explanation(&self) -> &'static str {
-        "A magnet or an iron part was attached, moved or magnetised by a shock. \
-         From then on the offset is another."
+        "A magnet or an iron part was attached, moved or magnetised by a shock. The offset changed at that moment."
     }
 
     fn columns(&self) -> [Option<Column<'_, T>>; MAX_INPUTS] {

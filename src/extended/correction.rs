@@ -50,10 +50,10 @@ const LIMIT: f64 = MAX_RATIO_TO_FIELD * MAX_RATIO_TO_FIELD;
 impl fmt::Display for NotCorrected {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Column(effect) => write!(f, "a column that effect {effect} reads is not known"),
+            Self::Column(effect) => write!(f, "the value of a column of effect {effect} is unknown"),
             Self::RateOfTurn(effect) => write!(f, "effect {effect} needs the rate of turn"),
             Self::Shape(effect) => write!(f, "the shape of effect {effect} is not finite"),
-            Self::TooFar => f.write_str("the effects would take the vector to more than twice the field"),
+            Self::TooFar => f.write_str("the effects would make the vector longer than twice the field"),
             Self::NotFinite => f.write_str("the measured vector is not finite"),
         }
     }

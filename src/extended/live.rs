@@ -36,7 +36,7 @@ impl fmt::Display for LiveError {
             ),
             Self::Singular => f.write_str("the calibration's matrix is singular"),
             Self::TooManyDelayed => {
-                write!(f, "more than {MAX_DELAYED} columns of the calibration act late or through a low-pass")
+                write!(f, "the calibration has more than {MAX_DELAYED} delayed or low-pass filtered columns")
             }
         }
     }

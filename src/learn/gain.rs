@@ -28,10 +28,10 @@ pub enum NotShown {
 impl fmt::Display for NotShown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Undetermined => {
-                f.write_str("what was learned does not determine it: turn the board longer")
+            Self::Undetermined => f.write_str("not enough data to determine it: keep rotating the sensor"),
+            Self::Full => {
+                write!(f, "a calibration has at most {MAX_EFFECTS} effects: effect remove ID first")
             }
-            Self::Full => write!(f, "a calibration carries {MAX_EFFECTS} effects: effect remove ID first"),
         }
     }
 }

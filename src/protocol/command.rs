@@ -30,7 +30,10 @@ pub type EffectId = heapless::String<MAX_ID>;
 
 /// A command, read.
 #[derive(Debug, Clone, PartialEq)]
-#[allow(clippy::large_enum_variant, reason = "one at a time, obeyed at once; there is no heap to box it on")]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "one at a time, executed immediately; there is no heap to box it on"
+)]
 pub enum Command {
     /// `help`
     Help,

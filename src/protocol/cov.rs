@@ -21,7 +21,8 @@ pub enum Assigned {
 /// Columns and what they become.
 pub type Assignments = Vec<(ColumnName, Assigned), MAX_ASSIGNMENTS>;
 
-const USAGE: &str = "cov NAME=VALUE: a number, - to forget the column, or on to test one that the board measures, as in cov temp_c=31.5";
+const USAGE: &str = "cov NAME=VALUE: a number, - to forget the column, or on to test one that the board measures, as in cov \
+     temp_c=31.5";
 
 /// Reads all of them, or none.
 pub(super) fn assignments<'a>(words: impl Iterator<Item = &'a str>) -> Result<Assignments, &'static str> {
@@ -39,7 +40,7 @@ pub(super) fn assignments<'a>(words: impl Iterator<Item = &'a str>) -> Result<As
             }
         };
         if list.iter().any(|(known, _)| *known == name) {
-            return Err("a column stands once in a line of cov");
+            return Err("a column may appear only once in a line of cov");
         }
         list.push((name, value)).map_err(|_| "a line of cov has at most six columns")?;
     }

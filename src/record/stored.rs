@@ -47,7 +47,7 @@ pub struct DoesNotFit;
 
 impl fmt::Display for DoesNotFit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the effects do not fit into a record of {MAX_RECORD_BYTES} bytes: leave one out")
+        write!(f, "the effects do not fit into a record of {MAX_RECORD_BYTES} bytes: drop one")
     }
 }
 

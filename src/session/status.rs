@@ -40,10 +40,10 @@ pub struct StateError {
 impl fmt::Display for StateError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.state {
-            State::Idle => write!(f, "nothing is collected: start a calibration first"),
+            State::Idle => write!(f, "no samples are being collected: start a calibration first"),
             State::Collecting => write!(f, "still collecting: stop first"),
-            State::Solved => write!(f, "a solution waits: accept or cancel it first"),
-            State::Refused => write!(f, "the last data were refused: start again"),
+            State::Solved => write!(f, "a solution is ready: accept or cancel it first"),
+            State::Refused => write!(f, "the last data were rejected: start again"),
         }
     }
 }
@@ -77,13 +77,13 @@ impl fmt::Display for Hint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Start => write!(f, "start a calibration with: cal start"),
-            Self::Move => write!(f, "turn the board slowly in all directions"),
+            Self::Move => write!(f, "rotate the sensor slowly in all directions"),
             Self::Turn { missing, now } => {
-                write!(f, "keep turning; bring the {missing} side to where the {now} side is now")
+                write!(f, "keep rotating; bring the {missing} side to where the {now} side is now")
             }
-            Self::Stop => write!(f, "enough directions seen; solve with: cal stop"),
+            Self::Stop => write!(f, "enough directions covered; solve with: cal stop"),
             Self::Accept => write!(f, "store and apply the solution with: cal accept"),
-            Self::Again => write!(f, "the data were refused; begin again with: cal start"),
+            Self::Again => write!(f, "the data were rejected; start again with: cal start"),
         }
     }
 }
@@ -161,7 +161,7 @@ mod tests {
         let hint = Hint::Turn { missing: "front-left", now: "bottom" };
         assert_eq!(
             hint.to_string(),
-            "keep turning; bring the front-left side to where the bottom side is now"
+            "keep rotating; bring the front-left side to where the bottom side is now"
         );
     }
 }

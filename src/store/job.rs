@@ -64,7 +64,7 @@ pub enum StoreAnswer {
 
 /// What a job came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(clippy::large_enum_variant, reason = "taken apart at once; there is no heap to box it on")]
+#[allow(clippy::large_enum_variant, reason = "short-lived, and there is no heap to box it on")]
 pub enum Done {
     /// What stands in the slots, and the current record.
     Inspected(BothSlots, Option<Record>),

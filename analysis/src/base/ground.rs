@@ -12,6 +12,7 @@
 
 use crate::base::counted::Counted;
 use crate::base::model::Base;
+use crate::reason::Reason;
 use crate::table::Table;
 use ironout::fit::{FitError, Method};
 
@@ -49,12 +50,12 @@ impl<'a> Ground<'a> {
     }
 
     /// What to know about the unit of the columns.
-    pub fn note(&self) -> Option<String> {
+    pub fn note(&self) -> Option<Reason> {
         self.odd_field_ut.map(|field| {
-            format!(
-                "note: the measurements have a magnitude of {field:.4} µT, which the Earth's field (22 to 67 µT) nowhere has: check \
-                 the unit of the columns (1 gauss is 100 µT, 1000 nT are 1 µT) or --ut-per-count"
-            )
+            Reason::new("odd-field-strength", format!(
+                "note: the measured magnitude is {field:.4} µT, but the Earth's field is 22 to 67 µT everywhere. Check the \
+                 unit of the columns (1 gauss is 100 µT, 1000 nT are 1 µT) or --ut-per-count"
+            ))
         })
     }
 }

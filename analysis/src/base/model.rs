@@ -8,7 +8,7 @@ use crate::base::engine::Pass;
 use crate::base::hemisphere::{Evidence, settle};
 use crate::base::holdout;
 use crate::base::known::Known;
-use crate::base::quality::{Residue, Sizes, memory_of_scores, residue_by_part};
+use crate::base::quality::{NoiseEstimate, Sizes, memory_of_scores, residue_by_part};
 use crate::base::solution::Solution;
 use crate::base::start::{self, NO_ROTATION};
 use crate::noise::stretches::{stretches, within};
@@ -35,7 +35,7 @@ pub struct Base {
     #[serde(skip)]
     pub report: FitReport,
     /// What its residual is made of.
-    pub residue: Residue,
+    pub residue: NoiseEstimate,
     /// Calibration, errors and alignment.
     pub solution: Solution,
     /// Rms error on held-out blocks of time, µT.

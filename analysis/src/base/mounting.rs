@@ -24,10 +24,10 @@ pub const AXIS_ORDER: Mounting = Mounting { id: "axis-order", name: "axis order"
 pub const ALL: [Mounting; 2] = [MISALIGNMENT, AXIS_ORDER];
 
 /// What a log without an accelerometer is told.
-pub const WITHOUT_DOWN: &str = "no direction down: log ax_mps2,ay_mps2,az_mps2";
+pub const WITHOUT_DOWN: &str = "no accelerometer: log ax_mps2,ay_mps2,az_mps2";
 /// What somebody is told who asks for one of them.
-pub const NOT_TO_ADD: &str = "this is no effect to add: with an accelerometer in the log (ax_mps2,ay_mps2,az_mps2) the \
-                              alignment is always part of the fit";
+pub const NOT_TO_ADD: &str = "this effect cannot be added: if the log has an accelerometer (ax_mps2,ay_mps2,az_mps2), the \
+     alignment is always part of the fit";
 
 /// Whether an id is that of one of them.
 pub fn is_one(id: &str) -> bool {
@@ -106,9 +106,9 @@ impl Standing {
     pub fn readings(&self) -> Vec<(String, String)> {
         let one = |order: AxisOrder, dip_deg: f64| {
             let cause = if order.is_mirror() {
-                format!("the driver mirrors its axes, which stand for {order}")
+                format!("the driver mirrors its axes, which correspond to {order}")
             } else {
-                format!("it is mounted turned {} (its axes stand for {order})", order.turn_in_words())
+                format!("it is mounted rotated {} (its axes correspond to {order})", order.turn_in_words())
             };
             (order.rotate(), format!("{cause}: the field then points {}", dip_in_words(dip_deg)))
         };
@@ -122,21 +122,22 @@ impl Standing {
     /// What to know about the axes, and what to do, in sentences; empty where they are in order beyond doubt.
     pub fn words(&self) -> Vec<String> {
         let against = if self.by_gyro {
-            "against the gyro, the magnetometer's axes stand for"
+            "compared with the gyro, the magnetometer's axes correspond to"
         } else {
-            "against the accelerometer, the magnetometer's axes stand for"
+            "compared with the accelerometer, the magnetometer's axes correspond to"
         };
         let order = self.order;
         match self.decided {
             Err(doubt) if order.is_in_order() => vec![format!(
-                "the field points {}: on the other side of the magnetic equator all three axes would be reversed, a fault of \
-                 the driver; {}",
+                "The field points {}. If this log is from the other side of the magnetic equator, all three axes are \
+                 inverted (a fault of the driver). To check: {}",
                 dip_in_words(self.dip_deg),
                 doubt.words()
             )],
             Err(doubt) => {
                 let mut list = vec![format!(
-                    "{against} {order} or for {}, and the dip cannot tell which, nor a heading from its opposite; {}",
+                    "{against} {order} or to {}. The dip cannot show which of the two, nor distinguish a heading from its \
+                     opposite. To check: {}",
                     order.opposite(),
                     doubt.words()
                 )];
@@ -146,22 +147,22 @@ impl Standing {
             }
             Ok(by) if order.is_mirror() => vec![
                 format!(
-                    "{against} {order}: those of a left hand, which no mounting makes ({})",
+                    "{against} {order}. This is a left-handed system, so it cannot be a mounting ({})",
                     by.words(self.dip_deg)
                 ),
                 format!(
-                    "the driver swaps axes or has a sign wrong: mend it, or read the log with --rotate {}",
+                    "The driver swaps axes or has a wrong sign. Fix: correct the driver, or read the log with --rotate {}",
                     order.rotate()
                 ),
             ],
             Ok(_) if order.is_in_order() => Vec::new(),
             Ok(by) => vec![
                 format!(
-                    "{against} {order}: it is mounted turned {} ({})",
+                    "{against} {order}. The sensor is mounted rotated {} ({})",
                     order.turn_in_words(),
                     by.words(self.dip_deg)
                 ),
-                format!("to have the log in the board's axes, read it with --rotate {}", order.rotate()),
+                format!("To get the log in the vehicle's axes, read it with --rotate {}", order.rotate()),
             ],
         }
     }
@@ -179,7 +180,7 @@ impl DecidedBy {
     fn words(self, dip_deg: f64) -> String {
         let by = match self {
             DecidedBy::Heading => "heading_deg tells",
-            DecidedBy::Place => "the dip of the place tells",
+            DecidedBy::Place => "known from the dip of the place",
         };
         format!("{by}; the field points {}", dip_in_words(dip_deg))
     }
@@ -189,19 +190,20 @@ impl Doubt {
     /// Why it is not known, and what would tell.
     fn words(self) -> String {
         match self {
-            Doubt::NothingKnown => "say where it was recorded (--at), or log heading_deg".into(),
+            Doubt::NothingKnown => "use --at LAT,LON,DATE, or log heading_deg".into(),
             Doubt::LevelField { expected_deg } => {
-                format!("at a dip of {expected_deg:.0}° the place does not tell: log heading_deg")
+                format!("at a dip of {expected_deg:.0}° the place is not sufficient, so log heading_deg")
             }
             Doubt::OtherDip { expected_deg } => format!(
-                "the dip of the place, {expected_deg:.0}°, is neither this nor its opposite: check --at, and iron nearby"
+                "the dip of the place, {expected_deg:.0}°, is neither this nor its opposite. Check --at, and look for iron \
+                 nearby"
             ),
             Doubt::OtherHeading { own_deg, opposite_deg } => format!(
-                "heading_deg is off by {own_deg:.0}° rms this way and by {opposite_deg:.0}° the other: check its column and \
-                 the accelerometer's axes"
+                "heading_deg differs by {own_deg:.0}° rms with these axes and by {opposite_deg:.0}° with inverted axes. \
+                 Check its column and the accelerometer's axes"
             ),
             Doubt::Contradiction => {
-                "heading_deg says one and --at the other: check the place and the sign of the accelerometer"
+                "heading_deg and --at contradict each other. Check the place and the sign of the accelerometer"
                     .into()
             }
         }

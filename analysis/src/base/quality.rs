@@ -44,7 +44,7 @@ const LESS_BY_SIGMAS: f64 = 5.0;
 
 /// What the residual of a model is made of.
 #[derive(Debug, Clone, Serialize)]
-pub struct Residue {
+pub struct NoiseEstimate {
     /// Rms, µT.
     pub rms: f64,
     /// The part of it that is noise, µT.
@@ -84,7 +84,7 @@ impl Sizes {
         Sizes { n: residuals.len(), rms: rms(residuals), quick: second_difference_sigma(residuals) }
     }
 
-    /// [`Residue::memory`], from the second differences: those hold what is new from sample to sample.
+    /// [`NoiseEstimate::memory`], from the second differences: those hold what is new from sample to sample.
     fn memory(&self) -> f64 {
         let share = independent_share(self.quick * self.quick, self.rms.powi(2));
         1.0 / share.max(1.0 / self.n.max(1) as f64)
@@ -100,7 +100,7 @@ pub fn residue(
     quantum_ut: f64,
     step_s: f64,
     turning: &Turning,
-) -> Residue {
+) -> NoiseEstimate {
     residue_by_part(&Sizes::of(residuals), residuals, parameters, quantum_ut, step_s, turning)
 }
 
@@ -113,7 +113,7 @@ pub fn residue_by_part(
     quantum_ut: f64,
     step_s: f64,
     turning: &Turning,
-) -> Residue {
+) -> NoiseEstimate {
     let n = part.len();
     let correlation = Autocorrelation::of(part);
     let freedom = sizes.n.saturating_sub(parameters).max(1) as f64;
@@ -138,7 +138,7 @@ pub fn residue_by_part(
     // What is less at rest comes with the turning.
     let remembers = match noise.colour {
         Colour::White => false,
-        Colour::Fading(rho) => rho > LEAST_MEMORY,
+        Colour::Ar1(rho) => rho > LEAST_MEMORY,
         Colour::RollingMean { .. } | Colour::Flicker { .. } => true,
     };
     let rests = remembers.then(|| Still::of(part, turning, noise.colour, rounding)).flatten();
@@ -146,7 +146,7 @@ pub fn residue_by_part(
     let is_noise = turning.of_magnitude && noise.is_noise(step_s) && !together && rests.is_none();
     // A memory that no filter has, or a spectrum that no noise with a memory has: an error that moves. A rolling mean's has zeros,
     // which rounding and the board's turns fill.
-    let forgets = matches!(noise.colour, Colour::Fading(_) | Colour::Flicker { .. });
+    let forgets = matches!(noise.colour, Colour::Ar1(_) | Colour::Flicker { .. });
     let own = noise.colour.is_of_a_sensor(step_s) && (is_noise || !forgets) && !together && rests.is_none();
     let moves = turning.of_magnitude && !own;
     let (share, smooth) = match rests.map(|still| still.share.max(LEAST_AT_REST)) {
@@ -160,7 +160,7 @@ pub fn residue_by_part(
         false => (share, smooth),
     };
     let floor = if structured { smooth } else { whole };
-    Residue {
+    NoiseEstimate {
         rms: sizes.rms,
         floor_least: if noise.colour == Colour::White { floor } else { floor.min(quick) },
         floor,
@@ -213,7 +213,7 @@ pub fn covariance_of(total: &Matrix, fitted: &Fitted, time: f64) -> Option<Vec<[
 /// Predicted 1σ error (rms length) of the corrected vector in the worst direction, in units of the field:
 /// `δh = δC y − C δb − C Φ δθ` with `y = A h`, in the mean over what the effects' columns were: offset and matrix trade against them, and
 /// only together do their errors mean anything.
-pub fn predicted_error(pass: &Pass, fitted: &Fitted, known: &Known, left: &Residue) -> Option<f64> {
+pub fn predicted_error(pass: &Pass, fitted: &Fitted, known: &Known, left: &NoiseEstimate) -> Option<f64> {
     // What is known besides stands against the data as they count: as of so many fewer samples.
     let data = Matrix::total(&fitted.blocks, None);
     let list: Vec<&Piece> = fitted.pieces.iter().collect();
@@ -245,7 +245,7 @@ pub fn memory_of_scores(pass: &Pass, fitted: &Fitted) -> f64 {
 
 /// The same as the attitude alone decides it: were the effects known, and every sample's noise its own. A log that is
 /// only too short for its noise or for its effects can still be diagnosed.
-pub fn attitude_error(fitted: &Fitted, left: &Residue) -> Option<f64> {
+pub fn attitude_error(fitted: &Fitted, left: &NoiseEstimate) -> Option<f64> {
     let base = Residual::Magnitude.base_columns();
     let keep: [usize; 9] = core::array::from_fn(|column| column);
     let factor = fitted.total().select(&keep).factor()?;

@@ -41,7 +41,7 @@ pub struct Solution {
     pub prior: Option<String>,
 }
 
-/// Rms of the corrected magnitude with offset and matrix alone.
+/// Rms of the corrected magnitude with offset and matrix only.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WithoutEffects {
     /// On the log, µT.

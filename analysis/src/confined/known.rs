@@ -156,13 +156,13 @@ pub fn implausible(state: &State, most: f64) -> Option<String> {
     let (bias, gain) = (largest(&gyro[..3]), largest(&gyro[3..]));
     let zero = largest(state.zero.as_slice());
     let said = [
-        (bias / RATE_BIAS, format!("the gyro would have a zero error of {bias:.2} rad/s")),
+        (bias / RATE_BIAS, format!("the gyro would have a bias of {bias:.2} rad/s")),
         (gain / RATE_GAIN, format!("the gyro's gains and axes would be off by {:.0} %", 100.0 * gain)),
         (
             state.delay_s.abs() / LATE_S,
             format!("magnetometer and gyro would be {:.2} s apart", state.delay_s.abs()),
         ),
-        (zero / ZERO_G, format!("the accelerometer would have a zero error of {:.1} m/s²", 9.81 * zero)),
+        (zero / ZERO_G, format!("the accelerometer would have a bias of {:.1} m/s²", 9.81 * zero)),
     ];
     let [first, rest @ ..] = said;
     let (times, words) = rest.into_iter().fold(first, |one, other| if other.0 > one.0 { other } else { one });

@@ -281,7 +281,7 @@ impl<'a> Search<'_, 'a> {
                 let other = hidden_cause(&fewer);
                 let odds = (fewer.score - gain(&other)) - (found.fit.score - gain(&cause));
                 if self.trace {
-                    eprintln!("  {} beside a hidden cause: {odds:.1}", found.fit.model.terms[place].id);
+                    eprintln!("  {} next to a hidden cause: {odds:.1}", found.fit.model.terms[place].id);
                 }
                 if odds < MIN_ODDS {
                     found.fit = fewer;

@@ -94,6 +94,8 @@ fn of_ground(ground: &Ground, options: &Options, trace: bool) -> Option<Evidence
 }
 
 /// What one search ends with.
+// One at a time, on the stack: the size does not matter.
+#[allow(clippy::large_enum_variant)]
 enum Round {
     /// A fast tone, the samples without it, and the rms of the log before.
     Tone { rest: Samples, id: String, first_rms: f64 },

@@ -44,8 +44,9 @@ pub fn text(
         number => return Err(CannotExport::NoNumber { target: ROOM.name, number, least: 1, most: 3 }),
     };
     let mut notes = vec![
-        "field = M * SCALE * (raw + OFS) + MOT * current, milligauss, body axes after COMPASS_ORIENT; M is symmetric: DIA, and \
-         ODI beside it (xy, xz, yz). Load it in Mission Planner under Config, Full Parameter List, or with MAVProxy's \
+        "field = M * SCALE * (raw + OFS) + MOT * current, milligauss, body axes after COMPASS_ORIENT; M is symmetric: DIA \
+         is the diagonal, ODI is xy, xz, yz. Load it in Mission Planner under Config, Full Parameter List, or with \
+         MAVProxy's \
          `param load`; then restart."
             .to_string(),
     ];
@@ -59,8 +60,8 @@ pub fn text(
     let offset = -(turn * held.offset_without_power_ut()) * MILLIGAUSS;
     if offset.norm() > MOST_OFFSET {
         notes.push(format!(
-            "The offset is longer than {MOST_OFFSET:.0} milligauss, the default of COMPASS_OFFS_MAX: the vehicle will not arm \
-             unless that is raised, or the compass moved away from iron and magnets."
+            "The offset is longer than {MOST_OFFSET:.0} milligauss, the default of COMPASS_OFFS_MAX. The vehicle will not \
+             arm unless you raise COMPASS_OFFS_MAX or move the compass away from iron and magnets."
         ));
     }
     let mut three = |name: &str, v: Vector3<f64>| {
@@ -89,8 +90,8 @@ pub fn text(
         ));
         put("COMPASS_MOTCT".into(), kind.to_string());
     }
-    let obeyed =
-        "COMPASS_ORIENT is obeyed by external compasses. The log is taken as in the sensor's own axes.";
+    let obeyed = "ArduPilot uses COMPASS_ORIENT for external compasses only. ironout takes the axes of the log as the sensor's own \
+         axes.";
     if held.room.turns == Turns::Any {
         notes.push(format!(
             "{obeyed} CUST_ROT1 needs ArduPilot 4.3 or later, and must not be in use for something else."
@@ -104,7 +105,7 @@ pub fn text(
         notes.push(obeyed.into());
         if held.is_own_log() {
             notes.push(
-                "The calibration shows another mounting than the one in use when the log was made: COMPASS_ORIENT changes with \
+                "The calibration contains another mounting than the log was recorded with, so COMPASS_ORIENT changes with \
                  these numbers."
                     .into(),
             );

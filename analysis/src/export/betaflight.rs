@@ -49,11 +49,12 @@ pub fn text(
     let scale = ut_per_count.ok_or(CannotExport::NoCounts(ROOM.name))?;
     let counts = Vector3::from_fn(|axis, _| held.offset_ut[axis] / scale[axis]);
     let mut notes = vec![
-        "mag = align_mag(counts) - mag_calibration, in whole counts of the driver. Paste it into the command line; it ends with \
+        "mag = align_mag(counts) - mag_calibration, in whole counts of the driver. Paste it into the command line; it ends \
+         with \
          save."
             .to_string(),
         format!(
-            "A count is {} uT; rounding to whole counts moves the offset by {:.3} uT at most.",
+            "1 count = {} uT (rounding error of the offset: up to {:.3} uT).",
             scale.map(|value| value.to_string()).join(", "),
             scale.map(|value| value / 2.0).iter().fold(0.0_f64, |most, value| most.max(*value))
         ),
@@ -72,12 +73,13 @@ pub fn text(
     let (mut rows, mut custom) = (String::new(), None);
     match (wanted, alignment) {
         (_, Some((word, _))) => {
-            notes.push("The log is taken as in the driver's own axes.".into());
+            notes.push("ironout takes the axes of the log as the driver's own axes.".into());
             rows += &format!("set align_mag = {word}\n");
         }
         (Some(matrix), None) if named(&matrix).is_none() => {
             notes.push(
-                "The log is taken as in the driver's own axes. The mounting is none of the eight that align_mag names. The angles \
+                "ironout takes the axes of the log as the driver's own axes. The mounting is not one of the eight that \
+                 align_mag names. The angles \
                  are in tenths of a degree, and need Betaflight 2026.6 or later: earlier versions turn by the inverse rotation."
                     .into(),
             );
@@ -89,18 +91,17 @@ pub fn text(
         }
         _ if aligned => {
             notes.push(
-                "align_mag is left as it is: the offset stands in the axes of the log, behind align_mag."
-                    .into(),
+                "align_mag stays unchanged: the offset is in the axes of the log, after align_mag.".into(),
             );
             if held.source == Program::Inav {
                 notes.push(
-                    "The log is one of INAV, which subtracts magzero_x, magzero_y, magzero_z before align_mag, in the axes of \
-                     its driver: there these numbers are right only with align_mag CW0."
+                    "This is an INAV log. INAV subtracts magzero_x, magzero_y, magzero_z before align_mag, in the driver's \
+                     axes, so these numbers are correct only with align_mag CW0."
                         .into(),
                 );
             }
         }
-        _ => notes.push("align_mag is left as it is: the offset stands in the axes of the log.".into()),
+        _ => notes.push("align_mag stays unchanged: the offset is in the axes of the log.".into()),
     }
     let turn = alignment.map(|(_, matrix)| matrix).or(custom).unwrap_or_else(Matrix3::identity);
     let whole = (turn * counts).map(f64::round);

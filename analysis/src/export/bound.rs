@@ -12,9 +12,9 @@ pub fn warning(calibration: &Calibrated) -> Option<Vec<String>> {
         .collect();
     (!names.is_empty()).then(|| {
         vec![
-            format!("BOUND TO ITS LOG: {}", names.join(", ")),
-            "goes by the clock of the recording that it was fitted on, and is wrong on any".to_string(),
-            "other. Offset and matrix hold; for a device find and remove the cause, and".to_string(),
+            format!("TIED TO ITS LOG: {}", names.join(", ")),
+            "depends on the clock of the recording it was fitted to, and is wrong on any".to_string(),
+            "other. Offset and matrix stay correct. For a device, remove the cause and".to_string(),
             "export a calibration without it".to_string(),
         ]
     })

@@ -142,7 +142,8 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
     let looks = if calibration.effects.iter().any(|fitted| fitted.effect.reads_centre()) { LOOKS } else { 1 };
     let math = calibration.effects.iter().any(|fitted| fitted.effect.family().c_needs_math());
     let mut text = format!(
-        "/* Written by `ironout export --as c`: {summary}.\n   corrected = matrix * (measured - offset - effects), microtesla. \
+        "/* Written by `ironout export --as c`: {summary}.\n   corrected = matrix * (measured - offset - effects), \
+         microtesla. \
          */\n#ifndef IRONOUT_CALIBRATION_H\n#define IRONOUT_CALIBRATION_H\n\n"
     );
     if let Some(warning) = bound::warning(calibration) {
@@ -153,7 +154,8 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
     }
     let _ = write!(
         text,
-        "/* Define IRONOUT_REAL as double for double precision. */\n#ifndef IRONOUT_REAL\n#define IRONOUT_REAL float\n#endif\n\
+        "/* Define IRONOUT_REAL as double for double precision. */\n#ifndef IRONOUT_REAL\n#define IRONOUT_REAL \
+         float\n#endif\n\
          typedef IRONOUT_REAL ironout_real;\n\n\
          /* The magnitude that corrected vectors have, microtesla. */\n#define IRONOUT_FIELD_UT {}\n\n\
          /* Hard iron and zero offset, microtesla. */\nstatic const ironout_real ironout_offset_ut[3] = {};\n\n\
@@ -170,7 +172,8 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
             rows(&inverse)
         );
     }
-    text.push_str("/* Corrects one measured vector; both in microtesla, and they may be the same array. If the effects make the vector longer than\n   twice the field and twice its length without them, it is NaN.");
+    text.push_str("/* Corrects one measured vector; both in microtesla, and they may be the same array. If the effects make \
+         the vector longer than\n   twice the field and twice its length without them, it is NaN.");
     text.push_str(match list.is_empty() && !turning {
         true => " It needs nothing else.\n",
         false => "\n   Besides it needs:\n",
@@ -222,7 +225,8 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
         }
     }
     text.push_str(
-        "    int i, look;\n\n    for (i = 0; i < 3; i++) {\n        centred[i] = measured_ut[i] - ironout_offset_ut[i];\n        \
+        "    int i, look;\n\n    for (i = 0; i < 3; i++) \
+         {\n        centred[i] = measured_ut[i] - ironout_offset_ut[i];\n        \
          left[i] = centred[i];\n    }\n",
     );
     let _ = writeln!(text, "    for (look = 0; look < {looks}; look++) {{");
@@ -243,7 +247,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
     if let Some(delay_s) = delay_s {
         let _ = write!(
             text,
-            "    {{ /* lag: the board turned since what is read now */\n        const ironout_real late_s = {};\n{TURNED}    }}\n",
+            "    {{ /* lag: the sensor rotated since this reading */\n        const ironout_real late_s = {};\n{TURNED}    }}\n",
             number(delay_s)
         );
     }
@@ -271,18 +275,20 @@ fn outside(list: &[Parameter], ranges: &[Range]) -> String {
             Some(Range { ends: [least, most], .. }) => {
                 told += &format!("   bit {bit}, {name}: {least:?} to {most:?}\n");
                 body += &format!(
-                    "    if (!({name} >= ({scalar}){least:?} && {name} <= ({scalar}){most:?})) {{\n        outside |= {}u;\n    }}\n",
+                    "    if (!({name} >= ({scalar}){least:?} && {name} <= ({scalar}){most:?})) \
+                     {{\n        outside |= {}u;\n    }}\n",
                     1_u32 << bit
                 );
             }
             None => {
-                told += &format!("   bit {bit}, {name}: not known, never set\n");
+                told += &format!("   bit {bit}, {name}: unknown, never set\n");
                 body += &format!("    (void){name};\n");
             }
         }
     }
     format!(
-        "/* Which columns lie outside the range that their effects were fitted over, a bit each; 0 where none does. Outside, the\n   \
+        "/* Which columns lie outside the range that their effects were fitted over, one bit per column; 0 if none does. \
+         Outside, the\n   \
          effects are extrapolated by at most the width of the range, and the error grows with the distance.\n{told}*/\nstatic inline unsigned \
          ironout_outside({})\n{{\n    unsigned outside = 0u;\n\n{body}    return outside;\n}}\n\n",
         arguments.join(", ")

@@ -43,16 +43,19 @@ impl fmt::Display for CannotExport {
             CannotExport::Singular => f.write_str("the matrix is singular"),
             CannotExport::Mirrored(target) => write!(
                 f,
-                "this calibration is of a log read with a mirror image (--rotate), and {target} holds only rotations: mend \
-                 the driver and fit again"
+                "this calibration is for a log read with mirrored axes (--rotate), but {target} supports rotations only. \
+                 Fix: correct the driver and fit again"
             ),
             CannotExport::NoCounts(target) => write!(
                 f,
-                "{target} keeps the offset in counts of its driver, and the log was in microtesla: say with --ut-per-count \
-                 how many microtesla a count is"
+                "{target} stores the offset in counts of its driver, but the log was in microtesla. Fix: give the scale in \
+                 µT per count with --ut-per-count"
             ),
             CannotExport::TooLarge { parameter, value } => {
-                write!(f, "{parameter} would be {value}, which does not fit there: check --ut-per-count")
+                write!(
+                    f,
+                    "{parameter} would be {value}, which is out of its range. Fix: check --ut-per-count"
+                )
             }
             CannotExport::NoNumber { target, number, least, most } => {
                 write!(f, "--number {number}: {target} counts its magnetometers from {least} to {most}")

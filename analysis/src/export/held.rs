@@ -272,7 +272,7 @@ fn of_shape(matrix: &Matrix3<f64>, shape: Shape) -> Matrix3<f64> {
 /// What a target has room for among the effects, and the rest with the reason.
 fn effects(calibration: &Calibrated, rotation: &Matrix3<f64>, room: Room) -> (Vec<Carried>, Vec<Dropped>) {
     let (mut carried, mut dropped): (Vec<Carried>, Vec<Dropped>) = (Vec::new(), Vec::new());
-    let nowhere = |id: &str| Dropped { id: id.into(), why: format!("{} has no place for it", room.name) };
+    let nowhere = |id: &str| Dropped { id: id.into(), why: format!("{} has no parameter for it", room.name) };
     for (place, fitted) in calibration.effects.iter().enumerate() {
         let made = &fitted.effect;
         let id = Id(made).to_string();
@@ -312,7 +312,7 @@ fn effects(calibration: &Calibrated, rotation: &Matrix3<f64>, room: Room) -> (Ve
         let what = if is_power { "current or throttle" } else { "temperature" };
         dropped.extend(go.into_iter().map(|effect| Dropped {
             id: effect.id,
-            why: format!("{} has room for one {what}, and another moves more", room.name),
+            why: format!("{} supports one {what}, and another column has a larger effect", room.name),
         }));
     }
     (carried, dropped)

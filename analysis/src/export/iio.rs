@@ -38,9 +38,9 @@ pub fn text(
     let listed = rows.iter().map(|row| row.join(", ")).collect::<Vec<_>>().join("; ");
     let quoted: Vec<String> = rows.iter().flatten().map(|value| format!("\"{value}\"")).collect();
     let notes = [
-        "field = in_mount_matrix * ((raw + offset) * scale), gauss; the axes of the device are x forward, y right, z down. Whether \
-         a driver lets offset and scale be written is the driver's own; else the program that reads raw uses these. calibbias is \
-         in the chip's own units and is not used."
+        "field = in_mount_matrix * ((raw + offset) * scale), gauss; the axes of the device are x forward, y right, z down. \
+         Some drivers accept writes to offset and scale. Otherwise the program that reads raw applies them. calibbias is in \
+         the chip's own units and is not used."
             .to_string(),
         format!("In a device tree: mount-matrix = {};", quoted.join(", ")),
     ];

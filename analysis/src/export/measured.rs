@@ -13,20 +13,19 @@ fn words(frame: &Frame) -> Vec<String> {
     let axes = if frame.from_source == IDENTITY { "" } else { ", in axes of their own" };
     let mut sentences = vec![format!("The numbers of the log are {scale}{axes}.")];
     if let Some(last) = frame.removed.last() {
-        sentences.push(
-            "Their program had applied a calibration, which is taken out as ironout took it out.".into(),
-        );
+        sentences.push("Their program had applied a calibration, which ironout has removed.".into());
         if frame.removed.len() > 1 {
             let since =
                 last.from_s.map_or(String::new(), |from| format!(", in use from {from:.1} s of the log on"));
             sentences.push(format!(
-                "It changed {} times in the log: this is the last one{since}.",
+                "It changed {} times in the log. This is the last one{since}.",
                 frame.removed.len() - 1
             ));
         }
         if frame.removed.iter().any(|one| one.power) {
             sentences.push(
-                "Compensation of motors or current is not in it: feed numbers from which it is taken already.".into(),
+                "It does not include the compensation of motors or current. Pass numbers from which that compensation is \
+                 already removed.".into(),
             );
         }
     }
@@ -49,7 +48,8 @@ pub(crate) fn c(frame: &Frame, scalar: &str) -> String {
         ),
     };
     format!(
-        "/* {words}\n   From such numbers to what ironout_apply() takes, microtesla in the calibration's axes; not the same array. */\n\
+        "/* {words}\n   Converts these numbers to the input of ironout_apply(), microtesla in the calibration's axes; not \
+         the same array. */\n\
          static const {scalar} ironout_reading[3][3] = {{\n    {a},\n    {b},\n    {c}\n}};\n{constant}\n\
          static inline void ironout_measured_ut(const {scalar} raw[3], {scalar} measured_ut[3])\n{{\n    int i;\n\n    \
          for (i = 0; i < 3; i++) {{\n        measured_ut[i] = ironout_reading[i][0] * raw[0] + ironout_reading[i][1] * \
@@ -78,7 +78,8 @@ pub(crate) fn rust(frame: &Frame) -> String {
                     row(offset)
                 ),
                 format!(
-                    "    let [x, y, z] = measured;\n    let [a, b, c] = READING_OFFSET_UT{suffix};\n    [x + a, y + b, z + c]\n"
+                    "    let [x, y, z] = measured;\n    let [a, b, c] = READING_OFFSET_UT{suffix};\n    [x + a, y + b, z + \
+                     c]\n"
                 ),
             ),
         };
@@ -91,9 +92,10 @@ pub(crate) fn rust(frame: &Frame) -> String {
         };
         let _ = write!(
             text,
-            "\n/// {words}\n/// From them to microtesla in the calibration's axes, rows first, {shown} precision.\n#[allow(dead_code)]\n\
+            "\n/// {words}\n/// From them to microtesla in the calibration's axes, rows first, {shown} \
+             precision.\n#[allow(dead_code)]\n\
              pub const READING{suffix}: [[{scalar}; 3]; 3] = [\n    {a},\n    {b},\n    {c},\n];\n\n{constant}\
-             /// What `apply` takes, of the numbers of such a log.\n#[allow(dead_code)]\n\
+             /// Converts the numbers of such a log to the input of `apply`.\n#[allow(dead_code)]\n\
              pub fn measured_ut{lower}(raw: [{scalar}; 3]) -> [{scalar}; 3] {{\n{body}}}\n",
             words = words(frame).join("\n/// "),
             lower = suffix.to_lowercase(),

@@ -46,14 +46,14 @@ pub fn text(
         return Err(CannotExport::NoNumber { target: ROOM.name, number: n, least: 0, most: 3 });
     }
     let mut notes = vec![
-        "corrected = ROT * SCALE * (sensor + power * COMP - thermal - OFF), gauss, sensor axes; SCALE is symmetric, with ODIAG \
-         beside the diagonal. Load it with QGroundControl: Vehicle Setup, Parameters, Tools, Load from file; restart."
+        "corrected = ROT * SCALE * (sensor + power * COMP - thermal - OFF), gauss, sensor axes; SCALE is symmetric; ODIAG \
+         is off the diagonal. Load it with QGroundControl: Vehicle Setup, Parameters, Tools, Load from file; restart."
             .to_string(),
     ];
     if device_id.is_none() {
         notes.push(format!(
-            "CAL_MAG{n}_ID is left as it is: PX4 finds a calibration by the sensor's device id. If slot {n} is not this sensor's, \
-             export with --number, or give --device-id."
+            "CAL_MAG{n}_ID stays unchanged: PX4 finds a calibration by the sensor's device id. If slot {n} does not belong \
+             to this sensor, export with --number, or give --device-id."
         ));
     }
     let mut rows = String::new();
@@ -92,7 +92,8 @@ pub fn text(
         put("CAL_MAG_COMP_TYP".into(), kind.to_string(), INT32);
     }
     thermal(held, n, device_id.map(signed), &mut put, &mut notes);
-    let obeyed = "CAL_MAGn_ROT is obeyed by external magnetometers; for those on the board the mounting is the autopilot's own.";
+    let obeyed =
+        "PX4 uses CAL_MAGn_ROT for external magnetometers only. It knows the mounting of internal ones.";
     if held.room.turns == Turns::Any {
         notes.push(format!("{obeyed} The angles need PX4 1.14 or later."));
         put(format!("CAL_MAG{n}_ROT"), CUSTOM.to_string(), INT32);
@@ -100,7 +101,7 @@ pub fn text(
             put(format!("CAL_MAG{n}_{name}"), decimal(angle_deg), REAL32);
         }
     } else if held.is_own_log() && held.mounting.is_none() {
-        notes.push(format!("CAL_MAG{n}_ROT is left as it is: the log was made with it."));
+        notes.push(format!("CAL_MAG{n}_ROT stays unchanged: the log was recorded with it."));
     } else if let Some(mounting) = held.mounting.filter(|mounting| !mounting.is_none()) {
         notes.push(obeyed.into());
         put(format!("CAL_MAG{n}_ROT"), mounting.number.to_string(), INT32);
@@ -140,8 +141,8 @@ fn thermal(
     match id {
         Some(id) => put(format!("TC_M{n}_ID"), id, INT32),
         None => notes.push(format!(
-            "TC_M{n}_ID is left as it is, and without the sensor's device id there PX4 does not compensate for temperature: give \
-             --device-id."
+            "TC_M{n}_ID stays unchanged. Without the sensor's device id in it PX4 does not compensate for temperature. Fix: \
+             give --device-id."
         )),
     }
     for (power, x) in x.iter().enumerate() {
@@ -156,7 +157,9 @@ fn thermal(
     if least < most && least.is_finite() && most.is_finite() {
         put(format!("TC_M{n}_TMIN"), decimal(least), REAL32);
         put(format!("TC_M{n}_TMAX"), decimal(most), REAL32);
-        notes.push("Beyond TMIN and TMAX, the range of the log, PX4 holds the thermal offset.".into());
+        notes.push(
+            "Outside TMIN and TMAX, the range of the log, PX4 keeps the thermal offset constant.".into(),
+        );
     }
     notes.push(format!(
         "TC_M{n} follows the temperature that the magnetometer itself reports: column {} of the log must be that.",

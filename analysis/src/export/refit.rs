@@ -33,10 +33,10 @@ impl fmt::Display for NoCost {
         match self {
             NoCost::Column(column, why) => write!(f, "column {column}: {why}"),
             NoCost::TooLittle => {
-                f.write_str("too few samples of a turning board: give the log that the calibration was fitted to")
+                f.write_str("too few samples of a rotating sensor. Fix: give the log that the calibration was fitted to")
             }
             NoCost::NotFitted => f.write_str(
-                "what the target holds could not be fitted to this log: turn the board through more directions",
+                "the target's parameters could not be fitted to this log. Fix: rotate the sensor through more orientations",
             ),
         }
     }

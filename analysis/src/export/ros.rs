@@ -26,10 +26,11 @@ pub fn text(held: &Held, about: About) -> String {
          magnetometer_bias_remover of the package magnetometer_pipeline. For imu_filter_madgwick, which has an offset alone, \
          mag_bias_x, mag_bias_y and mag_bias_z are the same three numbers."
             .to_string(),
-        "Load it with: ros2 run magnetometer_pipeline magnetometer_bias_remover_node --ros-args --params-file THIS.yaml".into(),
+        "Load it with: ros2 run magnetometer_pipeline magnetometer_bias_remover_node --ros-args --params-file \
+         THIS.yaml".into(),
     ];
     if held.is_own_log() {
-        notes.push("Bias and matrix are in the axes of the topic, as the log has them.".into());
+        notes.push("Bias and matrix are in the axes of the topic, as in the log.".into());
     } else if held.mounting.is_some_and(|mounting| !mounting.is_none()) {
         notes.push(
             "The mounting belongs to the frames (tf): the rotation from the sensor's frame to x forward, y right, z down. \

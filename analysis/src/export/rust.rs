@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 const CONSTANTS: [(&str, &str, &str); 2] = [
-    ("CALIBRATION", "f32", "In single precision, for the board."),
+    ("CALIBRATION", "f32", "In single precision, for the microcontroller."),
     ("CALIBRATION_F64", "f64", "To the last bit, for the host."),
 ];
 
@@ -147,7 +147,8 @@ fn extended(calibration: &Calibrated, summary: &str) -> String {
         let of = if of_library { String::new() } else { format!(", &'static (dyn Effect<{scalar}> + Sync)") };
         let _ = write!(
             text,
-            "\n/// {what}\n#[allow(dead_code)]\npub const {name}: ExtendedCalibration<{scalar}{of}> = ExtendedCalibration {{\n    \
+            "\n/// {what}\n#[allow(dead_code)]\npub const {name}: ExtendedCalibration<{scalar}{of}> = ExtendedCalibration \
+             {{\n    \
              base: {base},\n    effects: Effects::of([\n{places}    ]),\n}};\n"
         );
     }

@@ -35,15 +35,15 @@ pub fn not_held(held: &Held) -> Vec<String> {
     let name = held.room.name;
     if held.narrowed {
         list.push(match held.room.shape {
-            Shape::Scalar => format!("soft iron and the gains of the axes: {name} has an offset alone"),
-            _ => format!("what is beside the diagonal of the soft iron: {name} has a factor an axis"),
+            Shape::Scalar => format!("soft iron and the gains of the axes: {name} has an offset only"),
+            _ => format!("the off-diagonal soft iron: {name} has one factor per axis"),
         });
     }
     if let Some(lost_deg) = held.lost_deg.filter(|lost_deg| *lost_deg > LEAST_DEG) {
         list.push(format!(
-            "a rotation of {lost_deg:.2} degrees between the magnetometer and the accelerometer, beside the mounting: the \
-             magnitude does not see it, the heading does{}",
-            if held.room.power { " (--euler writes the whole rotation, for external magnetometers)" } else { "" }
+            "a rotation of {lost_deg:.2} degrees between magnetometer and accelerometer, in addition to the mounting: it \
+             changes the heading, not the magnitude{}",
+            if held.room.power { " (for external magnetometers, --euler writes the whole rotation)" } else { "" }
         ));
     }
     list
@@ -56,14 +56,14 @@ pub fn costs(held: &Held, cost: Option<&Cost>) -> Vec<String> {
         return match lost.is_empty() {
             true => Vec::new(),
             false => {
-                vec!["what that costs is not known: give the log with --log, and it is fitted anew".into()]
+                vec!["To see the cost, and to refit for this target, add --log LOG".into()]
             }
         };
     };
     let percent = |ut: f64| ut / held.field_ut * 100.0;
     let mut list = vec![format!(
-        "error of the magnitude on {} samples: {:.3} uT ({:.2} %) with the whole calibration, {:.3} uT ({:.2} %) with what is \
-         held",
+        "error of the magnitude on {} samples: {:.3} uT ({:.2} %) with the whole calibration, {:.3} uT ({:.2} %) with these \
+         parameters",
         cost.samples,
         cost.whole_rms_ut,
         percent(cost.whole_rms_ut),
@@ -71,15 +71,16 @@ pub fn costs(held: &Held, cost: Option<&Cost>) -> Vec<String> {
         percent(cost.held_rms_ut)
     )];
     if let Some(heading) = cost.heading {
-        list.push(format!("heading of the two: {:.2} degrees apart, rms", heading.between_deg));
+        list.push(format!("difference of the two headings: {:.2} degrees rms", heading.between_deg));
         if let Some([whole, own]) = heading.errors_deg {
             list.push(format!(
-                "against heading_deg: {whole:.2} degrees rms whole, {own:.2} degrees with what is held"
+                "against heading_deg: {whole:.2} degrees rms with the whole calibration, {own:.2} degrees with these \
+                 parameters"
             ));
         }
     }
     if held.refitted {
-        list.push("the numbers are those of what is held, fitted anew on that log".into());
+        list.push("ironout has refitted these parameters on that log".into());
     }
     list
 }
@@ -92,9 +93,9 @@ pub(crate) fn top(held: &Held, about: About, mark: &str, formula: &[&str]) -> St
     formula.iter().for_each(|text| say(text, ""));
     let lost = not_held(held);
     if lost.is_empty() {
-        say(&format!("Nothing of the calibration is lost in {}.", held.room.name), "");
+        say(&format!("{} represents the whole calibration.", held.room.name), "");
     } else {
-        say(&format!("Not held by {}:", held.room.name), "");
+        say(&format!("{} cannot represent:", held.room.name), "");
     }
     lost.iter().for_each(|text| say(&format!("- {text}"), "  "));
     costs(held, about.cost).iter().for_each(|text| say(text, ""));
@@ -103,10 +104,7 @@ pub(crate) fn top(held: &Held, about: About, mark: &str, formula: &[&str]) -> St
         _ => {}
     }
     if held.lost_deg.is_none() {
-        say(
-            "The calibration is not aligned to an accelerometer: how the sensor is turned is not known to it.",
-            "",
-        );
+        say("No accelerometer was used, so the sensor's mounting angle is unknown.", "");
     }
     let ascii = |text: &str| text.replace('µ', "u").replace('−', "-").replace('°', " degrees");
     lines.iter().map(|line| format!("{mark} {}\n", ascii(line))).collect()

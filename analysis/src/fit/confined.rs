@@ -13,6 +13,7 @@ use crate::confined::solve::{Solved, solve};
 use crate::fit::confined_effects::{entries, offsets};
 use crate::fit::fitted::Fitted;
 use crate::outcome::request::{Options, Purpose};
+use crate::reason::Reason;
 use crate::samples::samples::{MOST_SAMPLES, Samples};
 use crate::table::Table;
 use ironout::calibration::{Calibration, norm};
@@ -83,7 +84,10 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
     let Some(solved) = solved(ground, options, &plain) else { return refused };
     let mut fitted = judged(ground, options, refused, &solved, &plain);
     if let Some(why) = unused {
-        fitted.reasons.push(format!("note: the logged attitude is not used: {why}"));
+        fitted.reasons.push(Reason::new(
+            "logged-attitude-unused",
+            format!("note: the logged attitude is not used: {why}"),
+        ));
     }
     fitted
 }
@@ -203,44 +207,56 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
         let why = implausible.map_or_else(String::new, |words| format!(": {words}"));
         refused.reasons.insert(
             0,
-            format!(
-                "the field does not turn as the gyro and the accelerometer say{why}. Check the axes and units of the three sensors \
-                 (--rotate, --map), and that magnetometer and gyro have one clock"
-            ),
-        );
+            Reason::new("gyro-disagrees", format!(
+                "the field does not rotate as gyro and accelerometer measure{why}. Check the axes and units of the three \
+                 sensors (--rotate, --map), and that magnetometer and gyro use the same clock"
+            )));
         return refused;
     }
-    let shown = format!("this log does not show all attitudes (tilts up to {own_tilt_deg:.0}°)");
+    let shown = format!("this log does not contain all orientations (tilts up to {own_tilt_deg:.0}°)");
     if !(error_deg <= MAX_HEADING_ERROR_DEG) {
         let mut refused = refused;
-        refused.reasons.insert(0, too_little(&shown, &holds_for, tilt_deg, error_deg, sectors));
+        let words = too_little(&shown, &holds_for, tilt_deg, error_deg, sectors);
+        refused.reasons.insert(0, Reason::new("too-few-orientations", words));
         return refused;
     }
     if !doubts.is_empty() && !options.force_effect {
         let mut refused = refused;
-        let remedy = "leave it out, or keep it with --force-effect if it is known from elsewhere";
-        refused.reasons.splice(0..0, doubts.into_iter().map(|doubt| format!("{doubt}: {remedy}")));
+        let remedy = "Drop it, or use --force-effect if you know it from another test";
+        refused.reasons.splice(
+            0..0,
+            doubts
+                .into_iter()
+                .map(|doubt| Reason::new("effect-not-significant", format!("{doubt}. {remedy}"))),
+        );
         return refused;
     }
     fitted.accepted = true;
-    fitted.reasons = vec![format!(
-        "note: {shown}. Fitted for tilts up to {tilt_deg:.0}°: a heading is right to {} (1σ). How the board stands in the vehicle is a \
-         constant besides, which no magnetometer shows",
-        holds_for.words()
+    fitted.reasons = vec![Reason::new(
+        "limited-tilt",
+        format!(
+            "note: {shown}. Fitted for tilts up to {tilt_deg:.0}°: the heading error is {} (1σ), plus the constant mounting \
+         angle of the sensor in the vehicle, which a magnetometer cannot measure",
+            holds_for.words()
+        ),
     )];
     if across_ut == 0.0 {
-        fitted.reasons.push(
-            "note: without a gyro a reversed axis of the magnetometer does not show: compare one heading that you know".into(),
-        );
+        fitted.reasons.push(Reason::new("no-gyro", "note: without a gyro ironout cannot detect an inverted magnetometer axis. Compare with one known \
+             heading"));
     }
     let yaw_error_deg = solved.yaw_error_rad.to_degrees();
     if log.has_attitude() && yaw_error_deg > YAW_ERROR_DEG {
-        fitted.reasons.push(format!(
-            "note: the logged yaw is wrong by some {yaw_error_deg:.0}° in a way that depends on the heading, as a yaw is that follows \
-             this compass: it is believed that much less"
+        fitted.reasons.push(Reason::new(
+            "logged-yaw",
+            format!(
+                "note: the logged yaw is wrong by about {yaw_error_deg:.0}° in a way that depends on the heading, as if it came from \
+                 this compass. ironout gives it less weight"
+            ),
         ));
     }
-    fitted.reasons.extend(doubts.into_iter().map(|doubt| format!("note: {doubt}; kept as asked")));
+    fitted.reasons.extend(doubts.into_iter().map(|doubt| {
+        Reason::new("effect-not-significant", format!("note: {doubt}. It is kept because of --force-effect"))
+    }));
     fitted.reasons.extend(refused.reasons.iter().filter(|reason| reason.starts_with("note: ")).cloned());
     fitted.holds_for = Some(holds_for);
     fitted
@@ -253,7 +269,8 @@ pub fn beyond(holds_for: &HoldsFor, table: &Table) -> Option<String> {
     let tilt_deg = log.tilt_deg(MOST);
     (tilt_deg > holds_for.tilt_deg + LEAST_TILT_DEG).then(|| {
         format!(
-            "this log is tilted by up to {tilt_deg:.0}° and the calibration is for tilts up to {:.0}°: a heading is right to {} (1σ)",
+            "this log is tilted by up to {tilt_deg:.0}° and the calibration is for tilts up to {:.0}°: the heading error is \
+             {} (1σ)",
             holds_for.tilt_deg,
             holds_for.words()
         )
@@ -264,15 +281,16 @@ pub fn beyond(holds_for: &HoldsFor, table: &Table) -> Option<String> {
 fn too_little(shown: &str, holds_for: &HoldsFor, tilt_deg: f64, error_deg: f64, sectors: usize) -> String {
     let remedy = if sectors < ALL_ROUND {
         format!(
-            "{sectors} of {SECTORS} sectors of heading were seen: turn a full circle to the left and one to the right"
+            "only {sectors} of {SECTORS} sectors of heading were covered. Fix: turn a full circle to the left and one to \
+             the right"
         )
     } else {
-        "drive or sail on, over slopes and in both directions".to_string()
+        "continue, over slopes and in both directions".to_string()
     };
     let asked = if error_deg > 90.0 { "anything".to_string() } else { format!("{error_deg:.1}°") };
     format!(
-        "{shown}, and for tilts up to {tilt_deg:.0}° a heading would be wrong by {asked} (1σ; {} at most): {}. {remedy}; or fit on top of a \
-         calibration made on the bench: --prior bench.json --free offset",
+        "{shown}, and for tilts up to {tilt_deg:.0}° the heading error would be {asked} (1σ; {} at most): {}. Fix: \
+         {remedy}, or use a calibration made on the bench with --prior bench.json --free offset",
         format_args!("{MAX_HEADING_ERROR_DEG}°"),
         holds_for.words()
     )
@@ -337,9 +355,9 @@ fn solution(
         alignment: Alignment::ByAll,
         without_effects: None,
         prior: Some(match options.prior {
-            Some(_) => "the information of the earlier calibration, and how magnetometers are".into(),
-            None => "how magnetometers are: gains within 10 % of each other, axes within 3° of right angles, mounted within 6° of the \
-                     accelerometer's axes"
+            Some(_) => "the information of the earlier calibration, and typical magnetometer tolerances".into(),
+            None => "typical magnetometer tolerances: gains within 10 %, axes within 3° of right angles, mounted within 6° \
+                 of the accelerometer's axes"
                 .into(),
         }),
     })

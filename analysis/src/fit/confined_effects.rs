@@ -40,7 +40,7 @@ pub(crate) fn entries(
         if square < CHI_SQUARE {
             let error_ut = (covariance.trace() * log.effects.get(at)?).sqrt();
             doubts.push(format!(
-                "this log does not show {id} beside the rest of the model: its vector is zero within the error ({error_ut:.2} µT at the \
+                "no evidence for {id}: its vector is zero within the error ({error_ut:.2} µT at the \
                  rms of {})",
                 column.name
             ));

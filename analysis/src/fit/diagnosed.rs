@@ -10,6 +10,7 @@ use crate::outcome::outcome::{Diagnosis, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::study::study;
 use crate::plausible::causes::no_causes;
+use crate::reason::Reason;
 use crate::table::Table;
 use crate::threads::with_room;
 use std::borrow::Cow;
@@ -68,7 +69,7 @@ pub(crate) fn leave_out(ground: &mut Ground, options: &Options) {
         let counted = &mut ground.counted;
         for samples in [Some(&mut counted.samples), counted.with_bursts.as_mut()].into_iter().flatten() {
             for column in samples.columns.iter_mut().filter(|column| column.name == name) {
-                column.problem = Some(format!("{name} is left out of the candidates: it is {}", one.what));
+                column.problem = Some(format!("{name} is not a candidate: it is {}", one.what));
                 column.causes_nothing = true;
             }
         }
@@ -91,9 +92,9 @@ pub(crate) fn of_ground_searched(ground: &Ground, options: &Options) -> Result<D
             // What was found was held to explain all.
             diagnosis.only_unsure = diagnosis.verdict == Verdict::Missing;
             diagnosis.verdict = instead;
-            diagnosis.reasons.push(why.words.clone());
+            diagnosis.reasons.push(why.reason.clone());
         }
-        diagnosis.fit_refuses = Some(why.words);
+        diagnosis.fit_refuses = Some(why.reason.words);
     }
     Ok(diagnosis)
 }
@@ -122,14 +123,14 @@ fn believed<'o>(ground: &Ground, options: &'o Options) -> Result<Believed<'o>, R
             return Ok(Believed { diagnosis, options: Cow::Borrowed(options) });
         }
     }
-    anew.reasons.push(contradiction.words());
+    anew.reasons.push(Reason::new("contradicts-prior", contradiction.words()));
     anew.contradiction = Some(contradiction);
     Ok(Believed { diagnosis: anew, options: Cow::Owned(without) })
 }
 
 /// Why a fit is refused.
 struct Why {
-    words: String,
+    reason: Reason,
     /// For a fault of the data, and not for the model.
     of_data: bool,
 }
@@ -155,9 +156,12 @@ fn refused(ground: &Ground, options: &Options, diagnosis: &Diagnosis) -> Option<
     match of_ground(ground, &asked) {
         Ok(Fitted { accepted: true, .. }) => None,
         Ok(Fitted { reasons, only_saturated: of_data, .. }) => {
-            let words = reasons.into_iter().find(|reason| !reason.starts_with("note:"));
-            Some(Why { words: words.unwrap_or_else(|| "the fit refuses this log".into()), of_data })
+            let reason = reasons.into_iter().find(|reason| !reason.starts_with("note:"));
+            Some(Why {
+                reason: reason.unwrap_or_else(|| Reason::new("fit-refused", "the fit refuses this log")),
+                of_data,
+            })
         }
-        Err(refusal) => Some(Why { words: refusal.to_string(), of_data: false }),
+        Err(refusal) => Some(Why { reason: Reason::new("fit-refused", refusal.to_string()), of_data: false }),
     }
 }

@@ -7,6 +7,7 @@ use crate::fit::fitted::Fitted;
 use crate::outcome::outcome::Diagnosis;
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::study::study;
+use crate::reason::Reason;
 use crate::search::shown::Shown;
 use ironout::calibration::norm;
 use ironout::fit::Order;
@@ -23,9 +24,8 @@ pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fit
     let Some(solution) = solution(&ground.counted, &diagnosis, options) else {
         fitted.reasons = diagnosis.reasons;
         if fitted.reasons.is_empty() {
-            fitted.reasons.push(
-                "the log does not determine these effects beside offset and matrix: leave one out, or record more".into(),
-            );
+            fitted.reasons.push(Reason::new("effects-undetermined", "this log does not determine these effects in addition to offset and matrix. Fix: drop one, or record \
+                 more"));
         }
         fitted.reasons.extend(ground.note());
         return Ok(fitted);
@@ -39,28 +39,35 @@ pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fit
     if !diagnosis.converged {
         (fitted.accepted, fitted.only_saturated) = (false, false);
         let why = match options.add.is_empty() {
-            true => "the fit did not converge: record more, through more attitudes",
+            true => "the fit did not converge. Fix: record more, in more orientations",
             false => {
-                "the fit did not converge: these effects and the calibration are hardly told apart by this log; leave one out, or \
-                 record more"
+                "the fit did not converge: these effects and the calibration are nearly collinear in this log. Fix: drop \
+                 one, or record more"
             }
         };
-        fitted.reasons.insert(0, why.into());
+        fitted.reasons.insert(0, Reason::new("no-convergence", why));
     }
     let doubts = not_shown(&diagnosis.shown);
     if options.force_effect {
-        let kept = |doubt: &String| format!("note: {doubt}; kept as asked");
+        let kept = |doubt: &String| {
+            Reason::new(
+                "effect-not-significant",
+                format!("note: {doubt}. It is kept because of --force-effect"),
+            )
+        };
         fitted.reasons.extend(doubts.iter().map(kept));
     } else if !doubts.is_empty() {
         (fitted.accepted, fitted.only_saturated) = (false, false);
-        fitted.reasons.splice(0..0, doubts.iter().map(|doubt| format!("{doubt}; {REMEDY}")));
+        fitted.reasons.splice(
+            0..0,
+            doubts.iter().map(|doubt| Reason::new("effect-not-significant", format!("{doubt}. {REMEDY}"))),
+        );
     }
     Ok(fitted)
 }
 
 /// What to do about an effect that the log does not show.
-const REMEDY: &str = "leave it out, record a log in which it acts at many attitudes, or keep it with --force-effect where it is \
-                      known from elsewhere";
+const REMEDY: &str = "Drop it, or use --force-effect if you know it from another test";
 
 /// The effects that this log does not show, each with the reason.
 fn not_shown(shown: &[Shown]) -> Vec<String> {
@@ -70,21 +77,12 @@ fn not_shown(shown: &[Shown]) -> Vec<String> {
         let errors =
             format!("{} with it, {} without", number(one.with, one.unit), number(one.without, one.unit));
         if one.is_significant() {
-            format!("{} does not lower the error on unseen time ({errors})", one.id)
+            format!("{} does not reduce the held-out error ({errors})", one.id)
         } else {
-            format!(
-                "this log does not show {} beside the rest of the model: chance does as well in {} (on unseen time {errors})",
-                one.id,
-                chance(one.p_value)
-            )
+            format!("No evidence for {} (p = {:.1e}; held-out error {errors})", one.id, one.p_value)
         }
     };
     shown.iter().filter(|one| !one.is_shown()).map(because).collect()
-}
-
-/// A probability in words: "1 of 20 logs".
-fn chance(p_value: f64) -> String {
-    if p_value > 0.5 { "most logs".into() } else { format!("1 of {:.0} logs", (1.0 / p_value).min(1e6)) }
 }
 
 /// What the study arrived at; `None` where it is no calibration.

@@ -13,6 +13,7 @@ use crate::fit::turn::where_to_turn;
 use crate::outcome::contradiction::Contradiction;
 use crate::outcome::outcome::Diagnosis;
 use crate::outcome::request::Options;
+use crate::reason::Reason;
 use crate::samples::gravity::accelerometer;
 use crate::samples::samples::{Condition, Samples};
 use crate::samples::series::median;
@@ -21,7 +22,7 @@ use ironout::calibration::{Calibration, norm};
 use ironout::coverage::CoverageMap;
 use ironout::effect::Registry;
 use ironout::fit::{FitError, MAX_PREDICTED_ERROR};
-use ironout::quality::{Reason, Verdict, judge_figures};
+use ironout::quality::{self, Verdict, judge_figures};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -88,7 +89,7 @@ pub struct Fitted {
     /// Whether the calibration may be used.
     pub accepted: bool,
     /// Why not, or what to know.
-    pub reasons: Vec<String>,
+    pub reasons: Vec<Reason>,
     /// Whether it is refused for samples at the end of the sensor's range and for nothing else: a fault of the data, which says
     /// nothing of the model.
     #[serde(skip)]
@@ -151,7 +152,7 @@ impl Fitted {
     }
 
     fn refuse(&mut self, error: FitError) {
-        self.reasons = Verdict::of_error(error).reasons.iter().map(Reason::to_string).collect();
+        self.reasons = Verdict::of_error(error).reasons.iter().map(of_core).collect();
     }
 
     /// What a solution is worth: coverage, heading, verdict.
@@ -191,38 +192,44 @@ impl Fitted {
         self.accepted = verdict.accepted;
         let refuses = verdict.reasons.iter().filter(|reason| reason.refuses());
         self.only_for_attitudes =
-            refuses.clone().all(|reason| matches!(reason, Reason::ErrorTooLarge { .. }));
+            refuses.clone().all(|reason| matches!(reason, quality::Reason::ErrorTooLarge { .. }));
         let mut refusals = refuses.peekable();
-        self.only_saturated =
-            refusals.peek().is_some() && refusals.all(|reason| matches!(reason, Reason::Saturated { .. }));
+        self.only_saturated = refusals.peek().is_some()
+            && refusals.all(|reason| matches!(reason, quality::Reason::Saturated { .. }));
         let vector_percent = 100.0 * solution.vector_error_ut() / calibration.field_ut;
         let all_round = coverage.fraction > ALL_ROUND && coverage.gap_deg < ALL_ROUND_GAP_DEG;
         self.reasons = (verdict.reasons.iter())
             .map(|reason| match reason {
-                Reason::ErrorTooLarge { percent, .. } if shown_by_unseen => {
-                    of_unseen_time(*percent, self.adds)
+                quality::Reason::ErrorTooLarge { percent, .. } if shown_by_unseen => {
+                    Reason::new("held-out-error", of_unseen_time(*percent, self.adds))
                 }
-                Reason::ErrorTooLarge { .. } if !all_round => {
+                quality::Reason::ErrorTooLarge { .. } if !all_round => {
                     let start_down = counted.samples.readings.iter().find_map(|reading| reading.down);
-                    format!(
-                        "the predicted error of the corrected vector is {vector_percent:.1} % of the field, more than {:.0} %: {}",
+                    let words = format!(
+                        "The predicted error of the corrected vector is {vector_percent:.1} % of the field (limit {:.0} %). \
+                         Fix: {}",
                         100.0 * MAX_PREDICTED_ERROR,
                         where_to_turn(coverage.gap_direction, start_down, self.dip_deg)
-                    )
+                    );
+                    Reason::new("too-few-orientations", words)
                 }
-                Reason::ErrorTooLarge { .. } => of_a_short_log(vector_percent),
-                other => other.to_string(),
+                quality::Reason::ErrorTooLarge { .. } => {
+                    Reason::new("log-too-short", of_a_short_log(vector_percent))
+                }
+                other => of_core(other),
             })
             .collect();
         if let Some(beside) = self.varying_field(&solution) {
             (self.accepted, self.only_saturated, self.only_for_attitudes) = (false, false, false);
             // A longer log is no remedy for another field.
             self.reasons.clear();
-            self.reasons.push(of_another_field(beside, solution.rms_ut / calibration.field_ut));
+            let words = of_another_field(beside, solution.rms_ut / calibration.field_ut);
+            self.reasons.push(Reason::new("field-not-uniform", words));
         }
         if let Alignment::Mirrored(standing) | Alignment::Open(standing) = &solution.alignment {
             (self.accepted, self.only_saturated) = (false, false);
-            self.reasons.splice(0..0, standing.words());
+            let words = standing.words().into_iter().map(|words| Reason::new("axis-order", words));
+            self.reasons.splice(0..0, words);
         }
         self.solution = Some(solution);
     }
@@ -285,11 +292,16 @@ impl Fitted {
     }
 }
 
+/// A reason of the core's verdict.
+fn of_core(reason: &quality::Reason) -> Reason {
+    Reason::new(reason.code(), reason.to_string())
+}
+
 /// The reason where the gyro turns otherwise than the field; both figures are over the field.
 fn of_another_field(across: f64, along: f64) -> String {
     format!(
-        "the field differs from place to place: over two seconds its direction departs from the gyro by {:.1} % of the field, {:.1} times the \
-         error of the magnitude. Keep away from magnets, steel and cables, and turn the board about one spot",
+        "The field is not uniform: over 2 s its direction differs from the gyro by {:.1} % of the field, {:.1} × the error \
+         of the magnitude. Fix: keep away from magnets, steel and cables, and rotate the sensor in one spot",
         100.0 * across,
         across / along
     )
@@ -297,15 +309,11 @@ fn of_another_field(across: f64, along: f64) -> String {
 
 /// The reason where the error on unseen time says more than the noise does.
 fn of_unseen_time(percent: f64, adds: bool) -> String {
-    let remedy = if adds {
-        "leave out an effect that was added, record longer"
-    } else {
-        "record longer, through more attitudes"
-    };
+    let remedy =
+        if adds { "drop an added effect, or record longer" } else { "record longer, in more orientations" };
     format!(
-        "each tenth of the log under the fit of the others is off by {percent:.1} % of the field beyond its noise, more than \
-         {:.0} %: what was fitted does not hold on unseen time; {remedy}, and see \
-         with ironout diagnose what is missing in the model",
+        "The held-out error (10-fold) exceeds the noise by {percent:.1} % of the field (limit {:.0} %), so the fit does not \
+         generalise. Fix: {remedy}, and run ironout diagnose to find the cause",
         MAX_PREDICTED_ERROR * 100.0
     )
 }
@@ -313,9 +321,9 @@ fn of_unseen_time(percent: f64, adds: bool) -> String {
 /// The reason where the board was turned all round: more directions are no remedy.
 fn of_a_short_log(percent: f64) -> String {
     format!(
-        "the predicted error of the corrected vector is {percent:.1} % of the field, more than {:.0} %, though all directions \
-         were seen: the error is too large beside the length of the log; record longer, and see with ironout diagnose what \
-         is missing in the model",
+        "The predicted error of the corrected vector is {percent:.1} % of the field (limit {:.0} %), although all \
+         directions were covered. The log is too short for this much error. Fix: record longer, or run ironout diagnose to \
+         find the cause",
         100.0 * MAX_PREDICTED_ERROR
     )
 }

@@ -2,6 +2,7 @@
 
 use crate::base::mounting;
 use crate::outcome::request::Refusal;
+use crate::similar;
 use crate::table::Table;
 use ironout::effect::{ColumnName, Named, Need, Parts, Registry, TIME};
 use ironout::extended::MAX_EFFECTS;
@@ -19,8 +20,7 @@ pub fn check(table: &Table, ids: &[String], registry: Registry) -> Result<(), Re
             return Err(Refusal::cannot_add(id, mounting::NOT_TO_ADD));
         }
         let Some(named) = registry.parse(id) else {
-            let why = format!("unknown effect; this log allows {}", known(table, registry).join(", "));
-            return Err(Refusal::cannot_add(id, why));
+            return Err(Refusal::cannot_add(id, similar::unknown_effect(id, &known(table, registry))));
         };
         let at = |column: &str, why: String| {
             Err(Refusal::CannotAdd { id: id.clone(), column: Some(column.to_string()), why })
@@ -51,10 +51,10 @@ fn fits(table: &Table, id: &str, column: &str) -> Result<(), Refusal> {
         |why: String| Err(Refusal::CannotAdd { id: id.to_string(), column: Some(column.to_string()), why });
     let Some(covariate) = table.covariate(column) else {
         let names: Vec<&str> = table.covariates.iter().map(|c| c.name).collect();
-        return bad(format!(
-            "the log has no such column; the columns that effects may follow are {}",
-            if names.is_empty() { "none".to_string() } else { names.join(", ") }
-        ));
+        let all = if names.is_empty() { "none".to_string() } else { names.join(", ") };
+        let meant = similar::did_you_mean(column, names.iter().copied());
+        let meant = meant.map_or(String::new(), |meant| format!(" {meant}"));
+        return bad(format!("this log has no such column.{meant} Columns that effects can use: {all}"));
     };
     let values = || covariate.values.iter().copied().filter(|value| value.is_finite());
     let least = values().fold(f64::INFINITY, f64::min);
@@ -67,10 +67,10 @@ fn fits(table: &Table, id: &str, column: &str) -> Result<(), Refusal> {
         return bad(format!("it is empty in {empty} of {} rows", table.rows()));
     }
     if most - least <= 1e-9 * most.abs().max(least.abs()) {
-        return bad(format!("it is constant ({least}): record a log in which it changes"));
+        return bad(format!("it is constant ({least}). Fix: record a log in which it changes"));
     }
     if let Err(error) = ColumnName::new(column) {
-        return bad(format!("{error}; take it by another name with --map"));
+        return bad(format!("{error}. Fix: rename it with --map"));
     }
     Ok(())
 }

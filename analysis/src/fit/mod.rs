@@ -1,5 +1,6 @@
 //! What a fit says.
 
+pub mod allowed;
 pub mod confined;
 mod confined_effects;
 pub mod diagnosed;

@@ -6,6 +6,7 @@ use crate::fit::fitted::Fitted;
 use crate::fit::{confined, extended, ids, recordings};
 use crate::outcome::contradiction::freed;
 use crate::outcome::request::{Options, Refusal};
+use crate::reason::Reason;
 use crate::table::Table;
 use crate::threads::with_room;
 
@@ -42,7 +43,8 @@ pub(crate) fn of_ground(ground: &Ground, options: &Options) -> Result<Fitted, Re
     };
     let mut fitted = confined::tried(ground, options, fitted);
     if let Some(contradiction) = contradiction {
-        fitted.reasons.push(format!("note: {}", contradiction.words()));
+        let words = format!("note: {}", contradiction.words());
+        fitted.reasons.push(Reason::new("contradicts-prior", words));
         fitted.contradiction = Some(contradiction.clone());
     }
     Ok(fitted)

@@ -27,16 +27,18 @@ pub(crate) fn where_to_turn(gap: [f32; 3], start_down: Option<[f64; 3]>, dip_deg
         .filter(|along| along.abs() > UPRIGHT);
     let how = match (dip_deg, upright) {
         (None, _) => {
-            format!("point {side} along the field: in the north steeply down, in the south steeply up")
+            format!(
+                "point {side} along the field: steeply down in the northern hemisphere, steeply up in the southern"
+            )
         }
         (Some(dip_deg), _) if dip_deg.abs() < LEVEL_DEG => format!("point {side} north, then south"),
         (Some(dip_deg), Some(along)) if along * dip_deg < 0.0 => {
-            "hold the board upside down, compared with the start of the log".to_owned()
+            "hold the sensor upside down, compared with the start of the log".to_owned()
         }
-        (Some(_), Some(_)) => "hold the board as at the start of the log".to_owned(),
+        (Some(_), Some(_)) => "hold the sensor as at the start of the log".to_owned(),
         (Some(_), None) => format!("point {side} at the ground, then at the sky"),
     };
-    format!("{how}. Turn the board slowly there, tilted by up to 30°")
+    format!("{how}. Rotate it slowly there, tilted by up to 30°")
 }
 
 #[cfg(test)]
@@ -51,14 +53,14 @@ mod tests {
                 [0.0, 0.0, -1.0],
                 down_z,
                 64.0,
-                "hold the board upside down, compared with the start of the log.",
+                "hold the sensor upside down, compared with the start of the log.",
             ),
-            ([0.0, 0.0, 1.0], down_z, 64.0, "hold the board as at the start of the log."),
+            ([0.0, 0.0, 1.0], down_z, 64.0, "hold the sensor as at the start of the log."),
             (
                 [0.0, 0.0, 1.0],
                 down_z,
                 -64.0,
-                "hold the board upside down, compared with the start of the log.",
+                "hold the sensor upside down, compared with the start of the log.",
             ),
             ([1.0, 0.0, 0.0], down_z, 64.0, "point the +x axis of this fit at the ground, then at the sky."),
             ([0.0, -1.0, 0.0], down_z, 5.0, "point the −y axis of this fit north, then south."),

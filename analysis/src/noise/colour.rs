@@ -19,7 +19,7 @@ const WHITE_AFTER: [f64; 7] = [0.0, 0.01, 0.025, 0.05, 0.1, 0.18, 0.3];
 /// The longest rolling mean that is looked for.
 const LONGEST_MEAN: usize = 64;
 /// Noise of first order falls to 60 % within so many samples ...
-const FADING: f64 = 5.3;
+const AR1: f64 = 5.3;
 /// ... and a rolling mean is at most as long as this ...
 const MEAN: f64 = 12.0;
 /// ... or either is over after this, s: whatever turns with the board takes longer.
@@ -47,7 +47,7 @@ pub enum Colour {
     /// Every sample its own.
     White,
     /// First order, with this correlation from one sample to the next.
-    Fading(f64),
+    Ar1(f64),
     /// A rolling mean, and a share of white noise.
     RollingMean {
         /// Over so many samples.
@@ -71,16 +71,16 @@ impl Colour {
     pub fn words(self) -> String {
         match self {
             Colour::White => "white".into(),
-            Colour::Fading(correlation) => {
-                format!("noise with a memory (a correlation of {correlation:.2} from sample to sample)")
+            Colour::Ar1(correlation) => {
+                format!("correlated noise (correlation {correlation:.2} from sample to sample)")
             }
             Colour::RollingMean { of, white } if white > 0.0 => {
                 format!(
-                    "a rolling mean over {of} samples with {:.0} % of white noise",
+                    "a moving average over {of} samples with {:.0} % of white noise",
                     (100.0 * white).max(1.0)
                 )
             }
-            Colour::RollingMean { of, .. } => format!("a rolling mean over {of} samples"),
+            Colour::RollingMean { of, .. } => format!("a moving average over {of} samples"),
             Colour::Flicker { exponent, white, .. } if white > 0.0 => {
                 format!("1/f noise (exponent {exponent:.1}) with {:.0} % of white noise", 100.0 * white)
             }
@@ -96,7 +96,7 @@ impl Colour {
         match self {
             Colour::White => true,
             // Samples until it has fallen to 60 %.
-            Colour::Fading(rho) => short(0.6_f64.ln() / rho.clamp(1e-9, 1.0 - 1e-9).ln(), FADING),
+            Colour::Ar1(rho) => short(0.6_f64.ln() / rho.clamp(1e-9, 1.0 - 1e-9).ln(), AR1),
             Colour::RollingMean { of, .. } => short(of as f64, MEAN),
             Colour::Flicker { exponent, .. } => exponent <= STEEPEST,
         }
@@ -106,9 +106,9 @@ impl Colour {
     fn nudged(self) -> Option<(Colour, f64)> {
         match self {
             Colour::White | Colour::RollingMean { .. } => None,
-            Colour::Fading(rho) => {
+            Colour::Ar1(rho) => {
                 let by = 0.05 * (1.0 - rho);
-                Some((Colour::Fading(rho + by), by))
+                Some((Colour::Ar1(rho + by), by))
             }
             Colour::Flicker { exponent, white, folded } => {
                 Some((Colour::Flicker { exponent: exponent + 0.05, white, folded }, 0.05))
@@ -120,7 +120,7 @@ impl Colour {
     pub const fn name(self) -> &'static str {
         match self {
             Colour::White => "white",
-            Colour::Fading(_) => "fading",
+            Colour::Ar1(_) => "fading",
             Colour::RollingMean { .. } => "rolling-mean",
             Colour::Flicker { .. } => "flicker",
         }
@@ -130,7 +130,7 @@ impl Colour {
     fn parameters(self) -> f64 {
         match self {
             Colour::White => 0.0,
-            Colour::Fading(_) => 1.0,
+            Colour::Ar1(_) => 1.0,
             Colour::RollingMean { white, .. } => 1.0 + f64::from(u8::from(white > 0.0)),
             Colour::Flicker { .. } => 2.0,
         }
@@ -141,7 +141,7 @@ impl Colour {
         let lags = size / 2 + 1;
         match self {
             Colour::White => (0..lags).map(|lag| f64::from(u8::from(lag == 0))).collect(),
-            Colour::Fading(rho) => (0..lags).map(|lag| rho.powi(lag as i32)).collect(),
+            Colour::Ar1(rho) => (0..lags).map(|lag| rho.powi(lag as i32)).collect(),
             Colour::RollingMean { of, white } => {
                 let mean = |lag: usize| (1.0 - lag as f64 / of.max(1) as f64).max(0.0);
                 (0..lags).map(|lag| if lag == 0 { 1.0 } else { (1.0 - white) * mean(lag) }).collect()
@@ -200,7 +200,7 @@ impl Described {
 
 /// Colours of one family, of which the best is looked for.
 enum Family {
-    Fading,
+    Ar1,
     RollingMean,
     Flicker { folded: bool },
 }
@@ -313,13 +313,13 @@ impl<'t> Seen<'t> {
         }
         let own = self.correlation();
         let best = |family: &Family| match family {
-            Family::Fading => self.best_fading(&own),
+            Family::Ar1 => self.best_fading(&own),
             Family::RollingMean => self.best_mean(&own),
             Family::Flicker { folded } => self.best_flicker(*folded),
         };
         let all = |half: &[Family]| half.iter().map(best).collect::<Vec<_>>();
         let (one, two) = (
-            [Family::Fading, Family::Flicker { folded: true }],
+            [Family::Ar1, Family::Flicker { folded: true }],
             [Family::RollingMean, Family::Flicker { folded: false }],
         );
         let (one, two) = halves((one.as_slice(), two.as_slice()), all);
@@ -335,11 +335,11 @@ impl<'t> Seen<'t> {
 
     fn best_fading(&self, own: &[f64]) -> Described {
         let mut near = own.get(1).copied().unwrap_or(0.0).clamp(0.05, 0.98);
-        let mut best = self.fit(Colour::Fading(near));
+        let mut best = self.fit(Colour::Ar1(near));
         for step in [0.5, 0.25, 0.1, 0.04] {
             for rho in [near - step * (1.0 - near), near + step * (1.0 - near)] {
                 let rho = rho.clamp(0.01, 0.995);
-                let next = self.fit(Colour::Fading(rho));
+                let next = self.fit(Colour::Ar1(rho));
                 if next.deviance < best.deviance {
                     (best, near) = (next, rho);
                 }

@@ -14,7 +14,7 @@ const STRETCHES: usize = 16;
 /// Places in a series of `n` values: all of them, or stretches at equal distances.
 pub fn stretches(n: usize) -> Vec<Range<usize>> {
     if n <= MOST {
-        return vec![0..n];
+        return Vec::from([0..n]);
     }
     let long = MOST / STRETCHES;
     let begin = |stretch: usize| stretch * (n - long) / (STRETCHES - 1);

@@ -19,7 +19,7 @@ fn fresh(rng: &mut ChaCha8Rng) -> f64 {
 fn noise(colour: Colour, rng: &mut ChaCha8Rng) -> Vec<f64> {
     match colour {
         Colour::White => (0..N).map(|_| fresh(rng)).collect(),
-        Colour::Fading(rho) => {
+        Colour::Ar1(rho) => {
             let mut now = fresh(rng);
             (0..N)
                 .map(|_| {
@@ -76,8 +76,8 @@ fn each_colour_is_told() {
     for seed in 0..6 {
         for colour in [
             Colour::White,
-            Colour::Fading(0.4),
-            Colour::Fading(0.9),
+            Colour::Ar1(0.4),
+            Colour::Ar1(0.9),
             Colour::RollingMean { of: 5, white: 0.0 },
             Colour::RollingMean { of: 3, white: 0.05 },
             Colour::RollingMean { of: 8, white: 0.2 },
@@ -86,7 +86,7 @@ fn each_colour_is_told() {
             let found = described(colour, seed, |_| 0.0);
             let near = match (colour, found.colour) {
                 (Colour::White, Colour::White) => true,
-                (Colour::Fading(a), Colour::Fading(b)) => (a - b).abs() < 0.05,
+                (Colour::Ar1(a), Colour::Ar1(b)) => (a - b).abs() < 0.05,
                 (Colour::RollingMean { of: a, white: p }, Colour::RollingMean { of: b, white: q }) => {
                     a == b && (p - q).abs() <= 0.4 * p
                 }
@@ -115,15 +115,15 @@ fn what_moves_beside_noise_is_no_noise() {
             assert!(found.excess > 0.2, "seed {seed}, period {period}: {}", found.excess);
         }
         let switched = |at: usize| if (at / 300).is_multiple_of(2) { 1.5 } else { -1.5 };
-        let found = described(Colour::Fading(0.5), seed, switched);
+        let found = described(Colour::Ar1(0.5), seed, switched);
         assert!(!found.is_noise(0.02), "seed {seed}: {:?} {}", found.colour, found.misfit());
     }
 }
 
 #[test]
 fn a_memory_of_seconds_is_none_of_a_sensor() {
-    assert!(Colour::Fading(0.9).is_of_a_sensor(0.02) && Colour::Fading(0.95).is_of_a_sensor(0.02));
-    assert!(!Colour::Fading(0.95).is_of_a_sensor(0.1) && !Colour::Fading(0.99).is_of_a_sensor(0.0));
+    assert!(Colour::Ar1(0.9).is_of_a_sensor(0.02) && Colour::Ar1(0.95).is_of_a_sensor(0.02));
+    assert!(!Colour::Ar1(0.95).is_of_a_sensor(0.1) && !Colour::Ar1(0.99).is_of_a_sensor(0.0));
     assert!(
         Colour::RollingMean { of: 8, white: 0.0 }.is_of_a_sensor(0.1)
             && !Colour::RollingMean { of: 30, white: 0.0 }.is_of_a_sensor(0.1)
@@ -145,7 +145,7 @@ fn a_cause_moves_the_axes_together_and_noise_does_not() {
             (0..N).map(|at| (0..3).map(|i| axes[i][at] * turning.weights[at][i]).sum()).collect()
         };
         let colours = [
-            Colour::Fading(0.9),
+            Colour::Ar1(0.9),
             Colour::RollingMean { of: 5, white: 0.0 },
             Colour::Flicker { exponent: 1.0, white: 0.0, folded: true },
         ];
@@ -210,19 +210,19 @@ fn beside_rest(moving: Colour, at_rest: Colour, seed: u64) -> (Vec<f64>, Turning
 #[test]
 fn noise_is_the_same_at_rest_and_what_comes_with_the_turning_is_not() {
     for seed in 0..20 {
-        for colour in [Colour::White, Colour::Fading(0.7), Colour::RollingMean { of: 5, white: 0.0 }] {
+        for colour in [Colour::White, Colour::Ar1(0.7), Colour::RollingMean { of: 5, white: 0.0 }] {
             let (residuals, turning) = beside_rest(colour, colour, seed);
             let still = Still::of(&residuals, &turning, colour, 0.0).unwrap();
             assert!(still.sigmas.abs() < 4.5 && (0.7..1.4).contains(&still.share), "{colour:?} {still:?}");
         }
         // An error as slow as the turning, on a sensor whose own noise is white and a third as large.
-        let (residuals, turning) = beside_rest(Colour::Fading(0.9), Colour::White, seed);
+        let (residuals, turning) = beside_rest(Colour::Ar1(0.9), Colour::White, seed);
         let mut small = turning.clone();
         small.rest.iter_mut().flat_map(|rest| &mut rest.residuals).for_each(|r| *r *= 0.33);
-        let still = Still::of(&residuals, &small, Colour::Fading(0.9), 0.0).unwrap();
+        let still = Still::of(&residuals, &small, Colour::Ar1(0.9), 0.0).unwrap();
         assert!(still.sigmas < -5.0 && still.share < 0.8, "{still:?}");
         // Where rounding is most of it nothing is said of the rest.
-        let rounded = Still::of(&residuals, &small, Colour::Fading(0.9), 0.5).unwrap();
+        let rounded = Still::of(&residuals, &small, Colour::Ar1(0.9), 0.5).unwrap();
         assert_eq!(rounded.samples + 1600, still.samples, "{rounded:?}");
     }
 }

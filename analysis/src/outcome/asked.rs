@@ -8,6 +8,7 @@ use crate::search::candidates::Catalogue;
 use crate::search::screen::screen;
 use crate::search::search;
 use crate::search::state::{Greedy, MOST_SEARCHED};
+use crate::similar;
 use ironout::effect::Named;
 use ironout::study::Residual;
 use std::collections::VecDeque;
@@ -115,7 +116,7 @@ fn one_by_one<'a>(
     let mut put_off: Vec<Piece> = Vec::new();
     while let Some(id) = waiting.pop_front() {
         if start.pieces.len() >= MOST_ADDED {
-            return Err(Refusal::cannot_add(id, format!("a model carries at most {MOST_ADDED} effects")));
+            return Err(Refusal::cannot_add(id, format!("a model has at most {MOST_ADDED} effects")));
         }
         let Some(candidate) = added(pass, catalogue, &start, id)? else {
             if mounting::is_one(id) {
@@ -162,7 +163,8 @@ fn one_by_one<'a>(
 fn does_not_converge<'i>(ids: impl Iterator<Item = &'i str>) -> String {
     let ids: Vec<&str> = ids.collect();
     format!(
-        "the fit with {} does not converge: this log hardly tells it from the calibration; leave it out, or record more",
+        "the fit with {} does not converge: in this log the effect and the calibration are nearly collinear. Fix: drop it, \
+         or record more",
         ids.join(" and ")
     )
 }
@@ -175,5 +177,5 @@ pub(crate) fn cannot_add(catalogue: &Catalogue, id: &str) -> String {
     known.extend(catalogue.searched().iter().map(Named::to_string));
     let late = catalogue.usable_columns().flat_map(|column| catalogue.late(column));
     known.extend(late.map(|named| named.to_string()));
-    format!("unknown effect; this log allows {}", known.join(", "))
+    similar::unknown_effect(id, &known)
 }

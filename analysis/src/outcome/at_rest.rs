@@ -11,6 +11,7 @@ use crate::outcome::outcome::{Diagnosis, NoiseRow, Status, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::rows::describe;
 use crate::outcome::view::View;
+use crate::reason::Reason;
 use crate::residual::traces::Traces;
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
@@ -26,8 +27,14 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     let known = Known::default();
     let mean = samples.mean_vector();
     let model = Model::new(mean, start::NO_ROTATION, 1.0, start::NO_ROTATION, 0.0);
-    let nothing =
-        || undetermined(table, samples, options.registry, "the board rests and nothing else changes".into());
+    let nothing = || {
+        undetermined(
+            table,
+            samples,
+            options.registry,
+            Reason::new("at-rest", "the sensor did not move and nothing else changes"),
+        )
+    };
     if catalogue.usable_columns().next().is_none() {
         return Ok(nothing());
     }
@@ -38,7 +45,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     let mut start = base.clone();
     for id in &options.add {
         if start.pieces.len() >= MOST_ADDED {
-            return Err(Refusal::cannot_add(id, format!("a model carries at most {MOST_ADDED} effects")));
+            return Err(Refusal::cannot_add(id, format!("a model has at most {MOST_ADDED} effects")));
         }
         let Some(candidate) = added(&pass, &catalogue, &start, id)? else {
             return Err(Refusal::cannot_add(id, cannot_add(&catalogue, id)));
@@ -78,13 +85,15 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             describe(piece, errors)
         })
         .collect();
-    let mut reasons = vec![
-        "the board rests: the vector itself is the residual, there is no calibration in this log".into(),
-    ];
+    let mut reasons =
+        vec![Reason::new("at-rest", "The sensor did not move, so this log alone cannot be calibrated")];
     let verdict = if left.structure > 0.0 {
-        reasons.push(format!(
-            "{:.0} % of the variance is structure that no candidate explains",
-            100.0 * left.structure
+        reasons.push(Reason::new(
+            "unexplained-variance",
+            format!(
+                "{:.0} % of the variance is not noise, and no candidate explains it",
+                100.0 * left.structure
+            ),
         ));
         Verdict::Unexplained
     } else if !confounded.is_empty() {
@@ -146,6 +155,6 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         recordings: None,
         switching: None,
         traces,
-        ..undetermined(table, samples, options.registry, String::new())
+        ..undetermined(table, samples, options.registry, Reason::new("at-rest", ""))
     })
 }

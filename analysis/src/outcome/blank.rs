@@ -2,6 +2,7 @@
 
 use crate::base::axes::Alignment;
 use crate::outcome::outcome::{CandidateRow, Diagnosis, Status, Verdict};
+use crate::reason::Reason;
 use crate::residual::traces::Traces;
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
@@ -9,7 +10,7 @@ use crate::table::Table;
 use ironout::effect::Registry;
 use ironout::study::Residual;
 
-pub(crate) fn undetermined(table: &Table, samples: &Samples, registry: Registry, why: String) -> Diagnosis {
+pub(crate) fn undetermined(table: &Table, samples: &Samples, registry: Registry, why: Reason) -> Diagnosis {
     let catalogue = Catalogue::new(samples, table, registry);
     Diagnosis {
         verdict: Verdict::Undetermined,

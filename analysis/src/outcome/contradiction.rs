@@ -86,16 +86,18 @@ impl Contradiction {
     pub fn words(&self) -> String {
         let [x, y, z] = self.moved_ut;
         let offset = format!("the offset has changed by ({x:+.1}, {y:+.1}, {z:+.1}) µT");
-        let field = format!("the field is {:.1} % of the earlier one", 100.0 * self.field_ratio);
+        let field = format!("the field strength is {:.1} % of the earlier one", 100.0 * self.field_ratio);
         let (what, done) = match self.freed {
-            Freed::Offset => (offset, "fits the offset again and keeps the matrix"),
-            Freed::Field => (field, "fits the field again and keeps the offset and the shape of the matrix"),
+            Freed::Offset => (offset, "has fitted the offset again and kept the matrix"),
+            Freed::Field => {
+                (field, "has fitted the field strength again and kept the offset and the shape of the matrix")
+            }
             Freed::OffsetAndField => {
-                (format!("{offset} and {field}"), "fits both again and keeps the shape of the matrix")
+                (format!("{offset} and {field}"), "has fitted both again and kept the shape of the matrix")
             }
             Freed::All => (
                 "the matrix has changed too".into(),
-                "does not use the earlier calibration and fits this log alone",
+                "has ignored the earlier calibration and fitted this log alone",
             ),
         };
         format!("this log contradicts the earlier calibration ({:.0} σ): {what}. ironout {done}", self.sigmas)

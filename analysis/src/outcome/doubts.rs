@@ -2,7 +2,7 @@
 
 use crate::base::applied::Applied;
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::Residue;
+use crate::base::quality::NoiseEstimate;
 use crate::outcome::view::View;
 use crate::samples::faults;
 use crate::search::certain::PREDICTS;
@@ -29,7 +29,7 @@ const SAME_WAY: f64 = 0.97;
 impl View<'_, '_> {
     /// The held-out error over the noise floor, where it is more than that many parameters and that noise's memory make of
     /// it: a model that explains the samples it has seen by chance, or structure that passes for noise.
-    pub(super) fn fails_on_unseen_time(&self, left: &Residue, applied: &Applied) -> Option<f64> {
+    pub(super) fn fails_on_unseen_time(&self, left: &NoiseEstimate, applied: &Applied) -> Option<f64> {
         let fitted = &self.explanation.fitted;
         let held_out = held_out_rms(fitted)?;
         let ratio = applied.share * held_out / left.floor;
@@ -62,8 +62,8 @@ impl View<'_, '_> {
         let (column, share, chance) = of_column.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let chance = if chance < 1e-99 { "below 1e-99".into() } else { format!("{chance:.0e}") };
         Some(format!(
-            "{column} explains {:.0} % of the residual (chance {chance}), though no effect of it is certain: something that \
-             moves with it in part may not be in the log",
+            "{column} explains {:.0} % of the residual variance (p = {chance}), but no effect of it is significant by \
+             itself. The cause may be a quantity that is correlated with it and was not logged",
             100.0 * share
         ))
     }
@@ -103,8 +103,8 @@ impl View<'_, '_> {
         let pairs = list.iter().enumerate().flat_map(|(at, a)| list[at + 1..].iter().map(move |b| (*a, *b)));
         let (a, b) = pairs.into_iter().find(|(a, b)| alike(a, b))?;
         Some(format!(
-            "{} and {} move the offset the same way: they stand in for one cause that changes in time and that the log does \
-             not hold; log what changes meanwhile (a temperature, a current)",
+            "{} and {} change the offset in the same direction. They are probably proxies for one cause that was not \
+             logged. Fix: log what changes over time (temperature, current)",
             a.id, b.id
         ))
     }

@@ -3,7 +3,7 @@
 use crate::base::engine::Pass;
 use crate::base::known::Known;
 use crate::base::model::Base;
-use crate::base::quality::{Residue, attitude_error};
+use crate::base::quality::{NoiseEstimate, attitude_error};
 use crate::noise::colour::Colour;
 use crate::outcome::asked::{Added, asked_for};
 use crate::outcome::request::{Options, Refusal};
@@ -46,7 +46,7 @@ pub(crate) fn explain<'a>(
     let sigma = second_difference_sigma(&residuals);
     // What second differences leave may itself be an effect, a tone for example, many times the noise: only the hopeless
     // is not searched.
-    let best = Residue {
+    let best = NoiseEstimate {
         rms: rms(&residuals),
         floor: sigma,
         floor_least: sigma,

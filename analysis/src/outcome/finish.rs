@@ -4,13 +4,14 @@ use crate::base::applied::Applied;
 use crate::base::engine::Fitted;
 use crate::base::mounting::AXIS_ORDER;
 use crate::base::quality::{
-    Residue, covariance, information, memory_of_scores, noise_gain, predicted_error, residue,
+    NoiseEstimate, covariance, information, memory_of_scores, noise_gain, predicted_error, residue,
 };
 use crate::calibration::Information;
 use crate::outcome::outcome::{Diagnosis, Dip, NoiseRow, StepRow, Verdict};
 use crate::outcome::request::Refusal;
 use crate::outcome::standing;
 use crate::outcome::view::{Judged, View};
+use crate::reason::Reason;
 use crate::residual::place::field_share;
 use crate::residual::traces::Traces;
 use crate::search::state::held_out_rms;
@@ -55,7 +56,7 @@ impl View<'_, '_> {
             && let Some(words) = self.shows_a_column()
         {
             verdict = Verdict::Unexplained;
-            reasons.push(words);
+            reasons.push(Reason::new("column-unexplained", words));
         }
         let traces = Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?;
         let wanted = verdict == Verdict::Unexplained && self.searches && self.lower_order.is_none();
@@ -63,11 +64,11 @@ impl View<'_, '_> {
         let stands_out = if nobody { self.beside_leaders()? } else { Vec::new() };
         let field_varies = wanted.then(|| field_share(&applied.residuals, &traces.directions)).flatten();
         if let Some(share) = field_varies {
-            reasons.push(format!(
-                "{:.0} % of what is left does not depend on the attitude and changes along the way: the field itself is another one from \
-                 place to place, as beside iron, magnets or cables",
+            reasons.push(Reason::new("field-not-uniform", format!(
+                "{:.0} % of the remaining variance does not depend on the orientation and changes along the path. The field \
+                 itself is not uniform, as next to iron, magnets or cables",
                 100.0 * share
-            ));
+            )));
         }
         let candidates = self.candidates(&dip, pure_lag, standing, verdict);
         // What is given out looks at its shapes where a correction does. Where the search looked elsewhere, names and verdict are the
@@ -171,7 +172,7 @@ impl View<'_, '_> {
     }
 
     /// What a model leaves under its own correction.
-    fn residue(&self, fitted: &Fitted, applied: &Applied) -> Residue {
+    fn residue(&self, fitted: &Fitted, applied: &Applied) -> NoiseEstimate {
         residue(
             &applied.residuals,
             fitted.columns(),

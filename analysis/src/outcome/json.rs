@@ -4,6 +4,7 @@ use crate::base::mounting::{AXIS_ORDER, DecidedBy};
 use crate::calibration::StdErrors;
 use crate::noise::colour::Colour;
 use crate::outcome::outcome::{Diagnosis, NoiseRow};
+use crate::reason::codes;
 use ironout::calibration::Calibration;
 use serde_json::{Map, Value, json};
 
@@ -48,7 +49,7 @@ fn noise(row: NoiseRow) -> Value {
     });
     let own = match row.colour {
         Colour::White => json!({}),
-        Colour::Fading(correlation) => json!({"correlation": correlation}),
+        Colour::Ar1(correlation) => json!({"correlation": correlation}),
         Colour::RollingMean { of, white } => json!({"samples": of, "white": white}),
         Colour::Flicker { exponent, white, .. } => json!({"exponent": exponent, "white": white}),
     };
@@ -121,7 +122,7 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
         .collect();
     let mut object = json!({
         "verdict": diagnosis.verdict.name(),
-        "reasons": diagnosis.reasons,
+        "reasons": diagnosis.reasons, "reason_codes": codes(&diagnosis.reasons),
         "residual": diagnosis.residual,
         "steps": steps,
         "noise_floor_ut": number(diagnosis.noise_floor_ut),
@@ -149,6 +150,12 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
         map.insert("effects".into(), effects(diagnosis));
         if let Some(contradiction) = &diagnosis.contradiction {
             map.insert("contradiction".into(), json!(contradiction));
+        }
+        if let Some(recordings) = &diagnosis.recordings {
+            map.insert("recordings".into(), json!(recordings));
+        }
+        if let Some(switching) = &diagnosis.switching {
+            map.insert("switching".into(), json!(switching));
         }
         // With swapped axes the log is to be repaired first.
         let calibration = diagnosis.calibration.filter(|_| diagnosis.axis_order().is_none());

@@ -14,6 +14,7 @@ use crate::outcome::explain::{Stand, explain};
 use crate::outcome::outcome::{Diagnosis, StepRow, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::view::View;
+use crate::reason::Reason;
 use crate::samples::samples::Samples;
 use crate::samples::series::{Autocorrelation, rms};
 use crate::search::candidates::Catalogue;
@@ -55,13 +56,11 @@ impl Order {
 
     fn words(self) -> String {
         let what = match self {
-            Order::Scale => "its scale is estimated, its offset is zero within 5 % of the field",
-            Order::Offset => "its offset is estimated, with the field given by the magnitude",
-            Order::Gains => {
-                "offset and a gain for each axis are estimated, with the field given by the magnitude"
-            }
+            Order::Scale => "only its scale is estimated (offset zero within 5 % of the field)",
+            Order::Offset => "only an offset is estimated",
+            Order::Gains => "only an offset and a gain per axis are estimated",
         };
-        format!("the sensor is taken as calibrated before, with every column at rest: {what}")
+        format!("assuming the sensor was already calibrated, {what}")
     }
 
     /// What this moves beyond the one before.
@@ -156,12 +155,8 @@ pub(crate) fn as_logged(
     diagnosis.calibration = None;
     diagnosis.information = None;
     diagnosis.predicted_error_ut = None;
-    diagnosis.reasons.insert(
-        0,
-        "the attitude does not carry a calibration; the sensor is taken as calibrated before, and only effects were \
-         looked for"
-            .into(),
-    );
+    diagnosis.reasons.insert(0, Reason::new("effects-only", "Too few orientations for a calibration. ironout assumes that the sensor was already calibrated, and \
+         searched for effects only"));
     Ok(Some(diagnosis))
 }
 

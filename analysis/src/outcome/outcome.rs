@@ -4,11 +4,12 @@ use crate::base::axes::Alignment;
 use crate::base::model::Base;
 use crate::base::mounting::Standing;
 use crate::base::order::AxisOrder;
-use crate::base::quality::Residue;
+use crate::base::quality::NoiseEstimate;
 use crate::calibration::{FittedEffect, Information, StdErrors};
 use crate::noise::colour::Colour;
 use crate::outcome::contradiction::Contradiction;
 use crate::plain;
+use crate::reason::Reason;
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
 use crate::search::shown::Shown;
@@ -159,8 +160,8 @@ pub struct NoiseRow {
 
 impl NoiseRow {
     /// Of a residual.
-    pub fn of(left: &Residue) -> NoiseRow {
-        let Residue { colour, misfit, is_noise, memory, .. } = *left;
+    pub fn of(left: &NoiseEstimate) -> NoiseRow {
+        let NoiseEstimate { colour, misfit, is_noise, memory, .. } = *left;
         NoiseRow { colour, misfit, is_noise, memory_samples: memory }
     }
 }
@@ -171,7 +172,7 @@ pub struct Diagnosis {
     /// The verdict.
     pub verdict: Verdict,
     /// Why, in words.
-    pub reasons: Vec<String>,
+    pub reasons: Vec<Reason>,
     /// `magnitude`, or `vector` for a board at rest.
     pub residual: &'static str,
     /// The error falling.

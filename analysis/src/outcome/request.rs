@@ -97,12 +97,12 @@ impl fmt::Display for Refusal {
             Refusal::BadShape(id) => write!(f, "the shape of effect {id} is not finite"),
             Refusal::NoRoom(id) => write!(
                 f,
-                "no room for effect {id} beside the others: {TERMS} effects with {COLUMNS} coefficients at most, the base \
-                 model's among them"
+                "no room for effect {id} in addition to the others: at most {TERMS} effects with {COLUMNS} coefficients, \
+                 including the base model's"
             ),
             Refusal::CannotAdd { id, why, .. } => write!(f, "{id}: {why}"),
             Refusal::TooMany { given, most } => {
-                write!(f, "a calibration carries at most {most} effects, and {given} are given")
+                write!(f, "a calibration has at most {most} effects, but {given} are given")
             }
         }
     }

@@ -76,12 +76,12 @@ impl View<'_, '_> {
             let kin = kin_of(&piece.id);
             let why = match (&partners, &kin) {
                 (Some(partners), _) => format!(
-                    "it explains the error, and so does {}: {}",
+                    "{} explains the error equally well. Fix: {}",
                     partners.join(", "),
                     self.separating(&piece.id, partners)
                 ),
                 (None, Some(kin)) => format!(
-                    "it stands for what it has in common with {}, whose columns move with it: {}",
+                    "its column is collinear with {}. Fix: {}",
                     kin.join(", "),
                     self.separating(&piece.id, kin)
                 ),
@@ -120,7 +120,7 @@ impl View<'_, '_> {
             });
         }
         for id in &self.explanation.dropped {
-            let why = "its shape is not finite on this log, so it was left out; the others were tried";
+            let why = "its shape is not finite on this log, so it was not tested";
             list.push(untried(id, Status::Untestable, why.into()));
         }
         for one in &self.explanation.last {
@@ -140,7 +140,7 @@ impl View<'_, '_> {
                     let alone = self.explanation.first.iter().find(|other| other.piece.id == *id);
                     let one = alone.unwrap_or(one);
                     let why = format!(
-                        "it explains the error, and so does {}: {}",
+                        "{} explains the error equally well. Fix: {}",
                         partners.join(", "),
                         self.separating(id, &partners)
                     );
@@ -148,11 +148,11 @@ impl View<'_, '_> {
                 }
                 None => {
                     let why = if verdict == Verdict::Undetermined {
-                        "the data do not support a calibration, so this cannot be told".to_string()
+                        "not tested: the data do not support a calibration".to_string()
                     } else if one.tested.p_value * (self.explanation.count as f64) < SIGNIFICANCE {
                         self.not_taken(one, one.tested.decrease / whole)
                     } else {
-                        "the data do not ask for it".to_string()
+                        "not significant".to_string()
                     };
                     let status =
                         if verdict == Verdict::Undetermined { Status::Untestable } else { Status::NotNeeded };
@@ -166,12 +166,12 @@ impl View<'_, '_> {
                 let (p, held) = dip.tested.unwrap_or((1.0, None));
                 let why = match &dip.lag {
                     Some(piece) if pure_lag => format!(
-                        "the sensor is {:.1} ± {:.1} ms late: {}",
+                        "the sensor is delayed by {:.1} ± {:.1} ms: {}",
                         1e3 * piece.coefficients[0],
                         1e3 * dip.delay_error_s,
                         piece.effect.explanation()
                     ),
-                    _ => "neither the magnitude nor the dip asks for it".to_string(),
+                    _ => "significant neither in the magnitude nor in the dip".to_string(),
                 };
                 list.push(CandidateRow {
                     name: late.effect.name().into(),
@@ -203,7 +203,7 @@ impl View<'_, '_> {
                 p_value: None,
                 confounded_with: Vec::new(),
                 why: format!(
-                    "the axes of magnetometer and {beside} differ by {angle:.1}° beside the triangular matrix"
+                    "the axes of magnetometer and {beside} differ by {angle:.1}° in addition to the triangular matrix"
                 ),
                 angle_deg: Some(angle),
                 takes: None,
@@ -222,13 +222,13 @@ impl View<'_, '_> {
                 confounded_with: Vec::new(),
                 why: match standing.map(|standing| standing.words()) {
                     Some(_) if angle > SWAPPED_DEG => format!(
-                        "{} with the axes turned by {angle:.0}°, but it spreads by {:.1}° there too: too \
-                         much to tell their order; turn the board slowly and without shaking it",
-                        if by_gyro { "the gyro turns as the field does" } else { "the dip is most constant" },
+                        "{} with the axes rotated by {angle:.0}°, but it varies by {:.1}° rms there too, which is too much \
+                         to determine their order. Fix: rotate the sensor slowly and without shaking it",
+                        if by_gyro { "the gyro agrees best with the field" } else { "the dip is most constant" },
                         dip.after_deg
                     ),
                     Some(words) if !words.is_empty() => words.join("; "),
-                    _ => "the axes stand in the board's order".into(),
+                    _ => "the axis order is correct".into(),
                 },
                 angle_deg: None,
                 takes: None,
@@ -244,7 +244,7 @@ impl View<'_, '_> {
                     holdout_rms_ut: None,
                     p_value: None,
                     confounded_with: Vec::new(),
-                    why: "too little attitude: turn the board through more of it".into(),
+                    why: "too few orientations: rotate the sensor through more of them".into(),
                     angle_deg: None,
                     takes: None,
                 });
@@ -261,13 +261,12 @@ impl View<'_, '_> {
         let percent = 100.0 * takes.clamp(0.0, 1.0);
         if takes < RELEVANCE {
             return format!(
-                "there, but too small to matter: it takes {percent:.1} % off the squared error that is left"
+                "significant, but too small to matter: it explains {percent:.1} % of the remaining variance"
             );
         }
         if takes < WORTH_NAMING && self.pass.residual == Residual::Magnitude {
             return format!(
-                "it would take {percent:.0} % off the squared error that is left; below {:.0} % structure of other kinds takes as \
-                 much, so it is not named",
+                "it explains {percent:.0} % of the remaining variance, less than the {:.0} % needed to name it",
                 100.0 * WORTH_NAMING
             );
         }
@@ -275,17 +274,15 @@ impl View<'_, '_> {
             held_out_rms(&self.explanation.fitted).map(|rms| rms * rms * self.explanation.fitted.rows);
         if !falls(before, one.tested.held_out) {
             return format!(
-                "it would take {percent:.0} % off the squared error that is left, but not off that of unseen time: it does not \
-                 hold there"
+                "it explains {percent:.0} % of the remaining variance, but does not reduce the held-out error"
             );
         }
         format!(
-            "it would take {percent:.0} % off the squared error that is left, but by itself it is not certain: {} may look \
-             like it",
+            "it explains {percent:.0} % of the remaining variance, but is not significant by itself: {} may look like it",
             if one.piece.follows(Follows::Attitude) {
                 "another cause"
             } else {
-                "something that the log lacks"
+                "a cause that was not logged"
             }
         )
     }
@@ -299,18 +296,18 @@ impl View<'_, '_> {
             all.iter().filter(|named| named.form.column).map(|named| named.column).collect();
         match (timed, columns.first()) {
             (true, Some(column)) => format!(
-                "record a log in which {column} goes up and down again while time goes on (let it cool down, switch it on and off)"
+                "record a log in which {column} rises and falls again (let it cool down, switch it on and off)"
             ),
             (false, Some(first)) => {
                 let other = columns.iter().find(|column| *column != first).unwrap_or(first);
                 if other == first {
-                    format!("record a log in which {first} changes at many attitudes")
+                    format!("record a log in which {first} changes in many orientations")
                 } else {
                     format!("record a log in which {first} and {other} change one at a time")
                 }
             }
-            (true, None) => "record a longer log: a drift goes on, a step does not".into(),
-            _ => "record a log with more attitudes, and with the board still in some of them".into(),
+            (true, None) => "record a longer log: a drift continues, a step does not".into(),
+            _ => "record a log with more orientations, and keep the sensor still in some of them".into(),
         }
     }
 

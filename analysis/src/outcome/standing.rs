@@ -39,10 +39,10 @@ pub(crate) fn take_axes(
 /// Says beside the misalignment whether the calibration's matrix contains it.
 pub(crate) fn tell_matrix(diagnosis: &mut Diagnosis) {
     let words = match diagnosis.alignment {
-        Alignment::Done { .. } | Alignment::ByAll => "the full matrix contains it",
-        Alignment::NoDip { .. } => "the dip spreads too far for the matrix to contain it",
-        Alignment::Open(_) | Alignment::Mirrored(_) => "no matrix contains it before the axes are in order",
-        Alignment::None => "it is too uncertain for the matrix to contain it",
+        Alignment::Done { .. } | Alignment::ByAll => "corrected by the full matrix",
+        Alignment::NoDip { .. } => "not corrected: the dip varies too much to determine it",
+        Alignment::Open(_) | Alignment::Mirrored(_) => "not corrected until the axis order is corrected",
+        Alignment::None => "not corrected: too uncertain",
     };
     for row in
         diagnosis.candidates.iter_mut().filter(|row| row.id == MISALIGNMENT.id && row.angle_deg.is_some())

@@ -19,6 +19,7 @@ use crate::outcome::passes;
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::standing;
 use crate::outcome::view::View;
+use crate::reason::Reason;
 use crate::samples::faults::{self, FaultKind};
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
@@ -42,7 +43,10 @@ pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     let counted = &ground.counted;
     let mut diagnosis = of_kind(ground, options)?;
     if diagnosis.steps.iter().any(|step| !step.rms_ut.is_finite()) {
-        let why = "readings are so large that their error is no number: is this the magnetometer?".into();
+        let why = Reason::new(
+            "not-finite",
+            "the readings are too large to compute with. Is this the magnetometer?",
+        );
         diagnosis = undetermined(counted.table, &counted.samples, options.registry, why);
     }
     // What the study has left out is told after the faults of the sensor.
@@ -146,14 +150,18 @@ fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagn
         let few = samples.len();
         let why = match ground.counted.at_rest {
             0 if table.rows() >= 2 * FEWEST && few < table.rows() / 10 => format!(
-                "of {} rows only {few} hold a new reading of the magnetometer: it is stuck, its bus hangs, or its driver hardly \
-                 asks it",
+                "only {few} of {} rows contain a new magnetometer reading. The sensor is stuck, its bus hangs, or its \
+                 driver rarely reads it",
                 table.rows()
             ),
             0 => format!("fewer than {FEWEST} different samples"),
-            rest => format!("{few} samples in motion are too few ({rest} are of a resting board)"),
+            rest => format!(
+                "The sensor hardly moved ({few} samples of motion, {rest} at rest). Record again while rotating \
+                 it"
+            ),
         };
-        let mut diagnosis = undetermined(table, samples, options.registry, why);
+        let mut diagnosis =
+            undetermined(table, samples, options.registry, Reason::new("too-few-samples", why));
         // What so few samples seem to say of a column is not so.
         for row in &mut diagnosis.candidates {
             row.why = format!("the log has only {few} samples");
@@ -164,13 +172,16 @@ fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagn
         return at_rest(table, samples, options);
     }
     if ground.counted.axes != [true; 3] {
-        let why = "an axis is a copy of another, so there is no ellipsoid: repair the driver".into();
+        let why = Reason::new(
+            "copied-axis",
+            "one axis is a copy of another, so no ellipsoid fits. Fix: correct the driver",
+        );
         return Ok(undetermined(table, samples, options.registry, why));
     }
     let none_fits = || {
         let why = match options.prior {
-            Some(_) => "the earlier calibration is none for this field".into(),
-            None => "no sphere or ellipsoid fits the samples".into(),
+            Some(_) => Reason::new("prior-mismatch", "the earlier calibration does not match this field"),
+            None => Reason::new("no-ellipsoid", "no sphere or ellipsoid fits the samples"),
         };
         undetermined(table, samples, options.registry, why)
     };
@@ -242,10 +253,12 @@ fn level(
     base: Option<&Base>,
     tilt_deg: f64,
 ) -> Result<Diagnosis, Refusal> {
-    let reason = format!(
-        "by the accelerometer the board was tilted by {tilt_deg:.0}° (rms) only, which carries no offset and no matrix: study \
-         this log on top of an earlier calibration of the board, --prior CAL.json, or turn the board through more attitudes; for a vehicle, ironout fit calibrates for \
-         the tilts that it shows"
+    let reason = Reason::new(
+        "tilted-too-little",
+        format!(
+            "The sensor was tilted by only {tilt_deg:.0}° (rms), so offset and matrix cannot be found. Record again with large \
+         tilts, or use --prior CAL.json. For a vehicle, ironout fit calibrates for the tilts in the log"
+        ),
     );
     if let Some(mut lower) = as_logged(table, samples, options)?.filter(|lower| is_told(lower, options)) {
         lower.reasons.insert(0, reason);
@@ -291,7 +304,7 @@ fn accuse_nobody(diagnosis: &mut Diagnosis, base: Option<&Base>) {
     }
     for row in diagnosis.candidates.iter_mut().filter(|row| row.status != Status::Untestable) {
         row.status = Status::Untestable;
-        row.why = "the data do not support a calibration, so this cannot be told".into();
+        row.why = "not tested: the data do not support a calibration".into();
         row.p_value = None;
         row.holdout_rms_ut = None;
         row.confounded_with.clear();
@@ -310,7 +323,10 @@ fn magnitude(
     let pass = Pass::new(samples, Residual::Magnitude);
     let (explanation, pure_lag) = match explain(pass, &catalogue, model, known, options, stand)? {
         Ok(explained) => explained,
-        Err(why) => return Ok(undetermined(table, samples, options.registry, why)),
+        Err(why) => {
+            let why = Reason::new("no-convergence", why);
+            return Ok(undetermined(table, samples, options.registry, why));
+        }
     };
     let base = stand.base;
     let (dip_deg, searches) = (options.dip_deg, options.search);

@@ -10,9 +10,10 @@ use crate::base::known::Known;
 use crate::base::model::Base;
 use crate::base::mounting::Standing;
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::{Residue, attitude_error, covariance, error_beyond};
+use crate::base::quality::{NoiseEstimate, attitude_error, covariance, error_beyond};
 use crate::base::start;
 use crate::outcome::outcome::{Heading, StepRow, Verdict, Where};
+use crate::reason::Reason;
 use crate::residual::late::{Late, scan};
 use crate::samples::samples::Samples;
 use crate::samples::series::Autocorrelation;
@@ -38,7 +39,7 @@ const MOST: f64 = 0.5;
 /// A verdict and why.
 pub(crate) struct Judged {
     pub(crate) verdict: Verdict,
-    pub(crate) reasons: Vec<String>,
+    pub(crate) reasons: Vec<Reason>,
     /// Whether all is explained, and only the calibration not sure enough.
     pub(crate) only_unsure: bool,
     /// Whether the attitude determines the base model.
@@ -207,12 +208,11 @@ impl<'a> View<'_, 'a> {
 
     pub(crate) fn prior_words(&self) -> String {
         if self.known.earlier.is_some() {
-            "the information of the earlier calibration, and a weak physical prior".into()
+            "earlier calibration, and a weak physical prior".into()
         } else if let Some(words) = &self.lower_order {
             words.clone()
         } else {
-            "weak: gains within some 20 % of each other, axes within some 10°, offset within a few fields"
-                .into()
+            "weak (gains within 20 %, axes within 10°, offset within a few times the field strength)".into()
         }
     }
 
@@ -246,7 +246,7 @@ impl<'a> View<'_, 'a> {
     /// What the model says of the log.
     pub(crate) fn verdict(
         &self,
-        left: &Residue,
+        left: &NoiseEstimate,
         applied: &Applied,
         predicted: Option<f64>,
         field: f64,
@@ -259,17 +259,20 @@ impl<'a> View<'_, 'a> {
         };
         match error {
             Some(error) if error <= MAX_PREDICTED_ERROR => {}
-            Some(error) => reasons.push(format!(
-                "for its attitude alone the corrected vector would be off by {:.*} % of the field in the worst direction (1σ): turn the board \
-                 through more attitudes; for a vehicle, ironout fit calibrates for the tilts that the log shows",
+            Some(error) => reasons.push(Reason::new("too-few-orientations", format!(
+                "Too few orientations: the predicted error is {:.*} % of the field in the worst direction (1σ). Rotate the \
+                 sensor through more orientations. For a vehicle, ironout fit calibrates for the tilts in the log",
                 usize::from(error < 1.05 * MAX_PREDICTED_ERROR) + 1,
                 100.0 * error
-            )),
-            None => reasons.push("the attitude does not determine the ellipsoid".into()),
+            ))),
+            None => reasons.push(Reason::new("too-few-orientations", "too few orientations to determine the ellipsoid")),
         }
         // Noise so large carries no calibration; structure so large is a missing effect, whatever the attitude.
         if left.rms > MAX_RESIDUAL * field && left.structure <= 0.0 {
-            reasons.push(format!("the residual is {:.1} % of the field", 100.0 * left.rms / field));
+            reasons.push(Reason::new(
+                "residual-too-large",
+                format!("The residual is {:.1} % of the field", 100.0 * left.rms / field),
+            ));
         } else if reasons.is_empty() {
             return self.of_model(left, applied, predicted, field, true);
         } else if error.is_some_and(|error| error <= MAX_ERROR_TO_NAME) && self.is_certain() {
@@ -307,7 +310,7 @@ impl<'a> View<'_, 'a> {
     /// What the model says of a log, whether or not its attitude is enough.
     fn of_model(
         &self,
-        left: &Residue,
+        left: &NoiseEstimate,
         applied: &Applied,
         predicted: Option<f64>,
         field: f64,
@@ -323,59 +326,57 @@ impl<'a> View<'_, 'a> {
     /// Verdict and reasons, and whether all is explained and only the calibration not sure enough.
     fn reasoned(
         &self,
-        left: &Residue,
+        left: &NoiseEstimate,
         refused: Option<f64>,
         fails: Option<f64>,
-    ) -> (Verdict, Vec<String>, bool) {
+    ) -> (Verdict, Vec<Reason>, bool) {
         let mut reasons = Vec::new();
         if let Some(error) = refused {
-            reasons.push(format!(
-                "a calibration from this log would be off by {:.1} % of the field in the worst direction (1σ){}",
+            reasons.push(Reason::new("error-too-large", format!(
+                "The predicted error of a calibration from this log is {:.1} % of the field in the worst direction (1σ){}",
                 100.0 * error,
                 match (left.structure > 0.0, self.explanation.fitted.pieces.is_empty()) {
-                    (true, _) => ", with what is left unexplained",
-                    (false, true) => ", for its noise: record longer, through more attitudes",
-                    (false, false) => ", for its noise and its effects: record longer, through more attitudes",
+                    (true, _) => ", including the unexplained error",
+                    (false, true) => ", because of its noise. Record longer, in more orientations",
+                    (false, false) => ", because of its noise and its effects. Record longer, in more orientations",
                 }
-            ));
+            )));
         }
         if self.explanation.ended_early {
-            reasons.push(
-                "the search ended at the limit of its work, or where its model ran away, with candidates left that were not tried \
-                 beside what was found"
-                    .into(),
-            );
+            reasons.push(Reason::new("search-limit", "The search stopped at its limit, with candidates that were not tested in addition to the effects found"));
             if left.structure <= 0.0 {
                 return (Verdict::Unexplained, reasons, false);
             }
         }
         if left.structure > 0.0 {
-            reasons.push(format!(
-                "{:.0} % of the residual's variance is structure that no candidate explains for certain",
+            reasons.push(Reason::new("unexplained-variance", format!(
+                "{:.0} % of the residual variance is not noise, and no candidate explains it significantly",
                 100.0 * left.structure
-            ));
+            )));
             return (Verdict::Unexplained, reasons, false);
         }
         if let Some(words) = self.stand_ins() {
-            reasons.push(words);
+            reasons.push(Reason::new("probable-proxies", words));
             return (Verdict::Unexplained, reasons, false);
         }
         if let Some(times) = fails {
-            reasons.push(format!(
-                "on unseen time the error is {times:.1} times what the noise leaves: what stands in the model is not all, \
-                 or the log is too short for it"
-            ));
+            reasons.push(Reason::new("held-out-error", format!(
+                "The held-out error is {times:.1} × the noise floor: the model is incomplete, or the log is too short for it"
+            )));
             let explained = self.explanation.fitted.converged && self.explanation.confounded.is_empty();
             let alone = explained && reasons.len() == 1;
             return (Verdict::Unexplained, reasons, alone);
         }
         if !self.explanation.fitted.converged {
-            reasons.push("the fit of the model with all that was found did not converge".into());
+            reasons.push(Reason::new("no-convergence", "The fit with all effects found did not converge"));
             return (Verdict::Unexplained, reasons, false);
         }
         if !self.explanation.confounded.is_empty() {
             for group in &self.explanation.confounded {
-                reasons.push(format!("{} explain the same", group.ids.join(", ")));
+                reasons.push(Reason::new(
+                    "confounded",
+                    format!("{} explain the error equally well", group.ids.join(", ")),
+                ));
             }
             return (Verdict::Confounded, reasons, false);
         }

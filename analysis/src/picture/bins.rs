@@ -22,7 +22,7 @@ pub struct Against {
     pub at: Vec<f32>,
     /// Samples in it.
     pub samples: Vec<u32>,
-    /// Rms of the residual of offset and matrix alone, µT.
+    /// Rms of the residual of offset and matrix only, µT.
     pub without_ut: Vec<f32>,
     /// Rms of what the effects of the model make of the magnitude, with the noise floor beside it, µT.
     pub effect_ut: Vec<f32>,
@@ -34,7 +34,7 @@ pub struct Against {
 
 /// The residuals of the samples of one log, all of equal length.
 pub struct Residuals<'a> {
-    /// Of offset and matrix alone, µT.
+    /// Of offset and matrix only, µT.
     pub without_ut: &'a [f64],
     /// Of the whole model, µT.
     pub with_ut: &'a [f64],
@@ -95,7 +95,7 @@ pub fn against(name: &str, unit: &'static str, values: &[f64], residuals: &Resid
 pub struct Histogram {
     /// Middle of each bar, µT.
     pub at_ut: Vec<f32>,
-    /// Share of the samples of offset and matrix alone.
+    /// Share of the samples of offset and matrix only.
     pub without: Vec<f32>,
     /// Share of the samples of the whole model.
     pub with: Vec<f32>,

@@ -26,7 +26,7 @@ pub struct Cloud {
     pub measured_ut: [Vec<f32>; 3],
     /// Corrected, µT; empty without a calibration.
     pub corrected_ut: [Vec<f32>; 3],
-    /// Residual of offset and matrix alone, µT.
+    /// Residual of offset and matrix only, µT.
     pub without_ut: Vec<f32>,
     /// Residual of the whole model, µT.
     pub residual_ut: Vec<f32>,
@@ -130,9 +130,9 @@ impl Drawn<'_> {
         let angle = |of: &dyn Fn([f64; 3]) -> f64| -> Vec<f64> {
             rows.corrected_ut.iter().map(|v| of(*v).to_degrees()).collect()
         };
-        columns.push(("azimuth in the board".into(), "°", angle(&|v| v[1].atan2(v[0]))));
+        columns.push(("azimuth in sensor axes".into(), "°", angle(&|v| v[1].atan2(v[0]))));
         columns.push((
-            "elevation in the board".into(),
+            "elevation in sensor axes".into(),
             "°",
             angle(&|v| (-v[2] / norm(v)).clamp(-1.0, 1.0).asin()),
         ));

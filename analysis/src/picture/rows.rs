@@ -13,7 +13,7 @@ pub struct Rows {
     pub measured_ut: Vec<[f64; 3]>,
     /// Corrected, µT.
     pub corrected_ut: Vec<[f64; 3]>,
-    /// `‖corrected‖ − F` of offset and matrix alone, µT.
+    /// `‖corrected‖ − F` of offset and matrix only, µT.
     pub without_ut: Vec<f64>,
     /// The same of the whole calibration, µT.
     pub with_ut: Vec<f64>,

@@ -13,7 +13,7 @@ const SHORTEST: usize = 64;
 pub struct Density {
     /// Frequency, Hz.
     pub hz: Vec<f32>,
-    /// Of offset and matrix alone, µT/√Hz.
+    /// Of offset and matrix only, µT/√Hz.
     pub without: Vec<f32>,
     /// Of the whole model, µT/√Hz.
     pub with: Vec<f32>,

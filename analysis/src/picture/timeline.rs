@@ -21,7 +21,7 @@ pub struct Timeline {
     pub at_s: Vec<f32>,
     /// Measured magnitude, µT.
     pub measured_ut: Band,
-    /// Residual of offset and matrix alone, µT.
+    /// Residual of offset and matrix only, µT.
     pub without_ut: Band,
     /// Residual of the whole model, µT.
     pub residual_ut: Band,

@@ -68,7 +68,8 @@ impl Samples {
         let mut common = Samples::of_rows(table, row, self.stride, self.axes);
         common.rest = self.rest.clone();
         for (name, missing) in refused {
-            let problem = format!("{name} is missing for long in {missing} of {} samples", self.len());
+            let problem =
+                format!("{name} is missing for long periods, in {missing} of {} samples", self.len());
             if let Some(column) = common.columns.iter_mut().find(|own| own.name == name) {
                 column.problem = Some(problem);
             }
@@ -140,7 +141,7 @@ mod tests {
         let problem =
             |name: &str| common.columns.iter().find(|own| own.name == name).unwrap().problem.clone();
         assert_eq!((problem("a"), problem("b")), (None, None));
-        assert_eq!(problem("c").unwrap(), "c is missing for long in 190 of 400 samples");
+        assert_eq!(problem("c").unwrap(), "c is missing for long periods, in 190 of 400 samples");
         assert_eq!(
             (faults.len(), faults[0].samples, faults[0].columns.as_slice()),
             (1, 50, ["b".to_string()].as_slice())

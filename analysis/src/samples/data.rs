@@ -112,7 +112,7 @@ impl<'a> Data<'a> {
         stretches.map(|stretch| stretch.iter().map(|sample| self.field(*sample)).collect()).collect()
     }
 
-    /// Samples a second, over the whole log; NaN without a time column.
+    /// Samples per second, over the whole log; NaN without a time column.
     pub fn rate_hz(&self) -> f64 {
         let seconds = self.table.time_s.and_then(|time| Some(time.last()? - time.first()?));
         seconds.map_or(f64::NAN, |seconds| self.rows.len() as f64 / seconds)

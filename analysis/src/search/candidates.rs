@@ -267,7 +267,7 @@ impl<'a> Catalogue<'a> {
             for (family, form) in families().filter(|(_, form)| form.column) {
                 let named = Named { family, column: &column.name, form };
                 let name = format!("{} with {}", family.kind(), column.name);
-                let remedy = if column.causes_nothing { "" } else { ": log it while it changes" };
+                let remedy = if column.causes_nothing { "" } else { ". Log it while it changes" };
                 add(&named, name, format!("{problem}{remedy}"));
             }
         }
@@ -281,7 +281,7 @@ impl<'a> Catalogue<'a> {
         for usual in usual {
             for (family, form) in families().filter(|(family, _)| family.usual_columns().contains(&usual)) {
                 let named = Named { family, column: usual.column, form };
-                let why = format!("no {} column: log {}", usual.what, usual.column);
+                let why = format!("no {} column. Log {}", usual.what, usual.column);
                 add(&named, name_of(family, form, usual.column).into(), why);
             }
         }
@@ -313,8 +313,8 @@ impl<'a> Catalogue<'a> {
         let columns = named.family.columns(&parts);
         let mut missing = columns.iter().flatten().filter(|column| column.name != TIME);
         missing.find_map(|column| match self.samples.columns.iter().find(|known| known.name == column.name) {
-            None => Some(format!("no column {0}: log {0}", column.name)),
-            Some(known) => Some(format!("{}: log it while it changes", known.problem.as_ref()?)),
+            None => Some(format!("no column {0}. Log {0}", column.name)),
+            Some(known) => Some(format!("{}. Log it while it changes", known.problem.as_ref()?)),
         })
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::base::engine::Fitted;
 use crate::base::piece::{BadShape, Piece};
-use crate::base::quality::{Residue, error_beyond, predicted_error, residue};
+use crate::base::quality::{NoiseEstimate, error_beyond, predicted_error, residue};
 use crate::noise::colour::Colour;
 use crate::search::screen::ACCUSED;
 use crate::search::state::{Explanation, Greedy, Step, Withdrawn, errors_applied, held_out_rms};
@@ -40,9 +40,7 @@ fn raises(explanation: &Explanation, asked: &[String]) -> Option<Withdrawn> {
     let (_, before, after, id) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(Withdrawn {
         id: id.clone(),
-        why: format!(
-            "with it the error on unseen time rises from {before:.3} to {after:.3} µT: it does not hold there"
-        ),
+        why: format!("it increases the held-out error from {before:.3} to {after:.3} µT"),
     })
 }
 
@@ -105,7 +103,8 @@ impl<'a> Greedy<'_, 'a> {
             if chance * tries < ACCUSED {
                 break;
             }
-            let why = format!("beside what else was found, chance does as well ({:.1e})", chance * tries);
+            let why =
+                format!("not significant in addition to the other effects (p = {:.1e})", chance * tries);
             if !self.withdraw(&mut explanation, Withdrawn { id, why })? {
                 break;
             }
@@ -128,8 +127,7 @@ impl<'a> Greedy<'_, 'a> {
             let rms =
                 |rms: Option<f64>| rms.map_or("unknown".into(), |rms| format!("{rms:.3} {}", least.unit));
             let why = format!(
-                "asked for, and not shown by this log: on unseen time the error is {} with it and {} without, and chance does as \
-                 well with a probability of {}",
+                "requested, but not significant in this log (p = {2}; held-out error {0} with it, {1} without)",
                 rms(least.with),
                 rms(least.without),
                 if least.p_value < 0.01 {
@@ -226,7 +224,7 @@ impl<'a> Greedy<'_, 'a> {
             let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
             let without = held_out_rms(&without).map(|rms| rms * rms);
             if !falls(without, Some(with * with)) {
-                let why = "without it the error on unseen time is as low: the whole log does not show it";
+                let why = "not significant: the held-out error is as low without it";
                 return Ok(Some(Withdrawn { id: id.clone(), why: why.into() }));
             }
         }
@@ -248,7 +246,7 @@ impl<'a> Greedy<'_, 'a> {
     fn does_not_hold(
         &self,
         explanation: &Explanation<'a>,
-        left: &Residue,
+        left: &NoiseEstimate,
         asked: &[String],
     ) -> Option<Withdrawn> {
         let fitted = &explanation.fitted;
@@ -273,8 +271,8 @@ impl<'a> Greedy<'_, 'a> {
         Some(Withdrawn {
             id: id.clone(),
             why: format!(
-                "with it the calibration would be off by {:.1} % of the field, and the error on unseen time is {times:.1} times \
-                 that of the samples it was fitted to: the log is too short to tell",
+                "the log is too short to decide: with it the predicted error is {:.1} % of the field, and the held-out \
+                 error {times:.1} × the fitted one",
                 100.0 * predicted
             ),
         })
@@ -327,8 +325,7 @@ impl<'a> Greedy<'_, 'a> {
             if let Some((_, at_s)) = at
                 && !self.sudden(fitted, piece, at_s)?
             {
-                let why = "the offset changes, but not at once: some slow cause that the log does not hold looks \
-                           like a step";
+                let why = "the offset changes gradually, not in a step: the cause is probably slow and was not logged";
                 return Ok(Some(Withdrawn { id: piece.id.clone(), why: why.into() }));
             }
         }
@@ -356,8 +353,8 @@ impl<'a> Greedy<'_, 'a> {
         Ok(least.map(|(takes, id)| Withdrawn {
             id: id.clone(),
             why: format!(
-                "it takes {:.0} % off the squared error, but {:.0} % is structure that nothing in the log explains: a \
-                 cause that the log does not hold may look like it",
+                "it explains {:.0} % of the variance, but {:.0} % is not noise and nothing in the log explains it: a cause \
+                 that was not logged may look like it",
                 100.0 * takes / explanation.base.rms().powi(2).max(1e-300),
                 100.0 * remains / explanation.base.rms().powi(2).max(1e-300),
             ),

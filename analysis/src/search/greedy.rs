@@ -35,11 +35,19 @@ fn candidates<'a>(
         }
     }
     for named in catalogue.usable_columns().flat_map(|column| catalogue.late(column)) {
+        // Of a board at rest the vector shows a column's past by a delay; a low-pass beside it is hardly another shape.
+        if at_rest && named.form.searched == Some(Searched::TimeConstant) {
+            continue;
+        }
         // A late column stands beside the prompt one, or shows through it.
         let is_prompt = |own: Named| own.is_plain() && own.is_variant_of(&named);
         if fitted.pieces.iter().filter_map(Piece::named).any(is_prompt) {
             list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
-        } else if !at_rest && finite(search::acts_late(pass, fitted, catalogue, &named))?.unwrap_or(false) {
+        } else if !at_rest
+            // Through a low-pass any column becomes smooth, and smooth shapes imitate each other: by heredity only.
+            && named.form.searched != Some(Searched::TimeConstant)
+            && finite(search::acts_late(pass, fitted, catalogue, &named))?.unwrap_or(false)
+        {
             // A long delay leaves little of the prompt one to show through.
             list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
         }

@@ -26,7 +26,7 @@ impl Effect<f64> for Slope {
         "parameter of a shape"
     }
     fn explanation(&self) -> &'static str {
-        "A small error of a frequency, a delay or a time constant bends the shape. It is estimated together with the amplitudes."
+        "A small error of a frequency, a delay or a time constant changes the shape. It is estimated together with the amplitudes."
     }
     fn columns(&self) -> [Option<Column<'_, f64>>; MAX_INPUTS] {
         [Some(Column::now(TIME)), None]

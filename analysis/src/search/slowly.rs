@@ -43,7 +43,7 @@ impl Effect<f64> for Slowly {
         "slow change"
     }
     fn explanation(&self) -> &'static str {
-        "The offset changes slowly. A column that does must show beside that."
+        "The offset changes slowly. A slowly changing column must be significant in addition to that."
     }
     fn coefficients(&self) -> usize {
         3 * self.powers().len()

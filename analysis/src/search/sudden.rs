@@ -66,7 +66,7 @@ impl Effect<f64> for Steadily {
         "steady change"
     }
     fn explanation(&self) -> &'static str {
-        "The offset changes steadily. A step must stand beside that."
+        "The offset changes steadily. A step must be significant in addition to that."
     }
     fn coefficients(&self) -> usize {
         3

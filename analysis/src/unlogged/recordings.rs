@@ -6,7 +6,7 @@
 use crate::unlogged::linear::{BASE, Normal, Row, memory, moved};
 use ironout::study::f_tail;
 use nalgebra::{SMatrix, SVector};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Steps of the Gauss–Newton iteration at most: it begins at the common calibration, next to its end.
 const MOST_STEPS: usize = 30;
@@ -16,7 +16,7 @@ const STANDS_UT: f64 = 1e-7;
 pub const FEWEST: usize = 30;
 
 /// One recording.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
     /// Its place among those that were given, from 0.
     pub index: usize,
@@ -31,7 +31,7 @@ pub struct Recording {
 }
 
 /// All of them.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recordings {
     /// In their order; one with too few samples is missing.
     pub recordings: Vec<Recording>,

@@ -44,7 +44,7 @@ fn a_field_that_differs_from_place_to_place_is_refused_by_the_gyro() {
             let fitted = fit(&Table::from_columns(log.named()).unwrap(), &Options::default()).unwrap();
             let solution = fitted.solution.as_ref().unwrap();
             let beside = fitted.beside_gyro.expect("the log has a gyro");
-            let said = fitted.reasons.iter().any(|reason| reason.contains("differs from place to place"));
+            let said = fitted.reasons.iter().any(|reason| reason.contains("The field is not uniform"));
             let what = format!(
                 "seed {seed}, {share}: {beside:?}, along {:.4}, {:?}",
                 solution.rms_ut / solution.calibration.field_ut,

@@ -105,7 +105,7 @@ fn a_magnetometer_that_hangs_is_said_to_and_blames_no_column() {
     }
     let (found, named) = study(&columns);
     assert_eq!((found.verdict, named.len()), (Verdict::Undetermined, 0));
-    assert!(found.reasons[0].contains("it is stuck"), "{:?}", found.reasons);
+    assert!(found.reasons[0].contains("The sensor is stuck"), "{:?}", found.reasons);
     let blamed = found.candidates.iter().find(|row| row.why.contains("constant"));
     assert!(blamed.is_none(), "{blamed:?}");
 }
@@ -135,7 +135,7 @@ fn an_effect_that_was_asked_for_and_is_not_shown_is_no_missing_one() {
         let found = diagnose(&table, &options).expect("a log");
         assert_eq!((found.verdict, found.effects.len()), (Verdict::Complete, 0), "{id} {:?}", found.reasons);
         let row = found.candidates.iter().find(|row| row.id == id).expect("its row");
-        assert!(row.status == Status::NotNeeded && row.why.starts_with("asked for"), "{}", row.why);
+        assert!(row.status == Status::NotNeeded && row.why.starts_with("requested"), "{}", row.why);
     }
     let effects = vec![EffectSpec::parse("offset:current_a=4").expect("an effect")];
     let log = World::new(WorldOptions {

@@ -33,7 +33,7 @@ pub const RATES_HZ: [f64; 4] = [10.0, 25.0, 50.0, 100.0];
 pub enum Clock {
     /// At a rate, each sample late or early by up to half of the jitter.
     Even {
-        /// Samples a second.
+        /// Samples per second.
         rate_hz: f64,
         /// Full width of the jitter, s.
         jitter_s: f64,

@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// The field of every log, µT.
 pub const FIELD_UT: f64 = 50.0;
-/// Samples a second.
+/// Samples per second.
 pub const RATE_HZ: f64 = 50.0;
 
 /// A recording and the truth behind it.

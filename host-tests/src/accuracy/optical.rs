@@ -94,7 +94,7 @@ fn row(log: &Path) -> Option<Row> {
         vector_percent: 100.0 * scatter / field_ut,
         predicted_heading_deg: fitted.heading_error_deg.unwrap_or(f64::NAN),
         heading_deg: (off.sum::<f64>() / n).sqrt().to_degrees(),
-        reasons: fitted.reasons.clone(),
+        reasons: fitted.reasons.iter().map(ToString::to_string).collect(),
     })
 }
 

@@ -12,7 +12,7 @@ use rand_distr::{Distribution, StandardNormal};
 pub enum Kind {
     /// Nothing.
     Clean,
-    /// An offset that follows the chip's temperature.
+    /// An offset proportional to the chip's temperature.
     Temperature,
     /// An offset that follows a current.
     Current,

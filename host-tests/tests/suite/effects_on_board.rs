@@ -82,7 +82,8 @@ fn effects_are_applied_once_their_columns_are_fed() {
     assert_eq!(last(&mut board, "cov current_a=4.5"), "ok current_a=4.5 used=1 tested=1");
     // Temperature of the chip, case and current: three are tested, and a fourth is refused, nothing lost.
     assert!(
-        last(&mut board, "cov throttle=0.5").starts_with("err state no room: 3 columns are tested at once")
+        last(&mut board, "cov throttle=0.5")
+            .starts_with("err state no room: 3 columns are tested at the same time")
     );
     assert_eq!(last(&mut board, "cov temp_c=- throttle=0.5"), "ok temp_c=- throttle=0.5 used=0 tested=1");
     assert!(last(&mut board, "cov throttle=-").starts_with("ok throttle=- "));

@@ -191,12 +191,12 @@ fn what_is_known_and_does_not_fit_is_said() {
     let log = mounted(&board, order);
     let words = |log: &Log, at_deg| standing(&fitted(&table_of(log), at_deg)).words().join(" ");
     assert!(words(&without_heading(&log), Some(10.0)).contains("neither this nor its opposite"));
-    assert!(words(&without_heading(&log), Some(2.0)).contains("the place does not tell"));
-    assert!(words(&log, Some(-DIP_DEG)).contains("heading_deg says one and --at the other"));
+    assert!(words(&without_heading(&log), Some(2.0)).contains("the place is not sufficient"));
+    assert!(words(&log, Some(-DIP_DEG)).contains("heading_deg and --at contradict each other"));
     let mut wrong = log.clone();
     let heading = wrong.position("heading_deg").expect("a heading");
     for (row, value) in wrong.columns[heading].iter_mut().enumerate() {
         *value = (row % 360) as f64;
     }
-    assert!(words(&wrong, None).contains("check its column"), "{}", words(&wrong, None));
+    assert!(words(&wrong, None).contains("Check its column"), "{}", words(&wrong, None));
 }

@@ -51,7 +51,7 @@ fn calibrate_accept_restart_and_it_is_still_applied() {
     board.run_ms(100);
     assert_eq!(board.command("cal show"), shown);
     let status = board.command("status");
-    assert_eq!(status[0], "+ hint a calibration is in use; begin another one with: cal start");
+    assert_eq!(status[0], "+ hint a calibration is in use; start another one with: cal start");
     assert_eq!(value(status.last().unwrap(), "calibrated"), "1");
     let rms = rms_about(&streamed_norms(&mut board, 20), 50.0);
     assert!(rms < 0.003 * 50.0, "after the restart {rms} uT");
@@ -94,7 +94,7 @@ fn status_tells_how_far_it_is_and_where_to_turn_next() {
     assert_eq!(value(&early[1], "state"), "collecting");
     board.run_ms(57_000);
     let late = board.command("status");
-    assert_eq!(late[0], "+ hint enough directions seen; solve with: cal stop");
+    assert_eq!(late[0], "+ hint enough directions covered; solve with: cal stop");
     let figure = |answer: &[String], key: &str| value(&answer[1], key).parse::<f64>().unwrap();
     assert!(figure(&late, "coverage") > figure(&early, "coverage") && figure(&late, "coverage") > 0.8);
     assert!(figure(&late, "gap_deg") < figure(&early, "gap_deg"));

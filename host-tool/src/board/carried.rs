@@ -38,7 +38,7 @@ pub fn carried(cal: &CalFile, board: &Identity) -> Outcome<Carried> {
     for fitted in calibrated.effects.iter() {
         if fitted.effect.parts().form.tag == 0 {
             return Err(cannot(&format!(
-                "the effect {} has no place in a board's record: fit again without it",
+                "a board cannot store the effect {}. Fix: fit again without it",
                 Id(&fitted.effect)
             )));
         }
@@ -49,7 +49,7 @@ pub fn carried(cal: &CalFile, board: &Identity) -> Outcome<Carried> {
     let live = Live::new(&extended.on_own_clock().0.cast::<f32>());
     let live = live.map_err(|error| match error {
         LiveError::TooManyDelayed => cannot(&format!(
-            "a board keeps the past of {MAX_DELAYED} columns that act late, and this calibration needs more: fit again with fewer"
+            "a board supports {MAX_DELAYED} delayed columns, and this calibration needs more. Fix: fit again with fewer"
         )),
         LiveError::AheadOfItsColumn => cannot(
             "a column acts before it is logged, and a board cannot wait for it: feed that column to the board earlier, or fit again without the effect",
@@ -78,7 +78,7 @@ pub fn carried(cal: &CalFile, board: &Identity) -> Outcome<Carried> {
     };
     let encoded = record.encode().map_err(|_| {
         cannot(&format!(
-            "its effects do not fit into a board's record of {MAX_RECORD_BYTES} bytes: fit again with one fewer"
+            "its effects do not fit into a board's record of {MAX_RECORD_BYTES} bytes. Fix: fit again with one fewer"
         ))
     })?;
     // As it is stored: without a covariance that finds no room.
@@ -86,18 +86,16 @@ pub fn carried(cal: &CalFile, board: &Identity) -> Outcome<Carried> {
     let record = Record { covariance, ..record };
     if cal.information.is_some() && covariance.is_none() {
         notices.push(
-            "the board has no room for what the fit knows (information) beside these effects: keep the file for fit --prior".into(),
+            "the board has no room for the information matrix in addition to these effects. Keep the file for fit --prior".into(),
         );
     }
     if !extended.effects.is_empty() {
         notices.push(
-            "the board keeps the effects' standard errors and ranges in single precision, ranges rounded outward".into(),
+            "the board stores the effects' standard errors and ranges in single precision (ranges rounded outward)".into(),
         );
     }
     if live.needs_gyro() {
-        notices.push(
-            "it needs a rate of turn: the board shows no corrected field unless it has a gyroscope".into(),
-        );
+        notices.push("it needs a gyro: without one the board cannot correct the field".into());
     }
     Ok(Carried { record, notices })
 }
@@ -114,7 +112,7 @@ fn right_for(cal: &CalFile, board: &Identity) -> Outcome<()> {
     {
         let words = |scale: [f64; 3]| scale.map(|value| value.to_string()).join(",");
         return Err(cannot(&format!(
-            "it is of counts of {} µT, and the board's are of {} µT: fit a log of this board (ironout record)",
+            "it is for {} µT per count, but the board has {} µT per count. Fix: fit a log of this board (ironout record)",
             words(own),
             words(of_board)
         )));
@@ -139,8 +137,8 @@ fn in_source_axes(cal: &CalFile, notices: &mut Vec<String>) -> Outcome<CalFile> 
         let kind = entry.id.split([':', '#']).next().unwrap_or_default();
         if !["offset", "drift", "step"].contains(&kind) {
             return Err(cannot(&format!(
-                "its log was read in other axes than the sensor's, and the effect {} cannot be turned back to them. Fix: fit the \
-                 log again with --rotate so that its axes are the board's",
+                "its log was read in other axes than the sensor's, and the effect {} cannot be rotated back to them. Fix: \
+                 fit the log again with --rotate so that its axes are the board's",
                 entry.id
             )));
         }
@@ -169,10 +167,14 @@ fn in_source_axes(cal: &CalFile, notices: &mut Vec<String>) -> Outcome<CalFile> 
         Information::from_covariance(&covariance)
     });
     notices.push(
-        "its log was read in other axes than the sensor's: it is turned back to those of the sensor".into(),
+        "its log was read in other axes than the sensor's. ironout rotates it back to the sensor's axes"
+            .into(),
     );
     if cal.information.is_some() && turned.information.is_none() {
-        notices.push("what the fit knows (information) is left out, as it cannot be turned: keep the file for fit --prior".into());
+        notices.push(
+            "the information matrix is not sent, because it cannot be rotated. Keep the file for fit --prior"
+                .into(),
+        );
     }
     Ok(turned)
 }
@@ -222,6 +224,7 @@ pub fn cal_file(record: &Record, covariance: Option<&[[f64; 9]; 9]>, board: &Ide
             contradiction: None,
             beside_gyro: None,
             accelerometer: None,
+            recordings: None,
         },
         information: covariance.and_then(Information::from_covariance),
         conditions: Default::default(),
@@ -269,7 +272,7 @@ mod tests {
                 cal.information.is_some() && turn == flip,
                 "{notices:?}"
             );
-            assert!(notices[0].contains("turned back"));
+            assert!(notices[0].contains("ironout rotates it back"));
         }
     }
 }

@@ -48,7 +48,7 @@ const SHORTEST: Duration = Duration::from_millis(1);
 /// 0 bytes where nothing came in time; an end of the stream is an error, since a board does not hang up.
 fn came(read: io::Result<usize>) -> io::Result<usize> {
     match read {
-        Ok(0) => Err(io::Error::new(ErrorKind::UnexpectedEof, "the other side has hung up")),
+        Ok(0) => Err(io::Error::new(ErrorKind::UnexpectedEof, "the other side closed the connection")),
         Err(error)
             if matches!(
                 error.kind(),
@@ -114,11 +114,14 @@ fn open_serial(name: &str) -> Outcome<Box<dyn Wire>> {
         Ok(port) => Ok(Box::new(Serial(port))),
         Err(error) => {
             let remedy = match error.kind() {
-                serialport::ErrorKind::NoDevice | serialport::ErrorKind::Io(ErrorKind::NotFound) => there_are(),
-                serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => {
-                    "not allowed: on Linux, add yourself to the group that the port belongs to (often dialout)".into()
+                serialport::ErrorKind::NoDevice | serialport::ErrorKind::Io(ErrorKind::NotFound) => {
+                    there_are()
                 }
-                _ => format!("{error}: does another program hold it open?"),
+                serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => {
+                    "permission denied. On Linux, add yourself to the group of the port (often dialout)"
+                        .into()
+                }
+                _ => format!("{error}. Is it open in another program?"),
             };
             Err(Failure::usage(format!("cannot open the serial port {name}: {remedy}")))
         }
@@ -130,9 +133,9 @@ fn there_are() -> String {
     let names: Vec<String> =
         serialport::available_ports().unwrap_or_default().into_iter().map(|port| port.port_name).collect();
     if names.is_empty() {
-        "there is none; is the board plugged in?".into()
+        "there is no port. Is the board connected?".into()
     } else {
-        format!("no such port; there are {}", names.join(", "))
+        format!("no such port. Available ports: {}", names.join(", "))
     }
 }
 
@@ -140,7 +143,7 @@ fn open_tcp(name: &str, limit: Duration) -> Outcome<Box<dyn Wire>> {
     let fail = |why: String| Failure::usage(format!("cannot connect to {name}: {why}"));
     let addresses = name
         .to_socket_addrs()
-        .map_err(|error| fail(format!("{error}; expected HOST:PORT, as in localhost:4000")))?;
+        .map_err(|error| fail(format!("{error}. Expected HOST:PORT, as in localhost:4000")))?;
     let mut last = "it has no address".to_string();
     for address in addresses {
         match TcpStream::connect_timeout(&address, limit.max(SHORTEST)) {
@@ -150,7 +153,7 @@ fn open_tcp(name: &str, limit: Duration) -> Outcome<Box<dyn Wire>> {
                 return Ok(Box::new(stream));
             }
             Err(error) if error.kind() == ErrorKind::ConnectionRefused => {
-                last = "nothing listens there: is the program that passes the console on running?".into();
+                last = "no program listens there. Is the program that forwards the console running?".into();
             }
             Err(error) => last = error.to_string(),
         }
@@ -182,17 +185,17 @@ impl Trouble {
     /// As a failure of the command, with what to do.
     pub fn at(&self, address: &Address) -> Failure {
         match self {
-            Trouble::Gone(why) => Failure::usage(format!("{address}: the connection is gone ({why})")),
+            Trouble::Gone(why) => Failure::usage(format!("{address}: the connection was closed ({why})")),
             Trouble::Silent(waited) => Failure::usage(format!(
-                "{address}: nothing has answered for {:.0} s: is the board powered, is this its port, and is its \
-                 firmware ironout's?",
+                "{address}: no answer for {:.0} s. Is the board powered, is this its port, and does it run the ironout \
+                 firmware?",
                 waited.as_secs_f64()
             )),
             Trouble::NotText => Failure::usage(format!(
-                "{address}: what comes is no text: is this the console, and at {BAUD} baud (8N1)?"
+                "{address}: the data are not text. Is this the console, at {BAUD} baud (8N1)?"
             )),
             Trouble::Foreign(line) => Failure::usage(format!(
-                "{address}: what answers is no board with ironout's console; it says {line:?}"
+                "{address}: the device is not a board with the ironout console. It answers {line:?}"
             )),
             Trouble::Refused { command, answer } => {
                 Failure::refused(format!("the board answered `{command}` with: err {answer}"))

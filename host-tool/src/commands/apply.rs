@@ -24,7 +24,7 @@ pub fn run(arguments: &ApplyArgs, json: bool) -> Outcome<u8> {
     if let Some(output) = &arguments.output {
         if !arguments.log.more.is_empty() {
             return Err(Failure::usage(
-                "-o takes one corrected log, and several logs are named: apply them one by one",
+                "-o writes one corrected log, but several logs are given. Apply them one by one",
             ));
         }
         atomic::not_over(&arguments.cal, output)?;
@@ -101,7 +101,7 @@ fn one(
         line(&format!("with the effects {}", names.join(", ")));
     }
     line(&format!(
-        "error before  {before:9.3} µT  {:6.2} %   of the measured magnitude about its mean of {mean:.1} µT",
+        "error before  {before:9.3} µT  {:6.2} %   measured magnitude, about its mean of {mean:.1} µT",
         before_share * 100.0
     ));
     line(&format!(
@@ -110,8 +110,8 @@ fn one(
     ));
     if worse {
         line(&format!(
-            "WORSE: this calibration increases the error of this log. It may belong to another sensor, mounting or place, or the board \
-             has changed. Fix: ironout check {} --cal {} tells which.",
+            "WORSE: this calibration increases the error of this log. It probably belongs to another sensor or another \
+             mounting. To check, run: ironout check {} --cal {}",
             log.path.display(),
             arguments.cal.display()
         ));
@@ -133,7 +133,7 @@ fn write_anew(arguments: &ApplyArgs, log: &Log, corrector: &Corrected, output: &
     let columns = written::columns(log, false);
     if let Some(name) = NEW_COLUMNS.iter().find(|name| columns.iter().any(|(known, _)| known == *name)) {
         return Err(Failure::usage(
-            "the log has this column already: it was corrected before; take the original log",
+            "the log already has this column, so it is already corrected. Use the original log",
         )
         .in_file(&log.path)
         .at_column(*name));
@@ -185,7 +185,7 @@ fn write(log: &Log, corrector: &Corrected, output: &Path) -> Outcome<()> {
                 Some(at) => {
                     if at >= log.rows {
                         return Err(std::io::Error::other(
-                            "the log grew while it was read: stop the recording first",
+                            "the log grew during reading. Stop the recording first",
                         ));
                     }
                     let corrected = corrector.field(at).map_err(std::io::Error::other)?;
@@ -208,7 +208,7 @@ fn write(log: &Log, corrector: &Corrected, output: &Path) -> Outcome<()> {
     });
     match trouble {
         Some(name) => Err(Failure::usage(
-            "the log has this column already: it was corrected before; take the original log",
+            "the log already has this column, so it is already corrected. Use the original log",
         )
         .in_file(&log.path)
         .at_column(*name)),

@@ -1,6 +1,6 @@
 //! `ironout diagnose`: find the missing effect.
 
-use crate::cli::DiagnoseArgs;
+use crate::cli::{DiagnoseArgs, Form};
 use crate::diagnosis_words::{self, Told};
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
 use crate::output;
@@ -13,11 +13,11 @@ use ironout_analysis::outcome::outcome::Verdict;
 use ironout_analysis::{Diagnosis, Options, Table, diagnose};
 
 /// Diagnoses a log; exit status 1 where the data do not support a calibration.
-pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
+pub fn run(arguments: &DiagnoseArgs, form: Form) -> Outcome<u8> {
     let expected = arguments.field.expected()?;
     let method = arguments.field.method_with(&arguments.add, arguments.prior.as_ref())?;
     let known = Known::given(expected.field_ut);
-    let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, as_json)?;
+    let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, form)?;
     let expected = expected.or_reference(&arguments.log, &log);
     let prior = arguments.prior.as_deref().map(|path| prior::read(path, &log, &used)).transpose()?;
     let options = Options {
@@ -35,14 +35,18 @@ pub fn run(arguments: &DiagnoseArgs, as_json: bool) -> Outcome<u8> {
     let diagnosis =
         diagnose(&Table::from(&log), &options).map_err(|refusal| refusal::failure(refusal, &log.path))?;
     drop(working);
-    if as_json {
-        let mut object = json::object(&diagnosis);
-        if let Some(fields) = object.as_object_mut() {
-            fields.insert("read_as".into(), read_block::json(&log));
+    let told = Told { log: &log, arguments, diagnosis: &diagnosis };
+    match form {
+        Form::Json => {
+            let mut object = json::object(&diagnosis);
+            if let Some(fields) = object.as_object_mut() {
+                fields.extend(read_block::context(&log));
+            }
+            output::line(&object.to_string());
         }
-        output::line(&object.to_string());
-    } else {
-        output::text(&diagnosis_words::text(&Told { log: &log, arguments, diagnosis: &diagnosis }));
+        Form::Line => output::text(&(diagnosis_words::sentence(&diagnosis) + "\n")),
+        Form::Brief => output::text(&diagnosis_words::brief(&told)),
+        Form::Full => output::text(&diagnosis_words::text(&told)),
     }
     Ok(status(&diagnosis))
 }

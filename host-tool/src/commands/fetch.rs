@@ -18,12 +18,12 @@ pub fn run(arguments: &FetchArgs, json: bool) -> Outcome<u8> {
     let effects: Vec<&str> = cal.fit.effects.iter().map(|entry| entry.id.as_str()).collect();
     let mut notes = Vec::new();
     if !dumped.stored {
-        notes.push("it waits on the board for cal accept, and is not in use there");
+        notes.push("it is not yet accepted on the board (cal accept), and is not in use there");
     }
     if cal.information.is_none() {
         notes.push(
-            "the board does not know what is behind it (information is null): effects were taken in or out since it was \
-             calibrated, or leave no room for it; fit --prior needs a log",
+            "the board has no covariance for it (information is null): effects were added or removed after the calibration, \
+             or need its memory. fit --prior needs a log",
         );
     }
     if json {

@@ -1,12 +1,14 @@
 //! `ironout fit`: calibrate from a log.
 
 use crate::cal_file::{CalFile, FitObject};
-use crate::cli::{FitArgs, Free};
+use crate::cli::{FitArgs, Form, Free};
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
 use crate::plausible::Known;
+use crate::progress::Working;
 use crate::reading::Reading;
 use crate::registry::REGISTRY;
 use crate::{atomic, fit_words, output, prior, read_block, refusal, source};
+use ironout_analysis::reason::codes;
 use ironout_analysis::{Options, Table, fit};
 
 /// The object of `--json`: the fit, and how the log was read.
@@ -14,11 +16,14 @@ use ironout_analysis::{Options, Table, fit};
 struct Said {
     #[serde(flatten)]
     fit: FitObject,
-    read_as: serde_json::Value,
+    reason_codes: Vec<&'static str>,
+    #[serde(flatten)]
+    context: serde_json::Map<String, serde_json::Value>,
 }
 
 /// Fits, reports, and keeps an accepted calibration.
-pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
+pub fn run(arguments: &FitArgs, form: Form) -> Outcome<u8> {
+    let json = form == Form::Json;
     let expected = arguments.field.expected()?;
     let earlier = arguments.prior.as_ref().or(arguments.prior_from.as_ref());
     let method = arguments.field.method_with(&arguments.add, earlier)?;
@@ -27,7 +32,7 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         arguments.log.logs().try_for_each(|log| atomic::not_over(log, path))?;
     }
     let known = Known::given(expected.field_ut);
-    let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, json)?;
+    let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, form)?;
     let expected = expected.or_reference(&arguments.log, &log);
     let mut options = Options {
         method,
@@ -49,7 +54,9 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
         Some(Free::Offset) => prior.map(|prior| prior.without_offset()),
         None => prior,
     };
+    let working = Working::new("fitting");
     let fitted = fit(&Table::from(&log), &options).map_err(|refusal| refusal::failure(refusal, &log.path))?;
+    drop(working);
     let to_text = |error: serde_json::Error| Failure::usage(error.to_string());
     // Written before anything is printed: a file that cannot be written is an error, and the only answer.
     let mut written = None;
@@ -65,18 +72,25 @@ pub fn run(arguments: &FitArgs, json: bool) -> Outcome<u8> {
             atomic::write(path, |out| writeln!(out, "{text}"))?;
             if output::is_standard(path) { String::new() } else { format!("wrote {}", path.display()) }
         } else if path.exists() {
-            format!("refused: {} is left as it was", path.display())
+            format!("refused: {} is unchanged", path.display())
         } else {
             format!("refused: {} is not written", path.display())
         });
     }
-    if json {
-        let object = Said { fit: FitObject::of(&fitted, method.name()), read_as: read_block::json(&log) };
-        output::line(&serde_json::to_string(&object).map_err(to_text)?);
-    } else {
-        output::text(&fit_words::text(arguments, &log, &fitted, &expected));
+    match form {
+        Form::Json => {
+            let object = Said {
+                fit: FitObject::of(&fitted, method.name()),
+                reason_codes: codes(&fitted.reasons),
+                context: read_block::context(&log),
+            };
+            output::line(&serde_json::to_string(&object).map_err(to_text)?);
+        }
+        Form::Line => output::text(&(fit_words::one_line(&fitted) + "\n")),
+        Form::Brief => output::text(&fit_words::brief(arguments, &log, &fitted, &expected)),
+        Form::Full => output::text(&fit_words::text(arguments, &log, &fitted, &expected)),
     }
-    if let Some(text) = written.filter(|text| !text.is_empty()) {
+    if let Some(text) = written.filter(|text| !text.is_empty() && form != Form::Line) {
         eprintln!("{text}");
     }
     Ok(if fitted.accepted { EXIT_OK } else { EXIT_REFUSED })

@@ -10,7 +10,7 @@ use std::io::Write;
 pub fn run(arguments: &ImportArgs, json: bool) -> Outcome<u8> {
     let to_stdout = arguments.output.as_os_str() == "-";
     if to_stdout && json {
-        return Err(Failure::usage("-o - and --json both want standard output: name a file for the log"));
+        return Err(Failure::usage("-o - and --json both write to standard output. Name a file for the log"));
     }
     if !to_stdout {
         atomic::not_over(&arguments.log.log, &arguments.output)?;

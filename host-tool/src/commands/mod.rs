@@ -5,9 +5,11 @@ mod batch;
 pub mod check;
 mod demo;
 mod diagnose;
+mod effects;
 mod export;
 mod fetch;
 mod fit;
+mod help;
 mod import;
 #[cfg(feature = "page")]
 mod live;
@@ -27,13 +29,13 @@ use crate::failure::Outcome;
 /// Runs the command.
 pub fn run(cli: &Cli) -> Outcome<u8> {
     match &cli.command {
-        Command::Fit(arguments) => fit::run(arguments, cli.json),
+        Command::Fit(arguments) => fit::run(arguments, cli.form()),
         Command::Apply(arguments) => apply::run(arguments, cli.json),
         Command::Check(arguments) => check::run::run(arguments, cli.json),
         Command::Export(arguments) => export::run::run(arguments, cli.json),
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
         Command::Demo(arguments) => demo::run(arguments, cli.json),
-        Command::Diagnose(arguments) => diagnose::run(arguments, cli.json),
+        Command::Diagnose(arguments) => diagnose::run(arguments, cli.form()),
         Command::Batch(arguments) => batch::run::run(arguments, cli.json),
         Command::Send(arguments) => send::run(arguments, cli.json),
         Command::Fetch(arguments) => fetch::run(arguments, cli.json),
@@ -46,6 +48,9 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
         Command::Live(arguments) => live::run(arguments, cli.json),
         #[cfg(not(feature = "page"))]
         Command::Report(_) | Command::Web(_) | Command::Live(_) => page_on_demand::run(),
+        Command::Effects(arguments) => effects::run(arguments, cli.form()),
+        Command::Completions(arguments) => help::completions(arguments),
+        Command::Man(arguments) => help::man(arguments),
         Command::Import(arguments) => import::run(arguments, cli.json),
     }
 }

@@ -13,11 +13,12 @@ pub fn run() -> Outcome<u8> {
         env::var_os("CARGO").filter(|_| env::var_os("CARGO_MANIFEST_DIR").is_some_and(|run| run == folder))
     else {
         return Err(Failure::usage(
-            "this program was built without the page, which `report`, `web` and `live` need. Fix, in the folder of its sources: cargo \
+            "this program was built without the page, which `report`, `web` and `live` need. Fix, in the folder of its \
+             sources: cargo \
              install --path host-tool --locked --profile host --features page",
         ));
     };
-    eprintln!("this command needs the page; where it is not built yet, that takes some minutes …");
+    eprintln!("this command needs the page. Building it for the first time takes some minutes …");
     let profile = if cfg!(debug_assertions) { "dev" } else { "host" };
     let mut command = Command::new(cargo);
     command.args(["run", "--locked", "--profile", profile, "--manifest-path"]);

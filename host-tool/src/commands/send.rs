@@ -32,7 +32,7 @@ pub fn run(arguments: &SendArgs, json: bool) -> Outcome<u8> {
     let same = same.encode().map_err(|error| Failure::usage(error.to_string()))?;
     if same.as_bytes() != encoded.as_bytes() {
         return Err(Failure::refused(format!(
-            "{address}: what the board has stored is not what was sent: send it again, and check its memory"
+            "{address}: the board's stored record differs from the one sent. Send it again, and check its memory"
         )));
     }
     say(
@@ -69,7 +69,7 @@ fn is_spoilt(answer: &str) -> bool {
         .any(|start| answer.starts_with(start))
 }
 
-#[allow(clippy::too_many_arguments, reason = "everything that is said")]
+#[allow(clippy::too_many_arguments, reason = "everything that is printed")]
 fn say(
     arguments: &SendArgs,
     board: &Identity,

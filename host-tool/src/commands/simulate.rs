@@ -65,7 +65,7 @@ pub fn simulated(arguments: &SimulateArgs) -> Outcome<(Log, String)> {
     for name in &arguments.without {
         let Some(index) = log.position(name) else {
             return Err(Failure::usage(format!(
-                "--without {name}: the log has no such column; it has {}",
+                "--without {name}: the log has no such column. It has {}",
                 log.names.join(", ")
             )));
         };
@@ -81,7 +81,7 @@ pub fn simulated(arguments: &SimulateArgs) -> Outcome<(Log, String)> {
         .flat_map(|(name, column)| column.iter().map(move |value| (name, *value)));
     if cells.any(|(name, value)| !value.is_finite() && !is_missing(name, value)) {
         return Err(Failure::usage(
-            "--effect: this strength makes values that are no finite numbers: choose less",
+            "--effect: values are not finite with this strength. Choose a smaller one",
         ));
     }
     let truth = truth(arguments, &log);

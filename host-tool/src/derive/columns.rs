@@ -20,9 +20,7 @@ pub fn add(log: &mut Log, definitions: &[Definition], mounting: &Mounting) -> Ou
         let fail = |why: String| Failure::usage(format!("--derive {name}={expression}: {why}"));
         let there = named(log).iter().any(|(own, _)| own == name);
         if there || name == "t_s" || name == "t_us" || FIELD.contains(&name.as_str()) {
-            return Err(fail(format!(
-                "the log has a column {name}, or reads it otherwise: choose another name"
-            )));
+            return Err(fail(format!("the log already uses the column name {name}. Choose another name")));
         }
         let all = named(log).into_iter().chain(by_source(log)).collect();
         let columns = Columns { rows: log.rows, time_s: log.time_s.as_deref(), named: all };
@@ -33,7 +31,7 @@ pub fn add(log: &mut Log, definitions: &[Definition], mounting: &Mounting) -> Ou
         }
         if computed.without_value > 0 {
             log.notices.push(format!(
-                "{name} = {expression} has no finite value in {} of {} rows, where it is left empty",
+                "{name} = {expression} has no finite value in {} of {} rows, and stays empty there",
                 computed.without_value, log.rows
             ));
         }

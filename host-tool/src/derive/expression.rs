@@ -4,6 +4,7 @@
 use crate::derive::rows;
 use crate::derive::tokens::{Token, tokens};
 use exmex::{Express, FlatEx};
+use ironout_analysis::similar;
 
 /// Functions of one value.
 const UNARY: [&str; 24] = [
@@ -59,7 +60,7 @@ impl Work<'_> {
     /// One value a row.
     fn part(&mut self, list: &[Token], depth: usize) -> Result<Vec<f64>, String> {
         if depth > DEEPEST {
-            return Err(format!("it nests deeper than {DEEPEST} functions"));
+            return Err(format!("it nests more than {DEEPEST} functions"));
         }
         if list.is_empty() {
             return Err("something is missing: an expression, or an argument of a function, is empty".into());
@@ -76,7 +77,7 @@ impl Work<'_> {
             match token {
                 Token::Number(number) => {
                     let value = number.parse().ok().filter(|value: &f64| value.is_finite());
-                    let value = value.ok_or_else(|| format!("\"{number}\" is no number"))?;
+                    let value = value.ok_or_else(|| format!("\"{number}\" is not a number"))?;
                     text.push_str(&format!("({value})"));
                 }
                 Token::Name(name) if called && UNARY.contains(&name.as_str()) => {
@@ -107,13 +108,13 @@ impl Work<'_> {
                 }
                 Token::Mark(')') => {
                     let Some((function, _)) = (open.len() > 1).then(|| open.pop()).flatten() else {
-                        return Err("a parenthesis ) has no beginning".into());
+                        return Err("a parenthesis ) has no opening".into());
                     };
                     text.push_str(if function { "))" } else { ")" });
                 }
-                Token::Mark(',') => return Err("a comma stands outside a function".into()),
+                Token::Mark(',') => return Err("a comma is outside a function".into()),
                 Token::Mark(mark) => {
-                    let inner = open.last_mut().ok_or("a parenthesis has no beginning")?;
+                    let inner = open.last_mut().ok_or("a parenthesis has no opening")?;
                     let begins = matches!(before, None | Some(Token::Mark('(')));
                     let after = match before {
                         Some(Token::Mark(mark)) if "+-*/^".contains(*mark) => Some(*mark),
@@ -131,7 +132,7 @@ impl Work<'_> {
                         ('-', _, Some(_)) => text.push('-'),
                         ('+', _, Some(_)) => {}
                         (_, true, _) | (_, _, Some(_)) => {
-                            return Err(format!("nothing stands before \"{mark}\""));
+                            return Err(format!("there is no value before \"{mark}\""));
                         }
                         _ => text.push(*mark),
                     }
@@ -222,7 +223,7 @@ impl Work<'_> {
             }
             _ => {
                 let all: Vec<&str> = UNARY.iter().chain(&OTHERS).copied().collect();
-                Err(format!("there is no function {name}; {}", near(name, &all, "functions")))
+                Err(format!("there is no function {name}; {}", similar::or_all(name, &all, "functions")))
             }
         }
     }
@@ -244,7 +245,7 @@ impl Work<'_> {
         }
         let mut names: Vec<&str> = self.columns.time_s.map(|_| "t_s").into_iter().collect();
         names.extend(self.columns.named.iter().map(|(name, _)| *name));
-        format!("there is no column {name}; {}", near(name, &names, "columns"))
+        format!("there is no column {name}; {}", similar::or_all(name, &names, "columns"))
     }
 }
 
@@ -285,51 +286,6 @@ fn arguments(list: &[Token], from: usize) -> Result<(Vec<&[Token]>, usize), Stri
         }
     }
     Err("a parenthesis ( is not closed".into())
-}
-
-/// `did you mean …?`, or what there is.
-fn near(name: &str, known: &[&str], what: &str) -> String {
-    let wanted = name.to_lowercase();
-    let mut ranked: Vec<(usize, &str)> = known
-        .iter()
-        .map(|own| {
-            let lower = own.to_lowercase();
-            let inside =
-                wanted.len() > 1 && lower.len() > 1 && (lower.contains(&wanted) || wanted.contains(&lower));
-            (if inside { 1 } else { distance(&wanted, &lower) }, *own)
-        })
-        .filter(|(distance, own)| *distance <= (own.chars().count().max(wanted.chars().count()) / 3).max(1))
-        .collect();
-    ranked.sort();
-    if ranked.is_empty() {
-        let all: String = known.join(", ").chars().take(300).collect();
-        return format!("the {what} are {all}");
-    }
-    let names: Vec<&str> = ranked.into_iter().take(3).map(|(_, own)| own).collect();
-    format!("did you mean {}?", names.join(" or "))
-}
-
-/// How many letters must be changed, added or removed.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, letter) in a.chars().enumerate() {
-        let mut diagonal = i;
-        let mut left = i + 1;
-        for (j, other) in b.iter().enumerate() {
-            let above = row.get(j + 1).copied().unwrap_or(usize::MAX);
-            let value = (diagonal + usize::from(letter != *other)).min(above + 1).min(left + 1);
-            diagonal = above;
-            if let Some(cell) = row.get_mut(j) {
-                *cell = left;
-            }
-            left = value;
-        }
-        if let Some(last) = row.last_mut() {
-            *last = left;
-        }
-    }
-    row.last().copied().unwrap_or_default()
 }
 
 #[cfg(test)]

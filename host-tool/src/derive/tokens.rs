@@ -46,7 +46,7 @@ pub fn tokens(text: &str) -> Result<Vec<Token>, String> {
             }
             c => {
                 return Err(format!(
-                    "\"{c}\" has no meaning here; a column whose name has other signs stands in braces, as in {{motor[0]}}"
+                    "\"{c}\" has no meaning here; put a column name with other characters in braces, as in {{motor[0]}}"
                 ));
             }
         };

@@ -7,21 +7,21 @@ pub fn separating(registry: Registry, first: &str, second: &str) -> String {
     let (first, second) = if first <= second { (first, second) } else { (second, first) };
     let known = registry.parse(first).zip(registry.parse(second));
     known.and_then(|(first, second)| Some(first.apart(&second)?.to_string())).unwrap_or_else(|| {
-        "record again for longer, through more attitudes and at different speeds, with pauses".into()
+        "record again for longer, in more orientations and at different speeds, with pauses".into()
     })
 }
 
 /// How to log the column that a reason asks for.
 pub fn how_to_log(why: &str) -> Option<&'static str> {
     const COLUMNS: [(&str, &str); 7] = [
-        ("temp_c", "the sensor's own temperature register, or a thermometer glued beside it, in °C"),
+        ("temp_c", "the temperature register of the sensor, or a thermometer next to it, in °C"),
         (
             "current_a",
             "the current of the motors or the battery in A, from the power module or the controller",
         ),
         (
             "ax_mps2",
-            "the accelerometer on the same board, m/s², body axes; at rest and level it reads az_mps2 = −9.8",
+            "the accelerometer of the same sensor board, m/s², body axes; level and at rest az_mps2 = −9.8",
         ),
         ("gx_radps", "the gyroscope on the same board, rad/s, body axes"),
         ("t_s", "the time of each sample in seconds, from the logger's own clock"),

@@ -1,9 +1,9 @@
 //! The end of the explanation: the verdict in a sentence, and what to do about it.
 
 use crate::cli::{DiagnoseArgs, typed_option};
-use crate::diagnosis_words::numbers::{degrees, microtesla, wrap};
+use crate::diagnosis_words::numbers::{degrees, field, microtesla, wrap};
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, groups, listed, name_of, title};
-use crate::diagnosis_words::{found, next};
+use crate::diagnosis_words::{advice, found, next};
 use crate::log_args::SAVED;
 use ironout_analysis::base::mounting;
 use ironout_analysis::outcome::outcome::{Diagnosis, Status, Verdict};
@@ -29,16 +29,12 @@ fn fall(diagnosis: &Diagnosis) -> String {
     if first.rms_ut > 1.02 * last.rms_ut {
         // Where structure is left beside the noise it is not only that.
         let all = diagnosis.verdict != Verdict::Unexplained || is_only_unsure(diagnosis);
-        let noise = if all && at_the_noise(diagnosis) { ", which is what the noise leaves" } else { "" };
-        return format!(
-            "the error falls from {} to {} µT{noise}",
-            microtesla(first.rms_ut),
-            microtesla(last.rms_ut)
-        );
+        let noise = if all && at_the_noise(diagnosis) { ", the noise floor" } else { "" };
+        return format!("the error from {} to {}{noise}", microtesla(first.rms_ut), field(last.rms_ut));
     }
     match (first.dip_rms_deg, last.dip_rms_deg) {
         (Some(before), Some(after)) if before > 1.02 * after => {
-            format!("the spread of the dip falls from {} to {}", degrees(before), degrees(after))
+            format!("the dip spread from {} to {} rms", degrees(before), degrees(after))
         }
         _ => String::new(),
     }
@@ -50,63 +46,59 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
         .steps
         .iter()
         .filter_map(|step| step.added.as_deref())
-        .map(|id| name_of(diagnosis, id))
+        .map(|id| with_id(diagnosis, id))
         .collect();
-    let (it, they) = if names.len() == 1 { ("it", "it") } else { ("them", "they") };
+    let (it, they) = if names.len() == 1 { ("it", "The effect") } else { ("them", "The effects") };
     let fall = fall(diagnosis);
-    let reasons = diagnosis.reasons.join("; ");
+    let reasons = diagnosis.reasons.join(". ");
     match diagnosis.verdict {
         Verdict::Complete if at_rest(diagnosis) => {
-            "COMPLETE: the resting board's reading is constant but for noise; no column moves it.".to_string()
+            "COMPLETE: the reading of the sensor at rest is constant except for noise. No column changes it.".to_string()
         }
         Verdict::Complete => {
-            "COMPLETE: nothing is missing. Offset and matrix explain this log down to the sensor's noise."
+            "COMPLETE: offset and matrix explain this log down to the sensor noise. Nothing significant is missing."
                 .to_string()
         }
         Verdict::Missing => {
             let with =
-                if fall.is_empty() { String::new() } else { format!(" With {it} in the model, {fall}.") };
+                if fall.is_empty() { String::new() } else { format!(" Modelling {it} reduces {fall}.") };
             let axes = match found::axis_order(diagnosis) {
                 Some(standing) if standing.by_gyro => {
-                    " The field turns as the gyro says only when the axes are put in order."
+                    " The field rotates as the gyro measures only after the axis order is corrected."
                 }
-                Some(_) => " The field and gravity agree only when the axes are put in order.",
+                Some(_) => " Field and gravity agree only after the axis order is corrected.",
                 None => "",
             };
-            format!("MISSING: {}.{with}{axes}", listed(&names))
+            format!("FOUND: {}.{with}{axes}", listed(&names))
         }
         Verdict::Confounded => {
             let each: Vec<String> = groups(diagnosis)
                 .iter()
                 .map(|group| {
-                    let names: Vec<String> = group.iter().map(|id| name_of(diagnosis, id)).collect();
+                    let names: Vec<String> = group.iter().map(|id| with_id(diagnosis, id)).collect();
                     format!("{} explain the error equally well", listed(&names))
                 })
                 .collect();
-            let known = if names.is_empty() {
-                String::new()
-            } else {
-                format!(" Missing besides: {}.", listed(&names))
-            };
-            format!("CONFOUNDED: {}, and this log cannot tell which it is.{known}", each.join("; "))
+            let known =
+                if names.is_empty() { String::new() } else { format!(" Also found: {}.", listed(&names)) };
+            format!("CONFOUNDED: {}. This log cannot show which of them is the cause.{known}", each.join("; "))
         }
         Verdict::Unexplained => {
             let besides = match (names.is_empty(), fall.is_empty()) {
                 (true, _) => String::new(),
-                (false, true) => format!(" Found, but not enough: {}.", listed(&names)),
+                (false, true) => format!(" Found, but not sufficient: {}.", listed(&names)),
                 (false, false) if is_only_unsure(diagnosis) => format!(
-                    " With {} {fall}. Nothing else is left to look for in this log; whether that is all, a longer one tells.",
+                    " Found: {}. Modelling {it} reduces {fall}. This log has no further candidate. A longer log can show whether \
+                     that is all.",
                     listed(&names)
                 ),
                 (false, false) => format!(
-                    " With {} {fall}, but that is not all, and {they} may stand in for something that the log lacks.",
+                    " Found: {}. Modelling {it} reduces {fall}, but error remains. {they} may be a proxy for a cause that was \
+                     not logged.",
                     listed(&names)
                 ),
             };
-            format!(
-                "UNEXPLAINED: {}.{besides}",
-                reasons_or(&reasons, "an error remains that no effect explains")
-            )
+            format!("UNEXPLAINED: {}.{besides}", reasons_or(&reasons, "error remains that no effect explains"))
         }
         Verdict::Undetermined => {
             format!("UNDETERMINED: {}.", reasons_or(&reasons, "this log does not determine a calibration"))
@@ -114,32 +106,40 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
     }
 }
 
+/// Name and id, as in `offset drift (drift)`.
+fn with_id(diagnosis: &Diagnosis, id: &str) -> String {
+    let name = name_of(diagnosis, id);
+    if name == id { name } else { format!("{name} ({id})") }
+}
+
 fn reasons_or<'a>(reasons: &'a str, otherwise: &'a str) -> &'a str {
     if reasons.is_empty() { otherwise } else { reasons }
 }
 
+/// Of confounded effects, this many get a command of their own.
+const MOST_CHOICES: usize = 3;
+
 /// What the error is held against that is no column of the log.
 const NO_COLUMNS: [&str; 4] = ["time", "spectrum", "attitude", "rate of turn"];
-/// A column is said to go with most of the error from this share of its square on ...
-const MOST_OF_IT: f64 = 0.5;
-/// ... and below this probability of chance.
-const SURELY: f64 = 1e-6;
+/// A column is mentioned as the likely cause from this share of the residual variance on, and up to [`MAX_P_VALUE`].
+const MIN_VARIANCE_EXPLAINED: f64 = 0.5;
+const MAX_P_VALUE: f64 = 1e-6;
 
 /// The column that most of the error goes with, where none of its effects is in the model. Says whether there is one.
 fn goes_with(diagnosis: &Diagnosis, add: &[String], out: &mut Vec<String>) -> bool {
     let is_column = |name: &str| !NO_COLUMNS.contains(&name);
     let named = |column: &str| add.iter().any(|id| id.contains(&format!(":{column}")));
     let mut columns = diagnosis.shows.iter().filter(|shown| is_column(&shown.against));
-    let most = columns.find(|shown| shown.explained > MOST_OF_IT && shown.p_value < SURELY);
+    let most = columns.find(|shown| shown.explained > MIN_VARIANCE_EXPLAINED && shown.p_value < MAX_P_VALUE);
     let Some(shown) = most.filter(|shown| !named(&shown.against)) else { return false };
     let why = match diagnosis.verdict {
-        Verdict::Undetermined => "but where offset and matrix are not determined nobody is named",
-        _ => "though not so surely beside the rest that it is named",
+        Verdict::Undetermined => "but no effect is named without offset and matrix",
+        _ => "but not significantly enough to name an effect",
     };
     out.extend(wrap(
         &format!(
-            "{:.0} % of the base model's squared error goes with {}, {why}. Record a log in which it changes at many attitudes, \
-             up and down again, and diagnose that.",
+            "{:.0} % of the residual variance depends on {}, {why}. Record a log in which it rises and falls in many orientations, and \
+             diagnose that log.",
             100.0 * shown.explained,
             shown.against
         ),
@@ -151,7 +151,6 @@ fn goes_with(diagnosis: &Diagnosis, add: &[String], out: &mut Vec<String>) -> bo
 
 /// The verdict.
 pub fn verdict(told: &Told, out: &mut Vec<String>) {
-    out.push(String::new());
     out.extend(wrap(&sentence(told.diagnosis), "", WIDTH));
     for id in &told.arguments.add {
         let row = told.diagnosis.candidates.iter().find(|row| row.id == *id);
@@ -179,23 +178,22 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
     let Told { log, arguments, diagnosis } = told;
     let piped = log.path == Path::new("-");
     let path = if piped { SAVED.to_string() } else { log.path.display().to_string() };
-    title(out, "What to do next");
+    title(out, "Next steps");
     let command = |out: &mut Vec<String>, text: String| out.push(format!("    {text}"));
     let say = |out: &mut Vec<String>, text: &str| out.extend(wrap(text, "  ", WIDTH));
     let add = to_add(diagnosis, arguments);
     if piped {
-        say(out, &format!("The log came from standard input: save it as {SAVED} first."));
+        say(out, &format!("The log came from standard input. Save it as {SAVED} first."));
     }
     if let Some(standing) = found::axis_order(diagnosis) {
         if standing.is_open() {
             say(
                 out,
-                "This log does not tell a mounting from a mirror image. Say where it was recorded, or log heading_deg; or, if \
-                 you know which it is, say so:",
+                "This log cannot show whether the axes are rotated or mirrored. Give the place of the recording, or log heading_deg. If you know which it is, use:",
             );
             command(out, next::diagnose(arguments, &path, "--at LAT,LON,YYYY-MM-DD"));
         } else {
-            say(out, "Put the axes in order (in the driver, or with this option) and diagnose again:");
+            say(out, "Correct the axis order (in the driver, or with this option) and diagnose again:");
         }
         for (rotate, _) in standing.readings() {
             command(out, next::diagnose(arguments, &path, typed_option("--rotate", &rotate).trim()));
@@ -205,16 +203,14 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
     if at_rest(diagnosis) && diagnosis.verdict != Verdict::Undetermined {
         say(
             out,
-            "A resting board shows disturbances but no calibration. Turn the board through all directions while the same \
-             things change, and diagnose that log; it then goes into the calibration.",
+            "A sensor at rest shows disturbances, but it cannot be calibrated. Record a log in which the same things change while you rotate the sensor through all directions, and diagnose that log.",
         );
         return;
     }
     if diagnosis.calibration.is_none() && diagnosis.verdict != Verdict::Undetermined {
         say(
             out,
-            "This log shows the effect but carries no calibration of its own. Put it on top of an earlier one, or turn the \
-             board through all directions while the same things change, and diagnose that log:",
+            "The effect is clear, but this log cannot provide offset and matrix. Use an earlier calibration, or record a log in which the same things change while you rotate the sensor through all directions:",
         );
         command(out, format!("{} --prior earlier.json", next::diagnose(arguments, &path, "")));
         return;
@@ -227,7 +223,7 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
                 command(out, next::check(arguments));
             }
             Some(why) => {
-                say(out, &format!("This log itself carries no calibration, and fit refuses it: {why}."))
+                say(out, &format!("This log is not sufficient for a calibration, and fit refuses it: {why}."))
             }
         },
         Verdict::Missing => {
@@ -238,11 +234,11 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             let it = if add.len() == 1 { "it" } else { "them" };
             match &diagnosis.fit_refuses {
                 None if !bound.is_empty() => say(out, &format!("Calibrate with {it} in the model:")),
-                None => say(out, &format!("Add {it} to the calibration, and check that on a second log:")),
+                None => say(out, &format!("Add {it} to the calibration, then check it on a second log:")),
                 Some(why) => say(
                     out,
                     &format!(
-                        "This log itself carries no calibration, and fit refuses it: {why}. Record another, and add {it} there:"
+                        "This log is not sufficient for a calibration, and fit refuses it: {why}. Record another log, and add {it} there:"
                     ),
                 ),
             }
@@ -253,11 +249,8 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             if !lasting.is_empty() {
                 let columns: Vec<String> =
                     found::columns(diagnosis).into_iter().filter(|column| column != "t_s").collect();
-                let needs = if bound.is_empty() {
-                    "The second log, and the device, need"
-                } else {
-                    "The device needs"
-                };
+                let needs =
+                    if bound.is_empty() { "The second log and the device need" } else { "The device needs" };
                 if !columns.is_empty() {
                     say(out, &format!("{needs} {} too.", listed(&columns)));
                 }
@@ -267,8 +260,7 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
                 say(
                     out,
                     &format!(
-                        "({} {is} bound to this log's own time: in the model {it} make{} offset and matrix right, but {it} cannot \
-                         correct another log. Find and remove the cause, then record again{}.)",
+                        "({} {is} tied to the time of this log. In the model {it} make{} offset and matrix correct, but {it} cannot correct another log. Remove the cause, then record again{}.)",
                         listed(&bound),
                         if bound.len() == 1 { "s" } else { "" },
                         if lasting.is_empty() { "" } else { ", and check that log" }
@@ -277,14 +269,17 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             }
         }
         Verdict::Confounded => {
-            say(out, "Record the log that separates them (above) and diagnose that:");
+            for group in groups(diagnosis).iter().filter(|group| group.len() > 1).take(1) {
+                let advice = advice::separating(diagnosis.registry, &group[0], &group[1]);
+                say(out, &format!("Record a log that separates {} and {}: {advice}", group[0], group[1]));
+            }
+            say(out, "Then diagnose that log:");
             command(out, next::diagnose(arguments, "second.csv", ""));
             say(
                 out,
-                "Adding one of them now would make this log fit and be wrong wherever the two part. If you know which it is, \
-                 say so:",
+                "If you know which of them is the cause, add it. The wrong one fits this log, but fails as soon as the two change separately:",
             );
-            for id in groups(diagnosis).first().into_iter().flatten() {
+            for id in groups(diagnosis).first().into_iter().flatten().take(MOST_CHOICES) {
                 let mut ids = add.clone();
                 ids.push(id.clone());
                 command(out, next::fit(arguments, &ids));
@@ -295,8 +290,8 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
                 say(
                     out,
                     match diagnosis.fit_refuses {
-                        Some(_) => "The fit with what was found is refused all the same, and says why:",
-                        None => "What was found helps all the same:",
+                        Some(_) => "The fit with these effects is refused. It prints the reason:",
+                        None => "These effects reduce the error anyway:",
                     },
                 );
                 let fit = match diagnosis.fit_refuses {
@@ -309,56 +304,57 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             if diagnosis.field_varies.is_some() {
                 say(
                     out,
-                    "A calibration needs one field: turn the board about one spot instead of carrying it, in the open, some metres \
-                     from iron, walls, cables and magnets, and diagnose that log. Where it has to be carried, log where it was.",
+                    "A calibration needs a uniform field. Rotate the sensor in one spot, outdoors and some metres away from iron, walls, cables and magnets, and diagnose that log. If you have to carry it, log its position.",
                 );
             }
             if is_only_unsure(diagnosis) {
-                say(out, "Record longer, through more attitudes, and diagnose that log:");
+                say(out, "Record longer, in more orientations, and diagnose that log:");
                 command(out, next::diagnose(arguments, "longer.csv", ""));
                 return;
             }
             say(
                 out,
                 &format!(
-                    "{} at where it fails (above) and log what changed there: temperature, currents, what moves. Any further numeric \
-                     column of the log is tested.",
-                    if add.is_empty() { "Look" } else { "For the rest, look" }
+                    "{} Log what changes near the sensor: temperature, currents, moving parts. ironout tests every numeric column.",
+                    if add.is_empty() {
+                        "See where the residual is large (-v)."
+                    } else {
+                        "For the rest, see where the residual is large (-v)."
+                    }
                 ),
             );
         }
         Verdict::Undetermined
             if diagnosis.data_faults.iter().any(|fault| fault.kind == FaultKind::CopiedAxis) =>
         {
-            say(out, "Repair the driver so that each axis is read from its own registers, and record again.");
+            say(
+                out,
+                "Correct the driver so that it reads each axis from its own registers, and record again.",
+            );
         }
         Verdict::Undetermined if goes_with(diagnosis, &add, out) => {
-            if arguments.prior.is_none() && diagnosis.reasons.iter().any(|reason| reason.contains("attitude"))
-            {
-                say(out, "An earlier good calibration can stand in for the attitudes that this log lacks:");
+            if arguments.prior.is_none() && !diagnosis.has_attitude {
+                say(out, "An earlier good calibration can replace the missing orientations:");
                 command(out, next::diagnose(arguments, &path, "--prior earlier.json"));
             }
-            say(out, "What the fit itself says:");
+            say(out, "The fit prints more about it:");
             command(out, next::try_fit(arguments, &add));
         }
         Verdict::Undetermined
-            if diagnosis.reasons.iter().all(|reason| reason.starts_with("the residual is")) =>
+            if diagnosis.reasons.iter().all(|reason| reason.code == "residual-too-large") =>
         {
             say(
                 out,
-                "The readings scatter too much for a calibration, however the board is turned: look for loose wires, for \
-                 magnets or iron that move near the sensor, for a sensor that is set too fast, and record again. What the \
-                 fit itself says:",
+                "The readings scatter too much for a calibration. Look for loose wires, moving magnets or iron, and a sensor rate that is too high. Then record again. The fit prints more about it:",
             );
             command(out, next::try_fit(arguments, &add));
         }
         Verdict::Undetermined => {
-            let turn = "Record again and turn the board through more directions: nose up and down, on both sides, upside down, \
-                        each with a full turn.";
+            let turn = "Record again in more orientations: nose up and down, on both sides, upside down, each with a full turn.";
             if arguments.prior.is_some() {
                 say(out, turn);
             } else {
-                say(out, &format!("{turn} An earlier good calibration can stand in for them:"));
+                say(out, &format!("{turn} An earlier good calibration can replace them:"));
                 command(out, next::diagnose(arguments, &path, "--prior earlier.json"));
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::diagnosis_words::curve::{bar, limits, sparkline};
 use crate::diagnosis_words::numbers::{
-    degrees, microtesla, probability, readable_unit, significant, unit_of, with_error, wrap,
+    degrees, field, hang, microtesla, probability, readable_unit, significant, unit_of, with_error, wrap,
 };
 use crate::diagnosis_words::place::{self, axis_label};
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, name_of, title};
@@ -26,7 +26,7 @@ pub fn effects(told: &Told, out: &mut Vec<String>) {
     if nothing || diagnosis.verdict == Verdict::Undetermined {
         return;
     }
-    title(out, "What explains it");
+    title(out, "Effects found");
     let mut number = 0;
     let mut before: Option<&StepRow> = None;
     for step in &diagnosis.steps {
@@ -49,7 +49,7 @@ pub fn effects(told: &Told, out: &mut Vec<String>) {
             out.push(String::new());
         }
         out.push(format!(
-            "  {number}. {}   {}   (or another that explains the same, see below)",
+            "  {number}. {}   {}   (or a confounded effect, see below)",
             name_of(diagnosis, &effect.id),
             effect.id
         ));
@@ -79,9 +79,9 @@ fn entry(
     }
     if let Some(before) = before.filter(|_| id != AXIS_ORDER.id) {
         let mut text =
-            format!("{INDENT}error          {} → {} µT", microtesla(before.rms_ut), microtesla(step.rms_ut));
+            format!("{INDENT}error          {} → {}", microtesla(before.rms_ut), field(step.rms_ut));
         if let (Some(a), Some(b)) = (before.holdout_rms_ut, step.holdout_rms_ut) {
-            text.push_str(&format!("   on unseen time {} → {} µT", microtesla(a), microtesla(b)));
+            text.push_str(&format!("   held out {} → {}", microtesla(a), field(b)));
         }
         if let (Some(a), Some(b)) = (before.dip_rms_deg, step.dip_rms_deg) {
             text.push_str(&format!("   dip {} → {}", degrees(a), degrees(b)));
@@ -89,10 +89,7 @@ fn entry(
         out.push(text);
     }
     if let Some(p) = row.and_then(|row| row.p_value) {
-        out.push(format!(
-            "{INDENT}chance         {}   that noise looks like this, everything tried counted in",
-            probability(p)
-        ));
+        out.push(format!("{INDENT}p-value        {}   corrected for all effects tested", probability(p)));
     }
 }
 
@@ -107,10 +104,8 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
             "delay_s" if *value < 0.0 => {
                 format!("{:.2} s before it is logged: the column is logged late", -value)
             }
-            "delay_s" => format!("{value:.2} s late"),
-            "time_constant_s" => {
-                format!("through a low-pass with a time constant of {} s", significant(*value, 3))
-            }
+            "delay_s" => format!("delayed by {value:.2} s"),
+            "time_constant_s" => format!("low-pass filtered, time constant {} s", significant(*value, 3)),
             other => format!("{other} = {}", significant(*value, 4)),
         })
         .collect();
@@ -123,10 +118,11 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
         }));
     }
     if !at.is_empty() {
-        out.push(format!("{INDENT}{:<15}{}", "where", at.join(", ")));
+        let [first, rest] = ["parameters", ""].map(|label| format!("{INDENT}{label:<15}"));
+        out.extend(hang(&at.join(", "), &first, &rest, WIDTH));
     }
     if let Some(text) = amount(told.log, told.diagnosis.registry, effect) {
-        out.push(format!("{INDENT}{:<15}{text}", "amounts to"));
+        out.push(format!("{INDENT}{:<15}{text}", "size"));
     }
     if let Some(text) = with_its_past(told, effect) {
         out.push(format!("{INDENT}{:<15}{text}", "together"));
@@ -158,7 +154,7 @@ fn with_its_past(told: &Told, effect: &FittedEffect) -> Option<String> {
     let sum = FittedEffect { coefficients: both, ..effect.clone() };
     let text = amount(told.log, diagnosis.registry, &sum)?;
     let size = text.split(" over this log").next()?;
-    Some(format!("{size} once {} stands still", own.column))
+    Some(format!("{size} after {} has settled", own.column))
 }
 
 /// The id of an effect taken apart, with the form that its coefficients are of.
@@ -261,7 +257,7 @@ pub fn amount(log: &Log, registry: Registry, effect: &FittedEffect) -> Option<St
         Amount::Untold => None,
         Amount::Field => {
             let (reach, range) = over_column()?;
-            Some(format!("{} µT over this log ({range})", microtesla(size * reach)))
+            Some(format!("{} over this log ({range})", field(size * reach)))
         }
         Amount::Share => {
             let (reach, range) = over_column()?;
@@ -271,9 +267,9 @@ pub fn amount(log: &Log, registry: Registry, effect: &FittedEffect) -> Option<St
         Amount::OverTime => {
             let (low, high) = span(log, TIME)?;
             let seconds = high - low;
-            Some(format!("{} µT over the {seconds:.0} s of this log", microtesla(size * seconds)))
+            Some(format!("{} over the {seconds:.0} s of this log", field(size * seconds)))
         }
-        Amount::Itself => Some(format!("{} µT", microtesla(size))),
+        Amount::Itself => Some(field(size)),
     }
 }
 
@@ -288,14 +284,14 @@ fn before_and_after(told: &Told, effect: &FittedEffect) -> Vec<String> {
     let (low, high) = axis_label(column, &before);
     let what = place::what(&before);
     let first =
-        format!("{INDENT}{:<15}{low} {} {high}", "left before", sparkline(&before.values, bottom, top));
+        format!("{INDENT}{:<16}{low} {} {high}", "residual before", sparkline(&before.values, bottom, top));
     let blank = " ".repeat(low.chars().count());
     let second = format!(
-        "{INDENT}{:<15}{blank} {}   {what}, {} … {} µT",
-        "     with all",
+        "{INDENT}{:<16}{blank} {}   {what}, {} … {}",
+        "residual after",
         sparkline(&after.values, bottom, top),
         microtesla(bottom),
-        microtesla(top)
+        field(top)
     );
     vec![first, second]
 }
@@ -313,7 +309,7 @@ pub fn falling(told: &Told, out: &mut Vec<String>) {
     let width = steps.iter().map(|step| label(step).chars().count()).max().unwrap_or(0).max(12);
     let mut chart = |what: &str, rows: Vec<(String, f64)>, unit: fn(f64) -> String| {
         let largest = rows.iter().map(|(_, value)| *value).fold(1e-12, f64::max);
-        title(out, &format!("The error falling ({what})"));
+        title(out, &format!("Error with each effect added ({what})"));
         for (label, value) in rows {
             out.push(format!("  {label:<width$} {:>11}  {}", unit(value), bar(value / largest, BAR)));
         }
@@ -322,8 +318,8 @@ pub fn falling(told: &Told, out: &mut Vec<String>) {
     if error(first) > 1.02 * error(last) {
         let what = if at_rest(diagnosis) { "measured vector" } else { "corrected magnitude" };
         let mut rows: Vec<(String, f64)> = steps.iter().map(|step| (label(step), error(step))).collect();
-        rows.extend(diagnosis.residual_floor_ut.map(|floor| ("noise alone".to_string(), floor)));
-        chart(&format!("rms of the {what} on unseen time"), rows, |ut| format!("{} µT", microtesla(ut)));
+        rows.extend(diagnosis.residual_floor_ut.map(|floor| ("noise floor".to_string(), floor)));
+        chart(&format!("held-out rms of the {what}"), rows, field);
     }
     if let (Some(before), Some(after)) = (first.dip_rms_deg, last.dip_rms_deg)
         && before > 1.2 * after
@@ -335,7 +331,7 @@ pub fn falling(told: &Told, out: &mut Vec<String>) {
             false => label(step),
         };
         let rows = steps.iter().filter_map(|step| Some((named(step), step.dip_rms_deg?))).collect();
-        chart("spread of the dip", rows, degrees);
+        chart("dip spread, rms", rows, degrees);
     }
 }
 
@@ -373,16 +369,16 @@ pub fn alignment(told: &Told, out: &mut Vec<String>) {
     title(out, "Alignment with the accelerometer");
     if let Some(dip) = diagnosis.dip {
         out.push(format!(
-            "  spread of the dip    {} → {}   base model alone, then aligned, with all that was found",
+            "  dip spread           {} → {} rms   base model → aligned, with all effects found",
             degrees(dip.rms_deg_before),
             degrees(dip.rms_deg_after)
         ));
         let note = match diagnosis.alignment {
-            Alignment::Done { .. } if dip.misalignment_deg > 1.0 => "the full matrix of the fit contains it",
+            Alignment::Done { .. } if dip.misalignment_deg > 1.0 => "corrected by the full matrix of the fit",
             Alignment::Done { .. } | Alignment::ByAll => "well aligned",
-            Alignment::NoDip { .. } => "not in the matrix: the dip spreads too far to turn it by",
-            Alignment::Open(_) | Alignment::Mirrored(_) => "not in the matrix before the axes are in order",
-            Alignment::None => "not in the matrix, which stays triangular: too uncertain",
+            Alignment::NoDip { .. } => "not corrected: the dip varies too much to determine it",
+            Alignment::Open(_) | Alignment::Mirrored(_) => "not corrected until the axis order is corrected",
+            Alignment::None => "not corrected: too uncertain",
         };
         out.push(format!("  misalignment         {}   {note}", degrees(dip.misalignment_deg)));
     }

@@ -1,6 +1,7 @@
 //! What a diagnosis says to people: `ironout diagnose` prints it, a page shows it.
 
 mod advice;
+mod answer;
 mod conclusion;
 mod curve;
 mod found;
@@ -14,4 +15,4 @@ mod words;
 pub use conclusion::sentence;
 pub use found::amount;
 pub use told::Told;
-pub use words::text;
+pub use words::{brief, text};

@@ -1,22 +1,10 @@
 //! The commands to run next, exactly as they can be typed.
 
-use crate::cli::{DiagnoseArgs, MethodArg, typed_option};
+use crate::cli::{DiagnoseArgs, typed_option};
 
 /// The user's options about the field and the fit. With effects, everything is fitted at once, whatever the base's method.
 fn fitting(arguments: &DiagnoseArgs, effects: &[String]) -> String {
-    let mut words = String::new();
-    if let Some(field) = arguments.field.field {
-        words.push_str(&typed_option("--field", &field.to_string()));
-    }
-    if let Some(at) = &arguments.field.at {
-        words.push_str(&typed_option("--at", at));
-    }
-    match arguments.field.method {
-        MethodArg::Adjusted => {}
-        _ if !effects.is_empty() => {}
-        MethodArg::Trace => words.push_str(" --method trace"),
-        MethodArg::Constant => words.push_str(" --method constant"),
-    }
+    let mut words = arguments.field.typed(!effects.is_empty());
     if let Some(prior) = &arguments.prior {
         words.push_str(&typed_option("--prior", &prior.display().to_string()));
     }

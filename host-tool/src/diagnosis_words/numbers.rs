@@ -1,5 +1,6 @@
 //! Numbers as people read them: as many digits as mean something.
 
+use crate::field_unit::{chosen, derived, fixed, symbol};
 pub use crate::wrap::{hang, wrap};
 
 /// `value` with `digits` significant digits; a power of ten where there would be too many zeros.
@@ -18,15 +19,20 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
-/// Microtesla with two to four significant digits, never more than three decimals.
-pub fn microtesla(value: f64) -> String {
-    match value.abs() {
+/// A field in the unit in use, of a value in microtesla: two to four significant digits.
+pub fn microtesla(value_ut: f64) -> String {
+    match value_ut.abs() {
         v if !v.is_finite() => "-".into(),
-        v if v < 0.095 => format!("{value:.3}"),
-        v if v < 100.0 => format!("{value:.2}"),
-        v if v < 10_000.0 => format!("{value:.0}"),
-        _ => format!("{value:.1e}"),
+        v if v < 0.095 => fixed(Some(value_ut), 3),
+        v if v < 100.0 => fixed(Some(value_ut), 2),
+        v if v < 10_000.0 => fixed(Some(value_ut), 0),
+        _ => format!("{:.1e}", value_ut * chosen().per_ut()),
     }
+}
+
+/// The same with its unit.
+pub fn field(value_ut: f64) -> String {
+    format!("{} {}", microtesla(value_ut), symbol())
 }
 
 /// Degrees.
@@ -72,6 +78,18 @@ pub fn readable_unit(unit: &str, largest: f64) -> (f64, String) {
         "1/°C" => (100.0, "%/°C".into()),
         "1/A" => (100.0, "%/A".into()),
         "1 per unit" => (100.0, "% per unit".into()),
+        unit if unit.starts_with("µT") && derived(unit).0 != 1.0 => {
+            let (factor, unit) = derived(unit);
+            let (further, unit) = scaled(&unit, largest * factor);
+            (factor * further, unit)
+        }
+        _ => scaled(unit, largest),
+    }
+}
+
+/// A unit in thousandths, millionths … if the numbers in it would begin with zeros, and the factor into it.
+fn scaled(unit: &str, largest: f64) -> (f64, String) {
+    match largest {
         _ if largest > 0.0 && largest < 1e-2 => {
             let thousands = ((-largest.log10()).ceil() / 3.0).ceil().clamp(1.0, 4.0) as i32;
             let power = ["", "³", "⁶", "⁹", "¹²"][thousands as usize];

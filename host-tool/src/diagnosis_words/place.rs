@@ -1,8 +1,9 @@
 //! Where the base model fails: against each column, time, attitude and in the spectrum.
 
 use crate::diagnosis_words::curve::{Curve, Residuals, limits, sparkline, spectrum};
-use crate::diagnosis_words::numbers::{microtesla, percent, probability, significant, unit_of, wrap};
+use crate::diagnosis_words::numbers::{field, microtesla, percent, probability, significant, unit_of, wrap};
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, title};
+use crate::field_unit::chosen;
 use crate::input::Log;
 use ironout_analysis::outcome::outcome::{Diagnosis, Verdict, Where};
 
@@ -104,8 +105,9 @@ fn attitude(base: &Residuals, directions: &[[f64; 3]]) -> (Option<Curve>, String
         .max_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, name, abscissa)) = best else { return (None, String::new()) };
     let curve = base.means(&values(*abscissa));
-    let note =
-        curve.as_ref().map_or(String::new(), |curve| format!("±{}, {name}", significant(largest(curve), 2)));
+    let note = curve.as_ref().map_or(String::new(), |curve| {
+        format!("±{}, {name}", significant(largest(curve) * chosen().per_ut(), 2))
+    });
     (curve, note)
 }
 
@@ -123,7 +125,7 @@ fn rows<'a>(told: &Told<'a>) -> Vec<Row<'a>> {
                 let time = values(told.log, &traces.rows, "time");
                 match time.zip(traces.base_ut.first()).and_then(|(time, r)| spectrum(&time, r)) {
                     Some((curve, hz, amplitude)) => {
-                        (Some(curve), Scale::Own, format!("{} µT, {hz:.1} Hz", microtesla(amplitude)))
+                        (Some(curve), Scale::Own, format!("{}, {hz:.1} Hz", field(amplitude)))
                     }
                     None => (None, Scale::Own, String::new()),
                 }
@@ -131,7 +133,7 @@ fn rows<'a>(told: &Told<'a>) -> Vec<Row<'a>> {
             "rate of turn" => {
                 let curve = turning(told.log, &traces.rows).and_then(|x| base.spread(&x));
                 let top = curve.as_ref().map_or(0.0, |curve| limits(std::iter::once(curve), 1e-9).1);
-                (curve, Scale::Own, format!("rms, █ is {} µT", microtesla(top)))
+                (curve, Scale::Own, format!("rms, █ is {}", field(top)))
             }
             name => {
                 let curve = values(told.log, &traces.rows, name).and_then(|x| base.against(&x));
@@ -158,8 +160,8 @@ fn turning(log: &Log, rows: &[usize]) -> Option<Vec<f64>> {
     Some(rows.iter().map(|&row| rate(row)).collect())
 }
 
-/// Chance explains what is more probable than this.
-const SURE: f64 = 0.02;
+/// A dependence with a larger p-value is not significant.
+const MAX_P_VALUE: f64 = 0.02;
 
 /// The table.
 pub fn failures(told: &Told, out: &mut Vec<String>) {
@@ -171,28 +173,28 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
     let common = |row: &&Row| row.scale == Scale::Common;
     let (bottom, top) =
         limits(all.iter().filter(common).filter_map(|row| row.curve.as_ref()), least_span(diagnosis));
-    let nowhere = diagnosis.shows.iter().all(|shown| shown.p_value >= SURE);
+    let nowhere = diagnosis.shows.iter().all(|shown| shown.p_value >= MAX_P_VALUE);
     title(
         out,
         if nowhere && diagnosis.verdict == Verdict::Undetermined {
-            "Where the base model fails is not told: this log does not determine it"
+            "Residual by column (the log does not determine the base model)"
         } else if nowhere && diagnosis.verdict == Verdict::Unexplained {
-            "Where the base model fails: nothing that was logged explains it"
+            "Residual by column (no logged column is significant)"
         } else if nowhere {
-            "Where the base model could fail: nowhere that chance does not explain"
+            "Residual by column (none is significant)"
         } else if diagnosis.verdict == Verdict::Complete {
-            "Where the base model could fail: nowhere by as much as matters"
+            "Residual by column (significant, but too small to matter)"
         } else {
-            "Where the base model fails"
+            "Residual by column"
         },
     );
     let drawn = all.iter().any(|row| row.curve.is_some());
     let scale = if drawn {
-        format!("   its residual: ▁ is {}, █ is {} µT", microtesla(bottom), microtesla(top))
+        format!("   residual: ▁ is {}, █ is {}", microtesla(bottom), field(top))
     } else {
         String::new()
     };
-    out.push(format!("  {:<NAME$}{:>8} {:>8}{scale}", "against", "explains", "chance"));
+    out.push(format!("  {:<NAME$}{:>8} {:>8}{scale}", "column", "explains", "p-value"));
     // The ends of the axes in a column of their own, so that the curves stand below each other.
     let ends: Vec<(String, String)> = all
         .iter()
@@ -221,24 +223,22 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
         out.push(text.trim_end().to_string());
     }
     if all.len() > MOST {
-        out.push(format!("  and {} more that explain less", all.len() - MOST));
+        out.push(format!("  and {} more columns that explain less", all.len() - MOST));
     }
     if drawn {
         let mut note = String::from(
-            "explains: share of the squared residual. chance: probability that noise does as well, all that was tried \
-             counted in.",
+            "explains: share of the residual variance (R²). p-value: corrected for all columns and effects tested.",
         );
         if all.iter().any(|row| row.curve.as_ref().is_some_and(|curve| curve.offset)) {
             note.push_str(if at_rest(diagnosis) {
-                " local offset: the resting board's vector, along the direction in which it varies most."
+                " local offset: reading of the sensor at rest, along the direction of its largest variation."
             } else {
-                " local offset: the offset that this part of the log asks for beside the common one."
+                " local offset: best additional offset for this part of the log."
             });
         }
         if all.iter().any(|row| row.scale == Scale::Symmetric && row.curve.is_some()) {
             note.push_str(
-                " attitude: against the direction (x, y, z) of the field seen from the board; behind it how far the residual goes along that \
-                 direction, or along a shape of two or three, µT.",
+                " attitude: residual against the field direction in sensor axes. The last column is its amplitude.",
             );
         }
         out.extend(wrap(&note, "  ", WIDTH));

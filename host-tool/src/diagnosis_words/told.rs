@@ -41,7 +41,11 @@ pub fn name_of(diagnosis: &Diagnosis, id: &str) -> String {
     match diagnosis.registry.parse(id).filter(|named| named.form.column) {
         Some(named) if !(named.is_plain() && usual.contains(&named.column)) => {
             let column = named.column;
-            if name.contains(column) { name.to_string() } else { format!("{name} ({column})") }
+            match name {
+                name if name.contains(column) => name.to_string(),
+                name if name.contains("a column") => name.replace("a column", column),
+                name => format!("{name} ({column})"),
+            }
         }
         _ => name.to_string(),
     }

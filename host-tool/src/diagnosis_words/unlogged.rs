@@ -20,6 +20,25 @@ pub(crate) fn sections(told: &Told, out: &mut Vec<String>) {
     }
 }
 
+/// The offsets of recordings in one line.
+pub(crate) fn recordings_in_short(found: &Recordings) -> String {
+    let [x, y, z] = found.per_recording_ut.map(|value| format!("{value:+.2}"));
+    format!(
+        "one matrix, {} offsets; the offset changes by x {x}, y {y}, z {z} µT per recording",
+        found.recordings.len()
+    )
+}
+
+/// A switching offset in one line.
+pub(crate) fn switching_in_short(found: &Switching) -> String {
+    let [x, y, z] = found.offset_ut.map(|value| format!("{value:+.2}"));
+    format!(
+        "offset x {x}, y {y}, z {z} µT, on {} times, {:.0} % of samples; no column says when",
+        found.on_s.len(),
+        100.0 * found.duty
+    )
+}
+
 fn triple(values: [f64; 3]) -> String {
     values.map(|value| format!("{value:+9.2}")).concat()
 }

@@ -1,17 +1,27 @@
-//! What `diagnose` says to people: an explanation from the noise floor to the command that repairs it.
+//! What `diagnose` says to people: the answer first, then the details from the noise floor to the tested effects.
 
-use crate::diagnosis_words::numbers::{hang, microtesla, probability, wrap};
+use crate::diagnosis_words::numbers::{field, hang, microtesla, probability, wrap};
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, counted, groups, name_of, title};
-use crate::diagnosis_words::{advice, conclusion, found, place, unlogged};
+use crate::diagnosis_words::{advice, answer, found, place, unlogged};
+use crate::field_unit::symbol;
 use ironout::effect::{Named, Registry, Searched};
 use ironout_analysis::base::mounting;
 use ironout_analysis::noise::colour::Colour;
 use ironout_analysis::outcome::outcome::{CandidateRow, Status, Verdict};
 use ironout_analysis::samples::faults::{DataFault, FaultKind};
 
-/// The whole explanation.
+/// The answer alone: verdict, figures and next steps, at most a screen.
+pub fn brief(told: &Told) -> String {
+    let mut out = answer::answer(told);
+    out.push(String::new());
+    out.push("Residual by column, coefficients and all tested effects: repeat the command with -v.".into());
+    joined(&out)
+}
+
+/// The answer, then every detail.
 pub fn text(told: &Told) -> String {
-    let mut out = Vec::new();
+    let mut out = answer::answer(told);
+    out.push(String::new());
     heading(told, &mut out);
     faults(told, &mut out);
     base(told, &mut out);
@@ -23,11 +33,11 @@ pub fn text(told: &Told) -> String {
     tested(told, &mut out);
     untestable(told, &mut out);
     confounded(told, &mut out);
-    conclusion::verdict(told, &mut out);
-    conclusion::what_next(told, &mut out);
-    let mut text = out.join("\n");
-    text.push('\n');
-    text
+    joined(&out)
+}
+
+fn joined(lines: &[String]) -> String {
+    lines.iter().map(|line| format!("{line}\n")).collect()
 }
 
 fn heading(told: &Told, out: &mut Vec<String>) {
@@ -45,17 +55,15 @@ fn heading(told: &Told, out: &mut Vec<String>) {
 fn explain_fault(kind: FaultKind) -> &'static str {
     match kind {
         FaultKind::Clipping => {
-            "the sensor reached the end of its range: choose a larger one, or move it from the magnet"
+            "the sensor reached the end of its range. Choose a larger range, or move it away from the magnet"
         }
-        FaultKind::Burst => "a magnet or iron passed close by, or single readings went wrong",
-        FaultKind::Stuck => "one reading was repeated while the board turned: the sensor or its bus hung",
-        FaultKind::Gap => {
-            "rows are missing here, or cells of the column named: such samples are left out, the rest is good"
-        }
+        FaultKind::Burst => "a magnet or iron passed close by, or single readings failed",
+        FaultKind::Stuck => "the sensor repeated one reading while it was rotated. It or its bus hung",
+        FaultKind::Gap => "rows or cells are missing here. ironout skips these samples",
         FaultKind::CopiedRows => {
-            "the log contains the same readings earlier: a recording was joined to itself or named twice"
+            "the log contains the same readings twice: a recording was joined to itself or named twice"
         }
-        FaultKind::CopiedAxis => "an axis is a copy of another: the driver reads one register twice",
+        FaultKind::CopiedAxis => "one axis is a copy of another: the driver reads one register twice",
     }
 }
 
@@ -109,20 +117,20 @@ fn base(told: &Told, out: &mut Vec<String>) {
     };
     let mut row = |label: &str, value: Option<f64>, note: String| {
         let number = value.map_or("-".into(), microtesla);
-        out.push(format!("  {label:<16} {number:>8} µT   {note}").trim_end().to_string());
+        out.push(format!("  {label:<16} {number:>8} {}   {note}", symbol()).trim_end().to_string());
     };
-    row("noise floor", diagnosis.noise_floor_ut, "per axis, as the residual shows it (1σ)".into());
+    row("sensor noise", diagnosis.noise_floor_ut, "per axis (1σ), estimated from the residual".into());
     if !at_rest(diagnosis) {
-        let note = diagnosis.residual_floor_ut.map_or(String::new(), |floor| {
-            format!("{}what that noise leaves in the magnitude", share(floor))
-        });
-        row("floor by noise", diagnosis.residual_floor_ut, note);
+        let note = diagnosis
+            .residual_floor_ut
+            .map_or(String::new(), |floor| format!("{}expected if only sensor noise remains", share(floor)));
+        row("noise floor", diagnosis.residual_floor_ut, note);
     }
     let what = if at_rest(diagnosis) {
-        "the measured vector about its mean (the board rests)".to_string()
+        "measured vector about its mean (the sensor did not move)".to_string()
     } else {
         format!(
-            "{}the base model's error",
+            "{}error of the base model",
             diagnosis.steps.first().map_or(String::new(), |s| share(s.rms_ut))
         )
     };
@@ -133,27 +141,27 @@ fn base(told: &Told, out: &mut Vec<String>) {
         {
             let ratio = step.rms_ut / floor;
             let text = if diagnosis.verdict == Verdict::Undetermined {
-                "The log does not determine this model, so its error says little.".to_string()
+                "The log does not determine this model, so its error is not meaningful.".to_string()
             } else if ratio > 1.1 {
                 format!(
-                    "The base model's error is {ratio:.1} times what the noise leaves: something is missing in it."
+                    "The error of the base model is {ratio:.1} × the noise floor, so the model lacks a cause of error."
                 )
             } else if ratio > 1.03 {
                 format!(
-                    "The base model's error is {:.0} % above what the noise leaves.",
+                    "The error of the base model is {:.0} % above the noise floor.",
                     100.0 * (ratio - 1.0)
                 )
             } else {
-                "The base model leaves what the noise leaves.".to_string()
+                "The error of the base model equals the noise floor.".to_string()
             };
             out.push(format!("  {text}"));
         }
     }
     if !at_rest(diagnosis) && !diagnosis.steps.is_empty() {
         let base = if diagnosis.lower_order {
-            "The attitudes do not carry an offset and a matrix."
+            "Too few orientations for a full calibration."
         } else {
-            "The base model is hard iron (an offset), soft iron and gains (a matrix)."
+            "The base model is hard iron (offset), soft iron and gains (matrix)."
         };
         let prior =
             if diagnosis.prior.is_empty() { String::new() } else { format!(" Prior: {}.", diagnosis.prior) };
@@ -161,7 +169,7 @@ fn base(told: &Told, out: &mut Vec<String>) {
     }
     if let Some(noise) = diagnosis.noise.filter(|noise| noise.is_noise && noise.colour != Colour::White) {
         let text = format!(
-            "The noise is no white one but {}: {:.1} samples say as much as one of white noise, so errors are {:.1} times as large.",
+            "The noise is correlated ({}), so standard errors are scaled by {2:.1}: {1:.1} samples contain as much information as one sample of white noise.",
             noise.colour.words(),
             noise.memory_samples,
             noise.memory_samples.sqrt()
@@ -180,16 +188,9 @@ fn tested(told: &Told, out: &mut Vec<String>) {
     if (small.is_empty() && rest.is_empty()) || diagnosis.verdict == Verdict::Undetermined {
         return;
     }
-    // While structure remains, one of these may still have a share in it.
-    title(
-        out,
-        match diagnosis.verdict {
-            Verdict::Unexplained => "Tested, and not shown by this log",
-            _ => "Tested and not needed",
-        },
-    );
+    title(out, "Tested and not significant");
     let (uncertain, rest): (Vec<&CandidateRow>, Vec<&CandidateRow>) =
-        rest.into_iter().partition(|row| row.why.contains("it would take"));
+        rest.into_iter().partition(|row| row.why.starts_with(EXPLAINS));
     if !rest.is_empty() {
         let ids: Vec<&str> = rest.iter().map(|row| row.id.as_str()).collect();
         for (family, members) in families(diagnosis.registry, &ids) {
@@ -199,17 +200,36 @@ fn tested(told: &Told, out: &mut Vec<String>) {
     if !small.is_empty() {
         let ids: Vec<String> = small
             .iter()
-            .map(|row| format!("{} (chance {})", row.id, row.p_value.map_or("-".into(), probability)))
+            .map(|row| format!("{} (p = {})", row.id, row.p_value.map_or("-".into(), probability)))
             .collect();
-        out.extend(wrap(
-            &format!("not by chance, but too small or not certain: {}", ids.join(", ")),
+        out.extend(wrap(&format!("significant, but too small to matter: {}", ids.join(", ")), "  ", WIDTH));
+    }
+    for (why, members) in alike(&uncertain) {
+        out.extend(hang(
+            &format!("Each explains a part of the remaining variance, {why}: {members}."),
             "  ",
+            "    ",
             WIDTH,
         ));
     }
-    for row in uncertain {
-        out.extend(wrap(&format!("{}: {}", row.id, row.why), "  ", WIDTH));
+}
+
+/// How the reason of a candidate begins that explains something, but not enough.
+const EXPLAINS: &str = "it explains ";
+
+/// Candidates by what their reasons have in common, each with its share of the variance: one line instead of many.
+fn alike<'a>(rows: &[&'a CandidateRow]) -> Vec<(&'a str, String)> {
+    let mut list: Vec<(&str, String)> = Vec::new();
+    for row in rows {
+        let said = row.why.trim_start_matches(EXPLAINS).split_once(" of the remaining variance, ");
+        let (share, why) = said.unwrap_or(("", &row.why));
+        let member = if share.is_empty() { row.id.clone() } else { format!("{} {share}", row.id) };
+        match list.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, members)) => *members += &format!(", {member}"),
+            None => list.push((why, member)),
+        }
     }
+    list
 }
 
 /// Ids by what they have in common: `offset:a`, `offset:b` as `offset` over `a, b`; those without a column last.
@@ -239,7 +259,7 @@ fn untestable(told: &Told, out: &mut Vec<String>) {
     let diagnosis = told.diagnosis;
     let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
     for row in diagnosis.candidates.iter().filter(|row| row.status == Status::Untestable) {
-        if row.why.contains("cannot be told") {
+        if row.why.starts_with("not tested") {
             continue;
         }
         let name = format!("{} ({})", row.name, row.id);
@@ -251,7 +271,7 @@ fn untestable(told: &Told, out: &mut Vec<String>) {
     if groups.is_empty() {
         return;
     }
-    title(out, "Could not be tested with this log");
+    title(out, "Not testable with this log");
     for (why, names) in groups {
         let how = advice::how_to_log(why).map_or(String::new(), |how| format!(" ({how})"));
         out.extend(hang(&format!("{}: {why}{how}", names.join(", ")), "  - ", "    ", WIDTH));
@@ -260,12 +280,12 @@ fn untestable(told: &Told, out: &mut Vec<String>) {
 
 fn confounded(told: &Told, out: &mut Vec<String>) {
     for group in groups(told.diagnosis) {
-        title(out, "Cannot be told apart with this log");
+        title(out, "Confounded in this log");
         for id in &group {
             let row = told.diagnosis.candidates.iter().find(|row| row.id == *id);
-            let held = row.and_then(|row| row.holdout_rms_ut).map_or(String::new(), |ut| {
-                format!(": with it alone the error on unseen time is {} µT", microtesla(ut))
-            });
+            let held = row
+                .and_then(|row| row.holdout_rms_ut)
+                .map_or(String::new(), |ut| format!(": held-out error {} with it alone", field(ut)));
             let text = format!("{} ({id}){held}", name_of(told.diagnosis, id));
             out.extend(hang(&text, "  - ", "    ", WIDTH));
         }
@@ -273,15 +293,13 @@ fn confounded(told: &Told, out: &mut Vec<String>) {
         // One of several columns that move together stands in the model for all of them.
         if told.diagnosis.steps.iter().any(|step| step.added.as_ref() == Some(first)) {
             let text = format!(
-                "These columns move together, and {first} is nearest to what they have in common. With it in the model \
-                 none of the others explains significantly more; which of them carries the field, this log does not \
-                 tell. To find out, change one of them while the others stay (run the motors one at a time)."
+                "These columns are too strongly correlated in this log to show which one causes the error. With {first} in the model none of the others explains significantly more. To find out, change one of them while the others stay constant (run the motors one at a time)."
             );
             out.extend(wrap(&text, "  ", WIDTH));
             continue;
         }
         out.extend(wrap(
-            "Each explains the error by itself, and with one of them in the model the other explains nothing more.",
+            "Each explains the error by itself. With one of them in the model the other is not significant.",
             "  ",
             WIDTH,
         ));

@@ -17,7 +17,7 @@ use ironout_analysis::frame::Frame;
 pub fn asked(arguments: &ExportArgs) -> Outcome<()> {
     match arguments.unused() {
         Some(option) => Err(Failure::usage(format!(
-            "{option} says nothing to --as {}: leave it out",
+            "{option} has no effect with --as {}. Omit it",
             arguments.form.name()
         ))),
         None => Ok(()),

@@ -134,13 +134,10 @@ pub fn interpret(header: &[String], map: &[(String, String)], line: u64) -> Outc
             if role == Role::Time {
                 let both: Vec<&str> =
                     header.iter().map(String::as_str).filter(|cell| Role::of(cell).1 == Role::Time).collect();
-                return Err(fail(format!(
-                    "both {}: name one of them otherwise with --map",
-                    both.join(" and ")
-                )));
+                return Err(fail(format!("both {}. Rename one of them with --map", both.join(" and "))));
             }
             let name = shorten(cell);
-            return Err(fail(format!("column \"{name}\" stands twice in the header: rename or remove one"))
+            return Err(fail(format!("column \"{name}\" appears twice in the header. Rename or remove one"))
                 .at_column(name));
         }
         columns.push(Column { name, role, unit: unit.filter(|unit| !unit.is_own()) });

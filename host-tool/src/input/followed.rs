@@ -86,7 +86,7 @@ pub fn rename(log: &mut Log) {
         }
         match log.read_as.columns.iter_mut().find(|column| column.name == old) {
             Some(column) => column.name.clone_from(&new),
-            None => log.notices.push(format!("column {old} is read as {new}")),
+            None => log.notices.push(format!("ironout reads column {old} as {new}")),
         }
         pins.push(entry(&new, &old, None));
         log.covariates[index].name = new;

@@ -32,13 +32,12 @@ impl std::fmt::Display for Stop {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self.objection {
             Objection::Binary => {
-                "this is not text (it holds zero bytes): expected a CSV log with a header line such as \
-                 t_s,mx_ut,my_ut,mz_ut; a binary log has to be converted first"
+                "this is not text (it contains zero bytes). Expected a CSV log with a header line such as \
+                 t_s,mx_ut,my_ut,mz_ut. Convert a binary log first"
             }
             Objection::Utf16 => "this is UTF-16 text: save the file as UTF-8 (CSV UTF-8 in a spreadsheet)",
             Objection::LongLine => {
-                "the line is longer than 262144 bytes: a log has one sample a line and some tens of columns; \
-                 is a line break missing?"
+                "the line is longer than 262144 bytes. A log has one sample per line. Is a line break missing?"
             }
             Objection::OpenQuote => {
                 "a quote (\") is opened and not closed on this line: close it, or remove the quotes"

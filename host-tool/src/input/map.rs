@@ -20,7 +20,7 @@ pub fn parse_map(arguments: &[String]) -> Outcome<Vec<(String, String)>> {
             })?;
         if ColumnName::new(name).is_err() {
             return Err(Failure::usage(format!(
-                "--map {part}: \"{name}\" is no name for a column: {BadName}"
+                "--map {part}: \"{name}\" is not a valid column name: {BadName}"
             )));
         }
         if pairs.iter().any(|(known, old)| known == name || *old == header) {
@@ -97,7 +97,8 @@ pub fn missing(name: &str, from: &str, headers: &[String]) -> Failure {
 /// The error for a unit that is none.
 pub fn no_unit(name: &str, unit: &str) -> Failure {
     Failure::usage(format!(
-        "--map {name}=…[{unit}]: no unit of that column: T, mT, uT, nT, G, mG; s, ms, us, ns, ISO; m/s2, g, mg; rad/s, deg/s; C, K, \
+        "--map {name}=…[{unit}]: unknown unit for that column. Known units: T, mT, uT, nT, G, mG; s, ms, us, ns, ISO; m/s2, \
+         g, mg; rad/s, deg/s; C, K, \
          F; A, mA; V, mV; or a number that scales it to the unit in its name"
     ))
 }

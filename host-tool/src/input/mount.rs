@@ -26,8 +26,7 @@ pub struct Mounting {
 
 /// What `--rotate` takes, for its help and its errors.
 pub const FORMS: &str = "a name (roll180, pitch90, yaw270, or several applied in turn: roll180,yaw90), an axis list \
-                         for body x,y,z (y,-x,z) or nine numbers of an orthogonal matrix by rows; put mag:, accel: \
-                         or gyro: before it to turn one sensor only";
+                         for body x,y,z (y,-x,z) or nine numbers of an orthogonal matrix by rows; prefix it with mag:, accel: or gyro: to rotate one sensor only";
 
 impl Mounting {
     /// Reads every `--rotate` in turn. Errors name the argument and the forms it may take.
@@ -64,7 +63,7 @@ impl Mounting {
         ] {
             // Turning everything at once is no wish for what is not there.
             if matrix.is_some() && matrix != self.magnetometer && !has {
-                notices.push(format!("--rotate turns the {what}, which is not in the log"));
+                notices.push(format!("--rotate rotates the {what}, which is not in the log"));
             }
         }
         for (matrix, what) in [
@@ -74,7 +73,7 @@ impl Mounting {
         ] {
             if matrix.is_some_and(|m| determinant(&m) < 0.0) {
                 notices.push(format!(
-                    "--rotate mirrors the {what}: right only if the log has its axes in the wrong order or sign"
+                    "--rotate mirrors the {what}. This is correct only if the log has its axes in the wrong order or sign"
                 ));
             }
         }

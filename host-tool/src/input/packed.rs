@@ -48,9 +48,7 @@ impl Packing {
             Packing::Zstd => {
                 let mut frames = Frames { source, decoder: FrameDecoder::new(), in_frame: false };
                 frames.next().map_err(|error| {
-                    Failure::usage(format!(
-                        "this file is packed by zstd and broken: {error}. Fix: copy it again"
-                    ))
+                    Failure::usage(format!("this zstd file is damaged: {error}. Fix: copy it again"))
                 })?;
                 Box::new(frames)
             }

@@ -38,7 +38,7 @@ impl Plan {
             .iter()
             .filter(|(name, _)| covariate(name))
             .map(|(name, from)| {
-                format!("{from} is read as {name}: no sensor of the log format has that name, so it is a covariate")
+                format!("ironout reads {from} as the covariate {name}, because no sensor of the log format has that name")
             })
             .collect();
         let find = |role: Role| columns.iter().position(|column| column.role == role);
@@ -50,13 +50,14 @@ impl Plan {
         let (field, scale) = match (ut, counts, options.ut_per_count) {
             (Some(_), Some(counts), Some(scale)) => {
                 notices.push(
-                    "the log has mx_ut and mx_counts; the counts are used (--ut-per-count is given)".into(),
+                    "the log has mx_ut and mx_counts. ironout uses the counts (--ut-per-count is given)"
+                        .into(),
                 );
                 (counts, Some(scale))
             }
             (Some(ut), both, scale) => {
                 if both.is_some() {
-                    notices.push("the log has mx_ut and mx_counts; mx_ut is used".into());
+                    notices.push("the log has mx_ut and mx_counts. ironout uses mx_ut".into());
                 }
                 if scale.is_some() {
                     notices.push("--ut-per-count is not used: the log is in microtesla".into());
@@ -69,8 +70,8 @@ impl Plan {
             }
             (None, Some(_), None) => {
                 return Err(Failure::usage(
-                    "the magnetometer is in counts: give its scale with --ut-per-count UT, one number or three \
-                     comma-separated for x,y,z (see the data sheet; 0.1 for values in milligauss)",
+                    "the magnetometer is in counts. Give its scale in µT per count with --ut-per-count UT, one number or \
+                     three for x,y,z (see the data sheet; 0.1 for values in milligauss)",
                 )
                 .at_line(line)
                 .at_column("mx_counts"));
@@ -97,7 +98,7 @@ impl Plan {
         ] {
             // Turning everything at once is no wish for what is not there.
             if matrix.is_some() && matrix != options.mounting.magnetometer && !has {
-                notices.push(format!("--rotate turns the {what}, which is not in the log"));
+                notices.push(format!("--rotate rotates the {what}, which is not in the log"));
             }
         }
         let heading = find(Role::Heading);
@@ -110,7 +111,7 @@ impl Plan {
         ] {
             if matrix.is_some_and(|m| determinant(&m) < 0.0) {
                 notices.push(format!(
-                    "--rotate mirrors the {what}: right only if the log has its axes in the wrong order or sign"
+                    "--rotate mirrors the {what}. This is correct only if the log has its axes in the wrong order or sign"
                 ));
             }
         }
@@ -123,11 +124,11 @@ impl Plan {
         for (index, store) in stores.iter().enumerate() {
             if let Some((line, cell)) = &store.text {
                 notices.push(format!(
-                    "column {} is ignored: it holds text (\"{cell}\" on line {line})",
+                    "ignored column {}: it contains text (\"{cell}\" on line {line})",
                     shorten(&store.header)
                 ));
             } else if store.column.role == Role::Unnamed {
-                notices.push(format!("column {} is ignored: it has no name", index + 1));
+                notices.push(format!("ignored column {}: it has no name", index + 1));
             }
         }
         let columns = read_columns(&stores);

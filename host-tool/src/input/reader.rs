@@ -17,14 +17,14 @@ pub const FORMAT: &str = "CSV of this program";
 pub fn read_own(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Outcome<Log> {
     if let Some(asked) = options.instance.filter(|asked| *asked > 0) {
         return Err(Failure::usage(format!(
-            "--instance {asked}: the log has one magnetometer; leave the option out"
+            "--instance {asked}: the log has one magnetometer. Omit the option"
         )));
     }
     let mut lines = Lines::new(source);
     let mut cutter = Cutter::new();
     let Some(first) = lines.next_row()? else {
         return Err(Failure::usage(
-            "the file is empty: expected a header line such as t_s,mx_ut,my_ut,mz_ut and one row a sample",
+            "the file is empty. Expected a header line such as t_s,mx_ut,my_ut,mz_ut and one row per sample",
         ));
     };
     let header_line = first.number;
@@ -72,9 +72,7 @@ pub fn read_own(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Ou
     drop(progress);
     let origin = lines.origin().clone();
     if rows == 0 {
-        return Err(
-            Failure::usage("the log has a header and no rows: nothing was recorded").at_line(header_line)
-        );
+        return Err(Failure::usage("the log has a header but no rows").at_line(header_line));
     }
     let mut log = plan.finish(stores.into_iter().map(|(store, _)| store).collect(), rows, options)?;
     log.read_as.format = FORMAT.to_string();
@@ -98,13 +96,13 @@ pub fn from_columns(names: Vec<String>, values: Vec<Vec<f64>>, options: &ReadOpt
     let plan = Plan::new(&columns, options, 1)?;
     let rows = values.iter().map(Vec::len).max().unwrap_or(0);
     if rows == 0 {
-        return Err(Failure::usage("the table has no rows: nothing was recorded"));
+        return Err(Failure::usage("the table has no rows"));
     }
     let mut stores = Vec::new();
     for (index, ((column, header), values)) in columns.into_iter().zip(names).zip(values).enumerate() {
         if values.len() != rows {
             let found = values.len();
-            return Err(Failure::usage(format!("{found} values where the longest column has {rows}"))
+            return Err(Failure::usage(format!("{found} values, but the longest column has {rows}"))
                 .at_column(header));
         }
         let mut store = Store::new(column, header, 0);
@@ -125,7 +123,7 @@ pub fn from_columns(names: Vec<String>, values: Vec<Vec<f64>>, options: &ReadOpt
 
 fn backward(time: f64, last: f64, line: u64, header: &str) -> Failure {
     Failure::usage(format!(
-        "time runs backward, {time} after {last}: sort the log, or split it where the recorder started again"
+        "time runs backward, {time} after {last}. Sort the log, or split it at the restart of the recorder"
     ))
     .at_line(line)
     .at_column(header)
@@ -137,5 +135,5 @@ fn ragged(found: usize, expected: usize, line: u64, at_end: bool) -> Failure {
     } else {
         "correct or remove the line; a text with a comma needs quotes"
     };
-    Failure::usage(format!("{found} cells where the header has {expected}: {remedy}")).at_line(line)
+    Failure::usage(format!("{found} cells, but the header has {expected}: {remedy}")).at_line(line)
 }

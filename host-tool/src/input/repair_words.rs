@@ -14,7 +14,7 @@ pub fn typed(option: &str) -> String {
 pub fn not_a_repair(part: &str) -> Failure {
     Failure::usage(format!(
         "--repair {part}: expected unsigned, swapped-bytes, signed-low-byte, x:unwrap=MODULUS/FROM, x:late=ROWS, range, \
-         error-code=VALUE or none; the axes concerned may stand in front, as in xy:unsigned"
+         error-code=VALUE or none; prefix it with the affected axes, as in xy:unsigned"
     ))
 }
 
@@ -75,7 +75,8 @@ pub fn recognised(found: &Breakage) -> String {
     let share = (100.0 * found.explained).clamp(0.0, 100.0);
     let what = match &found.repair {
         Repair::Unsigned { modulus, .. } => format!(
-            "the magnetometer's numbers in {axes} are negative numbers read as unsigned: values above {} are negative (subtract \
+            "the magnetometer's numbers in {axes} are negative numbers read as unsigned: values above {} are negative \
+             (subtract \
              {modulus})",
             if modulus.fract() == 0.0 { modulus / 2.0 - 1.0 } else { modulus / 2.0 }
         ),
@@ -83,19 +84,20 @@ pub fn recognised(found: &Breakage) -> String {
             format!("the two bytes of the magnetometer's numbers in {axes} are swapped")
         }
         Repair::SignedLowByte { .. } => format!(
-            "the low byte of the magnetometer's numbers in {axes} was added as a signed number: 256 is missing if it is 128 or more"
+            "the low byte of the magnetometer's numbers in {axes} was added as a signed number: 256 is missing if it is 128 \
+             or more"
         ),
-        Repair::Unwrap { modulus, from: Some(_), .. } => format!(
-            "the magnetometer's numbers in {axes} run over the end of their bits and wrap: they jump by {modulus}"
-        ),
+        Repair::Unwrap { modulus, from: Some(_), .. } => {
+            format!("the magnetometer's numbers in {axes} overflow and wrap: they jump by {modulus}")
+        }
         Repair::Unwrap { modulus, from: None, .. } => format!(
-            "the magnetometer's numbers in {axes} wrap: they jump by {modulus}, and their range is larger than that. A sensor range \
-             or a number type that is wide enough is the better remedy"
+            "the magnetometer's numbers in {axes} wrap: they jump by {modulus}, and their range is larger than that. A wider sensor range or number type is better"
         ),
         Repair::LateAxis { rows, .. } => {
             let (count, when) = (rows.abs(), if *rows > 0 { "late" } else { "early" });
             return format!(
-                "{axes} of the magnetometer is {count} row{} {when} against the other two: moved, {share:.0} % of the distance from an \
+                "{axes} of the magnetometer is {count} row{} {when} against the other two: moved, {share:.0} % of the \
+                 distance from an \
                  ellipsoid disappears",
                 if count == 1 { "" } else { "s" }
             );
@@ -106,7 +108,8 @@ pub fn recognised(found: &Breakage) -> String {
                 .map(|(row, factor)| format!("{} from row {}", short(*factor), row + 1))
                 .collect();
             return format!(
-                "the scale of the magnetometer changes while the log runs (its range was set): the numbers are larger by the factor {}. \
+                "the scale of the magnetometer changes while the log runs (its range was set): the numbers are larger by \
+                 the factor {}. \
                  With one scale, {share:.0} % of the distance from an ellipsoid disappears",
                 list.join(", ")
             );
@@ -127,10 +130,10 @@ pub fn set_aside(repair: &Repair, found: Option<&Breakage>) -> String {
             format!("{} in {axes} is an error code of a failed reading{first}", values.join(", "))
         }
         Repair::EveryRow { every, .. } => {
-            format!("every {every}{} row does not belong to the rows next to it{first}", ordinal(*every))
+            format!("every {every}{} row does not match the rows next to it{first}", ordinal(*every))
         }
         Repair::FrozenAxis { .. } => {
-            format!("{axes} stands still while the others go on, and then catches up with a jump{first}")
+            format!("{axes} freezes while the others continue, and then jumps{first}")
         }
         other => recognised(&Breakage { repair: other.clone(), rows: 0, first_row: 0, explained: 1.0 }),
     }

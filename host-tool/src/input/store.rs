@@ -78,14 +78,12 @@ impl Store {
         };
         let message = if text.is_empty() {
             format!(
-                "the cell is empty, and {what} must have a number in every row: remove the row, or repeat the last reading"
+                "the cell is empty, but {what} needs a number in every row. Remove the row, or repeat the last reading"
             )
         } else if number::parse(cell).is_some() {
-            format!(
-                "\"{text}\" is not a finite number, and {what} must have one in every row: remove the row"
-            )
+            format!("\"{text}\" is not a finite number, but {what} needs one in every row. Remove the row")
         } else {
-            format!("\"{text}\" is not a number: correct the cell or remove the row")
+            format!("\"{text}\" is not a number. Correct the cell or remove the row")
         };
         Failure::usage(message).at_line(line).at_column(self.header.clone())
     }

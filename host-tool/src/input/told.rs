@@ -130,7 +130,7 @@ pub fn read_log(path: &Path, options: &ReadOptions) -> Outcome<Log> {
     let file = File::open(path).map_err(|error| Failure::io("open", path, &error))?;
     let metadata = file.metadata().map_err(|error| Failure::io("open", path, &error))?;
     if metadata.is_dir() {
-        return Err(Failure::usage("this is a folder: name a log file").in_file(path));
+        return Err(Failure::usage("this is a folder. Name a log file").in_file(path));
     }
     let mut log = read_stream(file, metadata.len(), options).map_err(in_file)?;
     log.path = path.to_path_buf();
@@ -157,8 +157,7 @@ pub fn read_stream(mut source: impl Read, size_bytes: u64, options: &ReadOptions
     let mut log = read.map_err(|mut failure| {
         if let Some(why) = unpacked.broken() {
             failure.message = format!(
-                "this file is packed by {} and cut off or broken ({why}), and what is in it before that is no log: {}. \
-                 Fix: copy it again",
+                "this {} file is truncated or damaged ({why}), and its readable part is not a log: {}. Fix: copy it again",
                 packing.name(),
                 failure.message
             );
@@ -168,9 +167,16 @@ pub fn read_stream(mut source: impl Read, size_bytes: u64, options: &ReadOptions
     log.read_as.format = format!("{}, packed by {}", log.read_as.format, packing.name());
     log.read_as.own_csv = false;
     if let Some(why) = unpacked.broken() {
-        log.notices.push(format!("the packed file is cut off or broken ({why}): read up to there"));
+        log.notices
+            .push(format!("the packed file is truncated or damaged ({why}). ironout read up to there"));
     }
     Ok(log)
+}
+
+/// Whether a file begins as one that `fit -o` writes.
+fn is_calibration(first: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(first);
+    text.trim_start().starts_with('{') && text.contains("\"offset_ut\"") && text.contains("\"matrix\"")
 }
 
 fn read_plain(mut source: impl Read, size_bytes: u64, options: &ReadOptions) -> Outcome<Log> {
@@ -180,13 +186,18 @@ fn read_plain(mut source: impl Read, size_bytes: u64, options: &ReadOptions) -> 
         .take(LOOK_BYTES)
         .read_to_end(&mut first)
         .map_err(|error| Failure::usage(format!("cannot read: {error}")))?;
+    if is_calibration(&first) {
+        return Err(Failure::usage(
+            "this is an ironout calibration, not a log. To use it, run: ironout apply LOG --cal CAL.json",
+        ));
+    }
     let format = told(&first, options);
     let whole = Cursor::new(first).chain(source);
     let mut log = match format {
         Format::Own => reader::read_own(whole, size_bytes, options),
         Format::Text => text::read(whole, options),
         Format::Recording(format) => formats::read(format, whole, size_bytes, options),
-        Format::Foreign(what) => Err(Failure::usage(format!("this is no log but {what}"))),
+        Format::Foreign(what) => Err(Failure::usage(format!("this is not a log but {what}"))),
     }?;
     followed::rename(&mut log);
     if !options.repair.is_empty() {

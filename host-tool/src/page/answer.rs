@@ -54,7 +54,7 @@ impl Answering {
     /// Holds a log at a place.
     pub fn hold(&mut self, place: usize, held: Held) -> Outcome<()> {
         if place >= MOST_LOGS {
-            return Err(Failure::usage(format!("there is no place {place} for a log")));
+            return Err(Failure::usage(format!("there is no slot {place} for a log")));
         }
         if self.logs.len() <= place {
             self.logs.resize_with(place + 1, || None);
@@ -67,12 +67,12 @@ impl Answering {
 
     fn held(&self, place: usize) -> Outcome<&Held> {
         let held = self.logs.get(place).and_then(Option::as_ref);
-        held.ok_or_else(|| Failure::usage("no log has been read yet: drop one on the page"))
+        held.ok_or_else(|| Failure::usage("no log has been read yet. Drop one on the page"))
     }
 
     fn try_answer(&mut self, question: &str, bytes: &[u8]) -> Outcome<Value> {
         let question: Question = serde_json::from_str(question)
-            .map_err(|error| Failure::usage(format!("this is no question of the page: {error}")))?;
+            .map_err(|error| Failure::usage(format!("this is not a request of the page: {error}")))?;
         match question {
             Question::Read { place, options, field_ut } => {
                 self.take(place, Held::read(options, bytes, field_ut)?)

@@ -131,7 +131,7 @@ fn verdict(look: &Look, asked: &LookAsked) -> Value {
 /// The first reason of a refusal.
 fn refused(fitted: &Fitted) -> &str {
     let why = fitted.reasons.iter().find(|reason| !reason.starts_with("note:"));
-    why.map_or("this log is not enough for one", String::as_str)
+    why.map_or("this log is not enough for one", |why| why.words.as_str())
 }
 
 /// A log under a calibration that there is already: what is drawn, and its error.

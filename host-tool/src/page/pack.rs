@@ -204,7 +204,7 @@ fn unpacked(kind: Kind, rows: usize, bytes: &[u8]) -> Option<Vec<f64>> {
 /// # Errors
 /// They are not what [`pack`] gives.
 pub fn unpack(bytes: &[u8]) -> Outcome<(Log, ReadAsked)> {
-    parse(bytes).ok_or_else(|| Failure::usage("the log in this page is damaged: make the page again"))
+    parse(bytes).ok_or_else(|| Failure::usage("the log in this page is damaged. Create the page again"))
 }
 
 fn parse(bytes: &[u8]) -> Option<(Log, ReadAsked)> {

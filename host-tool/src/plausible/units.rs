@@ -8,8 +8,8 @@ use ironout_analysis::plausible::field::FieldSize;
 /// Every magnitude is the same: nothing is left to be calibrated.
 pub fn directions(magnitude_ut: f64) -> Failure {
     Failure::usage(format!(
-        "every reading of the magnetometer has the same magnitude, {} µT: these are directions, and the offset and the matrix are no \
-         longer in them. Fix: log the field as the sensor measures it, before it is normalised",
+        "every reading of the magnetometer has the same magnitude, {} µT: the vectors are normalised, so offset and matrix \
+         cannot be determined. Fix: log the field as the sensor measures it, before normalisation",
         short(magnitude_ut)
     ))
 }
@@ -56,19 +56,19 @@ pub fn unit_question(log: &Log, arguments: &LogArgs, size: &FieldSize) -> Questi
 
 /// The unit that the columns are rather in, or the factor that they lack, and the options that say so.
 pub fn unit_remedy(log: &Log, arguments: &LogArgs, size: &FieldSize) -> String {
-    let coil = "A field of its own (a coil) is said with --field UT";
+    let coil = "If a coil makes the field, give it with --field UT";
     let read = read_unit(log);
     let factor = |unit: &Unit| unit.convert(1.0) / read.convert(1.0);
     let units = fitting_units(&read, size);
     if units.is_empty() {
-        return format!("No unit makes it one: is this the magnetometer? {coil}");
+        return format!("No unit fits. Is this the magnetometer? {coil}");
     }
     let mut text = String::new();
     for unit in units {
         let factor = factor(&unit);
         let (times, how) = if factor > 1.0 { (factor, "small") } else { (1.0 / factor, "large") };
         text.push_str(&format!(
-            "In {} it would be {} µT (the numbers are {} times too {how} for {}): say so with\n   {}\n",
+            "In {} it would be {} µT (the numbers are {} times too {how} for {}). To use that unit:\n   {}\n",
             unit.name,
             short(size.field_ut * factor),
             short_power(times),

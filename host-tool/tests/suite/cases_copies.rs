@@ -17,7 +17,7 @@ fn copies_of_the_field_are_left_out_of_a_diagnosis_and_named() {
     {
         let Some(path) = case(name) else { return };
         let run = ironout(["diagnose", text(&path), "--json"]);
-        assert!(run.said().contains("heading_deg is left out"), "{}", run.stderr);
+        assert!(run.said().contains("ironout ignores heading_deg"), "{}", run.stderr);
         let object = run.json();
         assert_eq!(object["verdict"], verdict, "{object}");
         assert_eq!(object["steps"].as_array().map(Vec::len), Some(1), "{object}");

@@ -141,7 +141,7 @@ fn a_sensor_that_was_hardly_turned_is_asked_about_and_one_level_turn_bounds_the_
         text + &format!("{:.3},{:.3},{:.3}\n", 20.0 + n(7), -30.0 + n(11), 40.0 + n(13))
     });
     let failure = read(&log, &[]).map(|log| read_block::text(&log)).expect_err("a question");
-    for word in ["turned too little", "mx_ut=x[uT]", "mx_ut=x[mG]"] {
+    for word in ["rotated too little", "mx_ut=x[uT]", "mx_ut=x[mG]"] {
         assert!(failure.message.contains(word), "{failure}");
     }
 }
@@ -158,7 +158,7 @@ fn directions_are_refused_under_every_name() {
             let path = crate::common::write(&here, "log.csv", log);
             let run = ironout(["fit", text(&path)]);
             assert!(
-                run.status == 2 && run.said().contains("directions"),
+                run.status == 2 && run.said().contains("the vectors are normalised"),
                 "{length} {header}: {}{}",
                 run.stdout,
                 run.stderr
@@ -325,9 +325,9 @@ fn the_shared_cases_have_their_right_values() {
         assert!((field / field_ut - 1.0).abs() < 0.02, "{name}: {field}");
     }
     for (name, words) in [
-        ("n1_normalised_48.csv", &["directions"][..]),
-        ("n2_normalised_ros.csv", &["directions"]),
-        ("e6_ros_normalised.mcap", &["directions"]),
+        ("n1_normalised_48.csv", &["the same magnitude", "normalised"][..]),
+        ("n2_normalised_ros.csv", &["the same magnitude", "normalised"]),
+        ("e6_ros_normalised.mcap", &["the same magnitude", "normalised"]),
         ("n3_accelerometer_g_no_header.txt", &["radius 1.00", "accelerometer in g", "--ut-per-count"]),
         ("14_motioncal_int.txt", &["10 times too small", "mx_ut=mx[uT]"]),
         ("e5_ros_in_microtesla.mcap", &["1000000 times too large", "48.0 µT", "[uT]"]),

@@ -159,10 +159,14 @@ fn what_cannot_be_a_time_is_said_and_the_log_is_read_without() {
     for (name, told, row) in [
         (
             "backward.csv",
-            "runs backward",
+            "it decreases in",
             Box::new(|i: usize| format!("{}.5,{{m}}", (i * 7) % 240)) as Box<dyn Fn(usize) -> String>,
         ),
-        ("slow.csv", "read without time", Box::new(|i: usize| format!("{},{{m}}", 1e13 + 1e13 * i as f64))),
+        (
+            "slow.csv",
+            "reads the log without time",
+            Box::new(|i: usize| format!("{},{{m}}", 1e13 + 1e13 * i as f64)),
+        ),
     ] {
         let path = log(&here, name, "time,mx,my,mz", row);
         let run = ironout(["fit", text(&path)]);

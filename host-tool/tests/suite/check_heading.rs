@@ -37,7 +37,7 @@ fn a_wrong_heading_is_not_good() {
     assert_eq!((run.status, &wrong["verdict"]), (1, &"heading".into()), "{wrong}");
     assert!(wrong["heading"]["mean_deg"].as_f64().is_some_and(|mean| mean.abs() > 170.0), "{wrong}");
     assert!(wrong["reasons"].to_string().contains("ironout diagnose"), "{wrong}");
-    // All three axes reversed: every heading is backwards, at any attitude.
+    // All three axes reversed: every heading is reversed, at any attitude.
     let reversed = changed(&here, &log, "reversed.csv", |place, cells| {
         for name in ["mx_ut", "my_ut", "mz_ut"] {
             let at = place(name);
@@ -51,7 +51,7 @@ fn a_wrong_heading_is_not_good() {
     let run = ironout(["check", text(&reversed), "--cal", text(&here.join("reversed.json")), "--json"]);
     let wrong = run.json();
     assert_eq!((run.status, &wrong["verdict"]), (1, &"heading".into()), "{wrong}");
-    assert!(wrong["reasons"].to_string().contains("every heading is backwards"), "{wrong}");
+    assert!(wrong["reasons"].to_string().contains("every heading is reversed"), "{wrong}");
     let words = ironout(["check", text(&turned), "--cal", text(&other)]).stdout;
     assert!(words.contains("HEADING:") && words.contains("heading off by"), "{words}");
 
@@ -76,5 +76,5 @@ fn a_wrong_heading_is_not_good() {
     let flat = write(&here, "flat.csv", content);
     let unlevelled = check(&flat, &[]);
     assert_eq!((&unlevelled["verdict"], &unlevelled["heading"]), (&"good".into(), &serde_json::Value::Null));
-    assert!(unlevelled["reasons"].to_string().contains("needs an accelerometer"), "{unlevelled}");
+    assert!(unlevelled["reasons"].to_string().contains("the log has no accelerometer"), "{unlevelled}");
 }

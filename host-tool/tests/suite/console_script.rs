@@ -119,7 +119,7 @@ fn the_emulated_board_is_calibrated_by_the_program_and_speaks_to_the_tool() {
     let (cal, back) = (read(&cal), read(&back));
     // In single precision on the way.
     let entries = |cal: &serde_json::Value| -> Vec<f64> {
-        let rows = cal["information"]["matrix"].as_array().expect("what the fit knows");
+        let rows = cal["information"]["matrix"].as_array().expect("the information matrix");
         rows.iter()
             .flat_map(|row| row.as_array().expect("a row"))
             .filter_map(serde_json::Value::as_f64)

@@ -48,7 +48,7 @@ fn a_hidden_effect_is_named_learnt_and_kept() {
         "> why",
         "> effect add offset:temp_c",
         "> effect remove offset:temp_c",
-        "off by",
+        "error without it",
         "after the power cut",
     ] {
         assert!(words.contains(word), "no {word} in {words}");

@@ -127,9 +127,9 @@ fn wrong_expressions_name_what_is_near() {
     let here = folder("derive_wrong");
     let log = flight(&here, "flight.csv", 1, 0.0);
     for (expression, word) in [
-        ("a=throtle*2", "did you mean throttle?"),
+        ("a=throtle*2", "Did you mean throttle?"),
         ("a=throttle*", "missing"),
-        ("throttle=vbat", "choose another name"),
+        ("throttle=vbat", "Choose another name"),
         ("a", "NAME=EXPRESSION"),
         ("a=ln(-vbat)", "no row"),
     ] {

@@ -156,14 +156,14 @@ fn truthful(object: &Value) {
         if why.contains("too small") {
             assert!(takes.is_some_and(|takes| takes < RELEVANCE), "{id}: {why}, but {takes:?}");
         }
-        if let Some(takes) = takes.filter(|_| why.contains("it would take")) {
+        if let Some(takes) = takes.filter(|_| why.contains("it explains")) {
             assert!(
                 takes >= RELEVANCE && why.contains(&format!("{:.0} %", 100.0 * takes)),
                 "{id}: {why}, {takes}"
             );
         }
         let angle = object["dip"]["misalignment_deg"].as_f64().unwrap_or(0.0);
-        let in_order = id == "axis-order" && why.contains("in the board's order");
+        let in_order = id == "axis-order" && why.contains("axis order is correct");
         assert!(!in_order || angle <= 45.0, "{why} beside a misalignment of {angle}");
     }
     // Several of a kind count as one: a step there alone predicts nothing of a time after the step back.

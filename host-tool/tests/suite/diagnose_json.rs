@@ -160,7 +160,10 @@ fn undetermined() {
     let run = diagnose(&path, &[]);
     let object = checked(&run);
     assert_eq!((run.status, &object["verdict"]), (1, &Value::from("undetermined")));
-    assert!(object["reasons"][0].as_str().is_some_and(|reason| reason.contains("turn")), "{object}");
+    assert!(
+        object["reasons"][0].as_str().is_some_and(|reason| reason.contains("Record again with large tilts")),
+        "{object}"
+    );
 }
 
 #[test]
@@ -189,14 +192,18 @@ fn columns_that_cannot_be_tested_have_their_reason() {
 }
 
 #[test]
-fn an_unknown_effect_lists_the_known_ones() {
+fn an_unknown_effect_is_named_and_the_known_ones_are_listed() {
     let log = simulated("json_unknown", &["--seed", "4"]);
     let error = diagnose(&log, &["--add", "wobble"]).error();
     let message = error["message"].as_str().expect("text");
-    for known in
-        ["wobble", "offset:temp_c", "gain:temp_c", "drift", "step", "nonlinearity", "periodic", "lag"]
-    {
-        assert!(message.contains(known), "no {known} in: {message}");
+    for part in ["--add wobble", "unknown effect", "ironout effects LOG"] {
+        assert!(message.contains(part), "no {part} in: {message}");
+    }
+    let error = diagnose(&log, &["--add", "temp"]).error();
+    assert!(error["message"].to_string().contains("Did you mean offset:temp_c"), "{error}");
+    let listed = ironout(["effects", log.to_str().expect("a path of text")]).stdout;
+    for known in ["offset:temp_c", "gain:temp_c", "drift", "step", "nonlinearity", "periodic", "lag"] {
+        assert!(listed.contains(known), "no {known} in: {listed}");
     }
 }
 

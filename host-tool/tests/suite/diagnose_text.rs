@@ -13,7 +13,7 @@ fn explained(name: &str, simulate: &[&str], diagnose: &[&str]) -> (String, i32) 
     let log = log.to_str().expect("a path of text");
     let made = ironout(["simulate", "-o", log, "--rate", "50"].iter().chain(simulate));
     assert_eq!(made.status, 0, "{}", made.stderr);
-    let run = ironout(["diagnose", log].iter().chain(diagnose));
+    let run = ironout(["diagnose", log, "-v"].iter().chain(diagnose));
     // How the log was read, and nothing else.
     assert!(run.stderr.starts_with("read as  CSV") && run.stderr.lines().count() == 1, "{}", run.stderr);
     (run.stdout.replace(log, "LOG"), run.status)
@@ -53,21 +53,23 @@ fn a_hidden_temperature_offset_is_explained_from_the_noise_to_the_command() {
     // In this order.
     let mut rest = text.as_str();
     for part in [
+        "FOUND: offset proportional to temperature (offset:temp_c).",
         "noise floor",
-        "times what the noise leaves: something is missing",
-        "Where the base model fails",
-        "temp_c",
-        "1. temperature offset   offset:temp_c",
-        "The zero of the sensor element drifts with temperature",
-        "µT/°C",
-        "on unseen time",
-        "The error falling",
-        "+ offset:temp_c",
-        "noise alone",
-        "Tested and not needed",
-        "MISSING: temperature offset.",
+        "Next steps",
         "ironout fit LOG --add offset:temp_c -o cal.json",
         "ironout check second.csv --cal cal.json",
+        "sensor noise",
+        "× the noise floor, so the model lacks",
+        "Residual by column",
+        "temp_c",
+        "1. offset proportional to temperature   offset:temp_c",
+        "The offset of the sensor element drifts with temperature",
+        "µT/°C",
+        "held out",
+        "Error with each effect added",
+        "+ offset:temp_c",
+        "noise floor",
+        "Tested and not significant",
     ] {
         let at = rest.find(part).unwrap_or_else(|| panic!("no `{part}` in its place in\n{text}"));
         rest = &rest[at + part.len()..];
@@ -83,7 +85,7 @@ fn a_curve_rises_with_the_temperature_and_is_flat_with_the_effect() {
         let line = text.lines().find(|line| line.trim_start().starts_with(label)).expect(label);
         line.chars().filter_map(|c| SPARKS.chars().position(|spark| spark == c)).collect()
     };
-    let (before, after) = (curve("left before"), curve("with all"));
+    let (before, after) = (curve("residual before"), curve("residual after"));
     assert!(before.len() >= 20 && after.len() >= 20, "{text}");
     let mean = |levels: &[usize]| levels.iter().sum::<usize>() as f64 / levels.len() as f64;
     assert!(mean(&before[..8]) + 3.0 < mean(&before[before.len() - 8..]), "{before:?}");
@@ -98,7 +100,10 @@ fn a_steady_ramp_is_said_to_be_ambiguous_with_the_recording_that_separates() {
     lines_fit(&text);
     let flat = joined(&text);
     assert!(
-        flat.contains("CONFOUNDED: temperature offset and offset drift explain the error equally well"),
+        flat.contains(
+            "CONFOUNDED: offset proportional to temperature (offset:temp_c) and offset drift (drift) explain the \
+             error equally well"
+        ),
         "{text}"
     );
     assert!(flat.contains("while it cools down") && flat.contains("at constant temperature"), "{text}");
@@ -112,8 +117,8 @@ fn a_clean_log_with_a_passing_magnet_is_complete_and_the_burst_is_reported() {
     assert_eq!(status, 0);
     lines_fit(&text);
     assert!(text.contains("Faults of the data") && text.contains("burst"), "{text}");
-    assert!(text.contains("COMPLETE: nothing is missing."), "{text}");
-    assert!(text.contains("nowhere that chance does not explain"), "{text}");
+    assert!(text.contains("COMPLETE: offset and matrix explain this log"), "{text}");
+    assert!(text.contains("Residual by column (none is significant)"), "{text}");
     compare("burst", &text);
 }
 
@@ -125,7 +130,7 @@ fn a_pure_lag_falls_in_the_dip_and_is_given_in_milliseconds() {
     let line = text.lines().find(|line| line.trim_start().starts_with("delay")).expect("a delay");
     let ms = line.split_whitespace().nth(1).and_then(number).expect("a number");
     assert!((ms - 18.0).abs() < 1.8 && line.ends_with("ms"), "{line}");
-    assert!(text.contains("The error falling (spread of the dip)"), "{text}");
+    assert!(text.contains("Error with each effect added (dip spread, rms)"), "{text}");
     compare("lag", &text);
 }
 
@@ -161,7 +166,7 @@ fn what_a_log_lacks_is_said_with_how_to_log_it() {
     let (text, status) = explained("lacking", &simulate, &[]);
     assert_eq!(status, 0);
     lines_fit(&text);
-    let at = text.find("Could not be tested with this log").expect("the section");
+    let at = text.find("Not testable with this log").expect("the section");
     for part in ["offset:temp_c", "°C", "offset:current_a", "module", "lag", "gyroscope", "misalignment"] {
         assert!(text[at..].contains(part), "no {part} in\n{}", &text[at..]);
     }
@@ -175,16 +180,16 @@ fn what_only_a_longer_log_can_tell_is_said_so() {
     lines_fit(&text);
     let said = joined(&text);
     for part in [
-        "UNEXPLAINED: a calibration from this log would be off by",
-        "which is what the noise leaves. Nothing else is left to look for in this log",
-        "Record longer, through more attitudes, and diagnose that log: ironout diagnose longer.csv",
+        "UNEXPLAINED: The predicted error of a calibration from this log is",
+        "the noise floor. This log has no further candidate",
+        "Record longer, in more orientations, and diagnose that log: ironout diagnose longer.csv",
     ] {
         assert!(said.contains(part), "{part}: {text}");
     }
     // The same recorded longer.
     let longer = ["--seed", "5", "--seconds", "120", "--noise", "0.8", "--effect", "nonlinearity=4"];
     let (text, _) = explained("unsure_longer", &longer, &[]);
-    assert!(joined(&text).contains("MISSING: nonlinearity."), "{text}");
+    assert!(joined(&text).contains("FOUND: nonlinearity"), "{text}");
 }
 
 #[test]
@@ -196,7 +201,7 @@ fn a_strength_that_makes_no_numbers_is_refused() {
         let strong = ["--seed", seed, "--seconds", "20", "--noise", "0.8", "--effect", "nonlinearity=4"];
         let run = ironout(["simulate", "-o", log].iter().chain(&strong));
         assert!(
-            run.status == 2 && run.said().contains("choose less"),
+            run.status == 2 && run.said().contains("Choose a smaller one"),
             "{seed}: {} {}",
             run.status,
             run.stderr

@@ -46,13 +46,13 @@ fn an_effect_that_the_log_does_not_show_is_refused_unless_it_is_forced() {
     let run = ironout(fit);
     let reasons = run.json()["reasons"].to_string();
     assert_eq!((run.status, &run.json()["accepted"]), (1, &json!(false)), "{}", run.stdout);
-    for words in ["does not show offset:height_m", "unseen time", "--force-effect", "leave it out"] {
+    for words in ["No evidence for offset:height_m", "held-out error", "--force-effect", "Drop it"] {
         assert!(reasons.contains(words), "no {words:?} in {reasons}");
     }
     assert!(!cal.exists());
     let run = ironout(fit.iter().chain(&["--force-effect"]));
     assert_eq!(run.status, 0, "{}", run.stdout);
-    assert!(run.json()["reasons"].to_string().contains("kept as asked"), "{}", run.stdout);
+    assert!(run.json()["reasons"].to_string().contains("kept because of --force-effect"), "{}", run.stdout);
     assert!(cal.exists());
     let run = ironout(["fit", text(&log), "--force-effect", "--json"]);
     assert_eq!(run.status, 2, "{}", run.stdout);
@@ -103,9 +103,7 @@ fn readings_outside_the_range_of_the_fit_are_told() {
     let told = ironout(["apply", text(&hot), "--cal", text(&older), "--json"]).json();
     assert_eq!((&told["outside"], &told["range_unknown"]), (&json!([]), &json!(["offset:temp_c"])));
     assert!(
-        ironout(["check", text(&hot), "--cal", text(&older)])
-            .stdout
-            .contains("does not say over which range")
+        ironout(["check", text(&hot), "--cal", text(&older)]).stdout.contains("does not state the range")
     );
     let mut wrong: Value = serde_json::from_str(&content).expect("JSON");
     wrong["effects"][0]["range"]["temp_c"] = json!([2.0, 1.0]);
@@ -142,13 +140,13 @@ fn exports_say_what_lies_outside() {
     assert_eq!(String::from_utf8_lossy(&out.stdout), "0 0 1 1 1");
 }
 
-/// The project's example of a calibration with a temperature offset, fitted over 20 to 30 °C.
+/// The project's example of a calibration with a offset proportional to temperature, fitted over 20 to 30 °C.
 fn calibration_with_a_range(here: &Path) -> PathBuf {
     let fixture = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fixtures/cal.json"));
     let content = std::fs::read_to_string(fixture).expect("text");
     let mut cal: Value = serde_json::from_str(&content).expect("JSON");
     cal["effects"] = json!([{
-        "id": "offset:temp_c", "name": "temperature offset", "columns": ["temp_c"], "coefficients": [0.1, 0.2, 0.3],
+        "id": "offset:temp_c", "name": "offset proportional to temperature", "columns": ["temp_c"], "coefficients": [0.1, 0.2, 0.3],
         "std_errors": [0.01, 0.01, 0.01], "unit": "µT/°C", "reference": {"temp_c": 25.0}, "parameters": {},
         "range": {"temp_c": [20.0, 30.0]},
     }]);

@@ -86,7 +86,7 @@ fn the_unit_of_a_binary_format_can_be_given() {
     for (map, words) in [
         (source("x"), "all three"),
         ("mx_ut=/imu/mag.magnetic_field.y[uT]".into(), "not the x axis"),
-        ("mx_ut=/imu/mag.magnetic_field.x[parsec]".into(), "no unit"),
+        ("mx_ut=/imu/mag.magnetic_field.x[parsec]".into(), "unknown unit"),
     ] {
         let error = ironout(["fit", text(&log), "--map", &map, "--json"]).error();
         assert!(error["message"].as_str().is_some_and(|text| text.contains(words)), "{map}: {error}");

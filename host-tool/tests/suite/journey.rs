@@ -101,7 +101,7 @@ fn travelling_is_no_effect_where_the_log_tells_where_it_was() {
     // Several degrees of dip too.
     assert!(seen["dip"]["rms_deg_after"].as_f64().expect("a number") < 0.5, "{}", seen["dip"]);
     assert!(
-        run.said().contains("along the way") && run.said().contains("2026-01-01, assumed"),
+        run.said().contains("along the path") && run.said().contains("2026-01-01, assumed"),
         "{}",
         run.stderr
     );
@@ -156,13 +156,13 @@ fn a_field_that_follows_the_place_is_said_and_no_effect_is_named() {
         offset_ut: Vector3::zeros(),
         cells: vec![24.0 + 3.0 * (0.04 * t).sin()],
     });
-    let words = "does not depend on the attitude";
+    let words = "does not depend on the orientation";
     let diagnosis = ironout(["diagnose", text(&room), "--json"]).json();
     assert_eq!(diagnosis["verdict"], "unexplained", "{diagnosis}");
     assert!(diagnosis["reasons"].to_string().contains(words), "{}", diagnosis["reasons"]);
     assert_eq!(added(&diagnosis).len(), 0, "{}", diagnosis["steps"]);
     let said = ironout(["diagnose", text(&room)]).stdout;
-    assert!(said.contains("turn the board about one spot"), "{said}");
+    assert!(said.contains("Rotate the sensor in one spot"), "{said}");
 
     // A disturbance of the sensor that no column tells is none of the field.
     let sensor = log("room_not", 3, &["temp_c"], |t| Row {

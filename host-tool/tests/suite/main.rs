@@ -1,5 +1,6 @@
 //! The tests of the program: one binary, one module a subject. Each runs the built `ironout`, as a user would.
 
+mod answer_first;
 mod batch;
 mod blackbox;
 #[cfg(feature = "demo")]
@@ -43,11 +44,13 @@ mod packed;
 #[cfg(feature = "emulated")]
 mod page;
 mod passes;
+mod plain_words;
 mod plausible;
 mod prior;
 mod reader;
 mod reading;
 mod recordings;
+mod schemas;
 mod several;
 mod telemetry;
 mod text_corpus;

@@ -150,15 +150,9 @@ fn ragged_rows_and_open_quotes() {
         format!("{HEADER}0,1,2,3,20\n1,2,3\n2,1,2,3,20\n"),
         Some(3),
         None,
-        &["3 cells where the header has 5"],
+        &["3 cells, but the header has 5"],
     );
-    refused(
-        "long_row",
-        format!("{HEADER}0,1,2,3,20,9\n"),
-        Some(2),
-        None,
-        &["6 cells where the header has 5"],
-    );
+    refused("long_row", format!("{HEADER}0,1,2,3,20,9\n"), Some(2), None, &["6 cells, but the header has 5"]);
     refused("cut_off", format!("{HEADER}0,1,2,3,20\n1,2,3"), Some(3), None, &["cut off"]);
     refused("quote", format!("{HEADER}0,1,2,3,\"20\n1,1,2,3,20\n"), Some(2), None, &["quote"]);
 }
@@ -245,7 +239,7 @@ fn a_page_that_cannot_be_made_says_why() {
     for (arguments, part) in [
         (vec!["report", text(&log)], "--output"),
         (vec!["report", "no such log", "-o", text(&out)], "no such file"),
-        (vec!["report", text(&log), "-o", text(&log)], "would replace the file that is read"),
+        (vec!["report", text(&log), "-o", text(&log)], "would overwrite the input file"),
         (vec!["report", text(&log), "-o", text(&out), "--method", "trace"], "adjusted"),
         (vec!["live"], "--qemu"),
         (vec!["live", "--port", "x", "--tcp", "y"], "cannot be used with"),
@@ -271,7 +265,7 @@ fn a_bad_calibration_file_is_named() {
     let log = log.to_str().expect("text");
     for (name, content, words) in [
         ("empty.json", "", "empty"),
-        ("cut.json", "{\"version\": 1,\n\"method\":", "EOF"),
+        ("cut.json", "{\"version\": 1,\n\"method\":", "damaged JSON"),
         ("other.json", "{\"hello\": 1}", "version"),
         ("future.json", "{\"version\": 99}", "version 99"),
     ] {
@@ -332,7 +326,7 @@ fn a_column_mapped_to_no_sensor_is_pointed_out() {
     let log = write(&folder("map_covariate"), "log.csv", format!("{HEADER}0,1,2,3,20\n"));
     let path = log.to_str().expect("text");
     let run = ironout(["fit", path, "--map", "bogus=temp_c"]);
-    assert!(run.said().contains("temp_c is read as bogus"), "{}", run.stderr);
+    assert!(run.said().contains("reads temp_c as the covariate bogus"), "{}", run.stderr);
     let run = ironout(["fit", path, "--map", "my_ut=my_ut"]);
-    assert!(!run.said().contains("is read as"), "{}", run.stderr);
+    assert!(!run.said().contains("as the covariate"), "{}", run.stderr);
 }

@@ -100,7 +100,7 @@ fn what_is_cut_off_or_missing_is_said() {
     let bytes = flight(&truth, Form::Little, Some(Compression::Zstd), "imu_link");
     let log = read(&bytes[..bytes.len() / 2]).expect("half a log");
     assert!(log.rows > 1200 && log.rows < 1800, "{}", log.rows);
-    assert!(log.notices.iter().any(|notice| notice.contains("cut off")), "{:?}", log.notices);
+    assert!(log.notices.iter().any(|notice| notice.contains("truncated")), "{:?}", log.notices);
     let mut file = File::new(Form::Little, None);
     let imu = Message::new(Form::Little, START_NS, "imu").doubles(&[0.0; 37]);
     file.write("/imu/data", "Imu", START_NS, &imu.finish());

@@ -118,7 +118,7 @@ fn the_columns_of_a_calibration_are_kept() {
         // The names of the format need no map, and that it was not used is said.
         let own = run(&[command, "--json", "--cal"], &[&cal, &own]);
         assert_eq!(own.status, 0, "{command}: {}", own.stderr);
-        assert!(own.said().contains("by its own names"), "{}", own.stderr);
+        assert!(own.said().contains("the file's own column names"), "{}", own.stderr);
         let other = run(&[command, "--json", "--cal"], &[&cal, &others]).error();
         let message = other["message"].as_str().expect("a message").to_string();
         assert!(message.contains("kept  --map mx_ut=Foo X") && message.contains("here  "), "{message}");

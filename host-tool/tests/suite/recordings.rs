@@ -107,7 +107,7 @@ fn outliers_are_set_aside_and_said() {
 #[test]
 fn limited_and_missing_attitude_is_refused_with_what_to_do() {
     for (name, word) in [
-        ("hmc5883l-mpu6050-roll-and-tilt-at-45-90.csv", "hold the board upside down"),
+        ("hmc5883l-mpu6050-roll-and-tilt-at-45-90.csv", "hold the sensor upside down"),
         ("cubesat-magnetorquer-mag1.csv", "plane"),
     ] {
         let Some(log) = recording(name) else { return };

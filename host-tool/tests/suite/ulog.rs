@@ -329,14 +329,14 @@ fn what_is_cut_off_or_missing_is_said() {
     // Cut in the middle: what is there is read.
     let log = read(&whole[..whole.len() / 2 + 1]).expect("half a log");
     assert!(log.rows > 1400 && log.rows < 1600, "{}", log.rows);
-    assert!(log.notices.iter().any(|notice| notice.contains("cut off")), "{:?}", log.notices);
+    assert!(log.notices.iter().any(|notice| notice.contains("truncated")), "{:?}", log.notices);
     // A hole in it: reading goes on behind the next synchronisation.
     let mut holed = whole.clone();
     let middle = whole.len() / 2;
     holed[middle..middle + 400].fill(0xee);
     let log = read(&holed).expect("a log with a hole");
     assert!(log.rows > 2900, "{}", log.rows);
-    assert!(log.notices.iter().any(|notice| notice.contains("no ULog record")), "{:?}", log.notices);
+    assert!(log.notices.iter().any(|notice| notice.contains("not a ULog record")), "{:?}", log.notices);
     // No magnetometer: what was looked for, what is there.
     let mut without = head(None);
     without.subscribe(0, 6, "cpuload");

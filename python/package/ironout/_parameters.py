@@ -106,7 +106,7 @@ def _text(
         effects.append(
             {
                 "id": f"offset:{current}",
-                "name": "current offset",
+                "name": "offset proportional to current",
                 "columns": [current],
                 "coefficients": coefficients.tolist(),
                 "std_errors": [None] * 3,

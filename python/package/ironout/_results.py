@@ -43,7 +43,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class Step:
-    """The error with one more effect in the model; the first has offset and matrix alone."""
+    """The error with one more effect in the model; the first has offset and matrix only."""
 
     added: Optional[str]
     rms_ut: float

@@ -122,7 +122,7 @@ fn describe(trace: &Trace, out: &mut Text) -> core::fmt::Result {
             let bytes = trace.message.get(..trace.message_len as usize).unwrap_or(&trace.message);
             write!(out, "panic at {}", core::str::from_utf8(bytes).unwrap_or("?"))
         }
-        KIND_HUNG => write!(out, "watchdog: the firmware stood still"),
+        KIND_HUNG => write!(out, "watchdog: the firmware stopped responding"),
         KIND_STACK_OVERFLOW => write!(out, "stack overflow cfsr={:#010x}", trace.cfsr),
         _ => {
             write!(out, "hard fault pc={:#010x} lr={:#010x} cfsr={:#010x}", trace.pc, trace.lr, trace.cfsr)?;
@@ -166,7 +166,7 @@ fn store_and_restart(trace: Trace) -> ! {
     store(trace);
     if trace.at_start >= WAIT_AFTER {
         crate::board::last_words(
-            "err busy the firmware fails at every start and waits: switch the power off and on",
+            "err busy the firmware fails at every start and has stopped: switch the power off and on",
         );
     }
     crate::board::restart()

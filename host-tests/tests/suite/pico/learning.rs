@@ -98,7 +98,7 @@ fn warmth_c(t_s: f64) -> f64 {
 fn tells(hidden: Hidden, id: &str) {
     let mut bench = Bench::new(hidden);
     ok(&mut bench.board, &format!("field {FIELD_UT}"));
-    assert_eq!(ask(&mut bench.board, "why").code(), Some("state"), "nothing to study yet");
+    assert_eq!(ask(&mut bench.board, "why").code(), Some("state"), "no samples to study yet");
     if hidden == Hidden::Pin {
         let refused = ask(&mut bench.board, "cov adc7_v=on").to_string();
         for own in ["adc0_v", "adc1_v", "adc2_v", "cpu_temp_c", "temp_c"] {

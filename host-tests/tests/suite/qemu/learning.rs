@@ -22,7 +22,7 @@ fn why_names_the_current_that_is_fed_and_it_stays_over_a_power_cut() {
     ok(&mut board, &format!("field {FIELD_UT}"));
     ok(&mut board, "stream raw");
     board.expose(attitudes(400).next().unwrap()).unwrap();
-    assert_eq!(ask(&mut board, "why").code(), Some("state"), "nothing to study yet");
+    assert_eq!(ask(&mut board, "why").code(), Some("state"), "no samples to study yet");
     ok(&mut board, "cal start");
     // Twice around, so that the current is on and off in all directions.
     let way: Vec<[f64; 3]> = attitudes(400).collect();

@@ -127,7 +127,7 @@ fn row(log: &Log, fitted: &Fitted, diagnosis: &Diagnosis) -> Row {
         predicted_error_ut: finite(diagnosis.vector_error_ut()),
         heading_error_deg: finite(fitted.heading_error_deg),
         effects,
-        reasons: reasons.clone(),
+        reasons: reasons.iter().map(ToString::to_string).collect(),
         notices: log.notices.clone(),
         ..Row::default()
     }

@@ -55,7 +55,7 @@ pub(super) fn text(fleet: &Fleet) -> String {
     out += &format!("  {} without a significant change", plural(tested, "sensor"));
     let few = still.len() - tested;
     if few > 0 {
-        out += &format!("; {} with too few logs to tell", plural(few, "sensor"));
+        out += &format!("; {} with too few logs", plural(few, "sensor"));
     }
     out + "\n"
 }

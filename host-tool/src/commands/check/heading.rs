@@ -43,7 +43,7 @@ pub(super) fn headings(
     let Some(reference) = table.heading_deg else { return Ok(Headings::Absent) };
     if table.accel_mps2.is_none() {
         return Ok(Headings::Unlevelled(
-            "heading_deg is not compared: it needs an accelerometer (ax_mps2,ay_mps2,az_mps2)",
+            "heading_deg is not compared: the log has no accelerometer (ax_mps2,ay_mps2,az_mps2)",
         ));
     }
     let samples = Samples::take(table, &vec![false; table.rows()], [true; 3]);
@@ -62,9 +62,9 @@ pub(super) fn headings(
             let limit_deg = predicted_deg.map_or(WRONG_DEG, |predicted| WRONG_DEG.max(TIMES * predicted));
             Headings::Judged(Judged { error, limit_deg })
         }
-        None => {
-            Headings::Unlevelled("heading_deg is not compared: too few rows with a level board and a heading")
-        }
+        None => Headings::Unlevelled(
+            "heading_deg is not compared: too few rows with a heading and a level sensor",
+        ),
     })
 }
 
@@ -78,7 +78,8 @@ impl Judged {
     pub(super) fn line(&self) -> String {
         let HeadingError { rms_deg, mean_deg, spread_deg, .. } = self.error;
         format!(
-            "heading off by        {rms_deg:9.2} ° rms   mean {mean_deg:+.2}°, spread about it {spread_deg:.2}°; good up to {:.1}°",
+            "heading off by        {rms_deg:9.2} ° rms   mean {mean_deg:+.2}°, standard deviation {spread_deg:.2}°; limit \
+             {:.1}°",
             self.limit_deg
         )
     }
@@ -88,20 +89,21 @@ impl Judged {
         let HeadingError { rms_deg, mean_deg, spread_deg, .. } = self.error;
         if mean_deg.abs() > BACKWARDS_DEG && spread_deg < SCATTERED_DEG {
             format!(
-                "every heading is backwards ({mean_deg:+.0}°): an axis is mirrored, or the sensor is mounted the other way round: \
-                 ironout diagnose says which"
+                "every heading is reversed ({mean_deg:+.0}°): an axis is mirrored, or the sensor is mounted backwards. Run \
+                 ironout diagnose to find out"
             )
         } else if spread_deg > self.limit_deg || spread_deg > mean_deg.abs() {
             format!(
-                "headings are off by {rms_deg:.0}° rms, now this way and now that: ironout diagnose looks for the cause"
+                "headings are wrong by {rms_deg:.0}° rms, in both directions. Run ironout diagnose to find the cause"
             )
         } else {
             let else_where = if declination_given {
                 "check the mounting (--rotate), and the declination that was given"
             } else {
-                "the declination, if heading_deg counts from true north (then give --declination), else the mounting (--rotate)"
+                "the declination, if heading_deg counts from true north (then give --declination), else the mounting \
+                 (--rotate)"
             };
-            format!("every heading is off by {mean_deg:+.1}°: {else_where}")
+            format!("every heading is wrong by {mean_deg:+.1}°: {else_where}")
         }
     }
 }

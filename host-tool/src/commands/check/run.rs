@@ -8,7 +8,8 @@ use crate::commands::check::word::Word;
 use crate::corrected::Corrected;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
 use crate::input::Log;
-use crate::output::{json_number, line};
+use crate::output::{json_number, line, text};
+use crate::wrap::{WIDTH, hang};
 use crate::{read_block, source};
 use ironout::coverage::CoverageMap;
 use ironout_analysis::fit::confined::beyond;
@@ -140,8 +141,7 @@ impl Checked<'_> {
     /// The object of `--json`.
     pub fn json(&self) -> serde_json::Value {
         let known = self.known();
-        serde_json::json!({
-            "read_as": read_block::json(self.log),
+        let mut object = serde_json::json!({
             "verdict": self.word.name(), "good": self.is_good(), "samples": self.samples, "field_ut": self.field_ut,
             "effects": self.cal.fit.effects.iter().map(|effect| &effect.id).collect::<Vec<_>>(),
             "rms_ut": json_number(Some(self.rms_ut)), "limit_ut": self.limit_ut, "calibration_rms_ut": self.cal.fit.rms_ut,
@@ -153,15 +153,37 @@ impl Checked<'_> {
             "reasons": std::iter::once(self.word.explanation().to_string())
                 .chain(self.headings.words(self.declination_given))
                 .chain(self.extrapolation.notices(self.field_ut)).chain(self.tilted.clone()).collect::<Vec<_>>(),
-        })
+            "reason_codes": self.codes(),
+        });
+        if let Some(fields) = object.as_object_mut() {
+            fields.extend(read_block::context(self.log));
+        }
+        object
+    }
+
+    /// Stable words for the reasons, the verdict's first.
+    fn codes(&self) -> Vec<&'static str> {
+        let heading = !self.headings.words(self.declination_given).is_empty();
+        let outside = !self.extrapolation.notices(self.field_ut).is_empty();
+        let others =
+            [(heading, "heading"), (outside, "outside-range"), (self.tilted.is_some(), "tilted-further")];
+        let others = others.into_iter().filter(|(there, code)| *there && *code != self.word.name());
+        std::iter::once(self.word.name()).chain(others.map(|(_, code)| code)).collect()
     }
 
     fn say(&self, file: &Path) {
         let percent = |ut: f64| ut / self.field_ut * 100.0;
+        let verdict = format!("{}: {}", self.word.name().to_uppercase(), self.word.explanation());
+        // Through the painter: the first word is coloured.
+        text(&(hang(&verdict, "", "  ", WIDTH).join("\n") + "\n"));
+        for words in self.headings.words(self.declination_given) {
+            line(&format!("  {words}"));
+        }
+        line("");
         line(&format!("{}: {} samples against {}", self.log.path.display(), self.samples, file.display()));
         line(&format!("error now             {:9.3} µT  {:6.2} %", self.rms_ut, percent(self.rms_ut)));
         line(&format!("error at calibration  {:9.3} µT  {:6.2} %", self.own_ut, percent(self.own_ut)));
-        line(&format!("good up to            {:9.3} µT  {:6.2} %", self.limit_ut, percent(self.limit_ut)));
+        line(&format!("limit                 {:9.3} µT  {:6.2} %", self.limit_ut, percent(self.limit_ut)));
         if let Some(shift) = self.known() {
             let [x, y, z] = shift.offset_ut;
             let [sx, sy, sz] = shift.offset_std_ut;
@@ -175,11 +197,7 @@ impl Checked<'_> {
         if let Headings::Judged(one) = &self.headings {
             line(&one.line());
         }
-        line(&format!("directions seen       {:9.0} %", self.coverage * 100.0));
-        line(&format!("{}: {}", self.word.name().to_uppercase(), self.word.explanation()));
-        for words in self.headings.words(self.declination_given) {
-            line(&format!("  {words}"));
-        }
+        line(&format!("directions covered    {:9.0} %", self.coverage * 100.0));
         let notices = self.extrapolation.notices(self.field_ut);
         notices.iter().chain(&self.tilted).for_each(|notice| line(&format!("  outside the range: {notice}")));
     }

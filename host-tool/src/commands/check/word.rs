@@ -27,28 +27,28 @@ impl Word {
 
     pub(super) fn explanation(self) -> &'static str {
         match self {
-            Word::Good => "the calibration still holds, as far as the directions seen tell",
+            Word::Good => "the calibration is still good, for the directions covered",
             Word::Field => {
-                "the calibration holds; the field's magnitude is another than at the calibration (another place, or iron \
-                 around): directions are right, magnitudes are off by that factor"
+                "the calibration is still good. The field strength differs from that of the calibration (another place, or iron nearby): directions are correct, magnitudes are wrong by that factor"
             }
             Word::Moved => {
-                "the offset has moved (a magnet, a new part, a shock): calibrate again with ironout fit"
+                "the offset has changed (a magnet, a new part, a shock). Calibrate again with ironout fit"
             }
             Word::Other => {
-                "this log is that of another sensor, another mounting or another scale: by itself it gives a good calibration, and its matrix is not \
-                 this one. Fix: use the calibration of this sensor, or calibrate with ironout fit"
+                "this log comes from another sensor, another mounting or another scale: by itself it gives a good \
+                 calibration, but with another matrix. Fix: use the calibration of this sensor, or calibrate with ironout \
+                 fit"
             }
             Word::Worse => {
-                "the errors grew, and neither a moved offset nor another field explains it: calibrate again, and see \
-                 what is missing with ironout diagnose"
+                "the errors have grown, and neither an offset change nor another field strength explains that. Calibrate \
+                 again, and run ironout diagnose to find the cause"
             }
             Word::Heading => {
-                "the magnitude fits, but the heading does not: axes, a mirrored driver, a sensor that lags, or iron that turns with the board; see \
-                 ironout diagnose"
+                "the magnitude is correct, but the heading is not. Possible causes: wrong axes, a mirrored axis, a delayed \
+                 sensor, or iron that rotates with the vehicle. Run ironout diagnose"
             }
             Word::Unknown => {
-                "this log does not determine a change. Fix: turn the board through more directions"
+                "this log cannot show whether the calibration has changed. Fix: rotate the sensor through more directions"
             }
         }
     }

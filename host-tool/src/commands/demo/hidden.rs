@@ -33,7 +33,7 @@ fn words(effect: HiddenArg) -> &'static str {
     match effect {
         HiddenArg::Temperature => "the chip warms up, and its offset moves with its temperature",
         HiddenArg::Current => {
-            "the motors run, and their current moves the offset (the board is told it: cov current_a=…)"
+            "the motors run, and their current moves the offset (sent to the board with cov current_a=…)"
         }
         HiddenArg::Step => "something magnetic is attached, and the offset jumps",
     }
@@ -53,7 +53,7 @@ struct Figures {
 /// Tells the story, or gives its figures as JSON.
 pub fn run(effect: HiddenArg, arguments: &DemoArgs, json: bool) -> Outcome<u8> {
     if !json {
-        line("A board calibrates itself, is still wrong, and says why.\n");
+        line("A board calibrates itself, still has an error, and finds the cause.\n");
     }
     let talk = Talk::start(arguments, json)?;
     let emulated = talk.emulated;
@@ -97,13 +97,13 @@ impl Story {
     fn run(mut self) -> Outcome<Figures> {
         self.talk.ask("version")?;
         self.talk
-            .say(&format!("\nThe board stands in a field of {FIELD_UT} µT and is calibrated in peace.\n"));
+            .say(&format!("\nThe field is {FIELD_UT} µT. The board is calibrated without disturbance.\n"));
         self.talk.ok(&format!("field {FIELD_UT}"))?;
         self.talk.quiet("stream raw")?;
         // The emulated sensor starts without any field at all, which is no attitude.
         self.attitude()?;
         self.talk.ok("cal start")?;
-        self.talk.say(&format!("Turning it through {CALIBRATION} attitudes …"));
+        self.talk.say(&format!("Rotating it through {CALIBRATION} orientations …"));
         if self.effect == HiddenArg::Step {
             // It jumps in its own time, once.
             self.world.work();
@@ -114,7 +114,7 @@ impl Story {
         self.talk.ok("cal stop")?;
         self.talk.ok("cal accept")?;
         self.talk.say(&format!(
-            "\nNow it works for {} attitudes, and what nobody has told it: {}.",
+            "\nNow it runs for {} orientations, with a hidden effect: {}.",
             work(self.effect),
             words(self.effect)
         ));
@@ -122,13 +122,11 @@ impl Story {
         self.turn(work(self.effect))?;
         self.talk.quiet("stream off")?;
         let before = self.error(1)?;
-        self.talk.say(&format!(
-            "  it is off by {before:.2} µT rms, and its noise alone would make {NOISE_UT:.2} µT. Why?\n"
-        ));
+        self.talk.say(&format!("  error {before:.2} µT rms (noise alone: {NOISE_UT:.2} µT). Why?\n"));
         let id = self.effect.id();
         let (first, rounds) = self.named_and_added(id)?;
         let learnt = self.error(1)?;
-        self.talk.say(&format!("  now it is off by {learnt:.2} µT\n"));
+        self.talk.say(&format!("  error now: {learnt:.2} µT\n"));
 
         let how = if self.talk.emulated { " (kill -9)" } else { "" };
         self.talk.say(&format!("Cutting the power{how}, and starting the board again:"));
@@ -136,11 +134,11 @@ impl Story {
         let mut again = Story { talk: talk.power_cut()?, world, effect, fed: None };
         again.talk.ask("cal show")?;
         let restarted = again.error(1)?;
-        again.talk.say(&format!("  it has kept what it learnt: off by {restarted:.2} µT\n"));
-        again.talk.say("And to see that it is this effect and nothing else:");
+        again.talk.say(&format!("  it has kept the effect: error {restarted:.2} µT\n"));
+        again.talk.say("Check: without this effect the error must return:");
         again.talk.ok(&format!("effect remove {id}"))?;
         let removed = again.error(STRIDE)?;
-        again.talk.say(&format!("  without it the old error is back: {removed:.2} µT"));
+        again.talk.say(&format!("  error without it: {removed:.2} µT"));
         Ok(Figures { floor: NOISE_UT, before, learnt, restarted, removed, rounds, first })
     }
 
@@ -161,7 +159,7 @@ impl Story {
                     answer.closing
                 )));
             }
-            self.talk.say("  it is seen, and unseen samples do not bear it out yet; turning it further …");
+            self.talk.say("  significant, but not yet in held-out samples; rotating it further …");
             self.talk.quiet("stream raw")?;
             self.turn(MORE)?;
             self.talk.quiet("stream off")?;
@@ -183,12 +181,12 @@ impl Story {
                 self.talk.show("why", &answer);
                 break;
             }
-            self.talk.say(&format!("  not enough to tell yet ({}); turning it further …", answer.closing));
+            self.talk.say(&format!("  not enough samples yet ({}); rotating it further …", answer.closing));
             self.talk.quiet("stream raw")?;
             self.turn(MORE)?;
             self.talk.quiet("stream off")?;
         }
-        Err(Failure::refused("the board names no effect, though there is one: see the answers to `why`"))
+        Err(Failure::refused("the board found no effect, although there is one. See the answers to `why`"))
     }
 
     fn turn(&mut self, attitudes: usize) -> Outcome<()> {

@@ -28,7 +28,7 @@ pub fn run(arguments: &DemoArgs, json: bool) -> Outcome<u8> {
         return hidden::run(effect, arguments, json);
     }
     if !json {
-        line("A magnetometer is calibrated on a board, by the board itself.\n");
+        line("A board calibrates its own magnetometer.\n");
     }
     let talk = Talk::start(arguments, json)?;
     let emulated = talk.emulated;
@@ -82,18 +82,18 @@ impl Story {
         self.talk.ask("version")?;
         self.talk.ask("status")?;
         self.talk.say(&format!(
-            "\nThe board stands in a field of {FIELD_UT} µT and carries its own iron: {} µT on every axis, and soft iron \
-             of 10 %.\nWithout a calibration it measures:",
+            "\nThe field is {FIELD_UT} µT. The board has a hard iron of {} µT on every axis and 10 % soft iron.\nWithout a \
+             calibration it measures:",
             HARD_IRON_UT[0]
         ));
         self.talk.ok(&format!("field {FIELD_UT}"))?;
         let before = self.raw_error(&world)?;
         self.talk.say(&format!(
-            "  a magnitude that is off by {before:.1} % of the field (rms over {PROBES} attitudes)\n"
+            "  a magnitude with an error of {before:.1} % of the field (rms over {PROBES} orientations)\n"
         ));
 
         self.talk.ok("cal start")?;
-        self.talk.say(&format!("Turning it through {ATTITUDES} attitudes …"));
+        self.talk.say(&format!("Rotating it through {ATTITUDES} orientations …"));
         self.turn(&world)?;
         self.talk.ask("status")?;
         self.talk.ok("cal stop")?;
@@ -105,7 +105,7 @@ impl Story {
         ));
         let offset_ut = numbers(shown.values("offset_ut").next().unwrap_or_default(), 0);
         let after = self.corrected_error(&world)?;
-        self.talk.say(&format!("  now the magnitude is off by {after:.3} %\n"));
+        self.talk.say(&format!("  error of the magnitude now: {after:.3} %\n"));
 
         let how = if self.talk.emulated { " (kill -9)" } else { "" };
         self.talk.say(&format!("Cutting the power{how}, and starting the board again:"));
@@ -114,7 +114,7 @@ impl Story {
         let again = restarted.corrected_error(&world)?;
         restarted
             .talk
-            .say(&format!("  the stored calibration is applied from the start: off by {again:.3} %"));
+            .say(&format!("  the stored calibration is applied from the start: error {again:.3} %"));
         Ok(Figures { before, after, restarted: again, offset_ut })
     }
 

@@ -113,7 +113,7 @@ fn power_up(arguments: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench
 #[cfg(not(unix))]
 fn power_up(arguments: &DemoArgs, tell: &dyn Fn(&str)) -> Outcome<(Box<dyn Bench>, bool)> {
     if arguments.board == BoardArg::Pico {
-        return Err(Failure::usage("the emulated Pico runs on Unix only: leave --board away"));
+        return Err(Failure::usage("the emulated Pico runs on Unix only. Omit --board"));
     }
     Ok((simulated(tell), false))
 }

@@ -19,8 +19,7 @@ pub fn run(arguments: &ExportArgs, json: bool) -> Outcome<u8> {
     let cal = CalFile::read(&arguments.cal)?;
     if cal.reading.is_none() {
         eprintln!(
-            "note: {}: an earlier program wrote it, and it does not say with which scale and mounting its log was read: taken as \
-             none",
+            "note: {}: an earlier program wrote it, without scale and mounting of its log. ironout assumes none",
             arguments.cal.display()
         );
     }
@@ -58,7 +57,7 @@ pub fn run(arguments: &ExportArgs, json: bool) -> Outcome<u8> {
 /// What people are told beside the file, which says the same at its top.
 fn told(exported: &Exported) -> Vec<String> {
     let Some(held) = &exported.held else { return Vec::new() };
-    let lost = not_held(held).into_iter().map(|text| format!("not held by {}: {text}", held.room.name));
+    let lost = not_held(held).into_iter().map(|text| format!("{} cannot represent: {text}", held.room.name));
     lost.chain(costs(held, exported.cost.as_ref())).collect()
 }
 

@@ -63,7 +63,8 @@ pub fn emulated(wait: Duration, hidden: Option<HiddenArg>) -> Outcome<(Link, Box
     let failed = |error: Error| Failure::usage(error.to_string());
     if hidden == Some(HiddenArg::Current) {
         return Err(Failure::usage(
-            "--hidden current: nobody tells the emulated board its current; take temperature or step, or --replay a log that has the column",
+            "--hidden current: the emulated board does not know its current. Use temperature or step, or --replay a log \
+             that has the column",
         ));
     }
     let mut turned = hidden.map(Turned::new).transpose()?;
@@ -128,7 +129,7 @@ pub fn replay(path: &Path, speed: f64) -> Outcome<Link> {
     let arguments = LogArgs::of(path);
     let (log, _) = source::read_held(&arguments, None, &Known::Earth, false)?;
     if log.time_s.is_none() || log.rows == 0 {
-        return Err(Failure::usage("a log without a time column has no pace to be replayed at").in_file(path));
+        return Err(Failure::usage("a log without a time column cannot be replayed").in_file(path));
     }
     let name = format!("the replay of {}", path.display());
     Ok(Link::keep(name, Duration::from_secs(10), move || {
@@ -210,7 +211,7 @@ impl Wire for Played {
                 Ok(bytes) => self.rest = bytes,
                 Err(RecvTimeoutError::Timeout) => return Ok(0),
                 Err(RecvTimeoutError::Disconnected) => {
-                    return Err(io::Error::other("the replay has stopped; it begins again"));
+                    return Err(io::Error::other("the replay has stopped and restarts"));
                 }
             }
         }

@@ -69,7 +69,7 @@ impl Serving {
         };
         let own = [format!("127.0.0.1:{}", self.port), format!("localhost:{}", self.port)];
         if !head("Host").is_some_and(|host| own.contains(&host)) {
-            return request.respond(said(403, "this page is for this machine alone"));
+            return request.respond(said(403, "this page is for this machine only"));
         }
         let from_page = head("X-Ironout").is_some();
         match (request.method().clone(), request.url()) {
@@ -92,7 +92,7 @@ impl Serving {
                 self.link.say(format!("{line}\n").into_bytes());
                 request.respond(said(200, "said"))
             }
-            (Method::Post, "/say") => request.respond(said(403, "only this page may speak to the board")),
+            (Method::Post, "/say") => request.respond(said(403, "only this page may access the board")),
             _ => request.respond(said(404, "there is nothing here")),
         }
     }

@@ -162,7 +162,7 @@ impl Follower<'_> {
 
     fn another(&self, who: &Identity) -> Failure {
         Failure::usage(format!(
-            "{}: another board answers now: {} ({}) instead of {} ({}), or with another firmware or scale",
+            "{}: another board answers: {} ({}) instead of {} ({}), or its firmware or scale has changed",
             self.address, who.board, who.sensor, self.identity.board, self.identity.sensor
         ))
     }

@@ -95,7 +95,7 @@ impl Rows {
                 self.offset_ms = (self.offset_ms + last.t_ms + away_ms).saturating_sub(row.t_ms);
                 writeln!(
                     out,
-                    "# the board restarted: its clock began anew, {:.3} s after the last sample by the recorder's clock",
+                    "# the board restarted: its clock restarted, {:.3} s after the last sample by the recorder's clock",
                     away_ms as f64 / 1000.0
                 )?;
             } else if step > 1 {

@@ -90,12 +90,12 @@ fn say(arguments: &RecordArgs, tally: &Tally, reconnects: u32, rows: &Rows) {
         tally.samples
     ));
     let names = if rows.names().is_empty() { "none".to_string() } else { rows.names().join(", ") };
-    line(&format!("columns beside the field: {names}"));
+    line(&format!("other columns: {names}"));
     for (count, what) in [
         (tally.lost, "samples were lost; the log marks where"),
-        (tally.out_of_range, "samples were out of the sensor's range and are left out"),
-        (u64::from(tally.restarts), "times the board restarted; its clock was carried on"),
-        (u64::from(reconnects), "times the board was gone and came back"),
+        (tally.out_of_range, "samples were out of the sensor's range and were skipped"),
+        (u64::from(tally.restarts), "times the board restarted; its clock was continued"),
+        (u64::from(reconnects), "times the board was disconnected and came back"),
     ] {
         if count > 0 {
             line(&format!("{count} {what}"));

@@ -21,7 +21,7 @@ impl Spool {
     pub fn beside(output: &Path) -> Outcome<Self> {
         let name = output
             .file_name()
-            .ok_or_else(|| Failure::usage("this is no file name: name a file to write").in_file(output))?;
+            .ok_or_else(|| Failure::usage("this is not a file name. Name a file to write").in_file(output))?;
         let mut beside = std::ffi::OsString::from(".");
         beside.push(name);
         beside.push(format!(".{}.rows", std::process::id()));

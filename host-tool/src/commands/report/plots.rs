@@ -40,7 +40,7 @@ pub fn plots(look: &Value) -> Vec<(String, String)> {
     let field = picture["field_ut"].as_f64().unwrap_or(0.0);
     let effects = look.pointer("/fit/effects").and_then(Value::as_array).is_some_and(|all| !all.is_empty());
     let floor = look.pointer("/figures/floor_ut").and_then(Value::as_f64);
-    let base = "offset and matrix alone";
+    let base = "offset and matrix only";
     let whole = if effects { "with the effects" } else { "offset and matrix" };
     let mut charts: Vec<(String, Chart)> = Vec::new();
     let time = &picture["timeline"];
@@ -73,7 +73,7 @@ pub fn plots(look: &Value) -> Vec<(String, String)> {
         let dots = |series: Series| Series { dots: true, ..series };
         let mut series = vec![dots(line(base, &at, &numbers(&bins["without_ut"]), ORANGE))];
         if effects {
-            series.push(line("what the effects make of it", &at, &numbers(&bins["effect_ut"]), GREY));
+            series.push(line("with the effects", &at, &numbers(&bins["effect_ut"]), GREY));
             series.push(dots(line(whole, &at, &numbers(&bins["rms_ut"]), BLUE)));
         }
         if let Some(floor) = floor {

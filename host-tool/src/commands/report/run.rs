@@ -16,7 +16,7 @@ use std::path::Path;
 pub fn run(arguments: &ReportArgs, as_json: bool) -> Outcome<u8> {
     let expected = arguments.field.expected()?;
     if arguments.field.method != MethodArg::Adjusted {
-        return Err(Failure::usage("--method: a page fits by adjusted least squares only, leave it out"));
+        return Err(Failure::usage("--method: a page uses adjusted least squares only. Omit it"));
     }
     if let Some(path) = &arguments.output {
         output::leave_to(Some(path), as_json)?;
@@ -40,7 +40,7 @@ pub fn run(arguments: &ReportArgs, as_json: bool) -> Outcome<u8> {
         let text = std::fs::read_to_string(path).map_err(|error| Failure::io("read", path, &error))?;
         beside.push(under(&held_log, &text, &path.display().to_string())?);
     }
-    if let Some(path) = &arguments.beside {
+    if let Some(path) = &arguments.compare {
         let other = source::read_held(&arguments.log.alone(path), None, &known, as_json)?.0;
         beside.push(fitted_beside(&Held { log: other, ..held_log.clone() }, path, &asked)?);
     }
@@ -50,7 +50,7 @@ pub fn run(arguments: &ReportArgs, as_json: bool) -> Outcome<u8> {
     let mut said = held_log.json();
     if !rounded.is_empty() {
         let words = format!(
-            "in this page {} are kept in single precision: a fit anew may differ in the sixth digit",
+            "this page stores {} in single precision: a new fit may differ in the sixth digit",
             rounded.join(", ")
         );
         if let Some(notices) = said.get_mut("notices").and_then(Value::as_array_mut) {

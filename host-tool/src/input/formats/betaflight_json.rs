@@ -70,7 +70,8 @@ pub fn read(source: impl Read) -> Outcome<Recording> {
     }
     stream.turn(["mx_counts", "my_counts", "mz_counts"], &LEFT_UP);
     let mut frame = Frame::of(Program::Betaflight, 1.0, LEFT_UP);
-    let mut taken_out = vec!["turned from x forward, y left, z up to x forward, y right, z down".to_string()];
+    let mut taken_out =
+        vec!["rotated from x forward, y left, z up to x forward, y right, z down".to_string()];
     if offset != [0.0; 3] {
         taken_out
             .push(format!("firmwareOffsets: {} counts", offset.map(|value| value.to_string()).join(" ")));

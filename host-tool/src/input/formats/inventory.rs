@@ -28,7 +28,7 @@ impl Inventory {
         self.counts.sort();
         let mut message = format!("no magnetometer in the log. Looked for: {looked_for}.\n");
         if self.counts.is_empty() {
-            message.push_str("There is no data in it at all.");
+            message.push_str("It contains no data.");
         } else {
             message.push_str("There is (messages in brackets):");
             let mut width = WIDTH;

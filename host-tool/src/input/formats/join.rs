@@ -34,7 +34,7 @@ pub fn join(mut recording: Recording, options: &ReadOptions) -> Outcome<Log> {
         (true, Some(scale), _) | (true, None, Some(scale)) => Some(scale),
         (true, None, None) => return Err(no_scale(&recording.magnetometer, &recording.format)),
         (false, Some(_), _) if options.ut_per_count.is_some() => {
-            notices.push("--ut-per-count is not used: this log knows its unit".into());
+            notices.push("--ut-per-count is not used: this log states its unit".into());
             None
         }
         (false, ..) => None,
@@ -147,7 +147,7 @@ fn rename(recording: &mut Recording, options: &ReadOptions) -> Outcome<Option<[f
         let entry = format!("--map {name}={from}");
         if name.starts_with("t_") {
             return Err(Failure::usage(format!(
-                "{entry}: this format tells the time by itself. Fix: leave this entry out"
+                "{entry}: this format has its own time. Fix: remove this entry"
             )));
         }
         let Some((index, unit)) = resolve(from, &sources).or_else(|| resolve(from, &names)) else {
@@ -171,7 +171,8 @@ fn rename(recording: &mut Recording, options: &ReadOptions) -> Outcome<Option<[f
             let own = recording.magnetometer.columns.get(index).filter(|column| known(column));
             if own.is_none() {
                 return Err(Failure::usage(format!(
-                    "{entry}: {} is not the {} axis of the magnetometer that is read. Fix: choose another magnetometer of the log \
+                    "{entry}: {} is not the {} axis of the magnetometer that is read. Fix: choose another magnetometer of \
+                     the log \
                      with --instance, turn its axes with --rotate",
                     sources.get(index).map_or("it", String::as_str),
                     ["x", "y", "z"].get(axis).copied().unwrap_or_default()
@@ -218,7 +219,8 @@ fn restated(recording: &mut Recording, units: [Option<Unit>; 3]) -> Outcome<Opti
     }
     if factors != [x.factor(); 3] {
         return Err(Failure::usage(
-            "--map states different units for the axes of the magnetometer, whose axes may have been turned. Fix: state one unit",
+            "--map states different units for the axes of the magnetometer, whose axes may have been turned. Fix: state one \
+             unit",
         ));
     }
     for column in recording.magnetometer.columns.iter_mut().filter(|column| axis_of(&column.name).is_some()) {
@@ -333,8 +335,8 @@ fn others(recording: &mut Recording, options: &ReadOptions, notices: &mut Vec<St
         }
         if most_empty as f64 > TOLD_SHARE * at_s.len() as f64 {
             notices.push(format!(
-                "{} ({}): {most_empty} of {} rows are before its first or after its last sample, or in a gap of more than \
-                 {GAP_PERIODS} of its periods ({gap:.3} s): left empty",
+                "{} ({}): empty in {most_empty} of {} rows, before its first or after its last sample, or in a gap of more \
+                 than {GAP_PERIODS} periods ({gap:.3} s)",
                 names.join(", "),
                 stream.name,
                 at_s.len()
@@ -352,7 +354,7 @@ fn silent(columns: &mut Vec<Column>, notices: &mut Vec<String>) {
     };
     let names: Vec<String> = columns.extract_if(.., is).map(|column| column.name).collect();
     if !names.is_empty() {
-        notices.push(format!("zero throughout and left out: {}", names.join(", ")));
+        notices.push(format!("ignored columns that are always zero: {}", names.join(", ")));
     }
 }
 
@@ -405,13 +407,13 @@ fn no_scale(stream: &Stream, format: &str) -> Failure {
         squares = f64::max(squares, (at(0.98) - at(0.02)) / 2.0);
     }
     let mut message = format!(
-        "{format} holds the magnetometer in counts of its chip, and does not say which chip it is: give the scale with \
-         --ut-per-count, in microtesla a count.\nThe counts span ±{squares:.0}, and the Earth's field is 22 to 67 µT:"
+        "{format} stores raw counts of an unknown magnetometer chip. Give the scale with --ut-per-count, in µT per \
+         count.\nThe counts span ±{squares:.0}, and the Earth's field is 22 to 67 µT:"
     );
     let mut choices = Vec::new();
     for (chip, scale) in CHIPS {
         let field = squares * scale;
-        let fits = if (11.0..=100.0).contains(&field) { "" } else { ", which cannot be" };
+        let fits = if (11.0..=100.0).contains(&field) { "" } else { ", implausible" };
         message.push_str(&format!("\n  --ut-per-count {scale}   {chip} (gives ±{field:.0} µT{fits})"));
         if fits.is_empty() {
             let options = vec![("--ut-per-count".to_string(), scale.to_string())];

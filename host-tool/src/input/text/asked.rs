@@ -66,7 +66,7 @@ fn place(grid: &Grid, failure: Failure) -> Failure {
 /// The unit of the magnetometer is not known: `units` are those that fit.
 pub fn field_unit(grid: &Grid, columns: [usize; 3], units: &[Unit], counts: bool, why: &str) -> Failure {
     let mut lines = vec![format!(
-        "the unit of the magnetometer ({}) is not known:\n  {why}. State it:",
+        "the unit of the magnetometer ({}) is unknown:\n  {why}. State it:",
         names(grid, columns)
     )];
     for unit in units {
@@ -77,7 +77,7 @@ pub fn field_unit(grid: &Grid, columns: [usize; 3], units: &[Unit], counts: bool
             format!(", between {} and {}", rounded(least), rounded(most))
         });
         lines.push(format!(
-            "  {} --ut-per-count UT   (UT is the data sheet's microtesla a count{between})",
+            "  {} --ut-per-count UT   (UT is the scale in the data sheet, in µT per count{between})",
             map_of(grid, columns, FIELD_COUNTS, None)
         ));
     }
@@ -100,8 +100,8 @@ fn scale_bounds(grid: &Grid, columns: [usize; 3]) -> Option<[f64; 2]> {
 /// Every magnitude is the same: no unit makes that a field.
 pub fn directions(grid: &Grid, columns: [usize; 3], magnitude: f64) -> Failure {
     let text = format!(
-        "the magnetometer ({}) has the same magnitude in every row, {}: these are directions,\n  and the offset and the matrix are no \
-         longer in them.\n  Fix: log the field as the sensor measures it, before it is normalised",
+        "the magnetometer ({}) has the same magnitude in every row, {}: the vectors are normalised,\n  so offset and matrix \
+         cannot be determined.\n  Fix: log the field as the sensor measures it, before normalisation",
         names(grid, columns),
         rounded(magnitude)
     );
@@ -111,8 +111,9 @@ pub fn directions(grid: &Grid, columns: [usize; 3], magnitude: f64) -> Failure {
 /// Counts without a scale.
 pub fn scale(grid: &Grid, columns: [usize; 3]) -> Failure {
     let text = format!(
-        "the magnetometer ({}) is in counts: give its scale with --ut-per-count UT,\n  one number or three comma-separated for \
-         x,y,z (see the data sheet: 0.0917 for an HMC5883L at 1090 counts a gauss,\n  0.0333 for a QMC5883L at 8 G, 0.15 for an \
+        "the magnetometer ({}) is in counts: give its scale with --ut-per-count UT,\n  one number or three comma-separated \
+         for \
+         x,y,z (see the data sheet: 0.0917 for an HMC5883L at 1090 counts per gauss,\n  0.0333 for a QMC5883L at 8 G, 0.15 for an \
          AK8963 or AK09916)",
         names(grid, columns)
     );
@@ -126,7 +127,7 @@ pub fn scale(grid: &Grid, columns: [usize; 3]) -> Failure {
 
 /// Several columns can be the magnetometer, and nothing tells which.
 pub fn which_vector(grid: &Grid, candidates: &[[usize; 3]], units: &[Vec<Unit>]) -> Failure {
-    let mut lines = vec!["which columns are the magnetometer's? These can be. Name them:".to_string()];
+    let mut lines = vec!["which columns are the magnetometer? Possible columns:".to_string()];
     for (columns, units) in candidates.iter().zip(units) {
         match units.as_slice() {
             [] => lines.push(format!("  {} --ut-per-count UT", map_of(grid, *columns, FIELD_COUNTS, None))),
@@ -149,9 +150,16 @@ pub fn which_vector(grid: &Grid, candidates: &[[usize; 3]], units: &[Vec<Unit>])
 pub fn time_unit(grid: &Grid, column: usize, units: &[Unit], step: f64) -> Failure {
     let name = header(grid, column);
     let mut lines = vec![if units.is_empty() {
-        format!("{} steps by {step}, which is no sensor's step in s, ms, us or ns. State it:", shorten(name))
+        format!(
+            "the unit of time is unknown: {} steps by {step}, which is implausible in s, ms, us and ns. State \
+             it:",
+            shorten(name)
+        )
     } else {
-        format!("the unit of time is not known: {} steps by {step}, and both fit. State it:", shorten(name))
+        format!(
+            "the unit of time is unknown: {} steps by {step}, and two units fit. State it:",
+            shorten(name)
+        )
     }];
     let all = ["s", "ms"];
     let units: Vec<&str> =
@@ -176,7 +184,8 @@ pub fn no_field(grid: &Grid) -> Failure {
     let example =
         example(grid).unwrap_or_else(|| "mx_ut=HEADER[uT],my_ut=HEADER[uT],mz_ut=HEADER[uT]".to_string());
     let text = format!(
-        "no magnetometer found in this {}.\n  looked for: three columns x, y, z of a name like mag, MagX, mx_ut, magnetic_field, \
+        "no magnetometer found in this {}.\n  looked for: three columns x, y, z of a name like mag, MagX, mx_ut, \
+         magnetic_field, \
          B, or of a unit like uT\n  there are: {}\n  name them: --map {}",
         grid.format,
         there.join(", "),
@@ -207,7 +216,7 @@ fn example(grid: &Grid) -> Option<String> {
 pub fn no_instance(asked: usize, there: &[(usize, String)]) -> Failure {
     let list: Vec<String> = there.iter().map(|(number, what)| format!("{number} ({what})")).collect();
     let text = match list.as_slice() {
-        [] => format!("--instance {asked}: the log has one magnetometer; leave the option out"),
+        [] => format!("--instance {asked}: the log has one magnetometer. Omit the option"),
         list => format!(
             "--instance {asked}: there is no such magnetometer in the log; there are {}",
             list.join(", ")

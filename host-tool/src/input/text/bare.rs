@@ -121,12 +121,12 @@ pub fn without_names(grid: &Grid, vectors: &mut Vec<Vector>, choice: &mut Choice
     };
     if left.len() + vectors.len() > 1 {
         choice.reasons.push(format!(
-            "there are no names: {} are taken for the magnetometer, whose readings lie on a sphere or never come to rest",
+            "there are no names. ironout uses {} as the magnetometer: its readings lie on a sphere or never come to rest",
             asked::names(grid, taken)
         ));
     } else {
         choice.reasons.push(format!(
-            "there are no names: {} are taken for the magnetometer",
+            "there are no names. ironout uses {} as the magnetometer",
             asked::names(grid, taken)
         ));
     }
@@ -222,7 +222,7 @@ fn parts(grid: &Grid, free: &[usize], choice: &mut Choice) -> Parts {
         } else if values.get(place).is_some_and(|values| is_step(values)) {
             Some("constant but for its first row: the step of an even time")
         } else if many && forward(column) {
-            Some("runs forward with the rows")
+            Some("increases with the rows")
         } else if is_norm() {
             Some("the magnitude of the three columns before it")
         } else {
@@ -295,7 +295,7 @@ fn name_time(grid: &Grid, column: usize, size: Option<&Size>, choice: &mut Choic
         [] => {}
         [unit] => {
             choice.reasons.push(format!(
-                "{} runs forward and is taken for time, in {}, the only unit that fits its steps",
+                "{} increases, so ironout uses it as time, in {} (the only unit that fits its steps)",
                 found.header, unit.name
             ));
             choice.taken.push(Taken { column, name: "t_s".into(), unit: Some(unit.clone()) });

@@ -42,7 +42,7 @@ pub fn build(mut grid: Grid, choice: Choice, options: &ReadOptions) -> Outcome<L
         let names =
             columns.map(|column| grid.columns.get(column).map(|c| c.header.as_str()).unwrap_or_default());
         taken_out.push(format!(
-            "{} (subtracted from the field; DIA, ODI and SCALE are not in this table and taken for 1)",
+            "{} (subtracted from the field; DIA, ODI and SCALE are not in this table, so ironout uses 1)",
             names.join(", ")
         ));
     }
@@ -215,8 +215,8 @@ fn forward(
     if backward as f64 > MOST_BACKWARD * rows.len() as f64 {
         let first = first_line.map_or(String::new(), |line| format!(", first on line {line}"));
         return Err(format!(
-            "{header} (it runs backward in {backward} of {} rows{first}: the log is read without time. To use it, sort the log, or cut it \
-             where the recorder started again)",
+            "{header} (it decreases in {backward} of {} rows{first}. ironout reads the log without time. To use it, sort \
+             the log, or split it at the restart of the recorder)",
             rows.len()
         ));
     }
@@ -229,7 +229,10 @@ fn forward(
     }
     *rows = kept.1;
     let shared = share_out(&mut kept.0).map(|step_s| {
-        format!("{header} has one time for several rows: they share it out, {} s per row", rounded(step_s))
+        format!(
+            "{header} repeats one time for several rows. ironout spaces them evenly, {} s per row",
+            rounded(step_s)
+        )
     });
     Ok((kept.0, shared))
 }

@@ -39,7 +39,7 @@ pub fn choose(grid: &Grid, options: &ReadOptions) -> Outcome<Choice> {
         choice.added = program.added(grid);
         choice.added.iter().flatten().for_each(|column| {
             if let Some(column) = grid.columns.get(*column) {
-                choice.not_read.push(format!("{} (taken out of the field)", column.header));
+                choice.not_read.push(format!("{} (removed from the field)", column.header));
             }
         });
     }
@@ -108,7 +108,7 @@ fn field(
             let lacking: Vec<&str> =
                 names.iter().zip(found).filter(|(_, at)| at.is_none()).map(|(name, _)| *name).collect();
             return Err(Failure::usage(format!(
-                "--map names a part of the magnetometer, and {} not: name all three; {}",
+                "--map names only a part of the magnetometer, without {}. Name all three; {}",
                 lacking.join(" and "),
                 crate::input::words::listing(&grid.headers())
             )));
@@ -130,13 +130,13 @@ fn field(
                     vector.columns,
                     &[],
                     false,
-                    "their magnitude is one g, as of an accelerometer",
+                    "their magnitude is 1 g, as of an accelerometer",
                 ));
             }
             vector.kind = Kind::Field;
             if !sensor_mag {
                 choice.reasons.push(format!(
-                    "{} are taken for the magnetometer: there are no other three axes",
+                    "ironout uses {} as the magnetometer: there are no other three axes",
                     asked::names(grid, vector.columns)
                 ));
             }
@@ -163,7 +163,8 @@ fn lacking(grid: &Grid, meanings: &[Meaning]) -> Failure {
         FIELD_UT.iter().enumerate().filter(|(axis, _)| !of_part(*axis)).map(|(_, name)| *name).collect();
     let (plural, there) = if lacking.len() == 1 { ("", "is") } else { ("s", "are") };
     let failure = Failure::usage(format!(
-        "column{plural} {} {there} missing: {}.\n  Other headers are named with --map mx_ut=HEADER[uT],my_ut=HEADER[uT],mz_ut=HEADER[uT]",
+        "column{plural} {} {there} missing: {}.\n  Other headers are named with --map \
+         mx_ut=HEADER[uT],my_ut=HEADER[uT],mz_ut=HEADER[uT]",
         lacking.join(", "),
         crate::input::words::listing(&grid.headers())
     ))
@@ -204,7 +205,7 @@ fn field_unit(
             return Ok((Some(unit), false));
         }
         let why = format!(
-            "{} write {}, and {}, which is no field of the Earth in it",
+            "{} write {}, but {}, which does not fit the Earth's field in that unit",
             program.name(),
             unit.name,
             size.words()
@@ -218,7 +219,7 @@ fn field_unit(
         // Whole numbers may be counts, whatever their size.
         [unit] if !size.whole => {
             choice.reasons.push(format!(
-                "{}, and {} is the only unit that makes it a field of the Earth",
+                "{}, which fits the Earth's field only in {}",
                 size.words(),
                 unit.name
             ));
@@ -229,12 +230,12 @@ fn field_unit(
             let one_g =
                 size.field.as_ref().filter(|field| field.is_radius() && (field.field_ut - 1.0).abs() < ONE);
             let what = if one_g.is_some() { ": an accelerometer in g, or directions" } else { "" };
-            let why = format!("{}, which is a field of the Earth in no unit{what}", size.words());
+            let why = format!("{}, which fits the Earth's field in no unit{what}", size.words());
             Err(asked::field_unit(grid, vector.columns, &[], true, &why))
         }
         units => {
             let why = if size.whole {
-                format!("{}, in whole numbers, which can be counts of any sensor", size.words())
+                format!("{}, in whole numbers, so they may be raw counts", size.words())
             } else {
                 format!("{}: several units fit", size.words())
             };
@@ -268,7 +269,7 @@ fn motion(grid: &Grid, vectors: &[Vector], choice: &mut Choice) {
             continue;
         };
         if size.constant && size.median == 0.0 {
-            choice.not_read.push(format!("{listed} (zero throughout: the board has no {what})"));
+            choice.not_read.push(format!("{listed} (always zero: there is no {what})"));
             continue;
         }
         let by_program = choice.program.and_then(|program| program.unit(kind, ""));
@@ -286,7 +287,8 @@ fn motion(grid: &Grid, vectors: &[Vector], choice: &mut Choice) {
                 choice.take(vector.columns, names, Some(unit));
             }
             [] => choice.not_read.push(format!(
-                "{listed}: the {what}'s median magnitude {} is one g in no unit; to use it, state its scale to m/s2:\n      {}",
+                "{listed}: the {what}'s median magnitude {} is not 1 g in any unit. To use it, state its scale to \
+                 m/s2:\n      {}",
                 shown(&size),
                 asked::map_of(grid, vector.columns, names, Some(&Unit::scale(scale_of(kind, size.median))))
             )),
@@ -295,7 +297,7 @@ fn motion(grid: &Grid, vectors: &[Vector], choice: &mut Choice) {
                     .iter()
                     .map(|unit| format!("\n      {}", asked::map_of(grid, vector.columns, names, Some(unit))))
                     .collect();
-                choice.not_read.push(format!("{listed}: the unit of the {what} is not known; to use it:{}", options.concat()));
+                choice.not_read.push(format!("{listed}: the unit of the {what} is unknown. To use it:{}", options.concat()));
             }
         }
     }

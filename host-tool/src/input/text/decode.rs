@@ -29,8 +29,8 @@ pub fn decode(mut source: impl Read) -> Outcome<Decoded> {
         .map_err(|error| Failure::usage(format!("cannot read: {error}")))?;
     if bytes.len() as u64 > MOST_BYTES {
         return Err(Failure::usage(
-            "a table of another program is read whole, up to 2 GB, and this one is larger: cut it into parts, and import \
-             them one by one",
+            "a table of another program may have up to 2 GB, and this one is larger. Split it, and import the parts one by \
+             one",
         ));
     }
     let decoded = text_of(bytes)?;

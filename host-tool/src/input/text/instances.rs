@@ -27,7 +27,7 @@ pub fn rows(grid: &Grid, meanings: &[Meaning], options: &ReadOptions, choice: &m
         Some(asked) => return Err(asked::no_instance(asked, &there)),
     };
     let kept: Vec<usize> = (0..grid.rows()).filter(|row| of_row.get(*row) == Some(&Some(taken))).collect();
-    choice.reasons.push(format!("{header} says which sensor a row is of"));
+    choice.reasons.push(format!("{header} is the sensor of each row"));
     choice.rows = kept;
     if there.len() > 1 {
         choice.pin_instance = true;

@@ -47,15 +47,15 @@ impl Size {
                     format!("the readings lie on a sphere of radius {}", rounded(found.field_ut))
                 }
                 Evidence::Circle => format!(
-                    "the readings lie on a circle of radius {}, which leaves the field open up to three times that",
+                    "the readings lie on a circle of radius {}, so the field may be up to three times that",
                     rounded(found.field_ut)
                 ),
                 Evidence::Spread => format!(
-                    "the sensor was turned too little: the readings spread by {} only, and the offset can be anything",
+                    "the sensor was rotated too little: the readings vary by {} only, so the offset is unknown",
                     rounded(found.field_ut)
                 ),
             },
-            None => "there are too few different readings to see a sphere".to_string(),
+            None => "there are too few different readings to fit a sphere".to_string(),
         }
     }
 

@@ -11,7 +11,7 @@ use std::collections::HashMap;
 /// This share of the labelled lines with the same labels makes each line a record of its own.
 const ONE_KIND: f64 = 0.9;
 /// Lines without a record.
-const NO_RECORD: &str = "no numbers of the record (a boot message, a reply, a comment)";
+const NO_RECORD: &str = "not a record (boot message, reply, comment)";
 
 /// The streams that are told by the beginning of their lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +41,7 @@ impl Stream {
     fn format(self) -> &'static str {
         match self {
             Stream::Raw => "MotionCal lines (Raw:)",
-            Stream::Uni => "MotionCal lines (Uni:, which is finer than the Raw: beside it)",
+            Stream::Uni => "MotionCal lines (Uni:, which has a finer resolution than Raw:)",
             Stream::Counts => "stream of an ironout board, counts (R,)",
             Stream::Corrected => "stream of an ironout board, corrected by the board's own calibration (C,)",
         }
@@ -120,9 +120,9 @@ pub fn read_stream(lines: &[Bare<'_>], stream: Stream) -> Grid {
                     format!("lines of another stream ({})", other.head().trim_end_matches([',', ':']))
                 }
                 None if text.starts_with(stream.head()) => {
-                    format!("a line that begins with {} and is not whole", stream.head())
+                    format!("a truncated {} line", stream.head())
                 }
-                None => "no line of the stream (replies, messages)".to_string(),
+                None => "not sensor data (replies, messages)".to_string(),
             };
             grid.leave_out(&why, number);
             continue;
@@ -258,7 +258,7 @@ pub fn read_prints(lines: &[Bare<'_>], prints: &Prints) -> Grid {
         }
     });
     for at in broken {
-        grid.leave_out("a record that is not whole", at as u64 + 1);
+        grid.leave_out("a truncated record", at as u64 + 1);
     }
     if prints.format != "JSON array" {
         for (at, line) in lines.iter().enumerate() {

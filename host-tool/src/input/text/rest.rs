@@ -37,14 +37,14 @@ pub fn covariates(grid: &Grid, meanings: &[Meaning], vectors: &[Vector], choice:
         } else {
             match meaning.kind {
                 Kind::Time => Some("another time"),
-                Kind::Derived => Some("made of the field itself"),
+                Kind::Derived => Some("computed from the field itself"),
                 Kind::Field => Some("a part of a field"),
                 Kind::Attitude if header != "heading_deg" => Some("attitude, computed from the field"),
                 Kind::Counter | Kind::Instance => {
                     counts_rows(column, &choice.rows).then_some("a number of the row")
                 }
                 Kind::Other if header.starts_with("column ") => {
-                    counts_rows(column, &choice.rows).then_some("runs forward with the rows")
+                    counts_rows(column, &choice.rows).then_some("increases with the rows")
                 }
                 _ => None,
             }

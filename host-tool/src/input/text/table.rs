@@ -200,15 +200,15 @@ pub fn read(lines: &[Bare<'_>], layout: Layout) -> Grid {
         }
         let number = index as u64 + 1;
         if numbers(&cells, layout.decimal_comma) < LEAST_NUMBERS.min(width) {
-            grid.leave_out("no row of the table (a boot message, a reply, a comment)", number);
+            grid.leave_out("not a row of the table (boot message, reply, comment)", number);
             continue;
         }
         if cells.len() != width {
-            let cut_off = if index + 1 == lines.len() { ": the recording was cut off here" } else { "" };
+            let cut_off = if index + 1 == lines.len() { ": the recording was interrupted here" } else { "" };
             let of_sensor = cells.iter().find(|cell| cell.len() <= LONGEST_NAME && is_word(cell));
             match of_sensor.filter(|_| layout.of_field) {
                 Some(sensor) => grid.leave_out(&format!("rows of another sensor ({sensor})"), number),
-                None => grid.leave_out(&format!("not the table's {width} cells{cut_off}"), number),
+                None => grid.leave_out(&format!("not {width} cells as in the table{cut_off}"), number),
             }
             continue;
         }

@@ -31,7 +31,7 @@ pub fn time(grid: &Grid, meanings: &[Meaning], choice: &mut Choice) -> Outcome<(
         .map(|(index, _)| index)
         .collect();
     if let Some((seconds, part, unit)) = &grid.joined_time {
-        choice.reasons.push(format!("{seconds} and {part} are one time: seconds, and their {unit}"));
+        choice.reasons.push(format!("{seconds} and {part} form one time: seconds and {unit}"));
     }
     if choice.has_name("t_s") {
         return Ok(());
@@ -77,14 +77,14 @@ pub fn time(grid: &Grid, meanings: &[Meaning], choice: &mut Choice) -> Outcome<(
             let why = if clock.epoch {
                 "that makes it a date of this century"
             } else {
-                "in which its steps are a sensor's"
+                "in which its steps are plausible"
             };
-            choice.reasons.push(format!("{header} is in {}, the only unit {why}", only.name));
+            choice.reasons.push(format!("{header} is in {} (the only unit {why})", only.name));
             only.clone()
         }
         (None, []) => {
             choice.not_read.push(format!(
-                "{header} (it steps by {}, which is not a sensor's step in s, ms, us or ns: the log is read without time)",
+                "{header} (it steps by {}, which is implausible in s, ms, us and ns. ironout reads the log without time)",
                 rounded(clock.step)
             ));
             return Ok(());
@@ -101,7 +101,7 @@ fn runs_backward(column: &GridColumn, rows: &[usize]) -> Option<String> {
     let backward = times.windows(2).filter(|pair| pair[1] < pair[0]).count();
     (backward > 0).then(|| {
         format!(
-            "{} (it runs backward in {backward} of {} rows: the log is read without time. To use it, sort the log)",
+            "{} (it decreases in {backward} of {} rows. ironout reads the log without time. To use it, sort the log)",
             column.header,
             rows.len()
         )
@@ -149,7 +149,7 @@ fn finer(grid: &Grid, best: &Candidate, all: &[Candidate], rows: &[usize]) -> Op
         let unit = Unit::all(Quantity::Time).find(agrees).filter(|unit| !whole(other.column, unit))?;
         let name = |column: usize| grid.columns.get(column).map(|c| c.header.clone()).unwrap_or_default();
         let why = format!(
-            "{} is in {}: so it goes as far as {}, which has whole seconds only",
+            "{} is in {}: in that unit it agrees with {}, which has whole seconds only",
             name(other.column),
             unit.name,
             name(best.column)

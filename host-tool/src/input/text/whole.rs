@@ -20,7 +20,7 @@ pub fn read(source: impl Read, options: &ReadOptions) -> Outcome<Log> {
     let decoded = decode::decode(source)?;
     if decoded.text.trim().is_empty() {
         return Err(Failure::usage(
-            "the file is empty: expected a header line such as t_s,mx_ut,my_ut,mz_ut and one row a sample",
+            "the file is empty. Expected a header line such as t_s,mx_ut,my_ut,mz_ut and one row per sample",
         ));
     }
     let mut grid = grid(&decoded.text)?;
@@ -61,7 +61,8 @@ fn grid(text: &str) -> Outcome<Grid> {
             let grid = checked(table::read(&lines, layout))?;
             match table::doubled(&lines, layout).filter(|_| !grid.named) {
                 Some(line) => Err(Failure::usage(format!(
-                    "the header has half as many names as the rows have cells ({}): are there commas between cells and in the \
+                    "the header has half as many names as the rows have cells ({}): are there commas between cells and in \
+                     the \
                      numbers, too?\n  Export the table with semicolons or tabs, or with points in its numbers",
                     layout.cells
                 ))
@@ -85,7 +86,7 @@ fn checked(grid: Grid) -> Outcome<Grid> {
         ))));
     }
     if grid.rows() < LEAST_ROWS {
-        return Err(place(Failure::usage("the log has no rows of numbers: nothing was recorded")));
+        return Err(place(Failure::usage("the log has no rows of numbers")));
     }
     Ok(grid)
 }
@@ -95,13 +96,10 @@ fn no_rows(lines: &[Bare<'_>]) -> Failure {
     let first = lines.iter().enumerate().find(|(_, line)| !line.text.trim().is_empty());
     let (number, begins) = first.map_or((1, ""), |(index, line)| (index as u64 + 1, line.text.as_ref()));
     let header = begins.split([',', ';', '\t']).count() >= 3;
-    let what = if header {
-        "the log has a header and no rows: nothing was recorded"
-    } else {
-        "no log is recognised"
-    };
+    let what = if header { "the log has a header but no rows" } else { "the format is unknown" };
     Failure::usage(format!(
-        "{what}.\n  looked for: lines of at least three numbers (separated by commas, semicolons, tabs, bars or blanks), prints like\n  \
+        "{what}.\n  looked for: lines of at least three numbers (separated by commas, semicolons, tabs, bars or blanks), \
+         prints like\n  \
          X: 1 Y: 2 Z: 3, JSON, Raw: lines, R, and C, lines\n  the file begins: {}",
         shorten(begins.trim())
     ))

@@ -31,8 +31,8 @@ fn what_cannot_be_sent_is_refused_before_anything_is() {
     for (file, words) in [
         (&five, "more than 4 effects"),
         (&unknown, "there is no effect servo"),
-        (&rotated, "cannot be turned back"),
-        (&scaled, "counts"),
+        (&rotated, "cannot be rotated back"),
+        (&scaled, "0.5,0.5,0.5 µT per count"),
     ] {
         let run = on(&board, &["send", text(file), "--json"]);
         let message = run.error()["message"].to_string();
@@ -62,7 +62,7 @@ fn what_is_no_board_is_told_apart() {
         listener.local_addr().expect("an address").to_string()
     };
     let run = ironout(["send", text(&cal), "--tcp", &gone]);
-    assert!(run.status == 2 && run.said().contains("nothing listens there"), "{}", run.stderr);
+    assert!(run.status == 2 && run.said().contains("no program listens there"), "{}", run.stderr);
     let run = ironout(["fetch", "-o", "x.json", "--port", "/dev/no-such-port"]);
     assert!(
         run.status == 2 && run.said().contains("cannot open the serial port /dev/no-such-port"),
@@ -80,7 +80,7 @@ fn what_is_no_board_is_told_apart() {
             let _ = client.read_to_end(&mut Vec::new());
         }
     });
-    for words in ["nothing has answered", "no text", "HTTP/1.1 400"] {
+    for words in ["no answer for", "not text", "HTTP/1.1 400"] {
         let run = ironout(["send", text(&cal), "--tcp", &address, "--wait", "1"]);
         assert!(run.status == 2 && run.said().contains(words), "{words}: {}", run.stderr);
     }

@@ -13,7 +13,7 @@ const FLOOR_UT: f64 = 0.76;
 fn a_refused_calibration_is_asked_why_and_made_with_what_was_missing() {
     let Some(_turn) = turn("live --replay") else { return };
     let here = folder("page-replay");
-    // So strong that offset and matrix alone are refused.
+    // So strong that offset and matrix only are refused.
     let log =
         simulate(&here, "log.csv", &["--seed", "17", "--seconds", "240", "--effect", "offset:current_a=12"]);
     let (_program, address) = live(&["--replay", text(&log), "--speed", "8"]);

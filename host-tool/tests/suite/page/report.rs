@@ -144,7 +144,7 @@ fn two_calibrations_and_two_logs_stand_side_by_side() {
     // One of the same board, one of another: only the second one is wrong for this log.
     let (good, wrong) = (cal("good.json", &later), cal("wrong.json", &other));
     let file = here.join("report.html");
-    let options = ["--cal", text(&good), "--cal", text(&wrong), "--beside", text(&later), "-o", text(&file)];
+    let options = ["--cal", text(&good), "--cal", text(&wrong), "--compare", text(&later), "-o", text(&file)];
     let run = ironout(["report", text(&log), "--no-search"].iter().chain(&options));
     assert_eq!(run.status, 0, "{}", run.stderr);
     let seen = scenario("beside", json!({"file": file}));

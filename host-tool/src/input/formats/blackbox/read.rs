@@ -96,7 +96,7 @@ fn frames(
     let unreadable = averages.as_ref().err().cloned().unwrap_or_default();
     if !unreadable.is_empty() {
         recording.notices.push(format!(
-            "left out, as the header does not say how often I frames come: {}",
+            "skipped, because the header does not state the interval of I frames: {}",
             unreadable.join(", ")
         ));
     }
@@ -153,7 +153,7 @@ fn frames(
     }
     if !ended {
         recording.notices.push(
-            "the log has no end mark: the recorder was cut off; read up to its last whole frame".into(),
+            "the log has no end mark, so the recorder was interrupted. ironout read up to the last complete frame".into(),
         );
     }
     let program = if firmware.inav { Program::Inav } else { Program::Betaflight };
@@ -246,10 +246,10 @@ fn finish(
             "Betaflight: set mag_hardware, and fields_disabled_mask without MAG; INAV: blackbox MAG.",
         ));
     }
-    recording.taken_out.push("turned from x forward, y left, z up to x forward, y right, z down".into());
+    recording.taken_out.push("rotated from x forward, y left, z up to x forward, y right, z down".into());
     recording.notices.push(
-        "magADC is what the firmware made of its sensor: aligned to the board, mag_calibration (INAV: maggain too) applied. \
-         The log does not hold these, nor a calibration during the flight: a calibration of this log goes on top of them"
+        "magADC is already aligned to the vehicle and corrected by the firmware (mag_calibration; INAV: maggain too). The \
+         log does not contain these parameters, so a calibration of this log applies in addition to them"
             .into(),
     );
     // Rows of the magnetometer and of the rest are the same frames: nothing has to be joined.

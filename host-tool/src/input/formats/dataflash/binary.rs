@@ -76,13 +76,13 @@ pub fn read_binary(feed: &mut Feed<impl Read>, instance: Option<usize>) -> Outco
         }
     }
     if places > 0 {
-        notices.push(format!("{skipped} bytes in {places} places are no messages and are left out"));
+        notices.push(format!("skipped {skipped} bytes in {places} places that are not messages"));
     }
     compass::finish(collected, "ArduPilot DataFlash", instance, notices)
 }
 
 fn cut_off(position: u64) -> String {
-    format!("the file is cut off inside a message (byte {position}): read up to there")
+    format!("the file is truncated inside a message (byte {position}). ironout read up to there")
 }
 
 /// Passes to the next mark, or the end; gives how many bytes.

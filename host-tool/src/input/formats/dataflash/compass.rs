@@ -103,8 +103,8 @@ fn owner(taken: usize, parameters: &Parameters, offset_ut: [f64; 3], notices: &m
         None => {
             if known && offset_ut.iter().all(|value| value.is_finite()) {
                 notices.push(format!(
-                    "the offsets in MAG are those of no COMPASS_OFS parameter (learned in flight?): the offsets of the \
-                     messages and COMPASS_DIA{0},ODI{0} are taken out",
+                    "the offsets in MAG match no COMPASS_OFS parameter (learned in flight?). ironout removed the offsets of \
+                     the messages and COMPASS_DIA{0},ODI{0}",
                     number(likely)
                 ));
             }

@@ -49,7 +49,7 @@ pub fn read_text(feed: &mut Feed<impl Read>, instance: Option<usize>) -> Outcome
     let mut notices = Vec::new();
     if strange > 0 {
         notices.push(format!(
-            "{strange} lines are no messages that FMT lines define, the first of them line {first_strange}: left out"
+            "skipped {strange} lines that are not messages defined by FMT lines (first: line {first_strange})"
         ));
     }
     compass::finish(collected, "ArduPilot DataFlash as text", instance, notices)

@@ -104,7 +104,7 @@ pub fn read(feed: &mut Feed<impl Read>, instance: Option<usize>) -> Outcome<Reco
     let mut notices = Vec::new();
     if skipped + spoilt > 0 {
         notices.push(format!(
-            "{} bytes are in no whole packet and are left out ({spoilt} broken checksums)",
+            "skipped {} bytes outside complete packets ({spoilt} wrong checksums)",
             skipped + spoilt
         ));
     }
@@ -386,14 +386,14 @@ fn finish(mut all: Collected, instance: Option<usize>, notices: Vec<String>) -> 
     if program == Program::Ardupilot && dataflash::has_offsets(number, &parameters) {
         dataflash::undo(number, &parameters, &mut recording)?;
         recording.notices.push(
-            "telemetry does not hold what ArduPilot had added for motors: record the log with COMPASS_MOTCT 0, or take the \
-             vehicle's own log (.bin)"
+            "telemetry does not contain ArduPilot's motor compensation. Record with COMPASS_MOTCT 0, or use the vehicle's \
+             own log (.bin)"
                 .into(),
         );
     } else {
         recording.notices.push(format!(
-            "{} is what the autopilot made of its sensor, and the log does not hold the parameters of its calibration: a \
-             calibration of this log goes on top of them. Fix: take the vehicle's own log (.bin, .ulg)",
+            "{} is already corrected by the autopilot, and the log does not contain its calibration parameters, so a \
+             calibration of this log applies in addition to them. Fix: use the vehicle's own log (.bin, .ulg)",
             recording.magnetometer.name
         ));
     }

@@ -36,12 +36,13 @@ pub fn read(source: impl Read, instance: Option<usize>) -> Outcome<Recording> {
     }
     let Some(database) = Database::open(&data) else {
         return Err(Failure::usage(
-            "the head of this SQLite file makes no sense. Fix: take the file from the recorder again",
+            "the header of this SQLite file is invalid. Fix: copy the file from the recorder again",
         ));
     };
     let (Some(topics), Some(messages)) = (database.table("topics"), database.table("messages")) else {
         return Err(Failure::usage(
-            "this SQLite database is no recording of rosbag2 (it has no tables topics and messages). Fix: export its table as CSV",
+            "this SQLite database is not a rosbag2 recording (it has no tables topics and messages). Fix: export its table \
+             as CSV",
         ));
     };
     let mut notices = Vec::new();
@@ -68,13 +69,12 @@ pub fn read(source: impl Read, instance: Option<usize>) -> Outcome<Recording> {
         all.take(&Raw { topic: &topic.name, schema: &topic.schema, encoding: &topic.encoding, log_ns, data });
     });
     if broken > 0 {
-        notices
-            .push(format!("{broken} pages or rows of the database are broken or cut off, and are left out"));
+        notices.push(format!("skipped {broken} damaged pages or rows of the database"));
     }
     if database.has_wal {
         notices.push(
-            "the last messages may stand in a file of the same name that ends with -wal, which is not read; ros2 bag info on the \
-             bag brings them in"
+            "the last messages may be in a file of the same name with -wal at the end, which ironout does not read. Run \
+             ros2 bag info on the bag to include them"
                 .into(),
         );
     }

@@ -59,7 +59,7 @@ pub fn records(
                 }
                 Chunk::Broken(why) => {
                     notices.push(format!(
-                        "a chunk before byte {} is broken ({why}): the rest of it is left out",
+                        "a chunk before byte {} is damaged ({why}). ironout skips the rest of it",
                         feed.position()
                     ));
                 }
@@ -86,7 +86,7 @@ pub fn records(
 }
 
 fn cut_off(feed: &Feed<impl Read>) -> String {
-    format!("the file is cut off or broken at byte {}: read up to there", feed.position())
+    format!("the file is truncated or damaged at byte {}. ironout read up to there", feed.position())
 }
 
 enum Chunk {

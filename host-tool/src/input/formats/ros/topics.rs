@@ -102,11 +102,11 @@ impl Topics {
         if self.broken > 0 {
             recording
                 .notices
-                .push(format!("{} messages are not as their schema says and are left out", self.broken));
+                .push(format!("skipped {} messages that do not match their schema", self.broken));
         }
         if let Some(encoding) = &self.other_encoding {
             recording.notices.push(format!(
-                "messages in the encoding {encoding} are left out: cdr (ROS 2) and ros1 are read"
+                "skipped messages in the encoding {encoding}; ironout reads cdr (ROS 2) and ros1"
             ));
         }
         finish(self.topics, inventory, instance, recording)
@@ -167,7 +167,8 @@ fn finish(
         if topic.kind == Kind::Imu && topic.frame != frame {
             let named = |frame: &Option<String>| frame.clone().unwrap_or_else(|| "no frame".into());
             recording.notices.push(format!(
-                "{} is in frame {}, the magnetometer in {}: taken as parallel; if they are not, say --rotate accel:… gyro:…",
+                "{} is in frame {}, the magnetometer in {}. ironout assumes that they are parallel. If not, use --rotate \
+                 accel:… gyro:…",
                 topic.stream.name,
                 named(&topic.frame),
                 named(&frame)
@@ -228,7 +229,7 @@ fn turn(topic: &mut Topic, told: &mut Vec<String>) -> [[f64; 3]; 3] {
         topic.stream.turn(*names, &LEFT_UP);
     }
     told.push(format!(
-        "{}, frame {frame}: turned from x forward, y left, z up (REP 103) to x forward, y right, z down",
+        "{}, frame {frame}: rotated from x forward, y left, z up (REP 103) to x forward, y right, z down",
         topic.stream.name
     ));
     LEFT_UP

@@ -233,7 +233,8 @@ fn undo(
     match (state, n) {
         (State::Raw, _) => told.push(format!("nothing: {} is not corrected by the autopilot", stream.name)),
         (_, None) => recording.notices.push(format!(
-            "{}: no CAL_MAGn_ID of the log is that of its sensor (device {device_id}): taken as not corrected",
+            "{}: no CAL_MAGn_ID of the log matches its sensor (device {device_id}). ironout assumes that it is not \
+             corrected",
             stream.name
         )),
         (_, Some(n)) => {
@@ -245,7 +246,7 @@ fn undo(
     }
     recording.frame = frame;
     if turn != Matrix3::identity() {
-        told.push(format!("turned from the sensor's axes to the body's by {turn_words}"));
+        told.push(format!("rotated from sensor to body axes by {turn_words}"));
         // A corrected stream that no calibration is known of stays as it is: it has been turned already.
         if state != State::Corrected || n.is_some() {
             stream.turn(FIELD, &[0, 1, 2].map(|i| [turn[(i, 0)], turn[(i, 1)], turn[(i, 2)]]));
@@ -291,7 +292,7 @@ fn remove(
     for since in std::iter::once(f64::NEG_INFINITY).chain(starts) {
         let from = if since.is_finite() { format!(" (from {since:.1} s on)") } else { String::new() };
         let Some(n) = device.slot_at(parameters, since) else {
-            told.push(format!("nothing: no CAL_MAGn_ID is that of the sensor{from}"));
+            told.push(format!("nothing: no CAL_MAGn_ID matches the sensor{from}"));
             let none = Correction { offset: Vector3::zeros(), matrix: Matrix3::identity() };
             epochs.extend(none.inverse().map(|undo| (since, undo)));
             removed.push(Removed {
@@ -396,7 +397,7 @@ fn power(
     };
     if let Some(at) = parameters.changes(of_power).first() {
         told.push(format!(
-            "not the change of CAL_MAG{n}_XCOMP,… at {at:.1} s: that of the beginning is taken out throughout"
+            "not the change of CAL_MAG{n}_XCOMP,… at {at:.1} s: ironout removes the first value throughout"
         ));
     }
     let Some(signal) = signal else {
@@ -405,7 +406,7 @@ fn power(
     };
     // PX4 compensates while armed only.
     let armed = column("actuator_armed", 0, "armed").or_else(|| column("vehicle_control_mode", 0, "armed"));
-    told.push(format!("CAL_MAG{n}_XCOMP,…: {comp:?} G a unit of {words}, while armed"));
+    told.push(format!("CAL_MAG{n}_XCOMP,…: {comp:?} G per unit of {words}, while armed"));
     let rows = signal.iter().enumerate().map(|(row, value)| {
         let on = armed.as_ref().is_none_or(|armed| armed.get(row).is_some_and(|armed| *armed > 0.0));
         let value = if on && value.is_finite() { value * unit } else { 0.0 };

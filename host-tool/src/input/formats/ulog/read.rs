@@ -81,7 +81,7 @@ pub fn read(feed: &mut Feed<impl Read>, instance: Option<usize>) -> Outcome<Reco
             let from = feed.position();
             let found = resynchronise(feed)?;
             let until = if found { "the next synchronisation" } else { "the end" };
-            notices.push(format!("byte {from}: no ULog record; everything up to {until} is left out"));
+            notices.push(format!("byte {from}: not a ULog record; skipped everything up to {until}"));
             continue;
         }
         let whole = RECORD_BYTES + usize::from(size);
@@ -97,7 +97,7 @@ pub fn read(feed: &mut Feed<impl Read>, instance: Option<usize>) -> Outcome<Reco
 }
 
 fn cut_off(position: u64) -> String {
-    format!("the file is cut off inside a record (byte {position}): read up to there")
+    format!("the file is truncated inside a record (byte {position}). ironout read up to there")
 }
 
 fn record_crosses(feed: &mut Feed<impl Read>, at: u64) -> Outcome<bool> {
@@ -251,8 +251,7 @@ impl Log {
         });
         if unknown {
             return Err(Failure::usage(
-                "this ULog says that it is written in a way that only newer readers understand (incompatible flags): \
-                 convert it to CSV with the tool of its autopilot",
+                "this ULog needs a newer reader (incompatible flags). Convert it to CSV with the tool of its autopilot",
             ));
         }
         self.appended_at = u64_at(data, 16).filter(|at| *at > 0);
@@ -280,7 +279,7 @@ impl Log {
             ));
         }
         if self.broken > 0 {
-            notices.push(format!("{} records could not be understood and are left out", self.broken));
+            notices.push(format!("skipped {} unreadable records", self.broken));
         }
         let release = self.release.map(|[major, minor]| format!("release {major}.{minor}"));
         recording.format = ["PX4 ULog".to_string()]
@@ -319,7 +318,7 @@ fn turned(collector: Collector, parameters: &Parameters, told: &mut Vec<String>)
     if angles != [0.0; 3] && !stream.time_s.is_empty() {
         stream.turn(names, &rotation::matrix(angles));
         told.push(format!(
-            "{}: turned by SENS_BOARD_ROT = {board}: {}",
+            "{}: rotated by SENS_BOARD_ROT = {board}: {}",
             stream.name,
             rotation::words(angles)
         ));

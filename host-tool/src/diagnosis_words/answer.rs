@@ -1,0 +1,118 @@
+//! The answer of a diagnosis: verdict, the figures that matter, and what to do next.
+
+use crate::diagnosis_words::conclusion::{verdict, what_next};
+use crate::diagnosis_words::found::{amount, axis_order};
+use crate::diagnosis_words::numbers::{degrees, microtesla, percent, probability};
+use crate::diagnosis_words::told::{Told, at_rest, counted};
+use crate::diagnosis_words::unlogged;
+use crate::field_unit::symbol;
+use crate::wrap::shortened;
+use ironout_analysis::outcome::outcome::{StepRow, Verdict};
+use ironout_analysis::samples::faults::FaultKind;
+
+/// Found effects that get a line of their own.
+const EFFECTS: usize = 4;
+/// Lines are at most this wide.
+const WIDTH: usize = 100;
+/// Columns of the residual that are named if nothing explains it.
+const COLUMNS: usize = 3;
+
+/// The answer, line by line.
+pub fn answer(told: &Told) -> Vec<String> {
+    let mut out = Vec::new();
+    verdict(told, &mut out);
+    out.push(String::new());
+    figures(told, &mut out);
+    what_next(told, &mut out);
+    out
+}
+
+fn figures(told: &Told, out: &mut Vec<String>) {
+    let diagnosis = told.diagnosis;
+    let mut row = |label: &str, text: String| out.push(shortened(&format!("  {label:<14} {text}"), WIDTH));
+    let seconds = told.log.time_s.as_ref().and_then(|t| Some(t.last()? - t.first()?));
+    let over = seconds.map_or(" (no time column)".to_string(), |s| format!(" over {s:.1} s"));
+    row(
+        "log",
+        format!(
+            "{}: {}{over}, {} used",
+            told.log.path.display(),
+            counted(told.log.rows, "row"),
+            counted(diagnosis.samples_used, "sample")
+        ),
+    );
+    let steps: Vec<&StepRow> = diagnosis.steps.iter().collect();
+    let determined = diagnosis.verdict != Verdict::Undetermined;
+    if let (Some(first), Some(last)) = (steps.first(), steps.last()) {
+        let fall = |before: f64, after: f64, text: fn(f64) -> String| match steps.len() {
+            1 => text(before),
+            _ => format!("{} → {}", text(before), text(after)),
+        };
+        let held_out = match (first.holdout_rms_ut, last.holdout_rms_ut) {
+            (Some(before), Some(after)) => format!("; held out {}", fall(before, after, microtesla)),
+            _ => String::new(),
+        };
+        let of = if at_rest(diagnosis) { " of the vector" } else { "" };
+        row(
+            "error",
+            format!("{} {} rms{of}{held_out}", fall(first.rms_ut, last.rms_ut, microtesla), symbol()),
+        );
+    }
+    if let Some(found) = &diagnosis.recordings {
+        row("recordings", unlogged::recordings_in_short(found));
+    }
+    if let Some(found) = &diagnosis.switching {
+        row("switching", unlogged::switching_in_short(found));
+    }
+    if let Some(floor) = diagnosis.residual_floor_ut {
+        row("noise floor", format!("{} {}", microtesla(floor), symbol()));
+    }
+    if let Some(heading) = diagnosis.heading.filter(|_| determined) {
+        let (before, after) = (degrees(heading.rms_deg_before), degrees(heading.rms_deg_after));
+        row("heading error", format!("{before} → {after} rms, against heading_deg"));
+    } else if let Some(dip) = diagnosis.dip.filter(|_| determined && axis_order(diagnosis).is_none()) {
+        let (before, after) = (degrees(dip.rms_deg_before), degrees(dip.rms_deg_after));
+        row("dip spread", format!("{before} → {after} rms"));
+    }
+    if determined {
+        let mut count = 0;
+        for effect in &diagnosis.effects {
+            count += 1;
+            if count > EFFECTS {
+                continue;
+            }
+            let size = amount(told.log, diagnosis.registry, effect)
+                .map_or(String::new(), |text| format!(": {text}"));
+            row("effect", format!("{}{size}", effect.id));
+        }
+        if count > EFFECTS {
+            row("", format!("and {} more effects", count - EFFECTS));
+        }
+    }
+    if matches!(diagnosis.verdict, Verdict::Unexplained | Verdict::Undetermined) {
+        let most: Vec<String> = diagnosis
+            .shows
+            .iter()
+            .filter(|shown| shown.p_value < 0.01)
+            .take(COLUMNS)
+            .map(|shown| {
+                format!("{} {} (p = {})", shown.against, percent(shown.explained), probability(shown.p_value))
+            })
+            .collect();
+        if !most.is_empty() {
+            row("residual by", most.join(", "));
+        }
+    }
+    let mut kinds: Vec<(FaultKind, usize)> = Vec::new();
+    for fault in &diagnosis.data_faults {
+        match kinds.iter_mut().find(|(kind, _)| *kind == fault.kind) {
+            Some((_, count)) => *count += 1,
+            None => kinds.push((fault.kind, 1)),
+        }
+    }
+    if !kinds.is_empty() {
+        let list: Vec<String> =
+            kinds.iter().map(|(kind, count)| format!("{count} × {}", kind.name())).collect();
+        row("data faults", list.join(", "));
+    }
+}

@@ -1,0 +1,192 @@
+//! The answer of a fit: verdict, the figures that matter, and what to do next.
+
+use crate::cli::{Expected, FitArgs};
+use crate::diagnosis_words::unlogged;
+use crate::field_unit::{fixed, symbol};
+use crate::fit_words::next;
+use crate::input::Log;
+use crate::output::number;
+use crate::wrap::{WIDTH, hang, wrap};
+use ironout_analysis::Fitted;
+use ironout_analysis::base::axes::Alignment;
+use ironout_analysis::base::solution::Solution;
+use std::path::Path;
+
+/// A dip whose spread is larger than this, degrees, and than [`MIN_DIP_SPREAD_RATIO`] times the predicted heading error, is mentioned.
+const MIN_DIP_SPREAD_DEG: f64 = 1.0;
+const MIN_DIP_SPREAD_RATIO: f64 = 3.0;
+/// An error this many times the noise floor is worth a diagnosis.
+pub const MIN_ERROR_RATIO_TO_DIAGNOSE: f64 = 1.2;
+
+/// The answer, line by line.
+pub fn answer(arguments: &FitArgs, log: &Log, fitted: &Fitted, expected: &Expected) -> Vec<String> {
+    let mut out = vec![verdict(fitted)];
+    for reason in &fitted.reasons {
+        out.extend(hang(reason, "  ", "    ", WIDTH));
+    }
+    out.push(String::new());
+    figures(log, fitted, expected, &mut out);
+    remarks(fitted, &mut out);
+    next_steps(arguments, fitted, &mut out);
+    out
+}
+
+/// The answer in one line (`-q`).
+pub fn one_line(fitted: &Fitted) -> String {
+    let Some(solution) = &fitted.solution else {
+        let why = fitted.reasons.first().map_or("no calibration fits", |reason| reason.words.as_str());
+        return format!("{}: {why}", verdict(fitted));
+    };
+    let before = fitted.before.map_or(String::new(), |(_, rms)| format!("{} → ", fixed(Some(rms), 2)));
+    format!("{}: error {before}{} {}", verdict(fitted), fixed(Some(solution.rms_ut), 2), symbol())
+}
+
+fn verdict(fitted: &Fitted) -> String {
+    match (&fitted.holds_for, fitted.accepted) {
+        (Some(holds_for), true) => format!("ACCEPTED for tilts up to {:.0}°", holds_for.tilt_deg),
+        (None, true) => "ACCEPTED".into(),
+        (_, false) => "REFUSED".into(),
+    }
+}
+
+/// Rows over time, as in `6000 rows over 120.0 s`.
+pub fn length(log: &Log, rows: usize) -> String {
+    let seconds = log.time_s.as_ref().and_then(|t| Some(t.last()? - t.first()?));
+    let over = seconds.map_or(" (no time column)".to_string(), |s| format!(" over {s:.1} s"));
+    format!("{rows} row{}{over}", if rows == 1 { "" } else { "s" })
+}
+
+fn figures(log: &Log, fitted: &Fitted, expected: &Expected, out: &mut Vec<String>) {
+    let mut row = |label: &str, text: String| out.push(format!("  {label:<16} {text}"));
+    row("log", format!("{}: {}, {} samples used", log.path.display(), length(log, fitted.rows), fitted.used));
+    if let Some(found) = &fitted.recordings {
+        row("recordings", unlogged::recordings_in_short(found));
+        row("", "the calibration has the offset of the last recording".into());
+    }
+    let unit = symbol();
+    if let Some(solution) = &fitted.solution {
+        let field = solution.calibration.field_ut;
+        let percent = |value: f64| format!("{:.2} %", value / field * 100.0);
+        let before = fitted.before.map_or(String::new(), |(_, rms)| format!("{} → ", fixed(Some(rms), 2)));
+        row(
+            "error",
+            format!(
+                "{before}{} {unit} rms ({} of the field)",
+                fixed(Some(solution.rms_ut), 2),
+                percent(solution.rms_ut)
+            ),
+        );
+        if let Some(held_out) = fitted.holdout_rms_ut {
+            row("held-out error", format!("{} {unit} (10-fold)", fixed(Some(held_out), 2)));
+        }
+        if let Some(floor) = fitted.residual_floor_ut {
+            row("noise floor", format!("{} {unit}", fixed(Some(floor), 2)));
+        }
+        row(
+            "predicted error",
+            format!(
+                "{} {unit} ({}; 1σ of a corrected vector, worst direction)",
+                fixed(Some(solution.vector_error_ut()), 2),
+                percent(solution.vector_error_ut())
+            ),
+        );
+        if let Some(degrees) = fitted.heading_error_deg {
+            row("heading error", format!("{degrees:.2}° (1σ, {})", posture(fitted)));
+        }
+        let source = match expected {
+            Expected { earth: Some(_), .. } => "World Magnetic Model",
+            Expected { field_ut: Some(_), .. } => "as given by --field",
+            _ => "mean of the log; use --field or --at for the true value",
+        };
+        row("field strength", format!("{} {unit} ({source})", fixed(Some(field), 2)));
+        for effect in &solution.effects {
+            row("effect", format!("{} ({})", effect.name, effect.id));
+        }
+    }
+    if let Some(coverage) = fitted.coverage {
+        let gap = number(fitted.gap_deg, 0);
+        row("coverage", format!("{:.0} % of directions (largest gap {gap}°)", coverage * 100.0));
+    }
+}
+
+/// The orientations that a heading error is for.
+pub fn posture(fitted: &Fitted) -> String {
+    let tilt = fitted.holds_for.as_ref();
+    let tilt = tilt.map_or("level".into(), |holds_for| format!("tilted by up to {:.0}°", holds_for.tilt_deg));
+    format!("{tilt}, dip {}°", number(fitted.dip_deg, 0))
+}
+
+/// How many times the noise floor the error is: of the largest floor that the noise can have, and of the least.
+fn error_ratios(fitted: &Fitted) -> (f64, f64) {
+    let ratio = |solution: &Solution, floor: Option<f64>| match floor.filter(|floor| *floor > 0.0) {
+        Some(floor) => solution.rms_ut / floor,
+        None => 1.0,
+    };
+    let Some(solution) = &fitted.solution else { return (1.0, 1.0) };
+    let least = fitted.residual_floor_least_ut.filter(|least| *least > 0.0).or(fitted.residual_floor_ut);
+    (ratio(solution, fitted.residual_floor_ut), ratio(solution, least))
+}
+
+fn remarks(fitted: &Fitted, out: &mut Vec<String>) {
+    let mut list = Vec::new();
+    let (ratio, most) = error_ratios(fitted);
+    if ratio > MIN_ERROR_RATIO_TO_DIAGNOSE {
+        list.push(format!(
+            "The remaining error is {ratio:.1} × the noise floor, so the model lacks a cause of error."
+        ));
+    } else if most > MIN_ERROR_RATIO_TO_DIAGNOSE {
+        list.push(format!(
+            "The remaining error is {most:.1} × the change from sample to sample. Either the sensor noise is correlated, or the \
+             model lacks a cause of error."
+        ));
+    }
+    let alignment = fitted.solution.as_ref().map(|solution| &solution.alignment);
+    if let (Some(Alignment::Done { after_deg, .. }), Some(predicted)) = (alignment, fitted.heading_error_deg)
+        && *after_deg > MIN_DIP_SPREAD_DEG
+        && *after_deg > MIN_DIP_SPREAD_RATIO * predicted
+    {
+        list.push(format!(
+            "The dip varies by {after_deg:.1}° rms, {:.1} × the heading error that noise explains. Possible causes: a shaken \
+             accelerometer, or a delayed magnetometer.",
+            after_deg / predicted
+        ));
+    }
+    if !list.is_empty() {
+        out.push(String::new());
+        list.iter().for_each(|text| out.extend(wrap(text, "", WIDTH)));
+    }
+}
+
+fn next_steps(arguments: &FitArgs, fitted: &Fitted, out: &mut Vec<String>) {
+    out.push(String::new());
+    out.push("Next steps".into());
+    let mut step = |what: &str, command: String| {
+        out.push(format!("  {what}:"));
+        out.push(format!("    {command}"));
+    };
+    let loose = fitted.solution.as_ref().is_some_and(|solution| {
+        matches!((&solution.alignment, fitted.heading_error_deg), (Alignment::Done { after_deg, .. }, Some(predicted))
+            if *after_deg > MIN_DIP_SPREAD_DEG && *after_deg > MIN_DIP_SPREAD_RATIO * predicted)
+    });
+    let unexplained = error_ratios(fitted).1 > MIN_ERROR_RATIO_TO_DIAGNOSE || loose;
+    if !fitted.accepted {
+        step("See what the log shows, and what is missing", next::diagnose(arguments));
+    } else if unexplained {
+        step("Find the cause of the remaining error", next::diagnose(arguments));
+    }
+    if fitted.accepted {
+        match &arguments.output {
+            Some(path) if path != Path::new("-") => {
+                step("Check the calibration on a second log", next::check(arguments, path));
+            }
+            Some(_) => {}
+            None => step("Keep the calibration", next::fit(arguments) + " -o cal.json"),
+        }
+    }
+    if let Some(text) = next::must_be_saved(arguments) {
+        out.push(format!("  {text}"));
+    }
+    if out.last().is_some_and(|line| line == "Next steps") {
+        out.truncate(out.len() - 2);
+    }
+}
