@@ -83,6 +83,7 @@ export async function alone({ file, samples, cal, unreadable, hostile, names, sh
   }
   said.objections = await browser.usable();
   if (hostile) {
+    await page.locator("#reading-options").evaluate((one) => { one.open = true; });
     await read([]);
     await drop(page, hostile);
     await browser.until((name) => document.body.dataset.log === name, basename(hostile));
