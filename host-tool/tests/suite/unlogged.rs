@@ -78,13 +78,18 @@ fn a_slow_column_and_soft_iron_of_a_column_are_named_fitted_and_applied() {
         let strength = format!("{effect}=6");
         let log = simulate(&here, "log.csv", &["--seconds", "120", "--seed", seed, "--effect", &strength]);
         let diagnosis = diagnosed(&[&log]);
-        assert_eq!(named(&diagnosis), [effect], "{diagnosis}");
-        if let Some(key) = key {
-            assert!(diagnosis["effects"][0]["parameters"][key].as_f64() > Some(0.5), "{diagnosis}");
+        // A search offers a low-pass only where the column acts without one too.
+        if key.is_none() {
+            assert_eq!(named(&diagnosis), [effect], "{diagnosis}");
         }
         let cal = here.join("cal.json");
         let run = ironout(["fit", text(&log), "--add", effect, "-o", text(&cal)]);
         assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
+        if let Some(key) = key {
+            let file: Value =
+                serde_json::from_str(&std::fs::read_to_string(&cal).expect("a file")).expect("JSON");
+            assert!(file["effects"][0]["parameters"][key].as_f64() > Some(0.5), "{file}");
+        }
         let object = ironout(["check", text(&log), "--cal", text(&cal), "--json"]).json();
         let (rms, plain) =
             (object["rms_ut"].as_f64().unwrap(), diagnosis["steps"][0]["rms_ut"].as_f64().unwrap());
