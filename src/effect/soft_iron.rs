@@ -25,7 +25,9 @@ pub struct SoftIron<C, T> {
 
 const KIND: &str = "soft-iron";
 
-const FORM: Form = Form { tag: 15, column: true, coefficients: 6, zero: Zero::Column, ..Form::PLAIN };
+// No search offers it: a gain that acts in the field looks like its diagonal.
+const FORM: Form =
+    Form { tag: 15, column: true, coefficients: 6, zero: Zero::Column, offered: false, ..Form::PLAIN };
 
 /// Row and column of each coefficient in `S`.
 #[cfg(test)]
