@@ -3,6 +3,9 @@
 //! The colour of a noise is a matter of neighbouring samples: stretches of all samples tell it as well as the whole series does, and
 //! their transforms do not grow with the log. Slow changes over the whole log remain as steps from stretch to stretch.
 
+// A list of stretches may hold one.
+#![allow(clippy::single_range_in_vec_init)]
+
 use crate::noise::power::PADDING;
 use std::ops::Range;
 
@@ -14,7 +17,7 @@ const STRETCHES: usize = 16;
 /// Places in a series of `n` values: all of them, or stretches at equal distances.
 pub fn stretches(n: usize) -> Vec<Range<usize>> {
     if n <= MOST {
-        return Vec::from([0..n]);
+        return vec![0..n];
     }
     let long = MOST / STRETCHES;
     let begin = |stretch: usize| stretch * (n - long) / (STRETCHES - 1);

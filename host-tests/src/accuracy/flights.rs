@@ -158,13 +158,15 @@ pub struct Flight {
     pub own: Option<Found>,
 }
 
+/// An error, and that over the predicted one.
+type Pair = (f64, Option<f64>);
+
+/// Offset, matrix and motor vector.
+type Solved = ([f64; 3], [[f64; 3]; 3], Vector3<f64>);
+
 /// Least squares of offsets, diagonals, off-diagonals and motor compensation against the field that the attitude says, as ArduPilot's
 /// documents describe MAGFit.
-fn magfit(
-    drawn: &Drawn,
-    truth: &Truth,
-    column: Option<&[f64]>,
-) -> Option<([f64; 3], [[f64; 3]; 3], Vector3<f64>)> {
+fn magfit(drawn: &Drawn, truth: &Truth, column: Option<&[f64]>) -> Option<Solved> {
     let (sine, cosine) = drawn.truth.dip_deg.to_radians().sin_cos();
     let (east, north) = drawn.truth.declination_deg.to_radians().sin_cos();
     let ned = Vector3::new(cosine * north, cosine * east, sine) * drawn.truth.field_ut;
@@ -344,7 +346,7 @@ impl Flights {
                 if list.is_empty() {
                     continue;
                 }
-                let of = |pick: &dyn Fn(&Found) -> Option<(f64, Option<f64>)>| -> Vec<(f64, Option<f64>)> {
+                let of = |pick: &dyn Fn(&Found) -> Option<Pair>| -> Vec<Pair> {
                     list.iter().filter_map(pick).collect()
                 };
                 text += &format!(
