@@ -61,7 +61,7 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
         (
             "numbers",
             &[
-                "current offset (offset:current_a)",
+                "offset proportional to current (offset:current_a)",
                 "Size:",
                 "standard error, µT/A",
                 "offset, µT",
