@@ -27,9 +27,13 @@ pub(crate) fn added<'a>(
     if let Some(piece) = plain {
         return Ok(Some(piece));
     }
-    let Some(named) = catalogue.registry.parse(id).filter(|named| named.form.offered) else {
+    let Some(named) = catalogue.registry.parse(id) else {
         return Ok(None);
     };
+    if !named.form.offered {
+        // What no search offers is added all the same, where nothing of it is searched for.
+        return Ok(catalogue.build(&named, 0.0).filter(|_| named.form.searched.is_none()));
+    }
     let mut found = search::best(pass, fitted, catalogue, &named)?;
     if let Some(found) = found.as_mut().filter(|_| named.form.is_repeated()) {
         found.id = id.to_string();
