@@ -142,7 +142,7 @@ pub fn reference(log: &mut Log, columns: &str) -> Outcome<()> {
         return Err(fail("its magnitude is zero in some rows".into()));
     }
     log.notices.push(format!(
-        "{columns} is the true field, {:.3} to {:.3} µT (read as {unit}): each row is held against its own, and the scale is absolute",
+        "{columns} is the true field, {:.3} to {:.3} µT (read as {unit}). ironout compares each row with it, so the scale is absolute",
         spread[0], spread[1]
     ));
     let dip = vec![0.0; log.rows];

@@ -21,20 +21,12 @@ use std::borrow::Cow;
 /// Only where `options` ask for an effect that is not known or that this log does not allow.
 pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> {
     with_room(|| {
-        let lay = |table| Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
-        let ground = lay(table);
-        let Some(found) = recordings::apart(&ground) else { return searched(ground, options) };
-        let readings = recordings::moved(table, &found);
-        let one = recordings::with_readings(table, &readings);
-        let mut diagnosis = searched(lay(&one), options)?;
-        diagnosis.recordings = Some(found);
-        Ok(diagnosis)
+        let (diagnosis, recordings) = recordings::of_one_offset(table, options, |mut ground| {
+            leave_out(&mut ground, options);
+            of_ground_searched(&ground, options)
+        })?;
+        Ok(Diagnosis { recordings, ..diagnosis })
     })
-}
-
-fn searched(mut ground: Ground, options: &Options) -> Result<Diagnosis, Refusal> {
-    leave_out(&mut ground, options);
-    of_ground_searched(&ground, options)
 }
 
 /// The fit and the diagnosis of a log, of the same samples.
@@ -44,11 +36,13 @@ fn searched(mut ground: Ground, options: &Options) -> Result<Diagnosis, Refusal>
 pub fn fit_and_diagnose(table: &Table, options: &Options) -> Result<(Fitted, Diagnosis), Refusal> {
     ids::check(table, &options.add, options.registry)?;
     with_room(|| {
-        let mut ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
-        let fitted = of_ground(&ground, options)?;
-        leave_out(&mut ground, options);
-        let diagnosis = of_ground_searched(&ground, &Options { force_effect: true, ..options.clone() })?;
-        Ok((fitted, diagnosis))
+        let ((fitted, diagnosis), recordings) = recordings::of_one_offset(table, options, |mut ground| {
+            let fitted = of_ground(&ground, options)?;
+            leave_out(&mut ground, options);
+            let kept = Options { force_effect: true, ..options.clone() };
+            Ok((fitted, of_ground_searched(&ground, &kept)?))
+        })?;
+        Ok((fitted.of_recordings(table, recordings.clone()), Diagnosis { recordings, ..diagnosis }))
     })
 }
 

@@ -17,6 +17,7 @@ use crate::reason::Reason;
 use crate::samples::gravity::accelerometer;
 use crate::samples::samples::{Condition, Samples};
 use crate::samples::series::median;
+use crate::table::Table;
 use crate::unlogged::recordings::Recordings;
 use ironout::calibration::{Calibration, norm};
 use ironout::coverage::CoverageMap;
@@ -103,6 +104,12 @@ pub struct Fitted {
 }
 
 impl Fitted {
+    /// Of this log, whose recordings may have been moved to one offset.
+    pub(crate) fn of_recordings(mut self, table: &Table, recordings: Option<Recordings>) -> Self {
+        (self.log, self.recordings) = (table.fingerprint(), recordings);
+        self
+    }
+
     pub(crate) fn new(counted: &Counted, options: &Options) -> Self {
         Fitted {
             expected_field_ut: options.field_ut,

@@ -5,6 +5,7 @@
 
 use crate::base::ground::Ground;
 use crate::base::start;
+use crate::outcome::request::{Options, Refusal};
 use crate::table::Table;
 use crate::unlogged::recordings::{Recordings, offsets};
 use ironout::calibration::Calibration;
@@ -15,8 +16,23 @@ const SIGNIFICANT: f64 = 1e-3;
 /// hardly changes a correction is left alone.
 const WORTH_SAYING: f64 = 0.98;
 
+/// What `then` makes of a log; where the offsets of its recordings differ, of its readings with the offset of the last, and the
+/// offsets beside it.
+pub(crate) fn of_one_offset<T>(
+    table: &Table,
+    options: &Options,
+    then: impl FnOnce(Ground) -> Result<T, Refusal>,
+) -> Result<(T, Option<Recordings>), Refusal> {
+    let lay = |table| Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
+    let ground = lay(table);
+    let Some(found) = apart(&ground) else { return Ok((then(ground)?, None)) };
+    let readings = moved(table, &found);
+    let one = with_readings(table, &readings);
+    Ok((then(lay(&one))?, Some(found)))
+}
+
 /// The offsets of the recordings, where they differ.
-pub(crate) fn apart(ground: &Ground) -> Option<Recordings> {
+fn apart(ground: &Ground) -> Option<Recordings> {
     let counted = &ground.counted;
     let table = counted.table;
     if table.recordings.is_empty() || counted.rests {
@@ -46,7 +62,7 @@ fn recording_of(table: &Table, row: usize) -> usize {
 }
 
 /// The readings with the offset of the last recording that has one, µT.
-pub(crate) fn moved(table: &Table, found: &Recordings) -> [Vec<f64>; 3] {
+fn moved(table: &Table, found: &Recordings) -> [Vec<f64>; 3] {
     let last = found.recordings.last().map_or([0.0; 3], |one| one.offset_change_ut);
     let change = |row: usize| {
         // A recording that carries no offset of its own keeps that of the one before it.
@@ -69,7 +85,7 @@ pub(crate) fn moved(table: &Table, found: &Recordings) -> [Vec<f64>; 3] {
 }
 
 /// The table with these readings, as one recording.
-pub(crate) fn with_readings<'a>(table: &Table<'a>, readings: &'a [Vec<f64>; 3]) -> Table<'a> {
+fn with_readings<'a>(table: &Table<'a>, readings: &'a [Vec<f64>; 3]) -> Table<'a> {
     Table {
         field_ut: readings.each_ref().map(Vec::as_slice),
         counts: None,

@@ -17,15 +17,9 @@ use crate::threads::with_room;
 pub fn fit(table: &Table, options: &Options) -> Result<Fitted, Refusal> {
     ids::check(table, &options.add, options.registry)?;
     with_room(|| {
-        let lay = |table| Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
-        let ground = lay(table);
-        let Some(found) = recordings::apart(&ground) else { return of_ground(&ground, options) };
-        let readings = recordings::moved(table, &found);
-        let one = recordings::with_readings(table, &readings);
-        let mut fitted = of_ground(&lay(&one), options)?;
-        fitted.log = table.fingerprint();
-        fitted.recordings = Some(found);
-        Ok(fitted)
+        let (fitted, recordings) =
+            recordings::of_one_offset(table, options, |ground| of_ground(&ground, options))?;
+        Ok(fitted.of_recordings(table, recordings))
     })
 }
 

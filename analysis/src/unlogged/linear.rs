@@ -24,17 +24,21 @@ impl Row {
         if !(norm > 0.0 && norm.is_finite()) {
             return None;
         }
-        let direction @ [u, v, w] = [x / norm, y / norm, z / norm];
-        let base = [-u, -v, -w, u * x, v * y, w * z, u * y + v * x, u * z + w * x, v * z + w * y];
+        let direction = [x / norm, y / norm, z / norm];
+        let base = base_columns(direction, corrected_ut);
         Some(Row { residual_ut: norm - field_ut, direction, base })
     }
 }
 
-/// A vector with a small offset and a small matrix taken off: `h + S h − b`.
-pub fn moved(h: [f64; 3], step: &[f64; BASE]) -> [f64; 3] {
-    let [b0, b1, b2, xx, yy, zz, xy, xz, yz] = *step;
-    let [x, y, z] = h;
-    [x + xx * x + xy * y + xz * z - b0, y + xy * x + yy * y + yz * z - b1, z + xz * x + yz * y + zz * z - b2]
+/// Derivatives of the magnitude of `h + S h − b − …` by b and S, where that vector has this direction.
+pub fn base_columns([u, v, w]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; BASE] {
+    [-u, -v, -w, u * x, v * y, w * z, u * y + v * x, u * z + w * x, v * z + w * y]
+}
+
+/// `1 + S` of the six entries of a step.
+pub fn one_and(step: [f64; 6]) -> SMatrix<f64, 3, 3> {
+    let [xx, yy, zz, xy, xz, yz] = step;
+    SMatrix::<f64, 3, 3>::new(1.0 + xx, xy, xz, xy, 1.0 + yy, yz, xz, yz, 1.0 + zz)
 }
 
 /// Normal equations of K columns.

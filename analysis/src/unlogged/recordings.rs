@@ -3,7 +3,7 @@
 //! Gauss–Newton on the magnitude with the six entries of a symmetric matrix that all recordings share and three of an offset for each: the
 //! offsets are eliminated block by block (Schur), so that the cost is linear in the recordings.
 
-use crate::unlogged::linear::{BASE, Normal, Row, memory, moved};
+use crate::unlogged::linear::{BASE, Normal, Row, memory, one_and};
 use ironout::study::f_tail;
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
@@ -64,9 +64,10 @@ pub fn offsets(corrected_ut: &[Vec<[f64; 3]>], matrix: &[[f64; 3]; 3], field_ut:
     if left < 1.0 {
         return None;
     }
-    let f = ((common.squares - own.squares) / more) / (own.squares / left) / own.memory;
+    // Noise with a memory raises both squares alike; it is the degrees of freedom that it lowers.
+    let f = ((common.squares - own.squares) / more) / (own.squares / left);
     let to_sensor = |v: [f64; 3]| inverse.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum::<f64>());
-    let variance = own.squares / n * n / (n - 6.0 - 3.0 * logs.len() as f64).max(1.0) * own.memory;
+    let variance = own.squares / (n - 6.0 - 3.0 * logs.len() as f64).max(1.0) * own.memory;
     let recordings: Vec<Recording> = (0..logs.len())
         .map(|at| {
             let change: [f64; 3] =
@@ -144,7 +145,7 @@ fn solve(logs: &[&[[f64; 3]]], field_ut: f64, each: bool) -> Option<Solved> {
         let normals = sums(logs, &shared, &offsets, field_ut);
         let (step, own) = step(&normals, each)?;
         let mut largest = 0.0_f64;
-        let change = symmetric(&step);
+        let change = one_and(step.into());
         // h' = (1 + S)(C (x − b) ) − d: the offset stands behind the matrix, and moves with it.
         shared = change * shared;
         for (offset, own) in offsets.iter_mut().zip(&own) {
@@ -200,13 +201,6 @@ fn sums(
     logs.iter().zip(offsets).map(of).collect()
 }
 
-fn symmetric(step: &SVector<f64, 6>) -> SMatrix<f64, 3, 3> {
-    let mut all = [0.0; BASE];
-    all[3..].copy_from_slice(step.as_slice());
-    let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|unit| moved(unit, &all));
-    SMatrix::from(columns)
-}
-
 /// One step: of the shared matrix, and of each offset.
 fn step(normals: &[Normal<BASE>], each: bool) -> Option<(SVector<f64, 6>, Vec<SVector<f64, 3>>)> {
     if !each {
@@ -217,49 +211,44 @@ fn step(normals: &[Normal<BASE>], each: bool) -> Option<(SVector<f64, 6>, Vec<SV
             all.squares += normal.squares;
         }
         let (step, _) = all.solve()?;
-        let own = SVector::<f64, 3>::from_iterator(step.iter().take(3).copied());
-        return Some((SVector::from_iterator(step.iter().skip(3).copied()), vec![own; normals.len()]));
+        let own = step.fixed_rows::<3>(0).into_owned();
+        return Some((step.fixed_rows::<6>(3).into_owned(), vec![own; normals.len()]));
     }
-    let mut shared = Normal::<6>::default();
-    let mut blocks = Vec::with_capacity(normals.len());
-    for normal in normals {
-        let (own, cross, rest) = parts(normal);
-        let inverse = own.cholesky()?.inverse();
-        let right = SVector::<f64, 3>::from_iterator(normal.right.iter().take(3).copied());
-        let other = SVector::<f64, 6>::from_iterator(normal.right.iter().skip(3).copied());
-        shared.matrix += rest - cross.transpose() * inverse * cross;
-        shared.right += other - cross.transpose() * inverse * right;
-        blocks.push((inverse, cross, right));
-    }
+    let (shared, blocks) = eliminated(normals)?;
     let (step, _) = shared.solve()?;
-    let own = blocks.iter().map(|(inverse, cross, right)| -inverse * (right + cross * step)).collect();
+    let own = blocks.iter().map(|block| -block.inverse * (block.right + block.cross * step)).collect();
     Some((step, own))
 }
 
-type Parts = (SMatrix<f64, 3, 3>, SMatrix<f64, 3, 6>, SMatrix<f64, 6, 6>);
+/// The normal equations of one recording's offset, and how they hang on the matrix.
+struct Block {
+    inverse: SMatrix<f64, 3, 3>,
+    cross: SMatrix<f64, 3, 6>,
+    right: SVector<f64, 3>,
+}
 
-fn parts(normal: &Normal<BASE>) -> Parts {
-    let mut full = normal.matrix;
-    full.fill_lower_triangle_with_upper_triangle();
-    (
-        full.fixed_view::<3, 3>(0, 0).into_owned(),
-        full.fixed_view::<3, 6>(0, 3).into_owned(),
-        full.fixed_view::<6, 6>(3, 3).into_owned(),
-    )
+/// The normal equations of the matrix with the offsets eliminated, and what gives these back.
+fn eliminated(normals: &[Normal<BASE>]) -> Option<(Normal<6>, Vec<Block>)> {
+    let mut shared = Normal::<6>::default();
+    let mut blocks = Vec::with_capacity(normals.len());
+    for normal in normals {
+        let mut full = normal.matrix;
+        full.fill_lower_triangle_with_upper_triangle();
+        let inverse = full.fixed_view::<3, 3>(0, 0).into_owned().cholesky()?.inverse();
+        let cross = full.fixed_view::<3, 6>(0, 3).into_owned();
+        let right = normal.right.fixed_rows::<3>(0).into_owned();
+        shared.matrix += full.fixed_view::<6, 6>(3, 3) - cross.transpose() * inverse * cross;
+        shared.right += normal.right.fixed_rows::<6>(3) - cross.transpose() * inverse * right;
+        blocks.push(Block { inverse, cross, right });
+    }
+    Some((shared, blocks))
 }
 
 /// Covariances of the offsets with the matrix unknown.
 fn covariances(normals: &[Normal<BASE>]) -> Option<Vec<SMatrix<f64, 3, 3>>> {
-    let mut shared = Normal::<6>::default();
-    let mut blocks = Vec::with_capacity(normals.len());
-    for normal in normals {
-        let (own, cross, rest) = parts(normal);
-        let inverse = own.cholesky()?.inverse();
-        shared.matrix += rest - cross.transpose() * inverse * cross;
-        blocks.push((inverse, cross));
-    }
+    let (shared, blocks) = eliminated(normals)?;
     let of_matrix = shared.inverse()?;
-    let of = |(inverse, cross): &(SMatrix<f64, 3, 3>, SMatrix<f64, 3, 6>)| {
+    let of = |Block { inverse, cross, .. }: &Block| {
         let gain = inverse * cross;
         inverse + gain * of_matrix * gain.transpose()
     };

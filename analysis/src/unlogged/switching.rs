@@ -5,7 +5,7 @@
 //! from several beginnings. What competes with it is an offset that wanders (an Ornstein–Uhlenbeck process, one for each axis or along v): the
 //! same filter, and as many parameters less as it has fewer changes.
 
-use crate::unlogged::linear::{BASE, Normal, Row};
+use crate::unlogged::linear::{BASE, Normal, Row, base_columns, memory, one_and};
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
@@ -125,7 +125,7 @@ pub fn switching(
     };
     let to_sensor =
         |v: [f64; 3]| inverse.map(|row| row.iter().zip(v).map(|(a, b)| sign * a * b).sum::<f64>());
-    let variance = fit.squares / (n - ALL as f64);
+    let variance = fit.squares / (n - ALL as f64) * memory(left.iter().copied());
     let error = |axis: usize| {
         let row = SVector::<f64, 3>::from(inverse[axis]);
         (row.dot(&(fit.covariance * row)) * variance).max(0.0).sqrt()
@@ -214,24 +214,15 @@ fn rounds(sample: &[[f64; 3]], field_ut: f64, mut point: Point) -> Option<Fit> {
         for (h, on) in sample.iter().zip(&states) {
             let off = point.off(*h);
             let seen = Row::of(if *on { less(off, point.vector) } else { off }, field_ut)?;
-            let [[u, v, w], [x, y, z]] = [seen.direction, off];
-            let (a, b, c) = if *on { (-u, -v, -w) } else { (0.0, 0.0, 0.0) };
-            let columns =
-                [-u, -v, -w, u * x, v * y, w * z, u * y + v * x, u * z + w * x, v * z + w * y, a, b, c];
+            let mut columns = [0.0; ALL];
+            columns[..BASE].copy_from_slice(&base_columns(seen.direction, off));
+            if *on {
+                (0..3).for_each(|axis| columns[BASE + axis] = -seen.direction[axis]);
+            }
             normal.add(&columns, seen.residual_ut);
         }
         let (step, _) = normal.solve()?;
-        let change = SMatrix::<f64, 3, 3>::new(
-            1.0 + step[3],
-            step[6],
-            step[7], //
-            step[6],
-            1.0 + step[4],
-            step[8], //
-            step[7],
-            step[8],
-            1.0 + step[5],
-        );
+        let change = one_and(std::array::from_fn(|entry| step[3 + entry]));
         let offset = change * SVector::from(point.offset);
         point = Point {
             matrix: change * point.matrix,

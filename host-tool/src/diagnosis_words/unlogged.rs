@@ -1,7 +1,8 @@
 //! What no column shows: an offset for each recording, an offset that switches.
 
-use crate::diagnosis_words::numbers::{microtesla, probability, wrap};
+use crate::diagnosis_words::numbers::{field, probability, wrap};
 use crate::diagnosis_words::told::{Told, WIDTH, title};
+use crate::field_unit::{fixed, symbol};
 use ironout_analysis::unlogged::recordings::Recordings;
 use ironout_analysis::unlogged::switching::Switching;
 
@@ -20,52 +21,64 @@ pub(crate) fn sections(told: &Told, out: &mut Vec<String>) {
     }
 }
 
+/// A field with its sign, in the unit in use.
+fn signed(value_ut: f64) -> String {
+    let number = fixed(Some(value_ut), 2);
+    if number.starts_with('-') { number } else { format!("+{number}") }
+}
+
+/// A vector with its unit.
+fn vector(values_ut: [f64; 3]) -> String {
+    let [x, y, z] = values_ut.map(signed);
+    format!("x {x}, y {y}, z {z} {}", symbol())
+}
+
+/// A vector with its standard errors and its unit.
+fn vector_with_errors(values_ut: [f64; 3], errors_ut: [f64; 3]) -> String {
+    let [x, y, z] =
+        [0, 1, 2].map(|axis| format!("{} ±{}", signed(values_ut[axis]), fixed(Some(errors_ut[axis]), 2)));
+    format!("x {x}, y {y}, z {z} {}", symbol())
+}
+
 /// The offsets of recordings in one line.
 pub(crate) fn recordings_in_short(found: &Recordings) -> String {
-    let [x, y, z] = found.per_recording_ut.map(|value| format!("{value:+.2}"));
-    format!("one matrix, {} offsets; change per recording x {x}, y {y}, z {z} µT", found.recordings.len())
+    format!(
+        "one matrix, {} offsets; change per recording {}",
+        found.recordings.len(),
+        vector(found.per_recording_ut)
+    )
 }
 
 /// A switching offset in one line.
 pub(crate) fn switching_in_short(found: &Switching) -> String {
-    let [x, y, z] = found.offset_ut.map(|value| format!("{value:+.2}"));
     format!(
-        "offset x {x}, y {y}, z {z} µT, on {} times ({:.0} % of samples), not logged",
+        "offset {}, on {} times ({:.0} % of samples), not logged",
+        vector(found.offset_ut),
         found.on_s.len(),
         100.0 * found.duty
     )
 }
 
-fn triple(values: [f64; 3]) -> String {
-    values.map(|value| format!("{value:+9.2}")).concat()
-}
-
 /// The offsets of recordings as a table.
 pub(crate) fn recordings(found: &Recordings, width: usize) -> Vec<String> {
-    let mut out = vec![format!(
-        "  recording   samples        x        y        z   µT, less the offset of all together"
-    )];
+    let mut out =
+        vec!["  recording   samples   offset relative to that of all recordings together".to_string()];
     for one in found.recordings.iter().take(MOST) {
-        let errors = one.std_errors_ut.map(|error| format!("{error:.2}")).join(" ");
-        out.push(format!(
-            "  {:>9}  {:>8}{}   ± {errors}",
-            one.index + 1,
-            one.samples,
-            triple(one.offset_change_ut)
-        ));
+        let offset = vector_with_errors(one.offset_change_ut, one.std_errors_ut);
+        out.push(format!("  {:>9}  {:>8}   {offset}", one.index + 1, one.samples));
     }
     if found.recordings.len() > MOST {
         out.push(format!("  and {} more; --json lists all", found.recordings.len() - MOST));
     }
-    let per = found.per_recording_ut.map(|value| format!("{value:+.2}")).join(", ");
-    let errors = found.per_recording_errors_ut.map_or(String::new(), |errors| {
-        format!(" ± {}", errors.map(|error| format!("{error:.2}")).join(", "))
-    });
+    let per = match found.per_recording_errors_ut {
+        Some(errors) => vector_with_errors(found.per_recording_ut, errors),
+        None => vector(found.per_recording_ut),
+    };
     let text = format!(
-        "One matrix and an offset for each recording: the error falls from {} to {} µT (p-value {}). From one recording to the next the \
-         offset changes by {per}{errors} µT. The rest of this answer uses the offset of the last recording.",
-        microtesla(found.common_rms_ut),
-        microtesla(found.rms_ut),
+        "With one matrix and an offset for each recording the error falls from {} to {} (p-value {}). From one recording to the next \
+         the offset changes by {per}. The rest of this answer uses the offset of the last recording.",
+        field(found.common_rms_ut),
+        field(found.rms_ut),
         probability(found.p_value),
     );
     out.extend(wrap(&text, "  ", width));
@@ -73,12 +86,11 @@ pub(crate) fn recordings(found: &Recordings, width: usize) -> Vec<String> {
 }
 
 fn switching(found: &Switching) -> Vec<String> {
-    let [x, y, z] = found.offset_ut.map(|value| format!("{value:+.2}"));
-    let [ex, ey, ez] = found.std_errors_ut.map(|error| format!("{error:.2}"));
     let size = found.offset_ut.iter().map(|value| value * value).sum::<f64>().sqrt();
     let mut out = vec![format!(
-        "  on less off    x {x} ±{ex}   y {y} ±{ey}   z {z} ±{ez}  µT   ({} µT)",
-        microtesla(size)
+        "  change when on   {}   ({})",
+        vector_with_errors(found.offset_ut, found.std_errors_ut),
+        field(size)
     )];
     let spans: Vec<String> =
         found.on_s.iter().take(MOST).map(|[from, to]| format!("{from:.1} to {to:.1}")).collect();
@@ -92,10 +104,10 @@ fn switching(found: &Switching) -> Vec<String> {
     );
     out.extend(wrap(&times, "  ", WIDTH));
     let text = format!(
-        "It takes the error from {} to {} µT. Something near the sensor is switched on and off: an LED, a charger, a relay, a transmitter. Log \
-         its state or its current as a column, or move it away.",
-        microtesla(found.before_rms_ut),
-        microtesla(found.rms_ut)
+        "With it the error falls from {} to {}. Something near the sensor is switched on and off: an LED, a charger, a relay, a \
+         transmitter. Log its state or its current as a column, or move it away.",
+        field(found.before_rms_ut),
+        field(found.rms_ut)
     );
     out.extend(wrap(&text, "  ", WIDTH));
     out
