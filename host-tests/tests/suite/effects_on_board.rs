@@ -73,12 +73,12 @@ fn effects_are_applied_once_their_columns_are_fed() {
         ),
         "{show:?}"
     );
-    assert!(board.command("status")[0].ends_with("waits for: cov case_c=VALUE"));
+    assert!(board.command("status")[0].ends_with("the calibration needs: cov case_c=VALUE"));
     let unknown = stream_cal(&mut board);
     assert!(!unknown.is_empty() && unknown.iter().all(|line| line.ends_with(",-,-,-,-,-")), "{unknown:?}");
 
     assert_eq!(last(&mut board, "cov case_c=35"), "ok case_c=35.0 used=1 tested=1");
-    assert!(board.command("status")[0].ends_with("waits for: cov current_a=VALUE"));
+    assert!(board.command("status")[0].ends_with("the calibration needs: cov current_a=VALUE"));
     assert_eq!(last(&mut board, "cov current_a=4.5"), "ok current_a=4.5 used=1 tested=1");
     // Temperature of the chip, case and current: three are tested, and a fourth is refused, nothing lost.
     assert!(
@@ -129,7 +129,7 @@ fn numbers(line: &str) -> Vec<f64> {
 fn effects_of_time_wait_for_the_clock_and_then_go_by_it() {
     let drift = BuiltIn::Drift(Drift { reference_s: 100.0 });
     let mut board = board_with(&record(&[fitted(drift, [1.0, 0.0, 0.0])]));
-    assert!(board.command("status")[0].ends_with("waits for: cov t_s=VALUE"));
+    assert!(board.command("status")[0].ends_with("the calibration needs: cov t_s=VALUE"));
     assert_eq!(last(&mut board, "cov t_s=100"), "ok t_s=100.0 used=1 tested=0");
     let at = |board: &mut SimBoard| -> f64 {
         let line = stream_cal(board).pop().expect("a sample");

@@ -39,7 +39,7 @@ fn a_store_whose_bus_is_freed_after_ten_minutes_is_reported_until_then_and_used_
     board.restart();
     board.run_ms(600_000);
     let status = board.command("status");
-    let said = "+ store does not answer (slots=unreadable,unreadable): check its power and wiring; it is asked again by itself";
+    let said = "+ store does not answer (slots=unreadable,unreadable): check its power and wiring; the firmware retries";
     assert!(status.iter().any(|line| line == said), "{status:?}");
     assert_eq!(value(&status[status.len() - 1], "calibrated"), "0");
     assert_eq!(board.device.samples_lost(), 0);

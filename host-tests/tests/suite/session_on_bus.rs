@@ -90,7 +90,7 @@ fn status_tells_how_far_it_is_and_where_to_turn_next() {
     board.command("cal start");
     board.run_ms(3000);
     let early = board.command("status");
-    assert!(early[0].starts_with("+ hint keep turning; bring the "), "{early:?}");
+    assert!(early[0].starts_with("+ hint keep rotating; bring the "), "{early:?}");
     assert_eq!(value(&early[1], "state"), "collecting");
     board.run_ms(57_000);
     let late = board.command("status");
@@ -169,7 +169,7 @@ fn another_chip_at_the_address_is_named() {
     board.mag.borrow_mut().set_identity(*b"H55");
     board.run_ms(500);
     let answer = last(&mut board, "cal start");
-    assert!(answer.contains("identity [48, 35, 35] where [48, 34, 33] is expected"), "{answer}");
+    assert!(answer.contains("identity [48, 35, 35] instead of [48, 34, 33]"), "{answer}");
 }
 
 #[test]
