@@ -44,7 +44,7 @@ pub fn detect(first: &[u8], options: &ReadOptions) -> Format {
     let begins = |table: &[(&[u8], &'static str)]| {
         table.iter().find(|(magic, _)| first.starts_with(magic)).map(|(_, name)| *name)
     };
-    if let Some(format) = formats::detected(first) {
+    if let Some(format) = formats::detect(first) {
         return Format::Recording(format);
     }
     if let Some(name) = begins(FOREIGN) {
