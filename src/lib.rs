@@ -54,7 +54,7 @@
 //! | [`record`], [`store`] | what survives a restart: a checked record in two slots |
 //! | [`protocol`], [`device`] | the console's language, and the board's whole application without I/O |
 //!
-//! Each room imports only what stands before it in the order of `docs/architecture.md`, which `cargo layers` checks.
+//! Each room imports only what stands before it in the order of `host-tests/layers/ROOMS.md`, which `cargo layers` checks.
 //! Data flow one way: a fit never reads a driver, a driver never knows a calibration, and nothing here names a pin or a bus.
 //!
 //! # Features

@@ -14,7 +14,7 @@ use std::path::Path;
 /// # Errors
 /// A sentence, where the crates or the declared order cannot be read at all.
 pub fn check_workspace(root: &Path) -> Result<Report, String> {
-    let document = root.join("docs/architecture.md");
+    let document = root.join("host-tests/layers/ROOMS.md");
     let text =
         std::fs::read_to_string(&document).map_err(|error| format!("{}: {error}", document.display()))?;
     let order = Order::parse(&text);

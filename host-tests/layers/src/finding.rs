@@ -132,7 +132,7 @@ impl fmt::Display for Finding {
                 write!(f, "{target}: the room {from} imports {to}, which stands above it\n    {import}")
             }
             Self::NoRoom { target, file } => {
-                write!(f, "{target}: {file} is in no room: name its room in docs/architecture.md")
+                write!(f, "{target}: {file} is in no room: name its room in host-tests/layers/ROOMS.md")
             }
             Self::EmptyRoom { target, room } => {
                 write!(f, "{target}: docs/architecture.md names `{room}`, and there is none")
@@ -152,7 +152,7 @@ impl fmt::Display for Finding {
             }
             Self::NotThereAnyMore { from, to } => write!(
                 f,
-                "{from} does not import {to} any more: take the row out of \"Not yet in order\" in docs/architecture.md"
+                "{from} does not import {to} any more: take the row out of \"Not yet in order\" in host-tests/layers/ROOMS.md"
             ),
             Self::Unreadable { why } => f.write_str(why),
         }

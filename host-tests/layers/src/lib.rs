@@ -1,5 +1,5 @@
 //! Shows that no file of the workspace imports another in a circle, that arrows only run down the order of rooms that
-//! `docs/architecture.md` declares, and that no code file is too long.
+//! `host-tests/layers/ROOMS.md` declares, and that no code file is too long.
 //!
 //! | what counts as an arrow | |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! The declared order: tables in `docs/architecture.md`, for people first.
+//! The declared order: tables in `host-tests/layers/ROOMS.md`, for people first.
 //!
 //! ```text
 //! ## Order of crates
