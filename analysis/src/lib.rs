@@ -30,6 +30,7 @@ pub mod picture;
 mod plain;
 pub mod plausible;
 pub mod reason;
+pub mod report;
 pub mod residual;
 pub mod samples;
 pub mod search;
@@ -48,6 +49,7 @@ pub use outcome::outcome::Diagnosis;
 pub use outcome::request::{Options, Refusal};
 pub use outside::{Extrapolation, Outside};
 pub use picture::look::{Look, look, look_with};
+pub use report::Report;
 pub use table::{BadTable, Named, Table};
 
 /// The examples of the readme, compiled and run.

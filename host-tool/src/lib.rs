@@ -47,6 +47,7 @@ pub mod read_block;
 pub mod reading;
 pub mod refusal;
 pub mod registry;
+pub mod report_text;
 pub mod shell;
 pub mod source;
 #[cfg(all(feature = "demo", not(target_arch = "wasm32")))]

@@ -41,6 +41,7 @@ pub fn run(arguments: &DiagnoseArgs, form: Form) -> Outcome<u8> {
             let mut object = json::object(&diagnosis);
             if let Some(fields) = object.as_object_mut() {
                 fields.extend(read_block::context(&log));
+                fields.insert("report".into(), serde_json::json!(diagnosis_words::report(&told)));
             }
             output::line(&object.to_string());
         }

@@ -9,7 +9,7 @@ use crate::reading::Reading;
 use crate::registry::REGISTRY;
 use crate::{atomic, fit_words, output, prior, read_block, refusal, source};
 use ironout_analysis::reason::codes;
-use ironout_analysis::{Options, Table, fit};
+use ironout_analysis::{Options, Report, Table, fit};
 
 /// The object of `--json`: the fit, and how the log was read.
 #[derive(serde::Serialize)]
@@ -17,6 +17,7 @@ struct Said {
     #[serde(flatten)]
     fit: FitObject,
     reason_codes: Vec<&'static str>,
+    report: Report,
     #[serde(flatten)]
     context: serde_json::Map<String, serde_json::Value>,
 }
@@ -82,6 +83,7 @@ pub fn run(arguments: &FitArgs, form: Form) -> Outcome<u8> {
             let object = Said {
                 fit: FitObject::of(&fitted, method.name()),
                 reason_codes: codes(&fitted.reasons),
+                report: fit_words::report(arguments, &log, &fitted, &expected),
                 context: read_block::context(&log),
             };
             output::line(&serde_json::to_string(&object).map_err(to_text)?);

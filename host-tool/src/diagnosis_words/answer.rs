@@ -3,43 +3,46 @@
 use crate::diagnosis_words::conclusion::{verdict, what_next};
 use crate::diagnosis_words::found::{amount, axis_order};
 use crate::diagnosis_words::numbers::{degrees, microtesla, percent, probability};
-use crate::diagnosis_words::told::{Told, at_rest, counted};
+use crate::diagnosis_words::told::{Told, WIDTH, at_rest, counted};
 use crate::diagnosis_words::unlogged;
 use crate::field_unit::symbol;
-use crate::wrap::shortened;
+use crate::report_text::{Layout, lines};
+use ironout_analysis::Report;
 use ironout_analysis::outcome::outcome::{StepRow, Verdict};
 use ironout_analysis::samples::faults::FaultKind;
 
 /// Found effects that get a line of their own.
 const EFFECTS: usize = 4;
-/// Lines are at most this wide.
-const WIDTH: usize = 100;
 /// Columns of the residual that are named if nothing explains it.
 const COLUMNS: usize = 3;
 
-/// The answer, line by line.
-pub fn answer(told: &Told) -> Vec<String> {
-    let mut out = Vec::new();
-    verdict(told, &mut out);
-    out.push(String::new());
-    figures(told, &mut out);
-    what_next(told, &mut out);
-    out
+/// The answer.
+pub fn report(told: &Told) -> Report {
+    let mut report = Report { verdict: verdict(told), ..Report::default() };
+    figures(told, &mut report);
+    what_next(told, &mut report);
+    report
 }
 
-fn figures(told: &Told, out: &mut Vec<String>) {
+/// The answer, line by line.
+pub fn answer(told: &Told) -> Vec<String> {
+    lines(&report(told), Layout { width: WIDTH, label: 14 })
+}
+
+fn figures(told: &Told, report: &mut Report) {
     let diagnosis = told.diagnosis;
     let seconds = told.log.time_s.as_ref().and_then(|t| Some(t.last()? - t.first()?));
     let over = seconds.map_or(" (no time column)".to_string(), |s| format!(" over {s:.1} s"));
-    // As long as it is: a long path must not cut the counts.
-    out.push(format!(
-        "  {:<14} {}: {}{over}, {} used",
+    let mut row = |label: &str, text: String| report.figure(label, text);
+    row(
         "log",
-        told.log.path.display(),
-        counted(told.log.rows, "row"),
-        counted(diagnosis.samples_used, "sample")
-    ));
-    let mut row = |label: &str, text: String| out.push(shortened(&format!("  {label:<14} {text}"), WIDTH));
+        format!(
+            "{}: {}{over}, {} used",
+            told.log.path.display(),
+            counted(told.log.rows, "row"),
+            counted(diagnosis.samples_used, "sample")
+        ),
+    );
     let steps: Vec<&StepRow> = diagnosis.steps.iter().collect();
     let determined = diagnosis.verdict != Verdict::Undetermined;
     if let (Some(first), Some(last)) = (steps.first(), steps.last()) {

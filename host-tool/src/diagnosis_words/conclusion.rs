@@ -1,10 +1,11 @@
 //! The end of the explanation: the verdict in a sentence, and what to do about it.
 
 use crate::cli::{DiagnoseArgs, typed_option};
-use crate::diagnosis_words::numbers::{degrees, field, microtesla, wrap};
-use crate::diagnosis_words::told::{Told, WIDTH, at_rest, groups, listed, name_of, title};
+use crate::diagnosis_words::numbers::{degrees, field, microtesla};
+use crate::diagnosis_words::told::{Told, at_rest, groups, listed, name_of};
 use crate::diagnosis_words::{advice, found, next};
 use crate::log_args::SAVED;
+use ironout_analysis::Report;
 use ironout_analysis::base::mounting;
 use ironout_analysis::outcome::outcome::{Diagnosis, Status, Verdict};
 use ironout_analysis::samples::faults::FaultKind;
@@ -126,7 +127,7 @@ const MIN_VARIANCE_EXPLAINED: f64 = 0.5;
 const MAX_P_VALUE: f64 = 1e-6;
 
 /// The column that most of the error goes with, where none of its effects is in the model. Says whether there is one.
-fn goes_with(diagnosis: &Diagnosis, add: &[String], out: &mut Vec<String>) -> bool {
+fn goes_with(diagnosis: &Diagnosis, add: &[String], report: &mut Report) -> bool {
     let is_column = |name: &str| !NO_COLUMNS.contains(&name);
     let named = |column: &str| add.iter().any(|id| id.contains(&format!(":{column}")));
     let mut columns = diagnosis.shows.iter().filter(|shown| is_column(&shown.against));
@@ -136,28 +137,22 @@ fn goes_with(diagnosis: &Diagnosis, add: &[String], out: &mut Vec<String>) -> bo
         Verdict::Undetermined => "but no effect is named without offset and matrix",
         _ => "but not significantly enough to name an effect",
     };
-    out.extend(wrap(
-        &format!(
-            "{:.0} % of the residual variance depends on {}, {why}. Record a log in which it rises and falls in many orientations, and \
-             diagnose that log.",
-            100.0 * shown.explained,
-            shown.against
-        ),
-        "  ",
-        WIDTH,
+    report.say(format!(
+        "{:.0} % of the residual variance depends on {}, {why}. Record a log in which it rises and falls in many orientations, and \
+         diagnose that log.",
+        100.0 * shown.explained,
+        shown.against
     ));
     true
 }
 
-/// The verdict.
-pub fn verdict(told: &Told, out: &mut Vec<String>) {
-    out.extend(wrap(&sentence(told.diagnosis), "", WIDTH));
-    for id in &told.arguments.add {
+/// The verdict, and why an effect that was asked for is not needed.
+pub fn verdict(told: &Told) -> Vec<String> {
+    let asked = told.arguments.add.iter().filter_map(|id| {
         let row = told.diagnosis.candidates.iter().find(|row| row.id == *id);
-        if let Some(row) = row.filter(|row| row.status == Status::NotNeeded) {
-            out.extend(wrap(&format!("{id} was {}.", row.why), "", WIDTH));
-        }
-    }
+        row.filter(|row| row.status == Status::NotNeeded).map(|row| format!("{id} was {}.", row.why))
+    });
+    std::iter::once(sentence(told.diagnosis)).chain(asked).collect()
 }
 
 /// The effects that `fit --add` takes: those in the steps, in their order.
@@ -174,57 +169,47 @@ pub fn to_add(diagnosis: &Diagnosis, arguments: &DiagnoseArgs) -> Vec<String> {
 }
 
 /// The commands, or the recording, that come next.
-pub fn what_next(told: &Told, out: &mut Vec<String>) {
+pub fn what_next(told: &Told, report: &mut Report) {
     let Told { log, arguments, diagnosis } = told;
     let piped = log.path == Path::new("-");
     let path = if piped { SAVED.to_string() } else { log.path.display().to_string() };
-    title(out, "Next steps");
-    let command = |out: &mut Vec<String>, text: String| out.push(format!("    {text}"));
-    let say = |out: &mut Vec<String>, text: &str| out.extend(wrap(text, "  ", WIDTH));
     let add = to_add(diagnosis, arguments);
     if piped {
-        say(out, &format!("The log came from standard input. Save it as {SAVED} first."));
+        report.say(format!("The log came from standard input. Save it as {SAVED} first."));
     }
     if let Some(standing) = found::axis_order(diagnosis) {
         if standing.is_open() {
-            say(
-                out,
-                "This log cannot show whether the axes are rotated or mirrored. Give the place of the recording, or log heading_deg. If you know which it is, use:",
+            report.say("This log cannot show whether the axes are rotated or mirrored. Give the place of the recording, or log heading_deg. If you know which it is, use:",
             );
-            command(out, next::diagnose(arguments, &path, "--at LAT,LON,YYYY-MM-DD"));
+            report.command(next::diagnose(arguments, &path, "--at LAT,LON,YYYY-MM-DD"));
         } else {
-            say(out, "Correct the axis order (in the driver, or with this option) and diagnose again:");
+            report.say("Correct the axis order (in the driver, or with this option) and diagnose again:");
         }
         for (rotate, _) in standing.readings() {
-            command(out, next::diagnose(arguments, &path, typed_option("--rotate", &rotate).trim()));
+            report.command(next::diagnose(arguments, &path, typed_option("--rotate", &rotate).trim()));
         }
         return;
     }
     if at_rest(diagnosis) && diagnosis.verdict != Verdict::Undetermined {
-        say(
-            out,
-            "A sensor at rest shows disturbances, but it cannot be calibrated. Record a log in which the same things change while you rotate the sensor through all directions, and diagnose that log.",
+        report.say("A sensor at rest shows disturbances, but it cannot be calibrated. Record a log in which the same things change while you rotate the sensor through all directions, and diagnose that log.",
         );
         return;
     }
     if diagnosis.calibration.is_none() && diagnosis.verdict != Verdict::Undetermined {
-        say(
-            out,
-            "The effect is clear, but this log cannot provide offset and matrix. Use an earlier calibration, or record a log in which the same things change while you rotate the sensor through all directions:",
+        report.say("The effect is clear, but this log cannot provide offset and matrix. Use an earlier calibration, or record a log in which the same things change while you rotate the sensor through all directions:",
         );
-        command(out, format!("{} --prior earlier.json", next::diagnose(arguments, &path, "")));
+        report.command(format!("{} --prior earlier.json", next::diagnose(arguments, &path, "")));
         return;
     }
     match diagnosis.verdict {
         Verdict::Complete => match &diagnosis.fit_refuses {
             None => {
-                say(out, "Calibrate with this log:");
-                command(out, next::fit(arguments, &add));
-                command(out, next::check(arguments));
+                report.say("Calibrate with this log:");
+                report.command(next::fit(arguments, &add));
+                report.command(next::check(arguments));
             }
-            Some(why) => {
-                say(out, &format!("This log is not sufficient for a calibration, and fit refuses it: {why}."))
-            }
+            Some(why) => report
+                .say(format!("This log is not sufficient for a calibration, and fit refuses it: {why}.")),
         },
         Verdict::Missing => {
             let is_bound = |id: &String| {
@@ -233,18 +218,16 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
             let (bound, lasting): (Vec<String>, Vec<String>) = add.iter().cloned().partition(is_bound);
             let it = if add.len() == 1 { "it" } else { "them" };
             match &diagnosis.fit_refuses {
-                None if !bound.is_empty() => say(out, &format!("Calibrate with {it} in the model:")),
-                None => say(out, &format!("Add {it} to the calibration, then check it on a second log:")),
-                Some(why) => say(
-                    out,
-                    &format!(
+                None if !bound.is_empty() => report.say(format!("Calibrate with {it} in the model:")),
+                None => report.say(format!("Add {it} to the calibration, then check it on a second log:")),
+                Some(why) => report.say(format!(
                         "This log is not sufficient for a calibration, and fit refuses it: {why}. Record another log, and add {it} there:"
                     ),
                 ),
             }
-            command(out, next::fit(arguments, &add));
+            report.command(next::fit(arguments, &add));
             if bound.is_empty() {
-                command(out, next::check(arguments));
+                report.command(next::check(arguments));
             }
             if !lasting.is_empty() {
                 let columns: Vec<String> =
@@ -252,14 +235,12 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
                 let needs =
                     if bound.is_empty() { "The second log and the device need" } else { "The device needs" };
                 if !columns.is_empty() {
-                    say(out, &format!("{needs} {} too.", listed(&columns)));
+                    report.say(format!("{needs} {} too.", listed(&columns)));
                 }
             }
             if !bound.is_empty() {
                 let (is, it) = if bound.len() == 1 { ("is", "it") } else { ("are", "they") };
-                say(
-                    out,
-                    &format!(
+                report.say(format!(
                         "({} {is} tied to the time of this log. In the model {it} make{} offset and matrix correct, but {it} cannot correct another log. Remove the cause, then record again{}.)",
                         listed(&bound),
                         if bound.len() == 1 { "s" } else { "" },
@@ -271,50 +252,41 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
         Verdict::Confounded => {
             for group in groups(diagnosis).iter().filter(|group| group.len() > 1).take(1) {
                 let advice = advice::separating(diagnosis.registry, &group[0], &group[1]);
-                say(out, &format!("Record a log that separates {} and {}: {advice}", group[0], group[1]));
+                report.say(format!("Record a log that separates {} and {}: {advice}", group[0], group[1]));
             }
-            say(out, "Then diagnose that log:");
-            command(out, next::diagnose(arguments, "second.csv", ""));
-            say(
-                out,
-                "If you know which of them is the cause, add it. The wrong one fits this log, but fails as soon as the two change separately:",
+            report.say("Then diagnose that log:");
+            report.command(next::diagnose(arguments, "second.csv", ""));
+            report.say("If you know which of them is the cause, add it. The wrong one fits this log, but fails as soon as the two change separately:",
             );
             for id in groups(diagnosis).first().into_iter().flatten().take(MOST_CHOICES) {
                 let mut ids = add.clone();
                 ids.push(id.clone());
-                command(out, next::fit(arguments, &ids));
+                report.command(next::fit(arguments, &ids));
             }
         }
         Verdict::Unexplained => {
             if !add.is_empty() {
-                say(
-                    out,
-                    match diagnosis.fit_refuses {
-                        Some(_) => "The fit with these effects is refused. It prints the reason:",
-                        None => "These effects reduce the error anyway:",
-                    },
-                );
+                report.say(match diagnosis.fit_refuses {
+                    Some(_) => "The fit with these effects is refused. It prints the reason:",
+                    None => "These effects reduce the error anyway:",
+                });
                 let fit = match diagnosis.fit_refuses {
                     Some(_) => next::try_fit,
                     None => next::fit,
                 };
-                command(out, fit(arguments, &add));
+                report.command(fit(arguments, &add));
             }
-            goes_with(diagnosis, &add, out);
+            goes_with(diagnosis, &add, report);
             if diagnosis.field_varies.is_some() {
-                say(
-                    out,
-                    "A calibration needs a uniform field. Rotate the sensor in one spot, outdoors and some metres away from iron, walls, cables and magnets, and diagnose that log. If you have to carry it, log its position.",
+                report.say("A calibration needs a uniform field. Rotate the sensor in one spot, outdoors and some metres away from iron, walls, cables and magnets, and diagnose that log. If you have to carry it, log its position.",
                 );
             }
             if is_only_unsure(diagnosis) {
-                say(out, "Record longer, in more orientations, and diagnose that log:");
-                command(out, next::diagnose(arguments, "longer.csv", ""));
+                report.say("Record longer, in more orientations, and diagnose that log:");
+                report.command(next::diagnose(arguments, "longer.csv", ""));
                 return;
             }
-            say(
-                out,
-                &format!(
+            report.say(format!(
                     "{} Log what changes near the sensor: temperature, currents, moving parts. ironout tests every numeric column.",
                     if add.is_empty() {
                         "See where the residual is large (-v)."
@@ -327,35 +299,32 @@ pub fn what_next(told: &Told, out: &mut Vec<String>) {
         Verdict::Undetermined
             if diagnosis.data_faults.iter().any(|fault| fault.kind == FaultKind::CopiedAxis) =>
         {
-            say(
-                out,
+            report.say(
                 "Correct the driver so that it reads each axis from its own registers, and record again.",
             );
         }
-        Verdict::Undetermined if goes_with(diagnosis, &add, out) => {
+        Verdict::Undetermined if goes_with(diagnosis, &add, report) => {
             if arguments.prior.is_none() && !diagnosis.has_attitude {
-                say(out, "An earlier good calibration can replace the missing orientations:");
-                command(out, next::diagnose(arguments, &path, "--prior earlier.json"));
+                report.say("An earlier good calibration can replace the missing orientations:");
+                report.command(next::diagnose(arguments, &path, "--prior earlier.json"));
             }
-            say(out, "The fit prints more about it:");
-            command(out, next::try_fit(arguments, &add));
+            report.say("The fit prints more about it:");
+            report.command(next::try_fit(arguments, &add));
         }
         Verdict::Undetermined
             if diagnosis.reasons.iter().all(|reason| reason.code == "residual-too-large") =>
         {
-            say(
-                out,
-                "The readings scatter too much for a calibration. Look for loose wires, moving magnets or iron, and a sensor rate that is too high. Then record again. The fit prints more about it:",
+            report.say("The readings scatter too much for a calibration. Look for loose wires, moving magnets or iron, and a sensor rate that is too high. Then record again. The fit prints more about it:",
             );
-            command(out, next::try_fit(arguments, &add));
+            report.command(next::try_fit(arguments, &add));
         }
         Verdict::Undetermined => {
             let turn = "Record again in more orientations: nose up and down, on both sides, upside down, each with a full turn.";
             if arguments.prior.is_some() {
-                say(out, turn);
+                report.say(turn);
             } else {
-                say(out, &format!("{turn} An earlier good calibration can replace them:"));
-                command(out, next::diagnose(arguments, &path, "--prior earlier.json"));
+                report.say(format!("{turn} An earlier good calibration can replace them:"));
+                report.command(next::diagnose(arguments, &path, "--prior earlier.json"));
             }
         }
     }

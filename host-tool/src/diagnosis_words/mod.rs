@@ -12,6 +12,7 @@ mod told;
 pub(crate) mod unlogged;
 mod words;
 
+pub use answer::report;
 pub use conclusion::sentence;
 pub use found::amount;
 pub use told::Told;

@@ -6,10 +6,11 @@ use crate::field_unit::{fixed, symbol};
 use crate::fit_words::next;
 use crate::input::Log;
 use crate::output::number;
-use crate::wrap::{WIDTH, hang, wrap};
-use ironout_analysis::Fitted;
+use crate::report_text::{Layout, lines};
+use crate::wrap::WIDTH;
 use ironout_analysis::base::axes::Alignment;
 use ironout_analysis::base::solution::Solution;
+use ironout_analysis::{Fitted, Report};
 use std::path::Path;
 
 /// A dip whose spread is larger than this, degrees, and than [`MIN_DIP_SPREAD_RATIO`] times the predicted heading error, is mentioned.
@@ -18,17 +19,19 @@ const MIN_DIP_SPREAD_RATIO: f64 = 3.0;
 /// An error this many times the noise floor is worth a diagnosis.
 pub const MIN_ERROR_RATIO_TO_DIAGNOSE: f64 = 1.2;
 
+/// The answer.
+pub fn report(arguments: &FitArgs, log: &Log, fitted: &Fitted, expected: &Expected) -> Report {
+    let mut report =
+        Report { verdict: vec![verdict(fitted)], reasons: fitted.reasons.clone(), ..Report::default() };
+    figures(log, fitted, expected, &mut report);
+    report.remarks = remarks(fitted);
+    next_steps(arguments, fitted, &mut report);
+    report
+}
+
 /// The answer, line by line.
 pub fn answer(arguments: &FitArgs, log: &Log, fitted: &Fitted, expected: &Expected) -> Vec<String> {
-    let mut out = vec![verdict(fitted)];
-    for reason in &fitted.reasons {
-        out.extend(hang(reason, "  ", "    ", WIDTH));
-    }
-    out.push(String::new());
-    figures(log, fitted, expected, &mut out);
-    remarks(fitted, &mut out);
-    next_steps(arguments, fitted, &mut out);
-    out
+    lines(&report(arguments, log, fitted, expected), Layout { width: WIDTH, label: 16 })
 }
 
 /// The answer in one line (`-q`).
@@ -56,8 +59,8 @@ pub fn length(log: &Log, rows: usize) -> String {
     format!("{rows} row{}{over}", if rows == 1 { "" } else { "s" })
 }
 
-fn figures(log: &Log, fitted: &Fitted, expected: &Expected, out: &mut Vec<String>) {
-    let mut row = |label: &str, text: String| out.push(format!("  {label:<16} {text}"));
+fn figures(log: &Log, fitted: &Fitted, expected: &Expected, report: &mut Report) {
+    let mut row = |label: &str, text: String| report.figure(label, text);
     row("log", format!("{}: {}, {} samples used", log.path.display(), length(log, fitted.rows), fitted.used));
     if let Some(found) = &fitted.recordings {
         row("recordings", unlogged::recordings_in_short(found));
@@ -127,7 +130,7 @@ fn error_ratios(fitted: &Fitted) -> (f64, f64) {
     (ratio(solution, fitted.residual_floor_ut), ratio(solution, least))
 }
 
-fn remarks(fitted: &Fitted, out: &mut Vec<String>) {
+fn remarks(fitted: &Fitted) -> Vec<String> {
     let mut list = Vec::new();
     let (ratio, most) = error_ratios(fitted);
     if ratio > MIN_ERROR_RATIO_TO_DIAGNOSE {
@@ -151,18 +154,13 @@ fn remarks(fitted: &Fitted, out: &mut Vec<String>) {
             after_deg / predicted
         ));
     }
-    if !list.is_empty() {
-        out.push(String::new());
-        list.iter().for_each(|text| out.extend(wrap(text, "", WIDTH)));
-    }
+    list
 }
 
-fn next_steps(arguments: &FitArgs, fitted: &Fitted, out: &mut Vec<String>) {
-    out.push(String::new());
-    out.push("Next steps".into());
+fn next_steps(arguments: &FitArgs, fitted: &Fitted, report: &mut Report) {
     let mut step = |what: &str, command: String| {
-        out.push(format!("  {what}:"));
-        out.push(format!("    {command}"));
+        report.say(format!("{what}:"));
+        report.command(command);
     };
     let loose = fitted.solution.as_ref().is_some_and(|solution| {
         matches!((&solution.alignment, fitted.heading_error_deg), (Alignment::Done { after_deg, .. }, Some(predicted))
@@ -184,9 +182,6 @@ fn next_steps(arguments: &FitArgs, fitted: &Fitted, out: &mut Vec<String>) {
         }
     }
     if let Some(text) = next::must_be_saved(arguments) {
-        out.push(format!("  {text}"));
-    }
-    if out.last().is_some_and(|line| line == "Next steps") {
-        out.truncate(out.len() - 2);
+        report.say(text);
     }
 }

@@ -5,5 +5,5 @@ mod details;
 mod next;
 mod text;
 
-pub use brief::one_line;
+pub use brief::{one_line, report};
 pub use text::{brief, text};

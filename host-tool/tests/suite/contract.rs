@@ -64,7 +64,7 @@ fn fit_prints_every_key_and_finds_the_truth() {
     let object = run.json();
     let mut keys: Vec<&str> = object.as_object().expect("an object").keys().map(String::as_str).collect();
     let mut expected =
-        [FIT_KEYS.as_slice(), &["input", "notes", "read_as", "reason_codes", "version"]].concat();
+        [FIT_KEYS.as_slice(), &["input", "notes", "read_as", "reason_codes", "report", "version"]].concat();
     keys.sort_unstable();
     expected.sort_unstable();
     assert_eq!(keys, expected);

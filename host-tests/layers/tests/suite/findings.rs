@@ -14,8 +14,12 @@ fn check(files: &[(&str, &str)]) -> Report {
 
 fn check_ordered(order: &str, files: &[(&str, &str)]) -> Report {
     let folder = TempDir::new().unwrap();
-    let fixed =
-        [("Cargo.toml", MANIFEST), ("host-tests/layers/ROOMS.md", order), ("src/low.rs", ""), ("src/high.rs", "")];
+    let fixed = [
+        ("Cargo.toml", MANIFEST),
+        ("host-tests/layers/ROOMS.md", order),
+        ("src/low.rs", ""),
+        ("src/high.rs", ""),
+    ];
     for (path, text) in fixed.iter().chain(files) {
         let path = folder.path().join(path);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
