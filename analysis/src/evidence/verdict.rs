@@ -16,7 +16,7 @@ use crate::outcome::outcome::Verdict;
 use crate::outcome::request::Options;
 use crate::samples::samples::Samples;
 use crate::table::Table;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 /// The answer to a log.
 #[derive(Debug, Clone)]
@@ -222,9 +222,13 @@ fn answer(
     if trace {
         eprintln!("dip: {dip:?}");
     }
-    if dip.is_some_and(|dip| dip.is_shown()) && !named.iter().any(|id| id == "lag") {
+    let late_by_s = dip.filter(|dip| dip.is_shown()).map_or(0.0, |dip| dip.delay_s);
+    if late_by_s != 0.0 && !named.iter().any(|id| id == "lag") {
         named.push("lag".into());
     }
+    let late_error_ut = dip
+        .filter(|dip| dip.is_shown())
+        .map_or(0.0, |dip| dip.error_s * rms_turn_radps(log) * fit.model.field);
     let wander = fit.noise.wander_ut();
     let noise_ut = fit.noise.variance.sqrt();
     let is_hidden = cause.as_ref().is_some_and(|cause| cause.gain > MIN_ODDS);
@@ -244,11 +248,30 @@ fn answer(
         noise_ut,
         wander,
         hidden: cause.filter(|_| is_hidden),
-        predicted_error_ut: predicted_error_ut(&fit.model, &fit.covariance()?)?,
+        predicted_error_ut: predicted_error_ut(&fit.model, &fit.covariance()?)?.hypot(late_error_ut),
         lateness: dip,
-        corrected: log.samples.row.iter().copied().zip(corrected(fit)).collect(),
+        corrected: log.samples.row.iter().copied().zip(on_time(log, corrected(fit), late_by_s)).collect(),
         calibration: Some((fit.model.offset.into(), matrix_rows(&fit.model.matrix))),
     })
+}
+
+/// Rms rate of turn, rad/s.
+fn rms_turn_radps(log: &Log) -> f64 {
+    let turns = log.samples.readings.iter().filter_map(|reading| reading.turn_radps);
+    let (sum, count) =
+        turns.fold((0.0, 0.0), |(sum, count), turn| (sum + Vector3::from(turn).norm_squared(), count + 1.0));
+    if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
+}
+
+/// Vectors of a sensor that is late, as they are now: in the axes of a board that turns by ω the field changes by −ω×h.
+fn on_time(log: &Log, mut vectors: Vec<[f64; 3]>, late_by_s: f64) -> Vec<[f64; 3]> {
+    for (h, reading) in vectors.iter_mut().zip(&log.samples.readings) {
+        if let Some(turn) = reading.turn_radps.filter(|_| late_by_s != 0.0) {
+            let now = Vector3::from(*h) - Vector3::from(turn).cross(&Vector3::from(*h)) * late_by_s;
+            *h = now.into();
+        }
+    }
+    vectors
 }
 
 fn matrix_rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
