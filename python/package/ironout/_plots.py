@@ -126,7 +126,7 @@ def wander(time: np.ndarray, vectors: np.ndarray, residual: np.ndarray, name: st
     for axis, (colour, marker) in enumerate(zip((BEFORE, AFTER, FLOOR), "os^")):
         if centres:
             values, error = np.array(offsets)[:, axis], np.array(errors)[:, axis]
-            ax.errorbar(centres, values, error, color=colour, marker=marker, markersize=3, linewidth=1, label="xyz"[axis])
+            ax.errorbar(np.array(centres), values, error, color=colour, marker=marker, markersize=3, linewidth=1, label="xyz"[axis])
     ax.axhline(0, color="0.85", linewidth=0.8, zorder=0)
     ax.set_xlabel({"t_s": "time, s"}.get(name, name))
     ax.set_ylabel("offset left, µT")
