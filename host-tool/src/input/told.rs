@@ -74,7 +74,7 @@ pub fn told(first: &[u8], options: &ReadOptions) -> Format {
         return Format::Foreign(name);
     }
     #[cfg(feature = "parquet")]
-    for (mark, container) in [(&b"PAR1"[..], Container::Parquet), (b"ARROW1", Container::Arrow)] {
+    for (mark, container) in [(&b"PAR1"[..], Container::Parquet), (&b"ARROW1"[..], Container::Arrow)] {
         if first.starts_with(mark) {
             return Format::Columnar(container);
         }

@@ -11,6 +11,7 @@ use crate::input::words::shorten;
 use arrow_array::RecordBatch;
 use arrow_ipc::reader::FileReader;
 use arrow_schema::{Schema, SchemaRef};
+use bytes::Bytes;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use std::fmt::Display;
@@ -63,8 +64,8 @@ pub fn read(container: Container, mut source: impl Read, options: &ReadOptions) 
     let mut bytes = Vec::new();
     source.read_to_end(&mut bytes).map_err(|error| Failure::usage(format!("cannot read: {error}")))?;
     let (schema, batches) = match container {
-        Container::Parquet => parquet(bytes),
-        Container::Arrow => arrow(bytes),
+        Container::Parquet => parquet(bytes.into()),
+        Container::Arrow => arrow(bytes.into()),
     }
     .map_err(|why| container.damaged(why))?;
     if schema.fields().len() > MAX_COLUMNS {
@@ -107,9 +108,8 @@ fn readable(schema: &Schema) -> Vec<usize> {
     fields.filter(|(_, field)| unreadable(field.data_type()).is_none()).map(|(index, _)| index).collect()
 }
 
-fn parquet(bytes: Vec<u8>) -> Result<(SchemaRef, Batches), String> {
-    let builder = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes))
-        .map_err(|error| error.to_string())?;
+fn parquet(bytes: Bytes) -> Result<(SchemaRef, Batches), String> {
+    let builder = ParquetRecordBatchReaderBuilder::try_new(bytes).map_err(|error| error.to_string())?;
     let schema = builder.schema().clone();
     let mask = ProjectionMask::roots(builder.parquet_schema(), readable(&schema));
     let reader = builder
@@ -120,14 +120,12 @@ fn parquet(bytes: Vec<u8>) -> Result<(SchemaRef, Batches), String> {
     Ok((schema, Box::new(reader.map(|batch| batch.map_err(|error| error.to_string())))))
 }
 
-fn arrow(bytes: Vec<u8>) -> Result<(SchemaRef, Batches), String> {
-    let open =
-        |bytes, projection| FileReader::try_new(Cursor::new(bytes), projection).map_err(|e| e.to_string());
-    let whole = open(bytes, None)?;
-    let schema = whole.schema();
-    let bytes = whole.get_ref().get_ref().clone();
-    drop(whole);
-    let reader = open(bytes, Some(readable(&schema)))?;
+fn arrow(bytes: Bytes) -> Result<(SchemaRef, Batches), String> {
+    let open = |projection| {
+        FileReader::try_new(Cursor::new(bytes.clone()), projection).map_err(|error| error.to_string())
+    };
+    let schema = open(None)?.schema();
+    let reader = open(Some(readable(&schema)))?;
     Ok((schema, Box::new(reader.map(|batch| batch.map_err(|error| error.to_string())))))
 }
 
