@@ -1,5 +1,6 @@
 //! Parquet files, and Arrow files (Feather, version 2).
 
+mod caught;
 mod cells;
 mod read;
 

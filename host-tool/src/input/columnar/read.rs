@@ -1,6 +1,7 @@
 //! From the bytes of a Parquet or Arrow file to a [`Log`].
 
 use crate::failure::{Failure, Outcome};
+use crate::input::columnar::caught::caught;
 use crate::input::columnar::cells::{append, unreadable};
 use crate::input::columns::MAX_COLUMNS;
 use crate::input::log::{Log, ReadOptions};
@@ -63,11 +64,8 @@ type Batches = Box<dyn Iterator<Item = Result<RecordBatch, String>>>;
 pub fn read(container: Container, mut source: impl Read, options: &ReadOptions) -> Outcome<Log> {
     let mut bytes = Vec::new();
     source.read_to_end(&mut bytes).map_err(|error| Failure::usage(format!("cannot read: {error}")))?;
-    let (schema, batches) = match container {
-        Container::Parquet => parquet(bytes.into()),
-        Container::Arrow => arrow(bytes.into()),
-    }
-    .map_err(|why| container.damaged(why))?;
+    let (schema, columns) =
+        caught(|| content(container, bytes.into())).map_err(|why| container.damaged(why))?;
     if schema.fields().len() > MAX_COLUMNS {
         let columns = schema.fields().len();
         return Err(Failure::usage(format!(
@@ -86,21 +84,32 @@ pub fn read(container: Container, mut source: impl Read, options: &ReadOptions) 
             ),
         })
         .collect();
-    let kept = readable(&schema);
-    let mut columns: Vec<GridColumn> =
-        kept.iter().map(|index| GridColumn::new(schema.field(*index).name().clone())).collect();
-    for batch in batches {
-        let batch = batch.map_err(|why| container.damaged(why))?;
-        for (column, array) in columns.iter_mut().zip(batch.columns()) {
-            append(column, array);
-        }
-    }
     let mut log = from_table(columns, container.name(), options)
         .map_err(|failure| explained(by_row(failure), &left_out))?;
     log.notices.extend(left_out.into_iter().map(|what| format!("ignored {what}")));
     log.read_as.left_out.iter_mut().for_each(|entry| entry.first_line = None);
     log.read_as.origin = origin(&schema);
     Ok(log)
+}
+
+/// The schema, and the columns that can be read; none of them if there are too many.
+fn content(container: Container, bytes: Bytes) -> Result<(SchemaRef, Vec<GridColumn>), String> {
+    let (schema, batches) = match container {
+        Container::Parquet => parquet(bytes),
+        Container::Arrow => arrow(bytes),
+    }?;
+    if schema.fields().len() > MAX_COLUMNS {
+        return Ok((schema, Vec::new()));
+    }
+    let kept = readable(&schema).into_iter();
+    let mut columns: Vec<GridColumn> =
+        kept.map(|index| GridColumn::new(schema.field(index).name().clone())).collect();
+    for batch in batches {
+        for (column, array) in columns.iter_mut().zip(batch?.columns()) {
+            append(column, array);
+        }
+    }
+    Ok((schema, columns))
 }
 
 fn readable(schema: &Schema) -> Vec<usize> {
