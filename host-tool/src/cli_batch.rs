@@ -24,8 +24,8 @@ pub struct BatchArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub field: FieldArgs,
-    /// Write the table here: CSV, or JSON Lines if the name ends in .jsonl
-    #[arg(short, long, value_name = "TABLE.csv|TABLE.jsonl")]
+    /// Write the table here: CSV, JSON Lines if the name ends in .jsonl, Parquet if it ends in .parquet
+    #[arg(short, long, value_name = "TABLE.csv|.jsonl|.parquet")]
     pub output: PathBuf,
     /// Logs analysed at the same time (default: number of cores)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]

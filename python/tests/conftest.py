@@ -28,6 +28,11 @@ def program():
     return run
 
 
+def without_names(data):
+    """How a log was read names the file's format, which differs for a table in memory; the report is of the program."""
+    return {key: value for key, value in data.items() if key not in ("read_as", "report")}
+
+
 def write(log, path):
     """A log as CSV whose numbers come back to the last bit."""
     columns = log.to_dict()

@@ -35,7 +35,7 @@ def test_arrays_are_neither_kept_nor_changed(clean):
     assert fitted.offset_ut == ironout.fit(before).offset_ut
 
 
-@pytest.mark.parametrize("library", ["dict", "pandas", "polars", "pyarrow", "xarray"])
+@pytest.mark.parametrize("library", ["dict", "pandas", "polars", "pyarrow", "parquet", "feather", "xarray"])
 def test_tables(library, clean, tmp_path):
     columns = clean.to_dict()
     if library == "dict":
@@ -45,6 +45,11 @@ def test_tables(library, clean, tmp_path):
     elif library == "polars":
         table = pytest.importorskip("polars").DataFrame(columns)
     elif library == "pyarrow":
+        table = pytest.importorskip("pyarrow").table(columns)
+    elif library == "feather":
+        table = tmp_path / "log.feather"
+        pytest.importorskip("pyarrow.feather").write_feather(pytest.importorskip("pyarrow").table(columns), table)
+    elif library == "parquet":
         pyarrow = pytest.importorskip("pyarrow")
         pytest.importorskip("pyarrow.parquet").write_table(pyarrow.table(columns), tmp_path / "log.parquet")
         table = tmp_path / "log.parquet"
@@ -196,6 +201,33 @@ def test_plots(clean, hidden, tmp_path):
     assert (tmp_path / "fit.png").stat().st_size > 10_000
 
 
+def test_the_plot_of_the_offset_over_time_shows_a_drift(clean, tmp_path):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    drift_ut = 4.0
+    columns = clean.to_dict()
+    columns["mx_ut"] = clean["mx_ut"] + drift_ut * (clean.t / clean.t[-1] - 0.5)
+    for table, slope in ((clean, 0.0), (columns, drift_ut / clean.t[-1])):
+        axes = ironout.fit(table).plot_wander()
+        lines = {bars.get_label(): bars.lines[0] for bars in axes.containers}
+        assert set(lines) == set("xyz") and "µT" in axes.get_ylabel()
+        slopes = {name: np.polyfit(*line.get_data(), 1)[0] for name, line in lines.items()}
+        # The matrix of the fit is near one, within some percent.
+        assert abs(slopes["x"] - slope) < 0.02, slopes
+        assert max(abs(slopes["y"]), abs(slopes["z"])) < 0.03, slopes
+        axes.figure.savefig(tmp_path / "wander.png")
+    # A board that hardly turns has no directions to tell an offset by.
+    still = {name: values[:60] for name, values in clean.to_dict().items()}
+    still.update((name, still[name] * 0 + 20 + 0.01 * np.arange(60)) for name in ("mx_ut", "my_ut", "mz_ut"))
+    from ironout import _plots
+
+    mag = np.column_stack([still[name] for name in ("mx_ut", "my_ut", "mz_ut")])
+    assert not _plots.wander(still["t_s"], mag, mag[:, 0] * 0, "t_s").containers
+    plt.close("all")
+
+
 def test_progress_is_called_and_other_threads_run(hidden):
     calls, beats = [], []
     done = threading.Event()
@@ -256,6 +288,37 @@ def test_sums_of_parts_are_those_of_the_whole(clean):
         ironout.Moments().fit_json(scale)
     with pytest.raises(IronoutError, match="no sums"):
         ironout.Moments.from_sums(["1"] * 35 + ["2"])
+
+
+def test_report_writes_the_page(clean_file, tmp_path):
+    program = os.environ.get("IRONOUT_PROGRAM") or pytest.skip("IRONOUT_PROGRAM names no program")
+    page = tmp_path / "page.html"
+    try:
+        ironout.report(clean_file, page, program=program)
+    except IronoutError as error:
+        # A program without the page says how to build one with it.
+        assert "--features page" in str(error) and not page.exists()
+    else:
+        assert page.read_text(encoding="utf-8").lstrip().lower().startswith("<!doctype html")
+
+
+def test_the_stubs_name_what_there_is():
+    import ast
+    import pathlib
+
+    from ironout import _ironout
+
+    stubs = ast.parse((pathlib.Path(ironout.__file__).parent / "_ironout.pyi").read_text(encoding="utf-8"))
+    assert (pathlib.Path(ironout.__file__).parent / "py.typed").exists()
+    named = {node.name: node for node in stubs.body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+    there = {name for name in dir(_ironout) if not name.startswith("_")}
+    assert there == {name for name in named if not name.startswith("_")}
+    for name, node in named.items():
+        if isinstance(node, ast.ClassDef) and name != "IronoutError":
+            methods = {one.name for one in node.body if isinstance(one, ast.FunctionDef)}
+            methods |= {one.target.id for one in node.body if isinstance(one, ast.AnnAssign)}
+            own = {one for one in vars(getattr(_ironout, name)) if not one.startswith("_")}
+            assert own <= methods, (name, own - methods)
 
 
 def test_report_says_what_it_needs(clean_file, tmp_path, monkeypatch):

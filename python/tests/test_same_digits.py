@@ -1,11 +1,7 @@
 """The same digits as the command line, in every key of its JSON."""
 
 import ironout
-
-
-def without_names(data):
-    """How a log was read names the file's format, which differs for a table in memory."""
-    return {key: value for key, value in data.items() if key not in ("read_as", "report")}
+from conftest import without_names
 
 
 def test_fit(program, clean, clean_file):

@@ -1,13 +1,15 @@
 //! Which format a log has: told by its content, never by its name.
 
 use crate::failure::{Failure, Outcome};
-use crate::input::columns::{self, Role};
+#[cfg(feature = "parquet")]
+use crate::input::columnar::{self, Container};
+use crate::input::columns;
 use crate::input::followed;
 use crate::input::formats;
 use crate::input::guard::MAX_LINE_BYTES;
 use crate::input::lines::{Cutter, Line};
 use crate::input::log::{Log, ReadOptions};
-use crate::input::names::{Kind, meaning};
+use crate::input::own::is_own;
 use crate::input::packed::{self, Packing};
 use crate::input::reader;
 use crate::input::repair_words;
@@ -28,8 +30,23 @@ pub enum Format {
     Text,
     /// A recording of another program, with streams of their own.
     Recording(formats::Format),
+    /// Columns of Parquet or Arrow.
+    #[cfg(feature = "parquet")]
+    Columnar(Container),
     /// What is no log and is known.
     Foreign(&'static str),
+}
+
+/// The words for what a build without the feature `parquet` does not read.
+#[cfg(not(feature = "parquet"))]
+macro_rules! without_parquet {
+    ($what:literal) => {
+        concat!(
+            $what,
+            ", which this build of ironout does not read. Fix: install it with cargo install --path host-tool --features \
+             parquet, or save the table as CSV"
+        )
+    };
 }
 
 const FOREIGN: &[(&[u8], &str)] = &[
@@ -37,6 +54,12 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"#ROSBAG V2.0", "a ROS 1 bag: write its topic as CSV with rostopic echo -p -b FILE TOPIC"),
     (b"MATLAB 5.0 MAT-file", "a MATLAB file: write the columns as CSV with writematrix"),
     (b"%PDF", "a PDF"),
+    (b"PARE", "an encrypted Parquet file. Fix: write it without encryption"),
+    (b"FEA1", "a Feather file of version 1. Fix: write it as version 2, with pyarrow.feather.write_feather"),
+    #[cfg(not(feature = "parquet"))]
+    (b"PAR1", without_parquet!("a Parquet file")),
+    #[cfg(not(feature = "parquet"))]
+    (b"ARROW1", without_parquet!("an Arrow (Feather) file")),
 ];
 
 /// Tells the format by the beginning of the file.
@@ -49,6 +72,12 @@ pub fn detect(first: &[u8], options: &ReadOptions) -> Format {
     }
     if let Some(name) = begins(FOREIGN) {
         return Format::Foreign(name);
+    }
+    #[cfg(feature = "parquet")]
+    for (mark, container) in [(&b"PAR1"[..], Container::Parquet), (&b"ARROW1"[..], Container::Arrow)] {
+        if first.starts_with(mark) {
+            return Format::Columnar(container);
+        }
     }
     if first.starts_with(&[0xff, 0xfe]) || first.starts_with(&[0xfe, 0xff]) {
         return Format::Text;
@@ -89,31 +118,7 @@ fn own(first: &[u8], options: &ReadOptions) -> Option<Format> {
     }
     let header: Vec<String> =
         (0..cells).map(|i| String::from_utf8_lossy(cutter.cell(text, i).trim_ascii()).into_owned()).collect();
-    // A table of several sensors is split, which the strict reader does not.
-    if header.iter().any(|cell| meaning(cell).kind == Kind::Instance) {
-        return None;
-    }
     is_own(&header, options, number).then_some(Format::Own)
-}
-
-/// Whether a header is that of this program's own CSV, as the detection of formats has it.
-pub fn is_own(header: &[String], options: &ReadOptions, number: u64) -> bool {
-    let stated = options
-        .map
-        .iter()
-        .any(|(_, from)| crate::input::map::resolve(from, header).is_some_and(|(_, unit)| unit.is_some()));
-    let is_own = |map: &[(String, String)]| {
-        // A column twice is an error of the format, not another format.
-        let names: Vec<Role> = match columns::interpret(header, map, number) {
-            Ok(found) => found.iter().map(|column| column.role).collect(),
-            Err(_) => header.iter().map(|cell| Role::of(cell).1).collect(),
-        };
-        let whole = |make: fn(usize) -> Role| (0..3).all(|axis| names.contains(&make(axis)));
-        let timed =
-            names.contains(&Role::Time) || !header.iter().any(|cell| meaning(cell).kind == Kind::Time);
-        (whole(Role::FieldUt) || whole(Role::FieldCounts)) && timed
-    };
-    is_own(&[]) || (!stated && is_own(&options.map))
 }
 
 /// Reads the log at `path`; `-` is standard input. Every error names the file, and line and column where there are any.
@@ -197,6 +202,8 @@ fn read_plain(mut source: impl Read, size_bytes: u64, options: &ReadOptions) -> 
         Format::Own => reader::read_own(whole, size_bytes, options),
         Format::Text => text::read(whole, options),
         Format::Recording(format) => formats::read(format, whole, size_bytes, options),
+        #[cfg(feature = "parquet")]
+        Format::Columnar(container) => columnar::read(container, whole, options),
         Format::Foreign(what) => Err(Failure::usage(format!("this is not a log but {what}"))),
     }?;
     followed::rename(&mut log);

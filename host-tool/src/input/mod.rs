@@ -3,6 +3,8 @@
 //! The program's own CSV is firm (docs/command-line.md, "Log format"): what is not understood is an error with file, line, column and
 //! remedy, or a notice. Other text is read tolerantly, and what was decided is said ([`ReadAs`]); nothing is guessed silently.
 
+#[cfg(feature = "parquet")]
+mod columnar;
 mod columns;
 mod detected;
 mod followed;
@@ -11,11 +13,13 @@ mod guard;
 mod lines;
 mod log;
 mod map;
+mod memory;
 mod mount;
 mod names;
 #[cfg(test)]
 mod names_tests;
 pub mod number;
+mod own;
 mod packed;
 mod plan;
 mod read_as;
@@ -30,14 +34,13 @@ mod unit;
 mod vocabulary;
 mod words;
 
-pub use detected::is_own;
 pub use detected::{read_log, read_stream};
 pub use guard::MAX_LINE_BYTES;
 pub use lines::Lines;
 pub use log::{Covariate, Log, ReadOptions};
 pub use map::{entry as map_entry, parse_map};
+pub use memory::from_columns;
 pub use mount::{FORMS as ROTATE_FORMS, Mounting, rotate};
 pub use read_as::{Instance, LeftOut, Origin, ReadAs, ReadColumn};
-pub use reader::from_columns;
 pub use repair::parse as parse_repair;
 pub use unit::{Quantity, Unit};

@@ -86,42 +86,8 @@ pub fn read_own(source: impl Read, size_bytes: u64, options: &ReadOptions) -> Ou
     Ok(log)
 }
 
-/// The log of columns in memory by the names of the program's own CSV; a missing cell is NaN. Errors name the line that the row would
-/// have below a header.
-///
-/// # Errors
-/// As of a file.
-pub fn from_columns(names: Vec<String>, values: Vec<Vec<f64>>, options: &ReadOptions) -> Outcome<Log> {
-    let columns = columns::interpret(&names, &options.map, 1)?;
-    let plan = Plan::new(&columns, options, 1)?;
-    let rows = values.iter().map(Vec::len).max().unwrap_or(0);
-    if rows == 0 {
-        return Err(Failure::usage("the table has no rows"));
-    }
-    let mut stores = Vec::new();
-    for (index, ((column, header), values)) in columns.into_iter().zip(names).zip(values).enumerate() {
-        if values.len() != rows {
-            let found = values.len();
-            return Err(Failure::usage(format!("{found} values, but the longest column has {rows}"))
-                .at_column(header));
-        }
-        let mut store = Store::new(column, header, 0);
-        store.fill(values, plan.strict.contains(&index))?;
-        stores.push(store);
-    }
-    if let Some(store) = plan.time.and_then(|index| stores.get(index)) {
-        let back = store.values.windows(2).position(|pair| pair[1] < pair[0]);
-        if let Some(row) = back {
-            let (time, last) = (store.values[row + 1], store.values[row]);
-            return Err(backward(time, last, row as u64 + 3, &store.header));
-        }
-    }
-    let mut log = plan.finish(stores, rows, options)?;
-    log.read_as.format = "columns in memory".into();
-    Ok(log)
-}
-
-fn backward(time: f64, last: f64, line: u64, header: &str) -> Failure {
+/// The error for a time before that of the row above.
+pub fn backward(time: f64, last: f64, line: u64, header: &str) -> Failure {
     Failure::usage(format!(
         "time runs backward, {time} after {last}. Sort the log, or split it at the restart of the recorder"
     ))

@@ -11,6 +11,10 @@ mod cases_tables;
 mod cases_time;
 mod check_heading;
 mod close_steps;
+#[cfg(feature = "parquet")]
+mod columnar;
+#[cfg(not(feature = "parquet"))]
+mod columnar_not_built;
 mod common;
 #[cfg(feature = "demo")]
 mod console_script;

@@ -10,6 +10,10 @@ BEFORE, AFTER, FLOOR = "#b04a2f", "#1f5a92", "#555555"
 BINS = 30
 MIN_IN_BIN = 5
 MAX_POINTS = 4000
+BLOCKS = 24
+MIN_IN_BLOCK = 50
+#: Of the normal matrix: beyond it a block has too few directions for an offset.
+MAX_CONDITION = 300.0
 
 
 def corrected(mag: np.ndarray, offset_ut: Any, matrix: Any, field_ut: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -97,6 +101,40 @@ def steps(rows: list, floor_ut: Optional[float], ax: Any = None) -> Any:
     ax.set_ylabel("rms residual, µT")
     ax.set_title("Error with each effect added")
     _legend(ax)
+    return ax
+
+
+def wander(time: np.ndarray, vectors: np.ndarray, residual: np.ndarray, name: str, ax: Any = None) -> Any:
+    """The offset that is left in blocks of time: least squares of the residual on the direction of the field."""
+    ax = _axes(ax, figsize=(5.2, 3.4))
+    good = np.isfinite(residual) & np.isfinite(time) & (np.linalg.norm(vectors, axis=1) > 0)
+    time, vectors, residual = time[good], vectors[good], residual[good]
+    blocks = np.array_split(np.arange(len(time)), max(1, min(BLOCKS, len(time) // MIN_IN_BLOCK)))
+    centres, offsets, errors = [], [], []
+    for block in blocks:
+        if len(block) < MIN_IN_BLOCK:
+            continue
+        directions = vectors[block] / np.linalg.norm(vectors[block], axis=1)[:, None]
+        normal = directions.T @ directions
+        if np.linalg.cond(normal) > MAX_CONDITION:
+            continue
+        offset = np.linalg.solve(normal, directions.T @ residual[block])
+        variance = np.sum((residual[block] - directions @ offset) ** 2) / (len(block) - 3)
+        centres.append(time[block].mean())
+        offsets.append(offset)
+        errors.append(np.sqrt(variance * np.diag(np.linalg.inv(normal))))
+    for axis, (colour, marker) in enumerate(zip((BEFORE, AFTER, FLOOR), "os^")):
+        if centres:
+            values, error = np.array(offsets)[:, axis], np.array(errors)[:, axis]
+            ax.errorbar(np.array(centres), values, error, color=colour, marker=marker, markersize=3, linewidth=1, label="xyz"[axis])
+    ax.axhline(0, color="0.85", linewidth=0.8, zorder=0)
+    ax.set_xlabel({"t_s": "time, s"}.get(name, name))
+    ax.set_ylabel("offset left, µT")
+    ax.set_title("Offset over time")
+    if centres:
+        _legend(ax, ncols=3)
+    else:
+        ax.text(0.5, 0.5, "too few directions in each block of time", transform=ax.transAxes, ha="center", va="center")
     return ax
 
 

@@ -81,6 +81,12 @@ class _Plotted:
         """The residual against a column, with its mean and quartiles in bins."""
         return _plots.residual(self.log[column], self._corrected()[1], column, ax=ax)
 
+    def plot_wander(self, ax: Any = None) -> Any:
+        """The offset that is left in each of up to 24 blocks of time, with its standard error: does it drift or step?"""
+        vectors, residual = self._corrected()
+        time = self.log.t if self.log.t is not None else np.arange(len(residual), dtype=float)
+        return _plots.wander(time, vectors, residual, "t_s" if self.log.t is not None else "row", ax=ax)
+
 
 @dataclass(frozen=True)
 class Fit(_Plotted):

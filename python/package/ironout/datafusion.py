@@ -7,7 +7,8 @@
     context.register_udaf(ironout.datafusion.mag_fit(ut_per_count=0.1))
     context.sql("SELECT vehicle, mag_fit(mx, my, mz) AS fit FROM log GROUP BY vehicle")
 
-The state of the aggregate is the exact sums of 35 integers: partitions merge in any order to the same bits, in bounded memory.
+The state of the aggregate is the exact sums of 35 integers: partitions merge in any order to the same bits. DataFusion's own scan of
+the file takes more memory the longer the file is; ``ironout.moments`` takes that of one batch.
 """
 
 from __future__ import annotations

@@ -3,6 +3,8 @@
 mod files;
 mod origin;
 mod page;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod row;
 pub mod run;
 mod state;

@@ -3,6 +3,7 @@
 use ironout_analysis::fleet::{Calibrated, FleetLog, Move};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::io::{self, Write};
 
 /// An effect that a log names.
@@ -88,43 +89,41 @@ impl Row {
         Some(start.as_millisecond() as f64 / 1e3)
     }
 
-    /// The cells of the row as CSV has them, each with its name.
-    fn cells(&self) -> Vec<(String, String)> {
-        let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-        let count = |value: Option<u64>| value.map_or(String::new(), |value| value.to_string());
-        let text = |value: &Option<String>| value.clone().unwrap_or_default();
-        let mut cells: Vec<(String, String)> = Vec::new();
-        let mut add = |name: &str, value: String| cells.push((name.to_string(), value));
-        add("log", self.log.clone());
-        add("vehicle", self.vehicle.clone());
-        add("sensor", self.sensor.clone());
-        add("start", text(&self.start));
-        add("start_from", text(&self.start_from));
-        add("format", text(&self.format));
-        add("rows", count(self.rows));
-        add("samples_used", count(self.samples_used));
-        add("samples_set_aside", count(self.samples_set_aside));
-        add("seconds", number(self.seconds));
-        add("verdict", self.verdict.clone());
-        add("accepted", self.accepted.map_or(String::new(), |accepted| accepted.to_string()));
-        add("field_ut", number(self.field_ut));
+    /// The cells of the row in a flat table, each with its name.
+    pub fn cells(&self) -> Vec<(String, Cell)> {
+        let mut cells: Vec<(String, Cell)> = Vec::new();
+        let mut add = |name: &str, cell: Cell| cells.push((name.to_string(), cell));
+        let text = |text: &str| Cell::Text(Some(text.to_string()));
+        add("log", text(&self.log));
+        add("vehicle", text(&self.vehicle));
+        add("sensor", text(&self.sensor));
+        add("start", Cell::Text(self.start.clone()));
+        add("start_from", Cell::Text(self.start_from.clone()));
+        add("format", Cell::Text(self.format.clone()));
+        add("rows", Cell::Count(self.rows));
+        add("samples_used", Cell::Count(self.samples_used));
+        add("samples_set_aside", Cell::Count(self.samples_set_aside));
+        add("seconds", Cell::Number(self.seconds));
+        add("verdict", text(&self.verdict));
+        add("accepted", Cell::Flag(self.accepted));
+        add("field_ut", Cell::Number(self.field_ut));
         for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
-            add(&format!("offset_{letter}_ut"), number(self.offset_ut.map(|offset| offset[axis])));
+            add(&format!("offset_{letter}_ut"), Cell::Number(self.offset_ut.map(|offset| offset[axis])));
         }
         for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
-            add(&format!("offset_std_{letter}_ut"), number(self.offset_std_ut.map(|std| std[axis])));
+            add(&format!("offset_std_{letter}_ut"), Cell::Number(self.offset_std_ut.map(|std| std[axis])));
         }
         for i in 0..3 {
             for j in 0..3 {
-                add(&format!("matrix_{i}{j}"), number(self.matrix.map(|matrix| matrix[i][j])));
+                add(&format!("matrix_{i}{j}"), Cell::Number(self.matrix.map(|matrix| matrix[i][j])));
             }
         }
-        add("base_rms_ut", number(self.base_rms_ut));
-        add("rms_ut", number(self.rms_ut));
-        add("holdout_rms_ut", number(self.holdout_rms_ut));
-        add("noise_floor_ut", number(self.noise_floor_ut));
-        add("predicted_error_ut", number(self.predicted_error_ut));
-        add("heading_error_deg", number(self.heading_error_deg));
+        add("base_rms_ut", Cell::Number(self.base_rms_ut));
+        add("rms_ut", Cell::Number(self.rms_ut));
+        add("holdout_rms_ut", Cell::Number(self.holdout_rms_ut));
+        add("noise_floor_ut", Cell::Number(self.noise_floor_ut));
+        add("predicted_error_ut", Cell::Number(self.predicted_error_ut));
+        add("heading_error_deg", Cell::Number(self.heading_error_deg));
         let effects = self.effects.iter().map(|effect| {
             let numbers: Vec<String> = effect.coefficients.iter().map(f64::to_string).collect();
             match numbers.is_empty() {
@@ -132,12 +131,33 @@ impl Row {
                 false => format!("{}={} {}", effect.id, numbers.join(","), effect.unit),
             }
         });
-        add("effects", effects.collect::<Vec<_>>().join("; "));
-        add("reasons", self.reasons.join("; "));
-        add("notices", self.notices.join("; "));
-        add("error", text(&self.error));
-        add("took_s", number(self.took_s));
+        add("effects", text(&effects.collect::<Vec<_>>().join("; ")));
+        add("reasons", text(&self.reasons.join("; ")));
+        add("notices", text(&self.notices.join("; ")));
+        add("error", Cell::Text(self.error.clone()));
+        add("took_s", Cell::Number(self.took_s));
         cells
+    }
+}
+
+/// One cell of the flat table; `None` is unknown.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Cell {
+    Text(Option<String>),
+    Count(Option<u64>),
+    Number(Option<f64>),
+    Flag(Option<bool>),
+}
+
+impl fmt::Display for Cell {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Cell::Text(Some(text)) => out.write_str(text),
+            Cell::Count(Some(count)) => write!(out, "{count}"),
+            Cell::Number(Some(number)) => write!(out, "{number}"),
+            Cell::Flag(Some(flag)) => write!(out, "{flag}"),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -146,7 +166,7 @@ pub(super) fn write_csv(out: &mut dyn Write, rows: &[&Row]) -> io::Result<()> {
     let mut table = csv::Writer::from_writer(out);
     table.write_record(Row::default().cells().iter().map(|(name, _)| name))?;
     for row in rows {
-        table.write_record(row.cells().iter().map(|(_, cell)| cell))?;
+        table.write_record(row.cells().iter().map(|(_, cell)| cell.to_string()))?;
     }
     table.flush()
 }

@@ -4,6 +4,8 @@ use crate::cli::BatchArgs;
 use crate::commands::batch::files::{Found, find};
 use crate::commands::batch::origin::Pattern;
 use crate::commands::batch::page;
+#[cfg(feature = "parquet")]
+use crate::commands::batch::parquet::write_parquet;
 use crate::commands::batch::row::{Row, write_csv, write_json_lines};
 use crate::commands::batch::state::{self, Stamp, State};
 use crate::commands::batch::study::{Asked, study};
@@ -15,7 +17,8 @@ use crate::{atomic, progress::Progress};
 use ironout_analysis::fleet::summary::ERROR;
 use ironout_analysis::fleet::{FleetLog, summarize};
 use serde_json::json;
-use std::path::PathBuf;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -38,6 +41,7 @@ pub fn run(arguments: &BatchArgs, as_json: bool) -> Outcome<u8> {
     if output::is_standard(&arguments.output) {
         return Err(Failure::usage("-o -: the table is updated as logs are done. Fix: name a file with -o"));
     }
+    let write = writer(&arguments.output)?;
     let asked = Asked {
         reading: arguments.log.clone(),
         expected: arguments.field.expected()?,
@@ -75,11 +79,7 @@ pub fn run(arguments: &BatchArgs, as_json: bool) -> Outcome<u8> {
         Ok(())
     })?;
     let done: Vec<&Row> = rows.iter().flatten().collect();
-    let lines =
-        arguments.output.extension().is_some_and(|extension| extension == "jsonl" || extension == "ndjson");
-    atomic::write(&arguments.output, |out| {
-        if lines { write_json_lines(out, &done) } else { write_csv(out, &done) }
-    })?;
+    atomic::write(&arguments.output, |out| write(out, &done))?;
     let fleet_logs: Vec<FleetLog> = done.iter().map(|row| row.fleet_log()).collect();
     let fleet = summarize(&fleet_logs);
     if let Some(path) = &arguments.page {
@@ -112,6 +112,23 @@ pub fn run(arguments: &BatchArgs, as_json: bool) -> Outcome<u8> {
         );
     }
     Ok(if interrupted || failed == done.len() { EXIT_REFUSED } else { EXIT_OK })
+}
+
+/// What writes a table into a file of that name.
+fn writer(output: &Path) -> Outcome<fn(&mut dyn Write, &[&Row]) -> io::Result<()>> {
+    let extension = output.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("jsonl" | "ndjson") => Ok(write_json_lines),
+        #[cfg(feature = "parquet")]
+        Some("parquet" | "pq") => Ok(write_parquet),
+        #[cfg(not(feature = "parquet"))]
+        Some("parquet" | "pq") => Err(Failure::usage(
+            "this build of ironout writes no Parquet. Fix: install it with cargo install --path host-tool --features \
+             parquet, or name a .csv or .jsonl file",
+        )
+        .in_file(output)),
+        _ => Ok(write_csv),
+    }
 }
 
 /// Studies the tasks on `jobs` threads and hands each row on; true if Ctrl-C came first.

@@ -26,4 +26,7 @@ mod two_parts;
 mod vectors;
 mod whole;
 
-pub use whole::read;
+#[cfg(feature = "parquet")]
+pub use grid::number_of;
+pub use grid::{Grid, GridColumn, unique};
+pub use whole::{read, read_grid};

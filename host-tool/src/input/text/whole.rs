@@ -27,6 +27,14 @@ pub fn read(source: impl Read, options: &ReadOptions) -> Outcome<Log> {
     if !decoded.encoding.is_empty() {
         grid.format = format!("{}, {}", grid.format, decoded.encoding);
     }
+    read_grid(grid, options)
+}
+
+/// Reads a table that has a layout.
+///
+/// # Errors
+/// No magnetometer, or two readings that are both possible.
+pub fn read_grid(mut grid: Grid, options: &ReadOptions) -> Outcome<Log> {
     two_parts::join(&mut grid, &options.map);
     let choice = choose::choose(&grid, options)?;
     build::build(grid, choice, options)
