@@ -40,6 +40,10 @@ pub trait Model {
     fn next(&self, pointer: u8) -> u8 {
         pointer.wrapping_add(1)
     }
+    /// Bytes without a meaning that it sends at each reading before those of its registers.
+    fn dummies(&self) -> u8 {
+        0
+    }
     /// The bits of a register that can be written.
     fn writable(&self, register: u8) -> u8;
     /// Whether the chip acknowledges its address.
@@ -77,6 +81,7 @@ pub struct RegisterChip<M> {
     pointer: u8,
     goes_on: bool,
     expects_pointer: bool,
+    dummies: u8,
     pending: Option<Action>,
     period_ns: Option<u64>,
     since_ns: u64,
@@ -98,6 +103,7 @@ impl<M: Model> RegisterChip<M> {
             pointer: 0,
             goes_on: true,
             expects_pointer: false,
+            dummies: 0,
             pending: None,
             period_ns: None,
             since_ns: 0,
@@ -158,6 +164,7 @@ impl<M: Model> Chip for RegisterChip<M> {
         // Between a start and a stop the registers are held together.
         self.catch_up(clock.ns());
         self.expects_pointer = direction == Direction::Write;
+        self.dummies = self.model.dummies();
         self.model.answers(&self.registers, clock.ns())
     }
 
@@ -182,6 +189,10 @@ impl<M: Model> Chip for RegisterChip<M> {
     }
 
     fn read(&mut self) -> u8 {
+        if self.dummies > 0 {
+            self.dummies -= 1;
+            return 0x7f;
+        }
         let byte = self.model.shown(&self.registers, self.pointer);
         self.model.was_read(&mut self.registers, self.pointer);
         if self.goes_on {
