@@ -143,6 +143,11 @@ impl<M: Model> RegisterChip<M> {
         if let Some(at) = self.once_at_ns.filter(|&at| at <= now_ns) {
             self.once_at_ns = None;
             self.measure_at(at);
+            // What was done once may be the change to another mode.
+            let period = self.model.period_ns(&self.registers);
+            if period != self.period_ns {
+                (self.period_ns, self.since_ns, self.measured) = (period, at, 0);
+            }
         }
         if let Some(period) = self.period_ns {
             let number = (now_ns - self.since_ns) / period;
