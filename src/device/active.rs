@@ -61,6 +61,8 @@ pub(super) struct Active {
     /// How the board turns, where it has no gyro, and how it did at the last sample.
     turning: TurningField,
     pub(super) turn_radps: Option<[f32; 3]>,
+    /// The corrected field at the last sample, µT; `None` while an effect waits for its column.
+    pub(super) corrected_ut: Option<[f32; 3]>,
 }
 
 impl Active {
@@ -79,6 +81,7 @@ impl Active {
             monitor,
             turning: TurningField::new(),
             turn_radps: None,
+            corrected_ut: None,
         }
     }
 
@@ -142,7 +145,8 @@ impl Active {
             (_, by_gyro) => by_gyro,
         };
         let turn_radps = self.turn_radps;
-        if let Some(Ok(corrected_ut)) = self.at(t_ms).map(|live| live.apply(measured_ut, turn_radps)) {
+        self.corrected_ut = self.at(t_ms).and_then(|live| live.apply(measured_ut, turn_radps).ok());
+        if let Some(corrected_ut) = self.corrected_ut {
             self.monitor.push(t_ms, corrected_ut, motion.accel_mps2);
         }
     }

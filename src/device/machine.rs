@@ -217,6 +217,8 @@ impl Device {
             if let Some(active) = &mut self.active {
                 active.take(t_ms, measured_ut, &self.lessons.motion);
             }
+        } else if let Some(active) = &mut self.active {
+            active.corrected_ut = None;
         }
         #[cfg(feature = "study")]
         self.learn(sample, t_ms);
