@@ -9,3 +9,5 @@ pub mod learning;
 pub mod m4;
 pub mod measured;
 pub mod rate;
+#[cfg(unix)]
+pub mod rooms;
