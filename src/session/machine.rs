@@ -195,6 +195,7 @@ impl Session {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
     use crate::math;
     use crate::sensor::{Axis, AxisMap, Sensor};
