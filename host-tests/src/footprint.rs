@@ -92,19 +92,6 @@ fn flash(key: &str, features: &str) -> Result<u64, M4Error> {
     Ok([".text", ".rodata", ".data"].iter().map(|name| size(&sections, name)).sum())
 }
 
-/// Where the bytes of a linked program are, as text; its key as in [`PROGRAMS`].
-///
-/// # Errors
-/// [`M4Error::Failed`] for a key that is none, and what the build says.
-pub fn rooms(key: &str) -> Result<String, M4Error> {
-    let program = PROGRAMS.iter().find(|program| program.key == key).ok_or_else(|| {
-        let keys = PROGRAMS.map(|program| program.key).join(", ");
-        M4Error::Failed(format!("{key} is not a linked program: {keys}"))
-    })?;
-    let image = build_image(&format!("linked-{key}"), "c", program.features)?;
-    Ok(crate::rooms::table(key, &crate::rooms::symbols(&image)?, 12))
-}
-
 /// Builds the programs and measures them.
 ///
 /// # Errors

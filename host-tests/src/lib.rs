@@ -9,5 +9,3 @@ pub mod learning;
 pub mod m4;
 pub mod measured;
 pub mod rate;
-#[cfg(unix)]
-pub mod rooms;

@@ -1,9 +1,8 @@
-//! `cargo footprint [linked | emulated | rooms | BOARD] [--accept]`: flash and RAM of the library and the firmware.
+//! `cargo footprint [linked | emulated | BOARD] [--accept]`: flash and RAM of the library and the firmware.
 //!
 //! Without an argument it builds the linked programs and all images, prints the table and compares it with the snapshot; `--accept`
 //! writes the snapshot and the table in `host-tests/measured.md`. `linked` leaves out the images, `emulated` those that no emulator runs. A
-//! board's name measures that image alone. `rooms` prints where the bytes of the programs are that are larger than wanted: by room of the
-//! library, and the largest functions.
+//! board's name measures that image alone.
 
 use std::process::ExitCode;
 
@@ -16,7 +15,6 @@ fn main() -> ExitCode {
         None => table_of(Images::All, accept),
         Some("emulated") => table_of(Images::Emulated, accept),
         Some("linked") => table_of(Images::None, accept),
-        Some("rooms") => rooms(accept),
         Some(board) => image(board),
     };
     match measured {
@@ -40,23 +38,6 @@ type Faults = Result<Vec<String>, Box<dyn std::error::Error>>;
 #[cfg(unix)]
 fn stored() -> String {
     std::fs::read_to_string(ironout_host_tests::footprint::snapshot_path()).unwrap_or_default()
-}
-
-/// The programs of which the bytes are listed: all that a user links are parts of the second.
-#[cfg(unix)]
-const LISTED: [&str; 2] = ["live", "session"];
-
-#[cfg(unix)]
-fn rooms(accept: bool) -> Faults {
-    let mut text = String::new();
-    for key in LISTED {
-        text += &ironout_host_tests::footprint::rooms(key)?;
-    }
-    print!("{text}");
-    if accept {
-        ironout_host_tests::measured::write(&[("footprint-rooms", text)])?;
-    }
-    Ok(Vec::new())
 }
 
 /// Which images are measured.
