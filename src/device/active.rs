@@ -137,9 +137,11 @@ impl Active {
         Some(live)
     }
 
-    /// Takes a sample: how the board turns at it, by the gyro or, where an effect needs it and there is none, by the field; and
+    /// Takes a sample, `None` for one out of range: how the board turns at it, by the gyro or, where an effect needs it and there is none, by the field; and
     /// whether the calibration is still right.
-    pub(super) fn take(&mut self, t_ms: u64, measured_ut: [f32; 3], motion: &Motion) {
+    pub(super) fn take(&mut self, t_ms: u64, measured_ut: Option<[f32; 3]>, motion: &Motion) {
+        self.corrected_ut = None;
+        let Some(measured_ut) = measured_ut else { return };
         self.turn_radps = match (&self.live, motion.turn_radps) {
             (Ok(live), None) if live.needs_gyro() => self.turning.push(live.base().apply(measured_ut), t_ms),
             (_, by_gyro) => by_gyro,
