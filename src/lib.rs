@@ -70,7 +70,7 @@
 //! | `device` | the whole application of a board with its console: `record` and `effects` too, and `study` where that is chosen |
 //! | `defmt` | `defmt::Format` for what a firmware logs |
 //!
-//! `cargo footprint` prints what each takes of the flash.
+//! `cargo footprint` prints what each takes of the flash. Rust 1.89 or newer.
 //!
 //! # What is not promised
 //!

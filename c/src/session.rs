@@ -31,8 +31,6 @@ pub const IRONOUT_SESSION_WORDS: usize = 204;
 /// What is in it.
 pub(crate) struct Collecting {
     session: Session,
-    /// µT per count, as the caller stated it.
-    ut_per_count: [f32; 3],
     gap_ms: u32,
     last_ms: Option<u32>,
 }
@@ -58,7 +56,7 @@ impl Collecting {
             ..SessionConfig::scaled(ut_per_count.map(f64::from), f64::from(*rate_hz))
         });
         session.start();
-        Ok(Self { session, ut_per_count: *ut_per_count, gap_ms, last_ms: None })
+        Ok(Self { session, gap_ms, last_ms: None })
     }
 
     fn push(&mut self, counts: [i16; 3], t_ms: u32, flags: u32) -> Result<(), IronoutError> {
@@ -78,11 +76,8 @@ impl Collecting {
         if !measured_ut.iter().all(|value| value.is_finite()) {
             return Err(IronoutError::IRONOUT_BAD_ARGUMENT);
         }
-        let mut counts = [0i16; 3];
-        for ((count, value), scale) in counts.iter_mut().zip(measured_ut).zip(self.ut_per_count) {
-            // The cast stays within 16 bits; at their ends a sample is saturated.
-            *count = ironout::math::round(f64::from(value) / f64::from(scale)) as i16;
-        }
+        // At the ends of 16 bits a count is saturated, whatever the flags say.
+        let counts = self.session.config().sample(measured_ut).counts;
         self.push(counts, t_ms, flags)
     }
 

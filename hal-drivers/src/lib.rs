@@ -41,10 +41,11 @@ pub mod wires {
     pub use crate::blocking::{Registers, SpiRegisters, Wires};
 }
 
-pub use blocking::{AnyMagnetometer, Driver, probe};
+pub use blocking::{AnyMagnetometer, Driver, Memsic, NoDelay, probe};
 pub use chip::description::{Chip, Identity, Thermometer, Write};
 pub use chip::kind::{Findings, Found, Kind, MOST_FOUND};
 pub use chip::self_test::{Good, Outcome, Plan, SelfTest};
+pub use chip::set_reset::SetReset;
 pub use ironout_sensor::{
     Accelerometer, AsyncAccelerometer, AsyncGyroscope, AsyncMagnetometer, Axis, AxisMap, Error, Gyroscope,
     Magnetometer, Reading, Sample, Sensor, Validity,
@@ -111,12 +112,28 @@ chip!(
     qmc5883p, Qmc5883p
 );
 chip!(
+    /// QST QMC6309: 16 bits, ±8 to ±32 G, 10 to 200 Hz.
+    qmc6309, Qmc6309
+);
+chip!(
+    /// QST QMC6310: 16 bits, ±2 to ±30 G, 10 to 200 Hz.
+    qmc6310, Qmc6310
+);
+chip!(
+    /// MEMSIC MMC5603: 20 bits, ±30 G, 1 to 255 Hz, its own offset removed by SET and RESET.
+    mmc5603, own Mmc5603
+);
+chip!(
     /// MEMSIC MMC5983MA: 18 bits, ±8 G, 10 to 200 Hz, its own offset removed by SET and RESET.
     mmc5983ma, own Mmc5983ma
 );
 chip!(
     /// Bosch BMM150: compensated by each chip's trimming, 10 to 30 Hz.
     bmm150, own Bmm150
+);
+chip!(
+    /// Bosch BMM350: compensated by each chip's OTP memory, magnetically reset, 25 to 400 Hz.
+    bmm350, own Bmm350
 );
 chip!(
     /// AKM AK09916: 16 bits, ±4912 µT, 10 to 100 Hz.

@@ -61,6 +61,8 @@ pub(super) struct Active {
     /// How the board turns, where it has no gyro, and how it did at the last sample.
     turning: TurningField,
     pub(super) turn_radps: Option<[f32; 3]>,
+    /// The corrected field at the last sample, µT; `None` while an effect waits for its column.
+    pub(super) corrected_ut: Option<[f32; 3]>,
 }
 
 impl Active {
@@ -79,6 +81,7 @@ impl Active {
             monitor,
             turning: TurningField::new(),
             turn_radps: None,
+            corrected_ut: None,
         }
     }
 
@@ -134,15 +137,18 @@ impl Active {
         Some(live)
     }
 
-    /// Takes a sample: how the board turns at it, by the gyro or, where an effect needs it and there is none, by the field; and
+    /// Takes a sample, `None` for one out of range: how the board turns at it, by the gyro or, where an effect needs it and there is none, by the field; and
     /// whether the calibration is still right.
-    pub(super) fn take(&mut self, t_ms: u64, measured_ut: [f32; 3], motion: &Motion) {
+    pub(super) fn take(&mut self, t_ms: u64, measured_ut: Option<[f32; 3]>, motion: &Motion) {
+        self.corrected_ut = None;
+        let Some(measured_ut) = measured_ut else { return };
         self.turn_radps = match (&self.live, motion.turn_radps) {
             (Ok(live), None) if live.needs_gyro() => self.turning.push(live.base().apply(measured_ut), t_ms),
             (_, by_gyro) => by_gyro,
         };
         let turn_radps = self.turn_radps;
-        if let Some(Ok(corrected_ut)) = self.at(t_ms).map(|live| live.apply(measured_ut, turn_radps)) {
+        self.corrected_ut = self.at(t_ms).and_then(|live| live.apply(measured_ut, turn_radps).ok());
+        if let Some(corrected_ut) = self.corrected_ut {
             self.monitor.push(t_ms, corrected_ut, motion.accel_mps2);
         }
     }

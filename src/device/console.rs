@@ -187,7 +187,10 @@ impl Device {
                         "hint a calibration is in use; start another one with: cal start"
                     )),
                 },
-                _ => reply.line(format_args!("hint {}", status.hint)),
+                _ => match said_with_command(status.hint) {
+                    Some(hint) => reply.line(format_args!("hint {hint}")),
+                    None => reply.line(format_args!("hint {}", status.hint)),
+                },
             },
         }
         if let Some(active) = &self.active {
@@ -249,5 +252,16 @@ impl Device {
         self.stream = mode;
         self.log.begin();
         reply.ok(format_args!("stream={name}"))
+    }
+}
+
+/// A hint with the command that does it; `None` where it is done with the board in the hand.
+const fn said_with_command(hint: Hint) -> Option<&'static str> {
+    match hint {
+        Hint::Start => Some("start a calibration with: cal start"),
+        Hint::Stop => Some("enough directions covered; solve with: cal stop"),
+        Hint::Accept => Some("store and apply the solution with: cal accept"),
+        Hint::Again => Some("the data were rejected; start again with: cal start"),
+        Hint::Move | Hint::Turn { .. } => None,
     }
 }

@@ -21,6 +21,12 @@ impl Device {
         self.active.as_ref().filter(|active| active.live.is_ok()).map(|active| &active.record)
     }
 
+    /// The corrected field at the last sample, µT in the board's axes. `None` without a calibration in use, while one of its effects
+    /// waits for its column, and for a sample out of range.
+    pub fn corrected_ut(&self) -> Option<[f32; 3]> {
+        self.active.as_ref().and_then(|active| active.corrected_ut)
+    }
+
     /// The slot that must not be overwritten.
     pub(super) fn slot_in_use(&self) -> Option<Slot> {
         self.active.as_ref().map(|active| active.slot)

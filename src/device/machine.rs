@@ -214,9 +214,9 @@ impl Device {
         let measured_ut = self.config.sensor.measured_ut(sample);
         if let Some(measured_ut) = measured_ut {
             self.view.measured(t_ms, measured_ut);
-            if let Some(active) = &mut self.active {
-                active.take(t_ms, measured_ut, &self.learner_inputs.motion);
-            }
+        }
+        if let Some(active) = &mut self.active {
+            active.take(t_ms, measured_ut, &self.learner_inputs.motion);
         }
         #[cfg(feature = "study")]
         self.learn(sample, t_ms);

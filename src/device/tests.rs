@@ -92,6 +92,22 @@ fn the_value_that_is_fed_is_the_one_that_is_corrected_for() {
 }
 
 #[test]
+fn the_corrected_field_of_the_last_sample_is_known_while_it_is_one() {
+    let column = ColumnName::new("current_a").expect("a name");
+    let mut device = device(BuiltIn::Offset(Offset::linear(column, 1.0)));
+    let sample = |device: &mut Device, overflow, t_ms| {
+        device.on_sample(&Reading { counts: [200, -100, 350], overflow: [overflow; 3] }, t_ms);
+        device.corrected_ut()
+    };
+    assert_eq!(sample(&mut device, false, 0), None, "the effect waits for its column");
+    answer(&mut device, "cov current_a=5", 10);
+    assert_eq!(sample(&mut device, false, 20), Some([12.0, -6.0, 33.0]));
+    assert_eq!(sample(&mut device, true, 40), None, "out of range");
+    assert_eq!(sample(&mut device, false, 60), Some([12.0, -6.0, 33.0]));
+    assert_eq!(sample(&mut plain_device(), false, 80), None, "no calibration");
+}
+
+#[test]
 fn the_time_that_is_fed_is_that_of_now_and_goes_on() {
     let mut device = device(BuiltIn::Drift(Drift { reference_s: 100.0 }));
     assert_eq!(corrected(&mut device, 7000), None, "the recording's clock is not known yet");

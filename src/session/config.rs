@@ -2,7 +2,8 @@
 
 use crate::fit::Method;
 use crate::gate::block_samples;
-use crate::sensor::{AxisMap, Sensor};
+use crate::math;
+use crate::sensor::{AxisMap, Sample, Sensor};
 
 /// What a session needs to know of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +41,22 @@ impl SessionConfig {
     pub fn of(sensor: &Sensor) -> Self {
         let scaled = Self::scaled(sensor.board_ut_per_count().map(f64::from), f64::from(sensor.rate_hz));
         Self { axes: Some(sensor.axes), ..scaled }
+    }
+
+    /// A measurement in µT as a sample, rounded to counts. What is not finite, and what 16 bits do not hold, is out of range: choose
+    /// scales as fine as the sensor's resolution, so that the largest value stays below 32 767 counts.
+    pub fn sample(&self, measured_ut: [f32; 3]) -> Sample {
+        let mut counts = [0_i16; 3];
+        for ((count, value), scale) in counts.iter_mut().zip(measured_ut).zip(self.ut_per_count) {
+            // The cast stays within 16 bits.
+            *count = math::round(f64::from(value) / scale) as i16;
+        }
+        let ends = |count: &i16| matches!(*count, i16::MIN | i16::MAX);
+        if counts.iter().any(ends) || !measured_ut.iter().all(|value| value.is_finite()) {
+            Sample::out_of_range(counts)
+        } else {
+            Sample::valid(counts)
+        }
     }
 
     /// The method of the next solve.

@@ -82,6 +82,22 @@ impl Session {
         }
     }
 
+    /// Takes one sample in µT, as [`SessionConfig::sample`] rounds it to counts.
+    ///
+    /// ```
+    /// use ironout::session::{Session, SessionConfig};
+    ///
+    /// // 0.05 µT a count: ±1638 µT fit. 100 samples a second.
+    /// let mut session = Session::new(SessionConfig::scaled([0.05; 3], 100.0));
+    /// session.start();
+    /// session.push_ut([21.3, -4.7, 40.2]);
+    /// session.push_ut([f32::NAN, -4.7, 40.2]);
+    /// assert_eq!(session.counts().saturated, 1);
+    /// ```
+    pub fn push_ut(&mut self, measured_ut: [f32; 3]) {
+        self.push(self.config.sample(measured_ut));
+    }
+
     /// Samples are missing before the next one: it is not taken for the neighbour of the last.
     pub fn interrupt(&mut self) {
         if let Stage::Collecting(collector) = &mut self.stage {
@@ -179,6 +195,7 @@ impl Session {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
     use crate::math;
     use crate::sensor::{Axis, AxisMap, Sensor};
@@ -225,6 +242,33 @@ mod tests {
         let (turn, z) = (0.02 * f64::from(i), math::sin(0.0037 * f64::from(i)));
         let r = math::sqrt(1.0 - z * z);
         [r * math::cos(turn), r * math::sin(turn), z]
+    }
+
+    #[test]
+    fn samples_in_microtesla_are_those_in_counts_and_what_16_bits_do_not_hold_is_out_of_range() {
+        let (mut in_ut, mut in_counts) = (collecting(), collecting());
+        for i in 0..400 {
+            let field_ut = smooth(i).map(|part| (50.0 * part) as f32);
+            in_ut.push_ut(field_ut);
+            let counts = field_ut.map(|ut| math::round(f64::from(ut) / 0.05) as i16);
+            in_counts.push(Sample::valid(counts));
+        }
+        assert_eq!((in_ut.counts(), in_ut.status()), (in_counts.counts(), in_counts.status()));
+        assert_eq!(in_ut.counts().saturated, 0);
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1638.4, -1638.4] {
+            in_ut.push_ut([1.0, bad, 2.0]);
+        }
+        assert_eq!(in_ut.counts().saturated, 5);
+        in_ut.push_ut([1.0, 1638.3, 2.0]);
+        assert_eq!(in_ut.counts().saturated, 5);
+    }
+
+    #[test]
+    fn no_hint_of_the_session_names_a_command_of_the_console() {
+        for hint in [Hint::Start, Hint::Move, Hint::Stop, Hint::Accept, Hint::Again] {
+            let words = std::string::ToString::to_string(&hint);
+            assert!(!words.contains("cal ") && !words.contains(" with"), "{words}");
+        }
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub enum State {
 }
 
 impl State {
-    /// The word of the console: `idle`, `collecting`, `solved`, `refused`.
+    /// The state in one word: `idle`, `collecting`, `solved`, `refused`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Idle => "idle",
@@ -76,14 +76,14 @@ pub enum Hint {
 impl fmt::Display for Hint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Start => write!(f, "start a calibration with: cal start"),
+            Self::Start => write!(f, "start a calibration"),
             Self::Move => write!(f, "rotate the sensor slowly in all directions"),
             Self::Turn { missing, now } => {
                 write!(f, "keep rotating; bring the {missing} side to where the {now} side is now")
             }
-            Self::Stop => write!(f, "enough directions covered; solve with: cal stop"),
-            Self::Accept => write!(f, "store and apply the solution with: cal accept"),
-            Self::Again => write!(f, "the data were rejected; start again with: cal start"),
+            Self::Stop => write!(f, "enough directions are covered: stop and solve"),
+            Self::Accept => write!(f, "accept the solution to store and apply it"),
+            Self::Again => write!(f, "the data were rejected: start again"),
         }
     }
 }

@@ -64,6 +64,8 @@ pub trait Chip {
     const OUTPUT: u8;
     /// What is set in a register's address so that the chip goes on to the next one by itself.
     const INCREMENT: u8 = 0;
+    /// Bytes without a meaning that the chip sends before those of its registers, of which at most 14 are then read at once.
+    const DUMMIES: u8 = 0;
     /// Measurements after a configuration that are still of the one before.
     const DROPPED: u8 = 0;
     /// For a chip that measures when told: what tells it.

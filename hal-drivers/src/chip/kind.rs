@@ -1,7 +1,8 @@
 //! Which chips there are, and where to look for them.
 
 use super::{
-    ak09916, bmm150, hmc5883l, icm20948, ist8310, lis2mdl, lis3mdl, mmc5983ma, qmc5883l, qmc5883p, rm3100,
+    ak09916, bmm150, bmm350, hmc5883l, icm20948, ist8310, lis2mdl, lis3mdl, mmc5603, mmc5983ma, qmc5883l,
+    qmc5883p, qmc6309, qmc6310, rm3100,
 };
 
 /// A chip with a magnetometer that this crate drives.
@@ -17,8 +18,12 @@ pub enum Kind {
     Hmc5883l,
     Qmc5883l,
     Qmc5883p,
+    Qmc6309,
+    Qmc6310,
+    Mmc5603,
     Mmc5983ma,
     Bmm150,
+    Bmm350,
     Ak09916,
     /// An AK09916 behind the bypass of an ICM-20948.
     Icm20948,
@@ -38,8 +43,12 @@ impl Kind {
             Kind::Hmc5883l => "HMC5883L",
             Kind::Qmc5883l => "QMC5883L",
             Kind::Qmc5883p => "QMC5883P",
+            Kind::Qmc6309 => "QMC6309",
+            Kind::Qmc6310 => "QMC6310",
+            Kind::Mmc5603 => "MMC5603",
             Kind::Mmc5983ma => "MMC5983MA",
             Kind::Bmm150 => "BMM150",
+            Kind::Bmm350 => "BMM350",
             Kind::Ak09916 => "AK09916",
             Kind::Icm20948 => "ICM-20948",
             Kind::Ist8310 => "IST8310",
@@ -102,7 +111,7 @@ const fn candidate(kind: Kind, address: u8, register: u8, identity: &'static [u8
 }
 
 /// All places, by address: those of one address are neighbours.
-pub const CANDIDATES: [Candidate; 22] = [
+pub const CANDIDATES: [Candidate; 28] = [
     candidate(Kind::Ak09916, ak09916::ADDRESS, ak09916::WIA1, &ak09916::IDENTITY),
     candidate(Kind::Ist8310, 0x0c, ist8310::WAI, &[ist8310::IDENTITY]),
     // In this order: where the one has its identity, the other has a measurement.
@@ -114,7 +123,10 @@ pub const CANDIDATES: [Candidate; 22] = [
     candidate(Kind::Bmm150, 0x11, bmm150::CHIP_ID, &[bmm150::IDENTITY]),
     candidate(Kind::Bmm150, 0x12, bmm150::CHIP_ID, &[bmm150::IDENTITY]),
     candidate(Kind::Bmm150, 0x13, bmm150::CHIP_ID, &[bmm150::IDENTITY]),
+    candidate(Kind::Bmm350, 0x14, bmm350::CHIP_ID, &[bmm350::IDENTITY]),
+    candidate(Kind::Bmm350, 0x15, bmm350::CHIP_ID, &[bmm350::IDENTITY]),
     candidate(Kind::Lis3mdl, 0x1c, lis3mdl::WHO_AM_I, &[lis3mdl::IDENTITY]),
+    candidate(Kind::Qmc6310, 0x1c, qmc6310::CHIP_ID, &[qmc6310::IDENTITY]),
     candidate(Kind::Lis2mdl, lis2mdl::ADDRESS, lis2mdl::WHO_AM_I, &[lis2mdl::IDENTITY]),
     candidate(Kind::Hmc5883l, hmc5883l::ADDRESS, hmc5883l::IDENTIFICATION_A, &hmc5883l::IDENTITY),
     candidate(Kind::Lis3mdl, 0x1e, lis3mdl::WHO_AM_I, &[lis3mdl::IDENTITY]),
@@ -124,8 +136,11 @@ pub const CANDIDATES: [Candidate; 22] = [
     candidate(Kind::Rm3100, 0x23, rm3100::REVID, &[rm3100::IDENTITY]),
     candidate(Kind::Qmc5883p, qmc5883p::ADDRESS, qmc5883p::CHIP_ID, &[qmc5883p::IDENTITY]),
     candidate(Kind::Mmc5983ma, mmc5983ma::ADDRESS, mmc5983ma::PRODUCT_ID, &[mmc5983ma::IDENTITY]),
+    candidate(Kind::Mmc5603, mmc5603::ADDRESS, mmc5603::PRODUCT_ID, &[mmc5603::IDENTITY]),
+    candidate(Kind::Qmc6310, 0x3c, qmc6310::CHIP_ID, &[qmc6310::IDENTITY]),
     candidate(Kind::Icm20948, 0x68, icm20948::WHO_AM_I, &[icm20948::IDENTITY]),
     candidate(Kind::Icm20948, 0x69, icm20948::WHO_AM_I, &[icm20948::IDENTITY]),
+    candidate(Kind::Qmc6309, qmc6309::ADDRESS, qmc6309::CHIP_ID, &[qmc6309::IDENTITY]),
 ];
 
 /// Where an LSM303's accelerometer is: it has no other address.

@@ -14,12 +14,12 @@
 //! | temperature | 0x07, 0.8 °C a count from −75 °C, measured when told (0x09 bit 1) |
 //! | self-test | a coil (0x0c) without limits in the datasheet; not offered here |
 //!
-//! The driver measures after SET, after RESET and after SET again, and takes a quarter of first, twice the second and third for the chip's
-//! offset: a field that turns evenly meanwhile cancels too. It does so at each configuration and every
-//! [`Config::refresh_every`] measurements, because the offset moves with temperature. Counts are carried with
-//! [`Config::shift`] low bits left out.
+//! The driver takes the chip's offset out ([`set_reset`](super::set_reset)). Counts are carried with [`Config::shift`] low bits left
+//! out.
 
-use ironout_sensor::{AxisMap, Reading, Sensor};
+use super::description::{Identity, Write};
+use super::set_reset::{Raw, SetReset};
+use ironout_sensor::{AxisMap, Sensor};
 
 /// The only address.
 pub const ADDRESS: u8 = 0x30;
@@ -45,14 +45,6 @@ pub const IDENTITY: u8 = 0x30;
 pub const MEAS_M_DONE: u8 = 1 << 0;
 /// [`STATUS`]: the temperature is measured.
 pub const MEAS_T_DONE: u8 = 1 << 1;
-/// [`CONTROL_0`]: measure the field.
-pub const TM_M: u8 = 1 << 0;
-/// [`CONTROL_0`]: measure the temperature.
-pub const TM_T: u8 = 1 << 1;
-/// [`CONTROL_0`]: SET.
-pub const SET: u8 = 1 << 3;
-/// [`CONTROL_0`]: RESET.
-pub const RESET: u8 = 1 << 4;
 /// [`CONTROL_2`]: continuous measurements.
 pub const CMM_EN: u8 = 1 << 3;
 /// What an output reads without a field.
@@ -122,17 +114,36 @@ impl Default for Config {
     }
 }
 
-impl Config {
-    /// Whether the chip can be configured like this.
-    ///
-    /// # Errors
-    /// What is wrong, and what to choose.
-    pub fn check(&self) -> Result<(), &'static str> {
+impl SetReset for Config {
+    const IDENTITY: Identity = Identity { register: PRODUCT_ID, bytes: &[IDENTITY] };
+    const ADDRESS: u8 = ADDRESS;
+    const STATUS: u8 = STATUS;
+    const FIELD_DONE: u8 = MEAS_M_DONE;
+    const TEMPERATURE_DONE: u8 = MEAS_T_DONE;
+    const CONTROL: u8 = CONTROL_0;
+    // 500 ns, which the next transaction takes anyway.
+    const PULSE_MS: u32 = 0;
+    const OUTPUT: u8 = OUT_X_0;
+    const TEMPERATURE: u8 = T_OUT;
+    const STOP: Write = Write::unread(CONTROL_2, 0);
+    const COUNTS_PER_GAUSS: f32 = COUNTS_PER_GAUSS;
+    type Output = [u8; 7];
+    type Writes = [Write; 2];
+    type Start = [Write; 1];
+
+    fn check(&self) -> Result<(), &'static str> {
         if self.shift > 8 { Err("MMC5983MA: more than 8 bits left out of 18: at most 8") } else { Ok(()) }
     }
 
-    /// The chip as an application sees it.
-    pub fn sensor(&self) -> Sensor {
+    fn writes(&self) -> [Write; 2] {
+        [Write::unread(CONTROL_1, self.rate.bandwidth()), Write::unread(CONTROL_3, 0)]
+    }
+
+    fn start(&self) -> [Write; 1] {
+        [Write::unread(CONTROL_2, self.rate.continuous())]
+    }
+
+    fn sensor(&self) -> Sensor {
         Sensor {
             name: "MMC5983MA",
             ut_per_count: [100.0 * f32::from(1_u16 << self.shift.min(8)) / COUNTS_PER_GAUSS; 3],
@@ -144,52 +155,18 @@ impl Config {
         }
     }
 
-    /// A measurement less the chip's offset.
-    pub fn reading(&self, raw: Raw, offset: [i32; 3]) -> Reading {
-        let [x, y, z] = raw.counts;
-        let [ox, oy, oz] = offset;
-        Reading::carried([x - ox, y - oy, z - oz], self.shift, raw.clipped)
-    }
-}
-
-/// A measurement as the chip has it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Raw {
-    /// Counts from [`ZERO`].
-    pub counts: [i32; 3],
-    /// Which of them stand at the end of the range.
-    pub clipped: [bool; 3],
-}
-
-impl Raw {
-    /// From the seven output bytes.
-    pub fn of([xh, xm, yh, ym, zh, zm, low]: [u8; 7]) -> Self {
+    fn raw(&self, &[xh, xm, yh, ym, zh, zm, low]: &[u8; 7]) -> Raw {
         let axis = |high: u8, middle: u8, shift: u8| {
             (i32::from(high) << 10) | (i32::from(middle) << 2) | i32::from((low >> shift) & 3)
         };
         let unsigned = [axis(xh, xm, 6), axis(yh, ym, 4), axis(zh, zm, 2)];
-        Self {
+        Raw {
             counts: unsigned.map(|count| count - ZERO),
             clipped: unsigned.map(|count| count == 0 || count == MOST),
         }
     }
-}
 
-/// The chip's offset from measurements after SET, RESET and SET. An axis that was clipped keeps the `last` one.
-pub fn bridge_offset(set: Raw, reset: Raw, again: Raw, last: [i32; 3]) -> [i32; 3] {
-    let mut offset = last;
-    let raws = set.counts.into_iter().zip(reset.counts).zip(again.counts);
-    let clips = set.clipped.into_iter().zip(reset.clipped).zip(again.clipped);
-    for ((offset, ((set, reset), again)), ((a, b), c)) in offset.iter_mut().zip(raws).zip(clips) {
-        if !(a || b || c) {
-            *offset = (set + 2 * reset + again) >> 2;
-        }
+    fn refresh_every(&self) -> u16 {
+        self.refresh_every
     }
-    offset
-}
-
-/// °C from the temperature's byte.
-pub fn celsius(byte: u8) -> f32 {
-    f32::from(byte) * 0.8 - 75.0
 }

@@ -37,7 +37,12 @@ impl<I2C, C> Driver<I2C, C> {
 impl<I2C, C: Chip> Driver<I2C, C> {
     /// The chip's registers, for as long as one operation takes.
     pub(super) fn registers(&mut self) -> Registers<&mut I2C> {
-        Registers { address: self.config.address(), increment: C::INCREMENT, i2c: &mut self.i2c }
+        Registers {
+            address: self.config.address(),
+            increment: C::INCREMENT,
+            dummies: C::DUMMIES,
+            i2c: &mut self.i2c,
+        }
     }
 }
 

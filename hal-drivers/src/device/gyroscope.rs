@@ -28,7 +28,7 @@ impl<SPI: SpiDevice> L3gd20<SpiRegisters<SPI>> {
 impl<I2C: I2c> L3gd20<Registers<I2C>> {
     /// Takes the bus, with one of [`ADDRESSES`](chip::ADDRESSES); nothing is sent before [`Gyroscope::init`].
     pub const fn new_i2c(i2c: I2C, address: u8, config: Config) -> Self {
-        let wires = Registers { i2c, address, increment: chip::INCREMENT };
+        let wires = Registers { i2c, address, increment: chip::INCREMENT, dummies: 0 };
         Self { wires, config, model: None }
     }
 

@@ -31,7 +31,8 @@ impl<I2C> Icm20948<I2C> {
 impl<I2C: I2c> Icm20948<I2C> {
     /// Puts the magnetometer on the bus.
     async fn open(&mut self) -> Result<(), Error<I2C::Error>> {
-        let mut host = Registers { i2c: &mut self.inner.i2c, address: self.address, increment: 0 };
+        let mut host =
+            Registers { i2c: &mut self.inner.i2c, address: self.address, increment: 0, dummies: 0 };
         host.write(chip::REG_BANK_SEL, 0).await?;
         host.identify(chip::WHO_AM_I, &[chip::IDENTITY]).await?;
         host.configure(&chip::OPENING).await

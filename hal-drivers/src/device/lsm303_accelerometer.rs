@@ -24,7 +24,7 @@ impl<I2C> Lsm303Accelerometer<I2C> {
     }
 
     fn registers(&mut self) -> Registers<&mut I2C> {
-        Registers { i2c: &mut self.i2c, address: chip::ADDRESS, increment: chip::INCREMENT }
+        Registers { i2c: &mut self.i2c, address: chip::ADDRESS, increment: chip::INCREMENT, dummies: 0 }
     }
 }
 

@@ -3,10 +3,11 @@
 use super::mode::{DelayNs, I2c, both};
 use super::registers::{Registers, Wires};
 use crate::chip::bmm150;
+use crate::chip::description::Chip;
 use crate::chip::kind::{
     CANDIDATES, Candidate, Findings, Found, Kind, LSM303_ACCELEROMETER, LSM303AGR_ACCELEROMETER,
 };
-use crate::chip::qmc5883l;
+use crate::chip::{bmm350, qmc5883l, qmc6310};
 use embedded_hal::i2c::{Error as _, ErrorKind, ErrorType};
 
 /// What an address said.
@@ -81,7 +82,18 @@ async fn read<I2C: I2c, const N: usize>(
     address: u8,
     register: u8,
 ) -> Answer<[u8; N], <I2C as ErrorType>::Error> {
-    let mut registers = Registers { i2c, address, increment: 0 };
+    read_after(i2c, address, register, 0).await
+}
+
+/// The same, from a chip that sends bytes without a meaning first.
+#[both(AFIT)]
+async fn read_after<I2C: I2c, const N: usize>(
+    i2c: &mut I2C,
+    address: u8,
+    register: u8,
+    dummies: u8,
+) -> Answer<[u8; N], <I2C as ErrorType>::Error> {
+    let mut registers = Registers { i2c, address, increment: 0, dummies };
     match registers.read(register).await {
         Ok(bytes) => Answer::Said(bytes),
         Err(error) if matches!(error.kind(), ErrorKind::NoAcknowledge(_)) => Answer::Nobody,
@@ -93,17 +105,29 @@ async fn read<I2C: I2c, const N: usize>(
 #[both(AFIT)]
 async fn ask<I2C: I2c>(i2c: &mut I2C, candidate: &Candidate) -> Answer<bool, <I2C as ErrorType>::Error> {
     let mut is = true;
+    let dummies = match candidate.kind {
+        Kind::Bmm350 => bmm350::Trimmed::DUMMIES,
+        _ => 0,
+    };
     for (offset, &byte) in (0_u8..).zip(candidate.identity) {
-        match read(i2c, candidate.address, candidate.register.wrapping_add(offset)).await {
+        let register = candidate.register.wrapping_add(offset);
+        match read_after(i2c, candidate.address, register, dummies).await {
             Answer::Said([said]) => is &= said == byte,
             Answer::Nobody => return Answer::Nobody,
             Answer::Failed(error) => return Answer::Failed(error),
         }
     }
-    if candidate.kind == Kind::Qmc5883l && is {
-        // All ones is what an empty register of any chip may read: the flags and their five empty bits have to be there too.
-        return match read(i2c, candidate.address, qmc5883l::STATUS).await {
-            Answer::Said([status]) => Answer::Said(status & 0xf8 == 0),
+    let flags = match candidate.kind {
+        // All ones is what an empty register of any chip may read.
+        Kind::Qmc5883l => Some((qmc5883l::STATUS, 0xf8)),
+        // A display at this address answers any reading with its own status.
+        Kind::Qmc6310 => Some((qmc6310::STATUS, qmc6310::STATUS_EMPTY)),
+        _ => None,
+    };
+    if let (Some((register, empty)), true) = (flags, is) {
+        // The flags and their empty bits have to be there too.
+        return match read(i2c, candidate.address, register).await {
+            Answer::Said([status]) => Answer::Said(status & empty == 0),
             Answer::Nobody => Answer::Nobody,
             Answer::Failed(error) => Answer::Failed(error),
         };

@@ -14,7 +14,12 @@ pub struct Registers<I2C> {
     pub address: u8,
     /// What is set in a register's address so that the chip goes on to the next.
     pub increment: u8,
+    /// Bytes without a meaning before those that are read.
+    pub dummies: u8,
 }
+
+/// The most bytes of one reading from a chip that sends [`Registers::dummies`] first, with these.
+const WITH_DUMMIES: usize = 16;
 
 /// A chip's registers on SPI, as ST's chips have them: bit 7 of the first byte reads, bit 6 goes on to the next register.
 #[derive(Debug)]
@@ -111,7 +116,18 @@ impl<I2C: I2c> Wires for Registers<I2C> {
 
     async fn read_into(&mut self, first: u8, bytes: &mut [u8]) -> Result<(), I2C::Error> {
         let first = if bytes.len() > 1 { first | self.increment } else { first };
-        self.i2c.write_read(self.address, &[first], bytes).await
+        if self.dummies == 0 {
+            return self.i2c.write_read(self.address, &[first], bytes).await;
+        }
+        let dummies = usize::from(self.dummies);
+        let mut all = [0; WITH_DUMMIES];
+        if let Some(all) = all.get_mut(..(dummies + bytes.len()).min(WITH_DUMMIES)) {
+            self.i2c.write_read(self.address, &[first], all).await?;
+        }
+        for (to, from) in bytes.iter_mut().zip(all.iter().skip(dummies)) {
+            *to = *from;
+        }
+        Ok(())
     }
 
     async fn write(&mut self, register: u8, byte: u8) -> Result<(), I2C::Error> {

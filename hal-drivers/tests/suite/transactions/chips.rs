@@ -2,7 +2,8 @@
 
 use ironout_drivers::{Driver, Magnetometer};
 use ironout_drivers::{
-    Error, Reading, ak09916, hmc5883l, ist8310, lis2mdl, lis3mdl, lsm303dlhc, qmc5883l, qmc5883p, rm3100,
+    Error, Reading, ak09916, hmc5883l, ist8310, lis2mdl, lis3mdl, lsm303dlhc, qmc5883l, qmc5883p, qmc6309,
+    qmc6310, rm3100,
 };
 
 use crate::transactions::case::{Case, counts, rd, wr};
@@ -220,6 +221,76 @@ fn qmc5883p() {
     }
     .run();
     assert_eq!(qmc5883p::Range::ALL.map(|range| range.bits()), [0x0c, 0x08, 0x04, 0x00]);
+}
+
+#[test]
+fn qmc6310() {
+    let read = |bytes: [u8; 6]| vec![rd(0x1c, 0x01, &bytes)];
+    Case {
+        config: qmc6310::Config::default(),
+        init: vec![
+            rd(0x1c, 0x00, &[0x80]),
+            wr(0x1c, 0x0a, 0x00),
+            wr(0x1c, 0x29, 0x06),
+            wr(0x1c, 0x0b, 0x08),
+            wr(0x1c, 0x0a, 0x09),
+            rd(0x1c, 0x29, &[0x06]),
+            rd(0x1c, 0x0b, &[0x08]),
+            rd(0x1c, 0x0a, &[0x09]),
+        ],
+        identity: ([0x80, 0, 0], rd(0x1c, 0x00, &[0x90]), [0x90, 0, 0]),
+        ready: vec![rd(0x1c, 0x09, &[0x01])],
+        not_ready: vec![rd(0x1c, 0x09, &[0x02])],
+        readings: vec![
+            (read([0x02, 0x01, 0xd4, 0xfe, 0x07, 0x00]), counts([258, -300, 7])),
+            // 30 000 is the last that is a measurement.
+            (
+                read([0x31, 0x75, 0xcf, 0x8a, 0x30, 0x75]),
+                Reading { counts: [30_001, -30_001, 30_000], overflow: [true, true, false] },
+            ),
+        ],
+        celsius: vec![(vec![], None)],
+    }
+    .run();
+    for (range, ut) in qmc6310::Range::ALL.into_iter().zip([200.0_f32, 800.0, 1200.0, 3000.0]) {
+        let sensor = Driver::new(Mock::new(&[]), qmc6310::Config { range, ..Default::default() });
+        let most = sensor.describe().ut_per_count[0] * f32::from(sensor.describe().full_scale_counts);
+        assert!((most - ut).abs() < 0.01, "{range:?}: {most}");
+        sensor.destroy().done();
+    }
+}
+
+#[test]
+fn qmc6309() {
+    let read = |bytes: [u8; 6]| vec![rd(0x7c, 0x01, &bytes)];
+    Case {
+        config: qmc6309::Config::default(),
+        init: vec![
+            rd(0x7c, 0x00, &[0x90]),
+            wr(0x7c, 0x0a, 0x00),
+            wr(0x7c, 0x0b, 0x38),
+            wr(0x7c, 0x0a, 0x01),
+            rd(0x7c, 0x0b, &[0x38]),
+            rd(0x7c, 0x0a, &[0x01]),
+        ],
+        identity: ([0x90, 0, 0], rd(0x7c, 0x00, &[0x80]), [0x80, 0, 0]),
+        ready: vec![rd(0x7c, 0x09, &[0x19])],
+        not_ready: vec![rd(0x7c, 0x09, &[0x1a])],
+        readings: vec![
+            (read([0x02, 0x01, 0xd4, 0xfe, 0x07, 0x00]), counts([258, -300, 7])),
+            // 32 000 is the last that is a measurement.
+            (
+                read([0x01, 0x7d, 0xff, 0x82, 0x00, 0x7d]),
+                Reading { counts: [32_001, -32_001, 32_000], overflow: [true, true, false] },
+            ),
+        ],
+        celsius: vec![(vec![], None)],
+    }
+    .run();
+    use qmc6309::{DataRate, Range};
+    assert_eq!(Range::ALL.map(|range| range.bits()), [0x08, 0x04, 0x00]);
+    let rates = [DataRate::Hz10, DataRate::Hz50, DataRate::Hz100, DataRate::Hz200];
+    assert_eq!(rates.map(|rate| rate.bits()), [0x10, 0x20, 0x30, 0x40]);
 }
 
 #[test]

@@ -5,13 +5,14 @@ use embedded_hal_mock::eh1::delay::NoopDelay;
 use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use ironout_drivers::bmm150::{self, Bmm150, Trim};
 use ironout_drivers::icm20948::{self, Icm20948};
+use ironout_drivers::mmc5603::{self, Mmc5603};
 use ironout_drivers::mmc5983ma::{self, Mmc5983ma};
 use ironout_drivers::{Error, Magnetometer};
 
 use crate::transactions::case::{rd, wr};
 
 /// An operation of which each transaction fails in turn.
-fn each_fails(
+pub fn each_fails(
     transactions: &[Transaction],
     operation: impl Fn(Mock) -> (Result<(), Error<ErrorKind>>, Mock),
 ) {
@@ -289,4 +290,56 @@ fn mmc5983ma_begins_anew_where_the_bus_failed_between() {
         assert_eq!(failed, Error::Bus(ErrorKind::ArbitrationLoss));
         driver.destroy().done();
     }
+}
+
+/// The nine bytes of 20-bit outputs.
+fn mmc5603_bytes(counts: [u32; 3]) -> [u8; 9] {
+    let [x, y, z] = counts;
+    let [high, middle, low] = [12, 4, 0].map(|shift| counts.map(|count| (count >> shift) as u8));
+    debug_assert!(x | y | z < 1 << 20);
+    [high[0], middle[0], high[1], middle[1], high[2], middle[2], low[0] << 4, low[1] << 4, low[2] << 4]
+}
+
+fn mmc5603_init() -> Vec<Transaction> {
+    vec![
+        rd(0x30, 0x39, &[0x10]),
+        wr(0x30, 0x1c, 0x00),
+        wr(0x30, 0x1d, 0x00),
+        wr(0x30, 0x18, 0xc0),
+        wr(0x30, 0x1b, 0x02),
+    ]
+}
+
+#[test]
+fn mmc5603_measures_its_offset_by_set_and_reset_and_takes_it_out() {
+    each_fails(&mmc5603_init(), |bus| {
+        let mut driver = Mmc5603::new(bus, NoopDelay::new(), mmc5603::Config::default());
+        (driver.init(), driver.destroy().0)
+    });
+    let measured =
+        |counts| [rd(0x30, 0x18, &[0x40]), rd(0x30, 0x00, &mmc5603_bytes(counts)), wr(0x30, 0x18, 0x40)];
+    let zero = 524_288;
+    let mut transactions = mmc5603_init();
+    transactions.extend([rd(0x30, 0x18, &[0x50]), rd(0x30, 0x18, &[0x90]), rd(0x30, 0x09, &[120])]);
+    // A field of 1000, −2000 and 3000 counts, offsets of 100, 50 and −8.
+    transactions.extend([wr(0x30, 0x1b, 0x08), wr(0x30, 0x1b, 0x01)]);
+    transactions.extend(measured([zero + 1100, zero - 1950, zero + 2992]));
+    transactions.extend([wr(0x30, 0x1b, 0x10), wr(0x30, 0x1b, 0x01)]);
+    transactions.extend(measured([zero - 900, zero + 2050, zero - 3008]));
+    transactions.extend([wr(0x30, 0x1b, 0x08), wr(0x30, 0x1b, 0x01)]);
+    transactions.extend(measured([zero + 1100, zero - 1950, zero + 2992]));
+    transactions.extend([wr(0x30, 0x1a, 75), wr(0x30, 0x1b, 0x80), wr(0x30, 0x1d, 0x10)]);
+    transactions.extend(measured([zero + 1100, zero - 1950, zero + 491_521]));
+    let config = mmc5603::Config { shift: 0, ..Default::default() };
+    let mut driver = Mmc5603::new(Mock::new(&transactions), NoopDelay::new(), config);
+    driver.init().unwrap();
+    // The flag of the field while the temperature is waited for, the temperature, three measurements, and one.
+    for ready in [false, false, false, false, false, true] {
+        assert_eq!(driver.data_ready(), Ok(ready));
+    }
+    assert_eq!(driver.temperature_c(), Ok(Some(21.0)));
+    let reading = driver.read().unwrap();
+    assert_eq!(reading.counts, [1000, -2000, i16::MAX]);
+    assert_eq!(reading.overflow, [false, false, true]);
+    driver.destroy().0.done();
 }

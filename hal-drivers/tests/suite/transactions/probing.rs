@@ -34,6 +34,8 @@ fn before_0x1e() -> Vec<Transaction> {
         nobody(rd(0x0f, 0x00, &[0])),
     ];
     transactions.extend((0x10..=0x13).map(|address| nobody(wr(address, 0x4b, 0x01))));
+    // Two bytes without a meaning first.
+    transactions.extend((0x14..=0x15).map(|address| nobody(rd(address, 0x00, &[0; 3]))));
     transactions.push(nobody(rd(0x1c, 0x0f, &[0])));
     transactions
 }
@@ -44,8 +46,10 @@ fn behind_0x1e() -> Vec<Transaction> {
     transactions.extend([
         nobody(rd(0x2c, 0x00, &[0])),
         nobody(rd(0x30, 0x2f, &[0])),
+        nobody(rd(0x3c, 0x00, &[0])),
         nobody(rd(0x68, 0x00, &[0])),
         nobody(rd(0x69, 0x00, &[0])),
+        nobody(rd(0x7c, 0x00, &[0])),
     ]);
     transactions
 }

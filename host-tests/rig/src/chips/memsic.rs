@@ -1,4 +1,4 @@
-//! MMC5983MA.
+//! MMC5983MA and MMC5603.
 
 use super::register_chip::{Action, Model, Registers, World, counts, period_of_hz};
 
@@ -98,5 +98,109 @@ impl Model for Mmc5983maModel {
             registers[0x06] |= ((count & 3) as u8) << (6 - 2 * axis);
         }
         registers[0x08] |= 0x01;
+    }
+}
+
+/// MMC5603.
+pub struct Mmc5603Model {
+    /// The offset of its bridges, µT: it does not turn around with SET and RESET, as the field does.
+    pub offset_ut: [f64; 3],
+    turned_around: bool,
+    /// The current of a SET or RESET, which takes a millisecond.
+    pulse: Option<u8>,
+    measures: u8,
+}
+
+impl Mmc5603Model {
+    /// A chip with this offset of its own.
+    pub fn new(offset_ut: [f64; 3]) -> Self {
+        Self { offset_ut, turned_around: true, pulse: None, measures: 0 }
+    }
+}
+
+impl Model for Mmc5603Model {
+    fn power_up(&mut self, registers: &mut Registers) {
+        (registers[0x39], registers[0x18]) = (0x10, 0x10);
+        (self.turned_around, self.pulse, self.measures) = (true, None, 0);
+    }
+
+    fn writable(&self, register: u8) -> u8 {
+        if (0x1a..=0x1d).contains(&register) { 0xff } else { 0 }
+    }
+
+    fn written(&mut self, registers: &mut Registers, register: u8, byte: u8) -> Action {
+        match register {
+            0x1b => {
+                // All but the rate's bit and the automatic ones fall by themselves.
+                registers[0x1b] &= 0xe0;
+                if byte & 0x18 != 0 {
+                    (self.pulse, self.measures) = (Some(byte & 0x18), 0);
+                    return Action::Once(1_000_000);
+                }
+                self.measures = byte & 0x03;
+                if byte & 0x02 != 0 {
+                    registers[0x18] &= !0x80;
+                    return Action::Once(1_200_000);
+                }
+                if byte & 0x01 != 0 {
+                    registers[0x18] &= !0x40;
+                    let bandwidth = usize::from(registers[0x1c] & 3);
+                    return Action::Once([6_600_000, 3_500_000, 2_000_000, 1_200_000][bandwidth]);
+                }
+            }
+            0x1c if byte & 0x80 != 0 => {
+                *registers = [0; 256];
+                self.power_up(registers);
+            }
+            0x1d => return Action::Restart,
+            _ => {}
+        }
+        Action::Settle
+    }
+
+    fn shown(&self, registers: &Registers, register: u8) -> u8 {
+        // Rate and control can only be written.
+        if (0x1a..=0x1d).contains(&register) { 0 } else { registers[usize::from(register)] }
+    }
+
+    fn was_read(&mut self, registers: &mut Registers, register: u8) {
+        if register == 0x08 {
+            registers[0x18] &= !0x40;
+        }
+    }
+
+    fn period_ns(&self, registers: &Registers) -> Option<u64> {
+        let rate = registers[0x1a];
+        if registers[0x1d] & 0x10 == 0 || registers[0x1b] & 0x80 == 0 {
+            return None;
+        }
+        // Each rate needs its bandwidth.
+        let fits = rate <= [75, 150, 255, 255][usize::from(registers[0x1c] & 3)];
+        if fits { period_of_hz(f64::from(rate)) } else { None }
+    }
+
+    fn measure(&mut self, registers: &mut Registers, world: &World) {
+        let wanted = std::mem::take(&mut self.measures);
+        if let Some(pulse) = self.pulse.take() {
+            // One that the next command cut short has turned nothing around.
+            if wanted == 0 {
+                self.turned_around = pulse & 0x10 != 0;
+                return;
+            }
+        }
+        if wanted & 0x02 != 0 {
+            registers[0x09] = ((world.temperature_c + 75.0) / 0.8).round().clamp(0.0, 255.0) as u8;
+            registers[0x18] |= 0x80;
+            return;
+        }
+        let sign = if self.turned_around { -1.0 } else { 1.0 };
+        for axis in 0..3 {
+            let ut = sign * world.field_ut[axis] + self.offset_ut[axis];
+            let (count, _) = counts(ut * 163.84 + 524_288.0, 0, 1_048_575);
+            registers[2 * axis] = (count >> 12) as u8;
+            registers[2 * axis + 1] = (count >> 4) as u8;
+            registers[6 + axis] = ((count & 0x0f) as u8) << 4;
+        }
+        registers[0x18] |= 0x40;
     }
 }

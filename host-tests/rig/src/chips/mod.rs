@@ -2,6 +2,7 @@
 
 mod akm;
 mod at24c;
+mod bmm350;
 mod bosch;
 mod ecc_flash;
 mod field;
@@ -16,14 +17,15 @@ mod st;
 
 pub use akm::{Ak09916Model, Icm20948Model, Switch};
 pub use at24c::{At24cChip, TornPage};
+pub use bmm350::{Bmm350Model, OtpMemory};
 pub use bosch::{Bmm150Model, Trimming};
 pub use ecc_flash::{EccFlash, SECTOR_BYTES, TornErase};
 pub use field::FieldSource;
 pub use honeywell::Hmc5883lModel;
 pub use isentek::Ist8310Model;
 pub use lsm303dlhc::Lsm303dlhcChip;
-pub use memsic::Mmc5983maModel;
+pub use memsic::{Mmc5603Model, Mmc5983maModel};
 pub use pni::Rm3100Model;
-pub use qst::{Qmc5883lModel, Qmc5883pModel};
+pub use qst::{Qmc5883lModel, Qmc5883pModel, Qmc6309Model, Qmc6310Model};
 pub use register_chip::{Action, Model, RegisterChip, Registers, World};
 pub use st::{Lis2mdlModel, Lis3mdlModel};

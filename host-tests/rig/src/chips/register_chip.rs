@@ -40,6 +40,10 @@ pub trait Model {
     fn next(&self, pointer: u8) -> u8 {
         pointer.wrapping_add(1)
     }
+    /// Bytes without a meaning that it sends at each reading before those of its registers.
+    fn dummies(&self) -> u8 {
+        0
+    }
     /// The bits of a register that can be written.
     fn writable(&self, register: u8) -> u8;
     /// Whether the chip acknowledges its address.
@@ -77,6 +81,7 @@ pub struct RegisterChip<M> {
     pointer: u8,
     goes_on: bool,
     expects_pointer: bool,
+    dummies: u8,
     pending: Option<Action>,
     period_ns: Option<u64>,
     since_ns: u64,
@@ -98,6 +103,7 @@ impl<M: Model> RegisterChip<M> {
             pointer: 0,
             goes_on: true,
             expects_pointer: false,
+            dummies: 0,
             pending: None,
             period_ns: None,
             since_ns: 0,
@@ -137,6 +143,11 @@ impl<M: Model> RegisterChip<M> {
         if let Some(at) = self.once_at_ns.filter(|&at| at <= now_ns) {
             self.once_at_ns = None;
             self.measure_at(at);
+            // What was done once may be the change to another mode.
+            let period = self.model.period_ns(&self.registers);
+            if period != self.period_ns {
+                (self.period_ns, self.since_ns, self.measured) = (period, at, 0);
+            }
         }
         if let Some(period) = self.period_ns {
             let number = (now_ns - self.since_ns) / period;
@@ -158,6 +169,7 @@ impl<M: Model> Chip for RegisterChip<M> {
         // Between a start and a stop the registers are held together.
         self.catch_up(clock.ns());
         self.expects_pointer = direction == Direction::Write;
+        self.dummies = self.model.dummies();
         self.model.answers(&self.registers, clock.ns())
     }
 
@@ -182,6 +194,10 @@ impl<M: Model> Chip for RegisterChip<M> {
     }
 
     fn read(&mut self) -> u8 {
+        if self.dummies > 0 {
+            self.dummies -= 1;
+            return 0x7f;
+        }
         let byte = self.model.shown(&self.registers, self.pointer);
         self.model.was_read(&mut self.registers, self.pointer);
         if self.goes_on {

@@ -8,15 +8,16 @@ use ironout_drivers::{AnyMagnetometer, Error, Found, Kind, Magnetometer, Reading
 use ironout_rig::board::SimDelay;
 use ironout_rig::bus::{Clock, FaultControl, Faulty, SimBus};
 use ironout_rig::chips::{
-    Ak09916Model, Bmm150Model, Hmc5883lModel, Icm20948Model, Ist8310Model, Lis2mdlModel, Lis3mdlModel,
-    Lsm303dlhcChip, Mmc5983maModel, Model, Qmc5883lModel, Qmc5883pModel, RegisterChip, Rm3100Model, Trimming,
+    Ak09916Model, Bmm150Model, Bmm350Model, Hmc5883lModel, Icm20948Model, Ist8310Model, Lis2mdlModel,
+    Lis3mdlModel, Lsm303dlhcChip, Mmc5603Model, Mmc5983maModel, Model, OtpMemory, Qmc5883lModel,
+    Qmc5883pModel, Qmc6309Model, Qmc6310Model, RegisterChip, Rm3100Model, Trimming,
 };
 
 pub type Wire = Faulty<SimBus>;
 pub type Driver = AnyMagnetometer<Wire, SimDelay>;
 
 /// All kinds.
-pub const KINDS: [Kind; 14] = [
+pub const KINDS: [Kind; 18] = [
     Kind::Lis2mdl,
     Kind::Iis2mdc,
     Kind::Lsm303agr,
@@ -25,16 +26,23 @@ pub const KINDS: [Kind; 14] = [
     Kind::Hmc5883l,
     Kind::Qmc5883l,
     Kind::Qmc5883p,
+    Kind::Qmc6309,
+    Kind::Qmc6310,
+    Kind::Mmc5603,
     Kind::Mmc5983ma,
     Kind::Bmm150,
+    Kind::Bmm350,
     Kind::Ak09916,
     Kind::Icm20948,
     Kind::Ist8310,
     Kind::Rm3100,
 ];
 
-/// The offset of the simulated MMC5983MA's bridges, µT.
+/// The offset of the simulated MMC5983MA's and MMC5603's bridges, µT.
 pub const BRIDGE_OFFSET_UT: [f64; 3] = [31.0, -12.5, 4.0];
+
+/// What a strong field left in the simulated BMM350, µT.
+pub const MAGNETISED_UT: [f64; 3] = [40.0, -25.0, 60.0];
 
 /// A hand on a simulated chip, whichever model it is.
 pub trait Hand {
@@ -113,11 +121,20 @@ pub fn attach(bus: &SimBus, kind: Kind) -> (Found, Rc<dyn Hand>) {
         }
         Kind::Qmc5883l => (found(0x0d), put(bus, RegisterChip::new(0x0d, Qmc5883lModel, no_field))),
         Kind::Qmc5883p => (found(0x2c), put(bus, RegisterChip::new(0x2c, Qmc5883pModel, no_field))),
+        Kind::Qmc6309 => (found(0x7c), put(bus, RegisterChip::new(0x7c, Qmc6309Model::default(), no_field))),
+        Kind::Qmc6310 => (found(0x1c), put(bus, RegisterChip::new(0x1c, Qmc6310Model, no_field))),
+        Kind::Mmc5603 => {
+            (found(0x30), put(bus, RegisterChip::new(0x30, Mmc5603Model::new(BRIDGE_OFFSET_UT), no_field)))
+        }
         Kind::Mmc5983ma => {
             (found(0x30), put(bus, RegisterChip::new(0x30, Mmc5983maModel::new(BRIDGE_OFFSET_UT), no_field)))
         }
         Kind::Bmm150 => {
             (found(0x10), put(bus, RegisterChip::new(0x10, Bmm150Model::new(Trimming::default()), no_field)))
+        }
+        Kind::Bmm350 => {
+            let model = Bmm350Model::new(OtpMemory::default(), MAGNETISED_UT);
+            (found(0x14), put(bus, RegisterChip::new(0x14, model, no_field)))
         }
         Kind::Ak09916 => (found(0x0c), put(bus, RegisterChip::new(0x0c, Ak09916Model::default(), no_field))),
         Kind::Icm20948 => {
@@ -205,7 +222,9 @@ impl Bench {
             // 13 and 15 bits of 0.3 µT, compensated.
             Kind::Bmm150 => 0.35,
             // The offset is a mean of three roundings.
-            Kind::Mmc5983ma => 0.51 * count + 0.01,
+            Kind::Mmc5983ma | Kind::Mmc5603 => 0.51 * count + 0.01,
+            // Rounded by the chip before its compensation, and after.
+            Kind::Bmm350 => 0.501 * count + 0.005,
             // Rounded by the chip, and once more to what is carried.
             Kind::Rm3100 => 0.76 * count,
             _ => 0.501 * count,

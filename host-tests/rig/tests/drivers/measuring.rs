@@ -72,8 +72,11 @@ fn a_field_out_of_range_is_no_measurement_and_the_next_in_range_is() {
             Kind::Lsm303dlhc | Kind::Hmc5883l => 230.0,
             Kind::Qmc5883l => 1_200.0,
             Kind::Qmc5883p => 900.0,
+            Kind::Qmc6309 | Kind::Qmc6310 => 801.0,
+            Kind::Mmc5603 => 3_050.0,
             Kind::Mmc5983ma => 900.0,
             Kind::Bmm150 => 2_500.0,
+            Kind::Bmm350 => 2_001.0,
             Kind::Ak09916 | Kind::Icm20948 => 4_950.0,
             Kind::Ist8310 => 1_700.0,
             Kind::Rm3100 => 820.0,
@@ -109,7 +112,8 @@ fn the_temperature_is_the_chips_to_its_resolution_or_none() {
         let resolution_c = match kind {
             Kind::Lis2mdl | Kind::Iis2mdc | Kind::Lis3mdl | Kind::Lsm303dlhc => Some(0.0626),
             Kind::Qmc5883l => Some(0.0051),
-            Kind::Mmc5983ma => Some(0.401),
+            Kind::Mmc5983ma | Kind::Mmc5603 => Some(0.401),
+            Kind::Bmm350 => Some(0.126),
             _ => None,
         };
         let mut at_25_c = None;
@@ -131,13 +135,15 @@ fn the_temperature_is_the_chips_to_its_resolution_or_none() {
 }
 
 #[test]
-fn the_compensated_field_of_a_bmm150_does_not_go_with_its_temperature() {
+fn the_compensated_field_does_not_go_with_the_temperature() {
     let field_ut = [-45.0, 93.25, 20.5];
-    let mut bench = Bench::ready(Kind::Bmm150, field_ut);
-    for celsius in [-40.0, 0.0, 25.0, 85.0] {
-        bench.chip.set_temperature(celsius);
-        let measured = bench.fresh_ut().unwrap();
-        assert!(near(measured, field_ut, bench.tolerance_ut()), "{measured:?} at {celsius} °C");
+    for kind in [Kind::Bmm150, Kind::Bmm350] {
+        let mut bench = Bench::ready(kind, field_ut);
+        for celsius in [-40.0, 0.0, 25.0, 85.0] {
+            bench.chip.set_temperature(celsius);
+            let measured = bench.fresh_ut().unwrap();
+            assert!(near(measured, field_ut, bench.tolerance_ut()), "{kind:?}: {measured:?} at {celsius} °C");
+        }
     }
 }
 
@@ -175,9 +181,13 @@ fn another_chip_at_the_address_is_named() {
             Kind::Lsm303dlhc | Kind::Hmc5883l => (0x0a, *b"H43"),
             Kind::Qmc5883l => (0x0d, [0xff, 0, 0]),
             Kind::Qmc5883p => (0x00, [0x80, 0, 0]),
+            Kind::Qmc6309 => (0x00, [0x90, 0, 0]),
+            Kind::Qmc6310 => (0x00, [0x80, 0, 0]),
+            Kind::Mmc5603 => (0x39, [0x10, 0, 0]),
             Kind::Mmc5983ma => (0x2f, [0x30, 0, 0]),
             // Its identity appears when it wakes.
             Kind::Bmm150 => continue,
+            Kind::Bmm350 => (0x00, [0x33, 0, 0]),
             Kind::Ak09916 | Kind::Icm20948 => (0x00, [0x48, 0x09, 0]),
             Kind::Ist8310 => (0x00, [0x10, 0, 0]),
             Kind::Rm3100 => (0x36, [0x22, 0, 0]),

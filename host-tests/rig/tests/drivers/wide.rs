@@ -6,11 +6,14 @@ use std::rc::Rc;
 use ironout::fit::{FitOptions, fit};
 use ironout::moments::Moments;
 use ironout::scatter::Scatter;
-use ironout_drivers::{Error, Kind, Magnetometer, Sensor, mmc5983ma, rm3100};
+use ironout_drivers::{Error, Kind, Magnetometer, Sensor, bmm350, mmc5603, mmc5983ma, rm3100};
+use ironout_rig::board::SimDelay;
 use ironout_rig::bus::{Clock, SimBus};
-use ironout_rig::chips::{FieldSource, Mmc5983maModel, RegisterChip, Rm3100Model};
+use ironout_rig::chips::{
+    Bmm350Model, FieldSource, Mmc5603Model, Mmc5983maModel, OtpMemory, RegisterChip, Rm3100Model,
+};
 
-use crate::bench::{BRIDGE_OFFSET_UT, Bench, near};
+use crate::bench::{BRIDGE_OFFSET_UT, Bench, MAGNETISED_UT, near};
 
 type Mmc = mmc5983ma::Mmc5983ma<SimBus>;
 
@@ -106,6 +109,114 @@ fn what_the_shift_leaves_out_is_in_the_scale_and_what_does_not_fit_is_out_of_ran
     }
 }
 
+type Mmc20 = mmc5603::Mmc5603<SimBus, SimDelay>;
+
+fn mmc20(
+    config: mmc5603::Config,
+    field: impl FieldSource + 'static,
+) -> (Clock, Rc<RefCell<RegisterChip<Mmc5603Model>>>, Mmc20) {
+    let clock = Clock::default();
+    let bus = SimBus::new(clock.clone());
+    let chip = Rc::new(RefCell::new(RegisterChip::new(0x30, Mmc5603Model::new(BRIDGE_OFFSET_UT), field)));
+    bus.attach(chip.clone());
+    let mut driver = Mmc20::new(bus, SimDelay(clock.clone()), config);
+    driver.init().unwrap();
+    (clock, chip, driver)
+}
+
+#[test]
+fn the_20_bit_chip_measures_its_offset_at_each_rate_and_measures_it_anew() {
+    for rate_hz in [10, 75, 100, 150, 255] {
+        let config = mmc5603::Config { rate_hz, refresh_every: 20, shift: 2 };
+        let (clock, chip, mut driver) = mmc20(config, |_| [20.0, -30.0, 40.0]);
+        wait(&clock, &mut driver);
+        assert!(near(driver.bridge_offset_ut(), BRIDGE_OFFSET_UT, 0.005), "{:?}", driver.bridge_offset_ut());
+        let sensor = driver.describe();
+        assert_eq!((sensor.bits, sensor.shift), (20, 2));
+        let field = sensor.measured_ut(sensor.sample(&driver.read().unwrap())).unwrap();
+        assert!(near(field, [20.0, -30.0, 40.0], 0.0225), "{field:?}");
+        chip.borrow_mut().model.offset_ut = [35.0, -10.0, 2.0];
+        chip.borrow_mut().temperature_c = 61.0;
+        for _ in 0..25 {
+            wait(&clock, &mut driver);
+            driver.read().unwrap();
+        }
+        let offset_ut = driver.bridge_offset_ut();
+        assert!(near(offset_ut, [35.0, -10.0, 2.0], 0.005), "{rate_hz} Hz: {offset_ut:?}");
+        assert_eq!(driver.temperature_c(), Ok(Some(61.0)));
+    }
+}
+
+#[test]
+fn the_20_bit_chip_carries_the_range_that_its_shift_leaves() {
+    for (shift, fits_ut, beyond_ut) in [(0, 190.0, 210.0), (2, 760.0, 830.0), (4, 2_980.0, 3_020.0)] {
+        let config = mmc5603::Config { shift, ..Default::default() };
+        let (clock, chip, mut driver) = mmc20(config, move |_| [0.0, fits_ut, 0.0]);
+        wait(&clock, &mut driver);
+        let sensor = driver.describe();
+        let field = sensor.measured_ut(sensor.sample(&driver.read().unwrap())).unwrap();
+        assert!(near(field, [0.0, fits_ut, 0.0], 0.06), "{shift}: {field:?}");
+        chip.borrow_mut().set_field(move |_: f64| [0.0, beyond_ut, 0.0]);
+        wait(&clock, &mut driver);
+        driver.read().unwrap();
+        wait(&clock, &mut driver);
+        assert_eq!(driver.read().unwrap().overflow, [false, true, false], "{shift}");
+    }
+    for config in [
+        mmc5603::Config { rate_hz: 0, ..Default::default() },
+        mmc5603::Config { shift: 9, ..Default::default() },
+    ] {
+        let clock = Clock::default();
+        let mut driver = Mmc20::new(SimBus::new(clock.clone()), SimDelay(clock), config);
+        assert!(matches!(driver.init(), Err(Error::InvalidConfig(_))), "before anything is sent");
+    }
+}
+
+#[test]
+fn a_bmm350_is_magnetically_reset_and_reads_its_memory_at_each_rate() {
+    use bmm350::{Averaging, Bmm350, Config, DataRate};
+    for rate in [DataRate::Hz400, DataRate::Hz200, DataRate::Hz100, DataRate::Hz50, DataRate::Hz25] {
+        let clock = Clock::default();
+        let bus = SimBus::new(clock.clone());
+        let memory = OtpMemory::default();
+        let field_ut = [1_998.0, -3.25, -1_998.0];
+        let model = Bmm350Model::new(memory, MAGNETISED_UT);
+        let chip = Rc::new(RefCell::new(RegisterChip::new(0x15, model, move |_: f64| field_ut)));
+        bus.attach(chip.clone());
+        let config = Config { address: 0x15, rate, averaging: rate.most() };
+        let mut driver = Bmm350::new(bus, SimDelay(clock.clone()), config);
+        driver.init().unwrap();
+        assert_eq!(chip.borrow().model.magnetised_ut, [0.0; 3]);
+        let otp = driver.otp();
+        assert_eq!(
+            (otp.offset, otp.sensitivity, otp.cross),
+            (memory.offset, memory.sensitivity, memory.cross)
+        );
+        assert_eq!(
+            (otp.offset_drift, otp.sensitivity_drift),
+            (memory.offset_drift, memory.sensitivity_drift)
+        );
+        assert_eq!(
+            (otp.celsius_offset, otp.celsius_sensitivity, otp.reference),
+            (memory.celsius.0, memory.celsius.1, memory.reference)
+        );
+        wait(&clock, &mut driver);
+        let sensor = driver.describe();
+        let field = sensor.measured_ut(sensor.sample(&driver.read().unwrap())).unwrap();
+        assert!(near(field, field_ut, 0.04), "{rate:?}: {field:?}");
+        // A field as strong as that of a magnet in the hand, and a configuration after it.
+        chip.borrow_mut().model.magnetised_ut = MAGNETISED_UT;
+        driver.init().unwrap();
+        wait(&clock, &mut driver);
+        let field = sensor.measured_ut(sensor.sample(&driver.read().unwrap())).unwrap();
+        assert!(near(field, field_ut, 0.04), "{rate:?}: {field:?}");
+    }
+    let config = Config { rate: DataRate::Hz200, averaging: Averaging::Of4, ..Default::default() };
+    let clock = Clock::default();
+    let mut driver = Bmm350::new(SimBus::new(clock.clone()), SimDelay(clock), config);
+    assert!(matches!(driver.init(), Err(Error::InvalidConfig(_))), "before anything is sent");
+}
+
 #[test]
 fn the_24_bit_chip_carries_its_whole_range_at_each_cycle_count() {
     use rm3100::{Config, CycleCount, DataRate};
@@ -162,7 +273,7 @@ fn fitted(kind: Kind, hard_iron_ut: [f64; 3], field_ut: f64) -> ([f64; 3], f64) 
 #[test]
 fn a_fit_of_carried_counts_knows_their_scale() {
     let hard_iron_ut = [120.0, -85.0, 33.0];
-    for kind in [Kind::Lis2mdl, Kind::Mmc5983ma, Kind::Rm3100] {
+    for kind in [Kind::Lis2mdl, Kind::Mmc5983ma, Kind::Mmc5603, Kind::Bmm350, Kind::Rm3100] {
         let (offset_ut, field_ut) = fitted(kind, hard_iron_ut, 48.0);
         for axis in 0..3 {
             assert!((offset_ut[axis] - hard_iron_ut[axis]).abs() < 0.03, "{kind:?}: {offset_ut:?}");

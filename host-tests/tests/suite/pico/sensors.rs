@@ -4,8 +4,9 @@ use crate::pico::support::{FIELD_UT, firmware, noisy, numbers, ok};
 use ironout_drivers::Kind;
 use ironout_rig::bus::{Chip, Clock, Direction};
 use ironout_rig::chips::{
-    Ak09916Model, Bmm150Model, Hmc5883lModel, Icm20948Model, Ist8310Model, Lis2mdlModel, Lis3mdlModel,
-    Lsm303dlhcChip, Mmc5983maModel, Model, Qmc5883lModel, Qmc5883pModel, RegisterChip, Rm3100Model, Trimming,
+    Ak09916Model, Bmm150Model, Bmm350Model, Hmc5883lModel, Icm20948Model, Ist8310Model, Lis2mdlModel,
+    Lis3mdlModel, Lsm303dlhcChip, Mmc5603Model, Mmc5983maModel, Model, OtpMemory, Qmc5883lModel,
+    Qmc5883pModel, Qmc6309Model, Qmc6310Model, RegisterChip, Rm3100Model, Trimming,
 };
 use ironout_rig::pico::{self, Pico};
 use std::cell::RefCell;
@@ -27,8 +28,12 @@ fn each_chip_is_found_by_probing_and_calibrates() {
         Kind::Hmc5883l,
         Kind::Qmc5883l,
         Kind::Qmc5883p,
+        Kind::Qmc6309,
+        Kind::Qmc6310,
+        Kind::Mmc5603,
         Kind::Mmc5983ma,
         Kind::Bmm150,
+        Kind::Bmm350,
         Kind::Ak09916,
         Kind::Icm20948,
         Kind::Ist8310,
@@ -75,8 +80,14 @@ fn attach(board: &mut Pico, kind: Kind) {
         Kind::Hmc5883l => put(board, 0x1e, Hmc5883lModel::default()),
         Kind::Qmc5883l => put(board, 0x0d, Qmc5883lModel),
         Kind::Qmc5883p => put(board, 0x2c, Qmc5883pModel),
+        Kind::Qmc6309 => put(board, 0x7c, Qmc6309Model::default()),
+        Kind::Qmc6310 => put(board, 0x1c, Qmc6310Model),
+        Kind::Mmc5603 => put(board, 0x30, Mmc5603Model::new([35.0, -20.0, 50.0])),
         Kind::Mmc5983ma => put(board, 0x30, Mmc5983maModel::new([35.0, -20.0, 50.0])),
         Kind::Bmm150 => put(board, 0x10, Bmm150Model::new(Trimming::default())),
+        Kind::Bmm350 => {
+            put(board, 0x14, Bmm350Model::new(OtpMemory::default(), [60.0, -45.0, 80.0]));
+        }
         Kind::Ak09916 => put(board, 0x0c, Ak09916Model::default()),
         Kind::Icm20948 => {
             let host = Icm20948Model::default();
