@@ -204,8 +204,7 @@ mod tests {
         let mut normal = || {
             let mut sum = -6.0_f32;
             for _ in 0..12 {
-                state =
-                    state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
                 sum += (state >> 40) as f32 / (1_u32 << 24) as f32;
             }
             sum

@@ -7,7 +7,7 @@ use super::config::DeviceConfig;
 use super::light::Light;
 use super::machine::{Action, Device};
 use super::own::Origin;
-use super::sensor::{Pace, SensorAnswer, SensorTask};
+use super::sensor::{Pace, SensorAnswer, SensorTask, SensorWatch};
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, ColumnName, Drift, Offset};
 use crate::extended::{Effects, FittedEffect};
@@ -330,7 +330,11 @@ fn what_the_board_measures_is_tested_where_it_is_asked_for() {
 /// A device whose calibration is the identity, and its readings while it turns to and fro by this much with another offset, counts of
 /// 0.1 µT.
 fn turned(most_deg: f64, offset: [i16; 3], seconds: u64) -> Device {
-    let mut device = plain_device();
+    let sensor = Sensor::uniform("a chip", 0.1, 50.0);
+    let mut device = Device::new(DeviceConfig { board: "bench", sensor, pace: Pace::Pushed });
+    // Without a store, and with a sensor.
+    device.rest();
+    device.sensor = SensorWatch::new(Pace::Pushed, &sensor);
     let column = ColumnName::new("current_a").expect("a name");
     let mut record = record(BuiltIn::Offset(Offset::linear(column, 1.0)));
     record.effects = Effects::none();
