@@ -1,7 +1,7 @@
 //! The likeliest parameters of a log, and their covariance.
 
 use crate::base::piece::{COLUMNS, Matrix};
-use crate::confined::channels::{BLOCKS, Channel, Rows, Seen, Share, Sums};
+use crate::confined::channels::{Channel, Rows, Seen, Share, Sums};
 use crate::confined::known::Before;
 use crate::confined::log::Log;
 use crate::confined::state::{HARMONICS, State, YAW_ERROR, effect_at};
