@@ -389,17 +389,17 @@ fn an_offset_that_is_right_is_not_proposed() {
 
 #[test]
 fn cal_zero_says_why_the_turns_do_not_suffice() {
-    let refused = |mut device: Device, words: &str| {
-        let said = answer(&mut device, "cal zero", 700_000);
+    let refused = |mut device: Device, seconds: u64, words: &str| {
+        let said = answer(&mut device, "cal zero", 1000 * seconds);
         assert!(said.starts_with("err refused ") && said.contains(words), "{said}");
         assert!(device.waiting().is_none());
     };
-    refused(turned(0.0, [40, -30, 60], 60), "too-few-samples");
-    refused(turned(5.0, [40, -30, 60], 600), "error-too-large");
+    refused(turned(0.0, [40, -30, 60], 60), 60, "too-few-samples");
+    refused(turned(5.0, [40, -30, 60], 600), 600, "error-too-large");
     // Half of the looks are of another offset.
     let mut moved = turned(40.0, [40, -30, 60], 60);
     turn(&mut moved, 40.0, [-90, 30, 60], 60..66);
-    refused(moved.clone(), "residual-too-large");
+    refused(moved.clone(), 66, "residual-too-large");
     // Begun again, the rest is enough.
     assert!(answer(&mut moved, "cal zero start", 66_000).starts_with("ok looks=0"));
     turn(&mut moved, 40.0, [-90, 30, 60], 67..120);
