@@ -49,7 +49,7 @@ impl fmt::Display for NotZeroed {
                 "the sensor turned too little ({looks} of {MIN_LOOKS} looks): turn it to and fro by 30 deg about each axis"
             ),
             NotZeroed::Looks(NoOffset::Planar) => {
-                f.write_str("the field came from one plane: tilt the sensor to both sides while you turn it")
+                f.write_str("the turns were small, or in one plane: tilt the sensor further to both sides while you turn it")
             }
             NotZeroed::TooUncertain(share) => write!(
                 f,
