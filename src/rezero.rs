@@ -151,6 +151,8 @@ impl Rezero {
         }
         // Noise of this variance adds to the spread and not to the right side; its size comes of a first solution.
         let mut noise = 0.0;
+        // What is said where noise decides: the error is the whole field.
+        let mut undecided = Err(NoOffset::Planar);
         for _ in 0..3 {
             let mut own = spread;
             for (axis, row) in own.iter_mut().enumerate() {
@@ -161,7 +163,8 @@ impl Rezero {
             let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = own;
             let [least, _, most] = eigenvalues_3x3_f32(&[xx, xy, xz, yy, yz, zz]);
             let inverse = inverse_3x3(&own).filter(|_| least > MIN_SNR * noise && least > 1e-5 * most);
-            let centre = times(&inverse.ok_or(NoOffset::Planar)?, right);
+            let Some(inverse) = inverse else { return undecided };
+            let centre = times(&inverse, right);
             let distance = |u: [f32; 3]| minus(u, centre);
             let radius2 = centred().map(|u| dot(distance(u), distance(u))).sum::<f32>() / n;
             let radius = sqrtf(radius2);
@@ -173,22 +176,27 @@ impl Rezero {
                 last = residual;
             }
             let variance = squares / (n - 4.0);
+            let change_ut = minus(centre, scaled(mean, -1.0));
+            let rms_ut = sqrtf(squares / n);
             if noise > 0.0 || variance == 0.0 {
                 let correlation = (products / squares.max(f32::MIN_POSITIVE)).clamp(0.0, MAX_CORRELATION);
                 let memory = (1.0 + correlation) / (1.0 - correlation);
                 let error = radius * sqrtf(variance * memory / n + matrix_error_ut * matrix_error_ut);
                 return Ok(OffsetChange {
-                    change_ut: minus(centre, scaled(mean, -1.0)),
+                    change_ut,
                     error_ut: error / sqrtf(least),
                     least_error_ut: error / sqrtf(most),
-                    rms_ut: sqrtf(squares / n),
+                    rms_ut,
                     field_ut: radius,
                     looks,
                 });
             }
+            let (error_ut, least_error_ut) = (radius, radius);
+            undecided =
+                Ok(OffsetChange { change_ut, error_ut, least_error_ut, rms_ut, field_ut: radius, looks });
             noise = variance;
         }
-        Err(NoOffset::Planar)
+        undecided
     }
 }
 
