@@ -404,6 +404,7 @@ fn cal_zero_says_why_the_turns_do_not_suffice() {
     assert!(answer(&mut moved, "cal zero start", 66_000).starts_with("ok looks=0"));
     turn(&mut moved, 40.0, [-90, 30, 60], 67..120);
     assert!(answer(&mut moved, "cal zero", 120_000).starts_with("ok state=solved"));
-    let mut none = plain_device();
-    assert!(answer(&mut none, "cal zero", 0).starts_with("err state there is no calibration in use"));
+    let mut none = turned(0.0, [0; 3], 1);
+    none.active = None;
+    assert!(answer(&mut none, "cal zero", 1000).starts_with("err state there is no calibration in use"));
 }
