@@ -4,6 +4,7 @@
 //! remedy, or a notice. Other text is read tolerantly, and what was decided is said ([`ReadAs`]); nothing is guessed silently.
 
 mod columns;
+mod detected;
 mod followed;
 pub mod formats;
 mod guard;
@@ -25,11 +26,12 @@ mod repair_words;
 mod store;
 mod table;
 mod text;
-mod told;
 mod unit;
 mod vocabulary;
 mod words;
 
+pub use detected::is_own;
+pub use detected::{read_log, read_stream};
 pub use guard::MAX_LINE_BYTES;
 pub use lines::Lines;
 pub use log::{Covariate, Log, ReadOptions};
@@ -38,6 +40,4 @@ pub use mount::{FORMS as ROTATE_FORMS, Mounting, rotate};
 pub use read_as::{Instance, LeftOut, Origin, ReadAs, ReadColumn};
 pub use reader::from_columns;
 pub use repair::parse as parse_repair;
-pub use told::is_own;
-pub use told::{read_log, read_stream};
 pub use unit::{Quantity, Unit};

@@ -43,7 +43,6 @@ mod one_truth;
 mod packed;
 #[cfg(feature = "emulated")]
 mod page;
-mod passes;
 mod plain_words;
 mod plausible;
 mod prior;
@@ -55,6 +54,7 @@ mod several;
 mod telemetry;
 mod text_corpus;
 mod text_questions;
+mod transients;
 mod tutorial;
 mod ulog;
 mod unlogged;
