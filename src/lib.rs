@@ -118,6 +118,7 @@ pub mod record;
 mod refusal;
 #[cfg(feature = "device")]
 pub mod replacement;
+pub mod rezero;
 pub mod scatter;
 pub mod sensor;
 #[cfg(feature = "session")]

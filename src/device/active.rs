@@ -9,6 +9,7 @@ use crate::extended::{ExtendedCalibration, Live, LiveError, TurningField};
 use crate::fit::MAX_PREDICTED_ERROR;
 use crate::monitor::Monitor;
 use crate::record::Record;
+use crate::rezero::Rezero;
 use crate::sensor::AxisMap;
 use crate::store::Slot;
 
@@ -58,6 +59,8 @@ pub(super) struct Active {
     clock_s: Option<f64>,
     /// Whether it is still right.
     pub(super) monitor: Monitor,
+    /// What shows another offset.
+    pub(super) rezero: Rezero,
     /// How the board turns, where it has no gyro, and how it did at the last sample.
     turning: TurningField,
     pub(super) turn_radps: Option<[f32; 3]>,
@@ -79,6 +82,7 @@ impl Active {
             live: Err(NotApplied::Mounting),
             origin_s: 0.0,
             monitor,
+            rezero: Rezero::new(),
             turning: TurningField::new(),
             turn_radps: None,
             corrected_ut: None,
@@ -150,6 +154,7 @@ impl Active {
         self.corrected_ut = self.at(t_ms).and_then(|live| live.apply(measured_ut, turn_radps).ok());
         if let Some(corrected_ut) = self.corrected_ut {
             self.monitor.push(t_ms, corrected_ut, motion.accel_mps2);
+            self.rezero.push(t_ms, corrected_ut);
         }
     }
 

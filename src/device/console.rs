@@ -12,9 +12,10 @@ use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Repl
 use crate::session::{Hint, State};
 use crate::store::StoreJob;
 
-const HELP: [&str; 11] = [
+const HELP: [&str; 12] = [
     "help | version | status",
     "cal start | cal stop | cal accept [force] | cal cancel | cal show | cal clear",
+    "cal zero: another offset with the matrix in use, after some turns (a battery was swapped); cal zero start: begin again",
     "cal method adjusted|trace|constant",
     "cal dump: print the calibration byte by byte; cal load: receive one (ironout fetch, ironout send)",
     "stream off | stream raw | stream cal | stream motioncal | stream log",
@@ -48,7 +49,8 @@ impl Device {
         let Line::Text(text) = line else { return false };
         match protocol::parse(text) {
             Ok(Command::CalStop) => self.session.state() == State::Collecting,
-            Ok(Command::Status) => self.status_is_old(),
+            Ok(Command::Status) => self.status_is_old() || self.may_propose_zero(),
+            Ok(Command::CalZero { .. }) => true,
             _ => false,
         }
     }
@@ -105,6 +107,7 @@ impl Device {
             Command::CalAccept { force } => return self.cal_accept(reply, force),
             Command::CalCancel => self.cal_cancel(reply),
             Command::CalShow => self.cal_show(reply),
+            Command::CalZero { begins } => self.cal_zero(reply, begins),
             Command::CalLoad(load) => self.cal_load(reply, load),
             Command::CalDump => self.cal_dump(reply),
             Command::CalClear => {
@@ -205,6 +208,7 @@ impl Device {
                 "monitor condition={condition} residual_ratio={ratio:.2} dip_ratio={dip_ratio:.2}"
             ));
         }
+        self.propose_zero(&mut reply);
         if self.store_watch.is_silent() {
             let [a, b] = self.slots().states;
             reply.line(format_args!(

@@ -88,6 +88,7 @@ mod unstudied;
 mod view;
 #[cfg(feature = "study")]
 mod why;
+mod zero;
 
 pub use crate::store::{StoreAnswer, StoreTask};
 pub use button::ButtonEvent;

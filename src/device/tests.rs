@@ -7,7 +7,7 @@ use super::config::DeviceConfig;
 use super::light::Light;
 use super::machine::{Action, Device};
 use super::own::Origin;
-use super::sensor::{Pace, SensorAnswer, SensorTask};
+use super::sensor::{Pace, SensorAnswer, SensorTask, SensorWatch};
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, ColumnName, Drift, Offset};
 use crate::extended::{Effects, FittedEffect};
@@ -341,4 +341,86 @@ fn what_the_board_measures_is_tested_where_it_is_asked_for() {
     warm(&mut device, None);
     device.on_own_column("cpu_temp_c", 40.0, Origin::Inside);
     assert_eq!(tested(&device), ["cpu_temp_c"]);
+}
+
+/// A device whose calibration is the identity, and its readings while it turns to and fro by this much with another offset, counts of
+/// 0.1 µT.
+fn turned(most_deg: f64, offset: [i16; 3], seconds: u64) -> Device {
+    let sensor = Sensor::uniform("a chip", 0.1, 50.0);
+    let mut device = Device::new(DeviceConfig { board: "bench", sensor, pace: Pace::Pushed });
+    // Without a store, and with a sensor.
+    device.rest();
+    device.sensor = SensorWatch::new(Pace::Pushed, &sensor);
+    let column = ColumnName::new("current_a").expect("a name");
+    let mut record = record(BuiltIn::Offset(Offset::linear(column, 1.0)));
+    record.effects = Effects::none();
+    record.predicted_error = crate::record::PredictedError::of_share(2e-4);
+    Active::install(&mut device.active, Slot::A, &record, AxisMap::IDENTITY);
+    turn(&mut device, most_deg, offset, 0..seconds);
+    device
+}
+
+fn turn(device: &mut Device, most_deg: f64, offset: [i16; 3], seconds: std::ops::Range<u64>) {
+    for i in seconds.start * 50..seconds.end * 50 {
+        let (t, most) = (i as f64 * 0.02, most_deg.to_radians());
+        let (a, b) = (most * crate::math::sin(1.1 * t), most * crate::math::sin(0.7 * t + 1.0));
+        let (cos, sin) = (crate::math::cos, crate::math::sin);
+        let field = [cos(a) * cos(b), sin(a) * cos(b), sin(b)];
+        let counts = [0, 1, 2].map(|axis| (500.0 * field[axis]) as i16 + offset[axis]);
+        device.on_sample(&Reading { counts, overflow: [false; 3] }, 20 * i);
+    }
+}
+
+/// The number behind this key.
+fn number(line: &str, key: &str) -> f64 {
+    let after = line.split_once(key).unwrap_or_else(|| panic!("{key} in {line}")).1;
+    after.split([' ', ';']).next().and_then(|word| word.parse().ok()).unwrap_or_else(|| panic!("{line}"))
+}
+
+#[test]
+fn a_changed_offset_is_proposed_and_zeroed_and_waits() {
+    let mut device = turned(40.0, [40, -30, 60], 60);
+    let status = answer(&mut device, "status", 60_000);
+    assert!(status.contains("+ offset change_ut=") && status.contains("cal zero"), "{status}");
+    let before = device.record().expect("in use").calibration;
+    let said = answer(&mut device, "cal zero", 60_020);
+    assert!(said.starts_with("ok state=solved change_ut=7.8"), "{said}");
+    let error_ut = number(&said, "error_ut=");
+    assert!(error_ut < 0.5, "{said}");
+    assert_eq!(device.record().expect("in use").calibration, before, "nothing is applied by itself");
+    let waiting = device.waiting().expect("it waits for cal accept").calibration;
+    for (found, truth) in waiting.offset_ut.into_iter().zip([4.0, -3.0, 6.0]) {
+        assert!((found - truth).abs() < 3.0 * error_ut, "{found} {truth} {error_ut}");
+    }
+    assert_eq!(waiting.matrix, before.matrix);
+    assert!(answer(&mut device, "cal cancel", 60_040).starts_with("ok state=idle"));
+}
+
+#[test]
+fn an_offset_that_is_right_is_not_proposed() {
+    let mut device = turned(40.0, [0; 3], 60);
+    let status = answer(&mut device, "status", 60_000);
+    assert!(!status.contains("+ offset"), "{status}");
+}
+
+#[test]
+fn cal_zero_says_why_the_turns_do_not_suffice() {
+    let refused = |mut device: Device, seconds: u64, words: &str| {
+        let said = answer(&mut device, "cal zero", 1000 * seconds);
+        assert!(said.starts_with("err refused ") && said.contains(words), "{said}");
+        assert!(device.waiting().is_none());
+    };
+    refused(turned(0.0, [40, -30, 60], 60), 60, "too-few-samples");
+    refused(turned(5.0, [40, -30, 60], 600), 600, "error-too-large");
+    // Half of the looks are of another offset.
+    let mut moved = turned(40.0, [40, -30, 60], 60);
+    turn(&mut moved, 40.0, [-90, 30, 60], 60..66);
+    refused(moved.clone(), 66, "residual-too-large");
+    // Begun again, the rest is enough.
+    assert!(answer(&mut moved, "cal zero start", 66_000).starts_with("ok looks=0"));
+    turn(&mut moved, 40.0, [-90, 30, 60], 67..120);
+    assert!(answer(&mut moved, "cal zero", 120_000).starts_with("ok state=solved"));
+    let mut none = turned(0.0, [0; 3], 1);
+    none.active = None;
+    assert!(answer(&mut none, "cal zero", 1000).starts_with("err state there is no calibration in use"));
 }

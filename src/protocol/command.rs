@@ -58,6 +58,11 @@ pub enum Command {
     CalClear,
     /// `cal load …`: a calibration that comes in over the console.
     CalLoad(Load),
+    /// `cal zero`: the offset anew, with the matrix in use; `cal zero start` forgets what was seen so far.
+    CalZero {
+        /// Whether it begins.
+        begins: bool,
+    },
     /// `cal dump`: the calibration's record, byte by byte.
     CalDump,
     /// `cal method adjusted|trace|constant`
@@ -113,7 +118,7 @@ pub fn parse(line: &str) -> Result<Command, ParseError> {
         "status" => (plain(second, Command::Status), "status takes no argument"),
         "cal" => (
             cal(second, third),
-            "cal start|stop|accept [force]|cancel|show|clear|dump, cal load ..., or cal method adjusted|trace|constant",
+            "cal start|stop|accept [force]|cancel|show|clear|zero [start]|dump, cal load ..., or cal method adjusted|trace|constant",
         ),
         "stream" => (third.is_none().then(|| stream(second)).flatten(), "stream off|raw|cal|motioncal|log"),
         "field" => (
@@ -147,6 +152,8 @@ fn cal(verb: Option<&str>, argument: Option<&str>) -> Option<Command> {
         ("cancel", None) => Command::CalCancel,
         ("show", None) => Command::CalShow,
         ("clear", None) => Command::CalClear,
+        ("zero", None) => Command::CalZero { begins: false },
+        ("zero", Some("start")) => Command::CalZero { begins: true },
         ("dump", None) => Command::CalDump,
         ("method", Some(word)) => Command::CalMethod(Method::parse(word)?),
         _ => return None,
@@ -211,6 +218,8 @@ mod tests {
             ("cal cancel", Command::CalCancel),
             ("cal show", Command::CalShow),
             ("cal clear", Command::CalClear),
+            ("cal zero", Command::CalZero { begins: false }),
+            ("cal zero start", Command::CalZero { begins: true }),
             ("cal dump", Command::CalDump),
             ("cal method adjusted", Command::CalMethod(Method::Adjusted)),
             ("cal method trace", Command::CalMethod(Method::Trace)),
@@ -244,6 +253,7 @@ mod tests {
             "cal",
             "cal begin",
             "cal start now",
+            "cal zero now",
             "cal start a b",
             "cal method",
             "cal method magic",

@@ -39,6 +39,11 @@ impl Channel {
     pub const ALL: [Channel; 5] =
         [Channel::Magnitude, Channel::Dip, Channel::Gyro, Channel::Tilt, Channel::Yaw];
 
+    /// Whether it compares the field with a direction from elsewhere, whose errors may be the same all the time.
+    pub fn has_own_direction(self) -> bool {
+        matches!(self, Channel::Dip | Channel::Tilt | Channel::Yaw)
+    }
+
     /// Whether its errors last longer than a block of time: those of an attitude drift.
     pub fn drifts(self) -> bool {
         matches!(self, Channel::Tilt | Channel::Yaw)
@@ -143,7 +148,7 @@ impl Rows {
                         }
                         (_, Some(shown)) => {
                             let tilt = shown - log.mean_down;
-                            let down = state.down(&(log.mean_down + share.tilt * (1.0 + state.tilt) * tilt));
+                            let down = state.down(&(log.mean_down + (share.tilt + state.tilt) * tilt));
                             let residual = down.dot(&v) - state.vertical_ut;
                             let along_down = down.dot(&smooth[sample]) - state.vertical_ut;
                             (down, smooth[sample] - down * (share.field * along_down), residual, VERTICAL)
@@ -156,7 +161,7 @@ impl Rows {
                     if let (Channel::Dip, Some(shown)) = (channel, row.down) {
                         let level = along * along.dot(&there) - there;
                         derivative[ZERO..ZERO + 3].copy_from_slice(level.as_slice());
-                        derivative[TILT] = -share.tilt * level.dot(&(shown - log.mean_down));
+                        derivative[TILT] = -level.dot(&(shown - log.mean_down));
                     }
                     rows.list.push((block(sample), derivative, residual));
                 }

@@ -57,7 +57,8 @@ pub struct Before {
 
 impl Before {
     /// As information about the parameters at this state, where the first state is `start` and the errors of a logged yaw have these
-    /// sizes; the shown direction down is wrong by `down_error`, rad² of one axis.
+    /// sizes; the shown direction down is wrong by `down_error`, rad² of one axis, and this share of the tilt that the accelerometer
+    /// shows is the board's own.
     pub fn matrix(
         &self,
         start: &State,
@@ -65,6 +66,7 @@ impl Before {
         log: &Log,
         yaw_rad: [f64; 2],
         down_error: f64,
+        tilt_share: f64,
     ) -> Matrix {
         let mut known = Matrix::new(state.parameters());
         let mut add = |parts: &[(usize, f64)], departs: f64, spread: f64| {
@@ -122,7 +124,8 @@ impl Before {
         for axis in 0..3 {
             add(&[(ZERO + axis, 1.0)], state.zero[axis], ZERO_G);
         }
-        add(&[(TILT, 1.0)], state.tilt, TILT_SHOWN);
+        // A vehicle that is accelerated shows an error that goes along with its tilt: a hovering drone shows none of it.
+        add(&[(TILT, 1.0)], state.tilt, (TILT_SHOWN * tilt_share).hypot(1.0 - tilt_share));
         if state.parameters() > YAW {
             let yaw = state.yaw.unwrap_or(0.0);
             let (about, spread) = match self.declination_deg.filter(|_| log.from_north) {

@@ -1,11 +1,11 @@
 //! The likeliest parameters of a log, and their covariance.
 
 use crate::base::term::{COLUMNS, Matrix};
-use crate::confined::channels::{BLOCKS, Channel, Rows, Seen, Share, Sums};
+use crate::confined::channels::{Channel, Rows, Seen, Share, Sums};
 use crate::confined::known::Before;
 use crate::confined::log::Log;
 use crate::confined::state::{HARMONICS, State, YAW_ERROR, effect_at};
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 
 /// How often the noise of each channel is worked out anew.
 const ROUNDS: usize = 5;
@@ -15,6 +15,10 @@ const STEPS: usize = 12;
 const SETTLED: f64 = 1e-3;
 /// The errors of an attitude are alike over so many blocks of time (Newey and West, 1987).
 const DRIFT_BLOCKS: usize = 5;
+/// Rounds of an eigenvalue decomposition at most.
+const EIGEN_ROUNDS: usize = 10_000;
+/// A pull on the solution of this square, in units of its covariance, does no harm.
+const PULL_IGNORED: f64 = 0.02;
 /// Where the size of the yaw's errors begins, rad: what a compass in need of calibration makes of a yaw that follows it.
 const YAW_ERROR_RAD: f64 = 0.15;
 /// No yaw of an autopilot is nearer than this at all headings, rad.
@@ -107,7 +111,7 @@ impl Noise {
 /// Everything at one state: the weighted total, and each channel.
 fn total(log: &Log, start: &State, state: &State, before: &Before, noise: &Noise) -> (Matrix, Vec<Sums>) {
     let down = if log.has_attitude() { &noise.pose_share } else { &noise.share };
-    let mut total = before.matrix(start, state, log, noise.yaw_rad, down.error);
+    let mut total = before.matrix(start, state, log, noise.yaw_rad, down.error, noise.share.tilt);
     let mut list = Vec::new();
     let seen = Seen::of(log, state);
     for (channel, (sigma_ut, memory)) in Channel::ALL.into_iter().zip(&noise.rows) {
@@ -166,7 +170,8 @@ fn settle(log: &Log, start: &State, mut state: State, before: &Before, noise: &N
 /// The noise of each channel at a state; the memory is kept.
 fn noise_at(log: &Log, state: &State, noise: &Noise) -> Noise {
     let mut now = noise.clone();
-    let seen = Seen::of(log, state);
+    let as_shown = State { tilt: noise.share.tilt * state.tilt, ..state.clone() };
+    let seen = Seen::of(log, &as_shown);
     let magnitude_ut = Rows::of(Channel::Magnitude, &seen, &Share::AS_SHOWN).sigma_ut();
     let shown = Rows::of(Channel::Dip, &seen, &Share::AS_SHOWN);
     now.share = Share::of(log.tilt_square(), state, magnitude_ut, &shown);
@@ -174,38 +179,74 @@ fn noise_at(log: &Log, state: &State, noise: &Noise) -> Noise {
         let shown = Rows::of(Channel::Tilt, &seen, &Share::AS_SHOWN);
         now.pose_share = Share::of(log.pose_tilt_square(), state, magnitude_ut, &shown);
     }
+    let seen = Seen::of(log, state);
     let sigmas = Channel::ALL.map(|channel| Rows::of(channel, &seen, now.share(channel)).sigma_ut());
     now.rows.iter_mut().zip(sigmas).for_each(|(one, sigma_ut)| one.0 = sigma_ut);
     now
 }
 
-/// The covariance at a state, and how many rows of each channel count as one: `Σ gᵦᵀ M gᵦ / tr(M H)` over the blocks of time, 1 where rows
-/// err independently. An attitude's errors go on from block to block: `gᵦᵀ M gᵦ₊ₖ` counts too.
-fn memory(total: &Matrix, sums: &[Sums], parameters: usize) -> Option<(DMatrix<f64>, Vec<f64>)> {
+/// The covariance at a state, and how many rows of each channel count as one: `Σ (gᵦᵀ M gᵦ + tr(M Hᵦ M Hᵦ)) / tr(M H)` over the blocks of
+/// time, 1 where rows err independently. The second term is what the solution has taken of a block's score by following it: without it a
+/// log that turns in a few blocks only has errors that are too small. An attitude's errors go on from block to block: pairs count too.
+fn memory(
+    total: &Matrix,
+    sums: &[Sums],
+    noise: &Noise,
+    parameters: usize,
+) -> Option<(DMatrix<f64>, Vec<f64>)> {
     let factor = total.factor()?;
     let columns: Vec<[f64; COLUMNS]> = (0..parameters).map(|column| factor.inverse_column(column)).collect();
     let covariance = DMatrix::from_fn(parameters, parameters, |i, j| 0.5 * (columns[i][j] + columns[j][i]));
-    let of = |(channel, sums): (Channel, &Sums)| {
-        let (mut seen, mut expected) = (0.0, 0.0);
-        let lags = if channel.drifts() { DRIFT_BLOCKS } else { 0 };
-        for (at, block) in sums.blocks.iter().enumerate() {
-            for i in 0..parameters {
-                for j in 0..parameters {
-                    seen += block.right(i) * covariance[(i, j)] * block.right(j);
-                    for (lag, later) in sums.blocks.iter().skip(at + 1).take(lags).enumerate() {
-                        let weight = 2.0 * (1.0 - (lag + 1) as f64 / (lags + 1) as f64);
-                        seen += weight * block.right(i) * covariance[(i, j)] * later.right(j);
-                    }
-                    expected += covariance[(i, j)] * block.entry(i, j);
-                }
-            }
+    let entries = |block: &Matrix| DMatrix::from_fn(parameters, parameters, |i, j| block.entry(i, j));
+    let right = |block: &Matrix| DVector::from_fn(parameters, |i, _| block.right(i));
+    let root = covariance.clone().cholesky().map(|factor| factor.unpack());
+    let of = |((channel, sums), (_, now)): ((Channel, &Sums), &(f64, f64))| {
+        if sums.rows == 0 {
+            return 1.0;
         }
-        // The scores of a solution add up to nothing, which takes this part of what is alike in neighbours.
-        let seen = if lags > 0 { seen / (1.0 - (lags + 1) as f64 / BLOCKS as f64) } else { seen };
-        if expected > 0.0 { (seen / expected).max(1.0) } else { 1.0 }
+        let followed: Vec<DMatrix<f64>> =
+            sums.blocks.iter().map(|block| &covariance * entries(block)).collect();
+        let scores: Vec<DVector<f64>> = sums.blocks.iter().map(right).collect();
+        let pair = |one: usize, two: usize| {
+            (&covariance * &scores[one]).dot(&scores[two])
+                + followed[one].component_mul(&followed[two].transpose()).sum()
+        };
+        let lags = if channel.drifts() { DRIFT_BLOCKS } else { 0 };
+        let weight = |lag: usize| 1.0 - lag as f64 / (lags + 1) as f64;
+        let seen: f64 = (0..followed.len())
+            .map(|at| {
+                let later = (1..=lags).filter(|lag| at + lag < followed.len());
+                pair(at, at) + later.map(|lag| 2.0 * weight(lag) * pair(at, at + lag)).sum::<f64>()
+            })
+            .sum();
+        let expected: f64 = followed.iter().map(DMatrix::trace).sum();
+        let by_blocks = if expected > 0.0 { (seen / expected).max(1.0) } else { 1.0 };
+        let Some(root) = root.as_ref().filter(|_| channel.has_own_direction()) else { return by_blocks };
+        let sum = |list: &[Matrix]| {
+            list.iter().fold(DMatrix::zeros(parameters, parameters), |sum, one| sum + entries(one))
+        };
+        let pull = scores.iter().fold(DVector::zeros(parameters), |sum, one| sum + one);
+        // The root, since the pulls themselves become smaller with the weight.
+        by_blocks.max(now * contradiction(root, sum(&sums.blocks) / *now, pull / *now).sqrt())
     };
-    let list = Channel::ALL.into_iter().zip(sums).map(of).collect();
+    let list = Channel::ALL.into_iter().zip(sums).zip(&noise.rows).map(of).collect();
     Some((covariance, list))
+}
+
+/// How far a channel contradicts all others: the mean square of its pulls on the solution over what they would be if its errors were as
+/// independent as its weight says. In a direction of which it has the share `h` of the information that is `h (1 − h)`. Errors that are
+/// the same in all blocks of time show in this alone: an accelerometer that flies leans the same way in every turn.
+fn contradiction(root: &DMatrix<f64>, information: DMatrix<f64>, pull: DVector<f64>) -> f64 {
+    let shares = SymmetricEigen::try_new(root.transpose() * information * root, f64::EPSILON, EIGEN_ROUNDS);
+    let Some(shares) = shares else { return 1.0 };
+    let pulls = shares.eigenvectors.transpose() * (root.transpose() * pull);
+    let (mut seen, mut expected) = (0.0, 0.0);
+    for (share, pull) in shares.eigenvalues.iter().zip(&pulls) {
+        let variance = share.clamp(0.0, 1.0) * (1.0 - share.clamp(0.0, 1.0));
+        seen += pull * pull / (variance + PULL_IGNORED);
+        expected += variance / (variance + PULL_IGNORED);
+    }
+    if expected > 0.0 { seen / expected } else { 1.0 }
 }
 
 /// The likeliest state from this start.
@@ -217,12 +258,12 @@ fn from_start(log: &Log, start: &State, before: &Before) -> Option<Solved> {
         noise = noise_at(log, &state, &noise);
         state = settle(log, start, state, before, &noise)?;
         let (at, sums) = total(log, start, &state, before, &noise);
-        let (covariance, memories) = memory(&at, &sums, state.parameters())?;
+        let (covariance, memories) = memory(&at, &sums, &noise, state.parameters())?;
         noise.learn_yaw(log, &state, &covariance);
         noise.rows.iter_mut().zip(memories).for_each(|(one, memory)| one.1 = memory);
     }
     let (at, sums) = total(log, start, &state, before, &noise);
-    let (covariance, _) = memory(&at, &sums, state.parameters())?;
+    let (covariance, _) = memory(&at, &sums, &noise, state.parameters())?;
     let heard = (Channel::ALL.into_iter().zip(&sums).zip(noise.rows))
         .filter(|((_, sums), _)| sums.rows > 0)
         .map(|((channel, sums), (_, memory))| Heard { channel, rows: sums.rows, rms_ut: sums.rms_ut, memory })
@@ -284,4 +325,21 @@ fn worth(log: &Log, start: &State, solved: &Solved, other: &Solved, before: &Bef
     let noise = noise_at(log, &other.state, &noise);
     let of = |state: &State| total(log, start, state, before, &noise).0.squares();
     of(&other.state) - of(&solved.state)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_channel_contradicts_where_it_pulls_more_than_its_weight_predicts() {
+        // Of two directions it has a half and a hundredth of the information.
+        let information = DMatrix::from_diagonal(&DVector::from_vec(vec![0.5, 0.01]));
+        let of = |pulls: [f64; 2]| {
+            contradiction(&DMatrix::identity(2, 2), information.clone(), DVector::from_row_slice(&pulls))
+        };
+        let predicted = of([0.5, 0.1]);
+        assert!((0.9..1.2).contains(&predicted), "{predicted}");
+        assert!(of([0.05, 0.01]) < 0.1 && of([0.5, 1.5]) > 20.0, "{} {}", of([0.05, 0.01]), of([0.5, 1.5]));
+    }
 }

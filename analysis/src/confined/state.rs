@@ -19,7 +19,7 @@ pub const RATE: usize = 14;
 pub const DELAY: usize = RATE + GYRO;
 /// First of the accelerometer's zero error (3), in parts of gravity.
 pub const ZERO: usize = DELAY + 1;
-/// By which part tilts are larger than the accelerometer shows them.
+/// Which part of the tilt that the accelerometer shows is to be added to the share that is taken as the board's own.
 pub const TILT: usize = ZERO + 3;
 /// Parameters of a log without attitude and effects.
 const WITHOUT_ATTITUDE: usize = TILT + 1;
@@ -59,7 +59,8 @@ pub struct State {
     pub delay_s: f64,
     /// The zero error of the specific force, in parts of gravity and along the direction down that it shows.
     pub zero: Vector3<f64>,
-    /// By which part tilts are larger than shown: a board beside the axis that it rocks about is accelerated as it tilts.
+    /// Which part of the shown tilt is to be added to the share taken as the board's own: a board beside the axis that it rocks about is
+    /// accelerated as it tilts.
     pub tilt: f64,
     /// Direction of magnetic north in the world of the logged attitude; `None` without one.
     pub yaw: Option<f64>,

@@ -1,5 +1,5 @@
-//! Calibrations from ordinary flights: offset and motor vector beside the least squares that ArduPilot's MAGFit describes, on logs of
-//! the second generator.
+//! Calibrations from ordinary flights, cars, boats and quick turns: offset and motor vector beside the least squares that ArduPilot's MAGFit
+//! describes, on logs of the second generator whose attitude or gyro is right or wrong.
 
 use crate::accuracy::snapshot;
 use crate::accuracy::truths::in_parallel;
@@ -13,7 +13,7 @@ use second_generator::{Drawn, Kind, draw};
 use std::io;
 use std::path::PathBuf;
 
-/// What becomes of the attitude that a log has.
+/// What becomes of the attitude and the gyro that a log has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Logged {
     /// As the second generator has it: errors of tilt of 0.2 to 1°, of yaw of 0.7 to 2.5°, that last 4 to 40 s.
@@ -28,17 +28,23 @@ pub enum Logged {
     TurnedRound,
     /// None.
     Absent,
+    /// No attitude, and a gyro with a bias of 0.05 rad/s.
+    GyroBiased,
+    /// No attitude, and a gyro that is 0.1 s late.
+    GyroLate,
 }
 
 impl Logged {
     /// All of them.
-    pub const ALL: [Logged; 6] = [
+    pub const ALL: [Logged; 8] = [
         Logged::AsDrawn,
         Logged::SteeredByCompass,
         Logged::Late,
         Logged::Rolled,
         Logged::TurnedRound,
         Logged::Absent,
+        Logged::GyroBiased,
+        Logged::GyroLate,
     ];
 
     /// In words.
@@ -50,6 +56,8 @@ impl Logged {
             Logged::Rolled => "attitude rolled by 4°",
             Logged::TurnedRound => "attitude turned by 180°",
             Logged::Absent => "no attitude",
+            Logged::GyroBiased => "gyro off by 0.05 rad/s",
+            Logged::GyroLate => "gyro 0.1 s late",
         }
     }
 
@@ -58,7 +66,8 @@ impl Logged {
         let truth = drawn.truth.clone();
         let n = own.len();
         let becomes: Vec<UnitQuaternion<f64>> = match self {
-            Logged::AsDrawn | Logged::Absent => own,
+            Logged::AsDrawn => own,
+            Logged::Absent | Logged::GyroBiased | Logged::GyroLate => Vec::new(),
             Logged::Late => {
                 let late = ((0.2 * truth.rate_hz).round() as usize).max(1);
                 (0..n).map(|at| own[at.saturating_sub(late)]).collect()
@@ -96,13 +105,28 @@ impl Logged {
                     .collect()
             }
         };
-        drawn.columns.retain(|(name, _)| self != Logged::Absent || !ATTITUDE.contains(&name.as_str()));
+        drawn.columns.retain(|(name, _)| !becomes.is_empty() || !ATTITUDE.contains(&name.as_str()));
+        let gyro_late = ((0.1 * truth.rate_hz).round() as usize).max(1);
         for (name, values) in &mut drawn.columns {
+            let is_gyro = GYRO.contains(&name.as_str());
+            match self {
+                Logged::GyroBiased if is_gyro => {
+                    values.iter_mut().for_each(|value| *value += GYRO_BIAS_RADPS)
+                }
+                Logged::GyroLate if is_gyro => {
+                    *values = (0..n).map(|at| values[at.saturating_sub(gyro_late)]).collect();
+                }
+                _ => {}
+            }
             let Some(place) = ATTITUDE.iter().position(|own| own == name) else { continue };
             *values = becomes.iter().map(|q| [q.w, q.i, q.j, q.k][place]).collect();
         }
     }
 }
+
+const GYRO: [&str; 3] = ["gx_radps", "gy_radps", "gz_radps"];
+/// Of each axis: the standard deviation that the fit expects (3°/s).
+const GYRO_BIAS_RADPS: f64 = 0.05;
 
 fn of([w, x, y, z]: [f64; 4]) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
@@ -216,9 +240,9 @@ fn ratio(errors: impl Iterator<Item = (f64, f64)>) -> f64 {
     (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt()
 }
 
-/// One flight of the second generator.
-pub fn flight(number: u64, logged: Logged) -> Flight {
-    let mut drawn = draw(Kind::Flight, number);
+/// One log of the second generator.
+pub fn flight(kind: Kind, number: u64, logged: Logged) -> Flight {
+    let mut drawn = draw(kind, number);
     logged.of(&mut drawn);
     let truth = Truth::of(&drawn);
     let nothing = Flight { magfit: None, own: None };
@@ -258,8 +282,9 @@ pub fn flight(number: u64, logged: Logged) -> Flight {
     });
     let column =
         hidden.and_then(|hidden| drawn.column(hidden.columns.first()?)).filter(|_| truth.motor.is_some());
-    let magfit = (logged != Logged::Absent).then(|| magfit(&drawn, &truth, column)).flatten().map(
-        |(offset, matrix, motor)| {
+    let has_attitude = drawn.column(ATTITUDE[0]).is_some();
+    let magfit =
+        has_attitude.then(|| magfit(&drawn, &truth, column)).flatten().map(|(offset, matrix, motor)| {
             let calibration = ironout::calibration::Calibration {
                 offset_ut: offset,
                 matrix,
@@ -270,8 +295,7 @@ pub fn flight(number: u64, logged: Logged) -> Flight {
                 motor: truth.motor.map(|(vector, spread)| ((motor - vector).norm() * spread, None)),
                 level: (level(&calibration), None),
             }
-        },
-    );
+        });
     Flight { magfit, own }
 }
 
@@ -292,22 +316,36 @@ fn line(values: &[(f64, Option<f64>)]) -> String {
 /// Logs of a table.
 pub const LOGS: u64 = 40;
 /// Numbers apart from those on which the fit was made (7000 to 7059).
-const FIRST: u64 = 8200;
+const FIRST: u64 = 8400;
 
 /// The methods of the table; the last is the first on those logs that the fit accepts.
 const METHODS: [&str; 3] = ["MAGFit", "fit", "MAGFit*"];
 
-/// The flights of a table, by attitude.
-pub struct Flights(Vec<(Logged, Vec<Flight>)>);
+/// Kinds of the table with what their logs have.
+const ROWS: [(Kind, &[Logged]); 4] = {
+    use Logged::{Absent, AsDrawn, GyroBiased, GyroLate, Late, Rolled};
+    [
+        (Kind::Flight, &Logged::ALL),
+        (Kind::Car, &[AsDrawn, Late, Rolled, Absent, GyroBiased, GyroLate]),
+        (Kind::Boat, &[AsDrawn, Late, Rolled, Absent, GyroBiased, GyroLate]),
+        (Kind::Quick, &[AsDrawn, Absent]),
+    ]
+};
+
+/// The logs of a table, by kind and attitude.
+pub struct Flights(Vec<(Kind, Logged, Vec<Flight>)>);
 
 impl Flights {
     /// Runs so many flights with each attitude; `say` hears each as it begins.
     pub fn measure(first: u64, logs: u64, say: impl Fn(&str)) -> Self {
-        let of = |logged: Logged| {
-            say(logged.words());
-            (logged, in_parallel(first..first + logs, |number| flight(number, logged)))
-        };
-        Flights(Logged::ALL.map(of).into())
+        let rows = ROWS.iter().flat_map(|(kind, list)| list.iter().map(|logged| (*kind, *logged)));
+        Flights(
+            rows.map(|(kind, logged)| {
+                say(&format!("{}: {}", kind.name(), logged.words()));
+                (kind, logged, in_parallel(first..first + logs, |number| flight(kind, number, logged)))
+            })
+            .collect(),
+        )
     }
 
     /// The same as the document has it.
@@ -318,7 +356,8 @@ impl Flights {
     /// What the snapshot holds: a line an attitude and method.
     pub fn text(&self) -> String {
         let mut text = format!(
-            "{:<26}{:<8}{:>5}  {:>7}{:>7}{:>7}{:>4}  {:>7}{:>7}{:>7}{:>4}  {:>7}{:>7}{:>7}{:>4}\n",
+            "{:<8}{:<26}{:<8}{:>5}  {:>7}{:>7}{:>7}{:>4}  {:>7}{:>7}{:>7}{:>4}  {:>7}{:>7}{:>7}{:>4}\n",
+            "kind",
             "attitude",
             "method",
             "n",
@@ -335,7 +374,7 @@ impl Flights {
             "ratio",
             ">3"
         );
-        for (logged, flights) in &self.0 {
+        for (kind, logged, flights) in &self.0 {
             for method in METHODS {
                 let pick = |flight: &Flight| match method {
                     "MAGFit" => flight.magfit,
@@ -350,7 +389,8 @@ impl Flights {
                     list.iter().filter_map(pick).collect()
                 };
                 text += &format!(
-                    "{:<26}{method:<8}{:>5}  {}  {}  {}\n",
+                    "{:<8}{:<26}{method:<8}{:>5}  {}  {}  {}\n",
+                    kind.name(),
                     logged.words(),
                     list.len(),
                     line(&of(&|found| Some(found.offset))),
