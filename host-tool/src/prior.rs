@@ -10,7 +10,7 @@ use crate::registry::REGISTRY;
 use crate::{refusal, source};
 use ironout::effect::{Effect, Parts};
 use ironout_analysis::base::axes::triangle_of;
-use ironout_analysis::base::prior::Prior;
+use ironout_analysis::base::earlier::EarlierCalibration;
 use ironout_analysis::outcome::request::Purpose;
 use ironout_analysis::{Options, Table, effects, fit};
 use nalgebra::{Matrix3, Vector3};
@@ -22,7 +22,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// A file that is no calibration, is of another scale or mounting, holds no information, or carries effects that this log cannot be related to.
-pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Prior> {
+pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<EarlierCalibration> {
     of_file(&CalFile::read(path)?, path, log, arguments)
 }
 
@@ -37,7 +37,13 @@ const AUTOPILOT_GAIN: f64 = 0.05;
 ///
 /// # Errors
 /// Those of reading and of fitting; a log whose fit is refused; an autopilot that had no calibration.
-pub fn from(from: &Path, log: &Log, arguments: &LogArgs, options: &Options, json: bool) -> Outcome<Prior> {
+pub fn from(
+    from: &Path,
+    log: &Log,
+    arguments: &LogArgs,
+    options: &Options,
+    json: bool,
+) -> Outcome<EarlierCalibration> {
     if from == Path::new(PARAMETERS) {
         return of_autopilot(log);
     }
@@ -59,7 +65,7 @@ pub fn from(from: &Path, log: &Log, arguments: &LogArgs, options: &Options, json
 }
 
 /// The calibration that the autopilot had when it recorded the log, as the reader took it out.
-fn of_autopilot(log: &Log) -> Outcome<Prior> {
+fn of_autopilot(log: &Log) -> Outcome<EarlierCalibration> {
     let none = || {
         Failure::usage(
             "--prior-from parameters: this log contains no compass calibration of an autopilot. Fix: give --prior CAL.json or --prior-from LOG",
@@ -80,7 +86,7 @@ fn of_autopilot(log: &Log) -> Outcome<Prior> {
     let field_ut =
         (0..log.rows).map(|row| (matrix * (Vector3::from(log.field(row)) - offset)).norm()).sum::<f64>() / n;
     let spread = |i: usize| if i < 3 { AUTOPILOT_OFFSET * field_ut } else { AUTOPILOT_GAIN };
-    Ok(Prior {
+    Ok(EarlierCalibration {
         offset_ut: offset.into(),
         triangle: triangle_of(&rows).ok_or_else(none)?,
         information: std::array::from_fn(|i| {
@@ -92,7 +98,7 @@ fn of_autopilot(log: &Log) -> Outcome<Prior> {
 }
 
 /// A calibration file as information for this log.
-fn of_file(file: &CalFile, path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<Prior> {
+fn of_file(file: &CalFile, path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<EarlierCalibration> {
     if let Some(reading) = &file.reading {
         reading.must_fit(path, log, arguments)?;
     }
@@ -134,7 +140,7 @@ fn of_file(file: &CalFile, path: &Path, log: &Log, arguments: &LogArgs) -> Outco
             *offset += coefficient * change;
         }
     }
-    Ok(Prior {
+    Ok(EarlierCalibration {
         offset_ut,
         triangle,
         information: std::array::from_fn(|i| std::array::from_fn(|j| known.matrix[i][j])),

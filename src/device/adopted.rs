@@ -20,7 +20,7 @@ impl Device {
         if let (true, Some((slot, _)), Some(record)) = (was_unread, slots.current(), record) {
             let at_work = self.active.as_ref().is_some_and(|active| active.record == *record);
             if !at_work {
-                self.lessons.learner.begin(&record.calibration);
+                self.learner_inputs.learner.begin(&record.calibration);
                 Active::install(&mut self.active, slot, record, self.config.sensor.axes);
             }
         }

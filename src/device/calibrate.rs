@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::button::ButtonEvent;
-use super::errand::Errand;
+use super::job_purpose::JobPurpose;
 use super::machine::Device;
 use super::sensor::SensorFault;
 use crate::effect::Effect;
@@ -39,7 +39,7 @@ impl Device {
                 // Collecting, so that this cannot fail; what counts is whether there is a solution now.
                 let _ = self.session.stop();
                 // Whoever has only a button cannot insist: what is better stays.
-                match self.save(Errand::AcceptByButton, false) {
+                match self.save(JobPurpose::AcceptByButton, false) {
                     Ok(()) => {}
                     Err(NotSaved::NoSolution) => self.tell(ButtonEvent::Refused),
                     Err(NotSaved::Worse(_)) => self.tell(ButtonEvent::Worse),
@@ -65,13 +65,13 @@ impl Device {
 
     /// Begins to store the solution.
     #[inline(never)]
-    fn save(&mut self, errand: Errand, force: bool) -> Result<(), NotSaved> {
+    fn save(&mut self, purpose: JobPurpose, force: bool) -> Result<(), NotSaved> {
         let record = self.waiting().ok_or(NotSaved::NoSolution)?;
         let in_use = self.active.as_ref().map(|active| &active.record).filter(|_| !force);
         if let Some(worse) = in_use.and_then(|in_use| clearly_worse(&record, in_use)) {
             return Err(NotSaved::Worse(worse));
         }
-        self.begin(errand, StoreJob::save(self.slot_in_use(), record));
+        self.begin(purpose, StoreJob::save(self.slot_in_use(), record));
         Ok(())
     }
 
@@ -121,7 +121,7 @@ impl Device {
 
     #[inline(never)]
     pub(super) fn cal_accept<W: fmt::Write>(&mut self, reply: Reply<'_, W>, force: bool) -> Option<Answered> {
-        match self.save(Errand::Accept, force) {
+        match self.save(JobPurpose::Accept, force) {
             Ok(()) => return None,
             Err(NotSaved::Worse(worse)) => {
                 return Some(reply.err(Code::Refused, format_args!("{} {worse}", Worse::CODE)));

@@ -24,8 +24,10 @@ impl Device {
         if !value.is_finite() {
             return;
         }
-        let no_temperature = self.lessons.no_temperature;
-        let Some((name, is_tested)) = self.lessons.own.measured(name, value, no_temperature) else { return };
+        let no_temperature = self.learner_inputs.no_temperature;
+        let Some((name, is_tested)) = self.learner_inputs.own.measured(name, value, no_temperature) else {
+            return;
+        };
         if is_tested {
             self.feed(&name, Some(f64::from(value)));
             return;
@@ -41,12 +43,12 @@ impl Device {
     /// `cov`: all columns of the line, or none.
     #[inline(never)]
     pub(super) fn cov<W: fmt::Write>(&mut self, reply: Reply<'_, W>, list: &Assignments) -> Answered {
-        let learner = &self.lessons.learner;
+        let learner = &self.learner_inputs.learner;
         let is_read = |name: &ColumnName| {
             let live = self.active.as_ref().and_then(|active| active.live.as_ref().ok());
             live.is_some_and(|live| !live.slots(name.as_str()).is_empty())
         };
-        let own = &self.lessons.own;
+        let own = &self.learner_inputs.own;
         let foreign = |(name, value): &&(ColumnName, Assigned)| {
             *value == Assigned::Own && own.value(name.as_str()).is_none()
         };
@@ -84,17 +86,17 @@ impl Device {
         let order = order.chain(list.iter().filter(|(_, value)| !is_forgotten(value)));
         let (mut used, mut tested) = (0, 0);
         for (name, value) in order {
-            self.lessons.own.assign(name.as_str(), *value);
+            self.learner_inputs.own.assign(name.as_str(), *value);
             let value = match value {
                 Assigned::Value(value) => Some(*value),
                 Assigned::Forgotten => None,
-                Assigned::Own => self.lessons.own.value(name.as_str()).map(f64::from),
+                Assigned::Own => self.learner_inputs.own.value(name.as_str()).map(f64::from),
             };
             let (is_used, is_tested) = self.feed(name, value);
             used += u8::from(is_used);
             tested += u8::from(is_tested);
         }
-        reply.ok(format_args!("{} used={used} tested={tested}", Shown(list, &self.lessons.own)))
+        reply.ok(format_args!("{} used={used} tested={tested}", Shown(list, &self.learner_inputs.own)))
     }
 }
 

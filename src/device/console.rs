@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::active::Active;
-use super::errand::Errand;
+use super::job_purpose::JobPurpose;
 use super::machine::Device;
 use super::sensor::SensorFault;
 use crate::fit::Method;
@@ -96,7 +96,7 @@ impl Device {
                 reply.err(Code::Store, format_args!("the store {}", SensorFault::AtRest))
             }
             Command::Version => {
-                self.begin(Errand::Version, StoreJob::inspect());
+                self.begin(JobPurpose::Version, StoreJob::inspect());
                 return None;
             }
             Command::Status => self.status(reply),
@@ -108,7 +108,7 @@ impl Device {
             Command::CalLoad(load) => self.cal_load(reply, load),
             Command::CalDump => self.cal_dump(reply),
             Command::CalClear => {
-                self.begin(Errand::Clear, StoreJob::erase());
+                self.begin(JobPurpose::Clear, StoreJob::erase());
                 return None;
             }
             Command::CalMethod(method) => self.set_method(reply, method),

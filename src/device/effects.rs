@@ -3,8 +3,8 @@
 use core::fmt;
 
 use super::active::Active;
-use super::errand::Errand;
-use super::lessons::{Change, Purpose};
+use super::job_purpose::JobPurpose;
+use super::learner_inputs::{Change, Purpose};
 use super::machine::Device;
 use super::name::Id;
 use super::why::{Figure, NOTHING_YET};
@@ -26,7 +26,7 @@ impl Device {
     /// What the calibration in use carries, and what could be tested beside it.
     #[inline(never)]
     pub(super) fn effect_list<W: fmt::Write>(&self, mut reply: Reply<'_, W>) -> Answered {
-        let learner = &self.lessons.learner;
+        let learner = &self.learner_inputs.learner;
         let in_use = || self.active.iter().flat_map(|active| active.record.effects.iter());
         for fitted in in_use() {
             reply.line(format_args!(
@@ -41,7 +41,9 @@ impl Device {
                 continue;
             }
             let state = match candidate {
-                Candidate::Lag if self.lessons.motion == Motion::UNKNOWN => "needs-gyro-or-accelerometer",
+                Candidate::Lag if self.learner_inputs.motion == Motion::UNKNOWN => {
+                    "needs-gyro-or-accelerometer"
+                }
                 _ if !learner.is_learning() => "waits",
                 _ => "tested",
             };
@@ -62,7 +64,7 @@ impl Device {
         reply: Reply<'_, W>,
         id: EffectId,
     ) -> Option<Answered> {
-        let learner = &self.lessons.learner;
+        let learner = &self.learner_inputs.learner;
         if !learner.is_learning() {
             return Some(reply.err(Code::State, format_args!("{NOTHING_YET}")));
         }
@@ -82,7 +84,7 @@ impl Device {
 
     /// The candidate of this id.
     fn named(&self, id: &str) -> Option<Candidate> {
-        let learner = &self.lessons.learner;
+        let learner = &self.learner_inputs.learner;
         Candidate::all()
             .find(|candidate| learner.effect(*candidate).is_some_and(|effect| has_id(&effect, id)))
     }
@@ -120,7 +122,7 @@ impl Device {
             ));
         };
         let is_foreign = || record.effects.iter().any(|fitted| reads_time(&fitted.effect));
-        if candidate.goes_by_time() && !self.lessons.own_clock && is_foreign() {
+        if candidate.goes_by_time() && !self.learner_inputs.own_clock && is_foreign() {
             return Some(reply.err(
                 Code::State,
                 format_args!(
@@ -128,7 +130,7 @@ impl Device {
                 ),
             ));
         }
-        match self.lessons.learner.add(candidate, &record.extended()) {
+        match self.learner_inputs.learner.add(candidate, &record.extended()) {
             Err(why) => Some(reply.err(Code::Refused, format_args!("{why}"))),
             Ok(extended) => {
                 self.change(&record, &extended, outcome.rms_ut);
@@ -143,7 +145,7 @@ impl Device {
         if let Some(active) = &self.active {
             return Some(active.record);
         }
-        let calibration = self.lessons.learner.calibration()?;
+        let calibration = self.learner_inputs.learner.calibration()?;
         (f64::from(outcome.base_error) <= MAX_PREDICTED_ERROR).then(|| Record {
             sequence: 0,
             calibration,
@@ -174,8 +176,8 @@ impl Device {
         let Some((record, effect)) = found else {
             return Some(reply.err(Code::State, format_args!("{id} is not in use; see effect list")));
         };
-        let rms_ut = self.lessons.learner.rms_ut();
-        let extended = self.lessons.learner.remove(effect, &record.extended());
+        let rms_ut = self.learner_inputs.learner.rms_ut();
+        let extended = self.learner_inputs.learner.remove(effect, &record.extended());
         let record = *record;
         self.change(&record, &extended, rms_ut);
         None
@@ -184,8 +186,8 @@ impl Device {
     /// Stores another calibration in the place of the one in use.
     #[inline(never)]
     fn change(&mut self, before: &Record, extended: &ExtendedCalibration<f64>, before_ut: f32) {
-        let after_ut = self.lessons.learner.rms_ut();
-        let rows = u64::from(self.lessons.learner.rows());
+        let after_ut = self.learner_inputs.learner.rms_ut();
+        let rows = u64::from(self.learner_inputs.learner.rows());
         let record = Record {
             calibration: extended.base,
             effects: extended.effects,
@@ -195,8 +197,9 @@ impl Device {
             covariance: None,
             ..*before
         };
-        self.lessons.changed = Some(Change { before: before.calibration, rms_ut: [before_ut, after_ut] });
-        self.begin(Errand::Effect, StoreJob::save(self.slot_in_use(), record));
+        self.learner_inputs.changed =
+            Some(Change { before: before.calibration, rms_ut: [before_ut, after_ut] });
+        self.begin(JobPurpose::Effect, StoreJob::save(self.slot_in_use(), record));
     }
 
     /// It was stored, or not; only then it is applied.
@@ -207,7 +210,7 @@ impl Device {
         out: &mut W,
     ) -> Answered {
         let reply = Reply::new(out);
-        let change = self.lessons.changed.take();
+        let change = self.learner_inputs.changed.take();
         let error = match outcome {
             Ok(Done::Saved(slot, record)) => {
                 let now_ms = self.now_ms;
@@ -215,12 +218,12 @@ impl Device {
                 Active::install(&mut self.active, slot, &record, self.config.sensor.axes);
                 if record.effects.iter().any(|fitted| reads_time(&fitted.effect)) {
                     // What the study found goes by the board's own clock; a calibration that was there before keeps its own.
-                    let is_own = self.lessons.own_clock || known.is_none();
+                    let is_own = self.learner_inputs.own_clock || known.is_none();
                     let now_s = known.filter(|_| !is_own).unwrap_or(now_ms as f64 * 1e-3);
                     if let Some(active) = &mut self.active {
                         active.feed(TIME, now_s, now_ms);
                     }
-                    self.lessons.own_clock = is_own;
+                    self.learner_inputs.own_clock = is_own;
                 }
                 self.feed_again();
                 if self.session.state() == State::Refused {
@@ -242,7 +245,7 @@ impl Device {
         };
         if let Some(change) = change {
             // The study stands at the calibration that is in use.
-            self.lessons.learner.begin(&change.before);
+            self.learner_inputs.learner.begin(&change.before);
         }
         reply.err(Code::Store, format_args!("{error}: the calibration in use is unchanged"))
     }

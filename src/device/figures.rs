@@ -56,6 +56,6 @@ impl Device {
     /// The study of what the calibration in use leaves over.
     #[cfg(feature = "study")]
     pub const fn learner(&self) -> &Learner {
-        &self.lessons.learner
+        &self.learner_inputs.learner
     }
 }

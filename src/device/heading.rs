@@ -90,7 +90,7 @@ impl Device {
     }
 
     fn heading_now(&mut self, now_ms: u64) -> Result<f64, Missing> {
-        let (motion, turn_radps) = (self.lessons.motion, self.turn_radps());
+        let (motion, turn_radps) = (self.learner_inputs.motion, self.turn_radps());
         let Some(Active { live: Ok(live), .. }) = &self.active else { return Err(Missing::Calibration) };
         let latest = self.view.latest.filter(|(t_ms, _)| now_ms.saturating_sub(*t_ms) <= FRESH_MS);
         let (_, measured_ut) = latest.ok_or(Missing::Sample)?;

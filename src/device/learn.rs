@@ -1,7 +1,7 @@
 //! Feeding the study: samples, columns, motion, the chip's temperature.
 
 use super::active::Active;
-use super::lessons::Axes;
+use super::learner_inputs::Axes;
 use super::machine::Device;
 use super::own::{Origin, TEMPERATURE};
 use super::sensor::SensorTask;
@@ -48,8 +48,8 @@ impl Device {
 
     /// Takes what accelerometer (m/s², specific force) and gyro (rad/s) measured, both in the board's axes.
     pub fn on_motion(&mut self, accel_mps2: Option<[f32; 3]>, turn_radps: Option<[f32; 3]>) {
-        self.lessons.motion.accel_mps2 = accel_mps2;
-        self.lessons.motion.turn_radps = turn_radps;
+        self.learner_inputs.motion.accel_mps2 = accel_mps2;
+        self.learner_inputs.motion.turn_radps = turn_radps;
         for (names, values) in [(ACCEL, accel_mps2), (TURN, turn_radps)] {
             let Some(values) = values else { continue };
             for (name, value) in names.into_iter().zip(values) {
@@ -70,24 +70,24 @@ impl Device {
         }
         // A column for which there is no room is in no log; it is tested all the same.
         let _ = self.log.feed(name, number as f32);
-        let lessons = &mut self.lessons;
+        let learner_inputs = &mut self.learner_inputs;
         let axis = |names: [&str; 3]| names.iter().position(|own| *own == name.as_str());
         let whole = |[x, y, z]: Axes| Some([x?, y?, z?]);
         let single = value.map(|value| value as f32);
-        if let Some(slot) = axis(ACCEL).and_then(|axis| lessons.accel.get_mut(axis)) {
+        if let Some(slot) = axis(ACCEL).and_then(|axis| learner_inputs.accel.get_mut(axis)) {
             *slot = single;
-            lessons.motion.accel_mps2 = whole(lessons.accel);
+            learner_inputs.motion.accel_mps2 = whole(learner_inputs.accel);
             return (used, value.is_some());
         }
-        if let Some(slot) = axis(TURN).and_then(|axis| lessons.turn.get_mut(axis)) {
+        if let Some(slot) = axis(TURN).and_then(|axis| learner_inputs.turn.get_mut(axis)) {
             *slot = single;
-            lessons.motion.turn_radps = whole(lessons.turn);
+            learner_inputs.motion.turn_radps = whole(learner_inputs.turn);
             return (used || self.turning_is_used(), value.is_some());
         }
         let tested = match single {
-            Some(value) => lessons.learner.feed(name, value) == Fed::Tested,
+            Some(value) => learner_inputs.learner.feed(name, value) == Fed::Tested,
             None => {
-                lessons.learner.drop_column(name.as_str());
+                learner_inputs.learner.drop_column(name.as_str());
                 false
             }
         };
@@ -103,11 +103,11 @@ impl Device {
     #[inline(never)]
     pub(super) fn learn(&mut self, sample: Sample, t_ms: u64) {
         // A question is answered of the moment that it was asked in, all of it, whatever comes between its pieces of work.
-        if !self.lessons.learner.is_learning() || self.lessons.question.is_some() {
+        if !self.learner_inputs.learner.is_learning() || self.learner_inputs.question.is_some() {
             return;
         }
         let Some(measured_ut) = self.config.sensor.measured_ut(sample) else { return };
-        let (motion, turn_radps) = (self.lessons.motion, self.turn_radps());
+        let (motion, turn_radps) = (self.learner_inputs.motion, self.turn_radps());
         let cleaned = match self.active.as_mut() {
             Some(active) => match active.at(t_ms).map(|live| live.cleaned(measured_ut, turn_radps)) {
                 // An effect waits for its column: what it does now is not known.
@@ -117,44 +117,44 @@ impl Device {
             },
             None => measured_ut,
         };
-        self.lessons.learner.push(cleaned, t_ms, &motion);
+        self.learner_inputs.learner.push(cleaned, t_ms, &motion);
     }
 
     /// A calibration begins from nothing, and so does the study: at the calibration in use, or once there is one.
     pub(super) fn learn_anew(&mut self) {
         match &self.active {
-            Some(active) => self.lessons.learner.begin(&active.record.calibration),
+            Some(active) => self.learner_inputs.learner.begin(&active.record.calibration),
             // The study knows where it stood; where that is wrong it finds out.
-            None => self.lessons.learner.begin_again(),
+            None => self.learner_inputs.learner.begin_again(),
         }
-        self.lessons.begin_at_ms = 0;
+        self.learner_inputs.begin_at_ms = 0;
     }
 
     /// Begins the study at a calibration that is under way, once it is good enough. Whether it took a computation.
     #[cfg(feature = "study")]
     #[inline(never)]
     pub(super) fn begin_to_learn(&mut self) -> bool {
-        let lessons = &self.lessons;
-        if lessons.learner.is_learning()
+        let learner_inputs = &self.learner_inputs;
+        if learner_inputs.learner.is_learning()
             || self.session.state() != State::Collecting
-            || self.now_ms < lessons.begin_at_ms
+            || self.now_ms < learner_inputs.begin_at_ms
             || self.session.counts().n < BEGIN_SAMPLES
             || !self.may_compute(true)
         {
             return false;
         }
         self.compute_asked_ms = None;
-        self.lessons.begin_at_ms = self.now_ms + BEGIN_MS;
+        self.learner_inputs.begin_at_ms = self.now_ms + BEGIN_MS;
         let n = self.session.counts().n;
         if n < MOST_SAMPLES {
             if let Some(Ok(report)) = self.session.ellipsoid_so_far()
                 && report.model == Order::Ellipsoid
                 && report.predicted_error_ut < GOOD_ENOUGH * MAX_PREDICTED_ERROR * report.calibration.field_ut
             {
-                self.lessons.learner.begin(&report.calibration);
+                self.learner_inputs.learner.begin(&report.calibration);
             }
         } else if let Some(Ok(report)) = self.session.fit_so_far() {
-            self.lessons.learner.begin(&report.calibration);
+            self.learner_inputs.learner.begin(&report.calibration);
         }
         true
     }
@@ -163,12 +163,12 @@ impl Device {
     #[inline(never)]
     pub(super) fn put_to_work(&mut self, slot: Slot, record: &Record) {
         let had_effects = self.active.as_ref().is_some_and(|active| !active.record.effects.is_empty());
-        let learner = &mut self.lessons.learner;
+        let learner = &mut self.learner_inputs.learner;
         let near = |field: f64| (field / record.calibration.field_ut - 1.0).abs() < 1e-6;
         if had_effects || !learner.field_ut().is_some_and(near) {
             learner.begin(&record.calibration);
         }
-        self.lessons.own_clock = false;
+        self.learner_inputs.own_clock = false;
         Active::install(&mut self.active, slot, record, self.config.sensor.axes);
         self.feed_again();
     }
@@ -177,7 +177,7 @@ impl Device {
     pub(super) fn feed_again(&mut self) {
         let now_ms = self.now_ms;
         let Some(active) = &mut self.active else { return };
-        let learner = &self.lessons.learner;
+        let learner = &self.learner_inputs.learner;
         for name in learner.tested() {
             if let Some(value) = learner.value(name) {
                 active.feed(name, f64::from(value), now_ms);
@@ -190,23 +190,23 @@ impl Device {
     pub(super) fn cleared_from_work(&mut self) {
         let Some(active) = self.active.take() else { return };
         if !active.record.effects.is_empty() {
-            self.lessons.learner.begin(&active.record.calibration);
+            self.learner_inputs.learner.begin(&active.record.calibration);
         }
     }
 
     /// Whether the chip's temperature is due: right after a sample, four times a second.
     pub(super) fn temperature_task(&self) -> Option<SensorTask> {
-        let is_due = self.now_ms >= self.lessons.temperature_at_ms && self.sensor.asks();
+        let is_due = self.now_ms >= self.learner_inputs.temperature_at_ms && self.sensor.asks();
         is_due.then_some(SensorTask::Temperature)
     }
 
     pub(super) fn take_temperature(&mut self, temp_c: Option<f32>) {
         let Some(temp_c) = temp_c.filter(|value| value.is_finite()) else {
-            self.lessons.temperature_at_ms = self.now_ms + NO_TEMPERATURE_MS;
-            self.lessons.no_temperature = true;
+            self.learner_inputs.temperature_at_ms = self.now_ms + NO_TEMPERATURE_MS;
+            self.learner_inputs.no_temperature = true;
             return;
         };
-        self.lessons.temperature_at_ms = self.now_ms + TEMPERATURE_MS;
+        self.learner_inputs.temperature_at_ms = self.now_ms + TEMPERATURE_MS;
         self.on_own_column(TEMPERATURE, temp_c, Origin::Inside);
     }
 }

@@ -7,8 +7,8 @@ use heapless::Deque;
 use super::active::Active;
 use super::button::{Button, ButtonEvent};
 use super::config::DeviceConfig;
-use super::errand::Errand;
-use super::lessons::Lessons;
+use super::job_purpose::JobPurpose;
+use super::learner_inputs::LearnerInputs;
 use super::loading::Loading;
 use super::log::Log;
 use super::output::{MAX_REPLY_BYTES, Output};
@@ -60,7 +60,7 @@ pub struct Device {
     pub(super) session: Session,
     pub(super) loading: Loading,
     pub(super) active: Option<Active>,
-    pub(super) lessons: Lessons,
+    pub(super) learner_inputs: LearnerInputs,
     pub(super) view: View,
     pub(super) sensor: SensorWatch,
     pub(super) stream: StreamMode,
@@ -72,7 +72,7 @@ pub struct Device {
     /// Since when a computation has waited for the moment after a sample.
     pub(super) compute_asked_ms: Option<u64>,
     pub(super) status: Option<(u64, Status)>,
-    job: Option<(Errand, StoreJob)>,
+    job: Option<(JobPurpose, StoreJob)>,
     pub(super) slots: BothSlots,
     pub(super) store_watch: StoreWatch,
     clock: SteadyClock,
@@ -96,7 +96,7 @@ impl Device {
             session: Session::new(config.session()),
             loading: Loading::nothing(),
             active: None,
-            lessons: Lessons::new(),
+            learner_inputs: LearnerInputs::new(),
             view: View::new(),
             sensor: SensorWatch::new(config.pace, sensor),
             stream: StreamMode::Off,
@@ -107,7 +107,7 @@ impl Device {
             line_waits: false,
             compute_asked_ms: None,
             status: None,
-            job: Some((Errand::Boot, StoreJob::inspect())),
+            job: Some((JobPurpose::Boot, StoreJob::inspect())),
             slots: BothSlots { states: [SlotState::Unreadable; 2] },
             store_watch: StoreWatch::new(),
             clock: SteadyClock::new(),
@@ -130,7 +130,7 @@ impl Device {
         self.config = config;
         self.loading.forget();
         self.active = None;
-        self.lessons.begin_anew();
+        self.learner_inputs.begin_anew();
         self.view.begin_anew();
         self.stream = StreamMode::Off;
         self.log = Log::new();
@@ -138,7 +138,7 @@ impl Device {
         self.waiting.clear();
         (self.splitter, self.line_waits) = (LineSplitter::new(), false);
         (self.compute_asked_ms, self.status) = (None, None);
-        self.job = Some((Errand::Boot, StoreJob::inspect()));
+        self.job = Some((JobPurpose::Boot, StoreJob::inspect()));
         self.slots = BothSlots { states: [SlotState::Unreadable; 2] };
         self.store_watch = StoreWatch::new();
         (self.presses, self.event) = (0, None);
@@ -215,7 +215,7 @@ impl Device {
         if let Some(measured_ut) = measured_ut {
             self.view.measured(t_ms, measured_ut);
             if let Some(active) = &mut self.active {
-                active.take(t_ms, measured_ut, &self.lessons.motion);
+                active.take(t_ms, measured_ut, &self.learner_inputs.motion);
             }
         }
         #[cfg(feature = "study")]
@@ -238,7 +238,7 @@ impl Device {
     /// How the board turned at the last sample, as far as it is known.
     pub(super) fn turn_radps(&self) -> Option<[f32; 3]> {
         let of_field = || self.active.as_ref().and_then(|active| active.turn_radps);
-        self.lessons.motion.turn_radps.or_else(of_field)
+        self.learner_inputs.motion.turn_radps.or_else(of_field)
     }
 
     /// Takes what came of an [`Action::Sensor`], with the time it is now.
@@ -280,19 +280,19 @@ impl Device {
         if let Some(task) = self.sensor.task(now_ms).or_else(|| self.temperature_task()) {
             return Action::Sensor(task);
         }
-        if let Some((errand, job)) = &self.job {
+        if let Some((purpose, job)) = &self.job {
             if let Some(task) = job.task(now_ms) {
                 return Action::Store(task);
             }
             // The reply waits for its room; samples and streams do not.
-            if !job.is_finished() || Self::replies(*errand) && !out.takes(MAX_REPLY_BYTES) {
+            if !job.is_finished() || Self::replies(*purpose) && !out.takes(MAX_REPLY_BYTES) {
                 return Action::Sleep;
             }
             self.finish(out);
             return Action::Again;
         }
         if self.store_watch.is_due(self.now_ms) {
-            self.begin(Errand::Boot, StoreJob::inspect());
+            self.begin(JobPurpose::Boot, StoreJob::inspect());
             return Action::Again;
         }
         if self.presses > 0 && self.may_compute(self.session.state() == State::Collecting) {
@@ -302,7 +302,7 @@ impl Device {
             return Action::Again;
         }
         #[cfg(feature = "study")]
-        if self.lessons.question.is_some() {
+        if self.learner_inputs.question.is_some() {
             return if out.takes(MAX_REPLY_BYTES) && self.ponder(out) {
                 Action::Again
             } else {
@@ -323,7 +323,7 @@ impl Device {
     pub fn next_deadline_ms(&self) -> u64 {
         let job = match &self.job {
             Some((_, job)) => Some(job.deadline_ms().unwrap_or(self.now_ms + OUTPUT_RETRY_MS)),
-            None if self.line_waits || self.presses > 0 || self.lessons.question.is_some() => {
+            None if self.line_waits || self.presses > 0 || self.learner_inputs.question.is_some() => {
                 // It waits for room, or for the moment after a sample, which comes with the sample.
                 Some(self.now_ms + OUTPUT_RETRY_MS)
             }
@@ -374,7 +374,7 @@ impl Device {
         let line = splitter.last().unwrap_or(Line::NotText);
         if self.store_watch.is_unread() && !self.store_watch.looked_again {
             self.store_watch.looked_again = true;
-            self.begin(Errand::Boot, StoreJob::inspect());
+            self.begin(JobPurpose::Boot, StoreJob::inspect());
         } else if !self.may_compute(self.is_long(line)) {
             self.splitter = splitter;
             return false;
@@ -393,34 +393,34 @@ impl Device {
         true
     }
 
-    pub(super) fn begin(&mut self, errand: Errand, job: StoreJob) {
-        self.job = Some((errand, job));
+    pub(super) fn begin(&mut self, purpose: JobPurpose, job: StoreJob) {
+        self.job = Some((purpose, job));
     }
 
-    const fn replies(errand: Errand) -> bool {
-        match errand {
-            Errand::Version | Errand::Accept | Errand::Clear => true,
+    const fn replies(purpose: JobPurpose) -> bool {
+        match purpose {
+            JobPurpose::Version | JobPurpose::Accept | JobPurpose::Clear => true,
             #[cfg(feature = "study")]
-            Errand::Effect => true,
-            Errand::Boot | Errand::AcceptByButton => false,
+            JobPurpose::Effect => true,
+            JobPurpose::Boot | JobPurpose::AcceptByButton => false,
         }
     }
 
     #[inline(never)]
     fn finish(&mut self, out: &mut impl Output) {
-        let Some((errand, job)) = &self.job else { return };
-        let (errand, Some(outcome)) = (*errand, job.outcome()) else { return };
+        let Some((purpose, job)) = &self.job else { return };
+        let (purpose, Some(outcome)) = (*purpose, job.outcome()) else { return };
         self.job = None;
         match &outcome {
             Ok(Done::Inspected(slots, record)) => self.adopt(*slots, record.as_ref()),
             Ok(Done::Saved(..) | Done::Erased) => self.store_watch.answered(),
             Err(_) => self.store_watch.failed(self.now_ms),
         }
-        let answered = match errand {
-            Errand::Boot => return,
-            Errand::Version => self.version(out),
-            Errand::Accept => self.accepted(outcome, out),
-            Errand::AcceptByButton => {
+        let answered = match purpose {
+            JobPurpose::Boot => return,
+            JobPurpose::Version => self.version(out),
+            JobPurpose::Accept => self.accepted(outcome, out),
+            JobPurpose::AcceptByButton => {
                 let event = match self.stored(outcome) {
                     Ok(slot) => ButtonEvent::Accepted(slot),
                     Err(error) => ButtonEvent::NotStored(error),
@@ -428,9 +428,9 @@ impl Device {
                 self.event = Some(event);
                 return;
             }
-            Errand::Clear => self.cleared(outcome, out),
+            JobPurpose::Clear => self.cleared(outcome, out),
             #[cfg(feature = "study")]
-            Errand::Effect => self.effect_stored(outcome, out),
+            JobPurpose::Effect => self.effect_stored(outcome, out),
         };
         // As for any other line.
         let _ = answered.result();
@@ -444,6 +444,6 @@ impl Device {
     /// Whether all that came from outside is dealt with: no line waits for its answer, no press for its effect, and nothing is
     /// under way at the store.
     pub const fn is_idle(&self) -> bool {
-        !self.line_waits && self.presses == 0 && self.job.is_none() && self.lessons.question.is_none()
+        !self.line_waits && self.presses == 0 && self.job.is_none() && self.learner_inputs.question.is_none()
     }
 }

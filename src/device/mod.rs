@@ -57,12 +57,12 @@ mod conversions;
 mod dump;
 #[cfg(feature = "study")]
 mod effects;
-mod errand;
 mod extrapolated;
 mod figures;
 mod heading;
+mod job_purpose;
 mod learn;
-mod lessons;
+mod learner_inputs;
 mod light;
 mod load;
 mod loading;

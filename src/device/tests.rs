@@ -282,7 +282,7 @@ fn a_packet_of_motioncal_is_confirmed_stored_and_applied() {
 
 /// What the study of a device tests now.
 fn tested(device: &Device) -> heapless::Vec<&str, 3> {
-    device.lessons.learner.tested().collect()
+    device.learner_inputs.learner.tested().collect()
 }
 
 #[test]
@@ -299,11 +299,11 @@ fn what_the_board_measures_is_tested_where_it_is_asked_for() {
     assert!(say(&mut device, "cov adc0_v=on").contains("ok adc0_v=1.5 used=0 tested=1"));
     assert_eq!(tested(&device), ["temp_c", "adc0_v"]);
     device.on_own_column("adc0_v", 2.5, Origin::Pin);
-    assert_eq!(device.lessons.learner.value("adc0_v"), Some(2.5));
+    assert_eq!(device.learner_inputs.learner.value("adc0_v"), Some(2.5));
     // ... what is fed stands before it, and it comes back once that is forgotten; forgotten itself it is not tested any more.
     say(&mut device, "cov adc0_v=9");
     device.on_own_column("adc0_v", 2.5, Origin::Pin);
-    assert_eq!(device.lessons.learner.value("adc0_v"), Some(9.0));
+    assert_eq!(device.learner_inputs.learner.value("adc0_v"), Some(9.0));
     say(&mut device, "cov adc0_v=- temp_c=-");
     device.on_own_column("adc0_v", 2.5, Origin::Pin);
     warm(&mut device, Some(30.0));

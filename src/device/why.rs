@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::lessons::{Answer, Purpose, Question};
+use super::learner_inputs::{Answer, Purpose, Question};
 use super::machine::Device;
 use super::name::Id;
 use crate::effect::{Effect, advice};
@@ -15,7 +15,7 @@ impl Device {
     /// Puts the question; the answer comes once the study has it. An answer at once where there is nothing to study.
     #[inline(never)]
     pub(super) fn why<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Option<Answered> {
-        if !self.lessons.learner.is_learning() {
+        if !self.learner_inputs.learner.is_learning() {
             return Some(reply.err(Code::State, format_args!("{NOTHING_YET}")));
         }
         self.ask(Purpose::Why);
@@ -23,12 +23,12 @@ impl Device {
     }
 
     pub(super) fn ask(&mut self, purpose: Purpose) {
-        self.lessons.learner.settle();
-        let learner = &self.lessons.learner;
+        self.learner_inputs.learner.settle();
+        let learner = &self.learner_inputs.learner;
         let none = Effects::none();
         let effects = self.active.as_ref().map_or(&none, |active| &active.record.effects);
         let inquiry = Inquiry::new(learner, learner.in_use(effects));
-        self.lessons.question = Some(Question { purpose, inquiry, steps: 0 });
+        self.learner_inputs.question = Some(Question { purpose, inquiry, steps: 0 });
     }
 
     /// Does one piece of the question's work, right after a sample; with the last one it is answered. `false` where it has to wait.
@@ -38,11 +38,11 @@ impl Device {
             return false;
         }
         self.compute_asked_ms = None;
-        let lessons = &mut self.lessons;
-        let Some(question) = &mut lessons.question else { return false };
+        let learner_inputs = &mut self.learner_inputs;
+        let Some(question) = &mut learner_inputs.question else { return false };
         question.steps = question.steps.saturating_add(1);
-        let Some(outcome) = question.inquiry.step(&lessons.learner) else { return true };
-        let Some(Question { purpose, steps, .. }) = lessons.question.take() else { return true };
+        let Some(outcome) = question.inquiry.step(&learner_inputs.learner) else { return true };
+        let Some(Question { purpose, steps, .. }) = learner_inputs.question.take() else { return true };
         let answered = match purpose {
             Purpose::Why => Some(self.explain(Reply::new(out), &Answer { outcome, steps })),
             Purpose::Add(id) => self.add(Reply::new(out), &id, &outcome),
@@ -58,7 +58,7 @@ impl Device {
     #[inline(never)]
     fn explain<W: fmt::Write>(&self, mut reply: Reply<'_, W>, answer: &Answer) -> Answered {
         let Answer { outcome, steps } = answer;
-        let learner = &self.lessons.learner;
+        let learner = &self.learner_inputs.learner;
         reply.line(format_args!(
             "base rms_ut={} holdout_rms_ut={} noise_floor_ut={} dip_rms_deg={} n={} tested={}",
             Figure(outcome.rms_ut),
@@ -123,7 +123,7 @@ impl Device {
                     reply.line(format_args!("says FOUND: {}.", self.ids(missing, " and ", Form::Name)));
                 }
                 for candidate in missing.iter() {
-                    let Some(effect) = self.lessons.learner.effect(candidate) else { continue };
+                    let Some(effect) = self.learner_inputs.learner.effect(candidate) else { continue };
                     let (finding, unit) = (
                         outcome.of(candidate),
                         match candidate {
@@ -169,7 +169,7 @@ impl Device {
 
     /// The recording that would tell two effects apart, in the words of the host.
     fn separate<W: fmt::Write>(&self, reply: &mut Reply<'_, W>, one: Candidate, other: Candidate) {
-        let learner = &self.lessons.learner;
+        let learner = &self.learner_inputs.learner;
         let (Some(one), Some(other)) = (learner.effect(one), learner.effect(other)) else { return };
         advice(&one, &other, |text| reply.line(format_args!("says To separate them: {text}")));
     }
@@ -177,7 +177,7 @@ impl Device {
     fn ids(&self, set: Found, between: &'static str, form: Form) -> impl fmt::Display + '_ {
         Names(move |f: &mut fmt::Formatter<'_>| {
             let mut any = false;
-            for effect in set.iter().filter_map(|one| self.lessons.learner.effect(one)) {
+            for effect in set.iter().filter_map(|one| self.learner_inputs.learner.effect(one)) {
                 f.write_str(if any { between } else { "" })?;
                 any = true;
                 match form {

@@ -7,11 +7,11 @@
 //! Single precision throughout, at a fixed point (the calibration in use, or what a session has found so far): the residual is
 //! relative to the field, a column is held against its first value, and a matrix is scaled to unit columns before it is solved.
 
-mod aim;
 mod blocks;
 mod candidate;
 mod columns;
 mod cross;
+mod expansion_point;
 mod finding;
 mod forget;
 mod gain;

@@ -94,7 +94,7 @@ impl Point {
         }
     }
 
-    /// A measured vector, µT: its residual, and the derivatives at the foot point, where they do not hang together with its noise.
+    /// A measured vector, µT: its residual, and the derivatives at the closest point, where they do not hang together with its noise.
     /// `None` where something is not finite.
     #[inline]
     pub(super) fn look(&self, measured_ut: [f32; 3]) -> Option<Look> {
@@ -107,11 +107,11 @@ impl Point {
         let direction = scaled(h, 1.0 / length);
         let pull = transposed_times(self.triangle, direction);
         let residual = length - self.field_ut;
-        let foot = minus(centred, scaled(pull, residual / dot(pull, pull)));
+        let closest = minus(centred, scaled(pull, residual / dot(pull, pull)));
         // Its length is the field's but for the square of the residual.
-        let [a, b, c] = scaled(times(self.triangle, foot), 1.0 / self.field_ut);
+        let [a, b, c] = scaled(times(self.triangle, closest), 1.0 / self.field_ut);
         let [p, q, r] = transposed_times(self.triangle, [a, b, c]);
-        let [x, y, z] = scaled(foot, 1.0 / self.field_ut);
+        let [x, y, z] = scaled(closest, 1.0 / self.field_ut);
         Some(Look {
             residual: residual / self.field_ut,
             base: [-p, -q, -r, a * x, a * y, a * z, b * y, b * z, c * z],

@@ -1,4 +1,4 @@
-//! The two figures of a candidate: its error on unseen time, and what chance does.
+//! The two figures of a candidate: its held-out error, and what chance does.
 
 use super::blocks::BLOCKS;
 use super::learner::Learner;

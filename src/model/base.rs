@@ -88,12 +88,12 @@ impl<T: Real> Model<T> {
     }
 
     /// The measured vector without its noise, as far as one sample tells: the nearest point of the ellipsoid.
-    pub(super) fn foot(&self, at: &Linearised<T>) -> [T; 3] {
+    pub(super) fn closest(&self, at: &Linearised<T>) -> [T; 3] {
         let size = dot(at.pull, at.pull);
         scaled(at.pull, at.residual / size)
     }
 
-    /// Shapes of those terms that are `wanted` at the foot point, each in its place, and the disturbance they make together.
+    /// Shapes of those terms that are `wanted` at the closest point, each in its place, and the disturbance they make together.
     pub(super) fn shapes<'t, const N: usize>(
         &self,
         at: &Quantities<T>,

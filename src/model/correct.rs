@@ -1,7 +1,7 @@
 //! The correction, as the model has it.
 
 use super::base::Model;
-use super::looks::settle;
+use super::fixed_point::settle;
 use super::sample::{NotFinite, Observation, Term, delay_s};
 use crate::effect::no_shape;
 use crate::math::Real;

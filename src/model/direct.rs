@@ -9,7 +9,7 @@ use crate::vector::{minus, norm, scaled, times};
 
 impl<T: Real> Model<T> {
     /// The row of the magnitude with all shapes taken at the measured vector: there the disturbance is linear in the
-    /// coefficients, and a fit comes from far where one at the foot point, which moves with what is fitted, does not. Noise
+    /// coefficients, and a fit comes from far where one at the closest point, which moves with what is fitted, does not. Noise
     /// correlates with these columns, so that what they end at is a place to begin, and no test.
     ///
     /// # Errors

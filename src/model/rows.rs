@@ -1,4 +1,4 @@
-//! The rows of a sample: residual and derivatives at the foot point.
+//! The rows of a sample: residual and derivatives at the closest point.
 
 use super::base::Model;
 use super::sample::{NoRow, NotFinite, Observation, Residual, Term, delay_s};
@@ -56,7 +56,7 @@ impl<T: Real> Model<T> {
                 Err(NotFinite::Sample.into())
             };
         }
-        let (at, reaction) = self.at_foot(reading, terms, &mut shapes)?;
+        let (at, reaction) = self.at_closest(reading, terms, &mut shapes)?;
         let mut row = [T::zero(); P];
         if residual == Residual::Dip {
             let Some(down) = reading.down else { return Ok(()) };
@@ -83,16 +83,16 @@ impl<T: Real> Model<T> {
             push(&row, value);
             return Ok(());
         }
-        let foot = minus(at.centred, self.foot(&at));
-        let at_foot = times(&self.matrix, foot);
-        let u = scaled(at_foot, T::one() / norm(at_foot));
+        let closest = minus(at.centred, self.closest(&at));
+        let at_closest = times(&self.matrix, closest);
+        let u = scaled(at_closest, T::one() / norm(at_closest));
         let pull = reaction.answer(transposed_times(&self.matrix, u));
         let grown = reaction.grown(pull);
-        let [ax, ay, az, by, bz, cz] = self.through_turning(&reaction, pull, foot, reading.turn_radps);
+        let [ax, ay, az, by, bz, cz] = self.through_turning(&reaction, pull, closest, reading.turn_radps);
         let pull = scaled(pull, grown);
         let [p, q, r] = pull;
         let [a, b, c] = u;
-        let [x, y, z] = foot;
+        let [x, y, z] = closest;
         let triangle = [a * x + ax, a * y + ay, a * z + az, b * y + by, b * z + bz, c * z + cz];
         let [ax, ay, az, by, bz, cz] = triangle.map(|column| column * grown);
         fill(&mut row, width, &[-p, -q, -r, ax, ay, az, by, bz, cz], pull, terms, &shapes)?;

@@ -65,7 +65,7 @@ mod tests {
     use crate::vector::norm;
 
     /// Looks until the map stands, at most a hundred.
-    fn looks(g: impl Fn([f64; 3]) -> [f64; 3], hasten: bool) -> (usize, [f64; 3]) {
+    fn iterations(g: impl Fn([f64; 3]) -> [f64; 3], hasten: bool) -> (usize, [f64; 3]) {
         let (mut secant, mut at) = (Secant::default(), [0.0; 3]);
         for look in 1..100 {
             let found = g(at);
@@ -84,7 +84,7 @@ mod tests {
             let [a, b, c] = [30.0 - x, -20.0 - y, 35.0 - z];
             [0.5 * a + 1e-3 * b * c, -0.45 * b + 1e-3 * a * a, 0.1 * c]
         };
-        let ((plain, there), (soon, same)) = (looks(g, false), looks(g, true));
+        let ((plain, there), (soon, same)) = (iterations(g, false), iterations(g, true));
         assert!(norm(minus(there, same)) < 1e-7, "{there:?} {same:?}");
         assert!(3 * soon <= plain, "{soon} of {plain}");
     }
@@ -92,8 +92,8 @@ mod tests {
     #[test]
     fn a_map_that_repeating_takes_away_from_its_fixed_point_stands_too() {
         let g = |[x, y, z]: [f64; 3]| [1.3 * (30.0 - x), -0.7 * (20.0 - y), 0.2 * (10.0 - z)];
-        let (looks, [x, ..]) = looks(g, true);
-        assert!(looks < 12 && (x - 1.3 * 30.0 / 2.3).abs() < 1e-7, "{looks} {x}");
+        let (count, [x, ..]) = iterations(g, true);
+        assert!(count < 12 && (x - 1.3 * 30.0 / 2.3).abs() < 1e-7, "{count} {x}");
     }
 
     #[test]

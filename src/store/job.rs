@@ -22,7 +22,7 @@ const PAUSE_MS: u64 = 1;
 /// How often both slots are looked at where one of them cannot be read and the other can, and the pause before. A memory that wakes
 /// up late, or whose bus is held, fails in both or comes back; what fails each time while the other slot answers before and after
 /// it is the cells themselves.
-const LOOKS: u8 = 3;
+const MOST_REREADS: u8 = 3;
 const LOOK_PAUSE_MS: u64 = 50;
 
 /// What has to be done with the memory now.
@@ -107,7 +107,7 @@ pub struct StoreJob {
     attempts: u8,
     tries: u8,
     /// How often both slots were looked at, and whether one was not read again that had been.
-    looks: u8,
+    rereads: u8,
     is_lost: bool,
     /// The slot that was to be written took nothing: this is the other one.
     is_other: bool,
@@ -128,7 +128,7 @@ impl StoreJob {
             end: RECORD_BYTES,
             attempts: 0,
             tries: 0,
-            looks: 0,
+            rereads: 0,
             is_lost: false,
             is_other: false,
             not_before_ms: 0,
@@ -338,22 +338,22 @@ impl StoreJob {
         }
         if self.slot == Slot::A {
             self.slot = Slot::B;
-        } else if !self.looks_again() {
+        } else if !self.rereads_again() {
             self.compare();
             self.act();
         }
     }
 
     /// Looks at both slots again where one cannot be read and the other can. One that stays so is damaged.
-    fn looks_again(&mut self) -> bool {
+    fn rereads_again(&mut self) -> bool {
         let [a, b] = &mut self.found;
         let unread = match (*a == SlotState::Unreadable, *b == SlotState::Unreadable) {
             (true, false) if !self.is_lost => a,
             (false, true) if !self.is_lost => b,
             _ => return false,
         };
-        self.looks += 1;
-        if self.looks >= LOOKS {
+        self.rereads += 1;
+        if self.rereads >= MOST_REREADS {
             *unread = SlotState::Damaged;
             return false;
         }

@@ -1,6 +1,6 @@
 //! The rule by which an effect is said to be missing: one for the board and the host.
 //!
-//! A candidate is tested against chance with the noise's memory counted, it must lower the error on unseen time by what is
+//! A candidate is tested against chance with the noise's memory counted, it must lower the held-out error by what is
 //! relevant, and of two that explain the same none is named alone.
 
 /// What chance does less often than this, all that was searched counted, is not chance.
@@ -13,7 +13,7 @@ pub const ACCUSED: f64 = 0.002;
 /// ... and if it takes at least this share off the squared held-out error: less is true perhaps, but not relevant.
 pub const RELEVANCE: f64 = 0.02;
 
-/// An effect that explains a logged cause, or has fewer coefficients, may leave this much more error on unseen time than a shape in
+/// An effect that explains a logged cause, or has fewer coefficients, may leave this much more held-out error than a shape in
 /// time.
 pub const NEARLY: f64 = 1.1;
 
@@ -26,7 +26,7 @@ pub const RIVAL_SHARE: f64 = 0.3;
 /// Places where a step is looked for: so many independent tests its search is.
 pub const STEP_PLACES: usize = 48;
 
-/// Whether the squared error on unseen time falls by what is relevant; `None` where some block of time cannot be predicted.
+/// Whether the squared held-out error falls by what is relevant; `None` where some block of time cannot be predicted.
 pub fn falls(before: Option<f64>, after: Option<f64>) -> bool {
     match (before, after) {
         (Some(before), Some(after)) => after < before * (1.0 - RELEVANCE),

@@ -1,10 +1,10 @@
 //! The rotation to the accelerometer, from constant dip, and how the magnetometer is mounted beside it.
 
 use crate::base::by_gyro;
-use crate::base::engine::Pass;
+use crate::base::engine::Design;
 use crate::base::order::AxisOrder;
-use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
 use crate::base::start::NO_ROTATION;
+use crate::base::term::{BadShape, COLUMNS, Matrix, Term};
 use crate::samples::samples::Samples;
 use crate::track::Place;
 use ironout::study::{Model, Residual};
@@ -54,15 +54,15 @@ fn angle_deg(rotation: &Matrix3<f64>) -> f64 {
 }
 
 /// Samples whose measured vectors have had the effects taken out.
-pub fn without_effects(samples: &Samples, model: &Model<f64>, pieces: &[Piece]) -> Samples {
+pub fn without_effects(samples: &Samples, model: &Model<f64>, terms: &[Term]) -> Samples {
     let mut out = samples.clone();
-    if pieces.is_empty() {
+    if terms.is_empty() {
         return out;
     }
     let inverse = matrix(&model.full_matrix()).try_inverse().unwrap_or_else(Matrix3::identity);
     for (index, reading) in out.readings.iter_mut().enumerate() {
-        let terms: Vec<_> = pieces.iter().map(|piece| piece.term(index)).collect();
-        if let Ok(corrected) = model.correct(reading, &terms) {
+        let at_sample: Vec<_> = terms.iter().map(|term| term.at_sample(index)).collect();
+        if let Ok(corrected) = model.correct(reading, &at_sample) {
             let raw = inverse * Vector3::from(corrected) + Vector3::from(model.offset_ut);
             reading.measured_ut = raw.into();
         }
@@ -125,7 +125,7 @@ fn refine(
     model: &Model<f64>,
     rotation: Matrix3<f64>,
 ) -> Result<Option<(Model<f64>, f64)>, BadShape> {
-    let pass = Pass::new(samples, Residual::Dip);
+    let design = Design::new(samples, Residual::Dip);
     let offset = Vector3::from(model.offset_ut);
     let Some((_, sine)) = spread(samples, &(rotation * matrix(&model.matrix)), &offset) else {
         return Ok(None);
@@ -136,7 +136,7 @@ fn refine(
     let Some(mut model) = make(model, sine) else { return Ok(None) };
     let mut best: Option<(Model<f64>, f64)> = None;
     for _ in 0..25 {
-        let total = Matrix::total(&pass.blocks(&samples.bounds(2), &model, &[])?, None);
+        let total = Matrix::total(&design.blocks(&samples.bounds(2), &model, &[])?, None);
         let squares = total.squares();
         if best.as_ref().is_some_and(|(_, least)| squares >= *least * (1.0 - 1e-10)) {
             break;

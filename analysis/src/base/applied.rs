@@ -4,8 +4,8 @@
 //! follows the field itself (a nonlinearity, a gain) that makes the noise larger or smaller by the effect's slope, and what is said
 //! of an error is what a correction leaves.
 
-use crate::base::engine::{Fitted, Pass};
-use crate::base::piece::{BadShape, Piece};
+use crate::base::engine::{Design, Fitted};
+use crate::base::term::{BadShape, Term};
 use crate::samples::series::rms;
 use crate::threads::halves;
 use ironout::calibration::norm;
@@ -25,21 +25,21 @@ impl Applied {
     ///
     /// # Errors
     /// A shape that is not finite at a sample.
-    pub fn of(pass: &Pass, fitted: &Fitted) -> Result<Applied, BadShape> {
-        let list: Vec<&Piece> = fitted.pieces.iter().collect();
-        let own = pass.residuals(&fitted.model, &list)?;
-        if pass.residual != Residual::Magnitude || list.is_empty() {
+    pub fn of(design: &Design, fitted: &Fitted) -> Result<Applied, BadShape> {
+        let list: Vec<&Term> = fitted.terms.iter().collect();
+        let own = design.residuals(&fitted.model, &list)?;
+        if design.residual != Residual::Magnitude || list.is_empty() {
             return Ok(Applied { residuals: own, share: 1.0 });
         }
         let within = |samples: &Range<usize>| -> Result<Vec<f64>, BadShape> {
             let mut residuals = Vec::with_capacity(samples.len());
-            let mut terms = Vec::with_capacity(list.len());
+            let mut at_sample = Vec::with_capacity(list.len());
             for sample in samples.clone() {
-                terms.clear();
-                terms.extend(list.iter().map(|piece| piece.term(sample)));
-                match fitted.model.correct(&pass.samples.readings[sample], &terms) {
+                at_sample.clear();
+                at_sample.extend(list.iter().map(|term| term.at_sample(sample)));
+                match fitted.model.correct(&design.samples.readings[sample], &at_sample) {
                     Ok(corrected) => {
-                        let field_ut = fitted.model.field_ut * pass.samples.place(sample).share;
+                        let field_ut = fitted.model.field_ut * design.samples.place(sample).share;
                         residuals.push(norm(corrected) - field_ut);
                     }
                     Err(NotFinite::Effect(index)) => {
@@ -53,7 +53,7 @@ impl Applied {
             }
             Ok(residuals)
         };
-        let n = pass.samples.len();
+        let n = design.samples.len();
         let (first, second) = halves((&(0..n / 2), &(n / 2..n)), within);
         let mut residuals = first?;
         residuals.extend(second?);

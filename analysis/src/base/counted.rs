@@ -1,7 +1,7 @@
 //! Which samples of a log count: neither repeated, nor faulty, nor of a resting board.
 
-use crate::base::engine::Pass;
-use crate::base::known::Known;
+use crate::base::engine::Design;
+use crate::base::prior::Prior;
 use crate::base::rest;
 use crate::base::start;
 use crate::samples::data::Data;
@@ -174,16 +174,16 @@ impl Spike {
 
 /// The base model of these samples, as a study without anything known besides begins with it.
 fn base_model(samples: &Samples) -> Option<Model<f64>> {
-    let pass = Pass::new(samples, Residual::Magnitude);
+    let design = Design::new(samples, Residual::Magnitude);
     let (model, _) = start::start(samples, None)?;
     // There is no effect here whose shape could fail.
-    Some(pass.fit(model, Vec::new(), &Known::default()).ok()??.model)
+    Some(design.fit(model, Vec::new(), &Prior::default()).ok()??.model)
 }
 
 /// Bursts show in the residual of the base model. They bend a fit that holds them, so it is made without what stands out
 /// of it, until that is the same as before.
 fn bursts(samples: &Samples, table: &Table, left_out: &[bool], axes: [bool; 3]) -> Vec<(usize, usize)> {
-    let all = Pass::new(samples, Residual::Magnitude);
+    let all = Design::new(samples, Residual::Magnitude);
     let mut kept = samples.clone();
     let mut outliers = vec![false; samples.len()];
     let mut found = Vec::new();

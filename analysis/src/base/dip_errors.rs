@@ -5,8 +5,8 @@
 //! hardly any noise (one sees it along the field, the other across), so
 //! `Cov = σ²τ N⁻¹ + G Cov(β) Gᵀ + Z Cov(z) Zᵀ`, where `z` are the zero errors that accelerometer and gyro may have, and `Z = N⁻¹Jᵀ∂dip/∂z`.
 
-use crate::base::engine::Pass;
-use crate::base::piece::{BadShape, COLUMNS, Piece};
+use crate::base::engine::Design;
+use crate::base::term::{BadShape, COLUMNS, Term};
 use crate::samples::samples::Samples;
 use crate::samples::scores::Scores;
 use crate::samples::series::Autocorrelation;
@@ -40,17 +40,17 @@ impl DipErrors {
     pub fn of(
         samples: &Samples,
         model: &Model<f64>,
-        pieces: &[Piece],
-        lag: Option<&Piece>,
+        terms: &[Term],
+        lag: Option<&Term>,
     ) -> Result<Option<DipErrors>, BadShape> {
-        let pass = Pass::new(samples, Residual::Dip);
-        let effects: usize = pieces.iter().map(Piece::k).sum();
+        let design = Design::new(samples, Residual::Dip);
+        let effects: usize = terms.iter().map(Term::k).sum();
         let (base, late) = (Residual::Dip.base_columns(), usize::from(lag.is_some()));
         let (own_columns, others) = (base + late, 9 + effects);
         let full = Matrix3::from_fn(|i, j| model.full_matrix()[i][j]);
         let rotation = Matrix3::from_fn(|i, j| model.rotation[i][j]);
         let Some(inverse) = full.try_inverse() else { return Ok(None) };
-        let list: Vec<&Piece> = pieces.iter().chain(lag).collect();
+        let list: Vec<&Term> = terms.iter().chain(lag).collect();
         let mut normal = DMatrix::<f64>::zeros(own_columns, own_columns);
         let mut cross = DMatrix::<f64>::zeros(own_columns, others);
         let mut accel_zero = DMatrix::<f64>::zeros(own_columns, 3);
@@ -59,10 +59,10 @@ impl DipErrors {
         let mut scores = Scores::new(own_columns, samples.len());
         let mut own = DVector::<f64>::zeros(own_columns);
         let mut given = DVector::<f64>::zeros(others);
-        pass.rows(0..samples.len(), model, &list, |sample, row, residual| {
+        design.rows(0..samples.len(), model, &list, |sample, row, residual| {
             let reading = &samples.readings[sample];
-            let terms: Vec<_> = list.iter().map(|piece| piece.term(sample)).collect();
-            let (Some(down), Ok(h)) = (reading.down, model.correct(reading, &terms)) else { return };
+            let at_sample: Vec<_> = list.iter().map(|term| term.at_sample(sample)).collect();
+            let (Some(down), Ok(h)) = (reading.down, model.correct(reading, &at_sample)) else { return };
             let (down, h) = (Vector3::from(down), Vector3::from(h));
             let (length, v) = (h.norm(), inverse * h);
             let u = h / length;

@@ -1,7 +1,7 @@
 //! Passes over the samples, and the full (nonlinear) fit of a model with effects.
 
-use crate::base::known::Known;
-use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::base::prior::Prior;
+use crate::base::term::{BadShape, COLUMNS, Matrix, TERMS, Term};
 use crate::noise::turning::Turning;
 use crate::samples::samples::Samples;
 use crate::threads::{ALONE, halves};
@@ -57,7 +57,7 @@ const FEW_TERMS: usize = 5;
 
 /// What a pass runs over and how.
 #[derive(Clone, Copy)]
-pub struct Pass<'a> {
+pub struct Design<'a> {
     /// The samples.
     pub samples: &'a Samples,
     /// The residual.
@@ -66,26 +66,26 @@ pub struct Pass<'a> {
     direct: bool,
 }
 
-impl<'a> Pass<'a> {
+impl<'a> Design<'a> {
     /// Over these samples.
     pub fn new(samples: &'a Samples, residual: Residual) -> Self {
-        Pass { samples, residual, direct: false }
+        Design { samples, residual, direct: false }
     }
 }
 
-impl Pass<'_> {
+impl Design<'_> {
     /// Rows of samples `range`, each as `use_row(sample, row, residual)`.
     pub fn rows(
         &self,
         range: std::ops::Range<usize>,
         model: &Model<f64>,
-        pieces: &[&Piece],
+        terms: &[&Term],
         mut use_row: impl FnMut(usize, &[f64; COLUMNS], f64),
     ) -> Result<(), BadShape> {
-        let mut terms = Vec::with_capacity(pieces.len());
+        let mut at_sample = Vec::with_capacity(terms.len());
         for sample in range {
-            terms.clear();
-            terms.extend(pieces.iter().map(|piece| piece.term(sample)));
+            at_sample.clear();
+            at_sample.extend(terms.iter().map(|term| term.at_sample(sample)));
             let mut axis = 0;
             let axes = self.samples.axes;
             let vector = self.residual == Residual::Vector;
@@ -104,21 +104,21 @@ impl Pass<'_> {
                 }
                 axis += 1;
             };
-            let done = match (self.direct, terms.len() <= FEW_TERMS) {
-                (true, _) => model.direct_rows::<TERMS, COLUMNS>(reading, &terms, push),
-                (false, true) => model.rows::<FEW_TERMS, COLUMNS>(self.residual, reading, &terms, push),
-                (false, false) => model.rows::<TERMS, COLUMNS>(self.residual, reading, &terms, push),
+            let done = match (self.direct, at_sample.len() <= FEW_TERMS) {
+                (true, _) => model.direct_rows::<TERMS, COLUMNS>(reading, &at_sample, push),
+                (false, true) => model.rows::<FEW_TERMS, COLUMNS>(self.residual, reading, &at_sample, push),
+                (false, false) => model.rows::<TERMS, COLUMNS>(self.residual, reading, &at_sample, push),
             };
             match done {
                 Ok(()) | Err(NoRow::NotFinite(NotFinite::Sample)) => {}
                 Err(NoRow::NotFinite(NotFinite::Effect(index))) => {
                     return Err(BadShape::NotFinite(
-                        pieces.get(index).map_or_else(String::new, |piece| piece.id.clone()),
+                        terms.get(index).map_or_else(String::new, |term| term.id.clone()),
                     ));
                 }
                 Err(NoRow::TooManyTerms { .. } | NoRow::TooWide { .. }) => {
                     return Err(BadShape::NoRoom(
-                        pieces.last().map_or_else(String::new, |piece| piece.id.clone()),
+                        terms.last().map_or_else(String::new, |term| term.id.clone()),
                     ));
                 }
             }
@@ -131,17 +131,17 @@ impl Pass<'_> {
         &self,
         bounds: &[usize],
         model: &Model<f64>,
-        pieces: &[&Piece],
+        terms: &[&Term],
     ) -> Result<Vec<Matrix>, BadShape> {
-        let columns = self.residual.base_columns() + pieces.iter().map(|piece| piece.k()).sum::<usize>();
-        self.samples.work.add(self.samples.len() * (2 + pieces.len() + columns / 8));
+        let columns = self.residual.base_columns() + terms.iter().map(|term| term.k()).sum::<usize>();
+        self.samples.work.add(self.samples.len() * (2 + terms.len() + columns / 8));
         let ranges: Vec<_> = bounds.windows(2).map(|pair| pair[0]..pair[1]).collect();
         let work = |ranges: &[std::ops::Range<usize>]| -> Result<Vec<Matrix>, BadShape> {
             ranges
                 .iter()
                 .map(|range| {
                     let mut matrix = Matrix::new(columns);
-                    self.rows(range.clone(), model, pieces, |_, row, r| matrix.push(row, r))?;
+                    self.rows(range.clone(), model, terms, |_, row, r| matrix.push(row, r))?;
                     Ok(matrix)
                 })
                 .collect()
@@ -156,7 +156,7 @@ impl Pass<'_> {
     }
 }
 
-impl Pass<'_> {
+impl Design<'_> {
     /// How the board turned, as the noise of the residual shows it.
     pub fn turning(&self, model: &Model<f64>) -> Turning {
         if self.residual != Residual::Magnitude {
@@ -179,7 +179,7 @@ pub struct Fitted<'a> {
     /// The base model.
     pub model: Model<f64>,
     /// The effects with their coefficients.
-    pub pieces: Vec<Piece<'a>>,
+    pub terms: Vec<Term<'a>>,
     /// The pass at the solution, by block of time.
     pub blocks: Vec<Matrix>,
     /// The prior at the solution.
@@ -217,9 +217,9 @@ impl Fitted<'_> {
 fn stepped<'a>(
     residual: Residual,
     model: &Model<f64>,
-    pieces: &[Piece<'a>],
+    terms: &[Term<'a>],
     delta: &[f64; COLUMNS],
-) -> Option<(Model<f64>, Vec<Piece<'a>>)> {
+) -> Option<(Model<f64>, Vec<Term<'a>>)> {
     let model = match residual {
         Residual::Magnitude => model.stepped(delta)?,
         Residual::Dip => model.aligned(delta)?,
@@ -229,53 +229,53 @@ fn stepped<'a>(
             Model::new(offset, model.matrix, model.field_ut, model.rotation, model.sin_dip)?
         }
     };
-    let mut pieces = pieces.to_vec();
+    let mut terms = terms.to_vec();
     let mut column = residual.base_columns();
-    for piece in &mut pieces {
-        let k = piece.k();
-        for coefficient in &mut piece.coefficients[..k] {
+    for term in &mut terms {
+        let k = term.k();
+        for coefficient in &mut term.coefficients[..k] {
             *coefficient += delta[column];
             column += 1;
         }
     }
-    Some((model, pieces))
+    Some((model, terms))
 }
 
-impl Pass<'_> {
+impl Design<'_> {
     /// A model as it is, without a fit.
     pub fn hold<'a>(
         &self,
         model: Model<f64>,
-        pieces: Vec<Piece<'a>>,
-        known: &Known,
+        terms: Vec<Term<'a>>,
+        known: &Prior,
     ) -> Result<Fitted<'a>, BadShape> {
-        let list: Vec<&Piece> = pieces.iter().collect();
+        let list: Vec<&Term> = terms.iter().collect();
         let blocks = self.blocks(&self.folds(&list), &model, &list)?;
         let data = Matrix::total(&blocks, None);
         let (squares, rows) = (data.squares(), f64::from(data.rows()));
         let sigma = (squares / (rows - data.columns() as f64).max(1.0)).sqrt();
         let prior = known.matrix(self.residual, &model, sigma, &list, &data);
-        Ok(Fitted { model, pieces, blocks, prior, squares, rows, converged: true })
+        Ok(Fitted { model, terms, blocks, prior, squares, rows, converged: true })
     }
 
-    /// Levenberg–Marquardt from `model` and the pieces' coefficients.
+    /// Levenberg–Marquardt from `model` and the terms' coefficients.
     pub fn fit<'a>(
         &self,
         model: Model<f64>,
-        pieces: Vec<Piece<'a>>,
-        known: &Known,
+        terms: Vec<Term<'a>>,
+        known: &Prior,
     ) -> Result<Option<Fitted<'a>>, BadShape> {
-        self.fit_to(USUAL, model, pieces, known)
+        self.fit_to(USUAL, model, terms, known)
     }
 
     /// A few steps towards it.
     pub fn approach<'a>(
         &self,
         model: Model<f64>,
-        pieces: Vec<Piece<'a>>,
-        known: &Known,
+        terms: Vec<Term<'a>>,
+        known: &Prior,
     ) -> Result<Option<Fitted<'a>>, BadShape> {
-        self.steps_to(ROUGH, model, pieces, known)
+        self.steps_to(ROUGH, model, terms, known)
     }
 
     /// The same to another end. Where that is not reached, and an effect reads the field it disturbs, the fit begins once more
@@ -284,26 +284,26 @@ impl Pass<'_> {
         &self,
         end: End,
         model: Model<f64>,
-        pieces: Vec<Piece<'a>>,
-        known: &Known,
+        terms: Vec<Term<'a>>,
+        known: &Prior,
     ) -> Result<Option<Fitted<'a>>, BadShape> {
-        let reads = |piece: &Piece| piece.acts(Acts::Measured);
-        if self.direct || self.residual != Residual::Magnitude || !pieces.iter().any(reads) {
-            return self.steps_to(end, model, pieces, known);
+        let reads = |term: &Term| term.acts(Acts::Measured);
+        if self.direct || self.residual != Residual::Magnitude || !terms.iter().any(reads) {
+            return self.steps_to(end, model, terms, known);
         }
-        let plain = self.steps_to(end, model, pieces.clone(), known)?;
+        let plain = self.steps_to(end, model, terms.clone(), known)?;
         let long = self.samples.len() > MOST_FROM_FAR;
         if long || plain.as_ref().is_some_and(|fitted| fitted.converged) {
             return Ok(plain);
         }
-        let direct = Pass { direct: true, ..*self };
-        let far = match direct.steps_to(end, model, pieces, known) {
+        let direct = Design { direct: true, ..*self };
+        let far = match direct.steps_to(end, model, terms, known) {
             Ok(far) => far,
             Err(BadShape::NotFinite(_)) => None,
             Err(bad) => return Err(bad),
         };
         let Some(far) = far else { return Ok(plain) };
-        let near = self.steps_to(end, far.model, far.pieces, known)?;
+        let near = self.steps_to(end, far.model, far.terms, known)?;
         let squares =
             |fitted: &Option<Fitted>| fitted.as_ref().map_or(f64::INFINITY, |fitted| fitted.squares);
         Ok(if squares(&near) < squares(&plain) { near } else { plain })
@@ -314,12 +314,12 @@ impl Pass<'_> {
         &self,
         end: End,
         model: Model<f64>,
-        pieces: Vec<Piece<'a>>,
-        known: &Known,
+        terms: Vec<Term<'a>>,
+        known: &Prior,
     ) -> Result<Option<Fitted<'a>>, BadShape> {
-        let bounds = self.folds(&pieces.iter().collect::<Vec<_>>());
-        let evaluate = |model: &Model<f64>, pieces: &[Piece<'a>], sigma: Option<f64>| {
-            let list: Vec<&Piece> = pieces.iter().collect();
+        let bounds = self.folds(&terms.iter().collect::<Vec<_>>());
+        let evaluate = |model: &Model<f64>, terms: &[Term<'a>], sigma: Option<f64>| {
+            let list: Vec<&Term> = terms.iter().collect();
             let blocks = self.blocks(&bounds, model, &list)?;
             let data = Matrix::total(&blocks, None);
             let rows = f64::from(data.rows());
@@ -327,10 +327,10 @@ impl Pass<'_> {
             let prior = known.matrix(self.residual, model, sigma, &list, &data);
             Ok((blocks, prior, data.squares(), rows, sigma))
         };
-        let (mut model, mut pieces) = (model, pieces);
-        let started = match evaluate(&model, &pieces, None) {
+        let (mut model, mut terms) = (model, terms);
+        let started = match evaluate(&model, &terms, None) {
             // Coefficients from another model ran away here: no fit, and no fault of the shape.
-            Err(BadShape::NotFinite(_)) if pieces.iter().any(Piece::stands) => return Ok(None),
+            Err(BadShape::NotFinite(_)) if terms.iter().any(Term::stands) => return Ok(None),
             started => started?,
         };
         let (mut blocks, mut prior, mut squares, mut rows, mut sigma) = started;
@@ -373,9 +373,9 @@ impl Pass<'_> {
                 converged = true;
                 break;
             }
-            let moved = stepped(self.residual, &model, &pieces, &delta);
+            let moved = stepped(self.residual, &model, &terms, &delta);
             let better = match moved {
-                Some((model, pieces)) => match evaluate(&model, &pieces, Some(sigma)) {
+                Some((model, terms)) => match evaluate(&model, &terms, Some(sigma)) {
                     Ok(next) => {
                         let cost = next.2 + next.1.squares();
                         let full = damping == 0.0 && predicted < RISE * total.squares();
@@ -383,7 +383,7 @@ impl Pass<'_> {
                         if cost > total.squares() {
                             rose_for = predicted;
                         }
-                        (cost < total.squares() * (1.0 + rise)).then_some((model, pieces, next))
+                        (cost < total.squares() * (1.0 + rise)).then_some((model, terms, next))
                     }
                     // A step so far that a shape ran away: a shorter one is tried.
                     Err(BadShape::NotFinite(_)) => None,
@@ -393,9 +393,9 @@ impl Pass<'_> {
             };
             match better {
                 Some((next_model, next_pieces, next)) => {
-                    (model, pieces) = (next_model, next_pieces);
+                    (model, terms) = (next_model, next_pieces);
                     (blocks, _, squares, rows, _) = next;
-                    let list: Vec<&Piece> = pieces.iter().collect();
+                    let list: Vec<&Term> = terms.iter().collect();
                     let data = Matrix::total(&blocks, None);
                     sigma = (squares / (rows - data.columns() as f64).max(1.0)).sqrt();
                     prior = known.matrix(self.residual, &model, sigma, &list, &data);
@@ -414,6 +414,6 @@ impl Pass<'_> {
                 None => damping = if damping == 0.0 { 1e-4 } else { damping * 30.0 },
             }
         }
-        Ok(Some(Fitted { model, pieces, blocks, prior, squares, rows, converged }))
+        Ok(Some(Fitted { model, terms, blocks, prior, squares, rows, converged }))
     }
 }

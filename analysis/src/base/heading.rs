@@ -1,6 +1,6 @@
 //! The heading of a level board, against a reference.
 
-use crate::base::piece::Piece;
+use crate::base::term::Term;
 use crate::samples::samples::Samples;
 use ironout::study::Model;
 use nalgebra::Vector3;
@@ -68,7 +68,7 @@ impl HeadingError {
 pub(crate) fn heading_error(
     samples: &Samples,
     model: &Model<f64>,
-    pieces: &[Piece],
+    terms: &[Term],
     reference: &[f64],
 ) -> Option<f64> {
     let mut differences = Vec::with_capacity(samples.len());
@@ -77,8 +77,8 @@ pub(crate) fn heading_error(
         if !truth.is_finite() {
             continue;
         }
-        let terms: Vec<_> = pieces.iter().map(|piece| piece.term(index)).collect();
-        let Ok(h) = model.correct(reading, &terms) else { continue };
+        let at_sample: Vec<_> = terms.iter().map(|term| term.at_sample(index)).collect();
+        let Ok(h) = model.correct(reading, &at_sample) else { continue };
         differences.extend(heading_deg(h, down).map(|heading| difference_deg(heading, *truth)));
     }
     HeadingError::of(&differences).map(|error| error.rms_deg)

@@ -3,7 +3,7 @@
 use crate::base::alignment::Alignment;
 use crate::base::heading::heading_error;
 use crate::base::mounting::{DecidedBy, Doubt, Standing};
-use crate::base::piece::Piece;
+use crate::base::term::Term;
 use crate::samples::samples::Samples;
 use ironout::study::Model;
 
@@ -36,14 +36,14 @@ fn opposite(model: &Model<f64>) -> Option<Model<f64>> {
 pub(crate) fn settle(
     samples: &Samples,
     found: &Alignment,
-    pieces: &[Piece],
+    terms: &[Term],
     evidence: Evidence,
 ) -> (Standing, Model<f64>) {
     let (model, by_gyro) = (found.model, found.by_gyro);
     let dip_deg = model.sin_dip.clamp(-1.0, 1.0).asin().to_degrees();
     let twin = opposite(&model);
     let by_heading = evidence.heading_deg.and_then(|reference| {
-        let error = |model: &Model<f64>| heading_error(samples, model, pieces, reference);
+        let error = |model: &Model<f64>| heading_error(samples, model, terms, reference);
         Some(of_headings(error(&model)?, error(twin.as_ref()?)?))
     });
     let by_place = evidence.dip_deg.map(|expected_deg| of_dips(dip_deg, expected_deg));

@@ -4,10 +4,10 @@ use crate::base::alignment::align;
 use crate::base::axes::{Aligned, Found};
 use crate::base::counted::Counted;
 use crate::base::dip_errors::DipErrors;
-use crate::base::engine::Pass;
+use crate::base::engine::Design;
 use crate::base::hemisphere::{Evidence, settle};
 use crate::base::holdout;
-use crate::base::known::Known;
+use crate::base::prior::Prior;
 use crate::base::quality::{NoiseEstimate, Sizes, memory_of_scores, residue_by_part};
 use crate::base::solution::Solution;
 use crate::base::start::{self, NO_ROTATION};
@@ -148,11 +148,11 @@ impl Base {
 /// [`memory_of_scores`] of the core's fit; 1 where there is no such model.
 fn scores_memory(counted: &Counted, calibration: &Calibration<f64>) -> f64 {
     let Calibration { offset_ut, matrix, field_ut } = *calibration;
-    let pass = Pass::new(&counted.samples, Residual::Magnitude);
+    let design = Design::new(&counted.samples, Residual::Magnitude);
     let model = Model::new(offset_ut, matrix, field_ut, NO_ROTATION, 0.0);
     // There is no effect here whose shape could fail.
-    let held = model.and_then(|model| pass.hold(model, Vec::new(), &Known::default()).ok());
-    held.map_or(1.0, |held| memory_of_scores(&pass, &held))
+    let held = model.and_then(|model| design.hold(model, Vec::new(), &Prior::default()).ok());
+    held.map_or(1.0, |held| memory_of_scores(&design, &held))
 }
 
 /// The samples of a journey as if the field were one, which the core's fit needs; `None` where it is. The offset about which they are

@@ -1,87 +1,117 @@
-//! An earlier calibration as information about offset and triangle.
+//! What is known besides the data: how magnetometers are, and what an earlier calibration says.
 
-use crate::base::known::Earlier;
-use crate::base::start::NO_ROTATION;
-use crate::samples::samples::Condition;
-use ironout::study::Model;
-use nalgebra::SMatrix;
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use crate::base::term::{Matrix, Term};
+use ironout::study::{Model, PhysicalPrior, Residual, base_prior};
 
-/// An earlier calibration is another by so much of the field, and of a gain, besides its noise.
-const OTHER_DAY: f64 = 0.003;
-
-/// What an earlier calibration says, with the offset as it is where the columns of its effects have their means in this log.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Prior {
-    /// Hard iron, µT.
-    pub offset_ut: [f64; 3],
-    /// The upper triangular matrix.
-    pub triangle: [[f64; 3]; 3],
-    /// Inverse of the covariance of the offset (3) and of the triangle by rows (6).
+/// Information of an earlier calibration about offset and triangle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Earlier {
+    /// Offset (3), then the upper triangle (6).
+    pub parameters: [f64; 9],
+    /// Inverse of their covariance.
     pub information: [[f64; 9]; 9],
-    /// The field that it is scaled to, µT.
-    pub field_ut: f64,
-    /// How the columns were over the samples that it was fitted to: what acts by a column had its mean effect then, and that is in the
-    /// offset and matrix. Columns that are not here have their mean in this log.
-    #[serde(default)]
-    pub conditions: BTreeMap<String, Condition>,
+}
+
+impl Earlier {
+    /// The same as if it were known from `factor` times as much.
+    pub fn times(&self, factor: f64) -> Earlier {
+        let information = self.information.map(|row| row.map(|value| value * factor));
+        Earlier { information, ..self.clone() }
+    }
+}
+
+/// Offset (3) and the upper triangle (6) of a model.
+pub fn parameters(model: &Model<f64>) -> [f64; 9] {
+    let c = &model.matrix;
+    let [x, y, z] = model.offset_ut;
+    [x, y, z, c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]]
+}
+
+/// What is known besides the data.
+#[derive(Debug, Clone)]
+pub struct Prior {
+    /// How magnetometers are.
+    pub physical: PhysicalPrior,
+    /// How many rows of the data say as much as one independent row, where a prior is meant to stand against structure.
+    pub memory: f64,
+    /// Standard deviation of the mean gain about 1, where the field is given.
+    pub scale: Option<f64>,
+    /// An earlier calibration.
+    pub earlier: Option<Earlier>,
+}
+
+impl Default for Prior {
+    fn default() -> Self {
+        Prior { physical: PhysicalPrior::default(), memory: 1.0, scale: None, earlier: None }
+    }
 }
 
 impl Prior {
-    /// For the study of a log that is scaled to `field_ut`; `None` keeps the calibration's own field.
-    pub fn earlier(&self, field_ut: Option<f64>) -> Earlier {
-        let scale = field_ut.map_or(1.0, |field| field / self.field_ut);
-        let c = self.triangle;
-        let [x, y, z] = self.offset_ut;
-        let triangle = [c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]].map(|value| value * scale);
-        let [a, b, d, e, f, g] = triangle;
-        let unit = |i: usize| if i < 3 { 1.0 } else { 1.0 / scale };
-        let information = self.loosened();
-        Earlier {
-            parameters: [x, y, z, a, b, d, e, f, g],
-            information: std::array::from_fn(|i| {
-                std::array::from_fn(|j| information[i][j] * unit(i) * unit(j))
-            }),
-        }
-    }
-
-    /// The earlier calibration as the model that a study on top of it begins with.
-    pub fn model(&self, field_ut: Option<f64>) -> Option<Model<f64>> {
-        let [x, y, z, a, b, d, e, f, g] = self.earlier(field_ut).parameters;
-        let triangle = [[a, b, d], [0.0, e, f], [0.0, 0.0, g]];
-        Model::new([x, y, z], triangle, field_ut.unwrap_or(self.field_ut), NO_ROTATION, 0.0)
-    }
-
-    /// The same with nothing known along these directions of offset (3) and triangle (6): Λ − Λv (vᵀΛv)⁻¹ vᵀΛ, one after the other.
-    pub fn without(&self, directions: &[[f64; 9]]) -> Prior {
-        let mut left = self.clone();
-        for v in directions {
-            let pull: [f64; 9] = std::array::from_fn(|i| (0..9).map(|j| left.information[i][j] * v[j]).sum());
-            let along: f64 = pull.iter().zip(v).map(|(a, b)| a * b).sum();
-            if along > 0.0 {
-                for (row, a) in left.information.iter_mut().zip(pull) {
-                    row.iter_mut().zip(pull).for_each(|(value, b)| *value -= a * b / along);
+    /// As information in units of the residual's variance.
+    pub fn matrix(
+        &self,
+        residual: Residual,
+        model: &Model<f64>,
+        sigma: f64,
+        terms: &[&Term],
+        data: &Matrix,
+    ) -> Matrix {
+        let base = residual.base_columns();
+        let columns = base + terms.iter().map(|term| term.k()).sum::<usize>();
+        let mut prior = match residual {
+            Residual::Magnitude => base_prior(&self.physical, model, sigma * self.memory.sqrt(), columns),
+            Residual::Dip | Residual::Vector => Matrix::new(columns),
+        };
+        if let (Some(spread), Residual::Magnitude) = (self.scale, residual) {
+            let weight = self.memory * (sigma / spread).powi(2);
+            let off = (0..3).map(|axis| model.matrix[axis][axis]).sum::<f64>() / 3.0 - 1.0;
+            let diagonal = [3, 6, 8];
+            for &i in &diagonal {
+                prior.pull(i, weight * off / 3.0);
+                for &j in diagonal.iter().filter(|j| **j >= i) {
+                    prior.inform(i, j, weight / 9.0);
                 }
             }
         }
-        left
-    }
-
-    /// The same with nothing known of the offset.
-    pub fn without_offset(&self) -> Prior {
-        self.without(&[0, 1, 2].map(|axis| std::array::from_fn(|i| f64::from(u8::from(i == axis)))))
-    }
-
-    /// The information with what no noise tells: a board is not quite the same at another place and day.
-    fn loosened(&self) -> [[f64; 9]; 9] {
-        let spread = |i: usize| OTHER_DAY * if i < 3 { self.field_ut } else { 1.0 };
-        // (Λ⁻¹ + D²)⁻¹ without inverting Λ, which may be singular: D⁻¹ (1 − (1 + DΛD)⁻¹) D⁻¹.
-        let scaled = SMatrix::<f64, 9, 9>::from_fn(|i, j| self.information[i][j] * spread(i) * spread(j));
-        let Some(factor) = (SMatrix::identity() + scaled).cholesky() else { return self.information };
-        let rest = SMatrix::identity() - factor.inverse();
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| 0.5 * (rest[(i, j)] + rest[(j, i)]) / (spread(i) * spread(j)))
-        })
+        if let (Some(earlier), Residual::Magnitude) = (&self.earlier, residual) {
+            let now = parameters(model);
+            for i in 0..9 {
+                for j in 0..9 {
+                    let weight = earlier.information[i][j] * sigma * sigma;
+                    prior.pull(i, weight * (now[j] - earlier.parameters[j]));
+                    // Part of the cost: without it every step towards what is known would look like a worse fit.
+                    let (a, b) = (now[i] - earlier.parameters[i], now[j] - earlier.parameters[j]);
+                    prior.depart(weight * a * b);
+                    if j >= i {
+                        prior.inform(i, j, weight);
+                    }
+                }
+            }
+        }
+        if residual == Residual::Vector {
+            // Columns of an axis that is a copy of another have no rows.
+            for column in (0..columns).filter(|column| data.entry(*column, *column) == 0.0) {
+                prior.inform(column, column, 1.0);
+            }
+        }
+        // A pure delay leaves the magnitude alone: the coupling's share along the identity stays where the dip has put
+        // it.
+        let mut column = base;
+        for term in terms {
+            let hidden = term.hidden_delay();
+            if !hidden.is_empty() && residual == Residual::Magnitude {
+                let k = term.k();
+                let weight = 1e4 * (0..k).map(|i| data.entry(column + i, column + i)).sum::<f64>() / k as f64;
+                for &i in hidden {
+                    for &j in hidden {
+                        if j >= i {
+                            prior.inform(column + i, column + j, weight);
+                        }
+                    }
+                }
+            }
+            column += term.k();
+        }
+        prior
     }
 }

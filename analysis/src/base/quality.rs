@@ -1,8 +1,8 @@
 //! Precision of a fitted model, the noise floor, and whether structure remains.
 
-use crate::base::engine::{Fitted, Pass};
-use crate::base::known::Known;
-use crate::base::piece::{COLUMNS, Matrix, Piece};
+use crate::base::engine::{Design, Fitted};
+use crate::base::prior::Prior;
+use crate::base::term::{COLUMNS, Matrix, Term};
 use crate::noise::colour::{Colour, Seen};
 use crate::noise::shared::together;
 use crate::noise::still::Still;
@@ -182,10 +182,10 @@ pub fn covariance(fitted: &Fitted, time: f64) -> Option<Vec<[f64; COLUMNS]>> {
 fn held(total: &Matrix, fitted: &Fitted) -> Matrix {
     let mut total = total.clone();
     let mut column = Residual::Magnitude.base_columns();
-    for piece in &fitted.pieces {
-        let hidden = piece.hidden_delay();
+    for term in &fitted.terms {
+        let hidden = term.hidden_delay();
         if !hidden.is_empty() {
-            let k = piece.k();
+            let k = term.k();
             let weight = 1e6 * (0..k).map(|i| total.entry(column + i, column + i)).sum::<f64>() / k as f64;
             for &i in hidden {
                 for &j in hidden.iter().filter(|j| **j >= i) {
@@ -193,7 +193,7 @@ fn held(total: &Matrix, fitted: &Fitted) -> Matrix {
                 }
             }
         }
-        column += piece.k();
+        column += term.k();
     }
     total
 }
@@ -213,25 +213,28 @@ pub fn covariance_of(total: &Matrix, fitted: &Fitted, time: f64) -> Option<Vec<[
 /// Predicted 1σ error (rms length) of the corrected vector in the worst direction, in units of the field:
 /// `δh = δC y − C δb − C Φ δθ` with `y = A h`, in the mean over what the effects' columns were: offset and matrix trade against them, and
 /// only together do their errors mean anything.
-pub fn predicted_error(pass: &Pass, fitted: &Fitted, known: &Known, left: &NoiseEstimate) -> Option<f64> {
+pub fn predicted_error(design: &Design, fitted: &Fitted, known: &Prior, left: &NoiseEstimate) -> Option<f64> {
     // What is known besides stands against the data as they count: as of so many fewer samples.
     let data = Matrix::total(&fitted.blocks, None);
-    let list: Vec<&Piece> = fitted.pieces.iter().collect();
+    let list: Vec<&Term> = fitted.terms.iter().collect();
     let sigma = fitted.sigma() * left.memory.sqrt();
-    let prior = known.matrix(pass.residual, &fitted.model, sigma, &list, &data);
+    let prior = known.matrix(design.residual, &fitted.model, sigma, &list, &data);
     let total = Matrix::total(&fitted.blocks, Some(&prior));
-    error_of_vector(fitted, &covariance_of(&total, fitted, left.memory.max(memory_of_scores(pass, fitted)))?)
+    error_of_vector(
+        fitted,
+        &covariance_of(&total, fitted, left.memory.max(memory_of_scores(design, fitted)))?,
+    )
 }
 
 /// Number of samples that say as much about the parameters as one independent sample, by batch means of the score ([`Scores`]): the spread
 /// of the sums of `Jᵀr` over that of independent samples, mean over the parameters.
-pub fn memory_of_scores(pass: &Pass, fitted: &Fitted) -> f64 {
+pub fn memory_of_scores(design: &Design, fitted: &Fitted) -> f64 {
     let columns = fitted.columns();
-    let list: Vec<&Piece> = fitted.pieces.iter().collect();
-    let n = pass.samples.len();
+    let list: Vec<&Term> = fitted.terms.iter().collect();
+    let n = design.samples.len();
     let mut scores = Scores::new(columns, n);
     let done =
-        pass.rows(0..n, &fitted.model, &list, |sample, row, residual| scores.add(sample, row, residual));
+        design.rows(0..n, &fitted.model, &list, |sample, row, residual| scores.add(sample, row, residual));
     let Some(factor) = held(&fitted.total(), fitted).factor().filter(|_| done.is_ok()) else { return 1.0 };
     let inverse = DMatrix::from_fn(columns, columns, |i, j| factor.inverse_column(j)[i]);
     // tr(N⁻¹ M), with M the spread of the scores.
@@ -262,7 +265,7 @@ fn error_of_vector(fitted: &Fitted, covariance: &[[f64; COLUMNS]]) -> Option<f64
     let inverse = matrix.try_inverse()?;
     let columns = fitted.columns();
     // At the columns' values of some samples: what a column does has its error where the column is.
-    let samples = fitted.pieces.iter().map(|piece| piece.inputs.len()).max().unwrap_or_default();
+    let samples = fitted.terms.iter().map(|term| term.inputs.len()).max().unwrap_or_default();
     let conditions: Vec<usize> = match samples {
         0 => vec![0],
         _ => (0..CONDITIONS).map(|place| (2 * place + 1) * samples / (2 * CONDITIONS)).collect(),
@@ -306,41 +309,41 @@ fn shapes_of_effects(fitted: &Fitted, centred_ut: Vector3<f64>, sample: usize) -
     let mut out = Vec::new();
     let mut column = Residual::Magnitude.base_columns();
     let measured_ut = (Vector3::from(fitted.model.offset_ut) + centred_ut).into();
-    for piece in &fitted.pieces {
-        if !piece.effect.needs_gyro() {
-            let inputs = piece.inputs.get(sample).copied().unwrap_or_default();
+    for term in &fitted.terms {
+        if !term.effect.needs_gyro() {
+            let inputs = term.inputs.get(sample).copied().unwrap_or_default();
             let at =
                 Quantities { centred_ut: centred_ut.into(), inputs, ..Quantities::of_vector(measured_ut) };
             let mut shape = no_shape();
-            piece.effect.shape(&at, &mut shape);
+            term.effect.shape(&at, &mut shape);
             out.extend(
-                shape.into_iter().take(piece.k()).enumerate().map(|(i, v)| (column + i, Vector3::from(v))),
+                shape.into_iter().take(term.k()).enumerate().map(|(i, v)| (column + i, Vector3::from(v))),
             );
         }
-        column += piece.k();
+        column += term.k();
     }
     out
 }
 
 /// Information about offset and triangle with the effects projected out, over variance: of the data and of an earlier
 /// calibration, never of the physical prior, which the next study brings itself.
-pub fn information(pass: &Pass, fitted: &Fitted, known: &Known, time: f64) -> Option<[[f64; 9]; 9]> {
+pub fn information(design: &Design, fitted: &Fitted, known: &Prior, time: f64) -> Option<[[f64; 9]; 9]> {
     let free = PhysicalPrior { gain: 1e6, skew: 1e6, offset_fields: 1e9 };
-    let data_only = Known { physical: free, earlier: known.earlier.clone(), ..Known::default() };
+    let data_only = Prior { physical: free, earlier: known.earlier.clone(), ..Prior::default() };
     let data = Matrix::total(&fitted.blocks, None);
     let sigma = (fitted.squares / (fitted.rows - fitted.columns() as f64).max(1.0)).sqrt();
-    let list: Vec<&Piece> = fitted.pieces.iter().collect();
-    let prior = data_only.matrix(pass.residual, &fitted.model, sigma, &list, &data);
+    let list: Vec<&Term> = fitted.terms.iter().collect();
+    let prior = data_only.matrix(design.residual, &fitted.model, sigma, &list, &data);
     let covariance = covariance_of(&Matrix::total(&fitted.blocks, Some(&prior)), fitted, time)?;
     let nine = SMatrix::<f64, 9, 9>::from_fn(|i, j| covariance[i][j]);
     let inverse = nine.cholesky()?.inverse();
     Some(core::array::from_fn(|i| core::array::from_fn(|j| inverse[(i, j)])))
 }
 
-/// The error of a calibration that the error on unseen time shows beside that of the samples it was fitted to (all rms, of one
+/// The error of a calibration that the held-out error shows beside that of the samples it was fitted to (all rms, of one
 /// unit): noise is in both alike, and the fit's own error raises the one by as much as fitting lowers the other.
-pub fn error_beyond(unseen: f64, seen: f64) -> f64 {
-    (0.5 * (unseen * unseen - seen * seen).max(0.0)).sqrt()
+pub fn error_beyond(held_out: f64, seen: f64) -> f64 {
+    (0.5 * (held_out * held_out - seen * seen).max(0.0)).sqrt()
 }
 
 /// How the noise of one axis shows in the residual: rms of `‖Cᵀu‖`, from the offset columns of the normal matrix.

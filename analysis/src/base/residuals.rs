@@ -1,27 +1,27 @@
 //! Residuals of a model, sample by sample.
 
-use crate::base::engine::Pass;
-use crate::base::piece::{BadShape, COLUMNS, Piece};
+use crate::base::engine::Design;
+use crate::base::term::{BadShape, COLUMNS, Term};
 use crate::threads::parts;
 use ironout::study::{Model, Residual};
 use std::ops::Range;
 
-impl Pass<'_> {
+impl Design<'_> {
     /// The residuals, in the order of the samples (axis by axis for the vector).
-    pub fn residuals(&self, model: &Model<f64>, pieces: &[&Piece]) -> Result<Vec<f64>, BadShape> {
-        Ok(self.moved(model, pieces, &[])?.swap_remove(0))
+    pub fn residuals(&self, model: &Model<f64>, terms: &[&Term]) -> Result<Vec<f64>, BadShape> {
+        Ok(self.moved(model, terms, &[])?.swap_remove(0))
     }
 
     /// Residuals of the model, and of the linearised model moved by each of `steps`.
     pub fn moved(
         &self,
         model: &Model<f64>,
-        pieces: &[&Piece],
+        terms: &[&Term],
         steps: &[[f64; COLUMNS]],
     ) -> Result<Vec<Vec<f64>>, BadShape> {
         let within = |range: &Range<usize>| -> Result<Vec<Vec<f64>>, BadShape> {
             let mut out = vec![Vec::with_capacity(range.len()); steps.len().max(1)];
-            self.rows(range.clone(), model, pieces, |_, row, r| {
+            self.rows(range.clone(), model, terms, |_, row, r| {
                 if steps.is_empty() {
                     out[0].push(r);
                 }

@@ -1,6 +1,6 @@
 //! What each kind of measurement says of the parameters: residuals with their derivatives, summed up by block of time.
 
-use crate::base::piece::{COLUMNS, Matrix};
+use crate::base::term::{COLUMNS, Matrix};
 use crate::base::windows::{GYRO, Stop, windows};
 use crate::confined::log::Log;
 use crate::confined::state::{DELAY, FIELD, RATE, State, TILT, VERTICAL, ZERO};

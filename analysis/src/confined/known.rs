@@ -1,8 +1,8 @@
 //! What is known before the log: how magnetometers and gyros are, an earlier calibration, the field of the place.
 
 use crate::base::axes;
-use crate::base::piece::{COLUMNS, Matrix};
-use crate::base::prior::Prior;
+use crate::base::earlier::EarlierCalibration;
+use crate::base::term::{COLUMNS, Matrix};
 use crate::confined::log::Log;
 use crate::confined::state::{
     ATTITUDE_DELAY, DELAY, FIELD, HARMONICS, LEAN, MATRIX, OFFSET, RATE, State, TILT, VERTICAL, YAW,
@@ -52,7 +52,7 @@ pub struct Before {
     /// The declination, degrees, where the log tells its place.
     pub declination_deg: Option<f64>,
     /// An earlier calibration.
-    pub prior: Option<Prior>,
+    pub prior: Option<EarlierCalibration>,
 }
 
 impl Before {
@@ -179,7 +179,7 @@ pub fn implausible_attitude(state: &State, early_s: f64, most: f64) -> Option<St
 }
 
 /// Adds an earlier calibration's information about offset and triangle.
-fn earlier(known: &mut Matrix, prior: &Prior, field_ut: Option<f64>, state: &State) {
+fn earlier(known: &mut Matrix, prior: &EarlierCalibration, field_ut: Option<f64>, state: &State) {
     let earlier = prior.earlier(field_ut);
     let Some((triangle, to_triangle)) = triangle_of(&state.matrix) else { return };
     let follows = nine_follow(&to_triangle);

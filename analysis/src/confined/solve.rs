@@ -1,6 +1,6 @@
 //! The likeliest parameters of a log, and their covariance.
 
-use crate::base::piece::{COLUMNS, Matrix};
+use crate::base::term::{COLUMNS, Matrix};
 use crate::confined::channels::{BLOCKS, Channel, Rows, Seen, Share, Sums};
 use crate::confined::known::Before;
 use crate::confined::log::Log;

@@ -1,6 +1,6 @@
 //! The parameters of the model, and a step of them.
 
-use crate::base::piece::COLUMNS;
+use crate::base::term::COLUMNS;
 use crate::base::windows::GYRO;
 use crate::confined::log::{MOST_EFFECTS, Pose, Row};
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};

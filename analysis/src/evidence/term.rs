@@ -1,7 +1,7 @@
 //! A term of the model: an effect of the registry with its inputs and coefficients.
 
 use crate::base::looked_at::Shared;
-use crate::base::piece::ready;
+use crate::base::term::ready;
 use crate::evidence::log::{Inputs, Log, inputs};
 use ironout::effect::{
     Acts, Follows, Form, Id, MAX_COEFFICIENTS, Made, Named, Parts, Quantities, Searched, Zero, no_shape,

@@ -23,7 +23,7 @@ pub fn allowed(table: &Table, options: &Options) -> Allowed {
     let mut ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
     leave_out(&mut ground, &Options { search: true, ..options.clone() });
     let catalogue = Catalogue::new(&ground.counted.samples, table, options.registry);
-    let plain: Vec<String> = catalogue.plain(false).into_iter().map(|piece| piece.id).collect();
+    let plain: Vec<String> = catalogue.plain(false).into_iter().map(|term| term.id).collect();
     let column_of = |id: &str| {
         let named = options.registry.parse(id).filter(|named| named.form.column)?;
         Some(named.column.to_string())

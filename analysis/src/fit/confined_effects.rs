@@ -1,6 +1,6 @@
 //! Effects of a log that does not show all attitudes: offsets in proportion to a column.
 
-use crate::base::piece::Piece;
+use crate::base::term::Term;
 use crate::calibration::FittedEffect;
 use crate::confined::log::{Log, MOST_EFFECTS};
 use crate::confined::solve::Solved;
@@ -51,9 +51,9 @@ pub(crate) fn entries(
         let inputs = column.values.iter().map(|value| {
             std::array::from_fn::<f64, MAX_INPUTS, _>(|slot| if slot == 0 { *value } else { 0.0 })
         });
-        let mut piece = Piece::new(Made::new(named.family, parts)?, Arc::new(inputs.collect()));
-        piece.coefficients[..3].copy_from_slice(vector.as_slice());
-        effects.push(describe(&piece, (0..3).map(|axis| covariance[(axis, axis)].max(0.0).sqrt()).collect()));
+        let mut term = Term::new(Made::new(named.family, parts)?, Arc::new(inputs.collect()));
+        term.coefficients[..3].copy_from_slice(vector.as_slice());
+        effects.push(describe(&term, (0..3).map(|axis| covariance[(axis, axis)].max(0.0).sqrt()).collect()));
     }
     Some((effects, doubts))
 }

@@ -164,10 +164,10 @@ impl Fitted {
 
     /// What a solution is worth: coverage, heading, verdict.
     pub(crate) fn judge(&mut self, counted: &Counted, mut solution: Solution, registry: Registry) {
-        // What unseen time shows is a lower bound, whatever the noise of the residual says.
-        let unseen_ut = self.unseen_error_ut(&solution).unwrap_or(0.0);
-        let shown_by_unseen = unseen_ut > solution.predicted_error_ut;
-        solution.predicted_error_ut = solution.predicted_error_ut.max(unseen_ut);
+        // What held-out time shows is a lower bound, whatever the noise of the residual says.
+        let held_out_ut = self.held_out_error_ut(&solution).unwrap_or(0.0);
+        let shown_by_held_out = held_out_ut > solution.predicted_error_ut;
+        solution.predicted_error_ut = solution.predicted_error_ut.max(held_out_ut);
         let calibration = solution.calibration;
         let fields = || counted.used.iter().map(|&sample| counted.data.field(sample));
         self.before = Some(spread_of_magnitude(fields().map(norm)));
@@ -207,7 +207,7 @@ impl Fitted {
         let all_round = coverage.fraction > ALL_ROUND && coverage.gap_deg < ALL_ROUND_GAP_DEG;
         self.reasons = (verdict.reasons.iter())
             .map(|reason| match reason {
-                quality::Reason::ErrorTooLarge { percent, .. } if shown_by_unseen => {
+                quality::Reason::ErrorTooLarge { percent, .. } if shown_by_held_out => {
                     Reason::new("held-out-error", of_unseen_time(*percent, self.adds))
                 }
                 quality::Reason::ErrorTooLarge { .. } if !all_round => {
@@ -261,7 +261,7 @@ impl Fitted {
     }
 
     /// The error of the calibration that held-out blocks of time show, µT rms along the field at the attitudes of the log.
-    fn unseen_error_ut(&self, solution: &Solution) -> Option<f64> {
+    fn held_out_error_ut(&self, solution: &Solution) -> Option<f64> {
         Some(error_beyond(self.holdout_rms_ut?, solution.rms_ut)).filter(|error| error.is_finite())
     }
 
@@ -314,7 +314,7 @@ fn of_another_field(across: f64, along: f64) -> String {
     )
 }
 
-/// The reason where the error on unseen time says more than the noise does.
+/// The reason where the held-out error says more than the noise does.
 fn of_unseen_time(percent: f64, adds: bool) -> String {
     let remedy =
         if adds { "drop an added effect, or record longer" } else { "record longer, in more orientations" };

@@ -1,8 +1,8 @@
 //! The effects that `--add` asks for, put into the model.
 
-use crate::base::engine::{Fitted, Pass};
+use crate::base::engine::{Design, Fitted};
 use crate::base::mounting;
-use crate::base::piece::Piece;
+use crate::base::term::Term;
 use crate::outcome::request::{Options, Refusal};
 use crate::search::candidates::Catalogue;
 use crate::search::screen::screen;
@@ -18,14 +18,14 @@ pub(crate) const MOST_ADDED: usize = 4;
 
 /// An effect of `--add`; what fixes its shape is searched.
 pub(crate) fn added<'a>(
-    pass: &Pass,
+    design: &Design,
     catalogue: &Catalogue<'a>,
     fitted: &Fitted<'a>,
     id: &str,
-) -> Result<Option<Piece<'a>>, Refusal> {
-    let plain = catalogue.plain(pass.residual == Residual::Vector).into_iter().find(|piece| piece.id == id);
-    if let Some(piece) = plain {
-        return Ok(Some(piece));
+) -> Result<Option<Term<'a>>, Refusal> {
+    let plain = catalogue.plain(design.residual == Residual::Vector).into_iter().find(|term| term.id == id);
+    if let Some(term) = plain {
+        return Ok(Some(term));
     }
     let Some(named) = catalogue.registry.parse(id) else {
         return Ok(None);
@@ -34,7 +34,7 @@ pub(crate) fn added<'a>(
         // What no search offers is added all the same, where nothing of it is searched for.
         return Ok(catalogue.build(&named, 0.0).filter(|_| named.form.searched.is_none()));
     }
-    let mut found = search::best(pass, fitted, catalogue, &named)?;
+    let mut found = search::best(design, fitted, catalogue, &named)?;
     if let Some(found) = found.as_mut().filter(|_| named.form.is_repeated()) {
         found.id = id.to_string();
     }
@@ -62,7 +62,7 @@ pub(crate) fn asked_for<'a>(
     base: &Fitted<'a>,
     options: &Options,
 ) -> Result<Result<Added<'a>, String>, Refusal> {
-    let (samples, catalogue) = (greedy.pass.samples, greedy.catalogue);
+    let (samples, catalogue) = (greedy.design.samples, greedy.catalogue);
     if samples.len() <= MOST_SEARCHED || options.add.is_empty() {
         return one_by_one(greedy, base, options);
     }
@@ -82,25 +82,25 @@ pub(crate) fn asked_for<'a>(
     }
     let few = samples.thinned(catalogue.table(), MOST_SEARCHED);
     let over = catalogue.over(&few);
-    let pass = Pass::new(&few, greedy.pass.residual);
-    let Some(thin) = pass.fit(base.model, Vec::new(), greedy.known)? else {
+    let design = Design::new(&few, greedy.design.residual);
+    let Some(thin) = design.fit(base.model, Vec::new(), greedy.known)? else {
         return one_by_one(greedy, base, options);
     };
-    let found = match one_by_one(&Greedy::new(pass, &over, greedy.known), &thin, options)? {
+    let found = match one_by_one(&Greedy::new(design, &over, greedy.known), &thin, options)? {
         Ok(found) => found,
         Err(why) => return Ok(Err(why)),
     };
     let Added { start, pure_lag } = found;
     // None of them may be lost on the way.
-    let pieces: Option<Vec<Piece>> = start.pieces.iter().map(|piece| catalogue.again(piece)).collect();
-    let Some(pieces) = pieces else { return one_by_one(greedy, base, options) };
-    let lifted = match greedy.pass.fit(start.model, pieces, greedy.known)? {
+    let terms: Option<Vec<Term>> = start.terms.iter().map(|term| catalogue.again(term)).collect();
+    let Some(terms) = terms else { return one_by_one(greedy, base, options) };
+    let lifted = match greedy.design.fit(start.model, terms, greedy.known)? {
         Some(fitted) => Some(greedy.settled(fitted)?).filter(|fitted| fitted.converged),
         None => None,
     };
     Ok(match lifted {
         Some(fitted) => Ok(Added { start: greedy.aligned(fitted)?, pure_lag }),
-        None => Err(does_not_converge(start.pieces.iter().map(|piece| piece.id.as_str()))),
+        None => Err(does_not_converge(start.terms.iter().map(|term| term.id.as_str()))),
     })
 }
 
@@ -110,30 +110,30 @@ fn one_by_one<'a>(
     base: &Fitted<'a>,
     options: &Options,
 ) -> Result<Result<Added<'a>, String>, Refusal> {
-    let (pass, catalogue) = (&greedy.pass, greedy.catalogue);
+    let (design, catalogue) = (&greedy.design, greedy.catalogue);
     let mut pure_lag = false;
     let mut start = base.clone();
     // One that a fit does not hold by itself may stand beside those that come after it.
     let mut waiting: VecDeque<&String> = options.add.iter().collect();
     // Which of the two a coupling is shows only beside the others.
     waiting.make_contiguous().sort_by_key(|id| is_coupling(id, options));
-    let mut put_off: Vec<Piece> = Vec::new();
+    let mut put_off: Vec<Term> = Vec::new();
     while let Some(id) = waiting.pop_front() {
-        if start.pieces.len() >= MOST_ADDED {
+        if start.terms.len() >= MOST_ADDED {
             return Err(Refusal::cannot_add(id, format!("a model has at most {MOST_ADDED} effects")));
         }
-        let Some(candidate) = added(pass, catalogue, &start, id)? else {
+        let Some(candidate) = added(design, catalogue, &start, id)? else {
             if mounting::is_one(id) {
                 continue;
             }
             return Err(Refusal::cannot_add(id, cannot_add(catalogue, id)));
         };
-        if start.pieces.iter().any(|known| known.id == candidate.id) {
+        if start.terms.iter().any(|known| known.id == candidate.id) {
             continue;
         }
         if !candidate.hidden_delay().is_empty() && catalogue.has_down() {
             // Whether it is the coupling or the pure delay, the data decide.
-            let alone = screen(pass, &start, std::slice::from_ref(&candidate), 1)?;
+            let alone = screen(design, &start, std::slice::from_ref(&candidate), 1)?;
             if !alone.first().is_some_and(|tested| tested.accepted) {
                 pure_lag = true;
                 continue;
@@ -177,7 +177,7 @@ pub(crate) fn cannot_add(catalogue: &Catalogue, id: &str) -> String {
     if let Some(one) = catalogue.untestable().into_iter().find(|one| one.id == id) {
         return one.why;
     }
-    let mut known: Vec<String> = catalogue.plain(false).into_iter().map(|piece| piece.id).collect();
+    let mut known: Vec<String> = catalogue.plain(false).into_iter().map(|term| term.id).collect();
     known.extend(catalogue.searched().iter().map(Named::to_string));
     let late = catalogue.usable_columns().flat_map(|column| catalogue.late(column));
     known.extend(late.map(|named| named.to_string()));

@@ -1,7 +1,7 @@
 //! A board at rest: the vector itself is the residual.
 
-use crate::base::engine::Pass;
-use crate::base::known::Known;
+use crate::base::engine::Design;
+use crate::base::prior::Prior;
 use crate::base::quality::{covariance, residue};
 use crate::base::start;
 use crate::noise::turning::Turning;
@@ -23,8 +23,8 @@ use ironout::study::{Model, Residual};
 /// A board at rest: the vector itself is the residual.
 pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
     let catalogue = Catalogue::new(samples, table, options.registry);
-    let pass = Pass::new(samples, Residual::Vector);
-    let known = Known::default();
+    let design = Design::new(samples, Residual::Vector);
+    let known = Prior::default();
     let mean = samples.mean_vector();
     let model = Model::new(mean, start::NO_ROTATION, 1.0, start::NO_ROTATION, 0.0);
     let nothing = || {
@@ -38,21 +38,21 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     if catalogue.usable_columns().next().is_none() {
         return Ok(nothing());
     }
-    let Some(base) = model.map(|model| pass.fit(model, Vec::new(), &known)).transpose()?.flatten() else {
+    let Some(base) = model.map(|model| design.fit(model, Vec::new(), &known)).transpose()?.flatten() else {
         return Ok(nothing());
     };
-    let greedy = Greedy::new(pass, &catalogue, &known);
+    let greedy = Greedy::new(design, &catalogue, &known);
     let mut start = base.clone();
     for id in &options.add {
-        if start.pieces.len() >= MOST_ADDED {
+        if start.terms.len() >= MOST_ADDED {
             return Err(Refusal::cannot_add(id, format!("a model has at most {MOST_ADDED} effects")));
         }
-        let Some(candidate) = added(&pass, &catalogue, &start, id)? else {
+        let Some(candidate) = added(&design, &catalogue, &start, id)? else {
             return Err(Refusal::cannot_add(id, cannot_add(&catalogue, id)));
         };
-        let mut pieces = start.pieces.clone();
-        pieces.push(candidate);
-        if let Some(next) = pass.fit(start.model, pieces, &known)? {
+        let mut terms = start.terms.clone();
+        terms.push(candidate);
+        if let Some(next) = design.fit(start.model, terms, &known)? {
             start = next;
         }
     }
@@ -62,9 +62,9 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         greedy.only(base, start)?
     };
     explanation.chances = greedy.chances(&explanation.fitted)?;
-    let (used, confounded) = (explanation.fitted.pieces.len(), explanation.confounded.clone());
+    let (used, confounded) = (explanation.fitted.terms.len(), explanation.confounded.clone());
     let fitted = &explanation.fitted;
-    let residuals = pass.residuals(&fitted.model, &fitted.pieces.iter().collect::<Vec<_>>())?;
+    let residuals = design.residuals(&fitted.model, &fitted.terms.iter().collect::<Vec<_>>())?;
     let left = residue(
         &residuals,
         fitted.columns(),
@@ -75,14 +75,14 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     let covariance = covariance(fitted, left.time);
     let mut column = 3;
     let effects = fitted
-        .pieces
+        .terms
         .iter()
-        .map(|piece| {
-            let errors = (column..column + piece.k())
+        .map(|term| {
+            let errors = (column..column + term.k())
                 .map(|index| covariance.as_ref().map_or(f64::NAN, |rows| rows[index][index].max(0.0).sqrt()))
                 .collect();
-            column += piece.k();
-            describe(piece, errors)
+            column += term.k();
+            describe(term, errors)
         })
         .collect();
     let mut reasons =
@@ -103,7 +103,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     } else {
         Verdict::Complete
     };
-    let base_residuals = pass.residuals(&explanation.base.model, &[])?;
+    let base_residuals = design.residuals(&explanation.base.model, &[])?;
     let shows = crate::outcome::shows::shows(
         samples,
         &base_residuals,
@@ -111,12 +111,12 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         &explanation.base,
         explanation.count,
     );
-    let traces = Traces::of(&pass, &explanation.base, &explanation.fitted)?;
+    let traces = Traces::of(&design, &explanation.base, &explanation.fitted)?;
     let view = View {
         table,
         samples,
         catalogue: &catalogue,
-        pass,
+        design,
         known: &known,
         explanation,
         lower_order: None,

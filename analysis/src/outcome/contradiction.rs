@@ -5,13 +5,13 @@
 //! samples say as much as one independent sample. `T / k`, of k freed parameters, is F-distributed where the calibration still holds.
 
 use crate::base::axes::ALIGNABLE;
-use crate::base::engine::{Fitted, Pass};
+use crate::base::earlier::EarlierCalibration;
+use crate::base::engine::{Design, Fitted};
 use crate::base::ground::Ground;
-use crate::base::known::{Earlier, Known, parameters};
-use crate::base::piece::{Matrix, Piece};
-use crate::base::prior::Prior;
+use crate::base::prior::{Earlier, Prior, parameters};
 use crate::base::quality::residue;
 use crate::base::start::sphere;
+use crate::base::term::{Matrix, Term};
 use crate::outcome::asked::asked_for;
 use crate::outcome::request::{Options, Refusal};
 use crate::search::candidates::Catalogue;
@@ -56,7 +56,7 @@ impl Freed {
     }
 
     /// What is left of an earlier calibration.
-    fn of(self, prior: &Prior) -> Option<Prior> {
+    fn of(self, prior: &EarlierCalibration) -> Option<EarlierCalibration> {
         let c = &prior.triangle;
         let field = [0.0, 0.0, 0.0, c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]];
         match self {
@@ -114,7 +114,8 @@ pub(crate) fn freed(ground: &Ground, options: &Options) -> Result<Option<(Option
     let samples = counted.samples.known_at(&prior.conditions);
     let catalogue = Catalogue::new(&samples, counted.table, options.registry);
     let Some(begin) = prior.model(options.field_ut) else { return Ok(None) };
-    let log = Log { pass: Pass::new(&samples, Residual::Magnitude), catalogue: &catalogue, options, begin };
+    let log =
+        Log { design: Design::new(&samples, Residual::Magnitude), catalogue: &catalogue, options, begin };
     let earlier = prior.earlier(options.field_ut);
     // Where the log says little of the matrix a freer one is fitted to the noise across the plane or the cap of its directions.
     let tells_all = ground.base.as_ref().is_ok_and(|base| base.predicted_share() <= ALIGNABLE);
@@ -124,9 +125,9 @@ pub(crate) fn freed(ground: &Ground, options: &Options) -> Result<Option<(Option
     for &freed in freed {
         let kept = information(freed);
         let Some(fitted) = log.with(kept.as_ref(), 1.0)? else { continue };
-        let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
-        let residuals = log.pass.residuals(&fitted.model, &pieces)?;
-        let turning = log.pass.turning(&fitted.model);
+        let terms: Vec<&Term> = fitted.terms.iter().collect();
+        let residuals = log.design.residuals(&fitted.model, &terms)?;
+        let turning = log.design.turning(&fitted.model);
         let memory =
             residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s(), &turning).memory;
         let independent = fitted.rows / memory - PARAMETERS;
@@ -217,7 +218,7 @@ impl Looser {
 
 /// A log under one of several earlier calibrations.
 struct Log<'a> {
-    pass: Pass<'a>,
+    design: Design<'a>,
     catalogue: &'a Catalogue<'a>,
     options: &'a Options,
     begin: Model<f64>,
@@ -226,16 +227,16 @@ struct Log<'a> {
 impl<'a> Log<'a> {
     /// The fit, with the effects that are asked for; `None` where there is none. `memory` samples say as much as one.
     fn with(&self, earlier: Option<&Earlier>, memory: f64) -> Result<Option<Fitted<'a>>, Refusal> {
-        let known = Known { earlier: earlier.map(|earlier| earlier.times(memory)), ..Known::default() };
+        let known = Prior { earlier: earlier.map(|earlier| earlier.times(memory)), ..Prior::default() };
         // From where it was, and from where the readings lie: an offset that has moved by as much as the field is far away.
         let mut begins = vec![self.begin];
-        if let Some((centre, _)) = sphere(self.pass.samples) {
+        if let Some((centre, _)) = sphere(self.design.samples) {
             let Model { matrix, field_ut, rotation, sin_dip, .. } = self.begin;
             begins.extend(Model::new(centre, matrix, field_ut, rotation, sin_dip));
         }
         let mut best: Option<Fitted> = None;
         for begin in begins {
-            let found = self.pass.fit(begin, Vec::new(), &known)?;
+            let found = self.design.fit(begin, Vec::new(), &known)?;
             if let Some(found) =
                 found.filter(|found| best.as_ref().is_none_or(|best| found.squares < best.squares))
             {
@@ -246,7 +247,7 @@ impl<'a> Log<'a> {
         if self.options.add.is_empty() {
             return Ok(Some(base));
         }
-        let greedy = Greedy::new(self.pass, self.catalogue, &known);
+        let greedy = Greedy::new(self.design, self.catalogue, &known);
         Ok(asked_for(&greedy, &base, self.options)?.ok().map(|added| added.start))
     }
 }

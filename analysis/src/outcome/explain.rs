@@ -1,8 +1,8 @@
 //! What explains a log: the base model, the effects that were asked for, and those that a search finds.
 
-use crate::base::engine::Pass;
-use crate::base::known::Known;
+use crate::base::engine::Design;
 use crate::base::model::Base;
+use crate::base::prior::Prior;
 use crate::base::quality::{NoiseEstimate, attitude_error};
 use crate::noise::colour::Colour;
 use crate::outcome::asked::{Added, asked_for};
@@ -31,18 +31,18 @@ pub(crate) type Explained<'a> = Result<(Explanation<'a>, bool), String>;
 /// Fits the base model from `model`, adds what `--add` names, and searches for more where the attitude can carry it or
 /// the base is held.
 pub(crate) fn explain<'a>(
-    pass: Pass<'a>,
+    design: Design<'a>,
     catalogue: &Catalogue<'a>,
     model: Model<f64>,
-    known: &Known,
+    known: &Prior,
     options: &Options,
     stand: Stand,
 ) -> Result<Explained<'a>, Refusal> {
-    let Some(base) = pass.fit(model, Vec::new(), known)? else {
+    let Some(base) = design.fit(model, Vec::new(), known)? else {
         return Ok(Err("the fit does not converge".into()));
     };
     // Even if all structure were explained: does the attitude carry a calibration, at the noise that is surely there?
-    let residuals = pass.residuals(&base.model, &[])?;
+    let residuals = design.residuals(&base.model, &[])?;
     let sigma = second_difference_sigma(&residuals);
     // What second differences leave may itself be an effect, a tone for example, many times the noise: only the hopeless
     // is not searched.
@@ -60,7 +60,7 @@ pub(crate) fn explain<'a>(
     let accepted = stand.base.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR);
     let hopeless = !(stand.held || accepted)
         && attitude_error(&base, &best).is_none_or(|error| error > HOPELESS * MAX_PREDICTED_ERROR);
-    let mut greedy = Greedy::new(pass, catalogue, known);
+    let mut greedy = Greedy::new(design, catalogue, known);
     greedy.base_held_out = stand.base.and_then(|base| base.holdout_rms_ut);
     let Added { start, pure_lag } = match asked_for(&greedy, &base, options)? {
         Ok(added) => added,
@@ -81,11 +81,11 @@ pub(crate) fn explain<'a>(
             explanation.shown.iter().map(|shown| (shown.id.clone(), shown.p_value)).collect();
     }
     let first = match stand.base.and_then(Base::model) {
-        Some(model) => pass.hold(model, Vec::new(), known)?,
+        Some(model) => design.hold(model, Vec::new(), known)?,
         None => explanation.base.clone(),
     };
     explanation.base = greedy.aligned(first)?;
-    if explanation.fitted.pieces.is_empty() && stand.base.is_some() {
+    if explanation.fitted.terms.is_empty() && stand.base.is_some() {
         explanation.fitted = explanation.base.clone();
     }
     Ok(Ok((explanation, pure_lag)))

@@ -7,15 +7,15 @@ use crate::base::quality::{
     NoiseEstimate, covariance, information, memory_of_scores, noise_gain, predicted_error, residue,
 };
 use crate::calibration::Information;
+use crate::outcome::axes_status;
 use crate::outcome::outcome::{Diagnosis, Dip, NoiseRow, StepRow, Verdict};
 use crate::outcome::request::Refusal;
-use crate::outcome::standing;
 use crate::outcome::view::{Judged, View};
 use crate::reason::Reason;
 use crate::residual::place::field_share;
 use crate::residual::traces::Traces;
 use crate::search::state::held_out_rms;
-use crate::search::undisturbed::as_corrected;
+use crate::search::true_field::as_corrected;
 use ironout::calibration::Calibration;
 use ironout::study::Residual;
 
@@ -25,10 +25,10 @@ impl View<'_, '_> {
         let mut dip = if self.lower_order.is_some() { None } else { self.dip(force_lag)? };
         let standing = dip.as_ref().map(|dip| self.settle(dip));
         let fitted = &self.explanation.fitted;
-        let applied = Applied::of(&self.pass, fitted)?;
+        let applied = Applied::of(&self.design, fitted)?;
         let mut errors_ut = left_ut(fitted, &applied);
         // Without effects the final model is the base model, and what `fit` says of that holds.
-        let plain = self.base.filter(|_| fitted.pieces.is_empty() && self.lower_order.is_none());
+        let plain = self.base.filter(|_| fitted.terms.is_empty() && self.lower_order.is_none());
         let left = match plain {
             Some(base) => base.residue.clone(),
             None => self.residue(fitted, &applied),
@@ -36,15 +36,15 @@ impl View<'_, '_> {
         let gain = noise_gain(fitted, Residual::Magnitude);
         let mut predicted = match plain {
             Some(base) => Some(base.predicted_share()),
-            None => predicted_error(&self.pass, fitted, self.known, &left),
+            None => predicted_error(&self.design, fitted, self.known, &left),
         };
-        let mut time = left.time.max(memory_of_scores(&self.pass, fitted));
+        let mut time = left.time.max(memory_of_scores(&self.design, fitted));
         let mut rows = covariance(fitted, time);
         if let (Some(dip), Some(rows)) = (&mut dip, &rows) {
             dip.delay_error_s =
                 dip.errors.as_ref().map_or(f64::NAN, |errors| errors.delay_variance(rows).sqrt());
         }
-        let is_coupled = fitted.pieces.iter().any(|piece| !piece.hidden_delay().is_empty());
+        let is_coupled = fitted.terms.iter().any(|term| !term.hidden_delay().is_empty());
         let late = dip.as_ref().and_then(|dip| Some((dip, dip.lag.as_ref()?))).filter(|_| !is_coupled);
         let pure_lag = late.is_some();
         let swapped = standing.and_then(|standing| standing.swapped());
@@ -58,9 +58,9 @@ impl View<'_, '_> {
             verdict = Verdict::Unexplained;
             reasons.push(Reason::new("column-unexplained", words));
         }
-        let traces = Traces::of(&self.pass, &self.explanation.base, &self.explanation.fitted)?;
+        let traces = Traces::of(&self.design, &self.explanation.base, &self.explanation.fitted)?;
         let wanted = verdict == Verdict::Unexplained && self.searches && self.lower_order.is_none();
-        let nobody = wanted && self.explanation.fitted.pieces.is_empty();
+        let nobody = wanted && self.explanation.fitted.terms.is_empty();
         let stands_out = if nobody { self.beside_leaders()? } else { Vec::new() };
         let field_varies = wanted.then(|| field_share(&applied.residuals, &traces.directions)).flatten();
         if let Some(share) = field_varies {
@@ -73,12 +73,12 @@ impl View<'_, '_> {
         let candidates = self.candidates(&dip, pure_lag, standing, verdict);
         // What is given out looks at its shapes where a correction does. Where the search looked elsewhere, names and verdict are the
         // search's; the errors are those of what is given out.
-        let given = as_corrected(&self.pass, &self.explanation.fitted, self.known)?;
+        let given = as_corrected(&self.design, &self.explanation.fitted, self.known)?;
         if let Some(given) = &given {
-            let applied = Applied::of(&self.pass, given)?;
+            let applied = Applied::of(&self.design, given)?;
             let left = self.residue(given, &applied);
-            predicted = predicted_error(&self.pass, given, self.known, &left);
-            time = left.time.max(memory_of_scores(&self.pass, given));
+            predicted = predicted_error(&self.design, given, self.known, &left);
+            time = left.time.max(memory_of_scores(&self.design, given));
             rows = covariance(given, time);
             errors_ut = left_ut(given, &applied);
         }
@@ -139,7 +139,7 @@ impl View<'_, '_> {
             std_errors: None,
             alignment: Default::default(),
             standing,
-            information: (information(&self.pass, fitted, self.known, time))
+            information: (information(&self.design, fitted, self.known, time))
                 .and_then(|matrix| Information::of(&matrix)),
             converged: fitted.converged,
             base: None,
@@ -163,11 +163,11 @@ impl View<'_, '_> {
             traces,
             registry: self.catalogue.registry,
         };
-        standing::take_axes(&mut diagnosis, rows.as_deref(), &dip);
+        axes_status::take_axes(&mut diagnosis, rows.as_deref(), &dip);
         if let (Some(base), None) = (self.base, &self.lower_order) {
-            standing::first_row(&mut diagnosis, base, plain.is_some());
+            axes_status::first_row(&mut diagnosis, base, plain.is_some());
         }
-        standing::tell_matrix(&mut diagnosis);
+        axes_status::tell_matrix(&mut diagnosis);
         Ok(diagnosis)
     }
 
@@ -178,12 +178,12 @@ impl View<'_, '_> {
             fitted.columns(),
             self.samples.quantum_ut,
             self.samples.step_s(),
-            &self.pass.turning(&fitted.model),
+            &self.design.turning(&fitted.model),
         )
     }
 }
 
-/// Rms error that a correction by a model leaves, and that on unseen time, µT.
+/// Rms error that a correction by a model leaves, and that on held-out time, µT.
 fn left_ut(fitted: &Fitted, applied: &Applied) -> (f64, Option<f64>) {
     (applied.share * fitted.rms(), held_out_rms(fitted).map(|held| applied.share * held))
 }

@@ -6,10 +6,10 @@
 //! attitude an offset and a field that are both free run away together, to a point or to a plane.
 
 use crate::base::alignment::without_effects;
-use crate::base::engine::{Fitted, Pass};
-use crate::base::known::Known;
-use crate::base::piece::Piece;
+use crate::base::engine::{Design, Fitted};
+use crate::base::prior::Prior;
 use crate::base::start;
+use crate::base::term::Term;
 use crate::outcome::explain::{Stand, explain};
 use crate::outcome::outcome::{Diagnosis, StepRow, Verdict};
 use crate::outcome::request::{Options, Refusal};
@@ -29,7 +29,7 @@ use ironout::study::{Model, PhysicalPrior, Residual, f_tail};
 const CALIBRATED_SPREAD: f64 = 0.2;
 /// ... and its offset is then known to this share of the field.
 const CALIBRATED_OFFSET: f64 = 0.05;
-/// An effect is believed if it takes at least this share off the error on unseen time.
+/// An effect is believed if it takes at least this share off the held-out error.
 const FALL: f64 = 0.1;
 
 /// What the base may move.
@@ -44,14 +44,14 @@ enum Order {
 }
 
 impl Order {
-    fn known(self, memory: f64) -> Known {
+    fn known(self, memory: f64) -> Prior {
         let held = PhysicalPrior::sphere();
         let (physical, scale) = match self {
             Order::Scale => (PhysicalPrior { offset_fields: CALIBRATED_OFFSET, ..held }, None),
             Order::Offset => (PhysicalPrior { offset_fields: 0.3, ..held }, Some(0.03)),
             Order::Gains => (PhysicalPrior { offset_fields: 0.3, gain: 0.05, ..held }, Some(0.03)),
         };
-        Known { physical, scale, memory, earlier: None }
+        Prior { physical, scale, memory, earlier: None }
     }
 
     fn words(self) -> String {
@@ -92,7 +92,7 @@ pub(crate) fn as_logged(
     }
     let samples = &samples.from_rest();
     let catalogue = Catalogue::new(samples, table, options.registry);
-    let pass = Pass::new(samples, Residual::Magnitude);
+    let design = Design::new(samples, Residual::Magnitude);
     // What the sensor's scale is worth against slow structure, of which so many rows say the same.
     let memory = Autocorrelation::of(&off).time;
     let mut known = Order::Scale.known(memory);
@@ -103,27 +103,27 @@ pub(crate) fn as_logged(
     };
     let Some(mut start) = model(field / mean, field) else { return Ok(None) };
     if options.scale_ut().is_none() {
-        let scale = scale_at_rest(&pass, &catalogue, start, &known)?;
+        let scale = scale_at_rest(&design, &catalogue, start, &known)?;
         let Some(scaled) = model(1.0, mean / scale) else { return Ok(None) };
         start = scaled;
     }
     let stand = Stand { base: None, held: true };
-    let Ok(mut found) = explain(pass, &catalogue, start, &known, options, stand)? else { return Ok(None) };
+    let Ok(mut found) = explain(design, &catalogue, start, &known, options, stand)? else { return Ok(None) };
     let mut order = Order::Scale;
     for next in [Order::Offset, Order::Gains] {
         let freer = next.known(memory);
         let now = &found.0.fitted;
-        let Some(with) = pass.fit(now.model, now.pieces.clone(), &freer)? else { break };
-        let better = asked_for(&pass, now, &with, next)?;
+        let Some(with) = design.fit(now.model, now.terms.clone(), &freer)? else { break };
+        let better = asked_for(&design, now, &with, next)?;
         if !better {
             continue;
         }
-        let Ok(again) = explain(pass, &catalogue, start, &freer, options, stand)? else { break };
+        let Ok(again) = explain(design, &catalogue, start, &freer, options, stand)? else { break };
         (order, known, found) = (next, freer, again);
     }
     let (explanation, pure_lag) = found;
     // Turns in one plane stay undetermined; an effect stretches the cloud of samples, so it is taken out first.
-    let clean = without_effects(samples, &explanation.fitted.model, &explanation.fitted.pieces);
+    let clean = without_effects(samples, &explanation.fitted.model, &explanation.fitted.terms);
     if start::thickness(&clean) < f64::from(MIN_THICKNESS) {
         return Ok(None);
     }
@@ -132,7 +132,7 @@ pub(crate) fn as_logged(
         table,
         samples,
         catalogue: &catalogue,
-        pass,
+        design,
         known: &known,
         explanation,
         lower_order: Some(prior),
@@ -164,16 +164,16 @@ pub(crate) fn as_logged(
 /// column that explains most is accounted for. The sensor's own scale is kept, so the field is the magnitude with
 /// everything at rest.
 fn scale_at_rest<'a>(
-    pass: &Pass<'a>,
+    design: &Design<'a>,
     catalogue: &Catalogue<'a>,
     start: Model<f64>,
-    known: &Known,
+    known: &Prior,
 ) -> Result<f64, Refusal> {
     let scale = |fitted: &Fitted| fitted.model.matrix[0][0];
-    let Some(base) = pass.fit(start, Vec::new(), known)? else { return Ok(1.0) };
-    let adds = |piece: &Piece| piece.made.is_some_and(|made| made.family().is_proportional(made.parts()));
-    let list: Vec<Piece> = catalogue.plain(true).into_iter().filter(adds).collect();
-    let screening = screen(pass, &base, &list, list.len())?;
+    let Some(base) = design.fit(start, Vec::new(), known)? else { return Ok(1.0) };
+    let adds = |term: &Term| term.made.is_some_and(|made| made.family().is_proportional(made.parts()));
+    let list: Vec<Term> = catalogue.plain(true).into_iter().filter(adds).collect();
+    let screening = screen(design, &base, &list, list.len())?;
     let held = |tested: &Tested| tested.held_out.unwrap_or(f64::INFINITY);
     let best = screening
         .iter()
@@ -181,12 +181,12 @@ fn scale_at_rest<'a>(
         .min_by(|a, b| held(a).total_cmp(&held(b)))
         .and_then(|tested| list.get(tested.index));
     let Some(best) = best else { return Ok(scale(&base)) };
-    Ok(pass.fit(base.model, vec![best.clone()], known)?.as_ref().map_or(1.0, scale))
+    Ok(design.fit(base.model, vec![best.clone()], known)?.as_ref().map_or(1.0, scale))
 }
 
-/// Whether the data ask for what the freer base moves: significantly, and on unseen time.
-fn asked_for(pass: &Pass, held: &Fitted, free: &Fitted, order: Order) -> Result<bool, Refusal> {
-    let residuals = pass.residuals(&free.model, &free.pieces.iter().collect::<Vec<_>>())?;
+/// Whether the data ask for what the freer base moves: significantly, and on held-out time.
+fn asked_for(design: &Design, held: &Fitted, free: &Fitted, order: Order) -> Result<bool, Refusal> {
+    let residuals = design.residuals(&free.model, &free.terms.iter().collect::<Vec<_>>())?;
     let effective = free.rows / Autocorrelation::of(&residuals).time;
     let k = order.parameters();
     let freedom = effective - free.columns() as f64 - k;

@@ -2,18 +2,18 @@
 
 pub mod asked;
 pub mod at_rest;
+pub mod axes_status;
 pub mod blank;
+pub mod checks_before_complete;
 pub mod contradiction;
-pub mod doubts;
 pub mod explain;
 pub mod finish;
 pub mod json;
 pub mod lower_order;
 pub mod outcome;
-pub mod passes;
 pub mod request;
 pub mod rows;
 pub mod shows;
-pub mod standing;
 pub mod study;
+pub mod transients;
 pub mod view;

@@ -1,7 +1,7 @@
 //! What is asked of a fit or a diagnosis, and why there may be none.
 
-use crate::base::piece::{BadShape, COLUMNS, TERMS};
-use crate::base::prior::Prior;
+use crate::base::earlier::EarlierCalibration;
+use crate::base::term::{BadShape, COLUMNS, TERMS};
 use crate::plain;
 use ironout::effect::Registry;
 use ironout::fit::Method;
@@ -42,7 +42,7 @@ pub struct Options {
     /// Whether a diagnosis searches for more. A fit never does.
     pub search: bool,
     /// An earlier calibration to build on.
-    pub prior: Option<Prior>,
+    pub prior: Option<EarlierCalibration>,
     /// The probability that chance does as well as each effect of `add`, by id, where a diagnosis of the same log has worked it out
     /// ([`crate::outcome::outcome::Diagnosis::chances`]); worked out anew where any is absent.
     #[serde(skip)]

@@ -3,8 +3,8 @@
 use crate::base::alignment::SWAPPED_DEG;
 use crate::base::engine::Fitted;
 use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT, Standing};
-use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::{covariance, covariance_of};
+use crate::base::term::{BadShape, Term};
 use crate::calibration::FittedEffect;
 use crate::outcome::blank::untestable;
 use crate::outcome::outcome::{CandidateRow, Status, Verdict};
@@ -32,8 +32,8 @@ impl View<'_, '_> {
         let squares = |fitted: &Fitted| fitted.squares.max(f64::MIN_POSITIVE);
         let (base, whole) = (squares(&self.explanation.base), squares(&self.explanation.fitted));
         let row_of = |one: &Judged, status: Status, partners: Vec<String>, why: String| CandidateRow {
-            id: one.piece.id.clone(),
-            name: one.piece.effect.name().to_string(),
+            id: one.term.id.clone(),
+            name: one.term.effect.name().to_string(),
             status,
             residual: Residual::Magnitude.name(),
             holdout_rms_ut: one.tested.held_out.map(|squares| (squares / rows).sqrt()),
@@ -56,7 +56,7 @@ impl View<'_, '_> {
             let built = self.catalogue.registry.parse(id).and_then(|named| self.catalogue.build(&named, 0.0));
             CandidateRow {
                 id: id.clone(),
-                name: built.map_or_else(|| id.clone(), |piece| piece.effect.name().to_string()),
+                name: built.map_or_else(|| id.clone(), |term| term.effect.name().to_string()),
                 status,
                 residual: Residual::Magnitude.name(),
                 holdout_rms_ut: None,
@@ -69,37 +69,37 @@ impl View<'_, '_> {
         };
         let group_of = |id: &str| others_in(&self.explanation.confounded, id);
         let kin_of = |id: &str| others_in(&self.explanation.families, id);
-        for piece in &self.explanation.fitted.pieces {
-            let tested = self.explanation.first.iter().find(|one| one.piece.id == piece.id);
-            let partners = group_of(&piece.id);
+        for term in &self.explanation.fitted.terms {
+            let tested = self.explanation.first.iter().find(|one| one.term.id == term.id);
+            let partners = group_of(&term.id);
             let status = if partners.is_some() { Status::Confounded } else { Status::Missing };
-            let kin = kin_of(&piece.id);
+            let kin = kin_of(&term.id);
             let why = match (&partners, &kin) {
                 (Some(partners), _) => format!(
                     "{} explains the error equally well. Fix: {}",
                     partners.join(", "),
-                    self.separating(&piece.id, partners)
+                    self.separating(&term.id, partners)
                 ),
                 (None, Some(kin)) => format!(
                     "its column is collinear with {}. Fix: {}",
                     kin.join(", "),
-                    self.separating(&piece.id, kin)
+                    self.separating(&term.id, kin)
                 ),
-                (None, None) if piece.searched().is_some() && piece.is_in_time() => {
-                    format!("a {}: {}", in_words(piece), piece.effect.explanation())
+                (None, None) if term.searched().is_some() && term.is_in_time() => {
+                    format!("a {}: {}", in_words(term), term.effect.explanation())
                 }
-                (None, None) => piece.effect.explanation().to_string(),
+                (None, None) => term.effect.explanation().to_string(),
             };
             let partners = partners.or(kin);
             // Beside all others: before those are in the model, what they do hides it.
-            let chance = self.explanation.chances.iter().find(|(id, _)| *id == piece.id);
+            let chance = self.explanation.chances.iter().find(|(id, _)| *id == term.id);
             let p_value = chance.map(|(_, p)| (p * self.explanation.count as f64).min(1.0));
             match tested {
                 Some(one) => list
                     .push(CandidateRow { p_value, ..row_of(one, status, partners.unwrap_or_default(), why) }),
                 None => list.push(CandidateRow {
-                    id: piece.id.clone(),
-                    name: piece.effect.name().to_string(),
+                    id: term.id.clone(),
+                    name: term.effect.name().to_string(),
                     status,
                     residual: Residual::Magnitude.name(),
                     holdout_rms_ut: None,
@@ -113,7 +113,7 @@ impl View<'_, '_> {
         }
         for withdrawn in &self.explanation.withdrawn {
             let judged = self.explanation.first.iter().chain(&self.explanation.last);
-            let mut tested = judged.filter(|one| one.piece.id == withdrawn.id);
+            let mut tested = judged.filter(|one| one.term.id == withdrawn.id);
             list.push(match tested.next() {
                 Some(one) => row_of(one, Status::NotNeeded, Vec::new(), withdrawn.why.clone()),
                 None => untried(&withdrawn.id, Status::NotNeeded, withdrawn.why.clone()),
@@ -124,20 +124,20 @@ impl View<'_, '_> {
             list.push(untried(id, Status::Untestable, why.into()));
         }
         for one in &self.explanation.last {
-            let id = &one.piece.id;
+            let id = &one.term.id;
             // A further step or tone that nothing asks for is not worth a row.
             let further =
-                id.contains('#') && one.piece.made.is_some_and(|made| made.parts().form.is_repeated());
+                id.contains('#') && one.term.made.is_some_and(|made| made.parts().form.is_repeated());
             if further || list.iter().any(|row| row.id == *id) {
                 continue;
             }
-            if !one.piece.hidden_delay().is_empty() && dip.is_some() {
+            if !one.term.hidden_delay().is_empty() && dip.is_some() {
                 continue;
             }
             match group_of(id).or_else(|| kin_of(id)) {
                 Some(partners) => {
                     // What it explains by itself, not beside the one that stands in the model.
-                    let alone = self.explanation.first.iter().find(|other| other.piece.id == *id);
+                    let alone = self.explanation.first.iter().find(|other| other.term.id == *id);
                     let one = alone.unwrap_or(one);
                     let why = format!(
                         "{} explains the error equally well. Fix: {}",
@@ -165,11 +165,11 @@ impl View<'_, '_> {
             if let Some(late) = late.filter(|late| !list.iter().any(|row| row.id == late.id)) {
                 let (p, held) = dip.tested.unwrap_or((1.0, None));
                 let why = match &dip.lag {
-                    Some(piece) if pure_lag => format!(
+                    Some(term) if pure_lag => format!(
                         "the sensor is delayed by {:.1} ± {:.1} ms: {}",
-                        1e3 * piece.coefficients[0],
+                        1e3 * term.coefficients[0],
                         1e3 * dip.delay_error_s,
-                        piece.effect.explanation()
+                        term.effect.explanation()
                     ),
                     _ => "significant neither in the magnitude nor in the dip".to_string(),
                 };
@@ -264,7 +264,7 @@ impl View<'_, '_> {
                 "significant, but too small to matter: it explains {percent:.1} % of the remaining variance"
             );
         }
-        if takes < WORTH_NAMING && self.pass.residual == Residual::Magnitude {
+        if takes < WORTH_NAMING && self.design.residual == Residual::Magnitude {
             return format!(
                 "it explains {percent:.0} % of the remaining variance, less than the {:.0} % needed to name it",
                 100.0 * WORTH_NAMING
@@ -279,11 +279,7 @@ impl View<'_, '_> {
         }
         format!(
             "it explains {percent:.0} % of the remaining variance, but is not significant by itself: {} may look like it",
-            if one.piece.follows(Follows::Attitude) {
-                "another cause"
-            } else {
-                "a cause that was not logged"
-            }
+            if one.term.follows(Follows::Attitude) { "another cause" } else { "a cause that was not logged" }
         )
     }
 
@@ -313,7 +309,7 @@ impl View<'_, '_> {
 
     pub(crate) fn effects(&self, time: f64, dip: &Option<DipStudy>) -> Result<Vec<FittedEffect>, BadShape> {
         let fitted = &self.explanation.fitted;
-        let covariance = match crate::search::parameter::with_slopes(&self.pass, fitted)? {
+        let covariance = match crate::search::parameter::with_slopes(&self.design, fitted)? {
             // A log may tell a tone's numbers and not where between them its frequency lies.
             Some(total) => covariance_of(&total, fitted, time).or_else(|| covariance(fitted, time)),
             None => covariance(fitted, time),
@@ -321,11 +317,11 @@ impl View<'_, '_> {
         let delay = dip.as_ref().filter(|dip| dip.lag.is_some()).and_then(|dip| dip.errors.as_ref());
         let mut column = Residual::Magnitude.base_columns();
         let mut list = Vec::new();
-        for piece in &fitted.pieces {
-            let mut errors: Vec<f64> = (column..column + piece.k())
+        for term in &fitted.terms {
+            let mut errors: Vec<f64> = (column..column + term.k())
                 .map(|index| covariance.as_ref().map_or(f64::NAN, |rows| rows[index][index].max(0.0).sqrt()))
                 .collect();
-            let hidden = piece.hidden_delay();
+            let hidden = term.hidden_delay();
             if let (Some(delay), Some(rows)) = (delay, &covariance) {
                 // The share that is a pure delay is the dip's, and follows what the magnitude says of the rest.
                 for &index in hidden {
@@ -338,25 +334,25 @@ impl View<'_, '_> {
                     errors[index] = f64::NAN;
                 }
             }
-            column += piece.k();
-            list.push(describe(piece, errors));
+            column += term.k();
+            list.push(describe(term, errors));
         }
-        let is_coupled = fitted.pieces.iter().any(|piece| !piece.hidden_delay().is_empty());
-        if !is_coupled && let Some(piece) = dip.as_ref().and_then(|dip| dip.lag.as_ref()) {
-            list.push(describe(piece, vec![dip.as_ref().map_or(f64::NAN, |dip| dip.delay_error_s)]));
+        let is_coupled = fitted.terms.iter().any(|term| !term.hidden_delay().is_empty());
+        if !is_coupled && let Some(term) = dip.as_ref().and_then(|dip| dip.lag.as_ref()) {
+            list.push(describe(term, vec![dip.as_ref().map_or(f64::NAN, |dip| dip.delay_error_s)]));
         }
         Ok(list)
     }
 }
 
 /// An effect with its fitted coefficients, in the words and numbers of the contract.
-pub(crate) fn describe(piece: &Piece, std_errors: Vec<f64>) -> FittedEffect {
-    let k = piece.k();
+pub(crate) fn describe(term: &Term, std_errors: Vec<f64>) -> FittedEffect {
+    let k = term.k();
     let columns: Vec<String> =
-        piece.effect.columns().iter().flatten().map(|column| column.name.to_string()).collect();
+        term.effect.columns().iter().flatten().map(|column| column.name.to_string()).collect();
     let mut reference = Vec::new();
     let mut parameters = Vec::new();
-    if let Some(parts) = piece.parts() {
+    if let Some(parts) = term.parts() {
         // The column's value, not its square's.
         let of_column = |value: f64| if parts.form.is_squared() { value.max(0.0).sqrt() } else { value };
         let value = parts.reference().map(of_column);
@@ -364,19 +360,19 @@ pub(crate) fn describe(piece: &Piece, std_errors: Vec<f64>) -> FittedEffect {
         parameters.extend(parts.parameter().map(|(searched, value)| (searched.name(), value)));
     }
     let range = columns.iter().enumerate().filter_map(|(slot, column)| {
-        let values = || piece.inputs.iter().filter_map(|inputs| inputs.get(slot));
+        let values = || term.inputs.iter().filter_map(|inputs| inputs.get(slot));
         let ends = [values().copied().reduce(f64::min)?, values().copied().reduce(f64::max)?];
         Some((column.clone(), ends))
     });
     FittedEffect {
-        id: piece.id.clone(),
+        id: term.id.clone(),
         range: range.collect(),
-        name: piece.effect.name().to_string(),
-        explanation: piece.effect.explanation().to_string(),
+        name: term.effect.name().to_string(),
+        explanation: term.effect.explanation().to_string(),
         columns,
-        coefficients: piece.coefficients[..k].to_vec(),
+        coefficients: term.coefficients[..k].to_vec(),
         std_errors,
-        unit: piece.effect.unit().to_string(),
+        unit: term.effect.unit().to_string(),
         reference,
         parameters,
     }

@@ -1,7 +1,7 @@
 //! Where the base model fails: its residual against columns, time, attitude and spectrum.
 
 use crate::base::engine::Fitted;
-use crate::base::piece::Piece;
+use crate::base::term::Term;
 use crate::outcome::outcome::Where;
 use crate::samples::samples::Samples;
 use crate::search::state::Judged;
@@ -35,10 +35,10 @@ pub fn shows(
     base: &Fitted,
     count: usize,
 ) -> Vec<Where> {
-    let best = |belongs: &dyn Fn(&Piece) -> bool| -> (f64, f64) {
+    let best = |belongs: &dyn Fn(&Term) -> bool| -> (f64, f64) {
         first
             .iter()
-            .filter(|one| belongs(&one.piece))
+            .filter(|one| belongs(&one.term))
             .map(|one| {
                 (
                     (one.tested.decrease / base.squares).clamp(0.0, 1.0),
@@ -55,21 +55,20 @@ pub fn shows(
     let one_a_sample = residuals.len() == n;
     let squares: Vec<f64> = residuals.iter().take(n).map(|r| r * r).collect();
     for column in samples.columns.iter().filter(|column| column.problem.is_none()) {
-        let reads =
-            |piece: &Piece| piece.effect.columns().iter().flatten().any(|read| read.name == column.name);
+        let reads = |term: &Term| term.effect.columns().iter().flatten().any(|read| read.name == column.name);
         let (explained, p_value) = best(&reads);
         let shape = if one_a_sample { root(shape(&column.values, &squares)) } else { Vec::new() };
         list.push(Where { against: column.name.clone(), explained, p_value, shape });
     }
     if let Some(time) = &samples.time {
-        let (explained, p_value) = best(&|piece| piece.follows(Follows::Time));
+        let (explained, p_value) = best(&|term| term.follows(Follows::Time));
         let shape = if one_a_sample { root(shape(time, &squares)) } else { Vec::new() };
         list.push(Where { against: "time".into(), explained, p_value, shape });
-        let (explained, p_value) = best(&|piece| piece.follows(Follows::Tone));
+        let (explained, p_value) = best(&|term| term.follows(Follows::Tone));
         list.push(Where { against: "spectrum".into(), explained, p_value, shape: Vec::new() });
     }
     if one_a_sample {
-        let (explained, p_value) = best(&|piece| piece.follows(Follows::Attitude));
+        let (explained, p_value) = best(&|term| term.follows(Follows::Attitude));
         let z: Vec<f64> = samples
             .readings
             .iter()
@@ -80,7 +79,7 @@ pub fn shows(
             })
             .collect();
         list.push(Where { against: "attitude".into(), explained, p_value, shape: shape(&z, residuals) });
-        let (explained, p_value) = best(&|piece| piece.follows(Follows::Turning));
+        let (explained, p_value) = best(&|term| term.follows(Follows::Turning));
         list.push(Where { against: "rate of turn".into(), explained, p_value, shape: Vec::new() });
     }
     list.sort_by(|a, b| b.explained.total_cmp(&a.explained));

@@ -1,23 +1,23 @@
 //! The whole diagnosis of one log.
 
 use crate::base::counted::Counted;
-use crate::base::engine::Pass;
+use crate::base::engine::Design;
 use crate::base::ground::Ground;
-use crate::base::known::Known;
 use crate::base::level::{LEVEL_DEG, tilt_deg};
 use crate::base::model::Base;
+use crate::base::prior::Prior;
 use crate::base::start;
 use crate::calibration::EffectEntry;
 use crate::correct::Corrector;
 use crate::effects::calibrated;
 use crate::outcome::at_rest::at_rest;
+use crate::outcome::axes_status;
 use crate::outcome::blank::undetermined;
 use crate::outcome::explain::{Stand, explain};
 use crate::outcome::lower_order::as_logged;
 use crate::outcome::outcome::{Diagnosis, Status, Verdict};
-use crate::outcome::passes;
 use crate::outcome::request::{Options, Refusal};
-use crate::outcome::standing;
+use crate::outcome::transients;
 use crate::outcome::view::View;
 use crate::reason::Reason;
 use crate::samples::faults::{self, FaultKind};
@@ -33,7 +33,7 @@ use std::borrow::Cow;
 /// Fewer samples are no study.
 const FEWEST: usize = 30;
 
-/// What stood out is explained where the error on unseen time is hardly larger with it.
+/// What stood out is explained where the held-out error is hardly larger with it.
 const AS_WELL: f64 = 1.1;
 /// An offset and a matrix of its own that take the error to this share of it say that the sensor was not calibrated before.
 const OF_ATTITUDE: f64 = 0.5;
@@ -60,7 +60,7 @@ pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
         diagnosis.samples_used += bursts;
         diagnosis.samples_set_aside -= bursts.min(diagnosis.samples_set_aside);
     }
-    let beside = passes::samples(&left_out);
+    let beside = transients::samples(&left_out);
     diagnosis.samples_used -= beside.min(diagnosis.samples_used);
     diagnosis.samples_set_aside += beside;
     diagnosis.data_faults.extend(left_out);
@@ -111,11 +111,11 @@ fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<D
     let mut diagnosis = of_all(ground, samples, options)?;
     let whole = ground.counted.with_bursts.as_ref().filter(|_| diagnosis.bursts_explained);
     let mut now = Cow::Borrowed(whole.unwrap_or(samples));
-    for _ in 0..passes::ROUNDS {
-        let Some((fewer, faults)) = passes::without(table, &now, &diagnosis, &options.add) else { break };
+    for _ in 0..transients::ROUNDS {
+        let Some((fewer, faults)) = transients::without(table, &now, &diagnosis, &options.add) else { break };
         let known = known(options);
         let Some(mut next) = on(table, &fewer, &known, options, None)? else { break };
-        if !passes::says_more(&next, &diagnosis) {
+        if !transients::says_more(&next, &diagnosis) {
             break;
         }
         next.bursts_explained = diagnosis.bursts_explained;
@@ -126,15 +126,15 @@ fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<D
 }
 
 /// What is known besides a log.
-fn known(options: &Options) -> Known {
-    Known { earlier: options.prior.as_ref().map(|prior| prior.earlier(options.field_ut)), ..Known::default() }
+fn known(options: &Options) -> Prior {
+    Prior { earlier: options.prior.as_ref().map(|prior| prior.earlier(options.field_ut)), ..Prior::default() }
 }
 
 /// The study of the magnitude of these samples; `None` where no sphere fits them.
 fn on(
     table: &Table,
     samples: &Samples,
-    known: &Known,
+    known: &Prior,
     options: &Options,
     base: Option<&Base>,
 ) -> Result<Option<Diagnosis>, Refusal> {
@@ -266,7 +266,7 @@ fn level(
     }
     let stand = Stand { base, held: false };
     let base_only = Options { search: false, add: Vec::new(), ..options.clone() };
-    let mut diagnosis = magnitude(table, samples, model, &Known::default(), &base_only, stand)?;
+    let mut diagnosis = magnitude(table, samples, model, &Prior::default(), &base_only, stand)?;
     diagnosis.verdict = Verdict::Undetermined;
     diagnosis.reasons.insert(0, reason);
     accuse_nobody(&mut diagnosis, base);
@@ -278,7 +278,7 @@ fn level(
 fn with_bursts(
     table: &Table,
     whole: &Samples,
-    known: &Known,
+    known: &Prior,
     options: &Options,
     without: &Diagnosis,
 ) -> Result<Option<Diagnosis>, Refusal> {
@@ -300,7 +300,7 @@ fn accuse_nobody(diagnosis: &mut Diagnosis, base: Option<&Base>) {
     diagnosis.effects.clear();
     diagnosis.standing = None;
     if let Some(base) = base {
-        standing::first_row(diagnosis, base, true);
+        axes_status::first_row(diagnosis, base, true);
     }
     for row in diagnosis.candidates.iter_mut().filter(|row| row.status != Status::Untestable) {
         row.status = Status::Untestable;
@@ -315,13 +315,13 @@ fn magnitude(
     table: &Table,
     samples: &Samples,
     model: Model<f64>,
-    known: &Known,
+    known: &Prior,
     options: &Options,
     stand: Stand,
 ) -> Result<Diagnosis, Refusal> {
     let catalogue = Catalogue::new(samples, table, options.registry);
-    let pass = Pass::new(samples, Residual::Magnitude);
-    let (explanation, pure_lag) = match explain(pass, &catalogue, model, known, options, stand)? {
+    let design = Design::new(samples, Residual::Magnitude);
+    let (explanation, pure_lag) = match explain(design, &catalogue, model, known, options, stand)? {
         Ok(explained) => explained,
         Err(why) => {
             let why = Reason::new("no-convergence", why);
@@ -334,7 +334,7 @@ fn magnitude(
         table,
         samples,
         catalogue: &catalogue,
-        pass,
+        design,
         known,
         explanation,
         lower_order: None,

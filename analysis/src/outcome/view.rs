@@ -3,15 +3,15 @@
 use crate::base::alignment::{Alignment, align, without_effects};
 use crate::base::applied::Applied;
 use crate::base::dip_errors::DipErrors;
-use crate::base::engine::Pass;
+use crate::base::engine::Design;
 use crate::base::heading::heading_error;
 use crate::base::hemisphere::{Evidence, settle};
-use crate::base::known::Known;
 use crate::base::model::Base;
 use crate::base::mounting::Standing;
-use crate::base::piece::{BadShape, Piece};
+use crate::base::prior::Prior;
 use crate::base::quality::{NoiseEstimate, attitude_error, covariance, error_beyond};
 use crate::base::start;
+use crate::base::term::{BadShape, Term};
 use crate::outcome::outcome::{Heading, StepRow, Verdict, Where};
 use crate::reason::Reason;
 use crate::residual::late::{Late, scan};
@@ -51,8 +51,8 @@ pub(crate) struct View<'v, 'a> {
     pub(crate) table: &'a Table<'a>,
     pub(crate) samples: &'a Samples,
     pub(crate) catalogue: &'v Catalogue<'a>,
-    pub(crate) pass: Pass<'a>,
-    pub(crate) known: &'v Known,
+    pub(crate) design: Design<'a>,
+    pub(crate) known: &'v Prior,
     pub(crate) explanation: Explanation<'a>,
     /// What is known of the base, in words, where not all of it is estimated.
     pub(crate) lower_order: Option<String>,
@@ -67,7 +67,7 @@ pub(crate) struct View<'v, 'a> {
 /// What the dip says in the end.
 pub(crate) struct DipStudy<'a> {
     pub(crate) alignment: Alignment,
-    pub(crate) lag: Option<Piece<'a>>,
+    pub(crate) lag: Option<Term<'a>>,
     pub(crate) after_deg: f64,
     pub(crate) errors: Option<DipErrors>,
     /// Standard error of the delay, s.
@@ -81,10 +81,10 @@ pub(crate) struct DipStudy<'a> {
 impl<'a> View<'_, 'a> {
     pub(crate) fn dip(&self, force_lag: bool) -> Result<Option<DipStudy<'a>>, BadShape> {
         let fitted = &self.explanation.fitted;
-        let clean = without_effects(self.samples, &fitted.model, &fitted.pieces);
+        let clean = without_effects(self.samples, &fitted.model, &fitted.terms);
         let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(None) };
         let after_deg = alignment.after_deg;
-        let errors = DipErrors::of(self.samples, &alignment.model, &fitted.pieces, None)?;
+        let errors = DipErrors::of(self.samples, &alignment.model, &fitted.terms, None)?;
         let mut study = DipStudy {
             alignment,
             lag: None,
@@ -94,17 +94,17 @@ impl<'a> View<'_, 'a> {
             tested: None,
             shown: None,
         };
-        let is_coupled = fitted.pieces.iter().any(|piece| !piece.hidden_delay().is_empty());
+        let is_coupled = fitted.terms.iter().any(|term| !term.hidden_delay().is_empty());
         if !(self.searches || force_lag || is_coupled) {
             return Ok(Some(study));
         }
         let Some(lag) = self.catalogue.late_sensor() else { return Ok(Some(study)) };
         let lag_id = lag.id.clone();
-        let pass = Pass::new(&clean, Residual::Dip);
-        let Some(base) = pass.fit(study.alignment.model, Vec::new(), self.known)? else {
+        let design = Design::new(&clean, Residual::Dip);
+        let Some(base) = design.fit(study.alignment.model, Vec::new(), self.known)? else {
             return Ok(Some(study));
         };
-        let tested = screen(&pass, &base, std::slice::from_ref(&lag), 2)?;
+        let tested = screen(&design, &base, std::slice::from_ref(&lag), 2)?;
         let Some(tested) = tested.into_iter().next() else { return Ok(Some(study)) };
         let held_deg = tested.held_out.map(|squares| (squares / base.rows).sqrt().to_degrees());
         study.tested = Some((tested.p_value, held_deg));
@@ -115,27 +115,22 @@ impl<'a> View<'_, 'a> {
             scan(self.table, &clean, &base.model, after_deg)?
         };
         if (tested.accepted || force_lag || has_eddy || far.is_some())
-            && let Some(with) = pass.fit(base.model, vec![lag], self.known)?
+            && let Some(with) = design.fit(base.model, vec![lag], self.known)?
         {
             let held_with = held_out_rms(&with);
-            let mut late =
-                Late { model: with.model, pieces: with.pieces, squares: with.squares, beside: None };
+            let mut late = Late { model: with.model, terms: with.terms, squares: with.squares, beside: None };
             if !has_eddy {
                 late = late.settled(self.table, &clean, self.known, far)?;
             }
-            // Errors where the delay is: the sensors beside it are moved, and the piece has the rest to do.
+            // Errors where the delay is: the sensors beside it are moved, and the term has the rest to do.
             let raw = late.beside.and_then(|delay_s| self.samples.beside_late(self.table, delay_s));
-            let mut at = late.pieces.first().cloned();
-            if let (Some(piece), Some(beside)) = (&mut at, late.beside) {
-                piece.coefficients[0] -= beside;
+            let mut at = late.terms.first().cloned();
+            if let (Some(term), Some(beside)) = (&mut at, late.beside) {
+                term.coefficients[0] -= beside;
             }
-            let errors = DipErrors::of(
-                raw.as_ref().unwrap_or(self.samples),
-                &late.model,
-                &fitted.pieces,
-                at.as_ref(),
-            )?;
-            let delay_s = late.pieces.first().map_or(0.0, |piece| piece.coefficients[0]);
+            let errors =
+                DipErrors::of(raw.as_ref().unwrap_or(self.samples), &late.model, &fitted.terms, at.as_ref())?;
+            let delay_s = late.terms.first().map_or(0.0, |term| term.coefficients[0]);
             if tested.accepted && !force_lag && !has_eddy {
                 let p_value = self.chance_of_delay(&errors, delay_s)?;
                 study.tested = Some((p_value, held_deg));
@@ -154,7 +149,7 @@ impl<'a> View<'_, 'a> {
                 });
             }
             study.errors = errors;
-            study.lag = late.pieces.into_iter().next();
+            study.lag = late.terms.into_iter().next();
             if !has_eddy {
                 study.alignment.model = late.model;
                 study.after_deg = (late.squares / with.rows.max(1.0)).sqrt().to_degrees();
@@ -167,8 +162,8 @@ impl<'a> View<'_, 'a> {
     /// counted in. No sensor is early: what points there is chance, or columns whose clocks differ.
     fn chance_of_delay(&self, errors: &Option<DipErrors>, delay_s: f64) -> Result<f64, BadShape> {
         let fitted = &self.explanation.fitted;
-        let list: Vec<&Piece> = fitted.pieces.iter().collect();
-        let residuals = self.pass.residuals(&fitted.model, &list)?;
+        let list: Vec<&Term> = fitted.terms.iter().collect();
+        let residuals = self.design.residuals(&fitted.model, &list)?;
         let time = Autocorrelation::of(&residuals).time;
         let (Some(errors), Some(rows)) = (errors, covariance(fitted, time)) else { return Ok(1.0) };
         let variance = errors.delay_variance(&rows);
@@ -182,7 +177,7 @@ impl<'a> View<'_, 'a> {
     pub(crate) fn settle(&mut self, dip: &DipStudy) -> Standing {
         let evidence = Evidence { heading_deg: self.table.heading_deg, dip_deg: self.dip_deg };
         let (standing, model) =
-            settle(self.samples, &dip.alignment, &self.explanation.fitted.pieces, evidence);
+            settle(self.samples, &dip.alignment, &self.explanation.fitted.terms, evidence);
         self.explanation.fitted.model = model;
         standing
     }
@@ -202,7 +197,7 @@ impl<'a> View<'_, 'a> {
 
     /// Whether the base model is the final one, and `fit` is sure of it.
     pub(crate) fn is_accepted(&self) -> bool {
-        let plain = self.base.filter(|_| self.explanation.fitted.pieces.is_empty());
+        let plain = self.base.filter(|_| self.explanation.fitted.terms.is_empty());
         plain.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR)
     }
 
@@ -291,7 +286,7 @@ impl<'a> View<'_, 'a> {
         Judged { verdict: Verdict::Undetermined, reasons, only_unsure: false, has_attitude }
     }
 
-    /// Whether chance does as well as none of the effects of the model, and each takes most of the error that it found, on unseen
+    /// Whether chance does as well as none of the effects of the model, and each takes most of the error that it found, on held-out
     /// time too.
     fn is_certain(&self) -> bool {
         let explanation = &self.explanation;
@@ -304,7 +299,7 @@ impl<'a> View<'_, 'a> {
         let each = pairs.all(|pair| {
             falls(Some(pair[0].rms), Some(pair[1].rms)) && falls(pair[0].held_out, pair[1].held_out)
         });
-        !explanation.fitted.pieces.is_empty() && chance < CERTAIN && each
+        !explanation.fitted.terms.is_empty() && chance < CERTAIN && each
     }
 
     /// What the model says of a log, whether or not its attitude is enough.
@@ -318,7 +313,7 @@ impl<'a> View<'_, 'a> {
     ) -> Judged {
         let refused = self.refused_by_fit(applied, predicted, field);
         // Little attitude alone lets the error rise where the board turns to what the others do not hold.
-        let fails = self.fails_on_unseen_time(left, applied).filter(|_| has_attitude);
+        let fails = self.fails_held_out(left, applied).filter(|_| has_attitude);
         let (verdict, reasons, only_unsure) = self.reasoned(left, refused, fails);
         Judged { verdict, reasons, only_unsure, has_attitude }
     }
@@ -335,7 +330,7 @@ impl<'a> View<'_, 'a> {
             reasons.push(Reason::new("error-too-large", format!(
                 "The predicted error of a calibration from this log is {:.1} % of the field in the worst direction (1σ){}",
                 100.0 * error,
-                match (left.structure > 0.0, self.explanation.fitted.pieces.is_empty()) {
+                match (left.structure > 0.0, self.explanation.fitted.terms.is_empty()) {
                     (true, _) => ", including the unexplained error",
                     (false, true) => ", because of its noise. Record longer, in more orientations",
                     (false, false) => ", because of its noise and its effects. Record longer, in more orientations",
@@ -381,12 +376,12 @@ impl<'a> View<'_, 'a> {
             return (Verdict::Confounded, reasons, false);
         }
         // Where `fit` would send the log back nothing reassures: noise so slow may as well be an error that moves.
-        match (refused, self.explanation.fitted.pieces.is_empty()) {
+        match (refused, self.explanation.fitted.terms.is_empty()) {
             (None, _) => {}
             (Some(_), true) => return (Verdict::Undetermined, reasons, false),
             (Some(_), false) => return (Verdict::Unexplained, reasons, true),
         }
-        if self.explanation.fitted.pieces.is_empty() {
+        if self.explanation.fitted.terms.is_empty() {
             (Verdict::Complete, reasons, false)
         } else {
             (Verdict::Missing, reasons, false)
@@ -394,7 +389,7 @@ impl<'a> View<'_, 'a> {
     }
 
     /// The predicted error of a calibration from this log, as a share of the field, where `fit` refuses it: by its noise and
-    /// effects, or by what unseen time shows.
+    /// effects, or by what held-out time shows.
     pub(crate) fn refused_by_fit(
         &self,
         applied: &Applied,
@@ -405,9 +400,9 @@ impl<'a> View<'_, 'a> {
             return None;
         }
         let fitted = &self.explanation.fitted;
-        let unseen =
+        let held_out =
             held_out_rms(fitted).map_or(0.0, |held| applied.share * error_beyond(held, fitted.rms()) / field);
-        predicted.map(|error| error.max(unseen)).filter(|error| *error > MAX_PREDICTED_ERROR)
+        predicted.map(|error| error.max(held_out)).filter(|error| *error > MAX_PREDICTED_ERROR)
     }
 
     pub(crate) fn heading(&self, dip: &Option<DipStudy>) -> Result<Option<Heading>, BadShape> {
@@ -416,18 +411,18 @@ impl<'a> View<'_, 'a> {
         let triangular =
             Model::new(base.model.offset_ut, base.model.matrix, base.model.field_ut, start::NO_ROTATION, 0.0);
         let fitted = &self.explanation.fitted;
-        let mut pieces = fitted.pieces.clone();
-        if !pieces.iter().any(|piece| !piece.hidden_delay().is_empty()) {
-            pieces.extend(dip.as_ref().and_then(|dip| dip.lag.clone()));
+        let mut terms = fitted.terms.clone();
+        if !terms.iter().any(|term| !term.hidden_delay().is_empty()) {
+            terms.extend(dip.as_ref().and_then(|dip| dip.lag.clone()));
         }
         let before = triangular.and_then(|model| heading_error(self.samples, &model, &[], reference));
-        let after = heading_error(self.samples, &fitted.model, &pieces, reference);
+        let after = heading_error(self.samples, &fitted.model, &terms, reference);
         Ok(before.zip(after).map(|(rms_deg_before, rms_deg_after)| Heading { rms_deg_before, rms_deg_after }))
     }
 
     pub(crate) fn shows(&self) -> Result<Vec<Where>, BadShape> {
         let base = &self.explanation.base;
-        let residuals = self.pass.residuals(&base.model, &[])?;
+        let residuals = self.design.residuals(&base.model, &[])?;
         Ok(crate::outcome::shows::shows(
             self.samples,
             &residuals,

@@ -8,7 +8,7 @@ use crate::plausible::field::{self, Evidence};
 use crate::table::Table;
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// Share of a copy's variance that the field explains on unseen parts of the log.
+/// Share of a copy's variance that the field explains on held-out parts of the log.
 const MIN_EXPLAINED: f64 = 0.99;
 /// One column that explains more than this share of the variance of all three axes is their cause, not a copy of one.
 const MAX_FIELD_EXPLAINED: f64 = 0.85;
@@ -72,7 +72,7 @@ pub struct FieldCopy {
     pub of: CopyOf,
     /// Whether the past of the field is needed to explain it.
     pub filtered: bool,
-    /// Share of its variance that is explained on unseen parts of the log.
+    /// Share of its variance that is explained on held-out parts of the log.
     pub explained: f64,
 }
 

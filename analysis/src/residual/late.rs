@@ -1,10 +1,10 @@
 //! A pure delay in full: not to first order in the rate of turn, but against the other sensors as they were.
 
 use crate::base::alignment::align;
-use crate::base::engine::Pass;
-use crate::base::known::Known;
-use crate::base::piece::{BadShape, Piece};
+use crate::base::engine::Design;
+use crate::base::prior::Prior;
 use crate::base::start::NO_ROTATION;
+use crate::base::term::{BadShape, Term};
 use crate::samples::samples::Samples;
 use crate::samples::series::median;
 use crate::table::Table;
@@ -20,7 +20,7 @@ pub struct Late<'a> {
     /// Rotation and dip.
     pub model: Model<f64>,
     /// The delay, as the coefficient of the lag.
-    pub pieces: Vec<Piece<'a>>,
+    pub terms: Vec<Term<'a>>,
     /// Sum of squared residuals, rad².
     pub squares: f64,
     /// How late the other sensors were taken; `None` where the delay is still of first order.
@@ -67,29 +67,29 @@ impl<'a> Late<'a> {
         self,
         table: &Table,
         samples: &Samples,
-        known: &Known,
+        known: &Prior,
         from: Option<(f64, Model<f64>)>,
     ) -> Result<Late<'a>, BadShape> {
-        let (Some(piece), Some(step_s)) = (self.pieces.first().cloned(), step_s(table)) else {
+        let (Some(term), Some(step_s)) = (self.terms.first().cloned(), step_s(table)) else {
             return Ok(self);
         };
         let mut best = self;
-        let (mut delay_s, mut model) = from.unwrap_or((piece.coefficients[0], best.model));
+        let (mut delay_s, mut model) = from.unwrap_or((term.coefficients[0], best.model));
         for _ in 0..12 {
             let beside = (delay_s / step_s).round() * step_s;
             if !(delay_s.abs() < LATEST_S) || best.beside == Some(beside) || beside == 0.0 {
                 break;
             }
             let Some(moved) = samples.beside_late(table, beside) else { break };
-            let pass = Pass::new(&moved, Residual::Dip);
-            let mut rest = Piece { coefficients: Default::default(), ..piece.clone() };
+            let design = Design::new(&moved, Residual::Dip);
+            let mut rest = Term { coefficients: Default::default(), ..term.clone() };
             rest.coefficients[0] = delay_s - beside;
-            let Some(fit) = pass.fit(model, vec![rest.clone()], known)? else { break };
-            delay_s = beside + fit.pieces[0].coefficients[0];
+            let Some(fit) = design.fit(model, vec![rest.clone()], known)? else { break };
+            delay_s = beside + fit.terms[0].coefficients[0];
             model = fit.model;
             if fit.squares < best.squares {
                 rest.coefficients[0] = delay_s;
-                best = Late { model, pieces: vec![rest], squares: fit.squares, beside: Some(beside) };
+                best = Late { model, terms: vec![rest], squares: fit.squares, beside: Some(beside) };
             }
         }
         Ok(best)

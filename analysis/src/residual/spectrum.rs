@@ -5,7 +5,7 @@
 //! `X'ΓX = Σ_f S(f) |X(f)|²`. One number of independent samples for all candidates would be too strict for the fast and
 //! too kind to the slow.
 
-use crate::base::piece::Matrix;
+use crate::base::term::Matrix;
 use crate::noise::colour::{Colour, Described, Seen};
 use crate::noise::power::{add_power, padded, symmetric, transforms, weight};
 use crate::noise::turning::Turning;

@@ -1,7 +1,7 @@
 //! The residuals sample by sample, for whoever draws them.
 
-use crate::base::engine::{Fitted, Pass};
-use crate::base::piece::{BadShape, Piece};
+use crate::base::engine::{Design, Fitted};
+use crate::base::term::{BadShape, Term};
 use crate::samples::samples::Samples;
 use ironout::study::Residual;
 use serde::Serialize;
@@ -21,20 +21,20 @@ pub struct Traces {
 
 impl Traces {
     /// Of two models over the same samples.
-    pub fn of(pass: &Pass, base: &Fitted, last: &Fitted) -> Result<Traces, BadShape> {
-        let samples: &Samples = pass.samples;
+    pub fn of(design: &Design, base: &Fitted, last: &Fitted) -> Result<Traces, BadShape> {
+        let samples: &Samples = design.samples;
         let residuals = |fitted: &Fitted| -> Result<Vec<Vec<f64>>, BadShape> {
-            let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
-            let all = pass.residuals(&fitted.model, &pieces)?;
+            let terms: Vec<&Term> = fitted.terms.iter().collect();
+            let all = design.residuals(&fitted.model, &terms)?;
             Ok(all.chunks(samples.len().max(1)).map(<[f64]>::to_vec).collect())
         };
         let direction = |index: usize| {
-            let terms: Vec<_> = base.pieces.iter().map(|piece| piece.term(index)).collect();
-            let h = base.model.correct(&samples.readings[index], &terms).unwrap_or_default();
+            let at_sample: Vec<_> = base.terms.iter().map(|term| term.at_sample(index)).collect();
+            let h = base.model.correct(&samples.readings[index], &at_sample).unwrap_or_default();
             let length = h.iter().map(|value| value * value).sum::<f64>().sqrt();
             if length > 0.0 { h.map(|value| value / length) } else { [0.0; 3] }
         };
-        let directions = match pass.residual {
+        let directions = match design.residual {
             Residual::Vector => Vec::new(),
             _ => (0..samples.len()).map(direction).collect(),
         };

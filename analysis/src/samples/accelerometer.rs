@@ -5,7 +5,7 @@
 //! error of the sensor, and no calibration lowers it).
 
 use crate::calibration::{Accelerometer, STANDARD_GRAVITY_MPS2};
-use crate::samples::told::Told;
+use crate::samples::detected::Told;
 use crate::table::Table;
 use ironout::fit::{FitOptions, MAX_PREDICTED_ERROR, fit};
 use ironout::scatter::ScatterBuilder;
@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
 const PARTS: usize = 10;
 /// Fewer rows say nothing.
 const FEWEST: usize = 200;
-/// A calibration is used where it lowers the squares on unseen time by so many standard errors of the parts' mean (of a Student t with 9
+/// A calibration is used where it lowers the squares on held-out time by so many standard errors of the parts' mean (of a Student t with 9
 /// degrees of freedom, chance is further out once in 600) ...
 const CERTAIN: f64 = 4.0;
 /// ... leaves at most this share of them: beside a hand's large accelerations, which go with the attitudes, a small correction is theirs ...

@@ -9,8 +9,8 @@
 
 use crate::calibration::{Accelerometer, STANDARD_GRAVITY_MPS2};
 use crate::samples::accelerometer;
+use crate::samples::detected::Told;
 use crate::samples::series::median;
-use crate::samples::told::Told;
 use crate::table::{Follows, QuietForce, Table};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 

@@ -1,7 +1,7 @@
 //! The candidates that the columns of a log allow, and those that it does not.
 
 use crate::base::mounting;
-use crate::base::piece::{Clock, Piece};
+use crate::base::term::{Clock, Term};
 use crate::samples::clock::even;
 use crate::samples::families::Families;
 use crate::samples::samples::Samples;
@@ -91,10 +91,10 @@ impl<'a> Catalogue<'a> {
     }
 
     /// An effect of other samples of the log, with its coefficients, over these.
-    pub fn again(&self, piece: &Piece) -> Option<Piece<'a>> {
-        let parameter = piece.searched().map_or(0.0, |(_, value)| value);
-        let own = self.by(piece.clock, &piece.named()?, parameter)?;
-        Some(Piece { coefficients: piece.coefficients, id: piece.id.clone(), places: piece.places, ..own })
+    pub fn again(&self, term: &Term) -> Option<Term<'a>> {
+        let parameter = term.searched().map_or(0.0, |(_, value)| value);
+        let own = self.by(term.clock, &term.named()?, parameter)?;
+        Some(Term { coefficients: term.coefficients, id: term.id.clone(), trials: term.trials, ..own })
     }
 
     /// Index of a covariate that can be tested.
@@ -111,12 +111,12 @@ impl<'a> Catalogue<'a> {
 
     /// The effect of an id, its searched parameter given (any number where it has none). `None` where the log lacks what
     /// it needs.
-    pub fn build(&self, named: &Named, parameter: f64) -> Option<Piece<'a>> {
+    pub fn build(&self, named: &Named, parameter: f64) -> Option<Term<'a>> {
         self.by(Clock::Even, named, parameter)
     }
 
     /// The same by one of the clocks, which is the only one for all but tones.
-    pub fn by(&self, clock: Clock, named: &Named, parameter: f64) -> Option<Piece<'a>> {
+    pub fn by(&self, clock: Clock, named: &Named, parameter: f64) -> Option<Term<'a>> {
         let Named { family, form, .. } = *named;
         if family.need(form).is_some_and(|need| !self.has(need)) {
             return None;
@@ -135,9 +135,9 @@ impl<'a> Catalogue<'a> {
         let made = Made::new(family, Parts { form, column, reference, parameter })?;
         let is_even = clock == Clock::Even && family.follows() == Follows::Tone;
         if let Some(grid) = self.grid.as_ref().filter(|_| is_even) {
-            return Some(Piece { clock, ..Piece::new(made, grid.clone()) });
+            return Some(Term { clock, ..Term::new(made, grid.clone()) });
         }
-        Some(Piece::new(made, self.inputs(family.columns(made.parts()))?))
+        Some(Term::new(made, self.inputs(family.columns(made.parts()))?))
     }
 
     /// The times that tones go by, where they are not those of the samples.
@@ -179,7 +179,7 @@ impl<'a> Catalogue<'a> {
     }
 
     /// The delay of the sensor that only the dip shows, where the log can tell one.
-    pub fn late_sensor(&self) -> Option<Piece<'a>> {
+    pub fn late_sensor(&self) -> Option<Term<'a>> {
         let forms =
             self.registry.families().flat_map(|family| family.forms().iter().map(move |form| (family, form)));
         let mut hidden = forms.filter(|(_, form)| form.dip_only);
@@ -205,7 +205,7 @@ impl<'a> Catalogue<'a> {
 
     /// The fixed-shape candidates of the magnitude (or of the vector of a board at rest): for each column every family's
     /// first form and then the others, then those without a column.
-    pub fn plain(&self, at_rest: bool) -> Vec<Piece<'a>> {
+    pub fn plain(&self, at_rest: bool) -> Vec<Term<'a>> {
         let fixed = |form: &&'static Form| form.offered && !form.dip_only && form.searched.is_none();
         let shows = |family: &&'static dyn Family| !at_rest || family.acts() == Acts::Added;
         let mut list = Vec::new();

@@ -2,8 +2,8 @@
 //! the shadow of a cause that the log does not hold.
 
 use crate::base::engine::Fitted;
-use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::{NoiseEstimate, error_beyond, predicted_error, residue};
+use crate::base::term::{BadShape, Term};
 use crate::noise::colour::Colour;
 use crate::search::screen::ACCUSED;
 use crate::search::state::{Explanation, Greedy, Step, Withdrawn, errors_applied, held_out_rms};
@@ -17,14 +17,14 @@ const OUTWEIGHS: f64 = 1.0;
 /// One of several steps beside which nothing is left is no stair of a slow change where it takes this many times as much as the
 /// noise: the last stair of one that noise hides takes little.
 const STANDS_OUT: f64 = 4.0;
-/// Where `fit` refuses the model, and it leaves so many times the error on unseen time, it is not the log's.
+/// Where `fit` refuses the model, and it leaves so many times the held-out error, it is not the log's.
 const DOES_NOT_HOLD: f64 = 1.4;
-/// ... unless all that was found lowers the error on unseen time to this share of it: then the log is short, and the cause there.
+/// ... unless all that was found lowers the held-out error to this share of it: then the log is short, and the cause there.
 pub(crate) const PREDICTS: f64 = 0.45;
-/// What raises the error on unseen time by more than this is not recommended.
+/// What raises the held-out error by more than this is not recommended.
 const RAISES: f64 = 1.05;
 
-/// The effect that, added in its turn, raises the error on unseen time the most. Several of a kind count as one: a step there
+/// The effect that, added in its turn, raises the held-out error the most. Several of a kind count as one: a step there
 /// alone predicts nothing of a time after the step back.
 fn raises(explanation: &Explanation, asked: &[String]) -> Option<Withdrawn> {
     let kind = |step: &Step| step.added.as_ref().and_then(|id| id.split('#').next()).map(str::to_owned);
@@ -62,7 +62,7 @@ impl<'a> Greedy<'_, 'a> {
         Ok(explanation)
     }
 
-    /// The explanation with its model fitted to the end. There an effect that a search found may yet raise the error on unseen
+    /// The explanation with its model fitted to the end. There an effect that a search found may yet raise the error on held-out
     /// time: then it goes, too.
     pub fn ended(
         &self,
@@ -72,9 +72,8 @@ impl<'a> Greedy<'_, 'a> {
     ) -> Result<Explanation<'a>, BadShape> {
         loop {
             explanation.fitted = self.to_the_end(explanation.fitted)?;
-            if let (Some(last), false) = (explanation.steps.last_mut(), explanation.fitted.pieces.is_empty())
-            {
-                (last.rms, last.held_out) = errors_applied(&self.pass, &explanation.fitted)?;
+            if let (Some(last), false) = (explanation.steps.last_mut(), explanation.fitted.terms.is_empty()) {
+                (last.rms, last.held_out) = errors_applied(&self.design, &explanation.fitted)?;
             }
             if searched {
                 self.put_in_order(&mut explanation, asked)?;
@@ -119,7 +118,7 @@ impl<'a> Greedy<'_, 'a> {
         mut explanation: Explanation<'a>,
         asked: &[String],
     ) -> Result<Explanation<'a>, BadShape> {
-        while explanation.fitted.pieces.iter().any(|piece| asked.contains(&piece.id)) {
+        while explanation.fitted.terms.iter().any(|term| asked.contains(&term.id)) {
             let tested = self.shown(&explanation.fitted, &explanation.chances)?;
             let tested = tested.into_iter().filter(|one| asked.contains(&one.id));
             let unshown = tested.filter(|one| !one.is_shown());
@@ -145,7 +144,7 @@ impl<'a> Greedy<'_, 'a> {
         Ok(explanation)
     }
 
-    /// Where the error on unseen time rises on the way, another order of the same effects: each time the one that leaves the
+    /// Where the held-out error rises on the way, another order of the same effects: each time the one that leaves the
     /// least. An effect may stand only beside another that was found after it.
     fn put_in_order(&self, explanation: &mut Explanation<'a>, asked: &[String]) -> Result<(), BadShape> {
         if raises(explanation, asked).is_none() {
@@ -153,11 +152,11 @@ impl<'a> Greedy<'_, 'a> {
         }
         let ids = explanation.steps.iter().filter_map(|step| step.added.clone());
         let (mut order, mut rest): (Vec<String>, Vec<String>) = ids.partition(|id| asked.contains(id));
-        let all = &explanation.fitted.pieces;
+        let all = &explanation.fitted.terms;
         let mut now = explanation.base.clone();
         let with = |now: &Fitted<'a>, id: &String| {
-            let more = all.iter().filter(|piece| piece.id == *id);
-            self.pass.fit(now.model, now.pieces.iter().chain(more).cloned().collect(), self.known)
+            let more = all.iter().filter(|term| term.id == *id);
+            self.design.fit(now.model, now.terms.iter().chain(more).cloned().collect(), self.known)
         };
         for id in &order {
             now = with(&now, id)?.unwrap_or(now);
@@ -186,12 +185,12 @@ impl<'a> Greedy<'_, 'a> {
 
     /// Takes an effect out of the explanation; false where the model cannot be fitted without it.
     fn withdraw(&self, explanation: &mut Explanation<'a>, doubtful: Withdrawn) -> Result<bool, BadShape> {
-        let mut pieces = explanation.fitted.pieces.clone();
-        pieces.retain(|piece| piece.id != doubtful.id);
+        let mut terms = explanation.fitted.terms.clone();
+        terms.retain(|term| term.id != doubtful.id);
         // A model that an effect has led astray does not come back by itself.
-        let without = match pieces.is_empty() {
+        let without = match terms.is_empty() {
             true => Some(explanation.base.clone()),
-            false => self.pass.fit(explanation.fitted.model, pieces, self.known)?,
+            false => self.design.fit(explanation.fitted.model, terms, self.known)?,
         };
         let Some(without) = without else { return Ok(false) };
         explanation.fitted = self.aligned(without)?;
@@ -207,7 +206,7 @@ impl<'a> Greedy<'_, 'a> {
         Ok(true)
     }
 
-    /// An effect that the model predicts unseen time as well without: it was found in a thinned copy of a long log, and the
+    /// An effect that the model predicts held-out time as well without: it was found in a thinned copy of a long log, and the
     /// rest of the log knows nothing of it.
     fn idle(&self, explanation: &Explanation<'a>, asked: &[String]) -> Result<Option<Withdrawn>, BadShape> {
         let fitted = &explanation.fitted;
@@ -219,9 +218,9 @@ impl<'a> Greedy<'_, 'a> {
                 continue;
             }
             // One of two that hide each other takes little before the other is there.
-            let mut pieces = fitted.pieces.clone();
-            pieces.retain(|piece| piece.id != *id);
-            let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
+            let mut terms = fitted.terms.clone();
+            terms.retain(|term| term.id != *id);
+            let Some(without) = self.design.fit(fitted.model, terms, self.known)? else { continue };
             let without = held_out_rms(&without).map(|rms| rms * rms);
             if !falls(without, Some(with * with)) {
                 let why = "not significant: the held-out error is as low without it";
@@ -235,9 +234,9 @@ impl<'a> Greedy<'_, 'a> {
     /// before the second is there.
     fn takes_beside(&self, explanation: &Explanation<'a>, id: &str) -> Result<Option<f64>, BadShape> {
         let fitted = &explanation.fitted;
-        let mut pieces = fitted.pieces.clone();
-        pieces.retain(|piece| piece.id != *id);
-        let without = self.pass.fit(fitted.model, pieces, self.known)?;
+        let mut terms = fitted.terms.clone();
+        terms.retain(|term| term.id != *id);
+        let without = self.design.fit(fitted.model, terms, self.known)?;
         Ok(without.map(|without| without.rms().powi(2) - fitted.rms().powi(2)))
     }
 
@@ -254,9 +253,9 @@ impl<'a> Greedy<'_, 'a> {
         let times = held_out / fitted.rms();
         // As `fit` has it, which would refuse this.
         let unseen = error_beyond(held_out, fitted.rms()) / fitted.model.field_ut;
-        let predicted = predicted_error(&self.pass, fitted, self.known, left)?.max(unseen);
+        let predicted = predicted_error(&self.design, fitted, self.known, left)?.max(unseen);
         let before = explanation.steps.first().and_then(|first| first.held_out);
-        if self.pass.residual != Residual::Magnitude
+        if self.design.residual != Residual::Magnitude
             || before.is_none_or(|before| held_out < PREDICTS * before)
             || times < DOES_NOT_HOLD
             || predicted < MAX_PREDICTED_ERROR
@@ -290,24 +289,24 @@ impl<'a> Greedy<'_, 'a> {
         if let Some(idle) = self.idle(explanation, asked)? {
             return Ok(Some(idle));
         }
-        let list: Vec<&Piece> = fitted.pieces.iter().collect();
-        let residuals = self.pass.residuals(&fitted.model, &list)?;
-        let samples = self.pass.samples;
+        let list: Vec<&Term> = fitted.terms.iter().collect();
+        let residuals = self.design.residuals(&fitted.model, &list)?;
+        let samples = self.design.samples;
         let left = residue(
             &residuals,
             fitted.columns(),
             samples.quantum_ut,
             samples.step_s(),
-            &self.pass.turning(&fitted.model),
+            &self.design.turning(&fitted.model),
         );
         if let Some(unheld) = self.does_not_hold(explanation, &left, asked) {
             return Ok(Some(unheld));
         }
         let remains = left.structure * left.rms * left.rms;
-        let is_step = |piece: &&Piece| matches!(piece.searched(), Some((Searched::At, _)));
+        let is_step = |term: &&Term| matches!(term.searched(), Some((Searched::At, _)));
         // Where all is explained there is nothing to doubt, but several steps make a stair of any slow change, and 1/f noise
         // wanders so that a step takes part of it.
-        let several = fitted.pieces.iter().filter(is_step).count() > 1;
+        let several = fitted.terms.iter().filter(is_step).count() > 1;
         let wanders = matches!(left.colour, Colour::Flicker { .. });
         if remains <= 0.0 && !several && !wanders {
             return Ok(None);
@@ -316,17 +315,17 @@ impl<'a> Greedy<'_, 'a> {
             let own = explanation.steps.windows(2).find(|pair| pair[1].added.as_deref() == Some(id));
             own.map_or(f64::INFINITY, |pair| pair[0].rms.powi(2) - pair[1].rms.powi(2))
         };
-        for piece in fitted.pieces.iter().filter(|piece| !asked.contains(&piece.id)) {
-            let at = piece.searched().filter(|(searched, _)| *searched == Searched::At);
+        for term in fitted.terms.iter().filter(|term| !asked.contains(&term.id)) {
+            let at = term.searched().filter(|(searched, _)| *searched == Searched::At);
             let enough = if several { STANDS_OUT } else { OUTWEIGHS };
-            if remains <= 0.0 && takes(&piece.id) >= enough * left.rms * left.rms {
+            if remains <= 0.0 && takes(&term.id) >= enough * left.rms * left.rms {
                 continue;
             }
             if let Some((_, at_s)) = at
-                && !self.sudden(fitted, piece, at_s)?
+                && !self.is_sudden(fitted, term, at_s)?
             {
                 let why = "the offset changes gradually, not in a step: the cause is probably slow and was not logged";
-                return Ok(Some(Withdrawn { id: piece.id.clone(), why: why.into() }));
+                return Ok(Some(Withdrawn { id: term.id.clone(), why: why.into() }));
             }
         }
         if remains <= 0.0 {
@@ -336,9 +335,9 @@ impl<'a> Greedy<'_, 'a> {
         for pair in explanation.steps.windows(2) {
             let Some(id) = pair[1].added.as_ref().filter(|id| !asked.contains(id)) else { continue };
             // A square or a past beside the linear term of the same column blames no other cause.
-            let own = fitted.pieces.iter().find(|piece| piece.id == *id && !piece.is_plain());
+            let own = fitted.terms.iter().find(|term| term.id == *id && !term.is_plain());
             let beside_plain =
-                |own: &Piece| fitted.pieces.iter().any(|piece| piece.is_plain() && piece.is_variant_of(own));
+                |own: &Term| fitted.terms.iter().any(|term| term.is_plain() && term.is_variant_of(own));
             if own.is_some_and(beside_plain) {
                 continue;
             }

@@ -1,14 +1,14 @@
 //! Effects added one at a time until none helps, earlier ones dropped when they no longer do.
 
-use crate::base::engine::{Fitted, Pass};
-use crate::base::piece::{BadShape, Piece};
+use crate::base::engine::{Design, Fitted};
+use crate::base::term::{BadShape, Term};
 use crate::search::candidates::Catalogue;
-use crate::search::kin::may_follow;
+use crate::search::collinear::may_follow;
 use crate::search::screen::{SIGNIFICANCE, rivalry, screen};
 use crate::search::search;
 use crate::search::several::numbered;
 use crate::search::state::{Confounded, Explanation, Greedy, Judged, MOST_EFFECTS};
-use crate::search::undisturbed::prefer;
+use crate::search::true_field::prefer;
 use ironout::effect::{Acts, Follows, Named, Searched};
 use ironout::study::Residual;
 use ironout::study::rule::{ALIKE, RIVAL_SHARE};
@@ -16,21 +16,21 @@ use ironout::study::rule::{ALIKE, RIVAL_SHARE};
 /// The same at rest, where a coil has a prompt, a late and a squared part.
 pub const MOST_AT_REST: usize = 9;
 
-/// Candidates explain the same if the squared error on unseen time with the one is at most this many times the other's.
+/// Candidates explain the same if the squared held-out error with the one is at most this many times the other's.
 const NO_WORSE: f64 = 2.0;
 
 /// The candidates of one round, the searched ones at their best places.
 fn candidates<'a>(
-    pass: &Pass,
+    design: &Design,
     catalogue: &Catalogue<'a>,
     fitted: &Fitted<'a>,
     periodic: bool,
-) -> Result<Vec<Piece<'a>>, BadShape> {
-    let at_rest = pass.residual == Residual::Vector;
+) -> Result<Vec<Term<'a>>, BadShape> {
+    let at_rest = design.residual == Residual::Vector;
     let mut list = catalogue.plain(at_rest);
     for named in catalogue.searched() {
         if periodic || named.form.searched != Some(Searched::Frequency) {
-            let found = finite(search::best(pass, fitted, catalogue, &named))?.flatten();
+            let found = finite(search::best(design, fitted, catalogue, &named))?.flatten();
             list.extend(found.and_then(|found| numbered(fitted, found)));
         }
     }
@@ -41,18 +41,18 @@ fn candidates<'a>(
         }
         // A late column stands beside the prompt one, or shows through it.
         let is_prompt = |own: Named| own.is_plain() && own.is_variant_of(&named);
-        if fitted.pieces.iter().filter_map(Piece::named).any(is_prompt) {
-            list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
+        if fitted.terms.iter().filter_map(Term::named).any(is_prompt) {
+            list.extend(finite(search::best(design, fitted, catalogue, &named))?.flatten());
         } else if !at_rest
             // Through a low-pass any column becomes smooth, and smooth shapes imitate each other: by heredity only.
             && named.form.searched != Some(Searched::TimeConstant)
-            && finite(search::acts_late(pass, fitted, catalogue, &named))?.unwrap_or(false)
+            && finite(search::acts_late(design, fitted, catalogue, &named))?.unwrap_or(false)
         {
             // A long delay leaves little of the prompt one to show through.
-            list.extend(finite(search::best(pass, fitted, catalogue, &named))?.flatten());
+            list.extend(finite(search::best(design, fitted, catalogue, &named))?.flatten());
         }
     }
-    list.retain(|candidate| !fitted.pieces.iter().any(|piece| piece.id == candidate.id));
+    list.retain(|candidate| !fitted.terms.iter().any(|term| term.id == candidate.id));
     Ok(list)
 }
 
@@ -74,7 +74,7 @@ enum Reconsidered<'a> {
     Stands { confounded: Vec<Confounded>, families: Vec<Confounded> },
 }
 
-/// Whether one leaves hardly more error on unseen time than another: what leaves much more does not explain the same.
+/// Whether one leaves hardly more held-out error than another: what leaves much more does not explain the same.
 fn as_good(one: &Judged, other: &Judged) -> bool {
     match (one.tested.held_out, other.tested.held_out) {
         (Some(one), Some(other)) => one <= NO_WORSE * other,
@@ -84,19 +84,19 @@ fn as_good(one: &Judged, other: &Judged) -> bool {
 
 impl<'a> Greedy<'_, 'a> {
     fn judge(&self, fitted: &Fitted<'a>, periodic: bool) -> Result<(Vec<Judged<'a>>, usize), BadShape> {
-        let mut list = candidates(&self.pass, self.catalogue, fitted, periodic)?;
+        let mut list = candidates(&self.design, self.catalogue, fitted, periodic)?;
         if self.held() {
             // Whatever turns with the board would stand in for the soft iron that is held, a coupling of nine numbers to
             // its turning too, and with little attitude a stronger field and an offset along it are the same.
-            let turns = |piece: &Piece| {
-                [Acts::Measured, Acts::Field, Acts::Turning].iter().any(|acts| piece.acts(*acts))
+            let turns = |term: &Term| {
+                [Acts::Measured, Acts::Field, Acts::Turning].iter().any(|acts| term.acts(*acts))
             };
             list.retain(|candidate| !turns(candidate));
         }
         list.retain(|candidate| !self.dropped.borrow().contains(&candidate.id));
         let count = self.independent(&list);
         let tested = loop {
-            match screen(&self.pass, fitted, &list, count) {
+            match screen(&self.design, fitted, &list, count) {
                 // One candidate that runs away is no reason to give up the others.
                 Err(BadShape::NotFinite(id)) if list.iter().any(|one| one.id == id) => {
                     list.retain(|one| one.id != id);
@@ -107,7 +107,7 @@ impl<'a> Greedy<'_, 'a> {
         };
         let mut judged: Vec<Judged> = tested
             .into_iter()
-            .filter_map(|tested| Some(Judged { piece: list.get(tested.index)?.clone(), tested }))
+            .filter_map(|tested| Some(Judged { term: list.get(tested.index)?.clone(), tested }))
             .collect();
         self.judge_strong(fitted, &mut judged, count)?;
         Ok((judged, count))
@@ -116,11 +116,11 @@ impl<'a> Greedy<'_, 'a> {
     /// Runs the search from a base model and the effects that stand in it from the beginning.
     pub fn run(&self, start: Fitted<'a>) -> Result<Explanation<'a>, BadShape> {
         let mut fitted = self.aligned(start)?;
-        let base = match fitted.pieces.is_empty() {
+        let base = match fitted.terms.is_empty() {
             true => fitted.clone(),
-            false => self.pass.fit(fitted.model, Vec::new(), self.known)?.unwrap_or_else(|| fitted.clone()),
+            false => self.design.fit(fitted.model, Vec::new(), self.known)?.unwrap_or_else(|| fitted.clone()),
         };
-        let mut order: Vec<String> = fitted.pieces.iter().map(|piece| piece.id.clone()).collect();
+        let mut order: Vec<String> = fitted.terms.iter().map(|term| term.id.clone()).collect();
         let mut first = None;
         let (mut last, mut count) = (Vec::new(), 0);
         let (mut confounded, mut families) = (Vec::new(), Vec::new());
@@ -139,9 +139,9 @@ impl<'a> Greedy<'_, 'a> {
             count = tried;
             first.get_or_insert_with(|| judged.clone());
             last = judged;
-            let most = if self.pass.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };
+            let most = if self.design.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };
             let next =
-                if fitted.pieces.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
+                if fitted.terms.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
             let next = next.flatten();
             if let Some((winner, next)) = next {
                 let next = match finite(self.of_the_sensor(&fitted, &winner, &next))?.flatten() {
@@ -154,14 +154,14 @@ impl<'a> Greedy<'_, 'a> {
                         next
                     }
                 };
-                fitted = self.aligned(prefer(&self.pass, next, None, self.known)?)?;
+                fitted = self.aligned(prefer(&self.design, next, None, self.known)?)?;
                 while let Some((dropped, without)) = finite(self.drop_one(&fitted))?.flatten() {
                     order.retain(|id| *id != dropped);
                     fitted = self.aligned(without)?;
                 }
                 continue;
             }
-            if fitted.pieces.len() + 2 <= MOST_EFFECTS
+            if fitted.terms.len() + 2 <= MOST_EFFECTS
                 && let Some((both, next)) = finite(self.pair(&fitted, &last))?.flatten()
             {
                 fitted = self.aligned(next)?;
@@ -215,48 +215,48 @@ impl<'a> Greedy<'_, 'a> {
     /// Compares every effect of the model with the candidates that could stand in its place.
     fn reconsider(&self, fitted: &Fitted<'a>, count: usize) -> Result<Reconsidered<'a>, BadShape> {
         let (mut groups, mut families) = (Vec::new(), Vec::new());
-        for index in 0..fitted.pieces.len() {
+        for index in 0..fitted.terms.len() {
             if self.is_spent() {
                 break;
             }
-            let mut pieces = fitted.pieces.clone();
-            let own = pieces.remove(index);
-            let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
-            let own = Piece { coefficients: Default::default(), ..own };
+            let mut terms = fitted.terms.clone();
+            let own = terms.remove(index);
+            let Some(without) = self.design.fit(fitted.model, terms, self.known)? else { continue };
+            let own = Term { coefficients: Default::default(), ..own };
             let (judged, _) = self.judge(&without, own.follows(Follows::Tone))?;
-            let Some(mine) = judged.iter().find(|one| one.piece.id == own.id) else { continue };
+            let Some(mine) = judged.iter().find(|one| one.term.id == own.id) else { continue };
             let mut group = vec![own.id.clone()];
             let mut family = vec![own.id.clone()];
             for other in &judged {
-                let id = &other.piece.id;
-                let kin = self.together(&own, &other.piece);
-                if fitted.pieces.iter().any(|piece| &piece.id == id)
-                    || other.piece.is_variant_of(&own)
-                    || !(other.tested.accepted || kin)
+                let id = &other.term.id;
+                let collinear = self.together(&own, &other.term);
+                if fitted.terms.iter().any(|term| &term.id == id)
+                    || other.term.is_variant_of(&own)
+                    || !(other.tested.accepted || collinear)
                     || other.tested.decrease < RIVAL_SHARE * mine.tested.decrease
                 {
                     continue;
                 }
-                let Some(pair) = rivalry(&self.pass, &without, &own, &other.piece, self.known)? else {
+                let Some(pair) = rivalry(&self.design, &without, &own, &other.term, self.known)? else {
                     continue;
                 };
                 if pair.first * (count as f64) < SIGNIFICANCE {
                     continue;
                 }
-                if kin {
+                if collinear {
                     // What several channels have in common stands for them; a channel that has more to say has been
                     // tested beside it.
-                    if other.piece.is_plain() {
+                    if other.term.is_plain() {
                         family.push(id.clone());
                     }
                     continue;
                 }
                 // The other explains all that this one does.
                 let fewer = other.tested.directions < mine.tested.directions;
-                if fewer || pair.second * (count as f64) * other.piece.places < SIGNIFICANCE {
-                    if let Some(next) = self.with(&without, &other.piece)?
-                        && may_follow(&own, &other.piece, fitted, &next)
-                        && self.beats_its_copies(&without, &other.piece)?
+                if fewer || pair.second * (count as f64) * other.term.trials < SIGNIFICANCE {
+                    if let Some(next) = self.with(&without, &other.term)?
+                        && may_follow(&own, &other.term, fitted, &next)
+                        && self.beats_its_copies(&without, &other.term)?
                     {
                         return Ok(Reconsidered::Swap {
                             from: own.id,
@@ -283,18 +283,18 @@ impl<'a> Greedy<'_, 'a> {
 
     /// The earlier effect that the later ones have made superfluous, and the model without it.
     fn drop_one(&self, fitted: &Fitted<'a>) -> Result<Option<(String, Fitted<'a>)>, BadShape> {
-        let newest = fitted.pieces.len().saturating_sub(1);
+        let newest = fitted.terms.len().saturating_sub(1);
         for index in 0..newest {
-            let mut pieces = fitted.pieces.clone();
-            let removed = pieces.remove(index);
+            let mut terms = fitted.terms.clone();
+            let removed = terms.remove(index);
             let beside =
-                |piece: &Piece| removed.is_plain() && piece.id != removed.id && piece.is_variant_of(&removed);
-            if self.pass.residual == Residual::Vector && pieces.iter().any(beside) {
+                |term: &Term| removed.is_plain() && term.id != removed.id && term.is_variant_of(&removed);
+            if self.design.residual == Residual::Vector && terms.iter().any(beside) {
                 continue;
             }
-            let Some(without) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
-            let candidate = Piece { coefficients: Default::default(), places: 1.0, ..removed.clone() };
-            let tested = screen(&self.pass, &without, &[candidate], 1)?;
+            let Some(without) = self.design.fit(fitted.model, terms, self.known)? else { continue };
+            let candidate = Term { coefficients: Default::default(), trials: 1.0, ..removed.clone() };
+            let tested = screen(&self.design, &without, &[candidate], 1)?;
             if tested.first().is_none_or(|tested| !tested.accepted) {
                 return Ok(Some((removed.id, without)));
             }

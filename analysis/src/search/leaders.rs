@@ -1,9 +1,9 @@
 //! The leading candidates fully fitted, and which of them is added.
 
 use crate::base::engine::Fitted;
-use crate::base::piece::{BadShape, Piece};
+use crate::base::term::{BadShape, Term};
+use crate::search::collinear::NEARLY;
 use crate::search::greedy::finite;
-use crate::search::kin::NEARLY;
 use crate::search::parameter;
 use crate::search::screen::{ACCUSED, SIGNIFICANCE, WORTH_NAMING, rivalry, screen, stands};
 use crate::search::search;
@@ -28,26 +28,22 @@ const PROMPT_SHARE: f64 = 0.3;
 impl<'a> Greedy<'_, 'a> {
     /// The model with one more effect, fully refitted, and what fixes its shape moved to where the error is least. `None`
     /// where the fit does not converge, or runs away.
-    pub(crate) fn with(
-        &self,
-        fitted: &Fitted<'a>,
-        piece: &Piece<'a>,
-    ) -> Result<Option<Fitted<'a>>, BadShape> {
-        self.with_all(fitted, std::iter::once(piece))
+    pub(crate) fn with(&self, fitted: &Fitted<'a>, term: &Term<'a>) -> Result<Option<Fitted<'a>>, BadShape> {
+        self.with_all(fitted, std::iter::once(term))
     }
 
     /// The same with several more.
     pub(crate) fn with_all<'p>(
         &self,
         fitted: &Fitted<'a>,
-        more: impl Iterator<Item = &'p Piece<'a>>,
+        more: impl Iterator<Item = &'p Term<'a>>,
     ) -> Result<Option<Fitted<'a>>, BadShape>
     where
         'a: 'p,
     {
-        let mut pieces = fitted.pieces.clone();
-        pieces.extend(more.cloned());
-        let Some(next) = finite(self.pass.fit(fitted.model, pieces, self.known))?.flatten() else {
+        let mut terms = fitted.terms.clone();
+        terms.extend(more.cloned());
+        let Some(next) = finite(self.design.fit(fitted.model, terms, self.known))?.flatten() else {
             return Ok(None);
         };
         let next = finite(self.settled(next))?;
@@ -57,7 +53,7 @@ impl<'a> Greedy<'_, 'a> {
     /// The model with what fixes the shapes moved to where the error is least. What was found before an effect came in
     /// was found in the trace that this one left.
     pub(crate) fn settled(&self, fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
-        let next = parameter::refine(&self.pass, fitted, self.catalogue, self.known)?;
+        let next = parameter::refine(&self.design, fitted, self.catalogue, self.known)?;
         self.at_its_time(next)
     }
 
@@ -66,24 +62,26 @@ impl<'a> Greedy<'_, 'a> {
     pub(crate) fn at_its_time(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
         for _ in 0..3 {
             let mut moved = false;
-            for place in 0..fitted.pieces.len() {
-                let mut pieces = fitted.pieces.clone();
-                if !matches!(pieces[place].searched(), Some((Searched::At, _))) {
+            for place in 0..fitted.terms.len() {
+                let mut terms = fitted.terms.clone();
+                if !matches!(terms[place].searched(), Some((Searched::At, _))) {
                     continue;
                 }
-                let step = pieces.remove(place);
+                let step = terms.remove(place);
                 // Without the step the others may run away: then it stays where it is.
-                let Some(bare) = finite(self.pass.hold(fitted.model, pieces.clone(), self.known))? else {
+                let Some(bare) = finite(self.design.hold(fitted.model, terms.clone(), self.known))? else {
                     continue;
                 };
                 let Some(named) = step.named() else { continue };
-                let Some(found) = search::best(&self.pass, &bare, self.catalogue, &named)? else { continue };
+                let Some(found) = search::best(&self.design, &bare, self.catalogue, &named)? else {
+                    continue;
+                };
                 if found.parts() == step.parts() {
                     continue;
                 }
-                let Piece { id, coefficients, .. } = step;
-                pieces.insert(place, Piece { id, coefficients, ..found });
-                match self.pass.fit(fitted.model, pieces, self.known)? {
+                let Term { id, coefficients, .. } = step;
+                terms.insert(place, Term { id, coefficients, ..found });
+                match self.design.fit(fitted.model, terms, self.known)? {
                     Some(next) if next.squares < fitted.squares => (fitted, moved) = (next, true),
                     _ => {}
                 }
@@ -103,29 +101,29 @@ impl<'a> Greedy<'_, 'a> {
         judged: &mut [Judged<'a>],
         count: usize,
     ) -> Result<(), BadShape> {
-        let limit = match self.pass.residual {
+        let limit = match self.design.residual {
             Residual::Magnitude => STRONG * fitted.model.field_ut,
             Residual::Dip | Residual::Vector => return Ok(()),
         };
         let Some(before) = held_out_rms(fitted) else { return Ok(()) };
         // The next of several steps was searched where the others stand, whose times it moves.
-        let is_step = |piece: &Piece| matches!(piece.searched(), Some((Searched::At, _)));
-        let one_stands = fitted.pieces.iter().any(is_step);
+        let is_step = |term: &Term| matches!(term.searched(), Some((Searched::At, _)));
+        let one_stands = fitted.terms.iter().any(is_step);
         let is_bent =
-            |one: &Judged| fitted.rms() > limit || one_stands && is_step(&one.piece) && !one.tested.accepted;
+            |one: &Judged| fitted.rms() > limit || one_stands && is_step(&one.term) && !one.tested.accepted;
         let mut leaders: Vec<&mut Judged> = judged
             .iter_mut()
             .filter(|one| one.tested.decrease > STRONG_SHARE * fitted.squares && is_bent(one))
             .collect();
         leaders.sort_by(|a, b| b.tested.decrease.total_cmp(&a.tested.decrease));
         for one in leaders.into_iter().take(STRONG_LEADERS) {
-            let Some(next) = self.with(fitted, &one.piece)? else { continue };
-            let Some(test) = finite(stands(&self.pass, &next))?.flatten() else { continue };
+            let Some(next) = self.with(fitted, &one.term)? else { continue };
+            let Some(test) = finite(stands(&self.design, &next))?.flatten() else { continue };
             let tested = &mut one.tested;
             let held_out = held_out_rms(&next);
             tested.time = test.time;
             tested.decrease = fitted.squares - next.squares;
-            tested.p_value = (test.p_value * one.piece.places).min(1.0);
+            tested.p_value = (test.p_value * one.term.trials).min(1.0);
             tested.held_out = held_out.map(|rms| rms * rms * next.rows);
             tested.accepted = tested.p_value * (count as f64) < ACCUSED
                 && held_out.is_some_and(|after| after * after < before * before * (1.0 - WORTH_NAMING));
@@ -141,13 +139,13 @@ impl<'a> Greedy<'_, 'a> {
         judged: &[Judged<'a>],
         count: usize,
     ) -> Result<Judged<'a>, BadShape> {
-        let own = &leader.piece;
+        let own = &leader.term;
         let Some(named) = own.named().filter(|named| named.family.forms().len() > 1 && named.form.column)
         else {
             return Ok(leader.clone());
         };
-        let is_prompt = |other: &Judged| other.piece.is_plain() && other.piece.is_variant_of(own);
-        if self.pass.residual == Residual::Vector {
+        let is_prompt = |other: &Judged| other.term.is_plain() && other.term.is_variant_of(own);
+        if self.design.residual == Residual::Vector {
             // What a column adds in proportion comes first; its square and its past are added beside it.
             let prompt = judged.iter().find(|other| is_prompt(other));
             return match prompt.filter(|other| other.tested.decrease > PROMPT_SHARE * leader.tested.decrease)
@@ -161,26 +159,26 @@ impl<'a> Greedy<'_, 'a> {
         if let Some(prompt) = judged.iter().find(|other| is_prompt(other))
             && !own.is_plain()
             && prompt.tested.accepted
-            && let Some(rivals) = rivalry(&self.pass, fitted, &leader.piece, &prompt.piece, self.known)?
+            && let Some(rivals) = rivalry(&self.design, fitted, &leader.term, &prompt.term, self.known)?
             && rivals.first * count as f64 > SIGNIFICANCE
             && (rivals.first * forms as f64 > SIGNIFICANCE || rivals.second < BETTER_BY * rivals.first)
         {
             best = prompt.clone();
         }
         for form in named.family.forms().iter().copied().filter(|form| form.offered && form.is_late()) {
-            if let Some(late) = search::best(&self.pass, fitted, self.catalogue, &Named { form, ..named })?
-                && !fitted.pieces.iter().any(|piece| piece.id == late.id)
-                && late.id != best.piece.id
-                && let Some(rivals) = rivalry(&self.pass, fitted, &late, &best.piece, self.known)?
-                && rivals.first * late.places * (count as f64) < SIGNIFICANCE
+            if let Some(late) = search::best(&self.design, fitted, self.catalogue, &Named { form, ..named })?
+                && !fitted.terms.iter().any(|term| term.id == late.id)
+                && late.id != best.term.id
+                && let Some(rivals) = rivalry(&self.design, fitted, &late, &best.term, self.known)?
+                && rivals.first * late.trials * (count as f64) < SIGNIFICANCE
                 && rivals.second > 1e3 * rivals.first
             {
-                let tested = screen(&self.pass, fitted, std::slice::from_ref(&late), count)?;
+                let tested = screen(&self.design, fitted, std::slice::from_ref(&late), count)?;
                 if let Some(tested) = tested.into_iter().next()
                     && tested.accepted
                     && tested.decrease > best.tested.decrease
                 {
-                    best = Judged { piece: late, tested };
+                    best = Judged { term: late, tested };
                 }
             }
         }
@@ -197,11 +195,11 @@ impl<'a> Greedy<'_, 'a> {
         let mut judged = judged.to_vec();
         for _ in 0..MOST_REFUSED {
             let Some((id, next)) = self.best_of(fitted, &judged, count)? else { return Ok(None) };
-            let Some(piece) = next.pieces.iter().find(|piece| piece.id == id) else { return Ok(None) };
-            if self.beats_its_copies(fitted, piece)? {
+            let Some(term) = next.terms.iter().find(|term| term.id == id) else { return Ok(None) };
+            if self.beats_its_copies(fitted, term)? {
                 return Ok(Some((id, next)));
             }
-            let alike = |one: &Judged| one.piece.id == id || one.piece.is_variant_of(piece);
+            let alike = |one: &Judged| one.term.id == id || one.term.is_variant_of(term);
             judged.iter_mut().filter(|one| alike(one)).for_each(|one| one.tested.accepted = false);
         }
         Ok(None)
@@ -222,18 +220,18 @@ impl<'a> Greedy<'_, 'a> {
         });
         let mut leaders: Vec<(Judged<'a>, Fitted<'a>, f64)> = Vec::new();
         // A shape in time may stand in for a cause that was logged: the best of those is fitted too.
-        let logged = passing.iter().position(|one| !one.piece.is_in_time()).filter(|at| *at >= 3);
+        let logged = passing.iter().position(|one| !one.term.is_in_time()).filter(|at| *at >= 3);
         for one in passing.iter().take(3).chain(logged.and_then(|at| passing.get(at))) {
-            if let Some(next) = self.with(fitted, &one.piece)?
+            if let Some(next) = self.with(fitted, &one.term)?
                 && let Some(held) = held_out_rms(&next)
             {
                 leaders.push(((*one).clone(), next, held));
             }
         }
         leaders.sort_by(|a, b| a.2.total_cmp(&b.2));
-        if let Some(held) = leaders.first().filter(|one| one.0.piece.is_in_time()).map(|one| one.2) {
+        if let Some(held) = leaders.first().filter(|one| one.0.term.is_in_time()).map(|one| one.2) {
             leaders.retain(|one| one.2 < NEARLY * held);
-            leaders.sort_by_key(|one| one.0.piece.is_in_time());
+            leaders.sort_by_key(|one| one.0.term.is_in_time());
         }
         let Some((leader, mut next, _)) = leaders.into_iter().next() else { return Ok(None) };
         let mut winner = self.best_variant(fitted, &leader, judged, count)?;
@@ -242,29 +240,29 @@ impl<'a> Greedy<'_, 'a> {
             if other.tested.directions < winner.tested.directions
                 && other.tested.decrease > 0.3 * winner.tested.decrease
                 && held(other) < NEARLY * NEARLY * held(&winner)
-                && let Some(pair) = rivalry(&self.pass, fitted, &winner.piece, &other.piece, self.known)?
+                && let Some(pair) = rivalry(&self.design, fitted, &winner.term, &other.term, self.known)?
                 && pair.first * count as f64 > SIGNIFICANCE
             {
                 winner = (*other).clone();
             }
         }
         winner = self.for_its_family(fitted, winner, judged, count)?;
-        if winner.piece.id != leader.piece.id {
-            match self.with(fitted, &winner.piece)? {
+        if winner.term.id != leader.term.id {
+            match self.with(fitted, &winner.term)? {
                 Some(fit) => next = fit,
                 None => winner = leader,
             }
         }
-        Ok(Some((winner.piece.id.clone(), next)))
+        Ok(Some((winner.term.id.clone(), next)))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::engine::Pass;
+    use crate::base::engine::Design;
     use crate::base::ground::Ground;
-    use crate::base::known::Known;
+    use crate::base::prior::Prior;
     use crate::search::candidates::Catalogue;
     use crate::table::Table;
     use ironout::effect::{Effect, MAX_INPUTS, Quantities, Registry, Shape};
@@ -311,26 +309,26 @@ mod tests {
         let model = ground.base.as_ref().ok().and_then(|base| base.model()).expect("a base model");
         let samples = ground.counted.with_bursts.as_ref().unwrap_or(&ground.counted.samples);
         let catalogue = Catalogue::new(samples, &table, Registry::BUILT_IN);
-        let (pass, known) = (Pass::new(samples, Residual::Magnitude), Known::default());
-        let greedy = Greedy::new(pass, &catalogue, &known);
-        let base = pass.fit(model, Vec::new(), &known).ok().flatten().expect("a fit");
+        let (design, known) = (Design::new(samples, Residual::Magnitude), Prior::default());
+        let greedy = Greedy::new(design, &catalogue, &known);
+        let base = design.fit(model, Vec::new(), &known).ok().flatten().expect("a fit");
         let step = catalogue.searched().into_iter().find(|named| named.form.searched == Some(Searched::At));
         let step =
-            search::best(&pass, &base, &catalogue, &step.expect("steps")).ok().flatten().expect("a step");
+            search::best(&design, &base, &catalogue, &step.expect("steps")).ok().flatten().expect("a step");
         let with_step = greedy.with(&base, &step).ok().flatten().expect("a fit with the step");
         let inputs = std::sync::Arc::new(vec![[0.0; MAX_INPUTS]; samples.len()]);
         let made =
-            catalogue.plain(false).into_iter().find(|piece| piece.id == "cross-axis").expect("an effect");
-        let mut away = Piece { effect: std::sync::Arc::new(Near), inputs, ..made };
+            catalogue.plain(false).into_iter().find(|term| term.id == "cross-axis").expect("an effect");
+        let mut away = Term { effect: std::sync::Arc::new(Near), inputs, ..made };
         away.coefficients[0] = 1e6;
-        assert!(matches!(pass.hold(model, vec![away.clone()], &known), Err(BadShape::NotFinite(_))));
+        assert!(matches!(design.hold(model, vec![away.clone()], &known), Err(BadShape::NotFinite(_))));
 
         // It stays where it is, ...
-        let mut pieces = with_step.pieces.clone();
-        pieces.push(away.clone());
-        let places: Vec<_> = pieces.iter().map(|piece| piece.id.clone()).collect();
-        let kept = greedy.at_its_time(Fitted { pieces, ..with_step.clone() }).expect("a model");
-        assert_eq!(kept.pieces.iter().map(|piece| piece.id.clone()).collect::<Vec<_>>(), places);
+        let mut terms = with_step.terms.clone();
+        terms.push(away.clone());
+        let places: Vec<_> = terms.iter().map(|term| term.id.clone()).collect();
+        let kept = greedy.at_its_time(Fitted { terms, ..with_step.clone() }).expect("a model");
+        assert_eq!(kept.terms.iter().map(|term| term.id.clone()).collect::<Vec<_>>(), places);
         // ... and no candidate that runs away gives up the search.
         assert!(matches!(greedy.with(&with_step, &away), Ok(None)));
     }

@@ -1,11 +1,11 @@
 //! The search for what is missing: candidates, their tests, and which of them are added.
 
-pub mod beside;
 pub mod candidates;
 pub mod certain;
+pub mod collinear;
+pub mod conditional;
 pub mod gains;
 pub mod greedy;
-pub mod kin;
 pub mod leaders;
 pub mod pairs;
 pub mod parameter;
@@ -17,7 +17,7 @@ pub mod shifted;
 pub mod shown;
 pub mod slowly;
 pub mod state;
-pub mod sudden;
+pub mod step_evidence;
 pub mod thinned;
 pub mod tone;
-pub mod undisturbed;
+pub mod true_field;

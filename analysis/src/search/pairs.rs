@@ -1,8 +1,8 @@
 //! Two effects that hide each other: each alone is lost in the structure that the other leaves.
 
 use crate::base::engine::Fitted;
-use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
 use crate::base::quality::residue;
+use crate::base::term::{BadShape, COLUMNS, Matrix, TERMS, Term};
 use crate::search::screen::{SIGNIFICANCE, ranges, ridge, rivalry};
 use crate::search::search;
 use crate::search::several::numbered;
@@ -25,15 +25,15 @@ impl<'a> Greedy<'_, 'a> {
         fitted: &Fitted<'a>,
         judged: &[Judged<'a>],
     ) -> Result<Option<([String; 2], Fitted<'a>)>, BadShape> {
-        let inner: Vec<&Piece> = fitted.pieces.iter().collect();
-        let residuals = self.pass.residuals(&fitted.model, &inner)?;
-        let samples = self.pass.samples;
+        let inner: Vec<&Term> = fitted.terms.iter().collect();
+        let residuals = self.design.residuals(&fitted.model, &inner)?;
+        let samples = self.design.samples;
         let left = residue(
             &residuals,
             fitted.columns(),
             samples.quantum_ut,
             samples.step_s(),
-            &self.pass.turning(&fitted.model),
+            &self.design.turning(&fitted.model),
         );
         if left.structure <= 0.0 {
             return Ok(None);
@@ -44,14 +44,14 @@ impl<'a> Greedy<'_, 'a> {
         let mut columns = base;
         leaders.truncate(LEADERS.min(TERMS.saturating_sub(inner.len())));
         leaders.retain(|one| {
-            let wide = columns + one.piece.k();
+            let wide = columns + one.term.k();
             let fits = wide <= COLUMNS;
             columns = if fits { wide } else { columns };
             fits
         });
-        let batch: Vec<&Piece> = leaders.iter().map(|one| &one.piece).collect();
-        let all: Vec<&Piece> = inner.iter().chain(&batch).copied().collect();
-        let blocks = self.pass.blocks(&self.pass.folds(&all), &fitted.model, &all)?;
+        let batch: Vec<&Term> = leaders.iter().map(|one| &one.term).collect();
+        let all: Vec<&Term> = inner.iter().chain(&batch).copied().collect();
+        let blocks = self.design.blocks(&self.design.folds(&all), &fitted.model, &all)?;
         let prior = ridge(&fitted.prior, &Matrix::total(&blocks, Some(&fitted.prior)), base);
         let spans = ranges(base, &batch);
         let own: Vec<usize> = (0..base).collect();
@@ -71,18 +71,18 @@ impl<'a> Greedy<'_, 'a> {
         let tries = (judged.len() * judged.len().saturating_sub(1) / 2) as f64;
         let mut best: Option<(f64, [String; 2], Fitted<'a>)> = None;
         let steps = self.two_steps(fitted)?;
-        let close = pairs.into_iter().take(CLOSE).map(|(_, i, j)| [&leaders[i].piece, &leaders[j].piece]);
+        let close = pairs.into_iter().take(CLOSE).map(|(_, i, j)| [&leaders[i].term, &leaders[j].term]);
         for [a, b] in close.chain(steps.iter().map(|[a, b]| [a, b])) {
-            let Some(two) = rivalry(&self.pass, fitted, a, b, self.known)? else { continue };
+            let Some(two) = rivalry(&self.design, fitted, a, b, self.known)? else { continue };
             let certain = |p: f64, searched: f64| p * searched * tries < SIGNIFICANCE;
-            if !certain(two.first, a.places) || !certain(two.second, b.places) {
+            if !certain(two.first, a.trials) || !certain(two.second, b.trials) {
                 continue;
             }
-            let mut pieces = fitted.pieces.clone();
-            pieces.extend([a.clone(), b.clone()]);
-            let Some(next) = self.pass.fit(fitted.model, pieces, self.known)? else { continue };
+            let mut terms = fitted.terms.clone();
+            terms.extend([a.clone(), b.clone()]);
+            let Some(next) = self.design.fit(fitted.model, terms, self.known)? else { continue };
             let next = self.settled(next)?;
-            if !self.each_beats_its_copies(&next, fitted.pieces.len())? {
+            if !self.each_beats_its_copies(&next, fitted.terms.len())? {
                 continue;
             }
             let Some(held) = held_out_rms(&next).filter(|held| held * held < leaves) else { continue };
@@ -94,24 +94,24 @@ impl<'a> Greedy<'_, 'a> {
     }
 
     /// The step that goes and comes back, and the last two of three that hide each other.
-    fn two_steps(&self, fitted: &Fitted<'a>) -> Result<Option<[Piece<'a>; 2]>, BadShape> {
+    fn two_steps(&self, fitted: &Fitted<'a>) -> Result<Option<[Term<'a>; 2]>, BadShape> {
         let repeated = |named: &Named| named.form.searched == Some(Searched::At);
         let Some(named) = self.catalogue.searched().into_iter().find(repeated) else { return Ok(None) };
-        let Some([first, second]) = search::two_steps(&self.pass, fitted, self.catalogue, &named)? else {
+        let Some([first, second]) = search::two_steps(&self.design, fitted, self.catalogue, &named)? else {
             return Ok(None);
         };
         let Some(first) = numbered(fitted, first) else { return Ok(None) };
         let mut with = fitted.clone();
-        with.pieces.push(first.clone());
+        with.terms.push(first.clone());
         Ok(numbered(&with, second).map(|second| [first, second]))
     }
 
     /// Whether each effect from the place `from` on does what no copy of its column does, beside the others.
     fn each_beats_its_copies(&self, both: &Fitted<'a>, from: usize) -> Result<bool, BadShape> {
-        for place in from..both.pieces.len() {
-            let mut others = both.pieces.clone();
+        for place in from..both.terms.len() {
+            let mut others = both.terms.clone();
             let own = others.remove(place);
-            let Some(without) = self.pass.fit(both.model, others, self.known)? else { return Ok(false) };
+            let Some(without) = self.design.fit(both.model, others, self.known)? else { return Ok(false) };
             if !self.beats_its_copies(&without, &own)? {
                 return Ok(false);
             }

@@ -1,9 +1,9 @@
 //! What fixes the shape of a searched effect as a parameter of its own: the frequency of a periodic disturbance, the
 //! lateness of a column. Their refinement, and their share in the errors.
 
-use crate::base::engine::{Fitted, Pass};
-use crate::base::known::Known;
-use crate::base::piece::{BadShape, COLUMNS, Clock, Matrix, Piece};
+use crate::base::engine::{Design, Fitted};
+use crate::base::prior::Prior;
+use crate::base::term::{BadShape, COLUMNS, Clock, Matrix, Term};
 use crate::search::candidates::Catalogue;
 use ironout::effect::{Column, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, Searched, Shape, TIME};
 use ironout::extended::LowPass;
@@ -57,42 +57,42 @@ impl Effect<f64> for Slope {
 }
 
 /// A step or a tone with its place and size: "step of 2.1 µT at 40.30 s".
-pub fn in_words(piece: &Piece) -> String {
+pub fn in_words(term: &Term) -> String {
     let norm = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().sqrt();
-    let c = &piece.coefficients;
-    let (size, word) = (norm(&c[..piece.k()]), piece.named().map_or("effect", |named| named.family.word()));
-    match piece.searched() {
+    let c = &term.coefficients;
+    let (size, word) = (norm(&c[..term.k()]), term.named().map_or("effect", |named| named.family.word()));
+    match term.searched() {
         Some((Searched::At, at_s)) => format!("{word} of {size:.2} µT at {at_s:.2} s"),
         Some((Searched::Frequency, hz)) => format!("{word} of {size:.2} µT at {hz:.3} Hz"),
-        _ => piece.id.clone(),
+        _ => term.id.clone(),
     }
 }
 
-/// Rate of change of a piece's first input over the samples.
-fn rates(piece: &Piece, time: &[f64]) -> Vec<[f64; MAX_INPUTS]> {
-    let n = piece.inputs.len().min(time.len());
+/// Rate of change of a term's first input over the samples.
+fn rates(term: &Term, time: &[f64]) -> Vec<[f64; MAX_INPUTS]> {
+    let n = term.inputs.len().min(time.len());
     (0..n)
         .map(|at| {
             let (from, to) = (at.saturating_sub(1), (at + 1).min(n - 1));
             let span = time[to] - time[from];
-            [if span > 0.0 { (piece.inputs[to][0] - piece.inputs[from][0]) / span } else { 0.0 }, 0.0]
+            [if span > 0.0 { (term.inputs[to][0] - term.inputs[from][0]) / span } else { 0.0 }, 0.0]
         })
         .collect()
 }
 
-/// The column of a piece's parameter, if it has one that is not a time of its own.
-fn slope<'a>(pass: &Pass, piece: &Piece<'a>) -> Option<Piece<'a>> {
-    let c = &piece.coefficients;
-    let (effect, inputs) = match piece.searched()? {
+/// The column of a term's parameter, if it has one that is not a time of its own.
+fn slope<'a>(design: &Design, term: &Term<'a>) -> Option<Term<'a>> {
+    let c = &term.coefficients;
+    let (effect, inputs) = match term.searched()? {
         (Searched::Frequency, frequency_hz) => {
             let mut coefficients = [0.0; 6];
             coefficients.copy_from_slice(&c[..6]);
-            let reference_s = piece.parts()?.reference;
-            (Slope::Frequency { frequency_hz, reference_s, coefficients }, piece.inputs.clone())
+            let reference_s = term.parts()?.reference;
+            (Slope::Frequency { frequency_hz, reference_s, coefficients }, term.inputs.clone())
         }
         (searched @ (Searched::Delay | Searched::TimeConstant), now) => {
-            let time = pass.samples.time.as_deref()?;
-            let mut rates = rates(piece, time);
+            let time = design.samples.time.as_deref()?;
+            let mut rates = rates(term, time);
             if searched == Searched::TimeConstant {
                 // By τ, τ dy/dt = x − y gives τ dz/dt = −z − dy/dt: z is minus the low-pass of dy/dt.
                 let mut filter = LowPass::<f64>::new(now);
@@ -108,69 +108,69 @@ fn slope<'a>(pass: &Pass, piece: &Piece<'a>) -> Option<Piece<'a>> {
         }
         (Searched::At, _) => return None,
     };
-    Some(Piece {
-        id: format!("parameter of {}", piece.id),
+    Some(Term {
+        id: format!("parameter of {}", term.id),
         made: None,
         effect: Arc::new(effect),
         coefficients: [0.0; MAX_COEFFICIENTS],
         inputs,
-        places: 1.0,
+        trials: 1.0,
         clock: Clock::Stamps,
         known_at: None,
     })
 }
 
 /// Normal matrix with one more column for every searched parameter of the model, the last columns in the order of the
-/// pieces. `None` where there is none.
-pub fn with_slopes(pass: &Pass, fitted: &Fitted) -> Result<Option<Matrix>, BadShape> {
-    let slopes: Vec<Piece> = fitted.pieces.iter().filter_map(|piece| slope(pass, piece)).collect();
+/// terms. `None` where there is none.
+pub fn with_slopes(design: &Design, fitted: &Fitted) -> Result<Option<Matrix>, BadShape> {
+    let slopes: Vec<Term> = fitted.terms.iter().filter_map(|term| slope(design, term)).collect();
     if slopes.is_empty() || fitted.columns() + slopes.len() > COLUMNS {
         return Ok(None);
     }
-    let all: Vec<&Piece> = fitted.pieces.iter().chain(&slopes).collect();
-    let blocks = pass.blocks(&pass.samples.bounds(2), &fitted.model, &all)?;
+    let all: Vec<&Term> = fitted.terms.iter().chain(&slopes).collect();
+    let blocks = design.blocks(&design.samples.bounds(2), &fitted.model, &all)?;
     Ok(Some(Matrix::total(&blocks, Some(&fitted.prior))))
 }
 
-/// The piece with its parameter moved.
-fn moved<'a>(piece: &Piece<'a>, change: f64, catalogue: &Catalogue<'a>) -> Option<Piece<'a>> {
-    let next = match piece.searched()? {
-        (Searched::Frequency, now) => catalogue.by(piece.clock, &piece.named()?, now + change)?,
+/// The term with its parameter moved.
+fn moved<'a>(term: &Term<'a>, change: f64, catalogue: &Catalogue<'a>) -> Option<Term<'a>> {
+    let next = match term.searched()? {
+        (Searched::Frequency, now) => catalogue.by(term.clock, &term.named()?, now + change)?,
         (Searched::Delay | Searched::TimeConstant, now) => {
             {
                 // Neither a time constant nor a delay changes its sign on the way.
                 let next = (now + change) / now;
-                catalogue.build(&piece.named()?, now * next.max(0.2))?
+                catalogue.build(&term.named()?, now * next.max(0.2))?
             }
         }
         (Searched::At, _) => return None,
     };
-    Some(Piece { coefficients: piece.coefficients, id: piece.id.clone(), places: piece.places, ..next })
+    Some(Term { coefficients: term.coefficients, id: term.id.clone(), trials: term.trials, ..next })
 }
 
 /// Moves searched parameters to where the error is least, and refits.
 pub fn refine<'a>(
-    pass: &Pass,
+    design: &Design,
     mut fitted: Fitted<'a>,
     catalogue: &Catalogue<'a>,
-    known: &Known,
+    known: &Prior,
 ) -> Result<Fitted<'a>, BadShape> {
     for _ in 0..4 {
-        let Some(total) = with_slopes(pass, &fitted)? else { return Ok(fitted) };
+        let Some(total) = with_slopes(design, &fitted)? else { return Ok(fitted) };
         let Some(factor) = total.factor() else { return Ok(fitted) };
         let step = total.step(&factor);
         let mut changes = step[fitted.columns()..].iter();
-        let mut pieces = fitted.pieces.clone();
-        for piece in &mut pieces {
-            if slope(pass, piece).is_some()
+        let mut terms = fitted.terms.clone();
+        for term in &mut terms {
+            if slope(design, term).is_some()
                 && let Some(change) = changes.next()
-                && let Some(next) = moved(piece, *change, catalogue)
+                && let Some(next) = moved(term, *change, catalogue)
             {
-                *piece = next;
+                *term = next;
             }
         }
         let before = fitted.squares;
-        match pass.fit(fitted.model, pieces, known)? {
+        match design.fit(fitted.model, terms, known)? {
             Some(next) if next.squares < before => fitted = next,
             _ => return Ok(fitted),
         }

@@ -1,8 +1,8 @@
 //! Tests of candidates against a fitted model.
 
-use crate::base::engine::{Fitted, Pass};
-use crate::base::known::Known;
-use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece, TERMS};
+use crate::base::engine::{Design, Fitted};
+use crate::base::prior::Prior;
+use crate::base::term::{BadShape, COLUMNS, Matrix, TERMS, Term};
 use crate::residual::spectrum::{Frame, Rows, Verdict};
 use crate::threads::halves;
 pub use ironout::study::rule::{ACCUSED, RELEVANCE, SIGNIFICANCE};
@@ -10,7 +10,7 @@ use ironout::study::rule::{falls, is_accepted};
 use ironout::study::{Improvement, Residual, f_tail, held_out};
 use std::ops::Range;
 
-/// An effect of the magnitude is named if it takes at least this share off the squared error on unseen time.
+/// An effect of the magnitude is named if it takes at least this share off the squared held-out error.
 pub const WORTH_NAMING: f64 = 0.15;
 
 /// What takes less than this share off the squared error may be part of 1/f noise.
@@ -37,13 +37,13 @@ pub struct Tested {
     pub accepted: bool,
 }
 
-/// Columns of a piece that follows `base` columns and the pieces before it.
-pub(crate) fn ranges(base: usize, pieces: &[&Piece]) -> Vec<std::ops::Range<usize>> {
+/// Columns of a term that follows `base` columns and the terms before it.
+pub(crate) fn ranges(base: usize, terms: &[&Term]) -> Vec<std::ops::Range<usize>> {
     let mut next = base;
-    pieces
+    terms
         .iter()
-        .map(|piece| {
-            let range = next..next + piece.k();
+        .map(|term| {
+            let range = next..next + term.k();
             next = range.end;
             range
         })
@@ -65,13 +65,13 @@ pub(crate) fn ridge(prior: &Matrix, data: &Matrix, from: usize) -> Matrix {
 
 /// Tests each candidate by itself against the fitted model, in their order. `count` is the number of candidates of the whole search.
 pub fn screen(
-    pass: &Pass,
+    design: &Design,
     fitted: &Fitted,
-    candidates: &[Piece],
+    candidates: &[Term],
     count: usize,
 ) -> Result<Vec<Tested>, BadShape> {
     let base = fitted.columns();
-    let inner: Vec<&Piece> = fitted.pieces.iter().collect();
+    let inner: Vec<&Term> = fitted.terms.iter().collect();
     let own: Vec<usize> = (0..base).collect();
     let mut all_tested = Vec::new();
     let mut start = 0;
@@ -88,10 +88,10 @@ pub fn screen(
         if end == start {
             break;
         }
-        let batch: Vec<&Piece> = candidates[start..end].iter().collect();
-        let all: Vec<&Piece> = inner.iter().copied().chain(batch.iter().copied()).collect();
+        let batch: Vec<&Term> = candidates[start..end].iter().collect();
+        let all: Vec<&Term> = inner.iter().copied().chain(batch.iter().copied()).collect();
         // All are held against the model as it is, on the same blocks.
-        let blocks = pass.blocks(&pass.folds(&all), &fitted.model, &all)?;
+        let blocks = design.blocks(&design.folds(&all), &fitted.model, &all)?;
         let before = held_out(&blocks, Some(&fitted.prior), &own).map(|held| held.squares);
         let total = Matrix::total(&blocks, Some(&fitted.prior));
         let prior = ridge(&fitted.prior, &total, base);
@@ -106,7 +106,7 @@ pub fn screen(
         let rows = f64::from(total.rows());
         let chance = |gain: &Improvement<f64>, index: usize| {
             let (f, k, freedom) = gain.f_statistic(base, rows, rows);
-            (f_tail(f, k, freedom) * candidates[index].places).min(1.0)
+            (f_tail(f, k, freedom) * candidates[index].trials).min(1.0)
         };
         // The noise's memory mostly makes chance more likely: it is looked at where that can matter.
         let close: Vec<usize> = (0..batch.len())
@@ -119,7 +119,7 @@ pub fn screen(
             .collect();
         let rows = match close.is_empty() {
             true => None,
-            false => Some(Rows::of(pass, fitted, &all)?),
+            false => Some(Rows::of(design, fitted, &all)?),
         };
         let frame = rows.as_ref().and_then(|rows| Frame::new(rows, &total, own.clone()));
         let coloured = |offset: usize| {
@@ -133,7 +133,7 @@ pub fn screen(
             let left = rows.moved(&step);
             let noise = frame.spectrum(&total, span.clone(), &left)?;
             let test = frame.test(&total, span.clone(), &noise)?;
-            let tries = candidates[start + offset].places * count as f64;
+            let tries = candidates[start + offset].trials * count as f64;
             let found = with_colour(frame, &total, span.clone(), &left, test, tries);
             let takes = gains[offset].as_ref().map_or(0.0, |gain| gain.decrease);
             match takes < OF_SLOW_NOISE * fitted.squares {
@@ -164,12 +164,12 @@ pub fn screen(
                 tested.directions = gain.directions;
                 tested.decrease = gain.decrease;
                 tested.p_value = match (coloured, close.contains(&offset)) {
-                    (Some(test), _) => (test.p_value * candidates[index].places).min(1.0),
+                    (Some(test), _) => (test.p_value * candidates[index].trials).min(1.0),
                     (None, true) => 1.0,
                     (None, false) => chance(gain, index),
                 };
                 // The board's rule takes less for relevant; of so little the log's own structure makes as much by chance.
-                let relevant = match pass.residual {
+                let relevant = match design.residual {
                     Residual::Magnitude => WORTH_NAMING,
                     Residual::Dip | Residual::Vector => RELEVANCE,
                 };
@@ -239,39 +239,39 @@ pub struct Rivalry {
 /// Compares two candidates at the better of the two models that hold one of them, fully fitted: what one explains beyond
 /// the other is read where the residual is noise, and not at a base that a strong effect still bends.
 pub fn rivalry<'a>(
-    pass: &Pass,
+    design: &Design,
     fitted: &Fitted<'a>,
-    first: &Piece<'a>,
-    second: &Piece<'a>,
-    known: &Known,
+    first: &Term<'a>,
+    second: &Term<'a>,
+    known: &Prior,
 ) -> Result<Option<Rivalry>, BadShape> {
     let base = fitted.columns();
     let (k1, k2) = (first.k(), second.k());
     if base + k1 + k2 > COLUMNS {
         return Ok(None);
     }
-    let with = |piece: &Piece<'a>| {
-        let pieces = fitted.pieces.iter().chain([piece]).cloned().collect();
-        pass.fit(fitted.model, pieces, known)
+    let with = |term: &Term<'a>| {
+        let terms = fitted.terms.iter().chain([term]).cloned().collect();
+        design.fit(fitted.model, terms, known)
     };
     let (Some(one), Some(other)) = (with(first)?, with(second)?) else { return Ok(None) };
     let better = if one.squares <= other.squares { &one } else { &other };
-    let fresh = |piece: &Piece<'a>| -> Piece<'a> {
-        better.pieces.iter().find(|own| own.id == piece.id).unwrap_or(piece).clone()
+    let fresh = |term: &Term<'a>| -> Term<'a> {
+        better.terms.iter().find(|own| own.id == term.id).unwrap_or(term).clone()
     };
     let (first, second) = (fresh(first), fresh(second));
-    let all: Vec<&Piece> = better.pieces[..fitted.pieces.len()].iter().chain([&first, &second]).collect();
-    let blocks = pass.blocks(&pass.samples.bounds(1), &better.model, &all)?;
+    let all: Vec<&Term> = better.terms[..fitted.terms.len()].iter().chain([&first, &second]).collect();
+    let blocks = design.blocks(&design.samples.bounds(1), &better.model, &all)?;
     let prior =
-        known.matrix(pass.residual, &better.model, better.sigma(), &all, &Matrix::total(&blocks, None));
+        known.matrix(design.residual, &better.model, better.sigma(), &all, &Matrix::total(&blocks, None));
     let total = Matrix::total(&blocks, Some(&prior));
     let safe = Matrix::total(&blocks, Some(&ridge(&prior, &total, base)));
     let Some(factor) = safe.factor() else { return Ok(None) };
-    let rows = Rows::of(pass, better, &all)?;
+    let rows = Rows::of(design, better, &all)?;
     let residuals = rows.moved(&safe.step(&factor));
     // Back to where neither stands in the model.
     let mut away = [0.0; COLUMNS];
-    let coefficients = [&first, &second].into_iter().flat_map(|piece| &piece.coefficients[..piece.k()]);
+    let coefficients = [&first, &second].into_iter().flat_map(|term| &term.coefficients[..term.k()]);
     for (slot, value) in away[base..].iter_mut().zip(coefficients) {
         *slot = -value;
     }
@@ -301,27 +301,27 @@ pub fn rivalry<'a>(
 }
 
 /// The test of a fitted model's last effect, where the model stands.
-pub fn stands(pass: &Pass, fitted: &Fitted) -> Result<Option<Verdict>, BadShape> {
-    let Some(last) = fitted.pieces.len().checked_sub(1) else { return Ok(None) };
-    Ok(each_stands(pass, fitted, last..last + 1)?.pop().flatten())
+pub fn stands(design: &Design, fitted: &Fitted) -> Result<Option<Verdict>, BadShape> {
+    let Some(last) = fitted.terms.len().checked_sub(1) else { return Ok(None) };
+    Ok(each_stands(design, fitted, last..last + 1)?.pop().flatten())
 }
 
 /// The test of each of these effects of a fitted model, where the model stands, all others in it.
 pub fn each_stands(
-    pass: &Pass,
+    design: &Design,
     fitted: &Fitted,
     which: Range<usize>,
 ) -> Result<Vec<Option<Verdict>>, BadShape> {
     let columns = fitted.columns();
-    let rows = Rows::of(pass, fitted, &fitted.pieces.iter().collect::<Vec<_>>())?;
+    let rows = Rows::of(design, fitted, &fitted.terms.iter().collect::<Vec<_>>())?;
     let residuals = rows.moved(&[0.0; COLUMNS]);
     let total = fitted.total();
     let test = |index: usize| {
-        let piece = &fitted.pieces[index];
-        let after: usize = fitted.pieces[index..].iter().map(Piece::k).sum();
-        let own = columns - after..columns - after + piece.k();
+        let term = &fitted.terms[index];
+        let after: usize = fitted.terms[index..].iter().map(Term::k).sum();
+        let own = columns - after..columns - after + term.k();
         let mut away = [0.0; COLUMNS];
-        for (slot, value) in away[own.clone()].iter_mut().zip(piece.coefficients) {
+        for (slot, value) in away[own.clone()].iter_mut().zip(term.coefficients) {
             *slot = -value;
         }
         let total = total.moved(&away);

@@ -1,7 +1,7 @@
 //! Searches over the parameter that fixes a shape: when a step happened, how late a column acts, at what frequency.
 
-use crate::base::engine::{Fitted, Pass};
-use crate::base::piece::{BadShape, COLUMNS, Matrix, Piece};
+use crate::base::engine::{Design, Fitted};
+use crate::base::term::{BadShape, COLUMNS, Matrix, Term};
 use crate::samples::samples::Samples;
 use crate::samples::series::median;
 use crate::search::candidates::Catalogue;
@@ -28,39 +28,39 @@ const LONGEST_DELAY_S: f64 = 5.0;
 
 /// The best place of an effect of which something is searched for. `None` where nothing is, or the log does not allow it.
 pub fn best<'a>(
-    pass: &Pass,
+    design: &Design,
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
-) -> Result<Option<Piece<'a>>, BadShape> {
+) -> Result<Option<Term<'a>>, BadShape> {
     match named.form.searched {
-        Some(Searched::At) => step(pass, fitted, catalogue, named),
-        Some(Searched::Frequency) => periodic(pass, fitted, catalogue, named),
-        Some(Searched::Delay | Searched::TimeConstant) => past(pass, fitted, catalogue, named),
+        Some(Searched::At) => step(design, fitted, catalogue, named),
+        Some(Searched::Frequency) => periodic(design, fitted, catalogue, named),
+        Some(Searched::Delay | Searched::TimeConstant) => past(design, fitted, catalogue, named),
         None => Ok(None),
     }
 }
 
 /// Where an offset step takes the most off the squared error.
 fn step<'a>(
-    pass: &Pass,
+    design: &Design,
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
-) -> Result<Option<Piece<'a>>, BadShape> {
-    let Some(time) = &pass.samples.time else { return Ok(None) };
-    let n = pass.samples.len();
+) -> Result<Option<Term<'a>>, BadShape> {
+    let Some(time) = &design.samples.time else { return Ok(None) };
+    let n = design.samples.len();
     let base = fitted.columns();
     if n < 4 * STEP_SEGMENTS || base + 3 > COLUMNS {
         return Ok(None);
     }
-    let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
+    let terms: Vec<&Term> = fitted.terms.iter().collect();
     let mut bounds: Vec<usize> = (0..=STEP_SEGMENTS).map(|k| n * k / STEP_SEGMENTS).collect();
     let mut total: Option<Matrix> = None;
     let mut after = Matrix::new(base);
     let mut best = (0.0, 0);
     loop {
-        let segments = pass.blocks(&bounds, &fitted.model, &pieces)?;
+        let segments = design.blocks(&bounds, &fitted.model, &terms)?;
         let whole = total.get_or_insert_with(|| Matrix::total(&segments, Some(&fitted.prior)));
         let mut suffix = Matrix::new(base);
         suffix.merge(&after);
@@ -89,8 +89,8 @@ fn step<'a>(
         let at = bounds[best.1];
         if bounds.windows(2).all(|pair| pair[1] - pair[0] <= 1) || high - low <= 2 {
             let at_s = if at == 0 { time[0] } else { 0.5 * (time[at - 1] + time[at]) };
-            let piece = catalogue.build(named, at_s);
-            return Ok(piece.map(|piece| Piece { places: STEP_SEGMENTS as f64, ..piece }));
+            let term = catalogue.build(named, at_s);
+            return Ok(term.map(|term| Term { trials: STEP_SEGMENTS as f64, ..term }));
         }
         // Finer around the best place.
         after = sums[(best.1 + 1).min(sums.len() - 1)].clone();
@@ -127,19 +127,19 @@ fn with_steps(whole: &Matrix, suffixes: &[&Matrix], base: usize) -> Matrix {
 
 /// Where two offset steps together take the most off the squared error, roughly: there and back each alone takes little.
 pub(crate) fn two_steps<'a>(
-    pass: &Pass,
+    design: &Design,
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
-) -> Result<Option<[Piece<'a>; 2]>, BadShape> {
-    let Some(time) = &pass.samples.time else { return Ok(None) };
-    let (n, base) = (pass.samples.len(), fitted.columns());
+) -> Result<Option<[Term<'a>; 2]>, BadShape> {
+    let Some(time) = &design.samples.time else { return Ok(None) };
+    let (n, base) = (design.samples.len(), fitted.columns());
     if n < 4 * STEP_SEGMENTS || base + 6 > COLUMNS {
         return Ok(None);
     }
-    let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
+    let terms: Vec<&Term> = fitted.terms.iter().collect();
     let bounds: Vec<usize> = (0..=STEP_SEGMENTS).map(|k| n * k / STEP_SEGMENTS).collect();
-    let segments = pass.blocks(&bounds, &fitted.model, &pieces)?;
+    let segments = design.blocks(&bounds, &fitted.model, &terms)?;
     let whole = Matrix::total(&segments, Some(&fitted.prior));
     let mut suffixes = vec![Matrix::new(base)];
     for segment in segments.iter().rev() {
@@ -162,8 +162,8 @@ pub(crate) fn two_steps<'a>(
     }
     let at = |place: usize| 0.5 * (time[bounds[place] - 1] + time[bounds[place]]);
     let step = |place: usize| {
-        let piece = catalogue.build(named, at(place))?;
-        Some(Piece { places: STEP_SEGMENTS as f64, ..piece })
+        let term = catalogue.build(named, at(place))?;
+        Some(Term { trials: STEP_SEGMENTS as f64, ..term })
     };
     Ok(best.and_then(|(_, first, second)| Some([step(first)?, step(second)?])))
 }
@@ -199,15 +199,15 @@ fn pasts(samples: &Samples, searched: Option<Searched>) -> Option<Vec<f64>> {
 
 /// Whether a column takes clearly more off the error late than at once.
 pub fn acts_late<'a>(
-    pass: &Pass,
+    design: &Design,
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
 ) -> Result<bool, BadShape> {
-    let Some(mut delays) = pasts(pass.samples, named.form.searched) else { return Ok(false) };
+    let Some(mut delays) = pasts(design.samples, named.form.searched) else { return Ok(false) };
     delays.insert(0, 0.0);
-    let pieces: Vec<Piece> = delays.iter().filter_map(|d| catalogue.build(named, *d)).collect();
-    let taken = decreases(pass, fitted, &pieces)?;
+    let terms: Vec<Term> = delays.iter().filter_map(|d| catalogue.build(named, *d)).collect();
+    let taken = decreases(design, fitted, &terms)?;
     let Some((prompt, late)) = taken.split_first() else { return Ok(false) };
     let most = late.iter().copied().fold(0.0, f64::max);
     Ok(most > LATE_OVER_PROMPT * prompt && most > WORTH_NAMING * fitted.squares)
@@ -215,19 +215,19 @@ pub fn acts_late<'a>(
 
 /// How late a column acts, or through which low-pass, where a past of it acts.
 fn past<'a>(
-    pass: &Pass,
+    design: &Design,
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
-) -> Result<Option<Piece<'a>>, BadShape> {
-    let Some(mut delays) = pasts(pass.samples, named.form.searched) else { return Ok(None) };
+) -> Result<Option<Term<'a>>, BadShape> {
+    let Some(mut delays) = pasts(design.samples, named.form.searched) else { return Ok(None) };
     let searched = delays.len() as f64;
     for round in 0..3 {
-        let pieces: Vec<Piece> = delays.iter().filter_map(|d| catalogue.build(named, *d)).collect();
-        let gains = decreases(pass, fitted, &pieces)?;
+        let terms: Vec<Term> = delays.iter().filter_map(|d| catalogue.build(named, *d)).collect();
+        let gains = decreases(design, fitted, &terms)?;
         let best = largest(&gains);
         if round == 2 || gains.get(best).is_none_or(|gain| *gain <= 0.0) {
-            return Ok(pieces.into_iter().nth(best).map(|piece| Piece { places: searched, ..piece }));
+            return Ok(terms.into_iter().nth(best).map(|term| Term { trials: searched, ..term }));
         }
         let low = if best == 0 { delays[0] - 0.5 * delays[0].abs() } else { delays[best - 1] };
         let high = delays.get(best + 1).copied().unwrap_or(delays[best]);

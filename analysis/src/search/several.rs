@@ -1,15 +1,15 @@
 //! Several steps, several tones: each a candidate of its own, with its place and size, numbered from the second on.
 
 use crate::base::engine::Fitted;
-use crate::base::piece::Piece;
+use crate::base::term::Term;
 use crate::search::state::Explanation;
 
 /// A model holds so many of a kind.
 const MOST_OF_A_KIND: usize = 4;
 
 /// The kind of an effect that a log may hold several of.
-fn kind(piece: &Piece) -> Option<&'static str> {
-    let named = piece.named()?;
+fn kind(term: &Term) -> Option<&'static str> {
+    let named = term.named()?;
     named.form.is_repeated().then(|| named.family.kind())
 }
 
@@ -18,11 +18,11 @@ fn id(kind: &str, number: usize) -> String {
 }
 
 /// The next of its kind beside those in the model; `None` where the model holds enough of them.
-pub(crate) fn numbered<'a>(fitted: &Fitted, candidate: Piece<'a>) -> Option<Piece<'a>> {
+pub(crate) fn numbered<'a>(fitted: &Fitted, candidate: Term<'a>) -> Option<Term<'a>> {
     let Some(kind) = kind(&candidate) else { return Some(candidate) };
-    let is_free = |id: &String| !fitted.pieces.iter().any(|piece| piece.id == *id);
+    let is_free = |id: &String| !fitted.terms.iter().any(|term| term.id == *id);
     let id = (1..=MOST_OF_A_KIND).map(|number| id(kind, number)).find(is_free)?;
-    Some(Piece { id, ..candidate })
+    Some(Term { id, ..candidate })
 }
 
 impl Explanation<'_> {
@@ -30,15 +30,15 @@ impl Explanation<'_> {
     pub(crate) fn renumber(&mut self) {
         let mut names: Vec<(String, String)> = Vec::new();
         let order: Vec<String> = self.steps.iter().filter_map(|step| step.added.clone()).collect();
-        let place = |piece: &Piece| order.iter().position(|id| *id == piece.id);
-        let mut pieces: Vec<&Piece> = self.fitted.pieces.iter().collect();
-        pieces.sort_by_key(|piece| place(piece));
+        let place = |term: &Term| order.iter().position(|id| *id == term.id);
+        let mut terms: Vec<&Term> = self.fitted.terms.iter().collect();
+        terms.sort_by_key(|term| place(term));
         let mut seen: Vec<&str> = Vec::new();
-        for piece in pieces {
-            if let Some(kind) = kind(piece) {
+        for term in terms {
+            if let Some(kind) = kind(term) {
                 seen.push(kind);
                 let number = seen.iter().filter(|own| **own == kind).count();
-                names.push((piece.id.clone(), id(kind, number)));
+                names.push((term.id.clone(), id(kind, number)));
             }
         }
         let rename = |own: &mut String| {
@@ -46,7 +46,7 @@ impl Explanation<'_> {
                 own.clone_from(new);
             }
         };
-        self.fitted.pieces.iter_mut().for_each(|piece| rename(&mut piece.id));
+        self.fitted.terms.iter_mut().for_each(|term| rename(&mut term.id));
         self.steps.iter_mut().filter_map(|step| step.added.as_mut()).for_each(rename);
         let groups = self.confounded.iter_mut().chain(&mut self.families);
         groups.flat_map(|group| &mut group.ids).for_each(rename);

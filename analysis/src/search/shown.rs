@@ -10,7 +10,7 @@ pub struct Shown {
     pub id: String,
     /// Probability that chance does as well, its search counted.
     pub p_value: f64,
-    /// Error on unseen time without it, all others in the model: µT, or degrees where only the dip sees it. `None` where
+    /// Error on held-out time without it, all others in the model: µT, or degrees where only the dip sees it. `None` where
     /// some block of time cannot be predicted.
     pub without: Option<f64>,
     /// The same with it.
@@ -25,7 +25,7 @@ impl Shown {
         self.p_value < ACCUSED
     }
 
-    /// Whether the error on unseen time falls by what is relevant.
+    /// Whether the held-out error falls by what is relevant.
     pub fn falls(&self) -> bool {
         match (self.without, self.with) {
             (Some(without), Some(with)) => with * with < without * without * (1.0 - RELEVANCE),

@@ -2,7 +2,7 @@
 //! the more often (spurious regression: Granger and Newbold, J. Econometrics 2, 1974).
 
 use crate::base::engine::Fitted;
-use crate::base::piece::{BadShape, COLUMNS, Clock, Piece};
+use crate::base::term::{BadShape, COLUMNS, Clock, Term};
 use crate::search::screen::rivalry;
 use crate::search::state::Greedy;
 use ironout::effect::{Effect, Follows, Quantities, Shape};
@@ -93,18 +93,14 @@ fn follows(values: &[f64], places: &[f64]) -> f64 {
 impl<'a> Greedy<'_, 'a> {
     /// Whether an effect of a column shows beside any slow change of the offset, or at least leaves nothing for that to explain; true
     /// of a column that does not move slowly.
-    pub(crate) fn is_more_than_slow(
-        &self,
-        without: &Fitted<'a>,
-        piece: &Piece<'a>,
-    ) -> Result<bool, BadShape> {
-        let Some(time) = &self.pass.samples.time else { return Ok(true) };
-        let drifts = |piece: &Piece| piece.follows(Follows::Time) && piece.searched().is_none();
-        let slowly = Slowly { drifts: without.pieces.iter().any(drifts) };
-        let columns = without.columns() + piece.k() + slowly.coefficients();
-        if !piece.follows(Follows::Column)
-            || self.pass.residual != Residual::Magnitude
-            || piece.inputs.len() != time.len()
+    pub(crate) fn is_more_than_slow(&self, without: &Fitted<'a>, term: &Term<'a>) -> Result<bool, BadShape> {
+        let Some(time) = &self.design.samples.time else { return Ok(true) };
+        let drifts = |term: &Term| term.follows(Follows::Time) && term.searched().is_none();
+        let slowly = Slowly { drifts: without.terms.iter().any(drifts) };
+        let columns = without.columns() + term.k() + slowly.coefficients();
+        if !term.follows(Follows::Column)
+            || self.design.residual != Residual::Magnitude
+            || term.inputs.len() != time.len()
             || columns > COLUMNS
         {
             return Ok(true);
@@ -112,22 +108,22 @@ impl<'a> Greedy<'_, 'a> {
         let (Some(first), Some(last)) = (time.first(), time.last()) else { return Ok(true) };
         let half = (0.5 * (last - first)).max(f64::MIN_POSITIVE);
         let places: Vec<f64> = time.iter().map(|t| (t - first) / half - 1.0).collect();
-        let values: Vec<f64> = piece.inputs.iter().map(|input| input[0]).collect();
+        let values: Vec<f64> = term.inputs.iter().map(|input| input[0]).collect();
         if follows(&values, &places) < SLOW {
             return Ok(true);
         }
-        let slowly = Piece {
+        let slowly = Term {
             id: "slow change".into(),
             made: None,
             effect: Arc::new(slowly),
             coefficients: Default::default(),
             inputs: Arc::new(places.iter().map(|x| [*x, 0.0]).collect()),
-            places: 1.0,
+            trials: 1.0,
             clock: Clock::Stamps,
             known_at: None,
         };
-        let fresh = Piece { coefficients: Default::default(), ..piece.clone() };
-        let beside = rivalry(&self.pass, without, &fresh, &slowly, self.known)?;
+        let fresh = Term { coefficients: Default::default(), ..term.clone() };
+        let beside = rivalry(&self.design, without, &fresh, &slowly, self.known)?;
         Ok(beside.is_none_or(|beside| beside.first < SHOWS || beside.second > MORE))
     }
 }

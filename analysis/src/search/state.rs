@@ -3,9 +3,9 @@
 
 use crate::base::alignment::{align, without_effects};
 use crate::base::applied::Applied;
-use crate::base::engine::{Fitted, Pass, SETTLED};
-use crate::base::known::Known;
-use crate::base::piece::{BadShape, Piece};
+use crate::base::engine::{Design, Fitted, SETTLED};
+use crate::base::prior::Prior;
+use crate::base::term::{BadShape, Term};
 use crate::search::candidates::Catalogue;
 use crate::search::screen::Tested;
 use crate::search::shown::Shown;
@@ -52,15 +52,15 @@ pub struct Confounded {
 #[derive(Clone)]
 pub struct Judged<'a> {
     /// It.
-    pub piece: Piece<'a>,
+    pub term: Term<'a>,
     /// Its test.
     pub tested: Tested,
 }
 
 impl Judged<'_> {
     /// The same of the effect over other samples.
-    pub fn on<'b>(&self, piece: Piece<'b>) -> Judged<'b> {
-        Judged { piece: Piece { places: self.piece.places, ..piece }, tested: self.tested.clone() }
+    pub fn on<'b>(&self, term: Term<'b>) -> Judged<'b> {
+        Judged { term: Term { trials: self.term.trials, ..term }, tested: self.tested.clone() }
     }
 }
 
@@ -102,13 +102,13 @@ pub fn held_out_rms(fitted: &Fitted) -> Option<f64> {
 }
 
 /// The errors of a fitted model as its correction leaves them: rms, and rms on held-out blocks.
-pub fn errors_applied(pass: &Pass, fitted: &Fitted) -> Result<(f64, Option<f64>), BadShape> {
-    let share = Applied::of(pass, fitted)?.share;
+pub fn errors_applied(design: &Design, fitted: &Fitted) -> Result<(f64, Option<f64>), BadShape> {
+    let share = Applied::of(design, fitted)?.share;
     Ok((share * fitted.rms(), held_out_rms(fitted).map(|held| share * held)))
 }
 
-fn state(pass: &Pass, added: Option<String>, fitted: &Fitted) -> Result<Step, BadShape> {
-    let (rms, held_out) = errors_applied(pass, fitted)?;
+fn state(design: &Design, added: Option<String>, fitted: &Fitted) -> Result<Step, BadShape> {
+    let (rms, held_out) = errors_applied(design, fitted)?;
     Ok(Step { added, rms, held_out })
 }
 
@@ -127,19 +127,19 @@ fn moved(one: &Fitted, other: &Fitted) -> f64 {
         let size = a.iter().fold(f64::MIN_POSITIVE, |most: f64, value| most.max(value.abs()));
         a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs() / size))
     };
-    let effects = one.pieces.iter().zip(&other.pieces).map(|(a, b)| share(&a.coefficients, &b.coefficients));
+    let effects = one.terms.iter().zip(&other.terms).map(|(a, b)| share(&a.coefficients, &b.coefficients));
     effects.fold(share(&one.model.offset_ut, &other.model.offset_ut), f64::max)
 }
 
 /// The search.
 pub struct Greedy<'p, 'a> {
     /// What it runs over.
-    pub pass: Pass<'p>,
+    pub design: Design<'p>,
     /// What it may add.
     pub catalogue: &'p Catalogue<'a>,
     /// What is known besides.
-    pub known: &'p Known,
-    /// The base model's error on unseen time as `fit` gives it, which is the first of those that are told.
+    pub known: &'p Prior,
+    /// The base model's held-out error as `fit` gives it, which is the first of those that are told.
     pub base_held_out: Option<f64>,
     /// Candidates that were left out because their shape is not finite.
     pub(crate) dropped: RefCell<Vec<String>>,
@@ -149,14 +149,14 @@ pub struct Greedy<'p, 'a> {
 
 impl<'p, 'a> Greedy<'p, 'a> {
     /// A search that has found nothing yet.
-    pub fn new(pass: Pass<'p>, catalogue: &'p Catalogue<'a>, known: &'p Known) -> Self {
-        let begun = pass.samples.work.spent();
-        Greedy { pass, catalogue, known, base_held_out: None, dropped: RefCell::default(), begun }
+    pub fn new(design: Design<'p>, catalogue: &'p Catalogue<'a>, known: &'p Prior) -> Self {
+        let begun = design.samples.work.spent();
+        Greedy { design, catalogue, known, base_held_out: None, dropped: RefCell::default(), begun }
     }
 
     /// Whether the search has looked at as much as it may.
     pub(crate) fn is_spent(&self) -> bool {
-        self.pass.samples.work.spent() - self.begun > MOST_WORK
+        self.design.samples.work.spent() - self.begun > MOST_WORK
     }
 }
 
@@ -174,17 +174,17 @@ impl<'a> Greedy<'_, 'a> {
 
     /// The same where `delays` says whether the share that is a delay is looked for: no more once the magnitude contradicts it.
     fn aligned_with(&self, delays: &mut bool, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
-        if self.pass.residual != Residual::Magnitude || !self.catalogue.has_down() {
+        if self.design.residual != Residual::Magnitude || !self.catalogue.has_down() {
             return Ok(fitted);
         }
         for _ in 0..8 {
-            let clean = without_effects(self.pass.samples, &fitted.model, &fitted.pieces);
+            let clean = without_effects(self.design.samples, &fitted.model, &fitted.terms);
             let Some(alignment) = align(&clean, &fitted.model)? else { return Ok(fitted) };
-            let index = fitted.pieces.iter().position(|piece| !piece.hidden_delay().is_empty());
+            let index = fitted.terms.iter().position(|term| !term.hidden_delay().is_empty());
             // A coupling turns with the gyro. What the dip says beside it is told by forces of the board's own.
             if let (Some(_), true) = (index, alignment.by_gyro) {
                 *delays = false;
-                return Ok(match self.pass.fit(alignment.model, fitted.pieces.clone(), self.known)? {
+                return Ok(match self.design.fit(alignment.model, fitted.terms.clone(), self.known)? {
                     Some(next) if next.squares <= CONTRADICTED * fitted.squares => next,
                     _ => fitted,
                 });
@@ -197,18 +197,18 @@ impl<'a> Greedy<'_, 'a> {
                 return Ok(fitted);
             };
             // What the coupling's share along the identity still lacks, together with the rotation.
-            let dip = Pass::new(&clean, Residual::Dip);
+            let dip = Design::new(&clean, Residual::Dip);
             let fit = dip.fit_to(SETTLED, fitted.model, vec![lag], self.known)?;
             let Some(fit) = fit else { return Ok(fitted) };
-            let lacking = fit.pieces[0].coefficients[0];
-            let mut pieces = fitted.pieces.clone();
-            if let Some(coupled) = pieces.get_mut(index) {
+            let lacking = fit.terms[0].coefficients[0];
+            let mut terms = fitted.terms.clone();
+            if let Some(coupled) = terms.get_mut(index) {
                 for &entry in coupled.hidden_delay() {
                     coupled.coefficients[entry] += lacking;
                 }
             }
             // Specific force of the board's own may look like a delay that the magnitude contradicts.
-            match self.pass.fit(fit.model, pieces, self.known)? {
+            match self.design.fit(fit.model, terms, self.known)? {
                 Some(next) if next.squares <= CONTRADICTED * fitted.squares => fitted = next,
                 _ => {
                     *delays = false;
@@ -226,7 +226,7 @@ impl<'a> Greedy<'_, 'a> {
     /// A model with effects fitted so far that the way to it no longer shows: whoever adds the same effects, in whatever
     /// order, gets the same digits.
     pub fn to_the_end(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
-        if fitted.pieces.is_empty() {
+        if fitted.terms.is_empty() {
             return Ok(fitted);
         }
         let mut delays = true;
@@ -234,7 +234,7 @@ impl<'a> Greedy<'_, 'a> {
         for _ in 0..SETTLING {
             let before = fitted.clone();
             let aligned = self.aligned_with(&mut delays, before.clone())?;
-            let next = self.pass.fit_to(SETTLED, aligned.model, aligned.pieces, self.known)?;
+            let next = self.design.fit_to(SETTLED, aligned.model, aligned.terms, self.known)?;
             fitted = match next {
                 Some(next) => next,
                 None => return Ok(before),
@@ -251,7 +251,7 @@ impl<'a> Greedy<'_, 'a> {
 
     /// No search: the effects that stand in the model, and the tests of the others.
     pub fn only(&self, base: Fitted<'a>, fitted: Fitted<'a>) -> Result<Explanation<'a>, BadShape> {
-        let order: Vec<String> = fitted.pieces.iter().map(|piece| piece.id.clone()).collect();
+        let order: Vec<String> = fitted.terms.iter().map(|term| term.id.clone()).collect();
         let steps = self.falling(&base, &fitted, &order)?;
         Ok(Explanation {
             base,
@@ -277,21 +277,21 @@ impl<'a> Greedy<'_, 'a> {
         fitted: &Fitted<'a>,
         order: &[String],
     ) -> Result<Vec<Step>, BadShape> {
-        let mut first = state(&self.pass, None, base)?;
+        let mut first = state(&self.design, None, base)?;
         first.held_out = self.base_held_out.or(first.held_out);
         let mut steps = vec![first];
         let mut now = base.clone();
         for (index, id) in order.iter().enumerate() {
             if index + 1 == order.len() {
                 now = fitted.clone();
-            } else if let Some(piece) = fitted.pieces.iter().find(|piece| piece.id == *id) {
-                let mut pieces = now.pieces.clone();
-                pieces.push(piece.clone());
-                if let Some(next) = self.pass.fit(now.model, pieces, self.known)? {
+            } else if let Some(term) = fitted.terms.iter().find(|term| term.id == *id) {
+                let mut terms = now.terms.clone();
+                terms.push(term.clone());
+                if let Some(next) = self.design.fit(now.model, terms, self.known)? {
                     now = next;
                 }
             }
-            steps.push(state(&self.pass, Some(id.clone()), &now)?);
+            steps.push(state(&self.design, Some(id.clone()), &now)?);
         }
         Ok(steps)
     }

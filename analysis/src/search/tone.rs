@@ -1,7 +1,7 @@
 //! The search for a tone: at what frequency something hums, by the stamps and by the even grid behind them.
 
-use crate::base::engine::{Fitted, Pass};
-use crate::base::piece::{BadShape, COLUMNS, Clock, Piece};
+use crate::base::engine::{Design, Fitted};
+use crate::base::term::{BadShape, COLUMNS, Clock, Term};
 use crate::samples::fft;
 use crate::samples::samples::Samples;
 use crate::samples::series::median;
@@ -37,30 +37,30 @@ fn whole_steps(gaps: &[f64], usual: f64) -> f64 {
 
 /// The strongest periodic disturbance, by the clock that shows it best.
 pub fn periodic<'a>(
-    pass: &Pass,
+    design: &Design,
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
-) -> Result<Option<Piece<'a>>, BadShape> {
-    let Some(stamps) = &pass.samples.time else { return Ok(None) };
-    let mut found = Vec::from_iter(tone(pass, fitted, catalogue, named, (Clock::Stamps, stamps))?);
+) -> Result<Option<Term<'a>>, BadShape> {
+    let Some(stamps) = &design.samples.time else { return Ok(None) };
+    let mut found = Vec::from_iter(tone(design, fitted, catalogue, named, (Clock::Stamps, stamps))?);
     if let Some(grid) = catalogue.grid() {
-        found.extend(tone(pass, fitted, catalogue, named, (Clock::Even, &grid))?);
+        found.extend(tone(design, fitted, catalogue, named, (Clock::Even, &grid))?);
     }
-    let places = found.iter().map(|(_, piece)| piece.places).sum();
+    let trials = found.iter().map(|(_, term)| term.trials).sum();
     let best = found.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(best.map(|(_, piece)| Piece { places, ..piece }))
+    Ok(best.map(|(_, term)| Term { trials, ..term }))
 }
 
 /// The strongest tone by one clock, and what it takes off the squared error.
 fn tone<'a>(
-    pass: &Pass,
+    design: &Design,
     fitted: &Fitted,
     catalogue: &Catalogue<'a>,
     named: &Named,
     (clock, time): (Clock, &[f64]),
-) -> Result<Option<(f64, Piece<'a>)>, BadShape> {
-    let samples = pass.samples;
+) -> Result<Option<(f64, Term<'a>)>, BadShape> {
+    let samples = design.samples;
     let n = samples.len();
     let (Some(&first), Some(&last)) = (time.first(), time.last()) else { return Ok(None) };
     let seconds = last - first;
@@ -79,9 +79,9 @@ fn tone<'a>(
     let size = (2 * cells).next_power_of_two();
     let uniform = samples.stride == 1 && gaps.iter().all(|gap| (gap / step - 1.0).abs() < 0.2);
     let mut series = vec![vec![(0.0, 0.0); size]; 3];
-    let pieces: Vec<&Piece> = fitted.pieces.iter().collect();
-    let vector = pass.residual == ironout::study::Residual::Vector;
-    pass.rows(0..n, &fitted.model, &pieces, |sample, row, r| {
+    let terms: Vec<&Term> = fitted.terms.iter().collect();
+    let vector = design.residual == ironout::study::Residual::Vector;
+    design.rows(0..n, &fitted.model, &terms, |sample, row, r| {
         let cell = if uniform { sample } else { ((time[sample] - first) / step).round() as usize };
         for (axis, out) in series.iter_mut().enumerate() {
             let weight = if vector { -row[axis] } else { row[axis] };
@@ -117,9 +117,8 @@ fn tone<'a>(
     let mut spacing = 0.3 * width;
     let mut best = None;
     for _ in 0..3 {
-        let pieces: Vec<Piece> =
-            frequencies.iter().filter_map(|hz| catalogue.by(clock, named, *hz)).collect();
-        let gains = decreases(pass, fitted, &pieces)?;
+        let terms: Vec<Term> = frequencies.iter().filter_map(|hz| catalogue.by(clock, named, *hz)).collect();
+        let gains = decreases(design, fitted, &terms)?;
         let at = largest(&gains);
         let (Some(&hz), Some(&gain)) = (frequencies.get(at), gains.get(at)) else { break };
         best = Some((gain, hz));
@@ -130,7 +129,7 @@ fn tone<'a>(
             .collect();
     }
     let found = best.and_then(|(gain, hz)| Some((gain, catalogue.by(clock, named, hz)?)));
-    Ok(found.map(|(gain, piece)| (gain, Piece { places: searched, ..piece })))
+    Ok(found.map(|(gain, term)| (gain, Term { trials: searched, ..term })))
 }
 
 #[cfg(test)]

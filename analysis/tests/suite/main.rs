@@ -4,7 +4,7 @@ mod accelerometer;
 mod another_field;
 mod borne_out;
 mod broken_numbers;
-mod kin;
+mod collinear;
 mod long_vehicle;
 mod modes;
 mod one_column;

@@ -6,6 +6,7 @@
 #[cfg(feature = "parquet")]
 mod columnar;
 mod columns;
+mod detected;
 mod followed;
 pub mod formats;
 mod guard;
@@ -29,11 +30,11 @@ mod repair_words;
 mod store;
 mod table;
 mod text;
-mod told;
 mod unit;
 mod vocabulary;
 mod words;
 
+pub use detected::{read_log, read_stream};
 pub use guard::MAX_LINE_BYTES;
 pub use lines::Lines;
 pub use log::{Covariate, Log, ReadOptions};
@@ -42,5 +43,4 @@ pub use memory::from_columns;
 pub use mount::{FORMS as ROTATE_FORMS, Mounting, rotate};
 pub use read_as::{Instance, LeftOut, Origin, ReadAs, ReadColumn};
 pub use repair::parse as parse_repair;
-pub use told::{read_log, read_stream};
 pub use unit::{Quantity, Unit};

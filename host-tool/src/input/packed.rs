@@ -21,7 +21,7 @@ pub enum Packing {
 
 impl Packing {
     /// By the first bytes.
-    pub fn told(first: &[u8]) -> Option<Self> {
+    pub fn detect(first: &[u8]) -> Option<Self> {
         match first {
             [0x1f, 0x8b, ..] => Some(Packing::Gzip),
             // The mark of a frame, and those of a frame that is skipped.

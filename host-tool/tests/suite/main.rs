@@ -47,7 +47,6 @@ mod one_truth;
 mod packed;
 #[cfg(feature = "emulated")]
 mod page;
-mod passes;
 mod plain_words;
 mod plausible;
 mod prior;
@@ -59,6 +58,7 @@ mod several;
 mod telemetry;
 mod text_corpus;
 mod text_questions;
+mod transients;
 mod tutorial;
 mod ulog;
 mod unlogged;

@@ -1,7 +1,7 @@
 //! The rows of a pass, as the tests with the noise's spectrum want them.
 
-use crate::base::engine::{Fitted, Pass};
-use crate::base::piece::{BadShape, COLUMNS, Piece};
+use crate::base::engine::{Design, Fitted};
+use crate::base::term::{BadShape, COLUMNS, Term};
 use crate::threads::parts;
 use ironout::study::Residual;
 use std::ops::Range;
@@ -24,11 +24,11 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// Of the fitted model with further pieces.
-    pub fn of(pass: &Pass, fitted: &Fitted, all: &[&Piece]) -> Result<Rows, BadShape> {
-        let columns = pass.residual.base_columns() + all.iter().map(|piece| piece.k()).sum::<usize>();
+    /// Of the fitted model with further terms.
+    pub fn of(design: &Design, fitted: &Fitted, all: &[&Term]) -> Result<Rows, BadShape> {
+        let columns = design.residual.base_columns() + all.iter().map(|term| term.k()).sum::<usize>();
         let columns = columns.min(COLUMNS);
-        let step_s = pass.samples.step_s();
+        let step_s = design.samples.step_s();
         let mut rows = Rows {
             columns,
             values: Vec::new(),
@@ -40,18 +40,18 @@ impl Rows {
         };
         let within = |range: &Range<usize>| -> Result<(Vec<f64>, Vec<f64>), BadShape> {
             let (mut values, mut residuals) = (Vec::with_capacity(range.len() * columns), Vec::new());
-            pass.rows(range.clone(), &fitted.model, all, |_, row, r| {
+            design.rows(range.clone(), &fitted.model, all, |_, row, r| {
                 values.extend_from_slice(&row[..columns]);
                 residuals.push(r);
             })?;
             Ok((values, residuals))
         };
-        for (values, residuals) in parts(pass.samples.len(), within)? {
+        for (values, residuals) in parts(design.samples.len(), within)? {
             rows.values.extend(values);
             rows.residuals.extend(residuals);
         }
-        if pass.residual == Residual::Vector {
-            let axes = pass.samples.axes.iter().filter(|used| **used).count().max(1);
+        if design.residual == Residual::Vector {
+            let axes = design.samples.axes.iter().filter(|used| **used).count().max(1);
             let n = rows.residuals.len();
             let order = (0..axes).flat_map(|axis| (axis..n).step_by(axes));
             let mut sorted = Rows { values: Vec::new(), residuals: Vec::new(), ..rows };
@@ -61,10 +61,10 @@ impl Rows {
             }
             rows = sorted;
         }
-        if pass.residual == Residual::Magnitude {
-            let turning = pass.turning(&fitted.model);
+        if design.residual == Residual::Magnitude {
+            let turning = design.turning(&fitted.model);
             (rows.alike, rows.weights) = (turning.alike, turning.weights);
-            rows.rounding = pass.samples.quantum_ut.powi(2) / 12.0;
+            rows.rounding = design.samples.quantum_ut.powi(2) / 12.0;
         }
         Ok(rows)
     }

@@ -1,9 +1,9 @@
 //! One door for all formats: bytes in, a log out.
 
 use crate::failure::Outcome;
+use crate::input::formats::detected::Format;
 use crate::input::formats::feed::Feed;
 use crate::input::formats::join::join;
-use crate::input::formats::told::Format;
 use crate::input::formats::{betaflight_json, blackbox, dataflash, mavlink, ros, ulog};
 use crate::input::log::{Log, ReadOptions};
 use crate::progress::Progress;

@@ -4,7 +4,7 @@ use crate::base::looked_at::Shared;
 use ironout::effect::{
     Acts, BuiltIn, ColumnName, Follows, MAX_COEFFICIENTS, MAX_INPUTS, Made, Named, Parts, Registry, Searched,
 };
-use ironout::study::{Normal, Term};
+use ironout::study::{Normal, Term as SampleTerm};
 use std::sync::Arc;
 
 /// Most columns of one pass.
@@ -28,7 +28,7 @@ pub enum Clock {
 
 /// An effect with its coefficients and the values of its columns at every sample.
 #[derive(Clone)]
-pub struct Piece<'a> {
+pub struct Term<'a> {
     /// Its id.
     pub id: String,
     /// The family and the parts of the effect; `None` for a column of the analysis' own.
@@ -39,8 +39,8 @@ pub struct Piece<'a> {
     pub coefficients: [f64; MAX_COEFFICIENTS],
     /// Values of its columns.
     pub inputs: Arc<Vec<[f64; MAX_INPUTS]>>,
-    /// Among how many places what fixes its shape was found; 1 where nothing was searched.
-    pub places: f64,
+    /// Among how many trials what fixes its shape was found; 1 where nothing was searched.
+    pub trials: f64,
     /// The clock that its time is of.
     pub clock: Clock,
     /// The same effect at each sample, looked at a vector that is known there; `None` where it is looked at the measured one.
@@ -50,14 +50,14 @@ pub struct Piece<'a> {
 /// An effect at each of the samples.
 pub type KnownAt<'a> = Arc<Vec<Shared<'a>>>;
 
-impl<'a> Piece<'a> {
+impl<'a> Term<'a> {
     /// An effect without coefficients yet.
     pub fn new(made: Made<&'a str>, inputs: Arc<Vec<[f64; MAX_INPUTS]>>) -> Self {
         let id = ironout::effect::Id(&made).to_string();
         let effect = ready(made);
         let coefficients = [0.0; MAX_COEFFICIENTS];
         let (clock, known_at) = (Clock::Stamps, None);
-        Piece { id, made: Some(made), effect, coefficients, inputs, places: 1.0, clock, known_at }
+        Term { id, made: Some(made), effect, coefficients, inputs, trials: 1.0, clock, known_at }
     }
 
     /// The parts of the effect.
@@ -92,7 +92,7 @@ impl<'a> Piece<'a> {
     }
 
     /// Whether it follows the same column in the same way as another, though perhaps late or squared.
-    pub fn is_variant_of(&self, other: &Piece) -> bool {
+    pub fn is_variant_of(&self, other: &Term) -> bool {
         match (self.named(), other.named()) {
             (Some(own), Some(other)) => own.is_variant_of(&other),
             _ => self.id == other.id,
@@ -123,9 +123,9 @@ impl<'a> Piece<'a> {
     }
 
     /// The term of one sample.
-    pub fn term(&self, sample: usize) -> Term<'_, f64> {
+    pub fn at_sample(&self, sample: usize) -> SampleTerm<'_, f64> {
         let known = self.known_at.as_ref().and_then(|list| list.get(sample));
-        Term {
+        SampleTerm {
             effect: known.unwrap_or(&self.effect).as_ref(),
             coefficients: self.coefficients,
             inputs: self.inputs.get(sample).copied().unwrap_or_default(),

@@ -4,7 +4,7 @@ use crate::math::Real;
 use crate::vector::minus;
 
 /// The most looks; a weak disturbance stands after two or three.
-const MOST_LOOKS: usize = 12;
+const MOST_ITERATIONS: usize = 12;
 
 /// Whether two looks differ by less than a hundred-thousandth of the vector.
 #[inline]
@@ -23,17 +23,17 @@ fn stands<T: Real>(now: [T; 3], before: [T; 3]) -> bool {
 pub(crate) fn settle<T: Real, E>(
     centred: [T; 3],
     again: bool,
-    mut look: impl FnMut([T; 3]) -> Result<[T; 3], E>,
+    mut step: impl FnMut([T; 3]) -> Result<[T; 3], E>,
 ) -> Result<[T; 3], E> {
-    let mut left = look(centred)?;
+    let mut left = step(centred)?;
     if again {
         let mut before = centred;
-        for _ in 1..MOST_LOOKS {
+        for _ in 1..MOST_ITERATIONS {
             if stands(left, before) {
                 break;
             }
             before = left;
-            left = look(before)?;
+            left = step(before)?;
         }
     }
     Ok(left)

@@ -3,7 +3,7 @@
 use crate::base::axes::{Aligned, Alignment, Found};
 use crate::base::model::Base;
 use crate::base::mounting::MISALIGNMENT;
-use crate::base::piece::COLUMNS;
+use crate::base::term::COLUMNS;
 use crate::outcome::outcome::{Diagnosis, Dip};
 use crate::outcome::view::DipStudy;
 

@@ -63,11 +63,11 @@ const FOREIGN: &[(&[u8], &str)] = &[
 ];
 
 /// Tells the format by the beginning of the file.
-pub fn told(first: &[u8], options: &ReadOptions) -> Format {
+pub fn detect(first: &[u8], options: &ReadOptions) -> Format {
     let begins = |table: &[(&[u8], &'static str)]| {
         table.iter().find(|(magic, _)| first.starts_with(magic)).map(|(_, name)| *name)
     };
-    if let Some(format) = formats::told(first) {
+    if let Some(format) = formats::detect(first) {
         return Format::Recording(format);
     }
     if let Some(name) = begins(FOREIGN) {
@@ -153,7 +153,7 @@ pub fn read_stream(mut source: impl Read, size_bytes: u64, options: &ReadOptions
         .take(packed::MARK_BYTES)
         .read_to_end(&mut first)
         .map_err(|error| Failure::usage(format!("cannot read: {error}")))?;
-    let Some(packing) = Packing::told(&first) else {
+    let Some(packing) = Packing::detect(&first) else {
         return read_plain(Cursor::new(first).chain(source), size_bytes, options);
     };
     let mut unpacked = packing.unpack(Cursor::new(first).chain(source))?;
@@ -196,7 +196,7 @@ fn read_plain(mut source: impl Read, size_bytes: u64, options: &ReadOptions) -> 
             "this is an ironout calibration, not a log. To use it, run: ironout apply LOG --cal CAL.json",
         ));
     }
-    let format = told(&first, options);
+    let format = detect(&first, options);
     let whole = Cursor::new(first).chain(source);
     let mut log = match format {
         Format::Own => reader::read_own(whole, size_bytes, options),

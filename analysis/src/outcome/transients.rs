@@ -21,7 +21,7 @@ const BACK: f64 = 0.35;
 const BEYOND: f64 = 0.35;
 /// More than this share of a log is no passing magnet.
 const MOST: f64 = 0.1;
-/// A study without what stood out says more where its error on unseen time is below this share of what it was.
+/// A study without what stood out says more where its held-out error is below this share of what it was.
 const LOWERS: f64 = 0.9;
 
 /// Samples that stand out of what a diagnosis found, as first and last place among its samples; empty where nothing does, or where so

@@ -2,7 +2,7 @@
 
 use crate::input::formats::{betaflight_json, mavlink};
 
-/// How many first bytes [`told`] wants to see; fewer are fine where the file has no more.
+/// How many first bytes [`detect`] wants to see; fewer are fine where the file has no more.
 pub const FIRST_BYTES: usize = 4096;
 
 /// The formats of other programs that are read as recordings of several streams.
@@ -28,7 +28,7 @@ pub enum Format {
 
 /// The format whose mark `first` holds; `None` where it is none of them. Most marks stand at the very beginning, that of a
 /// blackbox log may have the rest of an erased flash before it.
-pub fn told(first: &[u8]) -> Option<Format> {
+pub fn detect(first: &[u8]) -> Option<Format> {
     const BLACKBOX: &[u8] = b"H Product:Blackbox";
     if first.starts_with(b"ULog\x01\x12\x35") {
         return Some(Format::Ulog);
@@ -63,16 +63,16 @@ mod tests {
 
     #[test]
     fn marks_are_told_and_nothing_else() {
-        assert_eq!(told(b"ULog\x01\x12\x35\x01"), Some(Format::Ulog));
-        assert_eq!(told(&[0xa3, 0x95, 0x80]), Some(Format::DataflashBinary));
-        assert_eq!(told(b"\xff\xff\xffH Product:Blackbox flight data"), Some(Format::Blackbox));
-        assert_eq!(told(b"\x89MCAP0\r\n\x01"), Some(Format::Mcap));
+        assert_eq!(detect(b"ULog\x01\x12\x35\x01"), Some(Format::Ulog));
+        assert_eq!(detect(&[0xa3, 0x95, 0x80]), Some(Format::DataflashBinary));
+        assert_eq!(detect(b"\xff\xff\xffH Product:Blackbox flight data"), Some(Format::Blackbox));
+        assert_eq!(detect(b"\x89MCAP0\r\n\x01"), Some(Format::Mcap));
         assert_eq!(
-            told(b"\r\nFMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\r\n"),
+            detect(b"\r\nFMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\r\n"),
             Some(Format::DataflashText)
         );
         for other in [&b"t_s,mx_ut,my_ut,mz_ut\n"[..], b"", b"FMT,a\n", b"ULog", b"\x89PNG\r\n"] {
-            assert_eq!(told(other), None, "{other:?}");
+            assert_eq!(detect(other), None, "{other:?}");
         }
     }
 }

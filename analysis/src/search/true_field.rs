@@ -5,10 +5,10 @@
 //! differ in the second order, which beyond twice the noise is enough to bias coefficients by several standard errors and
 //! to look like a further effect. Where the data tell the two apart the search goes on with the one that fits.
 
-use crate::base::engine::{Fitted, Pass};
-use crate::base::known::Known;
+use crate::base::engine::{Design, Fitted};
 use crate::base::looked_at::{LookedAt, Place, Seen, Shared};
-use crate::base::piece::{BadShape, Piece, ready};
+use crate::base::prior::Prior;
+use crate::base::term::{BadShape, Term, ready};
 use crate::samples::series::Autocorrelation;
 use crate::search::state::MOST_SEARCHED;
 use crate::threads::parts;
@@ -46,9 +46,9 @@ const FOLDED: f64 = 0.1;
 
 /// At the undisturbed vector, as coefficients near the effect's own give it.
 #[derive(Clone, Copy)]
-struct Undisturbed(Coefficients<f64>);
+struct AtTrueField(Coefficients<f64>);
 
-impl Undisturbed {
+impl AtTrueField {
     /// What the sensor reads in the field that these quantities have.
     fn reading_ut(&self, inner: &dyn Effect<f64>, near: &Quantities<f64>) -> [f64; 3] {
         minus(near.measured_ut, scaled(inner.disturbance(near, &self.0), -1.0))
@@ -72,7 +72,7 @@ impl Undisturbed {
     }
 }
 
-impl Place for Undisturbed {
+impl Place for AtTrueField {
     fn vector_ut(&self, inner: &dyn Effect<f64>, at: &Quantities<f64>) -> [f64; 3] {
         let mut near = *at;
         let mut found = self.reading_ut(inner, &near);
@@ -98,12 +98,12 @@ impl Place for Undisturbed {
 
 /// The measured vectors without their noise, as a model's residuals show it: columns made of the noisy ones would correlate
 /// with them.
-fn without_noise(pass: &Pass, model: &Model<f64>, pieces: &[Piece]) -> Result<Vec<[f64; 3]>, BadShape> {
-    let list: Vec<&Piece> = pieces.iter().collect();
+fn without_noise(design: &Design, model: &Model<f64>, terms: &[Term]) -> Result<Vec<[f64; 3]>, BadShape> {
+    let list: Vec<&Term> = terms.iter().collect();
     let within = |range: &Range<usize>| -> Result<Vec<[f64; 3]>, BadShape> {
         let mut vectors: Vec<[f64; 3]> =
-            pass.samples.readings[range.clone()].iter().map(|reading| reading.measured_ut).collect();
-        pass.rows(range.clone(), model, &list, |sample, row, residual| {
+            design.samples.readings[range.clone()].iter().map(|reading| reading.measured_ut).collect();
+        design.rows(range.clone(), model, &list, |sample, row, residual| {
             let against = [row[0], row[1], row[2]];
             let off = scaled(against, -residual / dot(against, against).max(f64::MIN_POSITIVE));
             let vector = &mut vectors[sample - range.start];
@@ -111,7 +111,7 @@ fn without_noise(pass: &Pass, model: &Model<f64>, pieces: &[Piece]) -> Result<Ve
         })?;
         Ok(vectors)
     };
-    Ok(parts(pass.samples.len(), within)?.concat())
+    Ok(parts(design.samples.len(), within)?.concat())
 }
 
 /// The undisturbed vector of one reading, and of what reads nearly the same.
@@ -123,7 +123,7 @@ struct Nearby {
     /// How it follows the reading there.
     inverse: [[f64; 3]; 3],
     /// Where that is only the first step to it: while a fit still goes far.
-    exactly: Option<Undisturbed>,
+    exactly: Option<AtTrueField>,
 }
 
 impl Place for Nearby {
@@ -151,22 +151,22 @@ impl Place for Nearby {
 }
 
 /// What an effect that reads the vector alone is asked in one sample.
-fn asked(piece: &Piece, sample: usize, measured_ut: [f64; 3]) -> Quantities<f64> {
-    let inputs = piece.inputs.get(sample).copied().unwrap_or([0.0; MAX_INPUTS]);
+fn asked(term: &Term, sample: usize, measured_ut: [f64; 3]) -> Quantities<f64> {
+    let inputs = term.inputs.get(sample).copied().unwrap_or([0.0; MAX_INPUTS]);
     Quantities { measured_ut, centred_ut: measured_ut, turning_ut_per_s: [0.0; 3], inputs }
 }
 
-/// The piece with its shape at the undisturbed vector, as these coefficients give it.
+/// The term with its shape at the undisturbed vector, as these coefficients give it.
 fn looked_at<'a>(
-    piece: &Piece<'a>,
+    term: &Term<'a>,
     inner: &Shared<'a>,
-    at: Undisturbed,
+    at: AtTrueField,
     goes_far: bool,
     readings_ut: &[[f64; 3]],
-) -> Piece<'a> {
+) -> Term<'a> {
     let effect: Shared = Arc::new(LookedAt { inner: inner.clone(), place: at });
     let of_sample = |(sample, &reading_ut): (usize, &[f64; 3])| -> Shared<'a> {
-        let mut near = asked(piece, sample, reading_ut);
+        let mut near = asked(term, sample, reading_ut);
         near.measured_ut = at.vector_ut(inner.as_ref(), &near);
         let there = at.reading_ut(inner.as_ref(), &near);
         let Some(inverse) = at.inverse(inner.as_ref(), &near, there) else { return effect.clone() };
@@ -177,55 +177,55 @@ fn looked_at<'a>(
     // What reads more of the field than the vector is solved for anew at every look.
     let known = || Arc::new(readings_ut.iter().enumerate().map(of_sample).collect());
     let known_at = (!inner.reads_centre()).then(known);
-    Piece { effect, known_at, ..piece.clone() }
+    Term { effect, known_at, ..term.clone() }
 }
 
 /// The same with that vector held as it is at each of these readings, which is cheap to go on with.
-fn held_at<'a>(piece: &Piece<'a>, inner: &Shared<'a>, readings_ut: &[[f64; 3]]) -> Piece<'a> {
-    let at = Undisturbed(piece.coefficients);
+fn held_at<'a>(term: &Term<'a>, inner: &Shared<'a>, readings_ut: &[[f64; 3]]) -> Term<'a> {
+    let at = AtTrueField(term.coefficients);
     let of_sample = |(sample, &reading_ut): (usize, &[f64; 3])| -> Shared<'a> {
-        let place = Seen(at.vector_ut(inner.as_ref(), &asked(piece, sample, reading_ut)));
+        let place = Seen(at.vector_ut(inner.as_ref(), &asked(term, sample, reading_ut)));
         Arc::new(LookedAt { inner: inner.clone(), place })
     };
     let known = || Arc::new(readings_ut.iter().enumerate().map(of_sample).collect());
     let known_at = (!inner.reads_centre()).then(known);
-    Piece { effect: Arc::new(LookedAt { inner: inner.clone(), place: at }), known_at, ..piece.clone() }
+    Term { effect: Arc::new(LookedAt { inner: inner.clone(), place: at }), known_at, ..term.clone() }
 }
 
 /// The model with its shapes at the undisturbed vector, settled, from one that is near. `None` where the fit fails.
-fn undisturbed<'a>(
-    pass: &Pass,
+fn at_true_field<'a>(
+    design: &Design,
     plain: &Fitted<'a>,
     near: &Fitted,
     hold: bool,
-    known: &Known,
+    known: &Prior,
 ) -> Result<Option<Fitted<'a>>, BadShape> {
-    let inner: Vec<_> = plain.pieces.iter().map(|piece| piece.effect.clone()).collect();
+    let inner: Vec<_> = plain.terms.iter().map(|term| term.effect.clone()).collect();
     let mut now = Fitted { model: near.model, squares: f64::INFINITY, ..plain.clone() };
-    for piece in &mut now.pieces {
-        if let Some(same) = near.pieces.iter().find(|other| other.id == piece.id) {
-            piece.coefficients = same.coefficients;
+    for term in &mut now.terms {
+        if let Some(same) = near.terms.iter().find(|other| other.id == term.id) {
+            term.coefficients = same.coefficients;
         }
     }
-    let mut at: Vec<_> = now.pieces.iter().map(|piece| piece.coefficients).collect();
-    let patience = if pass.samples.len() > MOST_SEARCHED { LITTLE_PATIENCE } else { PATIENCE };
+    let mut at: Vec<_> = now.terms.iter().map(|term| term.coefficients).collect();
+    let patience = if design.samples.len() > MOST_SEARCHED { LITTLE_PATIENCE } else { PATIENCE };
     let mut best: Option<Fitted> = None;
     let mut goes_far = true;
     let settles = if hold { SETTLED } else { NEARLY_SETTLED };
-    let readings_ut: Vec<_> = pass.samples.readings.iter().map(|reading| reading.measured_ut).collect();
+    let readings_ut: Vec<_> = design.samples.readings.iter().map(|reading| reading.measured_ut).collect();
     for round in 0..MOST_ROUNDS {
-        let mut pieces = now.pieces.clone();
-        for ((piece, inner), at) in pieces.iter_mut().zip(&inner).zip(&mut at) {
+        let mut terms = now.terms.clone();
+        for ((term, inner), at) in terms.iter_mut().zip(&inner).zip(&mut at) {
             // Half way: coefficients that nearly make up for each other would overshoot.
-            for (old, new) in at.iter_mut().zip(piece.coefficients) {
+            for (old, new) in at.iter_mut().zip(term.coefficients) {
                 *old = 0.5 * (*old + new);
             }
-            if piece.acts(Acts::Measured) {
-                *piece = looked_at(piece, inner, Undisturbed(*at), goes_far, &readings_ut);
+            if term.acts(Acts::Measured) {
+                *term = looked_at(term, inner, AtTrueField(*at), goes_far, &readings_ut);
             }
         }
         // A shape that ran away is no reason to give up the model that stands.
-        let Ok(Some(next)) = pass.approach(now.model, pieces, known) else { break };
+        let Ok(Some(next)) = design.approach(now.model, terms, known) else { break };
         let change = (next.squares - now.squares).abs();
         let settled = (hold || !goes_far) && change < settles * next.squares / next.rows.max(1.0);
         goes_far = hold || change > FAR * next.squares;
@@ -243,77 +243,81 @@ fn undisturbed<'a>(
     if !hold {
         return Ok(Some(best));
     }
-    let Ok(readings_ut) = without_noise(pass, &best.model, &best.pieces) else { return Ok(Some(best)) };
-    let mut pieces = best.pieces.clone();
-    for (piece, inner) in pieces.iter_mut().zip(&inner).filter(|(piece, _)| piece.acts(Acts::Measured)) {
-        *piece = held_at(piece, inner, &readings_ut);
+    let Ok(readings_ut) = without_noise(design, &best.model, &best.terms) else { return Ok(Some(best)) };
+    let mut terms = best.terms.clone();
+    for (term, inner) in terms.iter_mut().zip(&inner).filter(|(term, _)| term.acts(Acts::Measured)) {
+        *term = held_at(term, inner, &readings_ut);
     }
-    let held = pass.approach(best.model, pieces, known).ok().flatten();
+    let held = design.approach(best.model, terms, known).ok().flatten();
     let held = held.filter(|held| held.squares < AS_GOOD * best.squares);
     Ok(held.or(Some(best)))
 }
 
 /// Whether shapes of it are looked at elsewhere than at the measured vector.
 fn is_elsewhere(fitted: &Fitted) -> bool {
-    fitted.pieces.iter().any(|piece| piece.known_at.is_some())
+    fitted.terms.iter().any(|term| term.known_at.is_some())
 }
 
 /// Its effects with their shapes at the readings.
-fn at_the_readings<'a>(fitted: &Fitted<'a>) -> Vec<Piece<'a>> {
-    let mut pieces = fitted.pieces.clone();
-    for piece in &mut pieces {
-        if let (Some(made), true) = (piece.made, piece.acts(Acts::Measured)) {
-            piece.effect = ready(made);
-            piece.known_at = None;
+fn at_the_readings<'a>(fitted: &Fitted<'a>) -> Vec<Term<'a>> {
+    let mut terms = fitted.terms.clone();
+    for term in &mut terms {
+        if let (Some(made), true) = (term.made, term.acts(Acts::Measured)) {
+            term.effect = ready(made);
+            term.known_at = None;
         }
     }
-    pieces
+    terms
 }
 
 /// A model whose undisturbed vectors were held, with them as its coefficients give them. `None` where there are none.
-pub fn let_go<'a>(pass: &Pass, fitted: &Fitted<'a>, known: &Known) -> Result<Option<Fitted<'a>>, BadShape> {
-    let Some(plain) = as_corrected(pass, fitted, known)? else { return Ok(None) };
-    undisturbed(pass, &plain, &plain, false, known)
+pub fn let_go<'a>(
+    design: &Design,
+    fitted: &Fitted<'a>,
+    known: &Prior,
+) -> Result<Option<Fitted<'a>>, BadShape> {
+    let Some(plain) = as_corrected(design, fitted, known)? else { return Ok(None) };
+    at_true_field(design, &plain, &plain, false, known)
 }
 
 /// The model as a correction has it, fitted with all shapes at the readings. `None` where they are there already.
 pub fn as_corrected<'a>(
-    pass: &Pass,
+    design: &Design,
     fitted: &Fitted<'a>,
-    known: &Known,
+    known: &Prior,
 ) -> Result<Option<Fitted<'a>>, BadShape> {
     if !is_elsewhere(fitted) {
         return Ok(None);
     }
-    pass.fit(fitted.model, at_the_readings(fitted), known)
+    design.fit(fitted.model, at_the_readings(fitted), known)
 }
 
 /// Of the two models the one that the data ask for; the shapes at the measured vector where they do not tell. `near` may have
 /// found the other one of the same effects in some of the samples.
 pub fn prefer<'a>(
-    pass: &Pass,
+    design: &Design,
     fitted: Fitted<'a>,
     near: Option<&Fitted>,
-    known: &Known,
+    known: &Prior,
 ) -> Result<Fitted<'a>, BadShape> {
-    if pass.residual != Residual::Magnitude || !fitted.pieces.iter().any(|piece| piece.acts(Acts::Measured)) {
+    if design.residual != Residual::Magnitude || !fitted.terms.iter().any(|term| term.acts(Acts::Measured)) {
         return Ok(fitted);
     }
-    let pieces = at_the_readings(&fitted);
-    let Some(plain) = pass.fit(fitted.model, pieces, known)? else { return Ok(fitted) };
+    let terms = at_the_readings(&fitted);
+    let Some(plain) = design.fit(fitted.model, terms, known)? else { return Ok(fitted) };
     // With the vectors held a search goes on more cheaply and more surely. What is said of all samples of a long log, which no
     // search follows, has them follow its readings.
-    let hold = pass.samples.len() <= MOST_SEARCHED;
+    let hold = design.samples.len() <= MOST_SEARCHED;
     let mut other = None;
     if let Some(near) = near.filter(|near| is_elsewhere(near)) {
-        other = undisturbed(pass, &plain, near, hold, known)?;
+        other = at_true_field(design, &plain, near, hold, known)?;
     }
     if other.is_none() {
-        other = undisturbed(pass, &plain, &plain, hold, known)?;
+        other = at_true_field(design, &plain, &plain, hold, known)?;
     }
     let Some(other) = other else { return Ok(plain) };
-    let list: Vec<&Piece> = other.pieces.iter().collect();
-    let residuals = pass.residuals(&other.model, &list)?;
+    let list: Vec<&Term> = other.terms.iter().collect();
+    let residuals = design.residuals(&other.model, &list)?;
     let time = Autocorrelation::of(&residuals).time;
     let variance = other.squares / other.rows.max(1.0) * time;
     let better = other.squares.is_finite() && plain.squares - other.squares > PREFERRED * variance;
@@ -335,7 +339,7 @@ mod tests {
             turning_ut_per_s: [0.0; 3],
             inputs: [0.0; MAX_INPUTS],
         };
-        Undisturbed(coefficients).vector_ut(&Nonlinearity, &at)[0]
+        AtTrueField(coefficients).vector_ut(&Nonlinearity, &at)[0]
     }
 
     #[test]

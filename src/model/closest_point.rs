@@ -8,13 +8,13 @@ use crate::math::Real;
 use crate::vector::{cross, dot, minus, norm, scaled};
 
 /// Looks at a disturbance that depends on the field it disturbs.
-const MOST_LOOKS: usize = 24;
+const MOST_ITERATIONS: usize = 24;
 /// After so many a strong one is hastened; a weak one stands by then.
 const PLAIN_LOOKS: usize = 2;
 
 /// The measured vector without its noise, and the same about the centre.
 #[derive(Clone, Copy)]
-struct Foot<T> {
+struct ClosestPoint<T> {
     measured: [T; 3],
     centred: [T; 3],
 }
@@ -63,7 +63,7 @@ impl<T: Real> Reaction<T> {
 
 impl<T: Real> Model<T> {
     /// What the turning vector's own dependence on the matrix adds to the six columns of the triangle, where `pull` is what
-    /// the disturbance answers with and `centred` the foot point.
+    /// the disturbance answers with and `centred` the closest point.
     pub(super) fn through_turning(
         &self,
         reaction: &Reaction<T>,
@@ -82,11 +82,11 @@ impl<T: Real> Model<T> {
 }
 
 impl<T: Real> Model<T> {
-    /// Linearises at the foot point; leaves the shapes there in `shapes`.
+    /// Linearises at the closest point; leaves the shapes there in `shapes`.
     ///
-    /// Columns made of the noisy sample would correlate with its residual; at the foot point they do not. A disturbance
+    /// Columns made of the noisy sample would correlate with its residual; at the closest point they do not. A disturbance
     /// that depends on the field it disturbs is looked at until it stands.
-    pub(super) fn at_foot<const N: usize>(
+    pub(super) fn at_closest<const N: usize>(
         &self,
         reading: &Observation<T>,
         terms: &[Term<'_, T>],
@@ -94,27 +94,27 @@ impl<T: Real> Model<T> {
     ) -> Result<(Linearised<T>, Reaction<T>), NotFinite> {
         let measured = reading.measured_ut;
         let linearise = |disturbance| self.linearise(measured, disturbance).ok_or(NotFinite::Sample);
-        let foot_of = |at: &Linearised<T>| {
-            let off = self.foot(at);
-            Foot { measured: minus(measured, off), centred: minus(at.centred, off) }
+        let closest_point_of = |at: &Linearised<T>| {
+            let off = self.closest(at);
+            ClosestPoint { measured: minus(measured, off), centred: minus(at.centred, off) }
         };
         let mut at = linearise([T::zero(); 3])?;
         if !terms.iter().any(|term| term.is_active()) {
-            let foot = foot_of(&at);
-            let quantities = self.quantities(foot.measured, foot.centred, reading.turn_radps);
+            let closest = closest_point_of(&at);
+            let quantities = self.quantities(closest.measured, closest.centred, reading.turn_radps);
             self.shapes(&quantities, terms.iter(), |_| true, shapes)?;
             return Ok((at, Reaction::none()));
         }
         let close = self.field_ut * (T::of(1e-7) + T::of(8.0) * T::epsilon());
-        let mut foot = Foot { measured, centred: at.centred };
+        let mut closest = ClosestPoint { measured, centred: at.centred };
         let mut disturbance = [T::zero(); 3];
         let mut stands = true;
         let mut before = T::zero();
         // Whether repeating it leads away: then there is no going on without knowing its slope.
         let mut apart = false;
         let mut secant = Secant::default();
-        let mut quantities = self.quantities(foot.measured, foot.centred, reading.turn_radps);
-        for look in 0..MOST_LOOKS {
+        let mut quantities = self.quantities(closest.measured, closest.centred, reading.turn_radps);
+        for look in 0..MOST_ITERATIONS {
             let found = self.shapes(&quantities, terms.iter(), |term| term.is_active(), shapes)?;
             let moved = norm(minus(found, disturbance));
             // The first look is at the noisy sample. Where looks go apart there is no such disturbance.
@@ -130,12 +130,12 @@ impl<T: Real> Model<T> {
             at = linearise(disturbance)?;
             before = moved;
             stands &= look == 0;
-            foot = foot_of(&at);
-            quantities = self.quantities(foot.measured, foot.centred, reading.turn_radps);
+            closest = closest_point_of(&at);
+            quantities = self.quantities(closest.measured, closest.centred, reading.turn_radps);
         }
         // Candidates look where the others have settled.
         self.shapes(&quantities, terms.iter(), |term| !term.is_active(), shapes)?;
-        let reaction = if stands { Reaction::none() } else { self.reaction(&at, &foot, reading, terms)? };
+        let reaction = if stands { Reaction::none() } else { self.reaction(&at, &closest, reading, terms)? };
         Ok((at, reaction))
     }
 
@@ -143,7 +143,7 @@ impl<T: Real> Model<T> {
     fn reaction(
         &self,
         at: &Linearised<T>,
-        foot: &Foot<T>,
+        closest: &ClosestPoint<T>,
         reading: &Observation<T>,
         terms: &[Term<'_, T>],
     ) -> Result<Reaction<T>, NotFinite> {
@@ -163,8 +163,10 @@ impl<T: Real> Model<T> {
             }
             Ok(sum)
         };
-        let quantities = |foot: &Foot<T>| self.quantities(foot.measured, foot.centred, reading.turn_radps);
-        let here = quantities(foot);
+        let quantities = |closest: &ClosestPoint<T>| {
+            self.quantities(closest.measured, closest.centred, reading.turn_radps)
+        };
+        let here = quantities(closest);
         let size = norm(at.pull);
         let normal = scaled(at.pull, one / size);
         // Across the axis that the normal has least of.
@@ -185,7 +187,8 @@ impl<T: Real> Model<T> {
         if terms.iter().any(|term| reads_centre(term) && term.is_active()) {
             let still = sum_at(here, false)?;
             for (follow, direction) in follows.iter_mut().zip(along) {
-                let moved = Foot { centred: minus(foot.centred, scaled(direction, -step)), ..*foot };
+                let moved =
+                    ClosestPoint { centred: minus(closest.centred, scaled(direction, -step)), ..*closest };
                 *follow = scaled(minus(sum_at(quantities(&moved), false)?, still), one / step);
             }
             if reading.turn_radps.is_some() {
@@ -200,7 +203,7 @@ impl<T: Real> Model<T> {
                 turning = Some(answers);
             }
         }
-        let moved = Foot { measured: minus(foot.measured, scaled(normal, -step)), ..*foot };
+        let moved = ClosestPoint { measured: minus(closest.measured, scaled(normal, -step)), ..*closest };
         let outward = minus(sum_at(quantities(&moved), true)?, sum_at(here, true)?);
         let outward = scaled(outward, one / (step * size));
         Ok(Reaction { along, follows, outward, turning })
@@ -247,10 +250,10 @@ mod tests {
             let model = of_field(50.0 + beyond - 0.6);
             let reading = Observation { measured_ut, turn_radps: None, down: None };
             let mut shapes = [crate::effect::no_shape(); 1];
-            let (at, _) = model.at_foot(&reading, &[term], &mut shapes).expect("a row");
+            let (at, _) = model.at_closest(&reading, &[term], &mut shapes).expect("a row");
             // What was taken off is what the effect does at the point where it stands.
-            let foot = minus(measured_ut, model.foot(&at));
-            let there = model.quantities(foot, foot, None);
+            let closest = minus(measured_ut, model.closest(&at));
+            let there = model.quantities(closest, closest, None);
             let again = term.effect.disturbance(&there, &coefficients);
             let stands = model.linearise(measured_ut, again).expect("a row").residual;
             assert!((stands - at.residual).abs() < 1e-4, "{measured_ut:?}: {stands} and {}", at.residual);

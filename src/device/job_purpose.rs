@@ -2,7 +2,7 @@
 
 /// What a job at the store is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Errand {
+pub(super) enum JobPurpose {
     /// To find the calibration, at the start, or again because a slot did not answer then.
     Boot,
     /// For `version`.

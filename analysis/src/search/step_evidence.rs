@@ -1,7 +1,7 @@
 //! A step must be sudden: a jump, and not a slow cause that the log lacks.
 
 use crate::base::engine::Fitted;
-use crate::base::piece::{BadShape, COLUMNS, Clock, Matrix, Piece, TERMS};
+use crate::base::term::{BadShape, COLUMNS, Clock, Matrix, TERMS, Term};
 use crate::samples::samples::Samples;
 use crate::samples::series::Autocorrelation;
 use crate::search::state::Greedy;
@@ -44,14 +44,14 @@ struct Steadily {
 }
 
 impl Steadily {
-    fn around<'a>(reference_s: f64, time: &[f64]) -> Piece<'a> {
-        Piece {
+    fn around<'a>(reference_s: f64, time: &[f64]) -> Term<'a> {
+        Term {
             id: "steady change around the step".into(),
             made: None,
             effect: Arc::new(Steadily { reference_s }),
             coefficients: Default::default(),
             inputs: Arc::new(time.iter().map(|t| [*t, 0.0]).collect()),
-            places: 1.0,
+            trials: 1.0,
             clock: Clock::Stamps,
             known_at: None,
         }
@@ -135,7 +135,7 @@ impl Around {
 
 /// When the readings themselves jump by the step, near its time, and nowhere around by nearly as much: the magnitude does not
 /// see a step that happens across the field, and places it where it begins to.
-pub(crate) fn readings_jump(samples: &Samples, step: &Piece, at: f64) -> Option<f64> {
+pub(crate) fn readings_jump(samples: &Samples, step: &Term, at: f64) -> Option<f64> {
     let time = samples.time.as_ref()?;
     let [.., widest] = AROUND_STEP_S;
     let place = |seconds: f64| time.partition_point(|t| *t < at + seconds);
@@ -161,8 +161,9 @@ pub(crate) fn readings_jump(samples: &Samples, step: &Piece, at: f64) -> Option<
 
 impl<'a> Greedy<'_, 'a> {
     /// Whether the offset jumps at a step, rather than changes steadily around it.
-    pub(crate) fn sudden(&self, fitted: &Fitted<'a>, step: &Piece<'a>, at: f64) -> Result<bool, BadShape> {
-        if readings_jump(self.pass.samples, step, at).is_some_and(|jump| self.as_well_at(fitted, step, jump))
+    pub(crate) fn is_sudden(&self, fitted: &Fitted<'a>, step: &Term<'a>, at: f64) -> Result<bool, BadShape> {
+        if readings_jump(self.design.samples, step, at)
+            .is_some_and(|jump| self.as_well_at(fitted, step, jump))
         {
             return Ok(true);
         }
@@ -177,15 +178,15 @@ impl<'a> Greedy<'_, 'a> {
     }
 
     /// Whether a step that is moved explains nearly as much.
-    fn as_well_at(&self, fitted: &Fitted<'a>, step: &Piece<'a>, at_s: f64) -> bool {
+    fn as_well_at(&self, fitted: &Fitted<'a>, step: &Term<'a>, at_s: f64) -> bool {
         let there = step.named().and_then(|named| self.catalogue.build(&named, at_s));
-        let pieces = fitted.pieces.iter().map(|piece| match (&there, piece.id == step.id) {
+        let terms = fitted.terms.iter().map(|term| match (&there, term.id == step.id) {
             (Some(there), true) => {
-                Piece { id: step.id.clone(), coefficients: step.coefficients, ..there.clone() }
+                Term { id: step.id.clone(), coefficients: step.coefficients, ..there.clone() }
             }
-            _ => piece.clone(),
+            _ => term.clone(),
         });
-        let moved = self.pass.fit(fitted.model, pieces.collect(), self.known);
+        let moved = self.design.fit(fitted.model, terms.collect(), self.known);
         there.is_some()
             && matches!(moved, Ok(Some(moved)) if moved.squares < AS_WELL * AS_WELL * fitted.squares)
     }
@@ -194,22 +195,22 @@ impl<'a> Greedy<'_, 'a> {
     fn around(
         &self,
         fitted: &Fitted<'a>,
-        step: &Piece<'a>,
+        step: &Term<'a>,
         at: f64,
         around_s: f64,
     ) -> Result<Option<Around>, BadShape> {
-        let Some(time) = &self.pass.samples.time else { return Ok(None) };
+        let Some(time) = &self.design.samples.time else { return Ok(None) };
         let place = |seconds: f64| time.partition_point(|t| *t < at + seconds);
         let (from, middle, to) = (place(-around_s), place(0.0), place(around_s));
         if middle - from < AROUND_STEP || to - middle < AROUND_STEP {
             return Ok(None);
         }
         // The model without the step; around it the offset may lie elsewhere and change steadily.
-        let steadily = Steadily::around(self.pass.samples.middle_s, time);
-        let others = fitted.pieces.iter().filter(|piece| piece.id != step.id);
-        let all: Vec<&Piece> = others.chain([&steadily]).collect();
-        let base = self.pass.residual.base_columns();
-        let columns = base + all.iter().map(|piece| piece.k()).sum::<usize>();
+        let steadily = Steadily::around(self.design.samples.middle_s, time);
+        let others = fitted.terms.iter().filter(|term| term.id != step.id);
+        let all: Vec<&Term> = others.chain([&steadily]).collect();
+        let base = self.design.residual.base_columns();
+        let columns = base + all.iter().map(|term| term.k()).sum::<usize>();
         if columns > COLUMNS || all.len() > TERMS {
             return Ok(None);
         }
@@ -218,7 +219,7 @@ impl<'a> Greedy<'_, 'a> {
             residuals: Vec::with_capacity(to - from),
             middle: middle - from,
         };
-        self.pass.rows(from..to, &fitted.model, &all, |_, row, r| {
+        self.design.rows(from..to, &fitted.model, &all, |_, row, r| {
             let mut own = [0.0; COLUMNS];
             // The first three columns are those of the offset, of all residuals that know a step.
             own[..3].copy_from_slice(&row[..3]);

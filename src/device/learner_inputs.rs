@@ -36,7 +36,7 @@ pub(super) type Axes = [Option<f32>; 3];
 
 /// The study and what it is fed.
 #[derive(Debug, Clone)]
-pub(super) struct Lessons {
+pub(super) struct LearnerInputs {
     pub(super) learner: Learner,
     pub(super) motion: Motion,
     /// The motion as it was fed by name.
@@ -74,7 +74,7 @@ pub(super) struct Answer {
     pub(super) steps: u16,
 }
 
-impl Lessons {
+impl LearnerInputs {
     pub(super) const fn new() -> Self {
         Self {
             learner: Learner::new(),

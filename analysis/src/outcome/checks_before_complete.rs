@@ -1,21 +1,21 @@
 //! What speaks against a verdict that would reassure, and what may hide behind one that names nobody.
 
 use crate::base::applied::Applied;
-use crate::base::piece::{BadShape, Piece};
 use crate::base::quality::NoiseEstimate;
+use crate::base::term::{BadShape, Term};
 use crate::outcome::view::View;
 use crate::samples::faults;
 use crate::search::certain::PREDICTS;
 use crate::search::screen::WORTH_NAMING;
 use crate::search::state::{Judged, held_out_rms};
-use crate::search::sudden::readings_jump;
+use crate::search::step_evidence::readings_jump;
 use ironout::effect::Follows;
 
-/// The squared error on unseen time exceeds what is expected of noise by chance by so many times that excess ...
+/// The squared held-out error exceeds what is expected of noise by chance by so many times that excess ...
 const UNSEEN_SLACK: f64 = 2.0;
 /// ... and by this share of the noise's square.
 const UNSEEN_LEAST: f64 = 0.1;
-/// Many parameters and a long memory excuse no error on unseen time of more than so many times what the noise leaves ...
+/// Many parameters and a long memory excuse no held-out error of more than so many times what the noise leaves ...
 const UNSEEN_MOST: f64 = 4.0 / 3.0;
 
 /// So many effects that explain the most are looked at with what stands out beside them.
@@ -29,7 +29,7 @@ const SAME_WAY: f64 = 0.97;
 impl View<'_, '_> {
     /// The held-out error over the noise floor, where it is more than that many parameters and that noise's memory make of
     /// it: a model that explains the samples it has seen by chance, or structure that passes for noise.
-    pub(super) fn fails_on_unseen_time(&self, left: &NoiseEstimate, applied: &Applied) -> Option<f64> {
+    pub(super) fn fails_held_out(&self, left: &NoiseEstimate, applied: &Applied) -> Option<f64> {
         let fitted = &self.explanation.fitted;
         let held_out = held_out_rms(fitted)?;
         let ratio = applied.share * held_out / left.floor;
@@ -52,7 +52,7 @@ impl View<'_, '_> {
             return None;
         }
         let of_column = explanation.first.iter().filter_map(|one| {
-            let columns = one.piece.effect.columns();
+            let columns = one.term.effect.columns();
             let logged = |name: &str| self.samples.columns.iter().any(|own| own.name == name);
             let column = columns.iter().flatten().next().filter(|column| logged(column.name))?;
             let share = one.tested.decrease / explanation.base.squares;
@@ -77,10 +77,10 @@ impl View<'_, '_> {
         first.sort_by(|a, b| b.tested.decrease.total_cmp(&a.tested.decrease));
         let worth = |one: &&&Judged| one.tested.decrease >= WORTH_NAMING * explanation.base.squares;
         for leader in first.iter().filter(worth).take(LEADERS) {
-            let pieces = vec![leader.piece.clone()];
-            let Some(with) = self.pass.fit(explanation.base.model, pieces, self.known)? else { continue };
-            let list: Vec<&Piece> = with.pieces.iter().collect();
-            let found = faults::bursts(&self.pass.residuals(&with.model, &list)?);
+            let terms = vec![leader.term.clone()];
+            let Some(with) = self.design.fit(explanation.base.model, terms, self.known)? else { continue };
+            let list: Vec<&Term> = with.terms.iter().collect();
+            let found = faults::bursts(&self.design.residuals(&with.model, &list)?);
             if !found.is_empty() {
                 return Ok(found);
             }
@@ -91,15 +91,15 @@ impl View<'_, '_> {
     /// Shapes in time that point the same way stand in for one slow cause that the log does not hold: two events, or an event
     /// and a drift, have no reason to. A step by which the readings jump is none.
     pub(super) fn stand_ins(&self) -> Option<String> {
-        let in_time = self.explanation.fitted.pieces.iter().filter(|piece| piece.follows(Follows::Time));
-        let jumps = |piece: &Piece| {
-            let at_s = piece.parts().map_or(f64::NAN, |parts| parts.parameter);
-            piece.named().is_some_and(|named| named.form.is_repeated())
-                && readings_jump(self.samples, piece, at_s).is_some()
+        let in_time = self.explanation.fitted.terms.iter().filter(|term| term.follows(Follows::Time));
+        let jumps = |term: &Term| {
+            let at_s = term.parts().map_or(f64::NAN, |parts| parts.parameter);
+            term.named().is_some_and(|named| named.form.is_repeated())
+                && readings_jump(self.samples, term, at_s).is_some()
         };
-        let list: Vec<&Piece> = in_time.filter(|piece| piece.k() == 3 && !jumps(piece)).collect();
-        let dot = |a: &Piece, b: &Piece| (0..3).map(|i| a.coefficients[i] * b.coefficients[i]).sum::<f64>();
-        let alike = |a: &Piece, b: &Piece| dot(a, b).abs() > SAME_WAY * (dot(a, a) * dot(b, b)).sqrt();
+        let list: Vec<&Term> = in_time.filter(|term| term.k() == 3 && !jumps(term)).collect();
+        let dot = |a: &Term, b: &Term| (0..3).map(|i| a.coefficients[i] * b.coefficients[i]).sum::<f64>();
+        let alike = |a: &Term, b: &Term| dot(a, b).abs() > SAME_WAY * (dot(a, a) * dot(b, b)).sqrt();
         let pairs = list.iter().enumerate().flat_map(|(at, a)| list[at + 1..].iter().map(move |b| (*a, *b)));
         let (a, b) = pairs.into_iter().find(|(a, b)| alike(a, b))?;
         Some(format!(
