@@ -112,7 +112,7 @@ fn own(table: Vec<GridColumn>, rows: usize, options: &ReadOptions) -> Outcome<Lo
 }
 
 /// By any names: tolerant.
-fn foreign(mut table: Vec<GridColumn>, rows: usize, options: &ReadOptions) -> Outcome<Log> {
+fn foreign(mut table: Vec<GridColumn>, rows: usize, format: &str, options: &ReadOptions) -> Outcome<Log> {
     for column in &mut table {
         column.values.iter_mut().filter(|value| value.is_infinite()).for_each(|value| *value = f64::NAN);
     }
@@ -126,7 +126,17 @@ fn foreign(mut table: Vec<GridColumn>, rows: usize, options: &ReadOptions) -> Ou
         column.header = name;
     }
     let lines = (FIRST_LINE..).take(rows).collect();
-    text::read_grid(Grid { columns: table, lines, header_line: Some(1), named, ..Grid::default() }, options)
+    text::read_grid(
+        Grid {
+            format: format.to_string(),
+            columns: table,
+            lines,
+            header_line: Some(1),
+            named,
+            ..Grid::default()
+        },
+        options,
+    )
 }
 
 #[cfg(test)]
