@@ -114,8 +114,11 @@ pub fn run(arguments: &BatchArgs, as_json: bool) -> Outcome<u8> {
     Ok(if interrupted || failed == done.len() { EXIT_REFUSED } else { EXIT_OK })
 }
 
+/// Writes rows as a table.
+type Writer = fn(&mut dyn Write, &[&Row]) -> io::Result<()>;
+
 /// What writes a table into a file of that name.
-fn writer(output: &Path) -> Outcome<fn(&mut dyn Write, &[&Row]) -> io::Result<()>> {
+fn writer(output: &Path) -> Outcome<Writer> {
     let extension = output.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     match extension.as_deref() {
         Some("jsonl" | "ndjson") => Ok(write_json_lines),
