@@ -51,7 +51,7 @@ pub fn from_table(columns: Vec<GridColumn>, format: &str, options: &ReadOptions)
     let mut log = if is_own(&names, options, 1) {
         own(columns, rows, options)
     } else {
-        foreign(columns, rows, options)
+        foreign(columns, rows, format, options)
     }?;
     followed::rename(&mut log);
     log.read_as.format = format.to_string();
