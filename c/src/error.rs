@@ -126,7 +126,7 @@ const TEXTS: [(IronoutError, &CStr); 31] = {
         (IRONOUT_STUCK_AXIS, c"an axis never moved: turn the board in all directions; if it did move, check the sensor"),
         (IRONOUT_COPIED_AXIS, c"an axis is a copy of another: check the driver"),
         (IRONOUT_PLANAR, c"all samples lie near one plane: tilt the board on its side and upside down"),
-        (IRONOUT_NOT_AN_ELLIPSOID, c"no ellipsoid fits: turn the board through more directions, away from moving iron and currents"),
+        (IRONOUT_NOT_AN_ELLIPSOID, c"no ellipsoid fits. Rotate the sensor through more directions, away from moving iron and currents"),
         (IRONOUT_THROUGH_ORIGIN, c"the ellipsoid passes through the sensor's zero: turn the board through more directions"),
         (IRONOUT_OFFSET_TOO_LARGE, c"the offset is too large for the field: look for a magnet, or turn through more directions"),
         (IRONOUT_AXIS_RATIO, c"the axes differ too much: check the scale of each axis, or turn through more directions"),

@@ -59,8 +59,8 @@ impl fmt::Display for NotZeroed {
             ),
             NotZeroed::NotOneSphere(rms_ut) => write!(
                 f,
-                "the magnitude varies by {:.2} uT: something nearby bends the field, or the offset changed meanwhile: \
-                 cal zero start, then turn again",
+                "the magnitude varies by {:.2} uT: something nearby bends the field, or the offset changed during \
+                 the turns: cal zero start, then turn again",
                 Num(*rms_ut)
             ),
         }

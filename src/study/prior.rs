@@ -17,7 +17,7 @@ pub struct PhysicalPrior {
 }
 
 impl Default for PhysicalPrior {
-    /// Gains within some 20 % of each other, axes within some 10°, offset within a few fields.
+    /// Gains within 20 % of each other, axes within 10°, offset within a few times the field strength.
     fn default() -> Self {
         PhysicalPrior { gain: 0.2, skew: 0.17, offset_fields: 7.0 }
     }
