@@ -19,9 +19,10 @@ const TRUE_OFFSET_UT: [f64; 3] = [12.0, -25.0, 30.0];
 
 #[test]
 fn a_boat_and_a_car_are_accepted_for_what_they_show() {
-    for (name, most_tilt_deg, level_deg, within_ut) in
-        [("18_boat_rocking.csv", 30.0, 0.25, [0.5, 0.5, 2.5]), ("17_car_level.csv", 5.0, 0.3, [4.0, 4.0, 9.0])]
-    {
+    for (name, most_tilt_deg, level_deg, within_ut) in [
+        ("18_boat_rocking.csv", 30.0, 0.25, [0.5, 0.5, 2.5]),
+        ("17_car_level.csv", 5.0, 0.3, [4.0, 4.0, 9.0]),
+    ] {
         let Some(log) = case(name) else { return };
         let object = fitted(&log, &[]);
         assert_eq!(object["accepted"], true, "{name}: {object}");
