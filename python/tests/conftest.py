@@ -28,9 +28,13 @@ def program():
     return run
 
 
+# What the program says of its file and of itself; how a log was read names a format, which differs for a table in memory.
+OF_THE_PROGRAM = ("read_as", "report", "input", "notes", "version", "reason_codes")
+
+
 def without_names(data):
-    """How a log was read names the file's format, which differs for a table in memory; the report is of the program."""
-    return {key: value for key, value in data.items() if key not in ("read_as", "report")}
+    """The answer without the names of file, format and program."""
+    return {key: value for key, value in data.items() if key not in OF_THE_PROGRAM}
 
 
 def write(log, path):

@@ -96,7 +96,7 @@ def test_errors_have_the_place_and_the_remedy(tmp_path, clean, hidden):
         ironout.fit(clean, add="offset:no_column")
     refused = ironout.fit(hidden)
     assert not refused.accepted and refused.reasons
-    with pytest.raises(IronoutError, match="the fit was refused: the predicted error"):
+    with pytest.raises(IronoutError, match="the fit was refused: The predicted error"):
         refused.calibration
     with pytest.raises(IronoutError, match="not a valid ironout calibration"):
         ironout.Calibration("{}")
