@@ -28,13 +28,15 @@ def program():
     return run
 
 
-# What the program says of its file and of itself; how a log was read names a format, which differs for a table in memory.
-OF_THE_PROGRAM = ("read_as", "report", "input", "notes", "version", "reason_codes")
+def of_the_log(data):
+    """The answer without what the program says of its file and of itself."""
+    program = ("report", "input", "notes", "version", "reason_codes")
+    return {key: value for key, value in data.items() if key not in program}
 
 
 def without_names(data):
-    """The answer without the names of file, format and program."""
-    return {key: value for key, value in data.items() if key not in OF_THE_PROGRAM}
+    """The same without how a log was read, which names a format: it differs for a table in memory."""
+    return {key: value for key, value in of_the_log(data).items() if key != "read_as"}
 
 
 def write(log, path):
