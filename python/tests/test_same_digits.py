@@ -14,7 +14,7 @@ def test_fit(program, clean, clean_file):
 
 def test_diagnose_and_effects(program, hidden, hidden_file):
     told = program("diagnose", hidden_file)
-    assert ironout.diagnose(hidden_file).data == of_the_log(told)
+    assert of_the_log(ironout.diagnose(hidden_file).data) == of_the_log(told)
     assert without_names(ironout.diagnose(hidden).data) == without_names(told)
     assert told["verdict"] == "missing"
     told = program("fit", hidden_file, "--add", "offset:current_a")
