@@ -257,7 +257,7 @@ fn labels(svg: &mut String, errors: &[Errors; 2]) {
 
 /// The falling error, on stretches of time that the fit had not seen.
 fn bars(svg: &mut String, errors: &[Errors; 2]) {
-    text(svg, (450.0, 318.0), "start", TITLE, "The error falling, rms on unseen time");
+    text(svg, (450.0, 318.0), "start", TITLE, "The error falling, held-out rms");
     let scale = 240.0 / errors[0].unseen_ut;
     let effect = format!("+ {EFFECT}");
     for (row, (name, value, colour)) in [

@@ -141,8 +141,8 @@ impl Active {
         Some(live)
     }
 
-    /// Takes a sample, `None` for one out of range: how the board turns at it, by the gyro or, where an effect needs it and there is none, by the field; and
-    /// whether the calibration is still right.
+    /// Takes a sample, `None` for one out of range: how the board turns at it (by the gyro, or by the field if an effect needs it and there is
+    /// no gyro), the corrected field, and whether the calibration is still right.
     pub(super) fn take(&mut self, t_ms: u64, measured_ut: Option<[f32; 3]>, motion: &Motion) {
         self.corrected_ut = None;
         let Some(measured_ut) = measured_ut else { return };

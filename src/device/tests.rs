@@ -417,7 +417,7 @@ fn cal_zero_says_why_the_turns_do_not_suffice() {
     turn(&mut moved, 40.0, [-90, 30, 60], 60..66);
     refused(moved.clone(), 66, "residual-too-large");
     // Begun again, the rest is enough.
-    assert!(answer(&mut moved, "cal zero start", 66_000).starts_with("ok looks=0"));
+    assert!(answer(&mut moved, "cal zero start", 66_000).starts_with("ok turns=0"));
     turn(&mut moved, 40.0, [-90, 30, 60], 67..120);
     assert!(answer(&mut moved, "cal zero", 120_000).starts_with("ok state=solved"));
     let mut none = turned(0.0, [0; 3], 1);

@@ -46,7 +46,7 @@ impl fmt::Display for NotZeroed {
         match self {
             NotZeroed::Looks(NoOffset::TooFewLooks(looks)) => write!(
                 f,
-                "the sensor turned too little ({looks} of {MIN_LOOKS} looks): turn it to and fro by 30 deg about each axis"
+                "the sensor turned too little ({looks} of {MIN_LOOKS} turns by 6 deg): turn it to and fro by 30 deg about each axis"
             ),
             NotZeroed::Looks(NoOffset::Planar) => {
                 f.write_str("the turns were small, or in one plane: tilt the sensor further to both sides while you turn it")
@@ -124,7 +124,7 @@ impl Device {
         };
         if begins {
             active.rezero.clear();
-            return reply.ok(format_args!("looks=0 of={MIN_LOOKS}"));
+            return reply.ok(format_args!("turns=0 of={MIN_LOOKS}"));
         }
         let Zeroed { record, change, .. } = match active.zeroed() {
             Ok(zeroed) => zeroed,
@@ -144,7 +144,10 @@ impl Device {
     pub(super) fn propose_zero<W: fmt::Write>(&self, reply: &mut Reply<'_, W>) {
         let Some(active) = self.active.as_ref().filter(|active| active.live.is_ok()) else { return };
         if let Ok(Zeroed { change, is_worth_it: true, .. }) = active.zeroed() {
-            reply.line(format_args!("offset {}; the offset has changed: cal zero", Figures(&change)));
+            reply.line(format_args!(
+                "offset {}; the offset has changed; measure it again with: cal zero",
+                Figures(&change)
+            ));
         }
     }
 
@@ -164,7 +167,7 @@ impl fmt::Display for Figures<'_> {
         let (rms_ut, field_ut) = (Num(f64::from(*rms_ut)), Num(f64::from(*field_ut)));
         write!(
             f,
-            "change_ut={size_ut:.2} error_ut={error_ut:.2} rms_ut={rms_ut:.3} field_ut={field_ut:.1} looks={looks}"
+            "change_ut={size_ut:.2} error_ut={error_ut:.2} rms_ut={rms_ut:.3} field_ut={field_ut:.1} turns={looks}"
         )
     }
 }

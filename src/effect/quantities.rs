@@ -93,7 +93,7 @@ impl<'a, T: Real> Column<'a, T> {
 /// What an effect may look at in one sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantities<T> {
-    /// The measured vector without its noise (the foot point on the ellipsoid), µT.
+    /// The measured vector without its noise (the closest point on the ellipsoid), µT.
     pub measured_ut: [T; 3],
     /// `ĥ − b − Φθ`: the same vector about the centre, µT.
     pub centred_ut: [T; 3],

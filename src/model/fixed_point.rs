@@ -1,24 +1,24 @@
-//! A disturbance that depends on the field it disturbs, looked at until it stands.
+//! The fixed point of a disturbance that depends on the field it disturbs.
 
 use crate::math::Real;
 use crate::vector::minus;
 
-/// The most looks; a weak disturbance stands after two or three.
+/// Iterations at most; a weak disturbance converges after two or three.
 const MOST_ITERATIONS: usize = 12;
 
-/// Whether two looks differ by less than a hundred-thousandth of the vector.
+/// Whether two iterations differ by less than a hundred-thousandth of the vector.
 #[inline]
-fn stands<T: Real>(now: [T; 3], before: [T; 3]) -> bool {
+fn converged<T: Real>(now: [T; 3], before: [T; 3]) -> bool {
     let [x, y, z] = minus(now, before);
     let [a, b, c] = now;
     !(x * x + y * y + z * z > T::of(1e-10) * (a * a + b * b + c * c))
 }
 
-/// What `look` leaves of a centred vector: the first look is with the vector as if there were no disturbance, and `again`
-/// repeats it with what was left until that stands.
+/// The vector that `step` makes of a centred one, as if there were no disturbance; with `again` the step is repeated on its own result
+/// until that converges.
 ///
 /// # Errors
-/// The first of `look`.
+/// The first of `step`.
 #[inline]
 pub(crate) fn settle<T: Real, E>(
     centred: [T; 3],
@@ -29,7 +29,7 @@ pub(crate) fn settle<T: Real, E>(
     if again {
         let mut before = centred;
         for _ in 1..MOST_ITERATIONS {
-            if stands(left, before) {
+            if converged(left, before) {
                 break;
             }
             before = left;
@@ -44,17 +44,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_look_stands_where_it_moves_by_less_than_a_hundred_thousandth_along_any_axis() {
+    fn it_converges_where_it_moves_by_less_than_a_hundred_thousandth_along_any_axis() {
         let now = [30.0, 40.0, 0.0];
-        assert!(stands(now, now));
+        assert!(converged(now, now));
         for axis in 0..3 {
             let moved = |by: f64| {
                 let mut before = now;
                 before[axis] += by;
                 before
             };
-            assert!(stands(now, moved(4e-4)) && stands(now, moved(-4e-4)), "axis {axis}");
-            assert!(!stands(now, moved(6e-4)) && !stands(now, moved(-6e-4)), "axis {axis}");
+            assert!(converged(now, moved(4e-4)) && converged(now, moved(-4e-4)), "axis {axis}");
+            assert!(!converged(now, moved(6e-4)) && !converged(now, moved(-6e-4)), "axis {axis}");
         }
     }
 }

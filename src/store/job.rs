@@ -92,7 +92,7 @@ enum Phase {
     Finished(Option<StoreError>),
 }
 
-/// One errand to the store: looking, saving or erasing.
+/// One job of the store: inspecting, saving or erasing.
 ///
 /// Where it fails, the record that was current still is, except where the memory took the bytes and only failed to read
 /// them back.

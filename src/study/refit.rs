@@ -101,7 +101,7 @@ mod tests {
             square += errors_over_standard_errors(seed * 7919 + 3).iter().map(|z| z * z).sum::<f64>();
         }
         let z = math::sqrt(square / (3.0 * LOGS as f64));
-        // Ninety errors: a tenth of uncertainty, and some for the foot point.
+        // Ninety errors: a tenth of uncertainty, and some for the closest point.
         assert!((0.75..1.3).contains(&z), "{z}");
     }
 }

@@ -1,6 +1,6 @@
 //! The error as a correction leaves it.
 //!
-//! A fit looks at its shapes at the foot point, where there is no noise; whoever corrects has only the noisy sample. Where an effect
+//! A fit looks at its shapes at the closest point, where there is no noise; whoever corrects has only the noisy sample. Where an effect
 //! follows the field itself (a nonlinearity, a gain) that makes the noise larger or smaller by the effect's slope, and what is said
 //! of an error is what a correction leaves.
 

@@ -33,12 +33,12 @@ const ROUGH: End = End { steps: 4, ..USUAL };
 pub const SETTLED: End = End { step_left: 1e-15, variances_left: 0.0, steps_near: 20, steps: 40 };
 
 /// Where a full step promises to take less than this share off the squared residuals it may raise them by as much: it goes to where
-/// the columns at the foot point ask for no further one, which noise has moved from where the sum is least.
+/// the columns at the closest point ask for no further one, which noise has moved from where the sum is least.
 const RISE: f64 = 1e-3;
 
 /// A fit has ended where no step lowers the error and the step is at most so many of its own variances ...
 const STALLED: f64 = 1.0;
-/// ... or this share of what the columns' own noise asks for: they are taken at the foot point, which noise moves, so that
+/// ... or this share of what the columns' own noise asks for: they are taken at the closest point, which noise moves, so that
 /// their sum with the residual is not quite the error's slope. The more samples, and the more noise a sample, the more it is
 /// against the step's own error.
 const STALLED_BY_NOISE: f64 = 0.25;
@@ -279,7 +279,7 @@ impl Design<'_> {
     }
 
     /// The same to another end. Where that is not reached, and an effect reads the field it disturbs, the fit begins once more
-    /// from where one at the readings themselves ends: the foot point moves with what is fitted, and from far steps go astray.
+    /// from where one at the readings themselves ends: the closest point moves with what is fitted, and from far steps go astray.
     pub fn fit_to<'a>(
         &self,
         end: End,

@@ -222,13 +222,15 @@ fn answer(
     if trace {
         eprintln!("dip: {dip:?}");
     }
-    let late_by_s = dip.filter(|dip| dip.is_shown()).map_or(0.0, |dip| dip.delay_s);
-    if late_by_s != 0.0 && !named.iter().any(|id| id == "lag") {
+    let late = dip.filter(Lateness::is_shown);
+    if late.is_some() && !named.iter().any(|id| id == "lag") {
         named.push("lag".into());
     }
-    let late_error_ut = dip
-        .filter(|dip| dip.is_shown())
-        .map_or(0.0, |dip| dip.error_s * rms_turn_radps(log) * fit.model.field);
+    let late_error_ut = late.map_or(0.0, |late| late.error_s * rms_turn_radps(log) * fit.model.field);
+    let mut corrected = corrected(fit);
+    if let Some(late) = late {
+        on_time(log, &mut corrected, late.delay_s);
+    }
     let wander = fit.noise.wander_ut();
     let noise_ut = fit.noise.variance.sqrt();
     let is_hidden = cause.as_ref().is_some_and(|cause| cause.gain > MIN_ODDS);
@@ -250,7 +252,7 @@ fn answer(
         hidden: cause.filter(|_| is_hidden),
         predicted_error_ut: predicted_error_ut(&fit.model, &fit.covariance()?)?.hypot(late_error_ut),
         lateness: dip,
-        corrected: log.samples.row.iter().copied().zip(on_time(log, corrected(fit), late_by_s)).collect(),
+        corrected: log.samples.row.iter().copied().zip(corrected).collect(),
         calibration: Some((fit.model.offset.into(), matrix_rows(&fit.model.matrix))),
     })
 }
@@ -263,15 +265,15 @@ fn rms_turn_radps(log: &Log) -> f64 {
     if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
 }
 
-/// Vectors of a sensor that is late, as they are now: in the axes of a board that turns by ω the field changes by −ω×h.
-fn on_time(log: &Log, mut vectors: Vec<[f64; 3]>, late_by_s: f64) -> Vec<[f64; 3]> {
+/// Turns the vectors of a sensor that is late by `delay_s` to where they are now: in the axes of a board that turns by ω the field changes
+/// by −ω×h.
+fn on_time(log: &Log, vectors: &mut [[f64; 3]], delay_s: f64) {
     for (h, reading) in vectors.iter_mut().zip(&log.samples.readings) {
-        if let Some(turn) = reading.turn_radps.filter(|_| late_by_s != 0.0) {
-            let now = Vector3::from(*h) - Vector3::from(turn).cross(&Vector3::from(*h)) * late_by_s;
-            *h = now.into();
+        if let Some(turn) = reading.turn_radps {
+            let vector = Vector3::from(*h);
+            *h = (vector - Vector3::from(turn).cross(&vector) * delay_s).into();
         }
     }
-    vectors
 }
 
 fn matrix_rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {

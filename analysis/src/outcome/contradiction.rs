@@ -167,7 +167,7 @@ pub(crate) fn freed(ground: &Ground, options: &Options) -> Result<Option<(Option
     Ok(Some((Options { prior, ..options.clone() }, contradiction)))
 }
 
-/// What a fit says of one that keeps more, to second order: a fit at the foot points is no least sum of squares, so that their sums
+/// What a fit says of one that keeps more, to second order: a fit at the closest points is no least sum of squares, so that their sums
 /// cannot be compared.
 struct Looser {
     /// How far it is from the earlier calibration.

@@ -1,4 +1,4 @@
-//! Columns that move together: the one that predicts unseen time best is named, and of two that do it equally well the current.
+//! Columns that move together: the one that predicts held-out time best is named, and of two that do it equally well the current.
 
 use ironout_analysis::{Options, Table, diagnose};
 use ironout_simulation::{EffectSpec, World, WorldOptions};

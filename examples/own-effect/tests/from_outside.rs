@@ -58,7 +58,7 @@ fn it_is_named_first_and_alone() {
         // Without its family the same log is not explained so well.
         let without = diagnose(&table(&log), &options(Registry::BUILT_IN)).expect("a diagnosis");
         let left = |steps: &[ironout_analysis::outcome::outcome::StepRow]| {
-            steps.last().and_then(|step| step.holdout_rms_ut).expect("an error on unseen time")
+            steps.last().and_then(|step| step.holdout_rms_ut).expect("a held-out error")
         };
         assert!(
             left(&found.steps) < left(&without.steps) || without.verdict != Verdict::Missing,

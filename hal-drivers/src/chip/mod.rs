@@ -41,6 +41,7 @@ pub mod qmc5883l;
 pub mod qmc5883p;
 pub mod qmc6309;
 pub mod qmc6310;
+pub mod qst;
 pub mod rm3100;
 pub mod self_test;
 pub mod set_reset;

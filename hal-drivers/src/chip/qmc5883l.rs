@@ -15,6 +15,8 @@
 use super::description::{Chip, Identity, Thermometer, Write};
 use ironout_sensor::{AxisMap, Reading, Sensor};
 
+pub use super::qst::DataRate;
+
 /// The only address.
 pub const ADDRESS: u8 = 0x0d;
 /// The first of the six output bytes.
@@ -68,35 +70,6 @@ impl Range {
     }
 }
 
-/// Measurements a second.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[allow(missing_docs, reason = "the names say it")]
-pub enum DataRate {
-    Hz10,
-    Hz50,
-    #[default]
-    Hz100,
-    Hz200,
-}
-
-impl DataRate {
-    /// The rate bits of [`CONTROL_1`].
-    pub const fn bits(self) -> u8 {
-        (self as u8) << 2
-    }
-
-    /// Measurements a second.
-    pub const fn hz(self) -> f32 {
-        match self {
-            DataRate::Hz10 => 10.0,
-            DataRate::Hz50 => 50.0,
-            DataRate::Hz100 => 100.0,
-            DataRate::Hz200 => 200.0,
-        }
-    }
-}
-
 /// The whole configuration. The default: ±8 G (hard iron of a module's own board easily leaves ±2 G), 100 Hz, over-sampling 512.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -125,7 +98,7 @@ impl Chip for Config {
             // Interrupt pin as after power-up, no roll-over of the pointer.
             Write::kept(CONTROL_2, 0),
             Write::kept(SET_RESET_PERIOD, 1),
-            Write::kept(CONTROL_1, self.range.bits() | self.rate.bits() | CONTINUOUS),
+            Write::kept(CONTROL_1, self.range.bits() | (self.rate.code() << 2) | CONTINUOUS),
         ]
     }
 

@@ -14,6 +14,8 @@
 use super::description::{Chip, Identity, Write};
 use ironout_sensor::{AxisMap, Reading, Sensor};
 
+pub use super::qst::DataRate;
+
 /// The only address.
 pub const ADDRESS: u8 = 0x2c;
 /// Who it is.
@@ -71,35 +73,6 @@ impl Range {
     }
 }
 
-/// Measurements a second.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[allow(missing_docs, reason = "the names say it")]
-pub enum DataRate {
-    Hz10,
-    Hz50,
-    #[default]
-    Hz100,
-    Hz200,
-}
-
-impl DataRate {
-    /// The rate bits of [`CONTROL_1`].
-    pub const fn bits(self) -> u8 {
-        (self as u8) << 2
-    }
-
-    /// Measurements a second.
-    pub const fn hz(self) -> f32 {
-        match self {
-            DataRate::Hz10 => 10.0,
-            DataRate::Hz50 => 50.0,
-            DataRate::Hz100 => 100.0,
-            DataRate::Hz200 => 200.0,
-        }
-    }
-}
-
 /// The whole configuration. The default: ±8 G, 100 Hz; over-sampling 8, no down-sampling, set and reset on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -127,7 +100,7 @@ impl Chip for Config {
         [
             Write::kept(SIGNS, SIGNS_AS_DRAWN),
             Write::kept(CONTROL_2, self.range.bits()),
-            Write::kept(CONTROL_1, self.rate.bits() | NORMAL),
+            Write::kept(CONTROL_1, (self.rate.code() << 2) | NORMAL),
         ]
     }
 

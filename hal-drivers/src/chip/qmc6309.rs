@@ -15,7 +15,10 @@
 //! The QMC6309H (address 0x0c) has bits of its own in its control registers and is not driven here.
 
 use super::description::{Chip, Identity, Write};
+use super::qst::reading;
 use ironout_sensor::{AxisMap, Reading, Sensor};
+
+pub use super::qst::DataRate;
 
 /// The only address.
 pub const ADDRESS: u8 = 0x7c;
@@ -68,35 +71,6 @@ impl Range {
     }
 }
 
-/// Measurements a second.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[allow(missing_docs, reason = "the names say it")]
-pub enum DataRate {
-    Hz10,
-    Hz50,
-    #[default]
-    Hz100,
-    Hz200,
-}
-
-impl DataRate {
-    /// The rate bits of [`CONTROL_2`].
-    pub const fn bits(self) -> u8 {
-        (self as u8 + 1) << 4
-    }
-
-    /// Measurements a second.
-    pub const fn hz(self) -> f32 {
-        match self {
-            DataRate::Hz10 => 10.0,
-            DataRate::Hz50 => 50.0,
-            DataRate::Hz100 => 100.0,
-            DataRate::Hz200 => 200.0,
-        }
-    }
-}
-
 /// The whole configuration. The default: ±8 G, 100 Hz; over-sampling 8, no low-pass filter, set and reset at each measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -123,7 +97,7 @@ impl Chip for Config {
         [
             // From one mode to another only through "suspend".
             Write::unread(CONTROL_1, 0),
-            Write::kept(CONTROL_2, self.rate.bits() | self.range.bits()),
+            Write::kept(CONTROL_2, ((self.rate.code() + 1) << 4) | self.range.bits()),
             Write::kept(CONTROL_1, NORMAL),
         ]
     }
@@ -140,9 +114,7 @@ impl Chip for Config {
         }
     }
 
-    fn decode(&self, &[xl, xh, yl, yh, zl, zh]: &[u8; 6]) -> Reading {
-        let counts = [[xl, xh], [yl, yh], [zl, zh]].map(i16::from_le_bytes);
-        // What OVFL says, axis by axis: reading the status to see whether data wait has cleared the flag.
-        Reading { counts, overflow: counts.map(|count| count.unsigned_abs() > FULL_SCALE) }
+    fn decode(&self, bytes: &[u8; 6]) -> Reading {
+        reading(bytes, FULL_SCALE)
     }
 }

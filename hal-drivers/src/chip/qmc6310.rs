@@ -16,6 +16,7 @@
 //! in the empty bits either.
 
 use super::description::{Chip, Identity, Write};
+use super::qst::reading;
 use ironout_sensor::{AxisMap, Reading, Sensor};
 
 pub use super::qmc5883p::{
@@ -66,7 +67,7 @@ impl Chip for Config {
             Write::unread(CONTROL_1, 0),
             Write::kept(SIGNS, SIGNS_AS_DRAWN),
             Write::kept(CONTROL_2, self.range.bits()),
-            Write::kept(CONTROL_1, self.rate.bits() | NORMAL),
+            Write::kept(CONTROL_1, (self.rate.code() << 2) | NORMAL),
         ]
     }
 
@@ -82,9 +83,7 @@ impl Chip for Config {
         }
     }
 
-    fn decode(&self, &[xl, xh, yl, yh, zl, zh]: &[u8; 6]) -> Reading {
-        let counts = [[xl, xh], [yl, yh], [zl, zh]].map(i16::from_le_bytes);
-        // What OVFL says, axis by axis: reading the status to see whether data wait may have cleared the flag.
-        Reading { counts, overflow: counts.map(|count| count.unsigned_abs() > FULL_SCALE) }
+    fn decode(&self, bytes: &[u8; 6]) -> Reading {
+        reading(bytes, FULL_SCALE)
     }
 }

@@ -56,7 +56,7 @@ fn a_hidden_effect_of_an_expression_is_found_named_first_and_corrected_without_b
             .and_then(|steps| steps.last()?["holdout_rms_ut"].as_f64())
             .expect("a number")
     };
-    println!("unseen time: {} with drive, {} without", last(&found), last(&without));
+    println!("held-out: {} with drive, {} without", last(&found), last(&without));
     assert!(last(&found) < last(&without));
     let cal = here.join("cal.json");
     let fit = ironout([

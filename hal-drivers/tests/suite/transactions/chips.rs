@@ -287,10 +287,12 @@ fn qmc6309() {
         celsius: vec![(vec![], None)],
     }
     .run();
+    use ironout_drivers::Chip;
     use qmc6309::{DataRate, Range};
     assert_eq!(Range::ALL.map(|range| range.bits()), [0x08, 0x04, 0x00]);
     let rates = [DataRate::Hz10, DataRate::Hz50, DataRate::Hz100, DataRate::Hz200];
-    assert_eq!(rates.map(|rate| rate.bits()), [0x10, 0x20, 0x30, 0x40]);
+    let control_2 = |rate| qmc6309::Config { rate, ..Default::default() }.writes()[1].byte;
+    assert_eq!(rates.map(control_2), [0x18, 0x28, 0x38, 0x48]);
 }
 
 #[test]
