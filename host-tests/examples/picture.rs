@@ -1,4 +1,4 @@
-//! `cargo picture`: draws `docs/picture.svg` from what the program itself says of a simulated log.
+//! `cargo picture [--check]`: draws `docs/picture.svg` from what the program itself says of a simulated log; `--check` compares instead.
 //!
 //! It runs the commands of the tutorial (`simulate`, `fit`, `fit --add`, `apply`) and reads the files they write, so that
 //! the picture shows the program's own figures. Left the samples of a slice before and after, right the error that the
@@ -32,7 +32,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     for (command, arguments) in [
         (
             "simulate",
-            [words(&["--seed", "17", "--seconds", "90", "--effect", &hidden, "-o"]), vec![log.clone()]],
+            [
+                words(&["--seed", "17", "--seconds", "120", "--rate", "50", "--effect", &hidden, "-o"]),
+                vec![log.clone()],
+            ],
         ),
         ("fit", [vec![log.clone(), "-o".into(), plain.clone()], vec![]]),
         ("fit", [vec![log.clone(), "-o".into(), full.clone()], words(&["--add", EFFECT])]),
@@ -49,7 +52,12 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         &Corrected::read(&by_full)?,
         &[Errors::read(&plain)?, Errors::read(&full)?],
     );
-    std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/picture.svg"), svg)?;
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/picture.svg");
+    if !std::env::args().any(|word| word == "--check") {
+        std::fs::write(path, svg)?;
+    } else if std::fs::read_to_string(path)? != svg {
+        return Err("docs/picture.svg is not what the program draws. Fix: cargo picture".into());
+    }
     Ok(ExitCode::SUCCESS)
 }
 
@@ -161,7 +169,7 @@ const TITLE: &str = r##"font-size="15" font-weight="600" fill="#0f172a""##;
 
 fn draw(plain: &Corrected, full: &Corrected, errors: &[Errors; 2]) -> String {
     let mut svg = String::from(
-        r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 960 436" font-family="Helvetica, Arial, sans-serif" role="img" aria-label="A simulated log before and after calibration, and the error falling once the missing effect is in the model">
+        r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 960 436" font-family="Helvetica, Arial, sans-serif" role="img" aria-label="A simulated log before and after calibration, and how much the error falls once the missing effect is in the model">
 <rect width="960" height="436" fill="#ffffff"/>
 <g fill="none">
 "##,
@@ -257,7 +265,7 @@ fn labels(svg: &mut String, errors: &[Errors; 2]) {
 
 /// The falling error, on stretches of time that the fit had not seen.
 fn bars(svg: &mut String, errors: &[Errors; 2]) {
-    text(svg, (450.0, 318.0), "start", TITLE, "The error falling, held-out rms");
+    text(svg, (450.0, 318.0), "start", TITLE, "Held-out error, rms");
     let scale = 240.0 / errors[0].unseen_ut;
     let effect = format!("+ {EFFECT}");
     for (row, (name, value, colour)) in [
