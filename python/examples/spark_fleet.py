@@ -11,6 +11,7 @@ Without Java or pyspark it says so and ends with status 77.
 from __future__ import annotations
 
 import importlib.util
+import os
 import pathlib
 import shutil
 import sys
@@ -76,6 +77,8 @@ def make(folder: pathlib.Path) -> tuple[list[Any], ironout.Moments]:
 def main(folder: pathlib.Path) -> None:
     from pyspark.sql import SparkSession
 
+    # The workers run the interpreter that has ironout.
+    os.environ.setdefault("PYSPARK_PYTHON", sys.executable)
     frames, whole = make(folder)
     builder = SparkSession.builder.master("local[2]").appName("ironout").config("spark.ui.enabled", "false")
     spark = builder.config("spark.sql.shuffle.partitions", "4").config("spark.driver.host", "127.0.0.1").getOrCreate()
