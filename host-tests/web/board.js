@@ -283,8 +283,8 @@ function processorSeconds(root) {
 }
 
 /**
- * What of a core the page takes while a board streams, collecting and calibrated: updates a second, and shares of a core by
- * process and, of the page's main thread, by what it does. All of it is time of a processor, none of it the clock's.
+ * What the page does while a board streams, collecting and calibrated: samples, updates, layouts, passes over styles and new nodes
+ * a second; and shares of a core by process and, of the page's main thread, by what it does.
  */
 export async function load({ address, seconds, server }) {
   const browser = await Browser.open({ processorDraws: true });
@@ -299,7 +299,7 @@ export async function load({ address, seconds, server }) {
   };
   const measure = async () => {
     const { metrics } = await tools.send("Performance.getMetrics");
-    const main = Object.fromEntries(metrics.filter(({ name }) => /^(Task|Script|Layout|RecalcStyle)Duration$/.test(name)).map(({ name, value }) => [name, value]));
+    const main = Object.fromEntries(metrics.filter(({ name }) => /^(Task|Script|Layout|RecalcStyle)Duration$|^(LayoutCount|RecalcStyleCount|Nodes)$/.test(name)).map(({ name, value }) => [name, value]));
     const counts = await page.evaluate(() => ({ samples: Number(document.body.dataset.samples), updates: Number(document.body.dataset.drawn) }));
     return { at: performance.now() / 1000, ...counts, ...main, ...processorSeconds(process.pid), server: own() };
   };
