@@ -46,7 +46,15 @@ impl Default for Prior {
     }
 }
 
+/// A prior on the gains that is tighter than this holds them.
+const HELD_GAIN: f64 = 1e-3;
+
 impl Prior {
+    /// Whether the matrix is held, or most of it.
+    pub fn holds_matrix(&self) -> bool {
+        self.physical.gain < HELD_GAIN || self.scale.is_some()
+    }
+
     /// As information in units of the residual's variance.
     pub fn matrix(
         &self,

@@ -57,6 +57,15 @@ pub const RIVAL_SHARE: f64 = 0.6;
 /// Leaders of each screen that are fitted in full: the screen orders candidates right within a few places.
 pub const LEADERS: usize = 4;
 
+/// Looks at a sample of one search, at most: some seconds of a core of 3 GHz. What is found by then stands.
+pub const MOST_LOOKS: u64 = 40_000_000;
+
+/// The longest lead of a cause against its column, s: telemetry of one value a second is late by up to two of them.
+pub const MAX_LEAD_S: f64 = 2.0;
+
+/// The longest time constant of a low-pass, s: boards and batteries warm within minutes.
+pub const MAX_TIME_CONSTANT_S: f64 = 600.0;
+
 /// Swaps of terms, at most: each lowers the score, so that more than one per term means a loop.
 pub const MOST_SWAPS: usize = 4;
 

@@ -1,6 +1,6 @@
 //! The terms that a log allows: fixed forms, and those with a place, a frequency or a delay to be searched.
 
-use crate::evidence::bounds::{DERIVED_ODDS, MAX_DELAY_S, MIN_TONE_HZ};
+use crate::evidence::bounds::{DERIVED_ODDS, MAX_DELAY_S, MAX_LEAD_S, MAX_TIME_CONSTANT_S, MIN_TONE_HZ};
 use crate::evidence::fit::Fit;
 use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
@@ -26,13 +26,14 @@ impl<'l, 'a> Catalogue<'l, 'a> {
     pub fn new(log: &'l Log<'a>, registry: Registry) -> Self {
         let mut fixed = Vec::new();
         let mut count = 0.0;
-        for family in registry.families() {
+        for family in registry.families().filter(|family| log.tells(family.acts())) {
             for (place, form) in family.forms().iter().copied().enumerate() {
                 if !form.offered || form.dip_only {
                     continue;
                 }
+                let suits = |index: &usize| family.suits(&log.samples.columns[*index].name);
                 let columns: Vec<Option<usize>> =
-                    if form.column { log.usable().map(Some).collect() } else { vec![None] };
+                    if form.column { log.usable().filter(suits).map(Some).collect() } else { vec![None] };
                 for column in columns {
                     let named = Named { family, column: "", form };
                     let Some(mut term) = Term::new(log, &named, column, 0.0) else { continue };
@@ -51,7 +52,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
     /// The best places of the searched forms at a fit.
     pub fn searched(&self, fit: &Fit<'a>, screen: &Screen) -> Vec<Term<'a>> {
         let mut list = Vec::new();
-        for family in self.registry.families() {
+        for family in self.registry.families().filter(|family| self.log.tells(family.acts())) {
             for form in family.forms().iter().copied().filter(|form| form.offered && !form.dip_only) {
                 let named = Named { family, column: "", form };
                 match form.searched {
@@ -61,6 +62,17 @@ impl<'l, 'a> Catalogue<'l, 'a> {
                         list.extend(
                             self.log.usable().filter_map(|column| self.late(&named, column, fit, screen)),
                         );
+                    }
+                    Some(Searched::TimeConstant) if form.column => {
+                        // Through a low-pass any column becomes smooth, and smooth shapes imitate each other: by heredity only.
+                        let prompt = fit.model.terms.iter().filter(|term| {
+                            term.made.family().kind() == family.kind() && term.form().searched.is_none()
+                        });
+                        let columns: Vec<&str> = prompt.map(|term| term.column()).collect();
+                        let own = self.log.usable().filter(|index| {
+                            columns.contains(&self.log.samples.columns[*index].name.as_str())
+                        });
+                        list.extend(own.filter_map(|column| self.low_pass(&named, column, fit, screen)));
                     }
                     _ => {}
                 }
@@ -110,6 +122,10 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         let (mut a, mut b) = (1.0, 2.0);
         while a * step <= most {
             grid.push(a * step);
+            // A slower bus, or a rolling mean behind the column: then the cause acts before it is logged.
+            if a * step <= MAX_LEAD_S {
+                grid.push(-a * step);
+            }
             (a, b) = (b, a + b);
         }
         // Faster logs begin at the delays that a cause can have, not at a sample.
@@ -120,6 +136,24 @@ impl<'l, 'a> Catalogue<'l, 'a> {
             delay = self.best(named, Some(column), near, fit, screen)?.0;
         }
         let mut term = Term::new(self.log, named, Some(column), delay)?;
+        term.places = places.max(1.0);
+        term.odds = DERIVED_ODDS;
+        Some(term)
+    }
+
+    fn low_pass(&self, named: &Named<'_>, column: usize, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
+        let step = self.log.step_s();
+        let most = MAX_TIME_CONSTANT_S.min(0.5 * self.log.length_s());
+        // The shapes of two low-passes whose time constants are twice each other's are alike by 97 % at least.
+        let grid: Vec<f64> =
+            std::iter::successors(Some(2.0 * step), |s| Some(2.0 * s)).take_while(|s| *s <= most).collect();
+        let places = grid.len() as f64;
+        let (mut constant, _) = self.best(named, Some(column), grid, fit, screen)?;
+        for width in [0.5, 0.15] {
+            let near = (-3..=3).map(|i| constant * (1.0 + width * f64::from(i) / 3.0));
+            constant = self.best(named, Some(column), near, fit, screen)?.0;
+        }
+        let mut term = Term::new(self.log, named, Some(column), constant)?;
         term.places = places.max(1.0);
         term.odds = DERIVED_ODDS;
         Some(term)

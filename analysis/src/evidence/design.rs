@@ -11,10 +11,13 @@ use crate::evidence::noise::Track;
 use crate::evidence::term::Term;
 use core::ops::SubAssign;
 use ironout::effect::Quantities;
+use ironout::study::Observation;
 use nalgebra::{Matrix3, Vector3};
 
 /// Steps to the closest point of an ellipsoid: the error falls by the residual over the field in each.
 const FOOT_STEPS: usize = 3;
+/// What the closest point of a bent surface costs, in looks at a sample: a step to it looks at it once along each axis.
+const LOOKS_OF_CLOSEST: usize = 8;
 /// The base columns: three of the offset, six of the upper triangular matrix.
 pub const BASE: usize = 9;
 /// Entries of the triangle in the order of the columns.
@@ -91,8 +94,12 @@ impl Model<'_> {
 
     /// Every sample at this model; `None` where one has no undisturbed reading, or lies at the centre. Far from the solution shapes
     /// are taken at the readings themselves: the closest point moves with what is fitted. Near it they are taken at the closest
-    /// point, where noise does not correlate with them.
-    pub fn points(&self, log: &Log, is_near: bool) -> Option<Vec<Point>> {
+    /// point, where noise does not correlate with them. `before` is every sample at a model nearby, if there is one: closest points
+    /// are looked for from there.
+    pub fn points(&self, log: &Log, is_near: bool, before: &[Point]) -> Option<Vec<Point>> {
+        if log.is_at_rest {
+            return Some(self.points_at_rest(log));
+        }
         let inverse = self.matrix.try_inverse()?;
         let reads = self.terms.iter().any(Term::reads);
         let step = 1e-3 * self.field;
@@ -101,6 +108,7 @@ impl Model<'_> {
         let reading: Vec<&Term> = self.terms.iter().filter(|term| term.reads()).collect();
         let nowhere = Quantities::of_vector([0.0; 3]);
         let mut last = Vector3::zeros();
+        log.look(log.len() * if reads && self.bends == Bends::Field { LOOKS_OF_CLOSEST } else { 1 });
         for (sample, observation) in log.samples.readings.iter().enumerate() {
             let added: Vector3<f64> = fixed.iter().map(|term| term.disturbance(sample, &nowhere)).sum();
             let measured = Vector3::from(observation.measured_ut) - added;
@@ -120,12 +128,17 @@ impl Model<'_> {
                     rate,
                     field,
                 };
-                let near = self.matrix * (measured - disturbed(&measured) - self.offset);
-                let straight = self.matrix * (measured - self.offset);
-                let starts = [near, straight].map(|h| h.try_normalize(1e-3 * self.field));
-                let others = [starts[1].unwrap_or(last), last];
-                let others = if last == Vector3::zeros() { &others[..1] } else { &others[..] };
-                let foot = surface.closest(&measured, starts[0].or(starts[1])?, others)?;
+                let foot = match before.get(sample) {
+                    Some(point) => surface.closest(&measured, point.unit, &[])?,
+                    None => {
+                        let near = self.matrix * (measured - disturbed(&measured) - self.offset);
+                        let straight = self.matrix * (measured - self.offset);
+                        let starts = [near, straight].map(|h| h.try_normalize(1e-3 * self.field));
+                        let others = [starts[1].unwrap_or(last), last];
+                        let others = if last == Vector3::zeros() { &others[..1] } else { &others[..] };
+                        surface.closest(&measured, starts[0].or(starts[1])?, others)?
+                    }
+                };
                 last = foot.unit;
                 let pull = foot.slope.transpose() * foot.normal;
                 Point {
@@ -206,6 +219,29 @@ impl Model<'_> {
             points.push(Point { turning, ..point });
         }
         Some(points)
+    }
+
+    /// Every reading of a board at rest: one axis after the other, each its own residual. The offset is all that the base has.
+    fn points_at_rest(&self, log: &Log) -> Vec<Point> {
+        let nowhere = Quantities::of_vector([0.0; 3]);
+        log.look(log.len());
+        let point = |(sample, observation): (usize, &Observation<f64>)| {
+            let added: Vector3<f64> = self.terms.iter().map(|term| term.disturbance(sample, &nowhere)).sum();
+            let measured = Vector3::from(observation.measured_ut);
+            let axis = Vector3::ith(sample % 3, 1.0);
+            Point {
+                closest: measured,
+                direction: axis,
+                pull: axis,
+                stretch: 0.0,
+                unit: axis,
+                residual: axis.dot(&(measured - added - self.offset)),
+                shaped_at: measured,
+                lever: axis,
+                turning: Vector3::zeros(),
+            }
+        };
+        log.samples.readings.iter().enumerate().map(point).collect()
     }
 }
 

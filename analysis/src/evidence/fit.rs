@@ -1,7 +1,8 @@
 //! A model fitted to a log under the likeliest noise, with its score.
 
-use crate::base::ground::Ground;
+use crate::base::prior::Prior as Known;
 use crate::base::start;
+use crate::base::term::Matrix as Information;
 use crate::evidence::bounds::{
     MATRIX_PRIOR, MAX_WANDER_FIELDS, MOST_ABOVE_LEAST, OFFSET_PRIOR_FIELDS, TERM_PRIOR_FIELDS,
 };
@@ -9,7 +10,7 @@ use crate::evidence::design::{BASE, Bends, Blocks, Model, Point, TRIANGLE, rows}
 use crate::evidence::log::Log;
 use crate::evidence::noise::{Noise, Track, Wander};
 use crate::evidence::solve::{Factor, Sums};
-use ironout::calibration::Calibration;
+use ironout::study::{Model as CoreModel, Residual};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// A Gauss–Newton step that promises less than this of −2 log likelihood is the last.
@@ -45,13 +46,15 @@ pub struct Fit<'a> {
 }
 
 /// What the columns are known by besides the log: 1σ of each, and where each is expected.
-struct Prior {
+struct Prior<'k> {
     sigma: Vec<f64>,
     expected: Vec<f64>,
+    /// What else is known of offset and matrix, instead of the first nine.
+    known: Option<&'k Known>,
 }
 
-impl Prior {
-    fn of(log: &Log, model: &Model, points: &[Point], scale: f64) -> Prior {
+impl<'k> Prior<'k> {
+    fn of(log: &Log<'k>, model: &Model, points: &[Point], scale: f64) -> Prior<'k> {
         let (mut sigma, mut expected) = (Vec::new(), Vec::new());
         let mean = log.samples.mean_vector();
         for axis in 0..3 {
@@ -76,7 +79,17 @@ impl Prior {
                 expected.push(0.0);
             }
         }
-        Prior { sigma, expected }
+        if log.known.is_some() {
+            sigma[..BASE].fill(f64::INFINITY);
+        }
+        Prior { sigma, expected, known: log.known }
+    }
+
+    /// What is known of offset and matrix as information, in units of this σ, µT.
+    fn information(&self, model: &Model, sigma: f64) -> Option<Information> {
+        let rows = core::array::from_fn(|i| core::array::from_fn(|j| model.matrix[(i, j)]));
+        let model = CoreModel::new(model.offset.into(), rows, model.field, start::NO_ROTATION, 0.0)?;
+        Some(self.known?.matrix(Residual::Magnitude, &model, sigma, &[], &Information::new(BASE)))
     }
 
     /// Adds it to sums whose rows have this variance.
@@ -86,12 +99,23 @@ impl Prior {
         let off: Vec<f64> =
             values.iter().zip(&self.expected).map(|(value, expected)| value - expected).collect();
         sums.inform(&weight, &off);
+        if let Some(known) = self.information(model, variance.sqrt()) {
+            for i in 0..BASE {
+                sums.right[i] += known.right(i);
+                for j in 0..BASE {
+                    sums.matrix[(i, j)] += known.entry(i, j);
+                }
+            }
+            sums.squares += known.squares();
+        }
     }
 
     /// Its part of −2 log posterior.
     fn cost(&self, model: &Model) -> f64 {
         let values = parameters(model);
-        values.iter().zip(&self.expected).zip(&self.sigma).map(|((v, e), s)| ((v - e) / s).powi(2)).sum()
+        let known = self.information(model, 1.0).map_or(0.0, |known| known.squares());
+        let off = values.iter().zip(&self.expected).zip(&self.sigma).map(|((v, e), s)| ((v - e) / s).powi(2));
+        known + off.sum::<f64>()
     }
 }
 
@@ -136,8 +160,9 @@ pub struct Setting {
     pub is_white: bool,
 }
 
-/// The models that a log may begin with: the ground's fit, and the sphere in the middle of the readings. Each with its scale.
-pub fn starts<'a>(ground: &Ground, log: &Log) -> Vec<(Model<'a>, f64)> {
+/// The models that a log may begin with: the one given, and where nothing else is known the sphere in the middle of the readings. Each
+/// with its scale.
+pub fn starts<'a>(begin: &CoreModel<f64>, log: &Log) -> Vec<(Model<'a>, f64)> {
     let model = |offset: [f64; 3], matrix, field| Model {
         offset: offset.into(),
         matrix,
@@ -145,15 +170,15 @@ pub fn starts<'a>(ground: &Ground, log: &Log) -> Vec<(Model<'a>, f64)> {
         terms: Vec::new(),
         bends: Bends::Field,
     };
-    let mut list = Vec::new();
-    if let Ok(base) = &ground.base {
-        let Calibration { offset_ut, matrix, field_ut } = base.report.calibration;
-        let matrix = Matrix3::from_fn(|i, j| matrix[i][j]);
-        list.push((model(offset_ut, matrix, field_ut), matrix.determinant().abs().cbrt()));
-    }
-    let field = list.first().map(|(model, _)| model.field);
-    if let Some((centre, radius)) = start::sphere(log.samples) {
-        let field = field.unwrap_or(radius);
+    // Of a board at rest the reading itself is the size that disturbances are measured by.
+    let field =
+        if log.is_at_rest { Vector3::from(log.samples.mean_vector()).norm() } else { begin.field_ut };
+    let matrix = Matrix3::from_fn(|i, j| begin.matrix[i][j]);
+    let mut list = vec![(model(begin.offset_ut, matrix, field), matrix.determinant().abs().cbrt())];
+    if log.known.is_none()
+        && !log.is_at_rest
+        && let Some((centre, radius)) = start::sphere(log.samples)
+    {
         list.push((model(centre, Matrix3::identity() * (field / radius), field), field / radius));
     }
     list
@@ -164,11 +189,23 @@ fn residual_of(rows: &[f64], width: usize) -> Vec<f64> {
 }
 
 impl<'a> Fit<'a> {
-    /// Fits a model from where it stands. The noise begins at `from`, and is the likeliest where `free`.
-    pub fn of(log: &Log<'a>, setting: &Setting, model: Model<'a>, from: Option<Wander>) -> Option<Fit<'a>> {
+    /// Fits a model from where it stands. `near` is a fit of a model nearby on the same samples: the noise begins at its wander.
+    pub fn of(log: &Log<'a>, setting: &Setting, model: Model<'a>, near: Option<&Fit<'a>>) -> Option<Fit<'a>> {
+        let from = near.map(|fit| fit.noise.wander);
+        Fit::from(log, setting, model, from, near.map_or(&[], |fit| &fit.points))
+    }
+
+    /// The same from a wander, and every sample at a model nearby.
+    pub fn from(
+        log: &Log<'a>,
+        setting: &Setting,
+        model: Model<'a>,
+        from: Option<Wander>,
+        near: &[Point],
+    ) -> Option<Fit<'a>> {
         let blocks = &setting.blocks;
         let mut model = model;
-        let mut points = model.points(log, false)?;
+        let mut points = model.points(log, false, near)?;
         let prior = Prior::of(log, &model, &points, setting.scale);
         let width = model.columns() + 1;
         let mut track = blocks.track(log, &points);
@@ -180,7 +217,7 @@ impl<'a> Fit<'a> {
         for (round, is_near) in [false, true, true].into_iter().enumerate() {
             let (mut steps, mut damped) = (0, 0);
             if round > 0 {
-                points = model.points(log, true)?;
+                points = model.points(log, true, &points)?;
                 rows_now = rows(blocks, &model, &points);
                 let residual = residual_of(&rows_now, width);
                 let most_ut = MAX_WANDER_FIELDS * model.field / setting.scale;
@@ -213,7 +250,7 @@ impl<'a> Fit<'a> {
                         false => delta.clone(),
                     };
                     let next = moved(&model, &delta);
-                    let Some(next_points) = next.points(log, is_near) else { continue };
+                    let Some(next_points) = next.points(log, is_near, &points) else { continue };
                     let mut residual = blocks.means(1, |sample, row| row[0] = next_points[sample].residual);
                     // A wander can stand for an offset far off: the squares themselves tell that the model went astray.
                     if plain_squares(&track, &residual) > most_squares {

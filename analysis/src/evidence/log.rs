@@ -1,9 +1,11 @@
 //! A log as the evidence sees it: samples, their times, and the columns that may be a cause.
 
+use crate::base::prior::Prior;
 use crate::samples::clock::even;
 use crate::samples::samples::Samples;
 use crate::table::Table;
-use ironout::effect::{MAX_INPUTS, Need, Past};
+use ironout::effect::{Acts, MAX_INPUTS, Need, Past};
+use std::cell::Cell;
 use std::sync::Arc;
 
 /// Values of the columns of an effect, a row per sample.
@@ -26,11 +28,16 @@ pub struct Log<'a> {
     pub even_s: Option<Vec<f64>>,
     /// Field over the mean one along the way, per sample; empty where it is one field.
     pub share: Vec<f64>,
+    /// What is known of offset and matrix besides the log, where that is more than how magnetometers are.
+    pub known: Option<&'a Prior>,
+    /// Whether the board rests: each sample stands there three times, once for each axis, and the reading itself is the residual.
+    pub is_at_rest: bool,
+    work: Cell<u64>,
 }
 
 impl<'a> Log<'a> {
     /// Of the samples of a table.
-    pub fn new(samples: &'a Samples, table: &'a Table<'a>) -> Self {
+    pub fn new(samples: &'a Samples, table: &'a Table<'a>, known: Option<&'a Prior>, is_at_rest: bool) -> Self {
         let (time_s, is_timed) = match &samples.time {
             Some(time) => (time.clone(), true),
             None => ((0..samples.len()).map(|i| i as f64).collect(), false),
@@ -40,7 +47,23 @@ impl<'a> Log<'a> {
             .and_then(even)
             .map(|grid| samples.row.iter().map(|&row| grid[row]).collect::<Vec<f64>>());
         let share = samples.places.iter().map(|place| place.share).collect();
-        Log { samples, table, time_s, is_timed, even_s, share }
+        Log { samples, table, time_s, is_timed, even_s, share, known, is_at_rest, work: Cell::new(0) }
+    }
+
+    /// Counts so many looks at a sample.
+    pub fn look(&self, times: usize) {
+        self.work.set(self.work.get() + times as u64);
+    }
+
+    /// How often samples were looked at.
+    pub fn looks(&self) -> u64 {
+        self.work.get()
+    }
+
+    /// Whether a term of these shapes can be told: where the board rests or the matrix is held, what turns with the board stands in
+    /// for the matrix.
+    pub fn tells(&self, acts: Acts) -> bool {
+        acts == Acts::Added || !(self.is_at_rest || self.known.is_some_and(Prior::holds_matrix))
     }
 
     /// Number of samples.
@@ -92,13 +115,13 @@ impl<'a> Log<'a> {
         }
     }
 
-    /// Values of a column, `delay_s` earlier.
-    pub fn values(&self, index: usize, delay_s: f64) -> Option<Vec<f64>> {
+    /// Values of a column, or of its past.
+    pub fn values(&self, index: usize, past: Past<f64>) -> Option<Vec<f64>> {
         let column = &self.samples.columns[index];
-        if delay_s == 0.0 {
+        if past.seconds() == 0.0 {
             return Some(column.values.clone());
         }
-        self.samples.past(self.table, &column.name, Past::Delayed(delay_s))
+        self.samples.past(self.table, &column.name, past)
     }
 }
 

@@ -2,15 +2,13 @@
 //!
 //! `docs/method.md` derives model, score and verdicts. The rooms of one thread: [`log`] (samples and columns) → [`term`] (an effect
 //! with its inputs) → [`design`] (residual and columns at the closest point) → [`noise`] (wander and white noise) → [`fit`] →
-//! [`screen`] and [`candidates`] → [`search`] → [`verdict`]. Thresholds stand in [`bounds`].
+//! [`screen`] and [`candidates`] → [`search`] → [`select`]. Thresholds stand in [`bounds`].
 
 pub mod autoregression;
 pub mod bounds;
 pub mod candidates;
 pub mod closest;
 pub mod design;
-pub mod dip;
-pub mod error;
 pub mod fast_tones;
 pub mod fit;
 pub mod gaps;
@@ -20,8 +18,6 @@ pub mod log;
 pub mod noise;
 pub mod screen;
 pub mod search;
+pub mod select;
 pub mod solve;
 pub mod term;
-#[cfg(test)]
-mod tests;
-pub mod verdict;

@@ -1,7 +1,7 @@
 //! Which terms a log asks for: add, drop and swap by one score.
 
 use crate::evidence::bounds::{
-    FORMS_DIFFER, LEADERS, MAX_P_HELD_OUT, MAX_TERMS, MIN_ODDS, MIN_SHARE, MOST_SWAPS, RIVAL_SHARE, RIVALS,
+    FORMS_DIFFER, LEADERS, MAX_P_HELD_OUT, MAX_TERMS, MIN_ODDS, MIN_SHARE, MOST_LOOKS, MOST_SWAPS, RIVAL_SHARE, RIVALS,
 };
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::{Bends, Model};
@@ -46,11 +46,18 @@ pub struct Search<'l, 'a> {
     pub catalogue: &'l Catalogue<'l, 'a>,
     /// How fits are made.
     pub setting: Setting,
+    /// How many terms the model keeps whatever the score: those that were asked for come first.
+    pub keep: usize,
     /// Prints each round.
     pub trace: bool,
 }
 
 impl<'a> Search<'_, 'a> {
+    /// Whether the search has looked at as much as it may.
+    pub fn is_spent(&self) -> bool {
+        self.log.looks() > MOST_LOOKS
+    }
+
     /// Whether a model with more terms is worth them.
     fn is_worth(more: &Fit, fewer: &Fit, terms: usize) -> bool {
         fewer.score - more.score > MIN_ODDS * terms as f64 && more.squares < (1.0 - MIN_SHARE) * fewer.squares
@@ -70,14 +77,13 @@ impl<'a> Search<'_, 'a> {
     pub fn with(&self, fit: &Fit<'a>, term: &Term<'a>) -> Option<Fit<'a>> {
         let mut model = fit.model.clone();
         model.terms.push(term.clone());
-        let from = Some(fit.noise.wander);
         // The forms differ by the square of a disturbance over the field: of a weak one that is less than the noise.
         let strong = fit.rms() * fit.rms() / fit.model.field > FORMS_DIFFER * fit.noise.variance.sqrt();
         if !model.terms.iter().any(Term::reads) || !strong {
-            return Fit::of(self.log, &self.setting, model, from);
+            return Fit::of(self.log, &self.setting, model, Some(fit));
         }
         let forms = [Bends::Field, Bends::Reading].map(|bends| Model { bends, ..model.clone() });
-        let fits = forms.into_iter().filter_map(|model| Fit::of(self.log, &self.setting, model, from));
+        let fits = forms.into_iter().filter_map(|model| Fit::of(self.log, &self.setting, model, Some(fit)));
         fits.min_by(|a, b| a.score.total_cmp(&b.score))
     }
 
@@ -85,7 +91,7 @@ impl<'a> Search<'_, 'a> {
     pub fn without(&self, fit: &Fit<'a>, place: usize) -> Option<Fit<'a>> {
         let mut model = fit.model.clone();
         model.terms.remove(place);
-        Fit::of(self.log, &self.setting, model, Some(fit.noise.wander))
+        Fit::of(self.log, &self.setting, model, Some(fit))
     }
 
     /// Candidates at a fit, those with the most promise first; the fits are still to be made.
@@ -158,7 +164,7 @@ impl<'a> Search<'_, 'a> {
     pub fn run(&self, base: Fit<'a>) -> Found<'a> {
         let mut fit = base.clone();
         let mut path = vec![base.clone()];
-        while fit.model.terms.len() < MAX_TERMS {
+        while fit.model.terms.len() < MAX_TERMS && !self.is_spent() {
             let leaders = self.leaders(&fit, None);
             let mut tried: Vec<Fit<'a>> = leaders.iter().filter_map(|term| self.with(&fit, term)).collect();
             tried.sort_by(|a, b| a.score.total_cmp(&b.score));
@@ -200,6 +206,9 @@ impl<'a> Search<'_, 'a> {
         let mut now = Fit::of(self.log, &white.setting, fit.model.clone(), None)?;
         let before = fit.model.terms.len();
         while now.model.terms.len() < MAX_TERMS {
+            if self.is_spent() {
+                return None;
+            }
             let leaders = white.leaders_under(&now, None, &[true]);
             let tried = leaders.iter().take(WHITE_LEADERS).filter_map(|term| white.with(&now, term));
             let Some(next) = tried.min_by(|a, b| a.score.total_cmp(&b.score)) else { break };
@@ -255,7 +264,7 @@ impl<'a> Search<'_, 'a> {
     fn likeliest_of(&self, path: Vec<Fit<'a>>) -> Option<Fit<'a>> {
         let mut best: Option<(f64, Fit<'a>)> = None;
         for fit in path {
-            let gain = hidden_cause(&fit).map_or(0.0, |cause| cause.gain.max(0.0));
+            let gain = self.hidden_cause(&fit).map_or(0.0, |cause| cause.gain.max(0.0));
             let total = fit.score - gain;
             let terms = fit.model.terms.len();
             let own = best.as_ref().map_or(0, |(_, best)| best.model.terms.len());
@@ -270,15 +279,20 @@ impl<'a> Search<'_, 'a> {
         best.map(|(_, fit)| fit)
     }
 
+    /// The single cause that nobody logged. A board at rest shows the whole vector at each time: any history of one direction fits it.
+    fn hidden_cause(&self, fit: &Fit<'a>) -> Option<HiddenCause> {
+        if self.log.is_at_rest { None } else { hidden_cause(fit) }
+    }
+
     /// Drops terms that only stand in for a cause that nobody logged, and says whether there is one: a term must be worth its price
     /// beside such a cause too.
     pub fn against_hidden_cause(&self, found: &mut Found<'a>) -> Option<HiddenCause> {
         let gain = |cause: &Option<HiddenCause>| cause.as_ref().map_or(0.0, |cause| cause.gain.max(0.0));
-        let mut cause = hidden_cause(&found.fit);
+        let mut cause = self.hidden_cause(&found.fit);
         'again: while gain(&cause) > MIN_ODDS {
-            for place in (0..found.fit.model.terms.len()).rev() {
+            for place in (self.keep..found.fit.model.terms.len()).rev() {
                 let Some(fewer) = self.without(&found.fit, place) else { continue };
-                let other = hidden_cause(&fewer);
+                let other = self.hidden_cause(&fewer);
                 let odds = (fewer.score - gain(&other)) - (found.fit.score - gain(&cause));
                 if self.trace {
                     eprintln!("  {} next to a hidden cause: {odds:.1}", found.fit.model.terms[place].id);
@@ -301,6 +315,10 @@ impl<'a> Search<'_, 'a> {
         'again: loop {
             let mut all = Vec::new();
             for place in 0..fit.model.terms.len() {
+                if place < self.keep || self.is_spent() {
+                    all.push(Vec::new());
+                    continue;
+                }
                 let own = &fit.model.terms[place];
                 let Some(fewer) = self.without(fit, place) else {
                     all.push(Vec::new());
@@ -361,17 +379,17 @@ impl<'a> Search<'_, 'a> {
 
     /// The same model fitted from where it stands.
     fn again(&self, fit: Fit<'a>) -> Option<Fit<'a>> {
-        Fit::of(self.log, &self.setting, fit.model, Some(fit.noise.wander))
+        Fit::of(self.log, &self.setting, fit.model.clone(), Some(&fit))
     }
 
     /// Drops terms that later ones have made superfluous.
     fn drop_idle(&self, fit: &mut Fit<'a>) {
-        let mut place = 0;
+        let mut place = self.keep;
         while fit.model.terms.len() > 1 && place + 1 < fit.model.terms.len() {
             match self.without(fit, place) {
                 Some(fewer) if !Self::is_worth(fit, &fewer, 1) => {
                     *fit = fewer;
-                    place = 0;
+                    place = self.keep;
                 }
                 _ => place += 1,
             }

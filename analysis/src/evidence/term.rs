@@ -1,7 +1,7 @@
 //! A term of the model: an effect of the registry with its inputs and coefficients.
 
 use crate::base::looked_at::Shared;
-use crate::base::term::ready;
+use crate::base::term::{Term as BaseTerm, ready};
 use crate::evidence::log::{Inputs, Log, inputs};
 use ironout::effect::{
     Acts, Follows, Form, Id, MAX_COEFFICIENTS, Made, Named, Parts, Quantities, Searched, Zero, no_shape,
@@ -44,7 +44,7 @@ impl<'a> Term<'a> {
         let name = known.map_or("", |column| column.name.as_str());
         let made = Made::new(family, Parts { form, column: name, reference, parameter })?;
         let inputs = match family.follows() {
-            Follows::Column => inputs(&log.values(column?, made.parts().past().seconds())?),
+            Follows::Column => inputs(&log.values(column?, made.parts().past())?),
             Follows::Tone => inputs(log.even_s.as_deref().unwrap_or(&log.time_s)),
             Follows::Time => inputs(&log.time_s),
             Follows::Attitude | Follows::Turning => Inputs::default(),
@@ -58,6 +58,17 @@ impl<'a> Term<'a> {
             places: 1.0,
             odds: 0.0,
         })
+    }
+
+    /// The same effect as another engine has it, with its coefficients.
+    pub fn standing(log: &Log<'a>, term: &BaseTerm) -> Option<Self> {
+        let named = term.named()?;
+        let column = match named.column {
+            "" => None,
+            name => Some(log.samples.columns.iter().position(|column| column.name == name)?),
+        };
+        let parameter = term.searched().map_or(0.0, |(_, parameter)| parameter);
+        Some(Term { theta: term.coefficients, ..Term::new(log, &named, column, parameter)? })
     }
 
     /// The same term on other samples of the log.

@@ -57,7 +57,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         }
     }
     let mut explanation = if options.search {
-        greedy.certain(greedy.search(start)?, &options.add)?
+        greedy.selected(start)?
     } else {
         greedy.only(base, start)?
     };

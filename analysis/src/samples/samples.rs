@@ -419,15 +419,12 @@ pub fn past_of(
         Past::Delayed(delay_s) => rows.map(|row| delayed(values, time_s, row, delay_s)).collect(),
         Past::LowPass(time_constant_s) => {
             let mut filter = LowPass::<f64>::new(time_constant_s);
-            let mut filtered =
-                values.iter().zip(time_s).map(|(value, now)| filter.push(*now, *value).unwrap_or(*value));
-            let mut next = 0;
-            rows.filter_map(|row| {
-                let value = filtered.nth(row - next)?;
-                next = row + 1;
-                Some(value)
-            })
-            .collect()
+            let filtered: Vec<f64> = values
+                .iter()
+                .zip(time_s)
+                .map(|(value, now)| filter.push(*now, *value).unwrap_or(*value))
+                .collect();
+            rows.map(|row| filtered[row]).collect()
         }
     }
 }

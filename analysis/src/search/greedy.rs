@@ -2,6 +2,7 @@
 
 use crate::base::engine::{Design, Fitted};
 use crate::base::term::{BadShape, Term};
+use crate::evidence::select::{Begin, select};
 use crate::search::candidates::Catalogue;
 use crate::search::collinear::may_follow;
 use crate::search::screen::{SIGNIFICANCE, rivalry, screen};
@@ -111,6 +112,62 @@ impl<'a> Greedy<'_, 'a> {
             .collect();
         self.judge_strong(fitted, &mut judged, count)?;
         Ok((judged, count))
+    }
+
+    /// The model with the effects that stand in it from the beginning and those that the likelihood selects.
+    pub fn selected(&self, start: Fitted<'a>) -> Result<Explanation<'a>, BadShape> {
+        let start = self.aligned(start)?;
+        let base = match start.terms.is_empty() {
+            true => start.clone(),
+            false => self.design.fit(start.model, Vec::new(), self.known)?.unwrap_or_else(|| start.clone()),
+        };
+        let begin = Begin {
+            model: &start.model,
+            known: self.known,
+            stay: &start.terms,
+            is_at_rest: self.design.residual == Residual::Vector,
+        };
+        let trace = std::env::var("TRACE").is_ok();
+        let found = select(self.design.samples, self.catalogue.table(), self.catalogue.registry, &begin, trace)
+            .unwrap_or_default();
+        let mut fitted = start;
+        let mut order: Vec<String> = fitted.terms.iter().map(|term| term.id.clone()).collect();
+        let mut confounded = Vec::new();
+        for one in &found.found {
+            let Some(named) = self.catalogue.registry.parse(&one.id) else { continue };
+            let Some(term) = self.catalogue.build(&named, one.parameter) else { continue };
+            let Some(term) = numbered(&fitted, Term { trials: one.places, ..term }) else { continue };
+            let id = term.id.clone();
+            match self.with(&fitted, &term)? {
+                Some(next) => {
+                    fitted = self.aligned(prefer(&self.design, next, None, self.known)?)?;
+                    if !one.rivals.is_empty() {
+                        let ids = std::iter::once(id.clone()).chain(one.rivals.iter().cloned()).collect();
+                        confounded.push(Confounded { ids });
+                    }
+                    order.push(id);
+                }
+                None => eprintln!("cannot fit {id}"),
+            }
+        }
+        let (first, count) = self.judge(&base, true)?;
+        let last = if order.is_empty() { first.clone() } else { self.judge(&fitted, true)?.0 };
+        let steps = self.falling(&base, &fitted, &order)?;
+        Ok(Explanation {
+            base,
+            fitted,
+            steps,
+            confounded,
+            families: Vec::new(),
+            first,
+            last,
+            withdrawn: Vec::new(),
+            dropped: self.dropped.take(),
+            ended_early: found.ended_early,
+            count,
+            chances: Vec::new(),
+            shown: Vec::new(),
+        })
     }
 
     /// Runs the search from a base model and the effects that stand in it from the beginning.

@@ -12,8 +12,6 @@ use crate::search::shown::Shown;
 use ironout::study::{Residual, held_out};
 use std::cell::RefCell;
 
-/// A prior on the gains that is tighter than this holds them.
-const HELD_GAIN: f64 = 1e-3;
 /// The coupling's share along the identity has settled when it moves by less than this, s.
 const SETTLED_S: f64 = 2e-5;
 /// A delay of which the magnitude's squares become so many times what they were is none.
@@ -163,7 +161,7 @@ impl<'p, 'a> Greedy<'p, 'a> {
 impl<'a> Greedy<'_, 'a> {
     /// Whether the base is held, or most of it.
     pub(crate) fn held(&self) -> bool {
-        self.known.physical.gain < HELD_GAIN || self.known.scale.is_some()
+        self.known.holds_matrix()
     }
 
     /// Gives a fitted model its rotation to the accelerometer, and a coupling to the turning field the share that is

@@ -8,7 +8,7 @@
 //! `--false-alarms N` simulates N logs without effects in white noise and counts those in which somebody is named.
 
 use ironout_analysis::Options;
-use ironout_analysis::evidence::verdict::judge;
+use ironout_analysis::{diagnose};
 use ironout_host_tests::accuracy::simulated::table_of;
 use ironout_host_tests::accuracy::true_error::worst_error_ut;
 use ironout_host_tests::frozen::compare::merit;

@@ -1,0 +1,199 @@
+//! Which terms a log asks for, with what may stand in the place of each.
+
+use crate::base::prior::Prior;
+use crate::base::term::Term as BaseTerm;
+use crate::evidence::bounds::{MAX_BLOCKS, MOST_TONES, UNCLEAR_ODDS};
+use crate::evidence::candidates::Catalogue;
+use crate::evidence::design::Blocks;
+use crate::evidence::fast_tones::{fast_tone, without_tone};
+use crate::evidence::fit::{Fit, Setting, starts};
+use crate::evidence::gaps::without_gaps;
+use crate::evidence::log::Log;
+use crate::evidence::search::{Found, Rival, Search};
+use crate::evidence::term::Term;
+use crate::samples::samples::Samples;
+use crate::table::Table;
+use ironout::effect::Registry;
+use ironout::study::Model as CoreModel;
+
+/// What a selection begins with.
+pub struct Begin<'b> {
+    /// The model of the log without effects, or with those that stay.
+    pub model: &'b CoreModel<f64>,
+    /// What is known besides the log.
+    pub known: &'b Prior,
+    /// Effects that stay in the model.
+    pub stay: &'b [BaseTerm<'b>],
+    /// Whether the board rests.
+    pub is_at_rest: bool,
+}
+
+/// A term that the log asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selected {
+    /// Its id.
+    pub id: String,
+    /// Where what was searched of it was found; zero where nothing was.
+    pub parameter: f64,
+    /// Places tried for it.
+    pub places: f64,
+    /// Ids of others that the log cannot tell from it.
+    pub rivals: Vec<String>,
+}
+
+/// The terms of a log.
+#[derive(Debug, Clone, Default)]
+pub struct Selection {
+    /// Those that were found, in their order.
+    pub found: Vec<Selected>,
+    /// Candidates that competed.
+    pub candidates: f64,
+    /// Whether the search ended before all was tried.
+    pub ended_early: bool,
+}
+
+/// Selects the terms of these samples. `None` where no model can be fitted.
+pub fn select(samples: &Samples, table: &Table, registry: Registry, begin: &Begin, trace: bool) -> Option<Selection> {
+    let mut samples = without_gaps(samples, table).unwrap_or_else(|| samples.clone());
+    let mut tones: Vec<Selected> = Vec::new();
+    for round in 0.. {
+        let looks_again = round < MOST_TONES && !begin.is_at_rest;
+        match one_search(&samples, table, registry, begin, looks_again, trace)? {
+            Round::Tone { rest, tone } => {
+                samples = rest;
+                if !tones.iter().any(|own| own.id == tone.id) {
+                    tones.push(tone);
+                }
+            }
+            Round::End(mut selection) => {
+                // Two tones are one name.
+                selection.found.retain(|one| !tones.iter().any(|tone| tone.id == one.id));
+                selection.found.splice(..0, tones);
+                return Some(selection);
+            }
+        }
+    }
+    None
+}
+
+/// What one search ends with.
+enum Round {
+    /// A fast tone, and the samples without it.
+    Tone { rest: Samples, tone: Selected },
+    /// The end.
+    End(Selection),
+}
+
+fn selected(term: &Term, rivals: Vec<String>) -> Selected {
+    let parameter = term.searched().map_or(0.0, |(_, parameter)| parameter);
+    Selected { id: term.id.clone(), parameter, places: term.places, rivals }
+}
+
+fn one_search(
+    samples: &Samples,
+    table: &Table,
+    registry: Registry,
+    begin: &Begin,
+    looks_again: bool,
+    trace: bool,
+) -> Option<Round> {
+    let is_known = begin.known.earlier.is_some() || begin.known.holds_matrix();
+    let known = is_known.then(|| Prior { memory: 1.0, ..begin.known.clone() });
+    let known = known.as_ref();
+    let tripled;
+    let samples = match begin.is_at_rest {
+        true => {
+            tripled = one_per_axis(samples, table);
+            &tripled
+        }
+        false => samples,
+    };
+    let log = Log::new(samples, table, known, begin.is_at_rest);
+    let (base, setting) = base_of(&log, begin, registry, trace)?;
+    if looks_again && let Some(term) = fast_tone(&log, registry, &setting, &base) {
+        return Some(Round::Tone { rest: without_tone(samples, &term, &base), tone: selected(&term, Vec::new()) });
+    }
+    // Which terms there are is decided by a sample of each block: a term that matters shows in those as well.
+    let few = thinned(samples, table, setting.blocks);
+    let few_log = few.as_ref().map(|few| Log::new(few, table, known, false));
+    let (searched, setting, base) = match &few_log {
+        Some(few) => {
+            let setting = Setting { blocks: Blocks::at_most(few.len(), MAX_BLOCKS), ..setting };
+            (few, setting, Fit::of(few, &setting, base.model.rebound(few)?, None)?)
+        }
+        None => (&log, setting, base),
+    };
+    let catalogue = Catalogue::new(searched, registry);
+    let search = Search { log: searched, catalogue: &catalogue, setting, keep: begin.stay.len(), trace };
+    let mut found = search.run(base);
+    let cause = search.against_hidden_cause(&mut found);
+    if trace {
+        eprintln!("hidden cause: {cause:?}");
+    }
+    let Found { fit, rivals, .. } = found;
+    // Next to a stronger effect a tone is less than its share at first.
+    if looks_again && fit.model.terms.len() > begin.stay.len() && few_log.is_some() {
+        let setting = Setting { blocks: Blocks::at_most(log.len(), MAX_BLOCKS), ..setting };
+        let whole = Fit::of(&log, &setting, fit.model.rebound(&log)?, None)?;
+        if let Some(term) = fast_tone(&log, registry, &setting, &whole) {
+            return Some(Round::Tone { rest: without_tone(samples, &term, &whole), tone: selected(&term, Vec::new()) });
+        }
+    }
+    let unclear = |rivals: &[Rival]| -> Vec<String> {
+        let unclear = rivals.iter().filter(|rival| !rival.is_variant && rival.odds < UNCLEAR_ODDS);
+        unclear.map(|rival| rival.id.clone()).collect()
+    };
+    let own = fit.model.terms.iter().zip(&rivals).skip(begin.stay.len());
+    Some(Round::End(Selection {
+        found: own.map(|(term, rivals)| selected(term, unclear(rivals))).collect(),
+        candidates: setting.candidates,
+        ended_early: search.is_spent(),
+    }))
+}
+
+/// Each sample of a board at rest three times, once for each axis.
+fn one_per_axis(samples: &Samples, table: &Table) -> Samples {
+    let few = (samples.len() > MAX_BLOCKS).then(|| samples.thinned(table, MAX_BLOCKS));
+    let rows = &few.as_ref().unwrap_or(samples).row;
+    samples.of_these(table, rows.iter().flat_map(|&row| [row; 3]).collect())
+}
+
+/// One sample of each block of a long log, at uneven places: a tone cannot pass for a slower one. `None` where the log is short.
+fn thinned(samples: &Samples, table: &Table, blocks: Blocks) -> Option<Samples> {
+    let size = blocks.size;
+    if size < 2 {
+        return None;
+    }
+    let places: Vec<usize> = (0..samples.len() / size)
+        .map(|block| {
+            block * size + ((block as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as usize % size
+        })
+        .collect();
+    let mut few = samples.of_these(table, places.iter().map(|&place| samples.row[place]).collect());
+    // What was taken out of the readings stays out.
+    for (reading, place) in few.readings.iter_mut().zip(places) {
+        reading.measured_ut = samples.readings[place].measured_ut;
+    }
+    Some(few)
+}
+
+/// The likeliest fit without terms, or with those that stay, and how it was made.
+fn base_of<'a>(log: &Log<'a>, begin: &Begin, registry: Registry, trace: bool) -> Option<(Fit<'a>, Setting)> {
+    // A mean over the axes of a board at rest is no reading.
+    let blocks = if log.is_at_rest { log.len() } else { MAX_BLOCKS };
+    let blocks = Blocks::at_most(log.len(), blocks);
+    let candidates = Catalogue::new(log, registry).count.max(1.0);
+    let stay = begin.stay.iter().map(|term| Term::standing(log, term)).collect::<Option<Vec<_>>>()?;
+    let mut bases = Vec::new();
+    for (mut model, scale) in starts(begin.model, log) {
+        model.terms.clone_from(&stay);
+        let setting = Setting { blocks, scale, candidates, is_white: false };
+        let fit = Fit::of(log, &setting, model, None);
+        if trace {
+            let score = fit.as_ref().map(|fit| (fit.score, fit.rms()));
+            eprintln!("start: score and rms {score:?}, scale {scale}");
+        }
+        bases.extend(fit.map(|fit| (fit, setting)));
+    }
+    bases.into_iter().min_by(|a, b| a.0.score.total_cmp(&b.0.score))
+}
