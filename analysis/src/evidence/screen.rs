@@ -7,9 +7,13 @@ use crate::evidence::noise::Noise;
 use crate::evidence::solve::{Factor, Sums, taken_off};
 use crate::evidence::term::Term;
 use nalgebra::{DMatrix, DVector};
+use std::cell::Cell;
 
 /// Columns that are whitened at once.
 const AT_ONCE: usize = 96;
+
+/// Columns of candidates that cost as much as one look at a sample.
+const COLUMNS_OF_A_LOOK: usize = 6;
 
 /// A fit under one noise, ready for candidates.
 pub struct Screen {
@@ -22,6 +26,7 @@ pub struct Screen {
     /// Squares that are left when the model's own columns have taken what they can.
     squares: f64,
     blocks: Blocks,
+    looks: Cell<usize>,
 }
 
 impl Screen {
@@ -41,12 +46,17 @@ impl Screen {
         let factor = sums.factor()?;
         let step = -factor.solve(&sums.right);
         let squares = sums.squares + sums.right.dot(&step);
-        Some(Screen { noise, whitened, width, sums, factor, step, squares, blocks })
+        Some(Screen { noise, whitened, width, sums, factor, step, squares, blocks, looks: Cell::new(0) })
     }
 
     /// Mean time between blocks, s.
     pub fn block_s(&self, log: &Log) -> f64 {
         log.step_s() * self.blocks.size as f64
+    }
+
+    /// How often it has looked at a sample.
+    pub fn looks(&self) -> usize {
+        self.looks.get()
     }
 
     /// The residual, whitened.
@@ -71,6 +81,7 @@ impl Screen {
     }
 
     fn some(&self, fit: &Fit, terms: &[&Term], width: usize, gains: &mut Vec<f64>) {
+        self.looks.set(self.looks.get() + (self.blocks.samples * width).div_ceil(COLUMNS_OF_A_LOOK));
         let mut z = candidate_rows(&self.blocks, &fit.model, &fit.points, terms);
         self.noise.whiten(&fit.track, width, &mut z);
         let p = self.width - 1;

@@ -122,6 +122,7 @@ impl<'a> Search<'_, 'a> {
             let gains = screen.gains(fit, &refs);
             // A term that explains too small a share is not worth a fit.
             let shares = if white { gains.clone() } else { plain.gains(fit, &refs) };
+            self.log.look(if white { 0 } else { screen.looks() });
             let mut order: Vec<(f64, Term<'a>)> = terms
                 .into_iter()
                 .zip(gains)
@@ -156,6 +157,7 @@ impl<'a> Search<'_, 'a> {
                 }
             }
         }
+        self.log.look(plain.looks());
         list.sort_by_key(|(_, rank)| *rank);
         list.into_iter().map(|(term, _)| term).collect()
     }
@@ -220,7 +222,6 @@ impl<'a> Search<'_, 'a> {
         if now.model.terms.len() < before + 2 {
             return None;
         }
-        white.swap(&mut now);
         let mut full = Fit::of(self.log, &self.setting, now.model.clone(), None)?;
         loop {
             if self.trace {
@@ -262,6 +263,10 @@ impl<'a> Search<'_, 'a> {
 
     /// The fit of a path that is likeliest with whatever single cause nobody logged: several columns together imitate any history.
     fn likeliest_of(&self, path: Vec<Fit<'a>>) -> Option<Fit<'a>> {
+        // Without terms there is nothing that could stand in for a cause.
+        if path.len() < 2 {
+            return path.into_iter().next();
+        }
         let mut best: Option<(f64, Fit<'a>)> = None;
         for fit in path {
             let gain = self.hidden_cause(&fit).map_or(0.0, |cause| cause.gain.max(0.0));
@@ -284,9 +289,11 @@ impl<'a> Search<'_, 'a> {
         if self.log.is_at_rest { None } else { hidden_cause(fit) }
     }
 
-    /// Drops terms that only stand in for a cause that nobody logged, and says whether there is one: a term must be worth its price
-    /// beside such a cause too.
-    pub fn against_hidden_cause(&self, found: &mut Found<'a>) -> Option<HiddenCause> {
+    /// Drops terms that only stand in for a cause that nobody logged: a term must be worth its price beside such a cause too.
+    pub fn against_hidden_cause(&self, found: &mut Found<'a>) {
+        if found.fit.model.terms.len() <= self.keep {
+            return;
+        }
         let gain = |cause: &Option<HiddenCause>| cause.as_ref().map_or(0.0, |cause| cause.gain.max(0.0));
         let mut cause = self.hidden_cause(&found.fit);
         'again: while gain(&cause) > MIN_ODDS {
@@ -306,7 +313,6 @@ impl<'a> Search<'_, 'a> {
             }
             break;
         }
-        cause
     }
 
     /// Puts likelier terms in the place of those that were found first; gives what else may stand in each place.

@@ -109,35 +109,34 @@ fn one_search(
         false => samples,
     };
     let log = Log::new(samples, table, known, begin.is_at_rest);
-    let (base, setting) = base_of(&log, begin, registry, trace)?;
-    if looks_again && let Some(term) = fast_tone(&log, registry, &setting, &base) {
-        return Some(Round::Tone { rest: without_tone(samples, &term, &base), tone: selected(&term, Vec::new()) });
-    }
     // Which terms there are is decided by a sample of each block: a term that matters shows in those as well.
-    let few = thinned(samples, table, setting.blocks);
+    let few = if begin.is_at_rest { None } else { thinned(samples, table) };
     let few_log = few.as_ref().map(|few| Log::new(few, table, known, false));
-    let (searched, setting, base) = match &few_log {
-        Some(few) => {
-            let setting = Setting { blocks: Blocks::at_most(few.len(), MAX_BLOCKS), ..setting };
-            (few, setting, Fit::of(few, &setting, base.model.rebound(few)?, None)?)
-        }
-        None => (&log, setting, base),
+    let searched = few_log.as_ref().unwrap_or(&log);
+    let (base, setting) = base_of(searched, begin, registry, trace)?;
+    // Tones are looked for at the rate of the samples.
+    let tone_beside = |fit: &Fit| {
+        let setting = Setting { blocks: Blocks::at_most(log.len(), MAX_BLOCKS), ..setting };
+        let whole = Fit::of(&log, &setting, fit.model.rebound(&log)?, None)?;
+        let term = fast_tone(&log, registry, &setting, &whole)?;
+        let rest = without_tone(samples, &term, &whole);
+        Some(Round::Tone { rest, tone: selected(&term, Vec::new()) })
     };
+    let looks_again = looks_again && few_log.is_some();
+    if looks_again && let Some(tone) = tone_beside(&base) {
+        return Some(tone);
+    }
     let catalogue = Catalogue::new(searched, registry);
     let search = Search { log: searched, catalogue: &catalogue, setting, keep: begin.stay.len(), trace };
     let mut found = search.run(base);
-    let cause = search.against_hidden_cause(&mut found);
+    search.against_hidden_cause(&mut found);
     if trace {
-        eprintln!("hidden cause: {cause:?}");
+        eprintln!("looks {}", searched.looks());
     }
     let Found { fit, rivals, .. } = found;
     // Next to a stronger effect a tone is less than its share at first.
-    if looks_again && fit.model.terms.len() > begin.stay.len() && few_log.is_some() {
-        let setting = Setting { blocks: Blocks::at_most(log.len(), MAX_BLOCKS), ..setting };
-        let whole = Fit::of(&log, &setting, fit.model.rebound(&log)?, None)?;
-        if let Some(term) = fast_tone(&log, registry, &setting, &whole) {
-            return Some(Round::Tone { rest: without_tone(samples, &term, &whole), tone: selected(&term, Vec::new()) });
-        }
+    if looks_again && fit.model.terms.len() > begin.stay.len() && let Some(tone) = tone_beside(&fit) {
+        return Some(tone);
     }
     let unclear = |rivals: &[Rival]| -> Vec<String> {
         let unclear = rivals.iter().filter(|rival| !rival.is_variant && rival.odds < UNCLEAR_ODDS);
@@ -159,8 +158,8 @@ fn one_per_axis(samples: &Samples, table: &Table) -> Samples {
 }
 
 /// One sample of each block of a long log, at uneven places: a tone cannot pass for a slower one. `None` where the log is short.
-fn thinned(samples: &Samples, table: &Table, blocks: Blocks) -> Option<Samples> {
-    let size = blocks.size;
+fn thinned(samples: &Samples, table: &Table) -> Option<Samples> {
+    let size = Blocks::at_most(samples.len(), MAX_BLOCKS).size;
     if size < 2 {
         return None;
     }

@@ -1,23 +1,18 @@
-//! `gate`: the search of today and the evidence engine on the same logs, as a table.
+//! `gate`: how well the diagnosis does on logs that nothing was tuned on, as a table; and what it is made of.
 //!
-//! Frozen logs are compared with their snapshot; `--old` runs the old engine on them too, for its times. `--unseen N` takes N logs of
-//! each kind of both generators and of each recording instead, from seeds that nothing was tuned on, and runs both engines;
-//! `--seeds-from K` leaves out the first K seeds; `--alone` runs the evidence engine only.
-//! `--from K` begins at the K-th log, `--every N` takes each N-th, `--only S` sets whose name contains S, `--log S` one log,
-//! `--rows` prints each log, `--trace` what the search does. `--count` counts lines and constants of both engines.
-//! `--false-alarms N` simulates N logs without effects in white noise and counts those in which somebody is named.
+//! Frozen logs stand beside their snapshot. `--unseen N` takes N logs of each kind of both generators and of each recording instead,
+//! from seeds that nothing was tuned on; `--seeds-from K` leaves out the first K seeds. `--from K` begins at the K-th log, `--every N`
+//! takes each N-th, `--only S` sets whose name contains S, `--log S` one log, `--rows` prints each log. `--count` counts lines and
+//! constants. `--false-alarms N` simulates N logs without effects in white noise and counts those in which somebody is named.
 
-use ironout_analysis::Options;
-use ironout_analysis::{diagnose};
+use ironout_analysis::{Options, diagnose};
 use ironout_host_tests::accuracy::simulated::table_of;
-use ironout_host_tests::accuracy::true_error::worst_error_ut;
 use ironout_host_tests::frozen::compare::merit;
-use ironout_host_tests::frozen::entry::{Entry, Made};
-use ironout_host_tests::frozen::row::{HEADER, Row, hidden};
+use ironout_host_tests::frozen::entry::Entry;
+use ironout_host_tests::frozen::row::Row;
 use ironout_host_tests::frozen::{generated, run, snapshot};
 use ironout_host_tests::rate::Rate;
 use ironout_simulation::{Decoy, World, WorldOptions};
-use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;
@@ -47,33 +42,6 @@ fn processor_s() -> f64 {
     )
 }
 
-fn new_row(entry: &Entry, made: &Made, trace: bool) -> Option<Row> {
-    let table = made.rows.table()?;
-    let options = Options { search: true, ..Options::default() };
-    let found = judge(&table, &options, trace);
-    let mut cells: [String; HEADER.len()] = Default::default();
-    let words = [
-        entry.set.clone(),
-        entry.log.clone(),
-        hidden(&made.hidden),
-        found.verdict.name().to_owned(),
-        found.named.join("+"),
-        found.confounded.join("+"),
-    ];
-    cells.iter_mut().zip(words).for_each(|(cell, word)| *cell = word);
-    cells[11] = format!("{:.4}", found.rms_ut[1]);
-    cells[13] = format!("{:.4} wander {:.3} in {:.1} s", found.noise_ut, found.wander.0, found.wander.1);
-    cells[14] = format!("{:.4}", found.predicted_error_ut);
-    let pairs = made.body_field_ut.as_ref().map(|truth| {
-        let pair =
-            |(row, own): &(usize, [f64; 3])| Some((Vector3::from(*own), Vector3::from(*truth.get(*row)?)));
-        found.corrected.iter().filter_map(pair).collect::<Vec<_>>()
-    });
-    let error = pairs.filter(|pairs| pairs.len() > 20).and_then(|pairs| worst_error_ut(pairs, false));
-    cells[15] = error.map_or_else(String::new, |error| format!("{error:.4}"));
-    Some(Row(cells))
-}
-
 /// Lines of code (no tests, comments or blanks) and named constants below a folder.
 fn counted(folder: &Path) -> (usize, usize) {
     let (mut lines, mut constants) = (0, 0);
@@ -99,12 +67,10 @@ fn counted(folder: &Path) -> (usize, usize) {
 fn count() {
     let room =
         |name: &str| counted(&Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../analysis/src")).join(name));
-    for (engine, rooms) in
-        [("old", &["search", "noise", "residual", "base", "outcome"][..]), ("new", &["evidence"][..])]
-    {
+    for rooms in [&["evidence"][..], &["search", "noise", "residual", "base", "outcome"]] {
         let (lines, constants) =
             rooms.iter().map(|name| room(name)).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-        println!("{engine}: {lines} lines of code, {constants} constants in {}", rooms.join(", "));
+        println!("{lines} lines of code, {constants} constants in {}", rooms.join(", "));
     }
 }
 
@@ -125,7 +91,8 @@ fn false_alarms(logs: u64) {
         })
         .run();
         let table = table_of(&log);
-        !judge(&table, &Options { search: true, ..Options::default() }, false).named.is_empty()
+        let options = Options { search: true, ..Options::default() };
+        diagnose(&table, &options).is_ok_and(|found| !found.effects.is_empty())
     });
     let count = made.filter(|named| *named).count() as u64;
     println!("somebody named in white noise without effects: {}", Rate { count, of: logs });
@@ -213,8 +180,8 @@ impl Tally {
 }
 
 fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error::Error>> {
-    let (mut from, mut every, mut only, mut rows, mut trace) = (0usize, 1usize, Vec::new(), false, false);
-    let (mut log, mut unseen, mut runs_old, mut alone) = (None, None, false, false);
+    let (mut from, mut every, mut only, mut rows) = (0usize, 1usize, Vec::new(), false);
+    let (mut log, mut unseen) = (None, None);
     let mut seeds = 0;
     let mut words = words;
     while let Some(word) = words.next() {
@@ -226,10 +193,7 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
             "--log" => log = Some(value()?),
             "--unseen" => unseen = Some(value()?.parse::<u64>()?),
             "--seeds-from" => seeds = value()?.parse()?,
-            "--old" => runs_old = true,
-            "--alone" => alone = true,
             "--rows" => rows = true,
-            "--trace" => trace = true,
             "--count" => {
                 count();
                 return Ok(());
@@ -255,25 +219,15 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
         .collect();
     let mut tallies: Vec<(String, [Tally; 2])> = Vec::new();
     let mut seconds = Vec::new();
-    let mut old_seconds = Vec::new();
     for entry in entries.iter().skip(from).step_by(every.max(1)) {
         let name = || format!("{} {}", entry.set, entry.log);
         let Ok(made) = (entry.make)() else { continue };
         let begin = processor_s();
-        let Some(row) = new_row(entry, &made, trace) else { continue };
+        let row = Row::of(&entry.set, &entry.log, &made);
         seconds.push((processor_s() - begin, name()));
-        let before = if alone {
-            row.clone()
-        } else if unseen.is_some() || runs_old {
-            let begin = processor_s();
-            let row = Row::of(&entry.set, &entry.log, &made);
-            old_seconds.push((processor_s() - begin, name()));
-            row
-        } else {
-            match old.get(&(entry.set.as_str(), entry.log.as_str())) {
-                Some(row) => (*row).clone(),
-                None => continue,
-            }
+        let before = match old.get(&(entry.set.as_str(), entry.log.as_str())) {
+            Some(row) => (*row).clone(),
+            None => row.clone(),
         };
         let before = &before;
         if tallies.last().is_none_or(|(set, _)| *set != entry.set) {
@@ -307,7 +261,7 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
     }
     println!(
         "{:<24} {:>4}  {:<36} | {:<36}",
-        "set", "n", "old: first exactly false claims z-rms", "new: first exactly false claims z-rms"
+        "set", "n", "snapshot: first exactly false claims z-rms", "now: first exactly false claims z-rms"
     );
     let mut sum = [Tally::default(); 2];
     for (set, both) in &tallies {
@@ -325,19 +279,17 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
         }
     }
     println!("{:<24} {:>4}  {:<36} | {}", "all", sum[0].logs, sum[0].cells(), sum[1].cells());
-    for (engine, mut seconds) in [("old", old_seconds), ("new", seconds)] {
-        seconds.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let at = |share: f64| seconds.get((share * seconds.len().saturating_sub(1) as f64).round() as usize);
-        if let (Some(median), Some(most), Some(worst)) = (at(0.5), at(0.9), at(1.0)) {
-            println!(
-                "{engine}: processor time median {:.2} s, 90 % {:.2} s, worst {:.2} s ({}), {} logs",
-                median.0,
-                most.0,
-                worst.0,
-                worst.1,
-                seconds.len()
-            );
-        }
+    seconds.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let at = |share: f64| seconds.get((share * seconds.len().saturating_sub(1) as f64).round() as usize);
+    if let (Some(median), Some(most), Some(worst)) = (at(0.5), at(0.9), at(1.0)) {
+        println!(
+            "processor time median {:.2} s, 90 % {:.2} s, worst {:.2} s ({}), {} logs",
+            median.0,
+            most.0,
+            worst.0,
+            worst.1,
+            seconds.len()
+        );
     }
     Ok(())
 }
