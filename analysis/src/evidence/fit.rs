@@ -171,8 +171,7 @@ pub fn starts<'a>(begin: &CoreModel<f64>, log: &Log) -> Vec<(Model<'a>, f64)> {
         bends: Bends::Field,
     };
     // Of a board at rest the reading itself is the size that disturbances are measured by.
-    let field =
-        if log.is_at_rest { Vector3::from(log.samples.mean_vector()).norm() } else { begin.field_ut };
+    let field = if log.is_at_rest { Vector3::from(log.samples.mean_vector()).norm() } else { begin.field_ut };
     let matrix = Matrix3::from_fn(|i, j| begin.matrix[i][j]);
     let mut list = vec![(model(begin.offset_ut, matrix, field), matrix.determinant().abs().cbrt())];
     if log.known.is_none()

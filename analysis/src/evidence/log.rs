@@ -37,7 +37,12 @@ pub struct Log<'a> {
 
 impl<'a> Log<'a> {
     /// Of the samples of a table.
-    pub fn new(samples: &'a Samples, table: &'a Table<'a>, known: Option<&'a Prior>, is_at_rest: bool) -> Self {
+    pub fn new(
+        samples: &'a Samples,
+        table: &'a Table<'a>,
+        known: Option<&'a Prior>,
+        is_at_rest: bool,
+    ) -> Self {
         let (time_s, is_timed) = match &samples.time {
             Some(time) => (time.clone(), true),
             None => ((0..samples.len()).map(|i| i as f64).collect(), false),

@@ -21,3 +21,5 @@ pub mod search;
 pub mod select;
 pub mod solve;
 pub mod term;
+#[cfg(test)]
+mod tests;

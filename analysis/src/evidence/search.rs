@@ -1,7 +1,8 @@
 //! Which terms a log asks for: add, drop and swap by one score.
 
 use crate::evidence::bounds::{
-    FORMS_DIFFER, LEADERS, MAX_P_HELD_OUT, MAX_TERMS, MIN_ODDS, MIN_SHARE, MOST_LOOKS, MOST_SWAPS, RIVAL_SHARE, RIVALS,
+    FORMS_DIFFER, LEADERS, MAX_P_HELD_OUT, MAX_TERMS, MIN_ODDS, MIN_SHARE, MOST_LOOKS, MOST_SWAPS,
+    RIVAL_SHARE, RIVALS,
 };
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::{Bends, Model};
@@ -48,8 +49,6 @@ pub struct Search<'l, 'a> {
     pub setting: Setting,
     /// How many terms the model keeps whatever the score: those that were asked for come first.
     pub keep: usize,
-    /// Prints each round.
-    pub trace: bool,
 }
 
 impl<'a> Search<'_, 'a> {
@@ -66,10 +65,6 @@ impl<'a> Search<'_, 'a> {
     /// Whether the last term of a fit is shown by the parts of the log together.
     fn holds(&self, fit: &Fit) -> bool {
         let p = p_values(fit);
-        if self.trace {
-            let ids: Vec<&str> = fit.model.terms.iter().map(|term| term.id.as_str()).collect();
-            eprintln!("    held out: {ids:?} p {p:?}");
-        }
         p.last().is_some_and(|p| *p < MAX_P_HELD_OUT)
     }
 
@@ -133,11 +128,6 @@ impl<'a> Search<'_, 'a> {
                 })
                 .collect();
             order.sort_by(|a, b| b.0.total_cmp(&a.0));
-            if self.trace {
-                let words: Vec<String> =
-                    order.iter().take(6).map(|(gain, term)| format!("{} {gain:.0}", term.id)).collect();
-                eprintln!("  screen {}: {}", if white { "white" } else { "noise" }, words.join(", "));
-            }
             let least = match own {
                 Some(own) => {
                     let gain =
@@ -170,19 +160,6 @@ impl<'a> Search<'_, 'a> {
             let leaders = self.leaders(&fit, None);
             let mut tried: Vec<Fit<'a>> = leaders.iter().filter_map(|term| self.with(&fit, term)).collect();
             tried.sort_by(|a, b| a.score.total_cmp(&b.score));
-            if self.trace {
-                for one in &tried {
-                    let id = one.model.terms.last().map_or("", |term| term.id.as_str());
-                    eprintln!(
-                        "    {id}: {:.1} rms {:.4} of {:.4} wander {:?} ar {}",
-                        one.score - fit.score,
-                        one.rms(),
-                        fit.rms(),
-                        one.noise.wander,
-                        one.noise.ar.len() - 1
-                    );
-                }
-            }
             let Some(place) = tried.iter().position(|one| Self::is_worth(one, &fit, 1) && self.holds(one))
             else {
                 break;
@@ -224,10 +201,6 @@ impl<'a> Search<'_, 'a> {
         }
         let mut full = Fit::of(self.log, &self.setting, now.model.clone(), None)?;
         loop {
-            if self.trace {
-                let ids: Vec<&str> = full.model.terms.iter().map(|term| term.id.as_str()).collect();
-                eprintln!("  together {ids:?}: {:.1} rms {:.4}", full.score - fit.score, full.rms());
-            }
             let more = full.model.terms.len().checked_sub(before).filter(|more| *more > 1)?;
             if Self::is_worth(&full, fit, more) {
                 let fewer = (before..full.model.terms.len())
@@ -253,7 +226,7 @@ impl<'a> Search<'_, 'a> {
                 derived.odds > 0.0
                     && own.odds == 0.0
                     && own.is_variant_of(derived)
-                    && best.squares > (1.0 - MIN_SHARE) * one.squares
+                    && one.score - best.score < MIN_ODDS
             }
             _ => false,
         };
@@ -274,9 +247,6 @@ impl<'a> Search<'_, 'a> {
             let terms = fit.model.terms.len();
             let own = best.as_ref().map_or(0, |(_, best)| best.model.terms.len());
             let margin = MIN_ODDS * terms.saturating_sub(own) as f64;
-            if self.trace {
-                eprintln!("  {terms} terms: {total:.1}, a hidden cause gains {gain:.1}");
-            }
             if best.as_ref().is_none_or(|(least, _)| total < least - margin) {
                 best = Some((total, fit));
             }
@@ -301,9 +271,6 @@ impl<'a> Search<'_, 'a> {
                 let Some(fewer) = self.without(&found.fit, place) else { continue };
                 let other = self.hidden_cause(&fewer);
                 let odds = (fewer.score - gain(&other)) - (found.fit.score - gain(&cause));
-                if self.trace {
-                    eprintln!("  {} next to a hidden cause: {odds:.1}", found.fit.model.terms[place].id);
-                }
                 if odds < MIN_ODDS {
                     found.fit = fewer;
                     found.rivals.remove(place);
@@ -339,24 +306,12 @@ impl<'a> Search<'_, 'a> {
                     _ => fit.score,
                 };
                 fits.sort_by(|a, b| a.score.total_cmp(&b.score));
-                if self.trace {
-                    for one in &fits {
-                        let id = one.model.terms.last().map_or("", |term| term.id.as_str());
-                        eprintln!(
-                            "  {id} in the place of {}: {:.1} rms {:.4}",
-                            own.id,
-                            one.score - fit.score,
-                            one.rms()
-                        );
-                    }
-                }
                 let is_likelier = |one: &Fit<'a>| {
                     let is_derived =
                         one.model.terms.last().is_some_and(|term| {
                             term.odds > 0.0 && own.odds == 0.0 && term.is_variant_of(own)
                         });
-                    one.score < own_score - 1.0
-                        && (!is_derived || one.squares < (1.0 - MIN_SHARE) * fit.squares)
+                    one.score < own_score - 1.0 && (!is_derived || one.score < own_score - MIN_ODDS)
                 };
                 if fits.first().is_some_and(is_likelier) && swaps < MOST_SWAPS {
                     let mut best = fits.swap_remove(0);

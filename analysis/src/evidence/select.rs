@@ -53,12 +53,12 @@ pub struct Selection {
 }
 
 /// Selects the terms of these samples. `None` where no model can be fitted.
-pub fn select(samples: &Samples, table: &Table, registry: Registry, begin: &Begin, trace: bool) -> Option<Selection> {
+pub fn select(samples: &Samples, table: &Table, registry: Registry, begin: &Begin) -> Option<Selection> {
     let mut samples = without_gaps(samples, table).unwrap_or_else(|| samples.clone());
     let mut tones: Vec<Selected> = Vec::new();
     for round in 0.. {
         let looks_again = round < MOST_TONES && !begin.is_at_rest;
-        match one_search(&samples, table, registry, begin, looks_again, trace)? {
+        match one_search(&samples, table, registry, begin, looks_again)? {
             Round::Tone { rest, tone } => {
                 samples = rest;
                 if !tones.iter().any(|own| own.id == tone.id) {
@@ -95,7 +95,6 @@ fn one_search(
     registry: Registry,
     begin: &Begin,
     looks_again: bool,
-    trace: bool,
 ) -> Option<Round> {
     let is_known = begin.known.earlier.is_some() || begin.known.holds_matrix();
     let known = is_known.then(|| Prior { memory: 1.0, ..begin.known.clone() });
@@ -113,7 +112,7 @@ fn one_search(
     let few = if begin.is_at_rest { None } else { thinned(samples, table) };
     let few_log = few.as_ref().map(|few| Log::new(few, table, known, false));
     let searched = few_log.as_ref().unwrap_or(&log);
-    let (base, setting) = base_of(searched, begin, registry, trace)?;
+    let (base, setting) = base_of(searched, begin, registry)?;
     // Tones are looked for at the rate of the samples.
     let tone_beside = |fit: &Fit| {
         let setting = Setting { blocks: Blocks::at_most(log.len(), MAX_BLOCKS), ..setting };
@@ -127,15 +126,15 @@ fn one_search(
         return Some(tone);
     }
     let catalogue = Catalogue::new(searched, registry);
-    let search = Search { log: searched, catalogue: &catalogue, setting, keep: begin.stay.len(), trace };
+    let search = Search { log: searched, catalogue: &catalogue, setting, keep: begin.stay.len() };
     let mut found = search.run(base);
     search.against_hidden_cause(&mut found);
-    if trace {
-        eprintln!("looks {}", searched.looks());
-    }
     let Found { fit, rivals, .. } = found;
     // Next to a stronger effect a tone is less than its share at first.
-    if looks_again && fit.model.terms.len() > begin.stay.len() && let Some(tone) = tone_beside(&fit) {
+    if looks_again
+        && fit.model.terms.len() > begin.stay.len()
+        && let Some(tone) = tone_beside(&fit)
+    {
         return Some(tone);
     }
     let unclear = |rivals: &[Rival]| -> Vec<String> {
@@ -177,7 +176,7 @@ fn thinned(samples: &Samples, table: &Table) -> Option<Samples> {
 }
 
 /// The likeliest fit without terms, or with those that stay, and how it was made.
-fn base_of<'a>(log: &Log<'a>, begin: &Begin, registry: Registry, trace: bool) -> Option<(Fit<'a>, Setting)> {
+fn base_of<'a>(log: &Log<'a>, begin: &Begin, registry: Registry) -> Option<(Fit<'a>, Setting)> {
     // A mean over the axes of a board at rest is no reading.
     let blocks = if log.is_at_rest { log.len() } else { MAX_BLOCKS };
     let blocks = Blocks::at_most(log.len(), blocks);
@@ -188,10 +187,6 @@ fn base_of<'a>(log: &Log<'a>, begin: &Begin, registry: Registry, trace: bool) ->
         model.terms.clone_from(&stay);
         let setting = Setting { blocks, scale, candidates, is_white: false };
         let fit = Fit::of(log, &setting, model, None);
-        if trace {
-            let score = fit.as_ref().map(|fit| (fit.score, fit.rms()));
-            eprintln!("start: score and rms {score:?}, scale {scale}");
-        }
         bases.extend(fit.map(|fit| (fit, setting)));
     }
     bases.into_iter().min_by(|a, b| a.0.score.total_cmp(&b.0.score))

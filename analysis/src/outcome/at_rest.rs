@@ -56,11 +56,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             start = next;
         }
     }
-    let mut explanation = if options.search {
-        greedy.selected(start)?
-    } else {
-        greedy.only(base, start)?
-    };
+    let mut explanation = if options.search { greedy.selected(start)? } else { greedy.only(base, start)? };
     explanation.chances = greedy.chances(&explanation.fitted)?;
     let (used, confounded) = (explanation.fitted.terms.len(), explanation.confounded.clone());
     let fitted = &explanation.fitted;

@@ -66,20 +66,13 @@ pub(crate) fn explain<'a>(
         Ok(added) => added,
         Err(why) => return Ok(Err(why)),
     };
-    if options.search && !hopeless && std::env::var("OLD").is_err() {
-        let mut explanation = greedy.selected(start)?;
-        explanation.fitted = greedy.to_the_end(explanation.fitted)?;
-        explanation.chances = greedy.chances(&explanation.fitted)?;
-        return Ok(Ok((explanation, pure_lag)));
-    }
-    let mut explanation = if options.search && !hopeless {
-        greedy.certain(greedy.search(start)?, &options.add)?
-    } else {
-        greedy.only(base.clone(), start)?
+    let mut explanation = match options.search && !hopeless {
+        true => greedy.selected(start)?,
+        false => greedy.only(base.clone(), start)?,
     };
-    explanation = greedy.ended(explanation, &options.add, options.search)?;
+    explanation.fitted = greedy.to_the_end(explanation.fitted)?;
     if options.search {
-        explanation = greedy.beyond_chance(explanation, &options.add)?;
+        explanation.chances = greedy.chances(&explanation.fitted)?;
         explanation = greedy.without_unshown(explanation, &options.add)?;
     } else {
         explanation.shown = greedy.shown(&explanation.fitted, &options.chances)?;

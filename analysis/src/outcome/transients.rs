@@ -1,7 +1,7 @@
 //! Magnets that passed beside an effect: what stands out of the model with what was found is set aside, and the log is studied once
 //! more without it.
 //!
-//! A strong effect hides the flanks of a passing magnet, and a magnet that comes and goes looks like two steps. Once the effect is
+//! A strong effect hides the flanks of a passing magnet, and a magnet that comes and goes looks like steps. Once the effect is
 //! in the model both show.
 
 use crate::calibration::FittedEffect;
@@ -13,9 +13,9 @@ use ironout::study::Residual;
 
 /// Studies without what stood out of the one before.
 pub(crate) const ROUNDS: usize = 3;
-/// A step there and one back within so many seconds are a magnet that passed ...
+/// Steps there and back within so many seconds are a magnet that passed ...
 const PASSES_S: f64 = 6.0;
-/// ... if together they leave less than this share of the larger one.
+/// ... if together they leave less than this share of the largest one.
 const BACK: f64 = 0.35;
 /// What is set aside reaches further than the steps by this share of the time between them, on either side.
 const BEYOND: f64 = 0.35;
@@ -50,21 +50,24 @@ fn stand_out(samples: &Samples, diagnosis: &Diagnosis, asked: &[String]) -> Vec<
     if much || faults::have_company(samples, &merged) { Vec::new() } else { merged }
 }
 
-/// Where two steps that undo each other lie so close that they are a magnet that passed.
+/// Where steps that undo each other together lie so close that they are a magnet that passed.
 fn steps_there_and_back<'e>(
     samples: &Samples,
     effects: impl Iterator<Item = &'e FittedEffect>,
 ) -> Vec<(usize, usize)> {
     let Some(time) = &samples.time else { return Vec::new() };
-    let steps: Vec<(f64, [f64; 3])> = effects.filter_map(step).collect();
+    let mut steps: Vec<(f64, [f64; 3])> = effects.filter_map(step).collect();
+    steps.sort_by(|a, b| a.0.total_cmp(&b.0));
     let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let mut list = Vec::new();
-    for (index, (a_s, a)) in steps.iter().enumerate() {
-        for (b_s, b) in &steps[index + 1..] {
-            let left: [f64; 3] = std::array::from_fn(|axis| a[axis] + b[axis]);
-            let apart = (a_s - b_s).abs();
-            if apart <= PASSES_S && length(left) <= BACK * length(*a).max(length(*b)) {
-                let (from, to) = (a_s.min(*b_s) - BEYOND * apart, a_s.max(*b_s) + BEYOND * apart);
+    for (index, (first_s, first)) in steps.iter().enumerate() {
+        let (mut left, mut largest) = (*first, length(*first));
+        for (last_s, next) in &steps[index + 1..] {
+            left = std::array::from_fn(|axis| left[axis] + next[axis]);
+            largest = largest.max(length(*next));
+            let apart = last_s - first_s;
+            if apart <= PASSES_S && length(left) <= BACK * largest {
+                let (from, to) = (first_s - BEYOND * apart, last_s + BEYOND * apart);
                 let (from, to) = (time.partition_point(|t| *t < from), time.partition_point(|t| *t <= to));
                 if from < to {
                     list.push((from, to - 1));

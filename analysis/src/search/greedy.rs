@@ -2,23 +2,23 @@
 
 use crate::base::engine::{Design, Fitted};
 use crate::base::term::{BadShape, Term};
-use crate::evidence::select::{Begin, select};
+use crate::evidence::select::{Begin, Selected, select};
 use crate::search::candidates::Catalogue;
-use crate::search::collinear::may_follow;
-use crate::search::screen::{SIGNIFICANCE, rivalry, screen};
+use crate::search::screen::screen;
 use crate::search::search;
 use crate::search::several::numbered;
-use crate::search::state::{Confounded, Explanation, Greedy, Judged, MOST_EFFECTS};
+use crate::search::state::{Confounded, Explanation, Greedy, Judged};
 use crate::search::true_field::prefer;
-use ironout::effect::{Acts, Follows, Named, Searched};
+use ironout::effect::{Acts, Named, Searched};
 use ironout::study::Residual;
-use ironout::study::rule::{ALIKE, RIVAL_SHARE};
 
 /// The same at rest, where a coil has a prompt, a late and a squared part.
 pub const MOST_AT_REST: usize = 9;
 
-/// Candidates explain the same if the squared held-out error with the one is at most this many times the other's.
-const NO_WORSE: f64 = 2.0;
+/// A step is where it was found within this share of the log.
+const NEAR_SHARE: f64 = 0.02;
+/// A delay and a time constant are as they were found within this share of them.
+const NEAR_PAST: f64 = 0.25;
 
 /// The candidates of one round, the searched ones at their best places.
 fn candidates<'a>(
@@ -66,23 +66,6 @@ pub(super) fn finite<T>(found: Result<T, BadShape>) -> Result<Option<T>, BadShap
     }
 }
 
-// One at a time, on the stack: the size does not matter.
-#[allow(clippy::large_enum_variant)]
-enum Reconsidered<'a> {
-    /// Another candidate is better than one in the model.
-    Swap { from: String, to: String, fitted: Box<Fitted<'a>> },
-    /// All stand; some of them with rivals that explain as much.
-    Stands { confounded: Vec<Confounded>, families: Vec<Confounded> },
-}
-
-/// Whether one leaves hardly more held-out error than another: what leaves much more does not explain the same.
-fn as_good(one: &Judged, other: &Judged) -> bool {
-    match (one.tested.held_out, other.tested.held_out) {
-        (Some(one), Some(other)) => one <= NO_WORSE * other,
-        (one, other) => one.is_some() || other.is_none(),
-    }
-}
-
 impl<'a> Greedy<'_, 'a> {
     fn judge(&self, fitted: &Fitted<'a>, periodic: bool) -> Result<(Vec<Judged<'a>>, usize), BadShape> {
         let mut list = candidates(&self.design, self.catalogue, fitted, periodic)?;
@@ -127,28 +110,24 @@ impl<'a> Greedy<'_, 'a> {
             stay: &start.terms,
             is_at_rest: self.design.residual == Residual::Vector,
         };
-        let trace = std::env::var("TRACE").is_ok();
-        let found = select(self.design.samples, self.catalogue.table(), self.catalogue.registry, &begin, trace)
+        let found = select(self.design.samples, self.catalogue.table(), self.catalogue.registry, &begin)
             .unwrap_or_default();
         let mut fitted = start;
         let mut order: Vec<String> = fitted.terms.iter().map(|term| term.id.clone()).collect();
         let mut confounded = Vec::new();
         for one in &found.found {
-            let Some(named) = self.catalogue.registry.parse(&one.id) else { continue };
-            let Some(term) = self.catalogue.build(&named, one.parameter) else { continue };
-            let Some(term) = numbered(&fitted, Term { trials: one.places, ..term }) else { continue };
+            let Some(term) = self.found_again(&fitted, one)? else { continue };
             let id = term.id.clone();
-            match self.with(&fitted, &term)? {
-                Some(next) => {
-                    fitted = self.aligned(prefer(&self.design, next, None, self.known)?)?;
-                    if !one.rivals.is_empty() {
-                        let ids = std::iter::once(id.clone()).chain(one.rivals.iter().cloned()).collect();
-                        confounded.push(Confounded { ids });
-                    }
-                    order.push(id);
-                }
-                None => eprintln!("cannot fit {id}"),
+            // What does not lower the error of all samples was seen in some of them.
+            let Some(next) = self.with(&fitted, &term)?.filter(|next| next.squares < fitted.squares) else {
+                continue;
+            };
+            fitted = self.aligned(prefer(&self.design, next, None, self.known)?)?;
+            if !one.rivals.is_empty() {
+                let ids = std::iter::once(id.clone()).chain(one.rivals.iter().cloned()).collect();
+                confounded.push(Confounded { ids });
             }
+            order.push(id);
         }
         let (first, count) = self.judge(&base, true)?;
         let last = if order.is_empty() { first.clone() } else { self.judge(&fitted, true)?.0 };
@@ -170,192 +149,27 @@ impl<'a> Greedy<'_, 'a> {
         })
     }
 
-    /// Runs the search from a base model and the effects that stand in it from the beginning.
-    pub fn run(&self, start: Fitted<'a>) -> Result<Explanation<'a>, BadShape> {
-        let mut fitted = self.aligned(start)?;
-        let base = match fitted.terms.is_empty() {
-            true => fitted.clone(),
-            false => self.design.fit(fitted.model, Vec::new(), self.known)?.unwrap_or_else(|| fitted.clone()),
-        };
-        let mut order: Vec<String> = fitted.terms.iter().map(|term| term.id.clone()).collect();
-        let mut first = None;
-        let (mut last, mut count) = (Vec::new(), 0);
-        let (mut confounded, mut families) = (Vec::new(), Vec::new());
-        let mut swapped: Vec<(String, String)> = Vec::new();
-        let mut ended_early = false;
-        for round in 0..3 * MOST_AT_REST {
-            if self.is_spent() {
-                ended_early = true;
-                break;
-            }
-            // What stands is not given up because something ran away beside it.
-            let Some((judged, tried)) = finite(self.judge(&fitted, true))? else {
-                ended_early = true;
-                break;
+    /// A selected term over all samples. What was searched of it is searched once more where it was found, as whoever asks for the effect
+    /// has it searched.
+    fn found_again(&self, fitted: &Fitted<'a>, one: &Selected) -> Result<Option<Term<'a>>, BadShape> {
+        let Some(named) = self.catalogue.registry.parse(&one.id) else { return Ok(None) };
+        let own = self.catalogue.build(&named, one.parameter);
+        let near = |term: &Term| {
+            let (searched, at) = term.searched()?;
+            let length_s =
+                self.design.samples.time.as_ref().map_or(0.0, |time| time[time.len() - 1] - time[0]);
+            let unit = match searched {
+                Searched::At => NEAR_SHARE * length_s,
+                Searched::Frequency => 1.0 / length_s,
+                Searched::Delay | Searched::TimeConstant => NEAR_PAST * one.parameter.abs(),
             };
-            count = tried;
-            first.get_or_insert_with(|| judged.clone());
-            last = judged;
-            let most = if self.design.residual == Residual::Vector { MOST_AT_REST } else { MOST_EFFECTS };
-            let next =
-                if fitted.terms.len() < most { finite(self.choose(&fitted, &last, count))? } else { None };
-            let next = next.flatten();
-            if let Some((winner, next)) = next {
-                let next = match finite(self.of_the_sensor(&fitted, &winner, &next))?.flatten() {
-                    Some((own, next)) => {
-                        order.extend(own);
-                        next
-                    }
-                    None => {
-                        order.push(winner);
-                        next
-                    }
-                };
-                fitted = self.aligned(prefer(&self.design, next, None, self.known)?)?;
-                while let Some((dropped, without)) = finite(self.drop_one(&fitted))?.flatten() {
-                    order.retain(|id| *id != dropped);
-                    fitted = self.aligned(without)?;
-                }
-                continue;
-            }
-            if fitted.terms.len() + 2 <= MOST_EFFECTS
-                && let Some((both, next)) = finite(self.pair(&fitted, &last))?.flatten()
-            {
-                fitted = self.aligned(next)?;
-                order.extend(both);
-                while let Some((dropped, without)) = finite(self.drop_one(&fitted))?.flatten() {
-                    order.retain(|id| *id != dropped);
-                    fitted = self.aligned(without)?;
-                }
-                continue;
-            }
-            // Nothing more to add: now that all is in, is each effect the best of those that explain the same?
-            let stands = Reconsidered::Stands { confounded: Vec::new(), families: Vec::new() };
-            match finite(self.reconsider(&fitted, count))?.unwrap_or(stands) {
-                Reconsidered::Swap { from, to, .. } if swapped.contains(&(to.clone(), from.clone())) => {
-                    // Each is better than the other: the log cannot tell.
-                    confounded = vec![Confounded { ids: vec![from, to] }];
-                    break;
-                }
-                Reconsidered::Swap { from, to, fitted: next } if round < 2 * MOST_AT_REST => {
-                    swapped.push((from.clone(), to.clone()));
-                    fitted = self.aligned(*next)?;
-                    for id in order.iter_mut().filter(|id| **id == from) {
-                        id.clone_from(&to);
-                    }
-                }
-                Reconsidered::Swap { .. } => break,
-                Reconsidered::Stands { confounded: groups, families: together } => {
-                    (confounded, families) = (groups, together);
-                    break;
-                }
-            }
-        }
-        let steps = self.falling(&base, &fitted, &order)?;
-        Ok(Explanation {
-            base,
-            fitted,
-            steps,
-            confounded,
-            families,
-            first: first.unwrap_or_default(),
-            last,
-            withdrawn: Vec::new(),
-            dropped: self.dropped.take(),
-            ended_early,
-            count,
-            chances: Vec::new(),
-            shown: Vec::new(),
-        })
-    }
-
-    /// Compares every effect of the model with the candidates that could stand in its place.
-    fn reconsider(&self, fitted: &Fitted<'a>, count: usize) -> Result<Reconsidered<'a>, BadShape> {
-        let (mut groups, mut families) = (Vec::new(), Vec::new());
-        for index in 0..fitted.terms.len() {
-            if self.is_spent() {
-                break;
-            }
-            let mut terms = fitted.terms.clone();
-            let own = terms.remove(index);
-            let Some(without) = self.design.fit(fitted.model, terms, self.known)? else { continue };
-            let own = Term { coefficients: Default::default(), ..own };
-            let (judged, _) = self.judge(&without, own.follows(Follows::Tone))?;
-            let Some(mine) = judged.iter().find(|one| one.term.id == own.id) else { continue };
-            let mut group = vec![own.id.clone()];
-            let mut family = vec![own.id.clone()];
-            for other in &judged {
-                let id = &other.term.id;
-                let collinear = self.together(&own, &other.term);
-                if fitted.terms.iter().any(|term| &term.id == id)
-                    || other.term.is_variant_of(&own)
-                    || !(other.tested.accepted || collinear)
-                    || other.tested.decrease < RIVAL_SHARE * mine.tested.decrease
-                {
-                    continue;
-                }
-                let Some(pair) = rivalry(&self.design, &without, &own, &other.term, self.known)? else {
-                    continue;
-                };
-                if pair.first * (count as f64) < SIGNIFICANCE {
-                    continue;
-                }
-                if collinear {
-                    // What several channels have in common stands for them; a channel that has more to say has been
-                    // tested beside it.
-                    if other.term.is_plain() {
-                        family.push(id.clone());
-                    }
-                    continue;
-                }
-                // The other explains all that this one does.
-                let fewer = other.tested.directions < mine.tested.directions;
-                if fewer || pair.second * (count as f64) * other.term.trials < SIGNIFICANCE {
-                    if let Some(next) = self.with(&without, &other.term)?
-                        && may_follow(&own, &other.term, fitted, &next)
-                        && self.beats_its_copies(&without, &other.term)?
-                    {
-                        return Ok(Reconsidered::Swap {
-                            from: own.id,
-                            to: id.clone(),
-                            fitted: Box::new(next),
-                        });
-                    }
-                } else if other.tested.directions == mine.tested.directions
-                    && pair.correlation > ALIKE
-                    && as_good(other, mine)
-                {
-                    group.push(id.clone());
-                }
-            }
-            if group.len() > 1 {
-                groups.push(Confounded { ids: group });
-            }
-            if family.len() > 1 {
-                families.push(Confounded { ids: family });
-            }
-        }
-        Ok(Reconsidered::Stands { confounded: groups, families })
-    }
-
-    /// The earlier effect that the later ones have made superfluous, and the model without it.
-    fn drop_one(&self, fitted: &Fitted<'a>) -> Result<Option<(String, Fitted<'a>)>, BadShape> {
-        let newest = fitted.terms.len().saturating_sub(1);
-        for index in 0..newest {
-            let mut terms = fitted.terms.clone();
-            let removed = terms.remove(index);
-            let beside =
-                |term: &Term| removed.is_plain() && term.id != removed.id && term.is_variant_of(&removed);
-            if self.design.residual == Residual::Vector && terms.iter().any(beside) {
-                continue;
-            }
-            let Some(without) = self.design.fit(fitted.model, terms, self.known)? else { continue };
-            let candidate = Term { coefficients: Default::default(), trials: 1.0, ..removed.clone() };
-            let tested = screen(&self.design, &without, &[candidate], 1)?;
-            if tested.first().is_none_or(|tested| !tested.accepted) {
-                return Ok(Some((removed.id, without)));
-            }
-        }
-        Ok(None)
+            Some((at - one.parameter).abs() < unit)
+        };
+        let again = match named.form.searched {
+            Some(_) => finite(search::best(&self.design, fitted, self.catalogue, &named))?.flatten(),
+            None => None,
+        };
+        let term = again.filter(|term| near(term) == Some(true)).or(own);
+        Ok(term.and_then(|term| numbered(fitted, Term { trials: one.places, ..term })))
     }
 }

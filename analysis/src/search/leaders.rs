@@ -2,13 +2,12 @@
 
 use crate::base::engine::Fitted;
 use crate::base::term::{BadShape, Term};
-use crate::search::collinear::NEARLY;
 use crate::search::greedy::finite;
 use crate::search::parameter;
-use crate::search::screen::{ACCUSED, SIGNIFICANCE, WORTH_NAMING, rivalry, screen, stands};
+use crate::search::screen::{ACCUSED, WORTH_NAMING, stands};
 use crate::search::search;
 use crate::search::state::{Greedy, Judged, held_out_rms};
-use ironout::effect::{Named, Searched};
+use ironout::effect::Searched;
 use ironout::study::Residual;
 
 /// A residual beyond this share of the field is strong: what is screened there at one linearisation is not yet right.
@@ -17,14 +16,6 @@ const STRONG: f64 = 0.01;
 const STRONG_SHARE: f64 = 0.2;
 /// ... but at most so many.
 const STRONG_LEADERS: usize = 6;
-/// So many effects that copies of their columns beat are passed over for the next best.
-const MOST_REFUSED: usize = 4;
-/// Another form of a column takes the plain one's place if that is certain among all candidates, or among the column's own
-/// forms where the plain one has so many times less to say beside it.
-const BETTER_BY: f64 = 300.0;
-/// At rest the linear term comes before its square or its past if it takes this share of what they take.
-const PROMPT_SHARE: f64 = 0.3;
-
 impl<'a> Greedy<'_, 'a> {
     /// The model with one more effect, fully refitted, and what fixes its shape moved to where the error is least. `None`
     /// where the fit does not converge, or runs away.
@@ -129,131 +120,6 @@ impl<'a> Greedy<'_, 'a> {
                 && held_out.is_some_and(|after| after * after < before * before * (1.0 - WORTH_NAMING));
         }
         Ok(())
-    }
-
-    /// A late or squared column against the plain one: the plain wins unless the variant is significantly better.
-    fn best_variant(
-        &self,
-        fitted: &Fitted<'a>,
-        leader: &Judged<'a>,
-        judged: &[Judged<'a>],
-        count: usize,
-    ) -> Result<Judged<'a>, BadShape> {
-        let own = &leader.term;
-        let Some(named) = own.named().filter(|named| named.family.forms().len() > 1 && named.form.column)
-        else {
-            return Ok(leader.clone());
-        };
-        let is_prompt = |other: &Judged| other.term.is_plain() && other.term.is_variant_of(own);
-        if self.design.residual == Residual::Vector {
-            // What a column adds in proportion comes first; its square and its past are added beside it.
-            let prompt = judged.iter().find(|other| is_prompt(other));
-            return match prompt.filter(|other| other.tested.decrease > PROMPT_SHARE * leader.tested.decrease)
-            {
-                Some(prompt) if !own.is_plain() => Ok(prompt.clone()),
-                _ => Ok(leader.clone()),
-            };
-        }
-        let mut best = leader.clone();
-        let forms = named.family.forms().iter().filter(|form| form.offered && form.column).count();
-        if let Some(prompt) = judged.iter().find(|other| is_prompt(other))
-            && !own.is_plain()
-            && prompt.tested.accepted
-            && let Some(rivals) = rivalry(&self.design, fitted, &leader.term, &prompt.term, self.known)?
-            && rivals.first * count as f64 > SIGNIFICANCE
-            && (rivals.first * forms as f64 > SIGNIFICANCE || rivals.second < BETTER_BY * rivals.first)
-        {
-            best = prompt.clone();
-        }
-        for form in named.family.forms().iter().copied().filter(|form| form.offered && form.is_late()) {
-            if let Some(late) = search::best(&self.design, fitted, self.catalogue, &Named { form, ..named })?
-                && !fitted.terms.iter().any(|term| term.id == late.id)
-                && late.id != best.term.id
-                && let Some(rivals) = rivalry(&self.design, fitted, &late, &best.term, self.known)?
-                && rivals.first * late.trials * (count as f64) < SIGNIFICANCE
-                && rivals.second > 1e3 * rivals.first
-            {
-                let tested = screen(&self.design, fitted, std::slice::from_ref(&late), count)?;
-                if let Some(tested) = tested.into_iter().next()
-                    && tested.accepted
-                    && tested.decrease > best.tested.decrease
-                {
-                    best = Judged { term: late, tested };
-                }
-            }
-        }
-        Ok(best)
-    }
-
-    /// The next effect: the best of those that chance, as the log itself shows it, does not do as well as.
-    pub(crate) fn choose(
-        &self,
-        fitted: &Fitted<'a>,
-        judged: &[Judged<'a>],
-        count: usize,
-    ) -> Result<Option<(String, Fitted<'a>)>, BadShape> {
-        let mut judged = judged.to_vec();
-        for _ in 0..MOST_REFUSED {
-            let Some((id, next)) = self.best_of(fitted, &judged, count)? else { return Ok(None) };
-            let Some(term) = next.terms.iter().find(|term| term.id == id) else { return Ok(None) };
-            if self.beats_its_copies(fitted, term)? {
-                return Ok(Some((id, next)));
-            }
-            let alike = |one: &Judged| one.term.id == id || one.term.is_variant_of(term);
-            judged.iter_mut().filter(|one| alike(one)).for_each(|one| one.tested.accepted = false);
-        }
-        Ok(None)
-    }
-
-    /// The next effect by the tests alone: the three leaders fully refitted, the best by its held-out error, and the one with fewer
-    /// coefficients where it explains as much.
-    fn best_of(
-        &self,
-        fitted: &Fitted<'a>,
-        judged: &[Judged<'a>],
-        count: usize,
-    ) -> Result<Option<(String, Fitted<'a>)>, BadShape> {
-        let mut passing: Vec<&Judged> = judged.iter().filter(|one| one.tested.accepted).collect();
-        passing.sort_by(|a, b| {
-            let key = |one: &Judged| one.tested.held_out.unwrap_or(f64::INFINITY);
-            key(a).total_cmp(&key(b))
-        });
-        let mut leaders: Vec<(Judged<'a>, Fitted<'a>, f64)> = Vec::new();
-        // A shape in time may stand in for a cause that was logged: the best of those is fitted too.
-        let logged = passing.iter().position(|one| !one.term.is_in_time()).filter(|at| *at >= 3);
-        for one in passing.iter().take(3).chain(logged.and_then(|at| passing.get(at))) {
-            if let Some(next) = self.with(fitted, &one.term)?
-                && let Some(held) = held_out_rms(&next)
-            {
-                leaders.push(((*one).clone(), next, held));
-            }
-        }
-        leaders.sort_by(|a, b| a.2.total_cmp(&b.2));
-        if let Some(held) = leaders.first().filter(|one| one.0.term.is_in_time()).map(|one| one.2) {
-            leaders.retain(|one| one.2 < NEARLY * held);
-            leaders.sort_by_key(|one| one.0.term.is_in_time());
-        }
-        let Some((leader, mut next, _)) = leaders.into_iter().next() else { return Ok(None) };
-        let mut winner = self.best_variant(fitted, &leader, judged, count)?;
-        let held = |one: &Judged| one.tested.held_out.unwrap_or(f64::INFINITY);
-        for other in &passing {
-            if other.tested.directions < winner.tested.directions
-                && other.tested.decrease > 0.3 * winner.tested.decrease
-                && held(other) < NEARLY * NEARLY * held(&winner)
-                && let Some(pair) = rivalry(&self.design, fitted, &winner.term, &other.term, self.known)?
-                && pair.first * count as f64 > SIGNIFICANCE
-            {
-                winner = (*other).clone();
-            }
-        }
-        winner = self.for_its_family(fitted, winner, judged, count)?;
-        if winner.term.id != leader.term.id {
-            match self.with(fitted, &winner.term)? {
-                Some(fit) => next = fit,
-                None => winner = leader,
-            }
-        }
-        Ok(Some((winner.term.id.clone(), next)))
     }
 }
 

@@ -125,49 +125,6 @@ fn with_steps(whole: &Matrix, suffixes: &[&Matrix], base: usize) -> Matrix {
     out
 }
 
-/// Where two offset steps together take the most off the squared error, roughly: there and back each alone takes little.
-pub(crate) fn two_steps<'a>(
-    design: &Design,
-    fitted: &Fitted,
-    catalogue: &Catalogue<'a>,
-    named: &Named,
-) -> Result<Option<[Term<'a>; 2]>, BadShape> {
-    let Some(time) = &design.samples.time else { return Ok(None) };
-    let (n, base) = (design.samples.len(), fitted.columns());
-    if n < 4 * STEP_SEGMENTS || base + 6 > COLUMNS {
-        return Ok(None);
-    }
-    let terms: Vec<&Term> = fitted.terms.iter().collect();
-    let bounds: Vec<usize> = (0..=STEP_SEGMENTS).map(|k| n * k / STEP_SEGMENTS).collect();
-    let segments = design.blocks(&bounds, &fitted.model, &terms)?;
-    let whole = Matrix::total(&segments, Some(&fitted.prior));
-    let mut suffixes = vec![Matrix::new(base)];
-    for segment in segments.iter().rev() {
-        let mut next = suffixes[suffixes.len() - 1].clone();
-        next.merge(segment);
-        suffixes.push(next);
-    }
-    suffixes.reverse();
-    let inside: Vec<usize> =
-        (1..STEP_SEGMENTS).filter(|place| (n / 50..=n - n / 50).contains(&bounds[*place])).collect();
-    let mut best: Option<(f64, usize, usize)> = None;
-    for (index, &first) in inside.iter().enumerate() {
-        for &second in &inside[index + 1..] {
-            let both = with_steps(&whole, &[&suffixes[first], &suffixes[second]], base);
-            let decrease = both.test(0..base, base..base + 6).map_or(0.0, |gain| gain.decrease);
-            if best.is_none_or(|(most, ..)| decrease > most) {
-                best = Some((decrease, first, second));
-            }
-        }
-    }
-    let at = |place: usize| 0.5 * (time[bounds[place] - 1] + time[bounds[place]]);
-    let step = |place: usize| {
-        let term = catalogue.build(named, at(place))?;
-        Some(Term { trials: STEP_SEGMENTS as f64, ..term })
-    };
-    Ok(best.and_then(|(_, first, second)| Some([step(first)?, step(second)?])))
-}
-
 /// Delays that are tried at first: whole samples, ever fewer the longer; or time constants, each twice the one before.
 fn pasts(samples: &Samples, searched: Option<Searched>) -> Option<Vec<f64>> {
     let time = samples.time.as_ref()?;

@@ -25,9 +25,6 @@ const SETTLED_SHARE: f64 = 1e-7;
 pub const MOST_SEARCHED: usize = 6000;
 /// More effects than any log carries.
 pub const MOST_EFFECTS: usize = 6;
-/// What a search may look at, samples times effects and columns: some ten seconds of it.
-const MOST_WORK: u64 = 60_000_000;
-
 /// The state of the model after one addition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
@@ -141,20 +138,12 @@ pub struct Greedy<'p, 'a> {
     pub base_held_out: Option<f64>,
     /// Candidates that were left out because their shape is not finite.
     pub(crate) dropped: RefCell<Vec<String>>,
-    /// The work that was done before it began.
-    begun: u64,
 }
 
 impl<'p, 'a> Greedy<'p, 'a> {
     /// A search that has found nothing yet.
     pub fn new(design: Design<'p>, catalogue: &'p Catalogue<'a>, known: &'p Prior) -> Self {
-        let begun = design.samples.work.spent();
-        Greedy { design, catalogue, known, base_held_out: None, dropped: RefCell::default(), begun }
-    }
-
-    /// Whether the search has looked at as much as it may.
-    pub(crate) fn is_spent(&self) -> bool {
-        self.design.samples.work.spent() - self.begun > MOST_WORK
+        Greedy { design, catalogue, known, base_held_out: None, dropped: RefCell::default() }
     }
 }
 

@@ -1,0 +1,110 @@
+//! Known answers of the engine as a whole, on simulated logs.
+
+use crate::base::ground::Ground;
+use crate::base::prior::Prior;
+use crate::base::start::start;
+use crate::evidence::select::{Begin, Selection, select};
+use crate::table::Table;
+use ironout::effect::Registry;
+use ironout::fit::Method;
+use ironout_simulation::{EffectSpec, Log, World, WorldOptions};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+
+fn log(effects: &[&str], drop: &[&str], seed: u64) -> Log {
+    World::new(WorldOptions {
+        seed,
+        seconds: 60.0,
+        rate_hz: 25.0,
+        effects: effects.iter().map(|effect| EffectSpec::parse(effect).unwrap()).collect(),
+        drop_columns: drop.iter().map(|name| (*name).to_owned()).collect(),
+        ..WorldOptions::default()
+    })
+    .run()
+}
+
+fn of_table(table: &Table) -> Selection {
+    let ground = Ground::of(table, Method::Adjusted, None, None);
+    let samples = &ground.counted.samples;
+    let (model, _) = start(samples, None).unwrap();
+    let begin = Begin { model: &model, known: &Prior::default(), stay: &[], is_at_rest: false };
+    select(samples, table, Registry::BUILT_IN, &begin).unwrap()
+}
+
+fn named(log: &Log) -> Vec<String> {
+    ids(&of_table(&Table::from_columns(log.named()).unwrap()))
+}
+
+fn ids(selection: &Selection) -> Vec<String> {
+    selection.found.iter().map(|one| one.id.clone()).collect()
+}
+
+#[test]
+fn each_form_of_a_term_is_named_by_itself() {
+    for effect in [
+        "offset:temp_c",
+        "offset:current_a^2",
+        "gain:temp_c",
+        "step",
+        "nonlinearity",
+        "periodic",
+        "field:height_m",
+    ] {
+        assert_eq!(named(&log(&[&format!("{effect}=4")], &[], 11)), [effect]);
+    }
+}
+
+#[test]
+fn nothing_is_named_where_nothing_is_hidden() {
+    for seed in 0..6 {
+        assert!(named(&log(&[], &[], 100 + seed)).is_empty(), "{seed}");
+    }
+}
+
+#[test]
+fn a_cause_that_nobody_logged_accuses_nobody() {
+    assert!(named(&log(&["offset:servo=5"], &["servo"], 3)).is_empty());
+}
+
+#[test]
+fn two_effects_are_named_together() {
+    let mut both = named(&log(&["offset:current_a=4", "gain:temp_c=4"], &[], 8));
+    both.sort();
+    assert_eq!(both, ["gain:temp_c", "offset:current_a"]);
+}
+
+/// A sensor whose first axis gives out x + a·x², folded where the slope is negative, and which turns to all sides.
+fn folded(a: f64, seed: u64) -> Vec<(String, Vec<f64>)> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut noise = || (0..12).map(|_| rng.random_range(-0.5..0.5)).sum::<f64>();
+    let names = ["t_s", "mx_ut", "my_ut", "mz_ut"];
+    let mut columns: Vec<(String, Vec<f64>)> = names.map(|name| (name.to_owned(), Vec::new())).into();
+    for sample in 0..2400 {
+        let t = 0.04 * f64::from(sample);
+        let (z, turn) = ((0.37 * t).sin(), 1.9 * t);
+        let across = (1.0_f64 - z * z).sqrt();
+        let x = [40.0 * across * turn.cos() + 3.0, 40.0 * across * turn.sin() - 8.0, 40.0 * z + 5.0];
+        let read = [x[0] + a * x[0] * x[0], x[1], x[2]];
+        columns[0].1.push(t);
+        for axis in 0..3 {
+            columns[1 + axis].1.push(read[axis] + 0.2 * noise());
+        }
+    }
+    columns
+}
+
+#[test]
+fn a_nonlinearity_that_folds_the_readings_is_the_only_name() {
+    // The slope is 1 + 2ax: at −37 µT it is −0.26.
+    let columns = folded(0.017, 4);
+    let table =
+        Table::from_columns(columns.iter().map(|(name, values)| (name.as_str(), values.as_slice()))).unwrap();
+    assert_eq!(ids(&of_table(&table)), ["nonlinearity"]);
+}
+
+#[test]
+fn a_tone_too_fast_for_the_blocks_of_a_long_log_is_named() {
+    let mut long = WorldOptions { seed: 21, seconds: 200.0, rate_hz: 100.0, ..WorldOptions::default() };
+    long.effects = vec![EffectSpec::parse("periodic=4").unwrap()];
+    assert_eq!(named(&World::new(long).run()), ["periodic"]);
+}
