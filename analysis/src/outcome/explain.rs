@@ -72,6 +72,7 @@ pub(crate) fn explain<'a>(
     };
     explanation.fitted = greedy.to_the_end(explanation.fitted)?;
     if options.search {
+        explanation = greedy.that_predict(explanation, &options.add)?;
         explanation.chances = greedy.chances(&explanation.fitted)?;
         explanation = greedy.without_unshown(explanation, &options.add)?;
     } else {

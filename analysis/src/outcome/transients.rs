@@ -50,6 +50,12 @@ fn stand_out(samples: &Samples, diagnosis: &Diagnosis, asked: &[String]) -> Vec<
     if much || faults::have_company(samples, &merged) { Vec::new() } else { merged }
 }
 
+/// Whether a diagnosis holds steps that undo each other: what they explain is the magnet that passed.
+pub(crate) fn comes_and_goes(samples: &Samples, diagnosis: &Diagnosis, asked: &[String]) -> bool {
+    let found = diagnosis.effects.iter().filter(|effect| !asked.contains(&effect.id));
+    !steps_there_and_back(samples, found).is_empty()
+}
+
 /// Where steps that undo each other together lie so close that they are a magnet that passed.
 fn steps_there_and_back<'e>(
     samples: &Samples,
@@ -119,7 +125,9 @@ pub(crate) fn samples(faults: &[DataFault]) -> usize {
 pub(crate) fn says_more(without: &Diagnosis, with: &Diagnosis) -> bool {
     let left = |one: &Diagnosis| one.steps.last().and_then(|step| step.holdout_rms_ut);
     let explained = |one: &Diagnosis| matches!(one.verdict, Verdict::Missing | Verdict::Confounded);
-    let (Some(now), Some(before)) = (left(without), left(with)) else { return false };
+    let Some(now) = left(without) else { return false };
+    // A step within a part of the log that is held out cannot be predicted.
+    let before = left(with).unwrap_or(f64::INFINITY);
     let fewer = without.effects.len() < with.effects.len() && now <= before / LOWERS;
     let better = match (explained(with), explained(without)) {
         (false, true) => now <= before || fewer,
