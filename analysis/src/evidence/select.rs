@@ -60,7 +60,7 @@ pub fn select(samples: &Samples, table: &Table, registry: Registry, begin: &Begi
         let looks_again = round < MOST_TONES && !begin.is_at_rest;
         match one_search(&samples, table, registry, begin, looks_again)? {
             Round::Tone { rest, tone } => {
-                samples = rest;
+                samples = *rest;
                 if !tones.iter().any(|own| own.id == tone.id) {
                     tones.push(tone);
                 }
@@ -79,7 +79,7 @@ pub fn select(samples: &Samples, table: &Table, registry: Registry, begin: &Begi
 /// What one search ends with.
 enum Round {
     /// A fast tone, and the samples without it.
-    Tone { rest: Samples, tone: Selected },
+    Tone { rest: Box<Samples>, tone: Selected },
     /// The end.
     End(Selection),
 }
@@ -118,7 +118,7 @@ fn one_search(
         let setting = Setting { blocks: Blocks::at_most(log.len(), MAX_BLOCKS), ..setting };
         let whole = Fit::of(&log, &setting, fit.model.rebound(&log)?, None)?;
         let term = fast_tone(&log, registry, &setting, &whole)?;
-        let rest = without_tone(samples, &term, &whole);
+        let rest = Box::new(without_tone(samples, &term, &whole));
         Some(Round::Tone { rest, tone: selected(&term, Vec::new()) })
     };
     let looks_again = looks_again && few_log.is_some();

@@ -1,4 +1,4 @@
-//! The search for what is missing: candidates, their tests, and which of them are added.
+//! Candidates of a log, their tests, and the fits of the terms that were selected.
 
 pub mod candidates;
 pub mod collinear;
