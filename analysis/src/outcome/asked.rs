@@ -7,7 +7,7 @@ use crate::outcome::request::{Options, Refusal};
 use crate::search::candidates::Catalogue;
 use crate::search::screen::screen;
 use crate::search::search;
-use crate::search::state::{Greedy, MOST_SEARCHED};
+use crate::search::state::{Fitter, MOST_SEARCHED};
 use crate::similar;
 use ironout::effect::Named;
 use ironout::study::Residual;
@@ -58,13 +58,13 @@ pub(crate) struct Added<'a> {
 /// Adds what `--add` names to the base model; or why that cannot be fitted. In a long log the way there is gone in a thinned
 /// copy, as a search goes it, and only its end on all samples.
 pub(crate) fn asked_for<'a>(
-    greedy: &Greedy<'_, 'a>,
+    fitter: &Fitter<'_, 'a>,
     base: &Fitted<'a>,
     options: &Options,
 ) -> Result<Result<Added<'a>, String>, Refusal> {
-    let (samples, catalogue) = (greedy.design.samples, greedy.catalogue);
+    let (samples, catalogue) = (fitter.design.samples, fitter.catalogue);
     if samples.len() <= MOST_SEARCHED || options.add.is_empty() {
-        return one_by_one(greedy, base, options);
+        return one_by_one(fitter, base, options);
     }
     // Whether it is a coupling or a pure delay every sample has a say in, beside all others.
     let (couplings, others): (Vec<String>, Vec<String>) =
@@ -73,44 +73,44 @@ pub(crate) fn asked_for<'a>(
         let asked = |add| Options { add, ..options.clone() };
         let beside = match others.is_empty() {
             true => None,
-            false => asked_for(greedy, base, &asked(others))?.ok(),
+            false => asked_for(fitter, base, &asked(others))?.ok(),
         };
         return match beside {
-            Some(Added { start, .. }) => one_by_one(greedy, &start, &asked(couplings)),
-            None => one_by_one(greedy, base, options),
+            Some(Added { start, .. }) => one_by_one(fitter, &start, &asked(couplings)),
+            None => one_by_one(fitter, base, options),
         };
     }
     let few = samples.thinned(catalogue.table(), MOST_SEARCHED);
     let over = catalogue.over(&few);
-    let design = Design::new(&few, greedy.design.residual);
-    let Some(thin) = design.fit(base.model, Vec::new(), greedy.known)? else {
-        return one_by_one(greedy, base, options);
+    let design = Design::new(&few, fitter.design.residual);
+    let Some(thin) = design.fit(base.model, Vec::new(), fitter.known)? else {
+        return one_by_one(fitter, base, options);
     };
-    let found = match one_by_one(&Greedy::new(design, &over, greedy.known), &thin, options)? {
+    let found = match one_by_one(&Fitter::new(design, &over, fitter.known), &thin, options)? {
         Ok(found) => found,
         Err(why) => return Ok(Err(why)),
     };
     let Added { start, pure_lag } = found;
     // None of them may be lost on the way.
     let terms: Option<Vec<Term>> = start.terms.iter().map(|term| catalogue.again(term)).collect();
-    let Some(terms) = terms else { return one_by_one(greedy, base, options) };
-    let lifted = match greedy.design.fit(start.model, terms, greedy.known)? {
-        Some(fitted) => Some(greedy.settled(fitted)?).filter(|fitted| fitted.converged),
+    let Some(terms) = terms else { return one_by_one(fitter, base, options) };
+    let lifted = match fitter.design.fit(start.model, terms, fitter.known)? {
+        Some(fitted) => Some(fitter.settled(fitted)?).filter(|fitted| fitted.converged),
         None => None,
     };
     Ok(match lifted {
-        Some(fitted) => Ok(Added { start: greedy.aligned(fitted)?, pure_lag }),
+        Some(fitted) => Ok(Added { start: fitter.aligned(fitted)?, pure_lag }),
         None => Err(does_not_converge(start.terms.iter().map(|term| term.id.as_str()))),
     })
 }
 
 /// Adds what `--add` names, one after the other.
 fn one_by_one<'a>(
-    greedy: &Greedy<'_, 'a>,
+    fitter: &Fitter<'_, 'a>,
     base: &Fitted<'a>,
     options: &Options,
 ) -> Result<Result<Added<'a>, String>, Refusal> {
-    let (design, catalogue) = (&greedy.design, greedy.catalogue);
+    let (design, catalogue) = (&fitter.design, fitter.catalogue);
     let mut pure_lag = false;
     let mut start = base.clone();
     // One that a fit does not hold by itself may stand beside those that come after it.
@@ -139,9 +139,9 @@ fn one_by_one<'a>(
                 continue;
             }
         }
-        match greedy.with(&start, &candidate)? {
+        match fitter.with(&start, &candidate)? {
             Some(next) => {
-                start = greedy.aligned(next)?;
+                start = fitter.aligned(next)?;
                 put_off.clear();
             }
             None => {
@@ -151,8 +151,8 @@ fn one_by_one<'a>(
                     continue;
                 }
                 // None of those that are left stands without the others.
-                match greedy.with_all(&start, put_off.iter())? {
-                    Some(next) => start = greedy.aligned(next)?,
+                match fitter.with_all(&start, put_off.iter())? {
+                    Some(next) => start = fitter.aligned(next)?,
                     None => {
                         return Ok(Err(does_not_converge(put_off.iter().map(|one| one.id.as_str()))));
                     }

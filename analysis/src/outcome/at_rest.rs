@@ -15,7 +15,7 @@ use crate::reason::Reason;
 use crate::residual::traces::Traces;
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
-use crate::search::state::Greedy;
+use crate::search::state::Fitter;
 use crate::table::Table;
 use ironout::effect::Follows;
 use ironout::study::{Model, Residual};
@@ -41,7 +41,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     let Some(base) = model.map(|model| design.fit(model, Vec::new(), &known)).transpose()?.flatten() else {
         return Ok(nothing());
     };
-    let greedy = Greedy::new(design, &catalogue, &known);
+    let fitter = Fitter::new(design, &catalogue, &known);
     let mut start = base.clone();
     for id in &options.add {
         if start.terms.len() >= MOST_ADDED {
@@ -56,8 +56,8 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             start = next;
         }
     }
-    let mut explanation = if options.search { greedy.selected(start)? } else { greedy.only(base, start)? };
-    explanation.chances = greedy.chances(&explanation.fitted)?;
+    let mut explanation = if options.search { fitter.selected(start)? } else { fitter.only(base, start)? };
+    explanation.chances = fitter.chances(&explanation.fitted)?;
     let (used, confounded) = (explanation.fitted.terms.len(), explanation.confounded.clone());
     let fitted = &explanation.fitted;
     let residuals = design.residuals(&fitted.model, &fitted.terms.iter().collect::<Vec<_>>())?;

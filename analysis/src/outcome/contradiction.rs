@@ -15,7 +15,7 @@ use crate::base::term::{Matrix, Term};
 use crate::outcome::asked::asked_for;
 use crate::outcome::request::{Options, Refusal};
 use crate::search::candidates::Catalogue;
-use crate::search::state::Greedy;
+use crate::search::state::Fitter;
 use ironout::study::{Model, Residual, f_tail};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
@@ -247,7 +247,7 @@ impl<'a> Log<'a> {
         if self.options.add.is_empty() {
             return Ok(Some(base));
         }
-        let greedy = Greedy::new(self.design, self.catalogue, &known);
-        Ok(asked_for(&greedy, &base, self.options)?.ok().map(|added| added.start))
+        let fitter = Fitter::new(self.design, self.catalogue, &known);
+        Ok(asked_for(&fitter, &base, self.options)?.ok().map(|added| added.start))
     }
 }

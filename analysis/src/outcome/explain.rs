@@ -9,7 +9,7 @@ use crate::outcome::asked::{Added, asked_for};
 use crate::outcome::request::{Options, Refusal};
 use crate::samples::series::{rms, second_difference_sigma};
 use crate::search::candidates::Catalogue;
-use crate::search::state::{Explanation, Greedy};
+use crate::search::state::{Explanation, Fitter};
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::Model;
 
@@ -60,23 +60,23 @@ pub(crate) fn explain<'a>(
     let accepted = stand.base.is_some_and(|base| base.predicted_share() <= MAX_PREDICTED_ERROR);
     let hopeless = !(stand.held || accepted)
         && attitude_error(&base, &best).is_none_or(|error| error > HOPELESS * MAX_PREDICTED_ERROR);
-    let mut greedy = Greedy::new(design, catalogue, known);
-    greedy.base_held_out = stand.base.and_then(|base| base.holdout_rms_ut);
-    let Added { start, pure_lag } = match asked_for(&greedy, &base, options)? {
+    let mut fitter = Fitter::new(design, catalogue, known);
+    fitter.base_held_out = stand.base.and_then(|base| base.holdout_rms_ut);
+    let Added { start, pure_lag } = match asked_for(&fitter, &base, options)? {
         Ok(added) => added,
         Err(why) => return Ok(Err(why)),
     };
     let mut explanation = match options.search && !hopeless {
-        true => greedy.selected(start)?,
-        false => greedy.only(base.clone(), start)?,
+        true => fitter.selected(start)?,
+        false => fitter.only(base.clone(), start)?,
     };
-    explanation.fitted = greedy.to_the_end(explanation.fitted)?;
+    explanation.fitted = fitter.to_the_end(explanation.fitted)?;
     if options.search {
-        explanation = greedy.that_predict(explanation, &options.add)?;
-        explanation.chances = greedy.chances(&explanation.fitted)?;
-        explanation = greedy.without_unshown(explanation, &options.add)?;
+        explanation = fitter.that_predict(explanation, &options.add)?;
+        explanation.chances = fitter.chances(&explanation.fitted)?;
+        explanation = fitter.without_unshown(explanation, &options.add)?;
     } else {
-        explanation.shown = greedy.shown(&explanation.fitted, &options.chances)?;
+        explanation.shown = fitter.shown(&explanation.fitted, &options.chances)?;
         explanation.chances =
             explanation.shown.iter().map(|shown| (shown.id.clone(), shown.p_value)).collect();
     }
@@ -84,7 +84,7 @@ pub(crate) fn explain<'a>(
         Some(model) => design.hold(model, Vec::new(), known)?,
         None => explanation.base.clone(),
     };
-    explanation.base = greedy.aligned(first)?;
+    explanation.base = fitter.aligned(first)?;
     if explanation.fitted.terms.is_empty() && stand.base.is_some() {
         explanation.fitted = explanation.base.clone();
     }

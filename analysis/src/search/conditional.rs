@@ -5,9 +5,9 @@ use crate::base::term::{BadShape, Term};
 use crate::residual::spectrum::Verdict;
 use crate::search::screen::each_stands;
 use crate::search::shown::Shown;
-use crate::search::state::{Explanation, Greedy, Step, Withdrawn, held_out_rms};
+use crate::search::state::{Explanation, Fitter, Step, Withdrawn, held_out_rms};
 
-impl<'a> Greedy<'_, 'a> {
+impl<'a> Fitter<'_, 'a> {
     /// Probability that chance does as well as each effect of a model, where the model stands, all others in it, its search
     /// counted; by its id.
     pub(crate) fn chances(&self, fitted: &Fitted<'a>) -> Result<Vec<(String, f64)>, BadShape> {

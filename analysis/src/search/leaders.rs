@@ -2,11 +2,11 @@
 
 use crate::base::engine::Fitted;
 use crate::base::term::{BadShape, Term};
-use crate::search::greedy::finite;
 use crate::search::parameter;
 use crate::search::screen::{ACCUSED, WORTH_NAMING, stands};
 use crate::search::search;
-use crate::search::state::{Greedy, Judged, held_out_rms};
+use crate::search::selected::finite;
+use crate::search::state::{Fitter, Judged, held_out_rms};
 use ironout::effect::Searched;
 use ironout::study::Residual;
 
@@ -16,7 +16,7 @@ const STRONG: f64 = 0.01;
 const STRONG_SHARE: f64 = 0.2;
 /// ... but at most so many.
 const STRONG_LEADERS: usize = 6;
-impl<'a> Greedy<'_, 'a> {
+impl<'a> Fitter<'_, 'a> {
     /// The model with one more effect, fully refitted, and what fixes its shape moved to where the error is least. `None`
     /// where the fit does not converge, or runs away.
     pub(crate) fn with(&self, fitted: &Fitted<'a>, term: &Term<'a>) -> Result<Option<Fitted<'a>>, BadShape> {
@@ -176,12 +176,12 @@ mod tests {
         let samples = ground.counted.with_bursts.as_ref().unwrap_or(&ground.counted.samples);
         let catalogue = Catalogue::new(samples, &table, Registry::BUILT_IN);
         let (design, known) = (Design::new(samples, Residual::Magnitude), Prior::default());
-        let greedy = Greedy::new(design, &catalogue, &known);
+        let fitter = Fitter::new(design, &catalogue, &known);
         let base = design.fit(model, Vec::new(), &known).ok().flatten().expect("a fit");
         let step = catalogue.searched().into_iter().find(|named| named.form.searched == Some(Searched::At));
         let step =
             search::best(&design, &base, &catalogue, &step.expect("steps")).ok().flatten().expect("a step");
-        let with_step = greedy.with(&base, &step).ok().flatten().expect("a fit with the step");
+        let with_step = fitter.with(&base, &step).ok().flatten().expect("a fit with the step");
         let inputs = std::sync::Arc::new(vec![[0.0; MAX_INPUTS]; samples.len()]);
         let made =
             catalogue.plain(false).into_iter().find(|term| term.id == "cross-axis").expect("an effect");
@@ -193,9 +193,9 @@ mod tests {
         let mut terms = with_step.terms.clone();
         terms.push(away.clone());
         let places: Vec<_> = terms.iter().map(|term| term.id.clone()).collect();
-        let kept = greedy.at_its_time(Fitted { terms, ..with_step.clone() }).expect("a model");
+        let kept = fitter.at_its_time(Fitted { terms, ..with_step.clone() }).expect("a model");
         assert_eq!(kept.terms.iter().map(|term| term.id.clone()).collect::<Vec<_>>(), places);
         // ... and no candidate that runs away gives up the search.
-        assert!(matches!(greedy.with(&with_step, &away), Ok(None)));
+        assert!(matches!(fitter.with(&with_step, &away), Ok(None)));
     }
 }

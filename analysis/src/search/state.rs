@@ -1,5 +1,4 @@
-//! The state of a search, and what every step of it does with a model: fit it, align it, settle it, and tell the error
-//! falling.
+//! What is done with every model of effects: fit it, align it, settle it, and tell the error falling.
 
 use crate::base::alignment::{align, without_effects};
 use crate::base::applied::Applied;
@@ -23,8 +22,6 @@ const SETTLED_SHARE: f64 = 1e-7;
 
 /// A search looks at this many samples at most.
 pub const MOST_SEARCHED: usize = 6000;
-/// More effects than any log carries.
-pub const MOST_EFFECTS: usize = 6;
 /// The state of the model after one addition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
@@ -126,8 +123,8 @@ fn moved(one: &Fitted, other: &Fitted) -> f64 {
     effects.fold(share(&one.model.offset_ut, &other.model.offset_ut), f64::max)
 }
 
-/// The search.
-pub struct Greedy<'p, 'a> {
+/// Fits and tests the effects of a log.
+pub struct Fitter<'p, 'a> {
     /// What it runs over.
     pub design: Design<'p>,
     /// What it may add.
@@ -140,14 +137,14 @@ pub struct Greedy<'p, 'a> {
     pub(crate) dropped: RefCell<Vec<String>>,
 }
 
-impl<'p, 'a> Greedy<'p, 'a> {
-    /// A search that has found nothing yet.
+impl<'p, 'a> Fitter<'p, 'a> {
+    /// Over these samples.
     pub fn new(design: Design<'p>, catalogue: &'p Catalogue<'a>, known: &'p Prior) -> Self {
-        Greedy { design, catalogue, known, base_held_out: None, dropped: RefCell::default() }
+        Fitter { design, catalogue, known, base_held_out: None, dropped: RefCell::default() }
     }
 }
 
-impl<'a> Greedy<'_, 'a> {
+impl<'a> Fitter<'_, 'a> {
     /// Whether the base is held, or most of it.
     pub(crate) fn held(&self) -> bool {
         self.known.holds_matrix()

@@ -1,4 +1,4 @@
-//! Effects added one at a time until none helps, earlier ones dropped when they no longer do.
+//! The terms that the likelihood selected, fitted to all samples one after the other, and the tests of all candidates beside them.
 
 use crate::base::engine::{Design, Fitted};
 use crate::base::term::{BadShape, Term};
@@ -7,20 +7,17 @@ use crate::search::candidates::Catalogue;
 use crate::search::screen::screen;
 use crate::search::search;
 use crate::search::several::numbered;
-use crate::search::state::{Confounded, Explanation, Greedy, Judged};
+use crate::search::state::{Confounded, Explanation, Fitter, Judged};
 use crate::search::true_field::prefer;
 use ironout::effect::{Acts, Named, Searched};
 use ironout::study::Residual;
-
-/// The same at rest, where a coil has a prompt, a late and a squared part.
-pub const MOST_AT_REST: usize = 9;
 
 /// A step is where it was found within this share of the log.
 const NEAR_SHARE: f64 = 0.02;
 /// A delay and a time constant are as they were found within this share of them.
 const NEAR_PAST: f64 = 0.25;
 
-/// The candidates of one round, the searched ones at their best places.
+/// The candidates beside a model, the searched ones at their best places.
 fn candidates<'a>(
     design: &Design,
     catalogue: &Catalogue<'a>,
@@ -66,7 +63,7 @@ pub(super) fn finite<T>(found: Result<T, BadShape>) -> Result<Option<T>, BadShap
     }
 }
 
-impl<'a> Greedy<'_, 'a> {
+impl<'a> Fitter<'_, 'a> {
     fn judge(&self, fitted: &Fitted<'a>, periodic: bool) -> Result<(Vec<Judged<'a>>, usize), BadShape> {
         let mut list = candidates(&self.design, self.catalogue, fitted, periodic)?;
         if self.held() {
