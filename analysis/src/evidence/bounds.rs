@@ -40,9 +40,6 @@ pub const MIN_TONE_HZ: f64 = 1.0;
 /// 1σ of the wander per axis, in units of the field, at most: what moves the offset by more is a cause, not a noise.
 pub const MAX_WANDER_FIELDS: f64 = 0.1;
 
-/// Coloured noise of a sensor, rms per axis, µT, at most: the chips in use have white noise up to about 1 µT and less that is slow.
-pub const MAX_COLOURED_UT: f64 = 1.0;
-
 /// Square of the residual over the field from which the two forms of a term are told apart, in units of the noise: the magnitude shows
 /// about a fifth of a disturbance, and a tenth of the noise is seen in some hundred samples.
 pub const FORMS_DIFFER: f64 = 0.004;
@@ -81,9 +78,6 @@ pub const MOST_ABOVE_LEAST: f64 = 2.0;
 
 /// Least slope of the reading by the field: with less, readings fold over, and two fields have one reading.
 pub const LEAST_SLOPE: f64 = 0.05;
-
-/// Largest sine of the dip: within 10° of the vertical the angle to gravity says next to nothing about a rotation.
-pub const MOST_SINE: f64 = 0.985;
 
 /// Largest p-value of a term by the spread of its coefficients over parts of the log: one in a thousand, as the score has paid for the
 /// number of candidates already.

@@ -128,17 +128,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
             }
             (a, b) = (b, a + b);
         }
-        // Faster logs begin at the delays that a cause can have, not at a sample.
-        let places = grid.len() as f64;
-        let (mut delay, _) = self.best(named, Some(column), grid, fit, screen)?;
-        for width in [0.3, 0.08] {
-            let near = (-3..=3).map(|i| delay * (1.0 + width * f64::from(i) / 3.0));
-            delay = self.best(named, Some(column), near, fit, screen)?.0;
-        }
-        let mut term = Term::new(self.log, named, Some(column), delay)?;
-        term.places = places.max(1.0);
-        term.odds = DERIVED_ODDS;
-        Some(term)
+        self.past(named, column, (grid, [0.3, 0.08]), fit, screen)
     }
 
     fn low_pass(&self, named: &Named<'_>, column: usize, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
@@ -147,15 +137,26 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         // The shapes of two low-passes whose time constants are twice each other's are alike by 97 % at least.
         let grid: Vec<f64> =
             std::iter::successors(Some(2.0 * step), |s| Some(2.0 * s)).take_while(|s| *s <= most).collect();
+        self.past(named, column, (grid, [0.5, 0.15]), fit, screen)
+    }
+
+    /// The best past of a column: of a grid, then nearer by shares of it.
+    fn past(
+        &self,
+        named: &Named<'_>,
+        column: usize,
+        (grid, nearer): (Vec<f64>, [f64; 2]),
+        fit: &Fit<'a>,
+        screen: &Screen,
+    ) -> Option<Term<'a>> {
         let places = grid.len() as f64;
-        let (mut constant, _) = self.best(named, Some(column), grid, fit, screen)?;
-        for width in [0.5, 0.15] {
-            let near = (-3..=3).map(|i| constant * (1.0 + width * f64::from(i) / 3.0));
-            constant = self.best(named, Some(column), near, fit, screen)?.0;
+        let (mut seconds, _) = self.best(named, Some(column), grid, fit, screen)?;
+        for width in nearer {
+            let near = (-3..=3).map(|i| seconds * (1.0 + width * f64::from(i) / 3.0));
+            seconds = self.best(named, Some(column), near, fit, screen)?.0;
         }
-        let mut term = Term::new(self.log, named, Some(column), constant)?;
-        term.places = places.max(1.0);
-        term.odds = DERIVED_ODDS;
+        let mut term = Term::new(self.log, named, Some(column), seconds)?;
+        (term.places, term.odds) = (places.max(1.0), DERIVED_ODDS);
         Some(term)
     }
 
@@ -163,7 +164,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         if named.family.follows() != Follows::Tone || !self.log.is_timed {
             return None;
         }
-        let (step, length) = (screen.block_s(self.log), self.log.length_s());
+        let (step, length) = (screen.block_s(), self.log.length_s());
         let highest = 0.5 / step;
         if highest <= MIN_TONE_HZ {
             return None;

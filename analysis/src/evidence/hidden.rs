@@ -13,28 +13,18 @@ const DIRECTIONS: usize = 13;
 /// Rounds that bring the direction near, and their angles.
 const NEARER: [f64; 3] = [0.35, 0.17, 0.08];
 
-/// A cause behind the wander.
-#[derive(Debug, Clone)]
-pub struct HiddenCause {
-    /// −2 log likelihood less than that of independent axes, its direction paid for.
-    pub gain: f64,
-    /// Whether it bends the gain instead of adding a vector.
-    pub is_gain: bool,
-    /// Its direction in the sensor's axes, a unit vector.
-    pub direction: [f64; 3],
-    /// Its standard deviation, µT.
-    pub size_ut: f64,
-    /// Its time constant, s.
-    pub tau_s: f64,
-}
-
 fn seen(track: &Track, by: impl Fn(usize) -> f64) -> Track {
     let slow = (0..track.weight.len()).map(|block| [by(block), 0.0, 0.0]).collect();
     Track { slow: Some(slow), without_memory: true, ..track.clone() }
 }
 
-/// The likeliest single cause of what a fit leaves.
-pub fn hidden_cause(fit: &Fit) -> Option<HiddenCause> {
+/// By how much −2 log likelihood of what a fit leaves falls with the likeliest single cause instead of independent axes, its direction paid
+/// for; zero where it does not.
+pub fn hidden_cause_gain(fit: &Fit) -> f64 {
+    gain(fit).unwrap_or(0.0)
+}
+
+fn gain(fit: &Fit) -> Option<f64> {
     let residual = fit.residual();
     // What wanders may hide in the short memory too: several time constants are tried.
     let length = fit.track.time_s.last()? - fit.track.time_s.first()?;
@@ -53,7 +43,7 @@ pub fn hidden_cause(fit: &Fit) -> Option<HiddenCause> {
     let n = residual.len() as f64;
     // The direction and one size less for independent axes: two parameters.
     let price = 2.0 * n.ln();
-    let mut best: Option<HiddenCause> = None;
+    let mut most = 0.0;
     let size = fit.track.weight.len();
     let per_block = fit.points.len().div_ceil(size.max(1)).max(1);
     let readings: Vec<Vector3<f64>> = fit
@@ -112,15 +102,7 @@ pub fn hidden_cause(fit: &Fit) -> Option<HiddenCause> {
         // A history as short as a block is no history: white noise may differ between axes.
         let is_short = noise.wander.tau_s[1] < SHORTEST_CAUSE_BLOCKS * length / n;
         let gain = if is_short { 0.0 } else { fit.noise.cost - noise.cost - price };
-        if best.as_ref().is_none_or(|best| gain > best.gain) {
-            best = Some(HiddenCause {
-                gain,
-                is_gain,
-                direction: v.into(),
-                size_ut: noise.wander.size[1] * noise.variance.sqrt(),
-                tau_s: noise.wander.tau_s[1],
-            });
-        }
+        most = f64::max(most, gain);
     }
-    best
+    Some(most)
 }

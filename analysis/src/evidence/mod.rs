@@ -1,6 +1,6 @@
 //! One likelihood in the middle: a linearised Gaussian model of a log, one score, and a search by it.
 //!
-//! `docs/method.md` derives model, score and verdicts. The rooms of one thread: [`log`] (samples and columns) → [`term`] (an effect
+//! `docs/method.md` derives model and score. The rooms of one thread: [`log`] (samples and columns) → [`term`] (an effect
 //! with its inputs) → [`design`] (residual and columns at the closest point) → [`noise`] (wander and white noise) → [`fit`] →
 //! [`screen`] and [`candidates`] → [`search`] → [`select`]. Thresholds stand in [`bounds`].
 

@@ -7,7 +7,6 @@ use crate::evidence::noise::Noise;
 use crate::evidence::solve::{Factor, Sums, taken_off};
 use crate::evidence::term::Term;
 use nalgebra::{DMatrix, DVector};
-use std::cell::Cell;
 
 /// Columns that are whitened at once.
 const AT_ONCE: usize = 96;
@@ -16,7 +15,8 @@ const AT_ONCE: usize = 96;
 const COLUMNS_OF_A_LOOK: usize = 6;
 
 /// A fit under one noise, ready for candidates.
-pub struct Screen {
+pub struct Screen<'l, 'a> {
+    log: &'l Log<'a>,
     noise: Noise,
     whitened: Vec<f64>,
     width: usize,
@@ -26,12 +26,11 @@ pub struct Screen {
     /// Squares that are left when the model's own columns have taken what they can.
     squares: f64,
     blocks: Blocks,
-    looks: Cell<usize>,
 }
 
-impl Screen {
+impl<'l, 'a> Screen<'l, 'a> {
     /// Of a fit under its own noise, or under white noise: the wander may have taken a cause for itself.
-    pub fn new(fit: &Fit, blocks: Blocks, white: bool) -> Option<Screen> {
+    pub fn new(log: &'l Log<'a>, fit: &Fit, blocks: Blocks, white: bool) -> Option<Self> {
         let noise = if white { Noise::white(&fit.track, &fit.residual()) } else { fit.noise.clone() };
         let width = fit.model.columns() + 1;
         let mut whitened = fit.rows.clone();
@@ -46,17 +45,12 @@ impl Screen {
         let factor = sums.factor()?;
         let step = -factor.solve(&sums.right);
         let squares = sums.squares + sums.right.dot(&step);
-        Some(Screen { noise, whitened, width, sums, factor, step, squares, blocks, looks: Cell::new(0) })
+        Some(Screen { log, noise, whitened, width, sums, factor, step, squares, blocks })
     }
 
     /// Mean time between blocks, s.
-    pub fn block_s(&self, log: &Log) -> f64 {
-        log.step_s() * self.blocks.size as f64
-    }
-
-    /// How often it has looked at a sample.
-    pub fn looks(&self) -> usize {
-        self.looks.get()
+    pub fn block_s(&self) -> f64 {
+        self.log.step_s() * self.blocks.size as f64
     }
 
     /// The residual, whitened.
@@ -81,7 +75,7 @@ impl Screen {
     }
 
     fn some(&self, fit: &Fit, terms: &[&Term], width: usize, gains: &mut Vec<f64>) {
-        self.looks.set(self.looks.get() + (self.blocks.samples * width).div_ceil(COLUMNS_OF_A_LOOK));
+        self.log.look((self.blocks.samples * width).div_ceil(COLUMNS_OF_A_LOOK));
         let mut z = candidate_rows(&self.blocks, &fit.model, &fit.points, terms);
         self.noise.whiten(&fit.track, width, &mut z);
         let p = self.width - 1;

@@ -8,7 +8,7 @@ use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::{Bends, Model};
 use crate::evidence::fit::{Fit, Setting};
 use crate::evidence::held_out::p_values;
-use crate::evidence::hidden::{HiddenCause, hidden_cause};
+use crate::evidence::hidden::hidden_cause_gain;
 use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
 use crate::evidence::term::Term;
@@ -20,8 +20,6 @@ const WHITE_LEADERS: usize = 2;
 
 /// The result of a search.
 pub struct Found<'a> {
-    /// The fit without terms.
-    pub base: Fit<'a>,
     /// The fit with those that the log asks for, in the order in which they were found.
     pub fit: Fit<'a>,
     /// For each of them, what may stand in its place: id, and how much less likely, as −2 log odds.
@@ -98,10 +96,10 @@ impl<'a> Search<'_, 'a> {
     fn leaders_under(&self, fit: &Fit<'a>, own: Option<&Term<'a>>, noises: &[bool]) -> Vec<Term<'a>> {
         let mut list: Vec<(Term<'a>, usize)> = Vec::new();
         let n = fit.track.weight.len() as f64;
-        let Some(plain) = Screen::new(fit, self.setting.blocks, true) else { return Vec::new() };
+        let Some(plain) = Screen::new(self.log, fit, self.setting.blocks, true) else { return Vec::new() };
         let least_plain = -n * (1.0 - SHARE_TO_FIT * MIN_SHARE).ln();
         for white in noises.iter().copied() {
-            let coloured = if white { None } else { Screen::new(fit, self.setting.blocks, false) };
+            let coloured = if white { None } else { Screen::new(self.log, fit, self.setting.blocks, false) };
             let screen = match (white, &coloured) {
                 (true, _) => &plain,
                 (false, Some(coloured)) => coloured,
@@ -117,7 +115,6 @@ impl<'a> Search<'_, 'a> {
             let gains = screen.gains(fit, &refs);
             // A term that explains too small a share is not worth a fit.
             let shares = if white { gains.clone() } else { plain.gains(fit, &refs) };
-            self.log.look(if white { 0 } else { screen.looks() });
             let mut order: Vec<(f64, Term<'a>)> = terms
                 .into_iter()
                 .zip(gains)
@@ -147,7 +144,6 @@ impl<'a> Search<'_, 'a> {
                 }
             }
         }
-        self.log.look(plain.looks());
         list.sort_by_key(|(_, rank)| *rank);
         list.into_iter().map(|(term, _)| term).collect()
     }
@@ -155,7 +151,7 @@ impl<'a> Search<'_, 'a> {
     /// The search from a base fit.
     pub fn run(&self, base: Fit<'a>) -> Found<'a> {
         let mut fit = base.clone();
-        let mut path = vec![base.clone()];
+        let mut path = vec![base];
         while fit.model.terms.len() < MAX_TERMS && !self.is_spent() {
             let leaders = self.leaders(&fit, None);
             let mut tried: Vec<Fit<'a>> = leaders.iter().filter_map(|term| self.with(&fit, term)).collect();
@@ -175,7 +171,7 @@ impl<'a> Search<'_, 'a> {
         }
         fit = self.likeliest_of(path).unwrap_or(fit);
         let rivals = self.swap(&mut fit);
-        Found { base, fit, rivals }
+        Found { fit, rivals }
     }
 
     /// Several terms that are worth their price together. Where the motion repeats itself, an autoregressive noise imitates the misfit of
@@ -242,8 +238,7 @@ impl<'a> Search<'_, 'a> {
         }
         let mut best: Option<(f64, Fit<'a>)> = None;
         for fit in path {
-            let gain = self.hidden_cause(&fit).map_or(0.0, |cause| cause.gain.max(0.0));
-            let total = fit.score - gain;
+            let total = fit.score - self.hidden_cause_gain(&fit);
             let terms = fit.model.terms.len();
             let own = best.as_ref().map_or(0, |(_, best)| best.model.terms.len());
             let margin = MIN_ODDS * terms.saturating_sub(own) as f64;
@@ -254,9 +249,10 @@ impl<'a> Search<'_, 'a> {
         best.map(|(_, fit)| fit)
     }
 
-    /// The single cause that nobody logged. A board at rest shows the whole vector at each time: any history of one direction fits it.
-    fn hidden_cause(&self, fit: &Fit<'a>) -> Option<HiddenCause> {
-        if self.log.is_at_rest { None } else { hidden_cause(fit) }
+    /// What a single cause that nobody logged would gain. A board at rest shows the whole vector at each time: any history of one
+    /// direction fits it, and says nothing.
+    fn hidden_cause_gain(&self, fit: &Fit<'a>) -> f64 {
+        if self.log.is_at_rest { 0.0 } else { hidden_cause_gain(fit) }
     }
 
     /// Drops terms that only stand in for a cause that nobody logged: a term must be worth its price beside such a cause too.
@@ -264,17 +260,15 @@ impl<'a> Search<'_, 'a> {
         if found.fit.model.terms.len() <= self.keep {
             return;
         }
-        let gain = |cause: &Option<HiddenCause>| cause.as_ref().map_or(0.0, |cause| cause.gain.max(0.0));
-        let mut cause = self.hidden_cause(&found.fit);
-        'again: while gain(&cause) > MIN_ODDS {
+        let mut gain = self.hidden_cause_gain(&found.fit);
+        'again: while gain > MIN_ODDS {
             for place in (self.keep..found.fit.model.terms.len()).rev() {
                 let Some(fewer) = self.without(&found.fit, place) else { continue };
-                let other = self.hidden_cause(&fewer);
-                let odds = (fewer.score - gain(&other)) - (found.fit.score - gain(&cause));
-                if odds < MIN_ODDS {
+                let other = self.hidden_cause_gain(&fewer);
+                if (fewer.score - other) - (found.fit.score - gain) < MIN_ODDS {
                     found.fit = fewer;
                     found.rivals.remove(place);
-                    cause = other;
+                    gain = other;
                     continue 'again;
                 }
             }

@@ -46,8 +46,6 @@ pub struct Selected {
 pub struct Selection {
     /// Those that were found, in their order.
     pub found: Vec<Selected>,
-    /// Candidates that competed.
-    pub candidates: f64,
     /// Whether the search ended before all was tried.
     pub ended_early: bool,
 }
@@ -56,24 +54,21 @@ pub struct Selection {
 pub fn select(samples: &Samples, table: &Table, registry: Registry, begin: &Begin) -> Option<Selection> {
     let mut samples = without_gaps(samples, table).unwrap_or_else(|| samples.clone());
     let mut tones: Vec<Selected> = Vec::new();
-    for round in 0.. {
-        let looks_again = round < MOST_TONES && !begin.is_at_rest;
-        match one_search(&samples, table, registry, begin, looks_again)? {
+    loop {
+        match one_search(&samples, table, registry, begin, tones.len() < MOST_TONES)? {
             Round::Tone { rest, tone } => {
                 samples = *rest;
-                if !tones.iter().any(|own| own.id == tone.id) {
-                    tones.push(tone);
-                }
+                tones.push(tone);
             }
             Round::End(mut selection) => {
                 // Two tones are one name.
+                tones.dedup_by(|one, other| one.id == other.id);
                 selection.found.retain(|one| !tones.iter().any(|tone| tone.id == one.id));
                 selection.found.splice(..0, tones);
                 return Some(selection);
             }
         }
     }
-    None
 }
 
 /// What one search ends with.
@@ -144,7 +139,6 @@ fn one_search(
     let own = fit.model.terms.iter().zip(&rivals).skip(begin.stay.len());
     Some(Round::End(Selection {
         found: own.map(|(term, rivals)| selected(term, unclear(rivals))).collect(),
-        candidates: setting.candidates,
         ended_early: search.is_spent(),
     }))
 }

@@ -56,7 +56,11 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             start = next;
         }
     }
-    let mut explanation = if options.search { fitter.selected(start)? } else { fitter.only(base, start)? };
+    let mut explanation = if options.search {
+        fitter.that_predict(fitter.selected(start)?, &options.add)?
+    } else {
+        fitter.only(base, start)?
+    };
     explanation.chances = fitter.chances(&explanation.fitted)?;
     let (used, confounded) = (explanation.fitted.terms.len(), explanation.confounded.clone());
     let fitted = &explanation.fitted;

@@ -68,29 +68,21 @@ impl View<'_, '_> {
             }
         };
         let group_of = |id: &str| others_in(&self.explanation.confounded, id);
-        let kin_of = |id: &str| others_in(&self.explanation.families, id);
         for term in &self.explanation.fitted.terms {
             let tested = self.explanation.first.iter().find(|one| one.term.id == term.id);
             let partners = group_of(&term.id);
             let status = if partners.is_some() { Status::Confounded } else { Status::Missing };
-            let kin = kin_of(&term.id);
-            let why = match (&partners, &kin) {
-                (Some(partners), _) => format!(
+            let why = match &partners {
+                Some(partners) => format!(
                     "{} explains the error equally well. Fix: {}",
                     partners.join(", "),
                     self.separating(&term.id, partners)
                 ),
-                (None, Some(kin)) => format!(
-                    "its column is collinear with {}. Fix: {}",
-                    kin.join(", "),
-                    self.separating(&term.id, kin)
-                ),
-                (None, None) if term.searched().is_some() && term.is_in_time() => {
+                None if term.searched().is_some() && term.is_in_time() => {
                     format!("a {}: {}", in_words(term), term.effect.explanation())
                 }
-                (None, None) => term.effect.explanation().to_string(),
+                None => term.effect.explanation().to_string(),
             };
-            let partners = partners.or(kin);
             // Beside all others: before those are in the model, what they do hides it.
             let chance = self.explanation.chances.iter().find(|(id, _)| *id == term.id);
             let p_value = chance.map(|(_, p)| (p * self.explanation.count as f64).min(1.0));
@@ -134,7 +126,7 @@ impl View<'_, '_> {
             if !one.term.hidden_delay().is_empty() && dip.is_some() {
                 continue;
             }
-            match group_of(id).or_else(|| kin_of(id)) {
+            match group_of(id) {
                 Some(partners) => {
                     // What it explains by itself, not beside the one that stands in the model.
                     let alone = self.explanation.first.iter().find(|other| other.term.id == *id);

@@ -291,7 +291,6 @@ fn with_bursts(
         (found, _) => found.is_some(),
     };
     found.bursts_explained = true;
-    let explains = explains && !transients::comes_and_goes(whole, &found, &options.add);
     Ok((explains && as_well).then_some(found))
 }
 

@@ -50,12 +50,6 @@ fn stand_out(samples: &Samples, diagnosis: &Diagnosis, asked: &[String]) -> Vec<
     if much || faults::have_company(samples, &merged) { Vec::new() } else { merged }
 }
 
-/// Whether a diagnosis holds steps that undo each other: what they explain is the magnet that passed.
-pub(crate) fn comes_and_goes(samples: &Samples, diagnosis: &Diagnosis, asked: &[String]) -> bool {
-    let found = diagnosis.effects.iter().filter(|effect| !asked.contains(&effect.id));
-    !steps_there_and_back(samples, found).is_empty()
-}
-
 /// Where steps that undo each other together lie so close that they are a magnet that passed.
 fn steps_there_and_back<'e>(
     samples: &Samples,

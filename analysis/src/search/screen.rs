@@ -1,7 +1,6 @@
 //! Tests of candidates against a fitted model.
 
 use crate::base::engine::{Design, Fitted};
-use crate::base::prior::Prior;
 use crate::base::term::{BadShape, COLUMNS, Matrix, TERMS, Term};
 use crate::residual::spectrum::{Frame, Rows, Verdict};
 use crate::threads::halves;
@@ -222,82 +221,6 @@ fn before_it(
     let tests = noises.iter().filter_map(|noise| frame.test(total, span.clone(), noise));
     let careful = tests.map(|test| Verdict { p_value: (CAUTION * test.p_value).min(1.0), ..test });
     careful.fold(test, |most, next| if next.p_value > most.p_value { next } else { most })
-}
-
-/// How two candidates stand to each other: the p-value of each given the other, and their largest and smallest
-/// canonical correlation.
-#[derive(Debug, Clone, Copy)]
-pub struct Rivalry {
-    /// Of the first, given the second.
-    pub first: f64,
-    /// Of the second, given the first.
-    pub second: f64,
-    /// The least of the canonical correlations (as many as the narrower has directions).
-    pub correlation: f64,
-}
-
-/// Compares two candidates at the better of the two models that hold one of them, fully fitted: what one explains beyond
-/// the other is read where the residual is noise, and not at a base that a strong effect still bends.
-pub fn rivalry<'a>(
-    design: &Design,
-    fitted: &Fitted<'a>,
-    first: &Term<'a>,
-    second: &Term<'a>,
-    known: &Prior,
-) -> Result<Option<Rivalry>, BadShape> {
-    let base = fitted.columns();
-    let (k1, k2) = (first.k(), second.k());
-    if base + k1 + k2 > COLUMNS {
-        return Ok(None);
-    }
-    let with = |term: &Term<'a>| {
-        let terms = fitted.terms.iter().chain([term]).cloned().collect();
-        design.fit(fitted.model, terms, known)
-    };
-    let (Some(one), Some(other)) = (with(first)?, with(second)?) else { return Ok(None) };
-    let better = if one.squares <= other.squares { &one } else { &other };
-    let fresh = |term: &Term<'a>| -> Term<'a> {
-        better.terms.iter().find(|own| own.id == term.id).unwrap_or(term).clone()
-    };
-    let (first, second) = (fresh(first), fresh(second));
-    let all: Vec<&Term> = better.terms[..fitted.terms.len()].iter().chain([&first, &second]).collect();
-    let blocks = design.blocks(&design.samples.bounds(1), &better.model, &all)?;
-    let prior =
-        known.matrix(design.residual, &better.model, better.sigma(), &all, &Matrix::total(&blocks, None));
-    let total = Matrix::total(&blocks, Some(&prior));
-    let safe = Matrix::total(&blocks, Some(&ridge(&prior, &total, base)));
-    let Some(factor) = safe.factor() else { return Ok(None) };
-    let rows = Rows::of(design, better, &all)?;
-    let residuals = rows.moved(&safe.step(&factor));
-    // Back to where neither stands in the model.
-    let mut away = [0.0; COLUMNS];
-    let coefficients = [&first, &second].into_iter().flat_map(|term| &term.coefficients[..term.k()]);
-    for (slot, value) in away[base..].iter_mut().zip(coefficients) {
-        *slot = -value;
-    }
-    let total = total.moved(&away);
-    let noise = Frame::new(&rows, &total, (0..base).collect())
-        .and_then(|frame| frame.spectrum(&total, base..base + k1 + k2, &residuals));
-    let own = 0..base;
-    let (a, b) = (base..base + k1, base + k1..base + k1 + k2);
-    let columns = |with: &std::ops::Range<usize>| own.clone().chain(with.clone()).collect::<Vec<_>>();
-    let given = |first: &std::ops::Range<usize>, last: &std::ops::Range<usize>| {
-        // Nothing new, or the rest is not determined without it: no evidence.
-        noise
-            .as_ref()
-            .and_then(|noise| Frame::new(&rows, &total, columns(first))?.test(&total, last.clone(), noise))
-            .map_or(1.0, |test| test.p_value)
-    };
-    let correlations = total.canonical_correlations(own.clone(), a.clone(), b.clone()).unwrap_or_default();
-    let mut sorted = correlations;
-    sorted.sort_by(|x, y| y.total_cmp(x));
-    let directions = [&a, &b]
-        .map(|span| total.test(own.clone(), span.clone()).map_or(0, |gain| gain.directions))
-        .into_iter()
-        .min()
-        .unwrap_or(0);
-    let correlation = if directions == 0 { 0.0 } else { sorted[directions - 1] };
-    Ok(Some(Rivalry { first: given(&b, &a), second: given(&a, &b), correlation }))
 }
 
 /// The test of a fitted model's last effect, where the model stands.

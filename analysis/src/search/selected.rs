@@ -134,7 +134,6 @@ impl<'a> Fitter<'_, 'a> {
             fitted,
             steps,
             confounded,
-            families: Vec::new(),
             first,
             last,
             withdrawn: Vec::new(),

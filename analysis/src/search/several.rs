@@ -48,7 +48,7 @@ impl Explanation<'_> {
         };
         self.fitted.terms.iter_mut().for_each(|term| rename(&mut term.id));
         self.steps.iter_mut().filter_map(|step| step.added.as_mut()).for_each(rename);
-        let groups = self.confounded.iter_mut().chain(&mut self.families);
+        let groups = self.confounded.iter_mut();
         groups.flat_map(|group| &mut group.ids).for_each(rename);
     }
 }

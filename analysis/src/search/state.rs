@@ -67,8 +67,6 @@ pub struct Explanation<'a> {
     pub steps: Vec<Step>,
     /// Groups that cannot be told apart.
     pub confounded: Vec<Confounded>,
-    /// Columns that move together: the first stands in the model for all of them.
-    pub families: Vec<Confounded>,
     /// The candidates tested against the base model.
     pub first: Vec<Judged<'a>>,
     /// The candidates tested last, against the final model.
@@ -242,7 +240,6 @@ impl<'a> Fitter<'_, 'a> {
             fitted,
             steps,
             confounded: Vec::new(),
-            families: Vec::new(),
             first: Vec::new(),
             last: Vec::new(),
             withdrawn: Vec::new(),
