@@ -89,11 +89,6 @@ impl Families {
         self.members.iter().find(|(name, ..)| name == column).map(|(_, family, _)| *family)
     }
 
-    /// Whether two columns are of one family.
-    pub fn together(&self, one: &str, other: &str) -> bool {
-        self.family(one).is_some_and(|family| self.family(other) == Some(family))
-    }
-
     /// The column that stands for the family of this one; itself where it has none.
     pub fn centre<'s>(&'s self, column: &'s str) -> &'s str {
         let Some(family) = self.family(column) else { return column };

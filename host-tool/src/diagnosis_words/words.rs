@@ -290,14 +290,6 @@ fn confounded(told: &Told, out: &mut Vec<String>) {
             out.extend(hang(&text, "  - ", "    ", WIDTH));
         }
         let first = &group[0];
-        // One of several columns that move together stands in the model for all of them.
-        if told.diagnosis.steps.iter().any(|step| step.added.as_ref() == Some(first)) {
-            let text = format!(
-                "These columns are too strongly correlated in this log to show which one causes the error. With {first} in the model none of the others explains significantly more. To find out, change one of them while the others stay constant (run the motors one at a time)."
-            );
-            out.extend(wrap(&text, "  ", WIDTH));
-            continue;
-        }
         out.extend(wrap(
             "Each explains the error by itself. With one of them in the model the other is not significant.",
             "  ",
