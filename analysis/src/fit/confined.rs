@@ -92,6 +92,23 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
     fitted
 }
 
+/// Why a log is not calibrated for the tilts that it contains either.
+fn of_its_tilts(tilt_deg: f64, dip_spread_deg: f64, error_share: f64) -> String {
+    let why = if dip_spread_deg > DIP_DEG {
+        format!(
+            "the angle between field and gravity varies by {dip_spread_deg:.0}° rms (limit {DIP_DEG:.0}°). Either \
+             magnetometer and accelerometer have different axes (--rotate), or the accelerometer does not measure gravity"
+        )
+    } else {
+        format!(
+            "the error of the magnitude is {:.1} % of the field (limit {:.0} %). Fix: run ironout diagnose to find the cause",
+            100.0 * error_share,
+            100.0 * MAX_RESIDUAL
+        )
+    };
+    format!("ironout cannot calibrate for the tilts of this log (up to {tilt_deg:.0}°) either: {why}")
+}
+
 /// Why the attitude of a log that is taken in stretches is not used.
 fn too_long(attitude: Option<[&[f64]; 4]>) -> Option<Result<(Solved, Log), String>> {
     attitude.map(|_| {
@@ -199,7 +216,15 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
         across_ut > ACROSS * along_ut && across_ut.powi(2) > UNEXPLAINED * turned_ut.powi(2);
     let implausible = implausible(&solved.state, IMPLAUSIBLE);
     let sound = fitted.is_refused_for_attitudes_only() && along_ut < MAX_RESIDUAL * field_ut;
-    if dip_spread_deg > DIP_DEG || !sound {
+    if dip_spread_deg > DIP_DEG || along_ut >= MAX_RESIDUAL * field_ut {
+        let mut refused = refused;
+        refused.reasons.push(Reason::new(
+            "not-for-its-tilts",
+            of_its_tilts(own_tilt_deg, dip_spread_deg, along_ut / field_ut),
+        ));
+        return refused;
+    }
+    if !sound {
         return refused;
     }
     if turns_otherwise || implausible.is_some() {

@@ -328,9 +328,9 @@ fn of_unseen_time(percent: f64, adds: bool) -> String {
 /// The reason where the board was turned all round: more directions are no remedy.
 fn of_a_short_log(percent: f64) -> String {
     format!(
-        "The predicted error of the corrected vector is {percent:.1} % of the field (limit {:.0} %), although all \
-         directions were covered. The log is too short for this much error. Fix: record longer, or run ironout diagnose to \
-         find the cause",
+        "The predicted error of the corrected vector is {percent:.1} % of the field (limit {:.0} %), although the \
+         log covers nearly all directions: the remaining error is too large for a log of this length. Fix: run ironout \
+         diagnose to find the cause, or record longer",
         100.0 * MAX_PREDICTED_ERROR
     )
 }

@@ -268,6 +268,8 @@ fn level(
     let base_only = Options { search: false, add: Vec::new(), ..options.clone() };
     let mut diagnosis = magnitude(table, samples, model, &Prior::default(), &base_only, stand)?;
     diagnosis.verdict = Verdict::Undetermined;
+    // The tilt says it already, with the same remedy.
+    diagnosis.reasons.retain(|other| other.code != "too-few-orientations");
     diagnosis.reasons.insert(0, reason);
     accuse_nobody(&mut diagnosis, base);
     Ok(diagnosis)

@@ -113,7 +113,7 @@ fn the_summary_finds_three_planted_faults_and_no_other() {
     let words = batch(&logs, &table, &["--page", text(&page)]);
     assert!(words.stderr.contains("121 of 121 logs were studied before"), "{}", words.stderr);
     for found in [
-        "v05: offset:current_a in 6 of 6 logs, in 0 of 114",
+        "v05: offset:current_a in 6 of 6 logs, in 0 of 114 logs of the other vehicles",
         "v03: drifts by +0.2",
         "v11: offset changed by",
         "another sensor or mounting",
