@@ -93,7 +93,7 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
 }
 
 /// Why a log is not calibrated for the tilts that it contains either.
-fn of_its_tilts(tilt_deg: f64, dip_spread_deg: f64, error_share: f64) -> String {
+fn of_its_tilts(dip_spread_deg: f64, error_share: f64) -> String {
     let why = if dip_spread_deg > DIP_DEG {
         format!(
             "the angle between field and gravity varies by {dip_spread_deg:.0}° rms (limit {DIP_DEG:.0}°). Either \
@@ -106,7 +106,7 @@ fn of_its_tilts(tilt_deg: f64, dip_spread_deg: f64, error_share: f64) -> String 
             100.0 * MAX_RESIDUAL
         )
     };
-    format!("ironout cannot calibrate for the tilts of this log (up to {tilt_deg:.0}°) either: {why}")
+    format!("ironout cannot calibrate for the tilts of this log either: {why}")
 }
 
 /// Why the attitude of a log that is taken in stretches is not used.
@@ -218,10 +218,9 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
     let sound = fitted.is_refused_for_attitudes_only() && along_ut < MAX_RESIDUAL * field_ut;
     if dip_spread_deg > DIP_DEG || along_ut >= MAX_RESIDUAL * field_ut {
         let mut refused = refused;
-        refused.reasons.push(Reason::new(
-            "not-for-its-tilts",
-            of_its_tilts(own_tilt_deg, dip_spread_deg, along_ut / field_ut),
-        ));
+        refused
+            .reasons
+            .push(Reason::new("not-for-its-tilts", of_its_tilts(dip_spread_deg, along_ut / field_ut)));
         return refused;
     }
     if !sound {

@@ -257,7 +257,7 @@ fn level(
         "tilted-too-little",
         format!(
             "The sensor was tilted by only {tilt_deg:.0}° (rms), so offset and matrix cannot be found. Record again with large \
-         tilts, or use --prior CAL.json. For a vehicle, ironout fit calibrates for the tilts in the log"
+         tilts, or use --prior CAL.json. For a vehicle, ironout fit can calibrate for the tilts in the log"
         ),
     );
     if let Some(mut lower) = as_logged(table, samples, options)?.filter(|lower| is_told(lower, options)) {
