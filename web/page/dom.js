@@ -32,7 +32,7 @@ export function table(caption, head, rows) {
         index === 0 ? h("th", { scope: "row" }, cell) : h("td", { class: isText(index) ? "text" : null }, cell)))))));
 }
 
-/** Something long, closed until it is asked for; `make` gives its content then, and each time anew where it is `fresh`. */
+/** Something long, closed until it is asked for; `make` gives its content then, and each time again where it is `fresh`. */
 export function later(summary, make, fresh = false) {
   const body = h("div");
   let made = false;

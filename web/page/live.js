@@ -208,7 +208,7 @@ export class Live {
     start.disabled = !board;
     stop.disabled = !board || state !== "collecting";
     accept.disabled = !board || state !== "solved";
-    // The board studies from `cal start` on, whatever came of it, and beside a calibration.
+    // The board studies from `cal start` on, whatever came of it, and in addition to a calibration.
     why.disabled = !board || !(this.known?.calibrated || ["collecting", "solved", "refused"].includes(state));
     // Without a calibration everything is recorded.
     record.disabled = !board || !this.known?.calibrated || state === "collecting";

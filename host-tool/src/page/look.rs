@@ -137,7 +137,7 @@ fn refused(fitted: &Fitted) -> &str {
 /// A log under a calibration that there is already: what is drawn, and its error.
 ///
 /// # Errors
-/// A file that is no calibration, or a column that it needs and the log has not.
+/// A file that is not a calibration, or a column that it needs and the log has not.
 pub fn under(held: &Held, cal_text: &str, name: &str) -> Outcome<Value> {
     let cal = CalFile::parse(cal_text).map_err(|failure| failure.in_file(name.as_ref()))?;
     if let Some(reading) = &cal.reading {

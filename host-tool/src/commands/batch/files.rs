@@ -4,7 +4,7 @@ use crate::failure::{Failure, Outcome};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Files in folders that are no logs, by their extension. A file that is named is read whatever it is called.
+/// Files in folders that are not logs, by their extension. A file that is named is read whatever it is called.
 const NO_LOGS: [&str; 22] = [
     "html", "htm", "md", "png", "jpg", "jpeg", "svg", "pdf", "yaml", "yml", "toml", "py", "ipynb", "rs", "c",
     "h", "params", "param", "state", "jsonl", "part", "xml",

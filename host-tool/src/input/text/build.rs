@@ -16,7 +16,7 @@ use crate::input::text::table::MONITOR;
 
 /// Times later than this are dates: the log counts from its first row.
 const DATE_S: f64 = 1e8;
-/// Where counters of 32 bits begin anew.
+/// Where counters of 32 bits begin again.
 const WRAP: f64 = 4_294_967_296.0;
 /// More rows than this share with a time before that of the row above: the log is of two recordings.
 const MOST_BACKWARD: f64 = 0.02;
