@@ -346,10 +346,12 @@ impl<'a> View<'_, 'a> {
             }
         }
         if left.structure > 0.0 {
-            reasons.push(Reason::new("unexplained-variance", format!(
+            let words = format!(
                 "{:.0} % of the residual variance is not noise, and no candidate explains it significantly",
                 100.0 * left.structure
-            )));
+            );
+            // First: it is the verdict, and the predicted error follows from it.
+            reasons.insert(0, Reason::new("unexplained-variance", words));
             return (Verdict::Unexplained, reasons, false);
         }
         if let Some(words) = self.stand_ins() {
