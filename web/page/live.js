@@ -20,7 +20,8 @@ const CONDITIONS = { disturbed: "something disturbs the field, or an effect is m
 const vector = (line, from) => line.split(",").slice(from, from + 3).map(Number);
 
 /** An error with its unit: of the magnitude, or of the dip. */
-const sized = (ut, deg) => (ut !== undefined ? `${ut} µT` : deg !== undefined ? `${deg}°` : "");
+// The board prints `-` if a value is unknown: then there is no unit either.
+const sized = (ut, deg) => ([[ut, " µT"], [deg, "°"]].filter(([value]) => value !== undefined && value !== "-").map(([value, unit]) => value + unit)[0] ?? "–");
 
 const meter = (id, label, low, high, max, best) => {
   const bar = h("meter", { id: `meter-${id}`, min: 0, max, low, high, optimum: best, value: 0, "aria-label": label });
