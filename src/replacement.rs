@@ -103,6 +103,7 @@ mod tests {
             axes: None,
             predicted_error: PredictedError::of_share(share),
             covariance: None,
+            holds_for: None,
         }
     }
 

@@ -39,6 +39,7 @@ fn record(effect: BuiltIn<f64>) -> Record {
         axes: None,
         predicted_error: crate::record::PredictedError::UNKNOWN,
         covariance: None,
+        holds_for: None,
     }
 }
 
