@@ -42,7 +42,9 @@ fn mean_of(moments: &[f64; COUNT], a: &Polynomial, b: &Polynomial) -> f64 {
     let mut mean = 0.0;
     for (r, a) in a.iter().enumerate() {
         for (c, b) in b.iter().enumerate() {
-            mean += a * b * mean_product(moments, r, c);
+            if *a != 0.0 && *b != 0.0 {
+                mean += a * b * mean_product(moments, r, c);
+            }
         }
     }
     mean

@@ -39,6 +39,9 @@ pub enum Cause {
 }
 
 impl NotLevel {
+    /// There are no samples.
+    pub const NOTHING: Self = Self::Fit(FitError::TooFewSamples { samples: 0 });
+
     /// A short word for programs.
     pub const fn code(&self) -> &'static str {
         match self {

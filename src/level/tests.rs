@@ -168,7 +168,8 @@ fn earlier(drive: &Drive) -> LevelPrior {
 
 #[test]
 fn circles_give_level_headings_within_their_error_and_tilted_ones_as_far_as_said() {
-    let cases: [(&str, _, fn(&Drive) -> LevelPrior, _); 4] = [
+    type Prior = fn(&Drive) -> LevelPrior;
+    let cases: [(&str, Drive, Prior, u32); 4] = [
         ("no calibration", Drive { iron: (5.0, 0.03), ..USUAL }, |_| identity(), 36),
         (
             "no calibration, slopes",
