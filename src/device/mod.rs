@@ -64,6 +64,8 @@ mod job_purpose;
 mod learn;
 mod learner_inputs;
 mod level;
+#[cfg(test)]
+mod level_tests;
 mod light;
 mod load;
 mod loading;

@@ -32,6 +32,8 @@ pub enum NotLevel {
 pub enum Cause {
     /// Too little of a circle.
     Circle,
+    /// The magnitude varies slowly, not as noise does.
+    Field,
     /// The direction down: the accelerometer was pushed sideways.
     Down,
     /// The vertical offset, at a tilt of one degree.
@@ -61,6 +63,10 @@ impl fmt::Display for NotLevel {
             NotLevel::Uncertain(degrees, cause) => {
                 let (when, fix) = match cause {
                     Cause::Circle => ("", "go on turning: two full circles to the left and two to the right"),
+                    Cause::Field => (
+                        "",
+                        "the magnitude varies along the way: drive away from steel, cables and other vehicles, or go on turning",
+                    ),
                     Cause::Down => ("", "drive as many circles to the left as to the right, slower"),
                     Cause::Vertical => (
                         " tilted by 1 deg",

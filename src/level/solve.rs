@@ -169,7 +169,12 @@ pub fn fit_level(
     let lean2 = 0.5 * steepness * steepness * lean.error_rad * lean.error_rad;
     let level_deg = sqrt(circle2 + lean2) * DEG;
     if !(level_deg <= MAX_HEADING_ERROR_DEG) {
-        let cause = if lean2 > circle2 { Cause::Down } else { Cause::Circle };
+        let as_noise_deg = sqrt(circle2 * effective / n) * DEG;
+        let cause = match () {
+            () if lean2 > circle2 => Cause::Down,
+            () if as_noise_deg < 0.5 * MAX_HEADING_ERROR_DEG => Cause::Field,
+            () => Cause::Circle,
+        };
         return Err(NotLevel::Uncertain(level_deg, cause));
     }
     let gain_ut = gain_error * ellipse.vertical_ut;
