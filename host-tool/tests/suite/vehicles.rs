@@ -1,6 +1,6 @@
 //! Logs of vehicles that are not turned over: accepted for the attitudes that they show, refused where a sensor stands otherwise.
 
-use crate::common::{case, changed, folder, ironout, text};
+use crate::common::{case, changed, folder, ironout, recording, text};
 use serde_json::Value;
 use std::path::Path;
 
@@ -134,10 +134,7 @@ fn known_headings_make_a_level_log_more_exact_and_never_falsely_certain() {
 
 #[test]
 fn the_refusal_of_a_flight_says_first_what_to_do_with_it() {
-    let flight = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/px4-quad-flight.csv");
-    if !flight.is_file() {
-        return;
-    }
+    let Some(flight) = recording("px4-quad-flight.csv") else { return };
     for options in [&[][..], &["--for", "all"]] {
         let object = fitted(&flight, options);
         assert_eq!(object["reason_codes"][0], "vehicle", "{object}");
