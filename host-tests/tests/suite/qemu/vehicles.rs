@@ -104,7 +104,8 @@ fn level_circles_give_level_headings_that_outlast_a_power_cut() {
         let got = corrected(&mut board, (field_ut(heading, 0.0, 0.0) + truth).into());
         let off = heading_deg(got, [0.0, 0.0, -9.81], 0.0).expect("level") - heading.to_degrees();
         let off = off - 360.0 * (off / 360.0).round();
-        assert!(off.abs() < 3.0 * error_deg + 0.1, "{place}: {off} of {error_deg}");
+        // One count is 0.117 µT, 0.3° of a level field of 21 µT.
+        assert!(off.abs() < 3.0 * error_deg + 0.4, "{place}: {off} of {error_deg}");
     }
     // Tilted, it says so with every sample.
     ok(&mut board, "cov ax_mps2=4.9 ay_mps2=0 az_mps2=-8.5");
