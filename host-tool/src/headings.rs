@@ -63,10 +63,13 @@ pub fn guide(log: &mut Log, given: &[KnownHeading]) -> Outcome<()> {
         let not_finite = 0;
         log.covariates.push(Covariate { name: name.into(), values, empty: 0, not_finite });
     }
-    let (count, of) = (
-        known.len(),
-        if given.is_empty() { "stretches of straight driving (course_deg)" } else { "known headings" },
-    );
+    let count = known.len();
+    let of = match (given.is_empty(), count) {
+        (true, 1) => "stretch of straight driving (course_deg)",
+        (true, _) => "stretches of straight driving (course_deg)",
+        (false, 1) => "known heading",
+        (false, _) => "known headings",
+    };
     let notice = format!("note: {}: the yaw comes from {count} {of} and the gyro", log.path.display());
     eprintln!("{}", wrap::message(&notice, wrap::WIDTH));
     Ok(())

@@ -122,6 +122,17 @@ fn known_headings_make_a_level_log_more_exact_and_never_falsely_certain() {
     for ((found, truth), within) in offset_ut(&with).into_iter().zip(TRUE_OFFSET_UT).zip([4.0, 4.0, 9.0]) {
         assert!((found - truth).abs() < within, "{found} instead of {truth}");
     }
+    // Headings that count the other way are no headings, and change nothing.
+    let reversed: Vec<String> = headings
+        .iter()
+        .map(|word| match word.split_once('=') {
+            Some((time, degrees)) => format!("{time}={}", -degrees.parse::<f64>().expect("degrees")),
+            None => word.clone(),
+        })
+        .collect();
+    let unused = fitted(&log, &reversed.iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(offset_ut(&unused), offset_ut(&alone));
+    assert!(unused["reason_codes"].to_string().contains("logged-attitude-unused"), "{unused}");
     let said = ironout(["fit", text(&log), "--heading", "9999=90"]);
     assert!(
         said.status == 2 && said.stderr.contains("--heading needs a time inside of the log"),
