@@ -6,6 +6,7 @@ use crate::base::mounting::Standing;
 use crate::base::order::AxisOrder;
 use crate::base::quality::NoiseEstimate;
 use crate::calibration::{FittedEffect, Information, StdErrors};
+use crate::evidence::wander::Wander;
 use crate::noise::colour::Colour;
 use crate::outcome::contradiction::Contradiction;
 use crate::plain;
@@ -255,6 +256,9 @@ pub struct Diagnosis {
     /// An offset that switches between two values with no column that says when, where what is left shows one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub switching: Option<Switching>,
+    /// How the offset wanders where the verdict is unexplained.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wander: Option<Wander>,
     /// Whether a lower-order base (no soft iron) was used.
     pub lower_order: bool,
     /// Whether the log shows the effects that were asked for. A search tests in another way, and leaves this to the steps.
