@@ -135,7 +135,7 @@ fn known_headings_make_a_level_log_more_exact_and_never_falsely_certain() {
     assert!(unused["reason_codes"].to_string().contains("logged-attitude-unused"), "{unused}");
     let said = ironout(["fit", text(&log), "--heading", "9999=90"]);
     assert!(
-        said.status == 2 && said.stderr.contains("--heading needs a time inside of the log"),
+        said.status == 2 && said.stderr.contains("--heading needs a time inside"),
         "{}",
         said.stderr
     );
