@@ -348,7 +348,8 @@ export class Live {
       const counts = vector(stream, 3);
       if (stream.startsWith("L,") && this.kind === "log" && counts.every(Number.isFinite)) this.point(counts.map((count, axis) => count * this.scale[axis]));
     } else if (stream.startsWith("C,")) {
-      const cells = stream.split(",").map(Number);
+      // An eighth cell says that the board is tilted further than its calibration is for.
+      const cells = stream.split(",").slice(0, 7).map(Number);
       // A column that an effect needs may not be known: then there is no corrected value.
       [this.at, this.now] = [null, null];
       if (cells.slice(1).every(Number.isFinite)) {

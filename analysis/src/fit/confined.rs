@@ -27,11 +27,11 @@ pub const MAX_HEADING_ERROR_DEG: f64 = 1.5;
 /// Tilts that the error of a heading is said for, degrees.
 const TILTS_DEG: [f64; 4] = [0.0, 10.0, 20.0, 45.0];
 /// A board that is tilted further than this, degrees, is turned by hand, and has a verdict for all attitudes.
-const MOST_TILT_DEG: f64 = 60.0;
+pub(crate) const MOST_TILT_DEG: f64 = 60.0;
 /// A calibration is never for less tilt than this, degrees: a road is not a table.
 const LEAST_TILT_DEG: f64 = 5.0;
 /// What most samples stay below.
-const MOST: f64 = 0.95;
+pub(crate) const MOST: f64 = 0.95;
 /// The field turns as the gyro says within so many times the error of the magnitude, ...
 const ACROSS: f64 = 3.0;
 /// ... or explains all but this share of the variance by which it turns: a reversed axis leaves more than half of it, and the zero error

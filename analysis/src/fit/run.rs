@@ -3,7 +3,7 @@
 
 use crate::base::ground::Ground;
 use crate::fit::fitted::Fitted;
-use crate::fit::{confined, extended, ids, recordings};
+use crate::fit::{confined, extended, ids, recordings, vehicle};
 use crate::outcome::contradiction::freed;
 use crate::outcome::request::{Options, Refusal};
 use crate::reason::Reason;
@@ -35,7 +35,8 @@ pub(crate) fn of_ground(ground: &Ground, options: &Options) -> Result<Fitted, Re
         true => fitted.of_base(ground, options.registry),
         false => extended::run(ground, options, fitted)?,
     };
-    let mut fitted = confined::tried(ground, options, fitted);
+    let fitted = confined::tried(ground, options, fitted);
+    let mut fitted = vehicle::advised(ground, options, fitted);
     if let Some(contradiction) = contradiction {
         let words = format!("note: {}", contradiction.words());
         fitted.reasons.push(Reason::new("contradicts-prior", words));

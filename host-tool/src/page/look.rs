@@ -50,6 +50,7 @@ pub fn look(held: &Held, asked: &LookAsked) -> Outcome<Value> {
     let arguments = FitArgs {
         free: None,
         purpose: None,
+        headings: Vec::new(),
         prior_from: None,
         log: held.asked.arguments(),
         field: asked.field(),

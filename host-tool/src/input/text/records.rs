@@ -76,6 +76,9 @@ impl Stream {
 
     fn values(self, line: &str) -> Option<Vec<f64>> {
         let rest = line.trim().strip_prefix(self.head())?;
+        // The board says so where it is tilted further than its calibration is for.
+        let rest =
+            if self == Stream::Corrected { rest.strip_suffix(",tilted").unwrap_or(rest) } else { rest };
         let parsed: Option<Vec<f64>> = rest
             .split(',')
             .map(|cell| cell.trim().parse::<f64>().ok().filter(|value| value.is_finite()))
