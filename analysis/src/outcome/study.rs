@@ -93,7 +93,7 @@ fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     let Counted { table, samples, .. } = &ground.counted;
     let asked = |name: &str| {
         let parsed = options.add.iter().filter_map(|id| options.registry.parse(id));
-        parsed.into_iter().any(|named| named.form.column && named.column == name)
+        parsed.into_iter().any(|named| named.form.column && named.columns().any(|column| column == name))
     };
     match samples.with_all_known(table, |name| options.search || asked(name)) {
         Some((common, lacking)) => {
