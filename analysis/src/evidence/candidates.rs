@@ -66,12 +66,13 @@ impl<'l, 'a> Catalogue<'l, 'a> {
                         );
                     }
                     Some(Searched::TimeConstant) if form.column => {
-                        list.extend(
-                            self.log
-                                .usable()
-                                .filter_map(|column| self.low_pass(&named, column, fit, screen))
-                                .map(|term| self.unless_inherited(term, fit)),
-                        );
+                        let columns = self.log.usable().filter_map(|column| {
+                            let odds = self.low_pass_odds(column, fit)?;
+                            let mut term = self.low_pass(&named, column, fit, screen)?;
+                            term.odds = odds;
+                            Some(term)
+                        });
+                        list.extend(columns);
                     }
                     _ => {}
                 }
@@ -87,12 +88,14 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         fit.model.terms.iter().any(|term| alone(term) && term.column() == column)
     }
 
-    /// A low-pass of a column, less likely where the column itself does not act.
-    fn unless_inherited(&self, mut term: Term<'a>, fit: &Fit<'a>) -> Term<'a> {
-        if !Self::acts_alone(fit, term.column()) {
-            term.odds = ALONE_ODDS;
+    /// Odds against a low-pass of a column. What is warmed, and what a power module filters, has a temperature or a current behind it: any
+    /// other column only where it acts itself, since through a low-pass all are smooth, and smooth columns imitate each other.
+    fn low_pass_odds(&self, column: usize, fit: &Fit<'a>) -> Option<f64> {
+        let name = &self.log.samples.columns[column].name;
+        if Self::acts_alone(fit, name) {
+            return Some(DERIVED_ODDS);
         }
-        term
+        (ColumnKind::behind(name) != ColumnKind::Other).then_some(ALONE_ODDS)
     }
 
     /// Products of two columns: of a column that acts with any other, and of what may be a current with any other.

@@ -154,6 +154,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         contradiction: None,
         recordings: None,
         switching: None,
+        levels: None,
         traces,
         ..undetermined(table, samples, options.registry, Reason::new("at-rest", ""))
     })

@@ -158,6 +158,9 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
         if let Some(switching) = &diagnosis.switching {
             map.insert("switching".into(), json!(switching));
         }
+        if let Some(levels) = &diagnosis.levels {
+            map.insert("levels".into(), json!(levels));
+        }
         let ids: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id.as_str()).collect();
         let blocks = blocks(&ids, diagnosis.registry);
         if !blocks.is_empty() {

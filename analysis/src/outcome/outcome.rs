@@ -13,6 +13,7 @@ use crate::reason::Reason;
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
 use crate::search::shown::Shown;
+use crate::unlogged::levels::Levels;
 use crate::unlogged::recordings::Recordings;
 use crate::unlogged::switching::Switching;
 use ironout::calibration::Calibration;
@@ -255,6 +256,8 @@ pub struct Diagnosis {
     /// An offset that switches between two values with no column that says when, where what is left shows one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub switching: Option<Switching>,
+    /// An offset with more jumps than steps were named, with no column behind it.
+    pub levels: Option<Levels>,
     /// Whether a lower-order base (no soft iron) was used.
     pub lower_order: bool,
     /// Whether the log shows the effects that were asked for. A search tests in another way, and leaves this to the steps.

@@ -4,16 +4,20 @@
 //! stretches free; after each, all of them are moved to their best places. What competes with them is an offset that wanders.
 
 use crate::unlogged::linear::{BASE, Normal, Row};
-use crate::unlogged::recordings::{eliminated, offsets};
+use crate::unlogged::recordings::{Recordings, eliminated, offsets};
 use crate::unlogged::switching::{WORTH_NAMING, autoregressive, thinned, wandered};
 use serde::Serialize;
 
 /// Jumps at most.
 const MOST_JUMPS: usize = 8;
-/// Cells of the grid.
-const CELLS: usize = 200;
+/// Cells of the grid: a jump within a cell looks like two.
+const CELLS: usize = 4000;
+/// Every so many cells a jump is looked for at first.
+const COARSE: usize = 20;
 /// Cells of a stretch at least: fewer samples determine no offset.
-const FEWEST_CELLS: usize = 3;
+const FEWEST_CELLS: usize = 60;
+/// Fewer samples say little of several offsets.
+const FEWEST_SAMPLES: usize = 500;
 /// Samples of a log that are looked at.
 const MOST_SAMPLES: usize = 20_000;
 /// Rounds in which the jumps move to their best places.
@@ -84,13 +88,18 @@ impl Cells {
     fn best(&self, cuts: &[usize], place: usize) -> (f64, usize) {
         let mut cuts = cuts.to_vec();
         let mut best = (f64::INFINITY, cuts[place]);
-        for cell in FEWEST_CELLS..CELLS - FEWEST_CELLS {
-            cuts[place] = cell;
-            let left = self.left(&cuts);
-            if left < best.0 {
-                best = (left, cell);
+        let mut look = |cells: &mut dyn Iterator<Item = usize>| {
+            for cell in cells {
+                cuts[place] = cell;
+                let left = self.left(&cuts);
+                if left < best.0 {
+                    best = (left, cell);
+                }
             }
-        }
+            best.1
+        };
+        let near = look(&mut (FEWEST_CELLS..CELLS - FEWEST_CELLS).step_by(COARSE));
+        look(&mut (near.saturating_sub(COARSE)..(near + COARSE).min(CELLS)));
         best
     }
 }
@@ -107,7 +116,7 @@ pub fn levels(
     field_ut: f64,
     known: usize,
 ) -> Option<Levels> {
-    if corrected_ut.len() != time_s.len() || corrected_ut.len() < 10 * CELLS {
+    if corrected_ut.len() != time_s.len() || corrected_ut.len() < FEWEST_SAMPLES {
         return None;
     }
     let (time_s, corrected_ut) = (thinned(time_s, MOST_SAMPLES), thinned(corrected_ut, MOST_SAMPLES));
@@ -150,15 +159,14 @@ pub fn levels(
     // To the sample: each on the side whose offset fits it better.
     let change = |at: usize| {
         let own = found.recordings[at].offset_change_ut;
-        let row = |row: &[f64; 3]| row.iter().zip(own).map(|(a, b)| a * b).sum::<f64>();
-        matrix.each_ref().map(row)
+        matrix.each_ref().map(|row| dot(*row, own))
     };
-    let width = rows.len() / CELLS;
+    let width = (rows.len() / CELLS).max(1);
     for (at, place) in bounds.iter_mut().enumerate() {
         let [before, after] = [change(at), change(at + 1)].map(|offset| {
             move |h: &[f64; 3]| {
-                let moved = [0, 1, 2].map(|axis| h[axis] - offset[axis]);
-                (moved.iter().map(|value| value * value).sum::<f64>().sqrt() - field_ut).powi(2)
+                let moved = minus(*h, offset);
+                (dot(moved, moved).sqrt() - field_ut).powi(2)
             }
         });
         let (low, high) = (place.saturating_sub(2 * width), (*place + 2 * width).min(rows.len()));
@@ -173,26 +181,51 @@ pub fn levels(
         *place = best.1;
     }
     let parts = stretches(&corrected_ut, &bounds);
-    if let Some(finer) = offsets(&parts, matrix, field_ut).filter(|finer| finer.recordings.len() == parts.len()) {
+    if let Some(finer) =
+        offsets(&parts, matrix, field_ut).filter(|finer| finer.recordings.len() == parts.len())
+    {
         found = finer;
     }
-    let own = autoregressive(&residuals(&found.rms_ut, &left, &rows)) + price * cuts.len() as f64;
-    if wandered(&rows, &time_s)? - own < WORTH_NAMING {
+    let list = &found.recordings;
+    let largest = list.windows(2).map(|pair| minus(pair[1].offset_change_ut, pair[0].offset_change_ut));
+    let largest = largest.max_by(|a, b| dot(*a, *a).total_cmp(&dot(*b, *b)))?;
+    let along = matrix.each_ref().map(|row| dot(*row, largest));
+    let own = autoregressive(&residuals(&parts, &found, matrix, field_ut)) + price * cuts.len() as f64;
+    if wandered(&rows, &time_s, along)? - own < WORTH_NAMING {
         return None;
     }
-    let list = &found.recordings;
     let pairs = || list.windows(2).map(|pair| (&pair[0], &pair[1]));
     Some(Levels {
         at_s: bounds.iter().map(|place| time_s[*place]).collect(),
-        change_ut: pairs()
-            .map(|(a, b)| std::array::from_fn(|axis| b.offset_change_ut[axis] - a.offset_change_ut[axis]))
-            .collect(),
+        change_ut: pairs().map(|(a, b)| minus(b.offset_change_ut, a.offset_change_ut)).collect(),
         std_errors_ut: pairs()
             .map(|(a, b)| std::array::from_fn(|axis| a.std_errors_ut[axis].hypot(b.std_errors_ut[axis])))
             .collect(),
         before_rms_ut: found.common_rms_ut,
         rms_ut: found.rms_ut,
     })
+}
+
+/// What is left of the magnitude with the offset of each stretch, in the size that the fit of all leaves, µT.
+fn residuals(parts: &[Vec<[f64; 3]>], found: &Recordings, matrix: &[[f64; 3]; 3], field_ut: f64) -> Vec<f64> {
+    let mut list = Vec::new();
+    for (part, own) in parts.iter().zip(&found.recordings) {
+        let offset = matrix.each_ref().map(|row| dot(*row, own.offset_change_ut));
+        list.extend(part.iter().map(|h| {
+            let h = minus(*h, offset);
+            dot(h, h).sqrt() - field_ut
+        }));
+    }
+    let rms_ut = (list.iter().map(|value| value * value).sum::<f64>() / list.len().max(1) as f64).sqrt();
+    list.iter().map(|value| value * found.rms_ut / rms_ut.max(f64::MIN_POSITIVE)).collect()
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|axis| a[axis] - b[axis])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn stretches(corrected_ut: &[[f64; 3]], bounds: &[usize]) -> Vec<Vec<[f64; 3]>> {

@@ -66,6 +66,9 @@ fn figures(told: &Told, report: &mut Report) {
     if let Some(found) = &diagnosis.switching {
         row("switching", unlogged::switching_in_short(found));
     }
+    if let Some(found) = &diagnosis.levels {
+        row("jumps", unlogged::jumps_in_short(found));
+    }
     if let Some(floor) = diagnosis.residual_floor_ut {
         row("noise floor", format!("{} {}", microtesla(floor), symbol()));
     }
