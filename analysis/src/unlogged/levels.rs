@@ -20,6 +20,8 @@ const FEWEST_CELLS: usize = 60;
 const FEWEST_SAMPLES: usize = 500;
 /// Samples of a log that are looked at.
 const MOST_SAMPLES: usize = 20_000;
+/// Samples that jumps are dropped by.
+const MOST_TO_PRUNE: usize = 4000;
 /// Rounds in which the jumps move to their best places.
 const ROUNDS: usize = 3;
 
@@ -147,10 +149,12 @@ pub fn levels(
         }
         (cuts, left) = (next, squares);
     }
+    cuts.sort_unstable();
+    let few = thinned(&corrected_ut, MOST_TO_PRUNE);
+    prune(&mut cuts, &few, (matrix, field_ut), (price + WORTH_NAMING) / n);
     if cuts.len() <= known || cuts.len() < 2 {
         return None;
     }
-    cuts.sort_unstable();
     let mut bounds: Vec<usize> = cuts.iter().map(|cell| bound(*cell, rows.len())).collect();
     let mut found = offsets(&stretches(&corrected_ut, &bounds), matrix, field_ut)?;
     if found.recordings.len() != bounds.len() + 1 {
@@ -204,6 +208,38 @@ pub fn levels(
         before_rms_ut: found.common_rms_ut,
         rms_ut: found.rms_ut,
     })
+}
+
+/// Drops jumps that only make up for what is not linear in the others: without them the exact fit is as good. `worth` is the fall of ln of the
+/// squares, per sample, that a jump is worth.
+fn prune(
+    cuts: &mut Vec<usize>,
+    corrected_ut: &[[f64; 3]],
+    (matrix, field_ut): (&[[f64; 3]; 3], f64),
+    worth: f64,
+) {
+    let squares = |cuts: &[usize]| {
+        let bounds: Vec<usize> = cuts.iter().map(|cell| bound(*cell, corrected_ut.len())).collect();
+        match offsets(&stretches(corrected_ut, &bounds), matrix, field_ut) {
+            Some(found) if found.recordings.len() == bounds.len() + 1 => found.rms_ut.powi(2),
+            _ => f64::INFINITY,
+        }
+    };
+    let mut left = squares(cuts);
+    while cuts.len() > 1 {
+        let without = |place: usize| {
+            let mut fewer = cuts.clone();
+            fewer.remove(place);
+            (squares(&fewer), fewer)
+        };
+        let Some((squares, fewer)) = (0..cuts.len()).map(without).min_by(|a, b| a.0.total_cmp(&b.0)) else {
+            return;
+        };
+        if !((squares / left).ln() < worth) {
+            return;
+        }
+        (*cuts, left) = (fewer, squares);
+    }
 }
 
 /// What is left of the magnitude with the offset of each stretch, in the size that the fit of all leaves, µT.

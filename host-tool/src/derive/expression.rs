@@ -12,7 +12,7 @@ const UNARY: [&str; 24] = [
     "atanh", "floor", "round", "ceil", "trunc", "exp", "sqrt", "cbrt", "ln", "log2", "log10",
 ];
 /// Functions that are evaluated here.
-const OTHERS: [&str; 7] = ["min", "max", "atan2", "prev", "diff", "peak", "lowpass"];
+const OTHERS: [&str; 8] = ["min", "max", "atan2", "prev", "next", "diff", "peak", "lowpass"];
 /// Parentheses deeper than this are a slip of the pen.
 const DEEPEST: usize = 40;
 
@@ -201,11 +201,12 @@ impl Work<'_> {
                 }
                 Ok(total)
             }
-            "prev" | "diff" | "peak" => {
+            "prev" | "next" | "diff" | "peak" => {
                 expect(1, &format!("{name}(x)"))?;
                 let values = self.part(arguments.first().copied().unwrap_or_default(), depth + 1)?;
                 Ok(match name {
                     "prev" => rows::prev(&values),
+                    "next" => rows::next(&values),
                     "diff" => rows::diff(&values),
                     _ => rows::peak(&values),
                 })

@@ -5,6 +5,11 @@ pub fn prev(values: &[f64]) -> Vec<f64> {
     std::iter::once(f64::NAN).chain(values.iter().copied()).take(values.len()).collect()
 }
 
+/// The value of the row after; missing in the last.
+pub fn next(values: &[f64]) -> Vec<f64> {
+    values.iter().copied().skip(1).chain([f64::NAN]).take(values.len()).collect()
+}
+
 /// What changed since the row before; missing in the first.
 pub fn diff(values: &[f64]) -> Vec<f64> {
     values.iter().zip(prev(values)).map(|(now, before)| now - before).collect()
@@ -49,7 +54,8 @@ mod tests {
         let values = [1.0, 4.0, f64::NAN, 2.0];
         assert_eq!(format!("{:?}", prev(&values)), "[NaN, 1.0, 4.0, NaN]");
         assert_eq!(format!("{:?}", diff(&values)), "[NaN, 3.0, NaN, NaN]");
-        assert!(prev(&[]).is_empty());
+        assert_eq!(format!("{:?}", next(&values)), "[4.0, NaN, 2.0, NaN]");
+        assert!(prev(&[]).is_empty() && next(&[]).is_empty());
     }
 
     #[test]
