@@ -2,10 +2,8 @@
 
 use crate::base::prior::Prior;
 use crate::base::term::{BadShape, COLUMNS, Matrix, TERMS, Term};
-use crate::noise::turning::Turning;
 use crate::samples::samples::Samples;
 use crate::threads::{ALONE, halves};
-use ironout::calibration::Calibration;
 use ironout::effect::Acts;
 use ironout::study::{Model, NoRow, NotFinite, Residual};
 
@@ -153,23 +151,6 @@ impl Design<'_> {
         let mut blocks = first?;
         blocks.extend(second?);
         Ok(blocks)
-    }
-}
-
-impl Design<'_> {
-    /// How the board turned, as the noise of the residual shows it.
-    pub fn turning(&self, model: &Model<f64>) -> Turning {
-        if self.residual != Residual::Magnitude {
-            return Turning::none(self.samples.len() * 3);
-        }
-        let directions = self.samples.readings.iter().map(|reading| {
-            let off: [f64; 3] =
-                core::array::from_fn(|axis| reading.measured_ut[axis] - model.offset_ut[axis]);
-            model.matrix.map(|row| row.iter().zip(off).map(|(c, v)| c * v).sum())
-        });
-        let Model { offset_ut, matrix, field_ut, .. } = *model;
-        let calibration = Calibration { offset_ut, matrix, field_ut };
-        Turning::of(directions, &model.matrix).beside(&self.samples.rest, self.samples.stride, &calibration)
     }
 }
 

@@ -6,11 +6,13 @@ use crate::base::term::{COLUMNS, Matrix, Term};
 use crate::noise::colour::{Colour, Seen};
 use crate::noise::shared::together;
 use crate::noise::still::Still;
+use crate::noise::stretches::{stretches, within};
 use crate::noise::turning::Turning;
 use crate::samples::scores::Scores;
 use crate::samples::series::{Autocorrelation, rms, second_difference_sigma};
+use ironout::calibration::Calibration;
 use ironout::effect::{Quantities, no_shape};
-use ironout::study::{PhysicalPrior, Residual};
+use ironout::study::{Model, PhysicalPrior, Residual};
 use ironout::whiteness::independent_share;
 use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};
 use serde::Serialize;
@@ -85,27 +87,33 @@ impl Sizes {
     }
 
     /// [`NoiseEstimate::memory`], from the second differences: those hold what is new from sample to sample.
-    fn memory(&self) -> f64 {
+    pub fn memory(&self) -> f64 {
         let share = independent_share(self.quick * self.quick, self.rms.powi(2));
         1.0 / share.max(1.0 / self.n.max(1) as f64)
     }
 }
 
-/// Splits a residual into noise and structure. Noise with a short memory is noise.
-/// `quantum_ut` is the step of the readings, `step_s` that of their times (0 where unknown).
-/// `turning` is how the board turned meanwhile.
-pub fn residue(
-    residuals: &[f64],
-    parameters: usize,
-    quantum_ut: f64,
-    step_s: f64,
-    turning: &Turning,
-) -> NoiseEstimate {
-    residue_by_part(&Sizes::of(residuals), residuals, parameters, quantum_ut, step_s, turning)
+/// Splits the residual of a model into noise and structure. Noise with a short memory is noise.
+pub fn residue(design: &Design, model: &Model<f64>, residuals: &[f64], parameters: usize) -> NoiseEstimate {
+    let samples = design.samples;
+    let sizes = Sizes::of(residuals);
+    let (quantum_ut, step_s) = (samples.quantum_ut, samples.step_s());
+    if design.residual != Residual::Magnitude {
+        let turning = Turning::none(residuals.len());
+        return residue_by_part(&sizes, residuals, parameters, quantum_ut, step_s, &turning);
+    }
+    let stretches = stretches(residuals.len());
+    let Model { offset_ut, matrix, field_ut, .. } = *model;
+    let calibration = Calibration { offset_ut, matrix, field_ut };
+    let readings = within(&samples.readings, &stretches).into_iter();
+    let directions = readings.map(|reading| calibration.apply(reading.measured_ut));
+    let turning = Turning::of(directions, &matrix).beside(&samples.rest, samples.stride, &calibration);
+    let part = within(residuals, &stretches);
+    residue_by_part(&sizes, &part, parameters, quantum_ut, step_s, &turning)
 }
 
-/// The same of a long residual of these sizes, its colour and structure by a `part` of it ([`crate::noise::stretches`]) that
-/// `turning` is of.
+/// The same of a residual of these sizes, its colour and structure by a `part` of it ([`crate::noise::stretches`]) that `turning`, how
+/// the board turned meanwhile, is of. `quantum_ut` is the step of the readings, `step_s` that of their times (0 where unknown).
 pub fn residue_by_part(
     sizes: &Sizes,
     part: &[f64],

@@ -18,13 +18,40 @@ fn seen(track: &Track, by: impl Fn(usize) -> f64) -> Track {
     Track { slow: Some(slow), without_memory: true, ..track.clone() }
 }
 
-/// By how much −2 log likelihood of what a fit leaves falls with the likeliest single cause instead of independent axes, its direction paid
-/// for; zero where it does not.
-pub fn hidden_cause_gain(fit: &Fit) -> f64 {
-    gain(fit).unwrap_or(0.0)
+/// A single cause behind what a fit leaves.
+pub struct Cause {
+    /// By how much −2 log likelihood falls with it instead of independent axes, its direction paid for.
+    pub gain: f64,
+    /// Unit vector in the sensor's axes.
+    pub direction: Vector3<f64>,
+    /// Whether it bends the gain of each axis instead of adding an offset.
+    pub is_gain: bool,
+    /// Its time constant, s.
+    pub time_constant_s: f64,
+    noise: Noise,
 }
 
-fn gain(fit: &Fit) -> Option<f64> {
+impl Cause {
+    /// What it adds to the offset block by block, µT: its history, seen from the past and from the future alike, along its direction.
+    pub fn trace_ut(&self, fit: &Fit) -> Vec<[f64; 3]> {
+        let along = |v: &[f64; 3]| {
+            let q = Vector3::from(*v);
+            [q.dot(&self.direction), 0.0, 0.0]
+        };
+        let slow = Some(fit.track.direction.iter().map(along).collect());
+        let track = Track { slow, without_memory: true, ..fit.track.clone() };
+        let history = self.noise.wander.history(&track, &fit.residual());
+        history.iter().map(|[.., slow]| (self.direction * slow[0]).into()).collect()
+    }
+}
+
+/// The gain of the likeliest single cause; zero where independent axes are likelier.
+pub fn hidden_cause_gain(fit: &Fit) -> f64 {
+    hidden_cause(fit).map_or(0.0, |cause| cause.gain.max(0.0))
+}
+
+/// The likeliest single cause behind what a fit leaves. `None` where the log has no times, or what moves is shorter than a block.
+pub fn hidden_cause(fit: &Fit) -> Option<Cause> {
     let residual = fit.residual();
     // What wanders may hide in the short memory too: several time constants are tried.
     let length = fit.track.time_s.last()? - fit.track.time_s.first()?;
@@ -43,7 +70,7 @@ fn gain(fit: &Fit) -> Option<f64> {
     let n = residual.len() as f64;
     // The direction and one size less for independent axes: two parameters.
     let price = 2.0 * n.ln();
-    let mut most = 0.0;
+    let mut most: Option<Cause> = None;
     let size = fit.track.weight.len();
     let per_block = fit.points.len().div_ceil(size.max(1)).max(1);
     let readings: Vec<Vector3<f64>> = fit
@@ -100,9 +127,14 @@ fn gain(fit: &Fit) -> Option<f64> {
         let noise = Noise::fit(&whole, &residual, Some(near.wander), f64::INFINITY);
         let noise = if noise.cost < near.cost { noise } else { near };
         // A history as short as a block is no history: white noise may differ between axes.
-        let is_short = noise.wander.tau_s[1] < SHORTEST_CAUSE_BLOCKS * length / n;
-        let gain = if is_short { 0.0 } else { fit.noise.cost - noise.cost - price };
-        most = f64::max(most, gain);
+        let time_constant_s = noise.wander.tau_s[1];
+        if time_constant_s < SHORTEST_CAUSE_BLOCKS * length / n {
+            continue;
+        }
+        let gain = fit.noise.cost - noise.cost - price;
+        if most.as_ref().is_none_or(|most| gain > most.gain) {
+            most = Some(Cause { gain, direction: v, is_gain, time_constant_s, noise });
+        }
     }
-    Some(most)
+    most
 }

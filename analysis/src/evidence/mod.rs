@@ -23,3 +23,4 @@ pub mod solve;
 pub mod term;
 #[cfg(test)]
 mod tests;
+pub mod wander;

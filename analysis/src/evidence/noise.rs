@@ -204,6 +204,48 @@ impl Wander {
     pub fn is_none(&self) -> bool {
         self.size == [0.0; 2]
     }
+
+    /// The fast and the slow vector behind a residual, block by block, µT: the mean of what the filter holds after a block on its way
+    /// forwards and on its way back.
+    pub fn history(&self, track: &Track, residual: &[f64]) -> Vec<[[f64; 3]; 2]> {
+        let forwards = self.held(track, residual);
+        let back = |list: &[[f64; 3]]| list.iter().rev().copied().collect::<Vec<_>>();
+        let mirror = Track {
+            time_s: track.time_s.iter().rev().map(|time| -time).collect(),
+            direction: back(&track.direction),
+            slow: track.slow.as_deref().map(back),
+            weight: track.weight.iter().rev().copied().collect(),
+            without_memory: track.without_memory,
+        };
+        let reversed: Vec<f64> = residual.iter().rev().copied().collect();
+        let backwards = self.held(&mirror, &reversed);
+        let mean = |(a, b): (&[f64; 6], &[f64; 6])| {
+            core::array::from_fn(|part| core::array::from_fn(|i| 0.5 * (a[3 * part + i] + b[3 * part + i])))
+        };
+        forwards.iter().zip(backwards.iter().rev()).map(mean).collect()
+    }
+
+    /// What the filter holds after each block.
+    fn held(&self, track: &Track, residual: &[f64]) -> Vec<[f64; 6]> {
+        let (filter, _) = Filter::run(track, self, residual);
+        let mut state = [0.0; 6];
+        let mut out = Vec::with_capacity(residual.len());
+        for (k, (value, (phi, gain))) in
+            residual.iter().zip(filter.decay.iter().zip(&filter.gain)).enumerate()
+        {
+            let seen = [track.direction[k], track.slow_direction(k)];
+            let mut innovation = *value;
+            for i in 0..6 {
+                state[i] *= phi[i / 3];
+                innovation -= seen[i / 3][i % 3] * state[i];
+            }
+            for i in 0..6 {
+                state[i] += gain[i] * innovation;
+            }
+            out.push(state);
+        }
+        out
+    }
 }
 
 fn typical_step(track: &Track) -> f64 {
@@ -335,26 +377,6 @@ impl Noise {
         let n = whitened.len() as f64;
         let variance = whitened.iter().map(|v| v * v).sum::<f64>() / n.max(1.0);
         n * variance.max(1e-300).ln() + self.filter.log_det + (self.ar.len() - 1) as f64 * n.ln()
-    }
-
-    /// The wander of a residual, block by block, µT: what the filter holds after each block.
-    pub fn trace(&self, track: &Track, residual: &[f64]) -> Vec<[f64; 3]> {
-        let mut state = [0.0; 6];
-        let mut out = Vec::with_capacity(residual.len());
-        for (k, value) in residual.iter().enumerate() {
-            let (phi, gain) = (self.filter.decay[k], self.filter.gain[k]);
-            let seen = [track.direction[k], track.slow_direction(k)];
-            let mut innovation = *value;
-            for i in 0..6 {
-                state[i] *= phi[i / 3];
-                innovation -= seen[i / 3][i % 3] * state[i];
-            }
-            for i in 0..6 {
-                state[i] += gain[i] * innovation;
-            }
-            out.push([state[0] + state[3], state[1] + state[4], state[2] + state[5]]);
-        }
-        out
     }
 
     /// Standard deviation per axis of the whole wander, µT, and its time constant, s: that of the larger part.

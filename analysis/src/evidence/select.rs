@@ -11,6 +11,7 @@ use crate::evidence::gaps::without_gaps;
 use crate::evidence::log::Log;
 use crate::evidence::search::{Found, Rival, Search};
 use crate::evidence::term::Term;
+use crate::evidence::wander::Wander;
 use crate::samples::samples::Samples;
 use crate::table::Table;
 use ironout::effect::Registry;
@@ -141,6 +142,15 @@ fn one_search(
         found: own.map(|(term, rivals)| selected(term, unclear(rivals))).collect(),
         ended_early: search.is_spent(),
     }))
+}
+
+/// How the offset wanders beside the terms that a model has; `None` where it does not, or the log has no times.
+pub fn wander(samples: &Samples, table: &Table, registry: Registry, begin: &Begin) -> Option<Wander> {
+    samples.time.as_ref()?;
+    let few = thinned(samples, table);
+    let log = Log::new(few.as_ref().unwrap_or(samples), table, None, false);
+    let (fit, _) = base_of(&log, begin, registry)?;
+    Wander::of(&fit)
 }
 
 /// Each sample of a board at rest three times, once for each axis.

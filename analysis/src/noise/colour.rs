@@ -35,7 +35,7 @@ const LIKE: f64 = 4.0;
 const LIKE_TO_THE_LETTER: f64 = 10.0;
 /// White noise that fits this well is not looked at further, standard deviations.
 const PLAIN: f64 = 1.0;
-/// A colour whose spectrum is this much less likely (twice the logarithm) may still be the one.
+/// A mean beside white noise must be likelier than one without by so much (twice the logarithm).
 const UNCERTAIN: f64 = 6.0;
 /// Fewer samples tell no colour.
 const FEWEST: usize = 60;
@@ -99,20 +99,6 @@ impl Colour {
             Colour::Ar1(rho) => short(0.6_f64.ln() / rho.clamp(1e-9, 1.0 - 1e-9).ln(), AR1),
             Colour::RollingMean { of, .. } => short(of as f64, MEAN),
             Colour::Flicker { exponent, .. } => exponent <= STEEPEST,
-        }
-    }
-
-    /// The same with the number that it was chosen by a little larger, and by how much.
-    fn nudged(self) -> Option<(Colour, f64)> {
-        match self {
-            Colour::White | Colour::RollingMean { .. } => None,
-            Colour::Ar1(rho) => {
-                let by = 0.05 * (1.0 - rho);
-                Some((Colour::Ar1(rho + by), by))
-            }
-            Colour::Flicker { exponent, white, folded } => {
-                Some((Colour::Flicker { exponent: exponent + 0.05, white, folded }, 0.05))
-            }
         }
     }
 
@@ -279,37 +265,12 @@ impl<'t> Seen<'t> {
         Described { colour, power, deviance, loose_deviance, free, excess }
     }
 
-    /// How the logarithm of the power changes with the number that the colour was chosen by, by bin, and that number's
-    /// variance. `None` for a colour without one.
-    pub fn slope(&self, described: &Described) -> Option<(Vec<f64>, f64)> {
-        let (next, by) = described.colour.nudged()?;
-        let next = self.fit(next);
-        // The size is fitted again beside it, which takes the mean slope out.
-        let slope: Vec<f64> =
-            next.power.iter().zip(&described.power).map(|(b, a)| (b / a).ln() / by).collect();
-        let information: f64 = self
-            .bands
-            .iter()
-            .map(|band| {
-                let mean = slope[band.bins.clone()].iter().sum::<f64>() / band.bins.len().max(1) as f64;
-                0.5 * 2.0 * band.count * mean * mean
-            })
-            .sum();
-        Some((slope, information.max(1e-12).recip()))
-    }
-
     /// The most likely of the colours.
     pub fn describe(&self) -> Described {
-        self.plausible().swap_remove(0)
-    }
-
-    /// The colours that the residual may have, the most likely first: the best of each family that is not much less likely.
-    /// There is at least one.
-    pub fn plausible(&self) -> Vec<Described> {
         let cost = |one: &Described| one.deviance + (self.n as f64).ln() * one.colour.parameters();
         let white = self.fit(Colour::White);
         if white.misfit() < PLAIN || self.n < FEWEST {
-            return vec![white];
+            return white;
         }
         let own = self.correlation();
         let best = |family: &Family| match family {
@@ -328,9 +289,7 @@ impl<'t> Seen<'t> {
             list.extend([first, second]);
         }
         list.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-        let most = cost(&list[0]) + UNCERTAIN;
-        list.retain(|one| cost(one) <= most);
-        list
+        list.swap_remove(0)
     }
 
     fn best_fading(&self, own: &[f64]) -> Described {

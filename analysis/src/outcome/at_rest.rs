@@ -4,7 +4,6 @@ use crate::base::engine::Design;
 use crate::base::prior::Prior;
 use crate::base::quality::{covariance, residue};
 use crate::base::start;
-use crate::noise::turning::Turning;
 use crate::outcome::asked::{MOST_ADDED, added, cannot_add};
 use crate::outcome::blank::undetermined;
 use crate::outcome::outcome::{Diagnosis, NoiseRow, Status, Verdict};
@@ -65,13 +64,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     let (used, confounded) = (explanation.fitted.terms.len(), explanation.confounded.clone());
     let fitted = &explanation.fitted;
     let residuals = design.residuals(&fitted.model, &fitted.terms.iter().collect::<Vec<_>>())?;
-    let left = residue(
-        &residuals,
-        fitted.columns(),
-        samples.quantum_ut,
-        samples.step_s(),
-        &Turning::none(residuals.len()),
-    );
+    let left = residue(&design, &fitted.model, &residuals, fitted.columns());
     let covariance = covariance(fitted, left.time);
     let mut column = 3;
     let effects = fitted
@@ -155,6 +148,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         recordings: None,
         switching: None,
         levels: None,
+        wander: None,
         traces,
         ..undetermined(table, samples, options.registry, Reason::new("at-rest", ""))
     })

@@ -9,7 +9,7 @@ use crate::base::earlier::EarlierCalibration;
 use crate::base::engine::{Design, Fitted};
 use crate::base::ground::Ground;
 use crate::base::prior::{Earlier, Prior, parameters};
-use crate::base::quality::residue;
+use crate::base::quality::Sizes;
 use crate::base::start::sphere;
 use crate::base::term::{Matrix, Term};
 use crate::outcome::asked::asked_for;
@@ -127,9 +127,7 @@ pub(crate) fn freed(ground: &Ground, options: &Options) -> Result<Option<(Option
         let Some(fitted) = log.with(kept.as_ref(), 1.0)? else { continue };
         let terms: Vec<&Term> = fitted.terms.iter().collect();
         let residuals = log.design.residuals(&fitted.model, &terms)?;
-        let turning = log.design.turning(&fitted.model);
-        let memory =
-            residue(&residuals, fitted.columns(), samples.quantum_ut, samples.step_s(), &turning).memory;
+        let memory = Sizes::of(&residuals).memory();
         let independent = fitted.rows / memory - PARAMETERS;
         // What does not fit says nothing of what is kept.
         if independent < FEWEST {

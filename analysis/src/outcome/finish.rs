@@ -7,6 +7,7 @@ use crate::base::quality::{
     NoiseEstimate, covariance, information, memory_of_scores, noise_gain, predicted_error, residue,
 };
 use crate::calibration::Information;
+use crate::evidence::select::{Begin, wander};
 use crate::outcome::axes_status;
 use crate::outcome::outcome::{Diagnosis, Dip, NoiseRow, StepRow, Verdict};
 use crate::outcome::request::Refusal;
@@ -70,6 +71,10 @@ impl View<'_, '_> {
                 100.0 * share
             )));
         }
+        let fitted = &self.explanation.fitted;
+        let begin = Begin { model: &fitted.model, known: self.known, stay: &fitted.terms, is_at_rest: false };
+        let wander =
+            wanted.then(|| wander(self.samples, self.table, self.catalogue.registry, &begin)).flatten();
         let candidates = self.candidates(&dip, pure_lag, standing, verdict);
         // What is given out looks at its shapes where a correction does. Where the search looked elsewhere, names and verdict are the
         // search's; the errors are those of what is given out.
@@ -159,6 +164,7 @@ impl View<'_, '_> {
             recordings: None,
             switching: None,
             levels: None,
+            wander,
             lower_order: self.lower_order.is_some(),
             shown: self.shown(&dip, force_lag),
             traces,
@@ -174,13 +180,7 @@ impl View<'_, '_> {
 
     /// What a model leaves under its own correction.
     fn residue(&self, fitted: &Fitted, applied: &Applied) -> NoiseEstimate {
-        residue(
-            &applied.residuals,
-            fitted.columns(),
-            self.samples.quantum_ut,
-            self.samples.step_s(),
-            &self.design.turning(&fitted.model),
-        )
+        residue(&self.design, &fitted.model, &applied.residuals, fitted.columns())
     }
 }
 

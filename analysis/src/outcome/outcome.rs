@@ -6,6 +6,7 @@ use crate::base::mounting::Standing;
 use crate::base::order::AxisOrder;
 use crate::base::quality::NoiseEstimate;
 use crate::calibration::{FittedEffect, Information, StdErrors};
+use crate::evidence::wander::Wander;
 use crate::noise::colour::Colour;
 use crate::outcome::contradiction::Contradiction;
 use crate::plain;
@@ -257,7 +258,11 @@ pub struct Diagnosis {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub switching: Option<Switching>,
     /// An offset with more jumps than steps were named, with no column behind it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub levels: Option<Levels>,
+    /// How the offset wanders where the verdict is unexplained.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wander: Option<Wander>,
     /// Whether a lower-order base (no soft iron) was used.
     pub lower_order: bool,
     /// Whether the log shows the effects that were asked for. A search tests in another way, and leaves this to the steps.

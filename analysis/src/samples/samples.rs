@@ -388,7 +388,15 @@ impl Samples {
     pub fn past(&self, table: &Table, name: &str, past: Past<f64>) -> Option<Vec<f64>> {
         let time = table.time_s?;
         let named = table.covariates.iter().find(|named| named.name == name)?;
-        Some(past_of(&filled(named.values)?, time, self.row.iter().copied(), past))
+        let of = |values: &[f64]| past_of(values, time, self.row.iter().copied(), past);
+        // A delay looks at a few cells of a column, of which hardly any is missing; a filter looks at all.
+        let as_is = match past {
+            Past::LowPass(_) => None,
+            Past::Now | Past::Delayed(_) => {
+                Some(of(named.values)).filter(|v| v.iter().all(|v| v.is_finite()))
+            }
+        };
+        as_is.or_else(|| Some(of(&filled(named.values)?)))
     }
 }
 
@@ -434,11 +442,25 @@ pub fn past_of(
     }
 }
 
+/// The last row at or before a time, 0 where there is none: near `row`, by steps that double.
+fn last_before(time_s: &[f64], row: usize, wanted: f64) -> usize {
+    let (mut low, mut high, mut reach) = (row, row + 1, 1);
+    while low > 0 && time_s[low] > wanted {
+        (low, high) = (low.saturating_sub(reach), low);
+        reach *= 2;
+    }
+    while high < time_s.len() && time_s[high] <= wanted {
+        (low, high) = (high, (high + reach).min(time_s.len()));
+        reach *= 2;
+    }
+    low + time_s[low..high.min(time_s.len())].partition_point(|time| *time <= wanted).saturating_sub(1)
+}
+
 /// A column without missing cells `delay_s` before a row, linearly between the rows; before the log began, as in its first
 /// row.
 pub fn delayed(values: &[f64], time_s: &[f64], row: usize, delay_s: f64) -> f64 {
     let wanted = time_s[row] - delay_s;
-    let at = time_s.partition_point(|time| *time <= wanted).saturating_sub(1);
+    let at = last_before(time_s, row, wanted);
     let next = (at + 1).min(time_s.len() - 1);
     let (from, span) = (time_s[at], time_s[next] - time_s[at]);
     if wanted <= from || span <= 0.0 {

@@ -2,7 +2,6 @@
 
 use crate::base::engine::Fitted;
 use crate::base::term::{BadShape, Term};
-use crate::residual::spectrum::Verdict;
 use crate::search::screen::each_stands;
 use crate::search::shown::Shown;
 use crate::search::state::{Explanation, Fitter, Step, Withdrawn, held_out_rms};
@@ -11,11 +10,8 @@ impl<'a> Fitter<'_, 'a> {
     /// Probability that chance does as well as each effect of a model, where the model stands, all others in it, its search
     /// counted; by its id.
     pub(crate) fn chances(&self, fitted: &Fitted<'a>) -> Result<Vec<(String, f64)>, BadShape> {
-        let tests = each_stands(&self.design, fitted, 0..fitted.terms.len())?;
-        let chance = |(term, test): (&Term, Option<Verdict>)| {
-            let p_value = test.map_or(1.0, |test| test.p_value);
-            (term.id.clone(), (p_value * term.trials).min(1.0))
-        };
+        let tests = each_stands(&self.design, fitted)?;
+        let chance = |(term, p_value): (&Term, f64)| (term.id.clone(), (p_value * term.trials).min(1.0));
         Ok(fitted.terms.iter().zip(tests).map(chance).collect())
     }
 

@@ -1,21 +1,13 @@
-//! The leading candidates fully fitted, and which of them is added.
+//! A model with one more effect, fully fitted.
 
 use crate::base::engine::Fitted;
 use crate::base::term::{BadShape, Term};
 use crate::search::parameter;
-use crate::search::screen::{ACCUSED, WORTH_NAMING, stands};
 use crate::search::search;
 use crate::search::selected::finite;
-use crate::search::state::{Fitter, Judged, held_out_rms};
+use crate::search::state::Fitter;
 use ironout::effect::Searched;
-use ironout::study::Residual;
 
-/// A residual beyond this share of the field is strong: what is screened there at one linearisation is not yet right.
-const STRONG: f64 = 0.01;
-/// A candidate that takes this share off the squared error at that linearisation is fitted fully ...
-const STRONG_SHARE: f64 = 0.2;
-/// ... but at most so many.
-const STRONG_LEADERS: usize = 6;
 impl<'a> Fitter<'_, 'a> {
     /// The model with one more effect, fully refitted, and what fixes its shape moved to where the error is least. `None`
     /// where the fit does not converge, or runs away.
@@ -83,44 +75,6 @@ impl<'a> Fitter<'_, 'a> {
         }
         Ok(fitted)
     }
-
-    /// Strong effects bend the base at which the candidates were screened. The leaders are fitted fully, and judged by
-    /// what that takes off the error.
-    pub(crate) fn judge_strong(
-        &self,
-        fitted: &Fitted<'a>,
-        judged: &mut [Judged<'a>],
-        count: usize,
-    ) -> Result<(), BadShape> {
-        let limit = match self.design.residual {
-            Residual::Magnitude => STRONG * fitted.model.field_ut,
-            Residual::Dip | Residual::Vector => return Ok(()),
-        };
-        let Some(before) = held_out_rms(fitted) else { return Ok(()) };
-        // The next of several steps was searched where the others stand, whose times it moves.
-        let is_step = |term: &Term| matches!(term.searched(), Some((Searched::At, _)));
-        let one_stands = fitted.terms.iter().any(is_step);
-        let is_bent =
-            |one: &Judged| fitted.rms() > limit || one_stands && is_step(&one.term) && !one.tested.accepted;
-        let mut leaders: Vec<&mut Judged> = judged
-            .iter_mut()
-            .filter(|one| one.tested.decrease > STRONG_SHARE * fitted.squares && is_bent(one))
-            .collect();
-        leaders.sort_by(|a, b| b.tested.decrease.total_cmp(&a.tested.decrease));
-        for one in leaders.into_iter().take(STRONG_LEADERS) {
-            let Some(next) = self.with(fitted, &one.term)? else { continue };
-            let Some(test) = finite(stands(&self.design, &next))?.flatten() else { continue };
-            let tested = &mut one.tested;
-            let held_out = held_out_rms(&next);
-            tested.time = test.time;
-            tested.decrease = fitted.squares - next.squares;
-            tested.p_value = (test.p_value * one.term.trials).min(1.0);
-            tested.held_out = held_out.map(|rms| rms * rms * next.rows);
-            tested.accepted = tested.p_value * (count as f64) < ACCUSED
-                && held_out.is_some_and(|after| after * after < before * before * (1.0 - WORTH_NAMING));
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]
@@ -133,6 +87,7 @@ mod tests {
     use crate::table::Table;
     use ironout::effect::{Effect, MAX_INPUTS, Quantities, Registry, Shape};
     use ironout::fit::Method;
+    use ironout::study::Residual;
     use ironout_simulation::{EffectSpec, World, WorldOptions};
 
     /// A shape that is one near the field, and no number far from it.

@@ -6,6 +6,7 @@ pub mod conditional;
 pub mod gains;
 pub mod leaders;
 pub mod parameter;
+pub mod parts;
 pub mod screen;
 pub mod search;
 pub mod selected;

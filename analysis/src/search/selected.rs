@@ -7,9 +7,9 @@ use crate::search::candidates::Catalogue;
 use crate::search::screen::screen;
 use crate::search::search;
 use crate::search::several::numbered;
-use crate::search::state::{Confounded, Explanation, Fitter, Judged};
+use crate::search::state::{Confounded, Explanation, Fitter, Judged, MOST_SEARCHED};
 use crate::search::true_field::prefer;
-use ironout::effect::{Acts, Named, Searched};
+use ironout::effect::{Acts, MAX_COEFFICIENTS, Named, Searched};
 use ironout::study::Residual;
 
 /// A step is where it was found within this share of the log.
@@ -22,15 +22,12 @@ fn candidates<'a>(
     design: &Design,
     catalogue: &Catalogue<'a>,
     fitted: &Fitted<'a>,
-    periodic: bool,
 ) -> Result<Vec<Term<'a>>, BadShape> {
     let at_rest = design.residual == Residual::Vector;
     let mut list = catalogue.plain(at_rest);
     for named in catalogue.searched() {
-        if periodic || named.form.searched != Some(Searched::Frequency) {
-            let found = finite(search::best(design, fitted, catalogue, &named))?.flatten();
-            list.extend(found.and_then(|found| numbered(fitted, found)));
-        }
+        let found = finite(search::best(design, fitted, catalogue, &named))?.flatten();
+        list.extend(found.and_then(|found| numbered(fitted, found)));
     }
     for named in catalogue.usable_columns().flat_map(|column| catalogue.late(column)) {
         // Of a board at rest the vector shows a column's past by a delay; a low-pass beside it is hardly another shape.
@@ -64,8 +61,43 @@ pub(super) fn finite<T>(found: Result<T, BadShape>) -> Result<Option<T>, BadShap
 }
 
 impl<'a> Fitter<'_, 'a> {
-    fn judge(&self, fitted: &Fitted<'a>, periodic: bool) -> Result<(Vec<Judged<'a>>, usize), BadShape> {
-        let mut list = candidates(&self.design, self.catalogue, fitted, periodic)?;
+    /// The tests of all candidates beside a model, in a thinned copy of a long log; those of `known` over all samples. Gives the number of
+    /// candidates too.
+    fn judge(&self, fitted: &Fitted<'a>, known: &[Term<'a>]) -> Result<(Vec<Judged<'a>>, usize), BadShape> {
+        let few = (self.design.samples.len() > MOST_SEARCHED)
+            .then(|| self.design.samples.thinned(self.catalogue.table(), MOST_SEARCHED));
+        let (mut judged, count) = match &few {
+            None => self.judge_here(fitted)?,
+            Some(few) => {
+                let over = self.catalogue.over(few);
+                let thin = Fitter::new(Design::new(few, self.design.residual), &over, self.known);
+                let terms: Option<Vec<Term>> = fitted.terms.iter().map(|term| over.again(term)).collect();
+                let Some(terms) = terms else { return self.judge_here(fitted) };
+                let held = thin.design.hold(fitted.model, terms, self.known)?;
+                let (tested, count) = thin.judge_here(&held)?;
+                self.dropped.borrow_mut().append(&mut thin.dropped.borrow_mut());
+                let more = fitted.rows / held.rows;
+                let lifted = tested.into_iter().filter_map(|one| {
+                    let mut own = one.on(self.catalogue.again(&one.term)?);
+                    own.tested.decrease *= fitted.squares / held.squares;
+                    own.tested.held_out = own.tested.held_out.map(|squares| squares * more);
+                    Some(own)
+                });
+                (lifted.collect(), count)
+            }
+        };
+        let known: Vec<Term> =
+            known.iter().map(|term| Term { coefficients: [0.0; MAX_COEFFICIENTS], ..term.clone() }).collect();
+        for tested in finite(screen(&self.design, fitted, &known, count))?.unwrap_or_default() {
+            let term = known[tested.index].clone();
+            judged.retain(|one| one.term.id != term.id);
+            judged.push(Judged { term, tested });
+        }
+        Ok((judged, count))
+    }
+
+    fn judge_here(&self, fitted: &Fitted<'a>) -> Result<(Vec<Judged<'a>>, usize), BadShape> {
+        let mut list = candidates(&self.design, self.catalogue, fitted)?;
         if self.held() {
             // Whatever turns with the board would stand in for the soft iron that is held, a coupling of nine numbers to
             // its turning too, and with little attitude a stronger field and an offset along it are the same.
@@ -86,11 +118,10 @@ impl<'a> Fitter<'_, 'a> {
                 tested => break tested?,
             }
         };
-        let mut judged: Vec<Judged> = tested
+        let judged = tested
             .into_iter()
             .filter_map(|tested| Some(Judged { term: list.get(tested.index)?.clone(), tested }))
             .collect();
-        self.judge_strong(fitted, &mut judged, count)?;
         Ok((judged, count))
     }
 
@@ -126,8 +157,8 @@ impl<'a> Fitter<'_, 'a> {
             }
             order.push(id);
         }
-        let (first, count) = self.judge(&base, true)?;
-        let last = if order.is_empty() { first.clone() } else { self.judge(&fitted, true)?.0 };
+        let (first, count) = self.judge(&base, &fitted.terms)?;
+        let last = if order.is_empty() { first.clone() } else { self.judge(&fitted, &[])?.0 };
         let steps = self.falling(&base, &fitted, &order)?;
         Ok(Explanation {
             base,

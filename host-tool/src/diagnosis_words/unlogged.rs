@@ -1,9 +1,10 @@
 //! What no column shows: an offset for each recording, an offset that switches.
 
 use crate::diagnosis_words::moment::at_moment;
-use crate::diagnosis_words::numbers::{field, probability, wrap};
+use crate::diagnosis_words::numbers::{field, probability, significant, wrap};
 use crate::diagnosis_words::told::{Told, WIDTH, title};
 use crate::field_unit::{fixed, symbol};
+use ironout_analysis::evidence::wander::Wander;
 use ironout_analysis::unlogged::levels::Levels;
 use ironout_analysis::unlogged::recordings::Recordings;
 use ironout_analysis::unlogged::switching::Switching;
@@ -11,11 +12,20 @@ use ironout_analysis::unlogged::switching::Switching;
 /// Lines of a table before the rest is counted.
 const MOST: usize = 12;
 
+/// Whether the cause without a column is told by its times, so that it needs no words of how it wanders.
+fn is_told(told: &Told) -> bool {
+    told.diagnosis.switching.is_some() || told.diagnosis.levels.is_some()
+}
+
 /// Both, where there are any.
 pub(crate) fn sections(told: &Told, out: &mut Vec<String>) {
     if let Some(found) = &told.diagnosis.recordings {
         title(out, "The offset differs between the recordings");
         out.extend(recordings(found, WIDTH));
+    }
+    if let Some(found) = told.diagnosis.wander.as_ref().filter(|_| !is_told(told)) {
+        title(out, "The offset wanders, and no column says why");
+        out.extend(wander(found));
     }
     if let Some(found) = &told.diagnosis.switching {
         title(out, "An offset switches between two values, and no column says when");
@@ -77,6 +87,33 @@ pub(crate) fn recordings_in_short(found: &Recordings) -> String {
         found.recordings.len(),
         vector(found.per_recording_ut)
     )
+}
+
+/// A wandering offset in one line.
+pub(crate) fn wander_in_short(found: &Wander) -> String {
+    let direction = match found.direction {
+        Some([x, y, z]) => format!("along x {x:+.2}, y {y:+.2}, z {z:+.2}"),
+        None => "in no fixed direction".into(),
+    };
+    format!(
+        "{} {} rms {direction}, over about {} s",
+        fixed(Some(found.rms_ut), 2),
+        symbol(),
+        significant(found.time_constant_s, 2)
+    )
+}
+
+/// A wandering offset: how far and when it is farthest.
+fn wander(found: &Wander) -> Vec<String> {
+    let size = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
+    let times = found.t_s.iter().zip(&found.offset_ut);
+    let farthest = times.max_by(|a, b| size(a.1).total_cmp(&size(b.1)));
+    let mut text = format!("It moves by {}.", wander_in_short(found));
+    if let Some((at_s, offset_ut)) = farthest {
+        text += &format!(" It is farthest at {at_s:.1} s: {}.", vector(*offset_ut));
+    }
+    text += " A cause that was not logged moves like this. --json has its trace (wander) to plot it against what you know.";
+    wrap(&text, "  ", WIDTH)
 }
 
 /// A switching offset in one line.

@@ -1,0 +1,56 @@
+//! How the offset wanders where no column says why: how far, how fast, in which direction, and when.
+
+use crate::evidence::fit::Fit;
+use crate::evidence::hidden::hidden_cause;
+use serde::Serialize;
+
+/// Points of a trace, at most.
+const MOST_POINTS: usize = 400;
+
+/// An offset that wanders.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Wander {
+    /// Its root mean square over the log, µT.
+    pub rms_ut: f64,
+    /// Its time constant, s: its values this far apart are alike to 37 %.
+    pub time_constant_s: f64,
+    /// Its direction in the sensor's axes (a unit vector) where a single one is likelier than three axes of their own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub direction: Option<[f64; 3]>,
+    /// Times of the trace, s.
+    pub t_s: Vec<f64>,
+    /// The offset at those times less its mean, µT.
+    pub offset_ut: Vec<[f64; 3]>,
+}
+
+impl Wander {
+    /// Of what a fit leaves; `None` where nothing of it wanders.
+    pub fn of(fit: &Fit) -> Option<Wander> {
+        // A gain that wanders has no offset to show.
+        let cause = hidden_cause(fit).filter(|cause| cause.gain > 0.0 && !cause.is_gain);
+        let (trace, time_constant_s) = match &cause {
+            Some(cause) => (cause.trace_ut(fit), cause.time_constant_s),
+            None if fit.noise.wander.is_none() => return None,
+            None => {
+                let history = fit.noise.wander.history(&fit.track, &fit.residual());
+                let sum = |[fast, slow]: &[[f64; 3]; 2]| [0, 1, 2].map(|i| fast[i] + slow[i]);
+                (history.iter().map(sum).collect(), fit.noise.wander_ut().1)
+            }
+        };
+        let n = trace.len() as f64;
+        let mean: [f64; 3] = [0, 1, 2].map(|i| trace.iter().map(|v| v[i]).sum::<f64>() / n);
+        let off: Vec<[f64; 3]> = trace.iter().map(|v| [0, 1, 2].map(|i| v[i] - mean[i])).collect();
+        let rms_ut = (off.iter().flatten().map(|v| v * v).sum::<f64>() / n).sqrt();
+        if !(rms_ut > 0.0) {
+            return None;
+        }
+        let each = off.len().div_ceil(MOST_POINTS);
+        Some(Wander {
+            rms_ut,
+            time_constant_s,
+            direction: cause.map(|cause| cause.direction.into()),
+            t_s: fit.track.time_s.iter().step_by(each).copied().collect(),
+            offset_ut: off.into_iter().step_by(each).collect(),
+        })
+    }
+}
