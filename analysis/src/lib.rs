@@ -14,6 +14,7 @@
 //! [`outcome`] → [`mod@fit`] → [`picture`]. Next to them stand [`effects`], [`correct`] and [`export`], which know calibrations only.
 
 pub mod base;
+pub mod blocks;
 pub mod calibration;
 pub mod confined;
 pub mod correct;

@@ -59,8 +59,7 @@ pub fn from(
         .in_file(from));
     }
     let mut file = CalFile::of(&fitted, options.method.name());
-    let columns: Vec<String> = file.fit.effects.iter().flat_map(|effect| effect.columns.clone()).collect();
-    file.reading = Some(Reading::of(&other, &used, &columns)?);
+    file.reading = Some(Reading::of(&other, &used, &file.read_columns())?);
     of_file(&file, from, log, arguments)
 }
 

@@ -67,7 +67,12 @@ fn figures(told: &Told, report: &mut Report) {
     if let Some(found) = &diagnosis.switching {
         row("switching", unlogged::switching_in_short(found));
     }
-    if let Some(found) = diagnosis.wander.as_ref().filter(|_| diagnosis.switching.is_none()) {
+    if let Some(found) = &diagnosis.levels {
+        row("jumps", unlogged::jumps_in_short(found));
+    }
+    if let Some(found) =
+        diagnosis.wander.as_ref().filter(|_| diagnosis.switching.is_none() && diagnosis.levels.is_none())
+    {
         row("wander", unlogged::wander_in_short(found));
     }
     if let Some(floor) = diagnosis.residual_floor_ut {

@@ -158,8 +158,7 @@ pub fn under(held: &Held, cal_text: &str, name: &str) -> Outcome<Value> {
 /// CAL.json of an accepted fit, as `fit -o` writes it.
 fn cal_text(held: &Held, fitted: &Fitted) -> Outcome<String> {
     let mut cal = CalFile::of(fitted, Method::Adjusted.name());
-    let columns: Vec<String> = cal.fit.effects.iter().flat_map(|effect| effect.columns.clone()).collect();
-    cal.reading = Some(Reading::of(&held.log, &held.asked.arguments(), &columns)?);
+    cal.reading = Some(Reading::of(&held.log, &held.asked.arguments(), &cal.read_columns())?);
     let text = serde_json::to_string_pretty(&cal).map_err(|error| Failure::usage(error.to_string()))?;
     Ok(text + "\n")
 }
