@@ -156,7 +156,7 @@ fn truthful(object: &Value) {
         if why.contains("too small") {
             assert!(takes.is_some_and(|takes| takes < RELEVANCE), "{id}: {why}, but {takes:?}");
         }
-        if let Some(takes) = takes.filter(|_| why.contains("it explains")) {
+        if let Some(takes) = takes.filter(|_| why.contains("it explains") && !why.contains("too small")) {
             assert!(
                 takes >= RELEVANCE && why.contains(&format!("{:.0} %", 100.0 * takes)),
                 "{id}: {why}, {takes}"
