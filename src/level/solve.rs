@@ -23,7 +23,7 @@ const MAX_LEAN_SIGMAS: f64 = 3.0;
 /// Largest tilt that is stated, degrees.
 const MAX_HOLDS_DEG: u8 = 45;
 /// Sines of the tilts that the error of a heading is kept for.
-const SINES: [f64; TILTS_DEG.len()] = [0.0, 0.173_648, 0.342_020, 0.707_107];
+const SINES: [f64; TILTS_DEG.len()] = [0.0, 0.173_648, 0.342_020, core::f64::consts::FRAC_1_SQRT_2];
 /// Without a calibration: gains, 1σ, ...
 const GAIN_ERROR: f64 = 0.1;
 /// ... angles between the axes, 1σ, rad, ...
