@@ -4,6 +4,7 @@ use crate::failure::{Failure, Outcome};
 use crate::reading::Reading;
 use crate::registry::REGISTRY;
 use ironout::calibration::Calibration;
+use ironout::effect::Need;
 use ironout::fit::Method;
 use ironout_analysis::Fitted;
 use ironout_analysis::base::beside_gyro::BesideGyro;
@@ -192,6 +193,20 @@ impl CalFile {
             matrix: self.fit.matrix.ok_or_else(|| unknown("matrix"))?,
             field_ut: self.fit.field_ut.ok_or_else(|| unknown("field_ut"))?,
         })
+    }
+
+    /// The columns that its effects read, a gyro among them.
+    pub fn read_columns(&self) -> Vec<String> {
+        let effects = &self.fit.effects;
+        let mut columns: Vec<String> = effects.iter().flat_map(|effect| effect.columns.clone()).collect();
+        let turns = |effect: &EffectEntry| {
+            let named = REGISTRY.parse(&effect.id);
+            named.is_some_and(|named| named.family.need(named.form) == Some(Need::Gyro))
+        };
+        if effects.iter().any(turns) {
+            columns.extend(["gx_radps", "gy_radps", "gz_radps"].map(String::from));
+        }
+        columns
     }
 
     /// The calibration with its effects.

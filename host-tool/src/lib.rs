@@ -51,6 +51,7 @@ pub mod registry;
 pub mod report_text;
 pub mod shell;
 pub mod source;
+pub mod turn;
 #[cfg(all(feature = "demo", not(target_arch = "wasm32")))]
 pub mod turned;
 pub mod wrap;

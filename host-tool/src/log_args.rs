@@ -132,6 +132,7 @@ impl LogArgs {
         let options = options.chain(self.derive.iter().map(|value| ("--derive", value)));
         let options = options.chain(self.ignore.iter().map(|value| ("--ignore", value)));
         let options = options.chain(self.date.iter().map(|value| ("--date", value)));
+        let options = options.chain(self.reference.iter().map(|value| ("--reference", value)));
         options.map(|(option, value)| typed_option(option, value)).collect()
     }
 }

@@ -21,7 +21,7 @@ use std::path::Path;
 /// the calibration was fitted. `arguments` are those that the log was read with.
 ///
 /// # Errors
-/// A file that is no calibration, is of another scale or mounting, holds no information, or carries effects that this log cannot be related to.
+/// A file that is not a calibration, is of another scale or mounting, holds no information, or carries effects that this log cannot be related to.
 pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<EarlierCalibration> {
     of_file(&CalFile::read(path)?, path, log, arguments)
 }
@@ -59,8 +59,7 @@ pub fn from(
         .in_file(from));
     }
     let mut file = CalFile::of(&fitted, options.method.name());
-    let columns: Vec<String> = file.fit.effects.iter().flat_map(|effect| effect.columns.clone()).collect();
-    file.reading = Some(Reading::of(&other, &used, &columns)?);
+    file.reading = Some(Reading::of(&other, &used, &file.read_columns())?);
     of_file(&file, from, log, arguments)
 }
 

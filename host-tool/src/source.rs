@@ -10,6 +10,7 @@ use crate::join::join;
 use crate::plausible::{self, Known};
 use crate::read_block;
 use crate::reading::Reading;
+use crate::turn;
 use crate::wrap;
 use ironout_analysis::similar;
 use std::path::Path;
@@ -120,9 +121,16 @@ fn as_kept(
 ) -> Outcome<(Log, LogArgs)> {
     let path = &arguments.log;
     let Some((reading, file)) = kept else {
-        let log = held(arguments, None, known, voice)?;
+        let mut log = held(arguments, None, known, voice)?;
+        let mut filled = arguments.clone();
+        if arguments.reference.is_some()
+            && let Some(turn) = turn::definitions(&log)
+        {
+            derive::add(&mut log, &turn, &Mounting::default()).map_err(|failure| failure.in_file(path))?;
+            filled.derive.extend(turn.iter().map(Definition::typed));
+        }
         say(&log, voice);
-        return Ok((log, arguments.clone()));
+        return Ok((log, filled));
     };
     let mut filled = reading.fill(file, arguments)?;
     let log = match held(&filled, Some(reading), known, voice) {
@@ -200,7 +208,7 @@ fn finished(mut log: Log, arguments: &LogArgs, path: &Path, kept: &[String]) -> 
     Ok(log)
 }
 
-/// Leaves columns out, by name. A column that a derived one was computed from may be left out beside it.
+/// Leaves columns out, by name. A column that a derived one was computed from may be left out next to it.
 fn ignore(log: &mut Log, names: &[String]) -> Outcome<()> {
     for name in names {
         if log.covariate(name).is_none() {

@@ -14,10 +14,10 @@ impl World {
     fn covariate_names(&self) -> Vec<String> {
         let mut names: Vec<String> = ["temp_c", "current_a", "height_m"].map(String::from).to_vec();
         for spec in &self.scenery.options.effects {
-            if let Some(column) = spec.column()
-                && !names.iter().any(|name| name == column)
-            {
-                names.push(column.to_string());
+            for column in spec.columns() {
+                if !names.iter().any(|name| name == column) {
+                    names.push(column.to_string());
+                }
             }
         }
         names

@@ -208,7 +208,7 @@ fn options(kind: Kind, seed: u64, rng: &mut ChaCha8Rng) -> (WorldOptions, String
     };
     let list = effects(kind, rng);
     let effects: Vec<EffectSpec> = list.iter().filter_map(|item| EffectSpec::parse(item).ok()).collect();
-    let cause = effects.first().and_then(EffectSpec::column).unwrap_or("temp_c").to_string();
+    let cause = effects.first().and_then(|spec| spec.columns().next()).unwrap_or("temp_c").to_string();
     let mut decoys = Vec::new();
     let plain = [Decoy::Walk, Decoy::Mode, Decoy::Switch, Decoy::Battery];
     for (index, decoy) in plain.into_iter().enumerate() {

@@ -79,6 +79,7 @@ mod nonlinearity;
 mod offset;
 mod parts;
 mod periodic;
+mod product;
 mod quantities;
 mod registry;
 mod soft_iron;
@@ -102,6 +103,7 @@ pub use nonlinearity::Nonlinearity;
 pub use offset::{Offset, Power};
 pub use parts::{Form, InParts, Parts, Searched, Zero};
 pub use periodic::Periodic;
+pub use product::Product;
 pub use quantities::{
     Coefficients, Column, MAX_COEFFICIENTS, MAX_INPUTS, Past, Quantities, Shape, TIME, no_shape,
 };

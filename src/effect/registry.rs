@@ -5,13 +5,14 @@ use super::column_name::ColumnName;
 use super::definition::Effect;
 use super::family::{Advice, Family, Need, Subject};
 use super::parts::{Form, InParts, Parts};
-use super::quantities::{Coefficients, Column, MAX_INPUTS, Quantities, Shape};
-use super::{cross_axis, drift, field, gain, lag, nonlinearity, offset, periodic, soft_iron, step};
+use super::quantities::{Coefficients, Column, MAX_INPUTS, Quantities, Shape, TIME};
+use super::{cross_axis, drift, field, gain, lag, nonlinearity, offset, periodic, product, soft_iron, step};
 use crate::math::Real;
 use core::fmt;
 
 built_in_effects! {
     offset::Offsets => Offset(offset::Offset<ColumnName, T>);
+    product::Products => Product(product::Product<ColumnName, T>);
     gain::Gains => Gain(gain::Gain<ColumnName, T>);
     field::AmbientFields => Field(field::AmbientField<ColumnName, T>);
     soft_iron::SoftIrons => SoftIron(soft_iron::SoftIron<ColumnName, T>);
@@ -54,6 +55,13 @@ impl<'a> Named<'a> {
     pub fn apart(&self, other: &Named<'a>) -> Option<Advice<'a>> {
         let (one, two) = (self.subject(), other.subject());
         self.family.apart(&one, &two).or_else(|| other.family.apart(&two, &one))
+    }
+
+    /// The columns of the log that it reads.
+    pub fn columns(&self) -> impl Iterator<Item = &'a str> + use<'a> {
+        let parts = Parts { form: self.form, column: self.column, reference: 0.0, parameter: 0.0 };
+        let columns = self.family.columns(&parts).into_iter().flatten().map(|column| column.name);
+        columns.filter(|name| *name != TIME)
     }
 
     /// Whether both follow the same column in the same way, though perhaps late or squared.

@@ -4,18 +4,19 @@ extern crate std;
 
 use super::{
     AmbientField, BuiltIn, Coefficients, ColumnName, CrossAxis, Drift, Eddy, Effect, Form, Gain, Id, Lag,
-    MAX_COEFFICIENTS, Made, Need, Nonlinearity, Offset, Parts, Past, Periodic, Power, Quantities, Registry,
-    SoftIron, Step, no_shape,
+    MAX_COEFFICIENTS, Made, Need, Nonlinearity, Offset, Parts, Past, Periodic, Power, Product, Quantities,
+    Registry, SoftIron, Step, no_shape,
 };
 use std::string::{String, ToString};
 use std::vec::Vec;
 
-fn all() -> [BuiltIn<f64>; 13] {
+fn all() -> [BuiltIn<f64>; 14] {
     let column = ColumnName::new("temp_c").unwrap();
     [
         BuiltIn::Offset(Offset::linear(column, 24.5)),
         BuiltIn::Offset(Offset { column, reference: 9.0, power: Power::Squared, past: Past::Delayed(0.25) }),
         BuiltIn::Offset(Offset { column, reference: 9.0, power: Power::Linear, past: Past::LowPass(2.5) }),
+        BuiltIn::Product(Product { columns: ColumnName::new("servo*current_a").unwrap(), reference: 0.5 }),
         BuiltIn::Gain(Gain { column, reference: 20.0 }),
         BuiltIn::Field(AmbientField { column, reference: 21.0 }),
         BuiltIn::SoftIron(SoftIron { column, reference: 21.0 }),
@@ -35,7 +36,7 @@ fn the_cheap_way_is_the_shape_times_the_coefficients() {
         measured_ut: [20.0, -35.0, 12.5],
         centred_ut: [11.0, -30.0, 7.0],
         turning_ut_per_s: [-60.0, 14.0, 33.0],
-        inputs: [31.0, 0.0],
+        inputs: [31.0, 7.0],
     };
     let coefficients: Coefficients<f64> =
         core::array::from_fn(|i| if i < MAX_COEFFICIENTS { 0.3 - 0.1 * i as f64 } else { 0.0 });
@@ -87,7 +88,7 @@ fn numbers_of_records_are_never_given_again() {
     let mut tags: Vec<u8> =
         Registry::BUILT_IN.families().flat_map(|f| f.forms()).map(|form| form.tag).collect();
     tags.sort_unstable();
-    let all: Vec<u8> = (1..=15).collect();
+    let all: Vec<u8> = (1..=16).collect();
     assert_eq!(tags, all);
 }
 
@@ -97,7 +98,7 @@ fn the_family_makes_the_same_effect() {
         measured_ut: [20.0, -35.0, 12.5],
         centred_ut: [11.0, -30.0, 7.0],
         turning_ut_per_s: [-60.0, 14.0, 33.0],
-        inputs: [31.0, 0.0],
+        inputs: [31.0, 7.0],
     };
     let theta = [0.3; MAX_COEFFICIENTS];
     for effect in all() {
@@ -159,7 +160,7 @@ fn a_log_is_offered_what_its_columns_allow() {
 
 #[test]
 fn every_pair_has_advice_that_names_its_columns() {
-    const IDS: [&str; 16] = [
+    const IDS: [&str; 17] = [
         "offset:temp_c",
         "gain:temp_c",
         "offset:temp_c^2",
@@ -167,6 +168,7 @@ fn every_pair_has_advice_that_names_its_columns() {
         "offset:current_a@delay",
         "offset:current_a~tau",
         "soft-iron:lid",
+        "product:servo*current_a",
         "offset:throttle",
         "field:height_m",
         "offset:servo",

@@ -3,7 +3,7 @@
 use super::{Conditions, ExtendedCalibration, FittedEffect, Live, MAX_EFFECTS, NotCorrected};
 use crate::calibration::Calibration;
 use crate::effect::{
-    AmbientField, BuiltIn, ColumnName, Eddy, Effect, Gain, Lag, Offset, Past, Quantities, Shape,
+    AmbientField, BuiltIn, ColumnName, Eddy, Effect, Gain, Lag, Offset, Past, Product, Quantities, Shape,
 };
 use crate::model::{Model, Observation, Residual, Term};
 use crate::vector::{minus, norm, times, turned};
@@ -48,6 +48,21 @@ fn the_study_and_the_correction_mean_the_same() {
     assert_eq!(live.apply(measured, Some(turn)), Ok(here));
     live.set("u", f64::NAN);
     assert_eq!(live.apply(measured, Some(turn)), Err(NotCorrected::Column(0)));
+}
+
+#[test]
+fn a_product_waits_for_both_of_its_columns() {
+    let columns = ColumnName::new("servo*current_a").unwrap();
+    let mut calibration = ExtendedCalibration::plain(Calibration::identity(50.0));
+    calibration.effects.push(fitted(BuiltIn::Product(Product { columns, reference: 30.0 }), 0.5)).unwrap();
+    let mut live = Live::new(&calibration).unwrap();
+    assert!(live.set("servo", 34.0) && !live.set("servo*current_a", 1.0));
+    assert_eq!(live.waits_for(), Some("current_a"));
+    assert!(live.set("current_a", 2.0));
+    let corrected = live.apply([20.0, 5.0, -40.0], None).unwrap();
+    // (34 − 30) · 2 times the coefficients 0.5, 0.35, 0.2.
+    let expected = [16.0, 2.2, -41.6];
+    assert!((0..3).all(|axis| (corrected[axis] - expected[axis]).abs() < 1e-12), "{corrected:?}");
 }
 
 #[test]

@@ -21,11 +21,19 @@ pub fn thickness(samples: &Samples) -> f64 {
     (eigenvalues.min().max(0.0) / eigenvalues.max().max(1e-300)).sqrt()
 }
 
+/// Readings as they would be in the mean field, near enough to start from: where the field changes along the way, its magnitude at each
+/// reading is known.
+fn readings_ut(samples: &Samples) -> impl Iterator<Item = [f64; 3]> {
+    let share = |place: usize| samples.places.get(place).map_or(1.0, |place| place.share);
+    let each = samples.readings.iter().enumerate();
+    each.map(move |(place, reading)| reading.measured_ut.map(|axis| axis / share(place)))
+}
+
 /// The adjusted quadric fit, if the log carries one by itself.
 pub fn quadric(samples: &Samples, field_ut: Option<f64>) -> Option<FitReport> {
     let mut builder = ScatterBuilder::new(samples.mean_vector());
-    for reading in &samples.readings {
-        builder.push(reading.measured_ut);
+    for reading_ut in readings_ut(samples) {
+        builder.push(reading_ut);
     }
     let options = FitOptions { field_ut, lower_orders: false, ..FitOptions::default() };
     fit(&builder.finish(0.0).ok()?, &options).ok()
@@ -37,8 +45,8 @@ pub fn sphere(samples: &Samples) -> Option<([f64; 3], f64)> {
     let mut normal = nalgebra::Matrix4::<f64>::zeros();
     let mut right = nalgebra::Vector4::<f64>::zeros();
     let mut spread = 0.0;
-    for reading in &samples.readings {
-        let [x, y, z] = [0, 1, 2].map(|axis| reading.measured_ut[axis] - mean[axis]);
+    for reading_ut in readings_ut(samples) {
+        let [x, y, z] = [0, 1, 2].map(|axis| reading_ut[axis] - mean[axis]);
         let row = nalgebra::Vector4::new(2.0 * x, 2.0 * y, 2.0 * z, 1.0);
         normal += row * row.transpose();
         right += row * (x * x + y * y + z * z);

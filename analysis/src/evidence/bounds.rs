@@ -9,6 +9,13 @@ pub const UNCLEAR_ODDS: f64 = 5.888_877_957_332_881;
 /// Twice the log of the prior odds against a derived form (square, delay, low-pass): one effect in ten has one.
 pub const DERIVED_ODDS: f64 = 4.605_170_185_988_092;
 
+/// Twice the log of the prior odds against a low-pass of a column that does not act itself, or a product of two columns of which neither
+/// does: one derived form in ten.
+pub const ALONE_ODDS: f64 = 2.0 * DERIVED_ODDS;
+
+/// A log with more columns has only products of columns that act: each pair costs a look at every sample.
+pub const MAX_COLUMNS_PAIRED: usize = 12;
+
 /// Share of the remaining squared residual that a term must explain: below 5 % a correction changes the rms by less than the
 /// uncertainty of the noise model.
 pub const MIN_SHARE: f64 = 0.05;

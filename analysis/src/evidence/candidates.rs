@@ -1,12 +1,14 @@
 //! The terms that a log allows: fixed forms, and those with a place, a frequency or a delay to be searched.
 
-use crate::evidence::bounds::{DERIVED_ODDS, MAX_DELAY_S, MAX_LEAD_S, MAX_TIME_CONSTANT_S, MIN_TONE_HZ};
+use crate::evidence::bounds::{
+    ALONE_ODDS, DERIVED_ODDS, MAX_COLUMNS_PAIRED, MAX_DELAY_S, MAX_LEAD_S, MAX_TIME_CONSTANT_S, MIN_TONE_HZ,
+};
 use crate::evidence::fit::Fit;
 use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
 use crate::evidence::term::Term;
 use crate::samples::fft;
-use ironout::effect::{Follows, Named, Registry, Searched};
+use ironout::effect::{ColumnKind, Follows, Named, Registry, Searched};
 
 /// Places of a first look for a step.
 const STEP_PLACES: usize = 48;
@@ -64,20 +66,63 @@ impl<'l, 'a> Catalogue<'l, 'a> {
                         );
                     }
                     Some(Searched::TimeConstant) if form.column => {
-                        // Through a low-pass any column becomes smooth, and smooth shapes imitate each other: by heredity only.
-                        let prompt = fit.model.terms.iter().filter(|term| {
-                            term.made.family().kind() == family.kind() && term.form().searched.is_none()
+                        let columns = self.log.usable().filter_map(|column| {
+                            let odds = self.low_pass_odds(column, fit)?;
+                            let mut term = self.low_pass(&named, column, fit, screen)?;
+                            term.odds = odds;
+                            Some(term)
                         });
-                        let columns: Vec<&str> = prompt.map(|term| term.column()).collect();
-                        let own = self.log.usable().filter(|index| {
-                            columns.contains(&self.log.samples.columns[*index].name.as_str())
-                        });
-                        list.extend(own.filter_map(|column| self.low_pass(&named, column, fit, screen)));
+                        list.extend(columns);
                     }
                     _ => {}
                 }
             }
         }
+        list.extend(self.products(fit));
+        list
+    }
+
+    /// Whether a column acts as an offset in the model, through no past of it.
+    fn acts_alone(fit: &Fit<'a>, column: &str) -> bool {
+        let alone = |term: &Term| term.made.family().kind() == "offset" && term.form().searched.is_none();
+        fit.model.terms.iter().any(|term| alone(term) && term.column() == column)
+    }
+
+    /// Odds against a low-pass of a column. What is warmed, and what a power module filters, has a temperature or a current behind it: any
+    /// other column only where it acts itself, since through a low-pass all are smooth, and smooth columns imitate each other.
+    fn low_pass_odds(&self, column: usize, fit: &Fit<'a>) -> Option<f64> {
+        let name = &self.log.samples.columns[column].name;
+        if Self::acts_alone(fit, name) {
+            return Some(DERIVED_ODDS);
+        }
+        (ColumnKind::behind(name) != ColumnKind::Other).then_some(ALONE_ODDS)
+    }
+
+    /// Products of two columns: of a column that acts with any other, and of what may be a current with any other.
+    fn products(&self, fit: &Fit<'a>) -> Vec<Term<'a>> {
+        let names: Vec<&str> =
+            self.log.usable().map(|index| self.log.samples.columns[index].name.as_str()).collect();
+        let mut list = Vec::new();
+        for own in &names {
+            let inherited = Self::acts_alone(fit, own);
+            let is_current =
+                ColumnKind::behind(own) == ColumnKind::Current && names.len() <= MAX_COLUMNS_PAIRED;
+            if !inherited && !is_current {
+                continue;
+            }
+            for other in names.iter().filter(|other| *other != own) {
+                let id = format!("product:{other}*{own}");
+                let Some(mut term) =
+                    self.registry.parse(&id).and_then(|named| Term::new(self.log, &named, None, 0.0))
+                else {
+                    continue;
+                };
+                term.odds = if inherited { DERIVED_ODDS } else { ALONE_ODDS };
+                list.push(term);
+            }
+        }
+        let count = list.len() as f64;
+        list.iter_mut().for_each(|term| term.places = count);
         list
     }
 

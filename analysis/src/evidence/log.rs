@@ -4,7 +4,7 @@ use crate::base::prior::Prior;
 use crate::samples::clock::even;
 use crate::samples::samples::Samples;
 use crate::table::Table;
-use ironout::effect::{Acts, MAX_INPUTS, Need, Past};
+use ironout::effect::{Acts, MAX_INPUTS, Named, Need, Past};
 use std::cell::Cell;
 use std::sync::Arc;
 
@@ -118,6 +118,20 @@ impl<'a> Log<'a> {
             Some(first) if first.abs() >= OWN_ZERO_S => *first,
             _ => 0.0,
         }
+    }
+
+    /// The two columns that a form names, with what their pair is called.
+    pub fn pair(&self, named: &Named) -> Option<(&'a str, [usize; 2])> {
+        let mut columns =
+            named.columns().map(|name| self.usable().find(|&i| self.samples.columns[i].name == name));
+        let indices = [columns.next()??, columns.next()??];
+        Some((self.samples.pairs.iter().find(|pair| *pair == named.column)?, indices))
+    }
+
+    /// Values of two columns as the inputs of an effect.
+    pub fn pair_inputs(&self, indices: [usize; 2]) -> Inputs {
+        let [one, other] = indices.map(|index| &self.samples.columns[index].values);
+        Arc::new(one.iter().zip(other).map(|(one, other)| [*one, *other]).collect())
     }
 
     /// Values of a column, or of its past.

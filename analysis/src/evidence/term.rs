@@ -32,6 +32,8 @@ impl<'a> Term<'a> {
         if family.need(form).is_some_and(|need| !log.has(need)) {
             return None;
         }
+        let pair = if form.column && column.is_none() { Some(log.pair(named)?) } else { None };
+        let column = column.or(pair.map(|(_, [first, _])| first));
         let known = column.map(|index| &log.samples.columns[index]);
         let reference = match form.zero {
             Zero::None => 0.0,
@@ -41,9 +43,11 @@ impl<'a> Term<'a> {
             Zero::Time => log.samples.middle_s,
         };
         let parameter = if form.searched.is_some() { parameter } else { 0.0 };
-        let name = known.map_or("", |column| column.name.as_str());
+        let name =
+            pair.map(|(name, _)| name).or(known.map(|column| column.name.as_str())).unwrap_or_default();
         let made = Made::new(family, Parts { form, column: name, reference, parameter })?;
         let inputs = match family.follows() {
+            Follows::Column if pair.is_some() => log.pair_inputs(pair?.1),
             Follows::Column => inputs(&log.values(column?, made.parts().past())?),
             Follows::Tone => inputs(log.even_s.as_deref().unwrap_or(&log.time_s)),
             Follows::Time => inputs(&log.time_s),
@@ -65,7 +69,7 @@ impl<'a> Term<'a> {
         let named = term.named()?;
         let column = match named.column {
             "" => None,
-            name => Some(log.samples.columns.iter().position(|column| column.name == name)?),
+            name => log.samples.columns.iter().position(|column| column.name == name),
         };
         let parameter = term.searched().map_or(0.0, |(_, parameter)| parameter);
         Some(Term { theta: term.coefficients, ..Term::new(log, &named, column, parameter)? })
@@ -79,7 +83,7 @@ impl<'a> Term<'a> {
             name => log.samples.columns.iter().position(|column| column.name == name),
         };
         let parameter = self.searched().map_or(0.0, |(_, parameter)| parameter);
-        let named = Named { family, column: "", form: self.form() };
+        let named = Named { family, column: self.column(), form: self.form() };
         let new = Term::new(log, &named, column, parameter)?;
         Some(Term { theta: self.theta, places: self.places, odds: self.odds, ..new })
     }

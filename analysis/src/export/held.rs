@@ -2,15 +2,16 @@
 //! for, and what is left out.
 //!
 //! With the frame `measured = R·raw` a calibration is `corrected = M·R·(raw − Rᵀb − …)`. The polar decomposition
-//! `M·R = U·S` splits it into a symmetric matrix, which alone makes the magnitude, and a rotation: the mounting, and beside
+//! `M·R = U·S` splits it into a symmetric matrix, which alone makes the magnitude, and a rotation: the mounting, and next to
 //! it a misalignment that a target without a full matrix cannot hold. Where the calibration was not aligned to an accelerometer
 //! the rotation of its triangular matrix is a convention, and nothing is lost without it.
 
+use crate::blocks::blocks;
 use crate::effects::Calibrated;
 use crate::export::error::CannotExport;
 use crate::export::rotations::{Rotation, angle_deg};
 use crate::frame::{Frame, Program};
-use ironout::effect::Id;
+use ironout::effect::{Id, Registry};
 use nalgebra::{Matrix3, Vector3};
 
 /// Angle up to which a target's mounting counts as the one that the calibration shows, degrees. The numbered mountings lie 45 apart.
@@ -155,7 +156,7 @@ pub struct Held {
     pub narrowed: bool,
     /// The magnitude of corrected vectors, µT.
     pub field_ut: f64,
-    /// Whether it was fitted anew on a log.
+    /// Whether it was fitted again on a log.
     pub refitted: bool,
 }
 
@@ -299,6 +300,22 @@ fn effects(calibration: &Calibrated, rotation: &Matrix3<f64>, room: Room) -> (Ve
             }),
             None => dropped.push(nowhere(&id)),
         }
+    }
+    // What a target multiplies with the current of the battery is no vector of one motor.
+    let ids: Vec<String> =
+        carried.iter().filter(|one| one.cause.is_power()).map(|one| one.id.clone()).collect();
+    let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
+    for block in blocks(&ids, Registry::BUILT_IN) {
+        let sum = block.columns.join("+");
+        carried.retain(|one| !block.ids.contains(&one.id));
+        dropped.extend(block.ids.into_iter().map(|id| Dropped {
+            id,
+            why: format!(
+                "{} has one vector for the sum of all motors. For an average over the motors fit with --derive 'total_a={sum}' --add \
+                 offset:total_a. --as c and --as rust hold each motor",
+                room.name
+            ),
+        }));
     }
     // One power and one temperature: the one that moves most stays.
     for is_power in [true, false] {

@@ -112,7 +112,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> String {
          // corrected = matrix · (measured − offset − effects), microtesla:\n\
          {}{warning}\n\
          use ironout::calibration::Calibration;\n",
-        usage(calibration, &columns)
+        usage(calibration)
     );
     let mut uses: Vec<String> = imports.iter().map(|(module, names)| import(module, names)).collect();
     uses.push("use ironout::extended::{Effects, ExtendedCalibration, FittedEffect};\n".into());
@@ -156,10 +156,15 @@ fn extended(calibration: &Calibrated, summary: &str) -> String {
 }
 
 /// How the constant is used: only what its effects ask for, with the arguments that `Live` takes.
-fn usage(calibration: &Calibrated, columns: &[ColumnName]) -> String {
+fn usage(calibration: &Calibrated) -> String {
     let mut text = String::from("// `let mut live = Live::new(&CALIBRATION)?;`, then for each sample\n");
-    for column in columns {
-        let _ = writeln!(text, "// `live.set(\"{column}\", value);`");
+    let mut columns: Vec<String> = Vec::new();
+    let read = calibration.effects.iter().flat_map(|fitted| fitted.effect.inputs().into_iter().flatten());
+    for column in read.filter(|column| column.name != TIME) {
+        if !columns.iter().any(|known| known == column.name) {
+            columns.push(column.name.to_string());
+            let _ = writeln!(text, "// `live.set(\"{}\", value);`", column.name);
+        }
     }
     let all = || calibration.effects.iter().map(|fitted| &fitted.effect);
     let by_time = |effect: &Made<ColumnName>| {

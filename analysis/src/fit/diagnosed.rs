@@ -57,7 +57,7 @@ pub(crate) fn leave_out(ground: &mut Ground, options: &Options) {
         let Some(name) = table.covariates.get(one.covariate).map(|covariate| covariate.name) else {
             continue;
         };
-        if named.iter().any(|named| named.column == name) {
+        if named.iter().any(|named| named.columns().any(|column| column == name)) {
             continue;
         }
         let counted = &mut ground.counted;

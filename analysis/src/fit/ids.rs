@@ -4,7 +4,7 @@ use crate::base::mounting;
 use crate::outcome::request::Refusal;
 use crate::similar;
 use crate::table::Table;
-use ironout::effect::{ColumnName, Named, Need, Parts, Registry, TIME};
+use ironout::effect::{ColumnName, Need, Registry};
 use ironout::extended::MAX_EFFECTS;
 
 /// Every id must be one that a calibration can carry, at most once, with its column in the log.
@@ -31,18 +31,21 @@ pub fn check(table: &Table, ids: &[String], registry: Registry) -> Result<(), Re
         if ids[..index].contains(id) {
             return Err(Refusal::cannot_add(id, "given twice"));
         }
-        for column in columns_of(&named) {
+        let columns: Vec<&str> = named.columns().collect();
+        if named.form.column && columns.is_empty() {
+            let why = "expected two columns with a * between them, as in product:servo*current_a";
+            return Err(Refusal::cannot_add(id, why));
+        }
+        for column in columns {
             fits(table, id, column)?;
+        }
+        if let Err(error) = ColumnName::new(named.column)
+            && named.form.column
+        {
+            return at(named.column, format!("{error}. Fix: rename the columns with --map"));
         }
     }
     Ok(())
-}
-
-/// The columns of the log that an effect reads.
-fn columns_of<'a>(named: &Named<'a>) -> Vec<&'a str> {
-    let parts = Parts { form: named.form, column: named.column, reference: 0.0, parameter: 0.0 };
-    let columns = named.family.columns(&parts).into_iter().flatten().map(|column| column.name);
-    columns.filter(|name| *name != TIME).collect()
 }
 
 /// Whether a column may be followed.

@@ -10,7 +10,7 @@ use crate::reason::Reason;
 use crate::table::Table;
 use crate::threads::with_room;
 
-/// Fits a log. The fit may be refused; the counts of what was used and set aside are there all the same.
+/// Fits a log. The fit may be refused; the counts of what was used and set aside are there anyway.
 ///
 /// # Errors
 /// Only where `options` ask for an effect that is not known or that this log does not allow.

@@ -147,6 +147,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         contradiction: None,
         recordings: None,
         switching: None,
+        levels: None,
         wander: None,
         traces,
         ..undetermined(table, samples, options.registry, Reason::new("at-rest", ""))

@@ -163,6 +163,7 @@ impl View<'_, '_> {
             contradiction: None,
             recordings: None,
             switching: None,
+            levels: None,
             wander,
             lower_order: self.lower_order.is_some(),
             shown: self.shown(&dip, force_lag),

@@ -1,6 +1,7 @@
 //! The JSON object of `diagnose`.
 
 use crate::base::mounting::{AXIS_ORDER, DecidedBy};
+use crate::blocks::blocks;
 use crate::calibration::StdErrors;
 use crate::noise::colour::Colour;
 use crate::outcome::outcome::{Diagnosis, NoiseRow};
@@ -156,6 +157,14 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
         }
         if let Some(switching) = &diagnosis.switching {
             map.insert("switching".into(), json!(switching));
+        }
+        if let Some(levels) = &diagnosis.levels {
+            map.insert("levels".into(), json!(levels));
+        }
+        let ids: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id.as_str()).collect();
+        let blocks = blocks(&ids, diagnosis.registry);
+        if !blocks.is_empty() {
+            map.insert("blocks".into(), json!(blocks));
         }
         // With swapped axes the log is to be repaired first.
         let calibration = diagnosis.calibration.filter(|_| diagnosis.axis_order().is_none());

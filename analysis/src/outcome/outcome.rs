@@ -14,6 +14,7 @@ use crate::reason::Reason;
 use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
 use crate::search::shown::Shown;
+use crate::unlogged::levels::Levels;
 use crate::unlogged::recordings::Recordings;
 use crate::unlogged::switching::Switching;
 use ironout::calibration::Calibration;
@@ -256,6 +257,9 @@ pub struct Diagnosis {
     /// An offset that switches between two values with no column that says when, where what is left shows one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub switching: Option<Switching>,
+    /// An offset with more jumps than steps were named, with no column behind it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub levels: Option<Levels>,
     /// How the offset wanders where the verdict is unexplained.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wander: Option<Wander>,

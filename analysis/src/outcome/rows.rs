@@ -281,7 +281,7 @@ impl View<'_, '_> {
         let all: Vec<Named> = all.filter_map(|id| self.catalogue.registry.parse(id)).collect();
         let timed = all.iter().any(|named| named.family.follows() == Follows::Time);
         let columns: Vec<&str> =
-            all.iter().filter(|named| named.form.column).map(|named| named.column).collect();
+            all.iter().filter(|named| named.form.column).flat_map(Named::columns).collect();
         match (timed, columns.first()) {
             (true, Some(column)) => format!(
                 "record a log in which {column} rises and falls again (let it cool down, switch it on and off)"

@@ -7,7 +7,7 @@ use crate::base::level::{LEVEL_DEG, tilt_deg};
 use crate::base::model::Base;
 use crate::base::prior::Prior;
 use crate::base::start;
-use crate::calibration::EffectEntry;
+use crate::calibration::{EffectEntry, FittedEffect};
 use crate::correct::Corrector;
 use crate::effects::calibrated;
 use crate::outcome::at_rest::at_rest;
@@ -24,6 +24,7 @@ use crate::samples::faults::{self, FaultKind};
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
 use crate::table::Table;
+use crate::unlogged::levels::{Levels, levels};
 use crate::unlogged::switching::{Switching, switching};
 use ironout::effect::Follows;
 use ironout::fit::MAX_PREDICTED_ERROR;
@@ -69,31 +70,57 @@ pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     }
     diagnosis.base = ground.base.as_ref().ok().filter(|_| !counted.rests && options.prior.is_none()).cloned();
     diagnosis.switching = switches(counted, &diagnosis);
+    if diagnosis.switching.is_none() {
+        diagnosis.levels = jumps(counted, &diagnosis);
+    }
     Ok(diagnosis)
 }
 
 /// An offset that switches with no column behind it, in what is left.
 fn switches(counted: &Counted, diagnosis: &Diagnosis) -> Option<Switching> {
-    let time_s = counted.table.time_s?;
     if diagnosis.verdict != Verdict::Unexplained || counted.rests {
         return None;
     }
     let base = diagnosis.calibration?;
-    let entries: Vec<EffectEntry> = diagnosis.effects.iter().map(EffectEntry::from).collect();
-    let whole = calibrated(base, &entries, diagnosis.registry).ok()?;
+    let (times_s, corrected) = corrected_by(counted, diagnosis, &diagnosis.effects)?;
+    switching(&times_s, &corrected, &base.matrix, base.field_ut)
+}
+
+/// An offset with more jumps than steps were named.
+fn jumps(counted: &Counted, diagnosis: &Diagnosis) -> Option<Levels> {
+    if diagnosis.verdict != Verdict::Unexplained || counted.rests {
+        return None;
+    }
+    let base = diagnosis.calibration?;
+    let is_step = |effect: &&FittedEffect| effect.id.split('#').next() == Some("step");
+    let (steps, others): (Vec<&FittedEffect>, Vec<&FittedEffect>) =
+        diagnosis.effects.iter().partition(is_step);
+    let others: Vec<FittedEffect> = others.into_iter().cloned().collect();
+    let (times_s, corrected) = corrected_by(counted, diagnosis, &others)?;
+    levels(&times_s, &corrected, &base.matrix, base.field_ut, steps.len())
+}
+
+/// Times and vectors corrected by the calibration with these effects.
+fn corrected_by(
+    counted: &Counted,
+    diagnosis: &Diagnosis,
+    effects: &[FittedEffect],
+) -> Option<(Vec<f64>, Vec<[f64; 3]>)> {
+    let time_s = counted.table.time_s?;
+    let entries: Vec<EffectEntry> = effects.iter().map(EffectEntry::from).collect();
+    let whole = calibrated(diagnosis.calibration?, &entries, diagnosis.registry).ok()?;
     let corrector = Corrector::new(whole, counted.table).ok()?;
     // What stands out may be the one of two values that is rare.
     let samples = counted.with_bursts.as_ref().unwrap_or(&counted.samples);
     let corrected = |row: &usize| Some((time_s[*row], corrector.correct(*row).ok()?));
-    let (times_s, corrected): (Vec<f64>, Vec<[f64; 3]>) = samples.row.iter().filter_map(corrected).unzip();
-    switching(&times_s, &corrected, &base.matrix, base.field_ut)
+    Some(samples.row.iter().filter_map(corrected).unzip())
 }
 
 fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     let Counted { table, samples, .. } = &ground.counted;
     let asked = |name: &str| {
         let parsed = options.add.iter().filter_map(|id| options.registry.parse(id));
-        parsed.into_iter().any(|named| named.form.column && named.column == name)
+        parsed.into_iter().any(|named| named.form.column && named.columns().any(|column| column == name))
     };
     match samples.with_all_known(table, |name| options.search || asked(name)) {
         Some((common, lacking)) => {
@@ -257,7 +284,7 @@ fn level(
         "tilted-too-little",
         format!(
             "The sensor was tilted by only {tilt_deg:.0}° (rms), so offset and matrix cannot be found. Record again with large \
-         tilts, or use --prior CAL.json. For a vehicle, ironout fit calibrates for the tilts in the log"
+         tilts, or use --prior CAL.json. For a vehicle, ironout fit can calibrate for the tilts in the log"
         ),
     );
     if let Some(mut lower) = as_logged(table, samples, options)?.filter(|lower| is_told(lower, options)) {
@@ -268,6 +295,8 @@ fn level(
     let base_only = Options { search: false, add: Vec::new(), ..options.clone() };
     let mut diagnosis = magnitude(table, samples, model, &Prior::default(), &base_only, stand)?;
     diagnosis.verdict = Verdict::Undetermined;
+    // The tilt says it already, with the same remedy.
+    diagnosis.reasons.retain(|other| other.code != "too-few-orientations");
     diagnosis.reasons.insert(0, reason);
     accuse_nobody(&mut diagnosis, base);
     Ok(diagnosis)

@@ -10,6 +10,7 @@ pub mod families;
 pub mod faults;
 pub mod fft;
 pub mod gravity;
+pub mod pairs;
 pub mod samples;
 pub mod scores;
 pub mod series;

@@ -2,6 +2,7 @@
 
 use crate::calibration::STANDARD_GRAVITY_MPS2;
 use crate::samples::gravity;
+use crate::samples::pairs::pairs;
 use crate::samples::series::quantum;
 use crate::samples::work::Work;
 use crate::table::{Follows, Table};
@@ -74,6 +75,8 @@ pub struct Samples {
     pub places: Vec<Place>,
     /// Covariates.
     pub columns: Vec<Column>,
+    /// Each two of them by the name that a product has.
+    pub pairs: Arc<Vec<String>>,
     /// Row of the log of each sample.
     pub row: Vec<usize>,
     /// Every how many unique rows one sample was kept.
@@ -245,6 +248,7 @@ impl Samples {
             .iter()
             .map(|named| column(named.name, pick(named.values), named.not_finite))
             .collect();
+        let pairs = pairs(&table.covariates.iter().map(|named| named.name).collect::<Vec<_>>());
         let quiet = gravity::quiet(table);
         let follows =
             quiet.map_or_else(Vec::new, |quiet| row.iter().map(|&row| quiet.follows(row)).collect());
@@ -254,6 +258,7 @@ impl Samples {
             readings,
             places,
             columns,
+            pairs,
             row,
             stride,
             axes,
@@ -330,7 +335,7 @@ impl Samples {
     }
 
     /// The same samples with accelerometer and gyro as they were `late_s` earlier: what a magnetometer that is so late
-    /// stands beside. `None` without time.
+    /// stands next to. `None` without time.
     pub fn beside_late(&self, table: &Table, late_s: f64) -> Option<Samples> {
         table.time_s?;
         let mut out = self.clone();

@@ -121,7 +121,7 @@ impl<'a> Catalogue<'a> {
         if family.need(form).is_some_and(|need| !self.has(need)) {
             return None;
         }
-        let index = if form.column { Some(self.usable(named.column)?) } else { None };
+        let index = if form.column { Some(self.usable(named.columns().next()?)?) } else { None };
         let column = index.map(|index| &self.samples.columns[index]);
         let reference = match form.zero {
             Zero::None => 0.0,
@@ -131,7 +131,11 @@ impl<'a> Catalogue<'a> {
             Zero::Time => self.samples.middle_s,
         };
         let parameter = if form.searched.is_some() { parameter } else { 0.0 };
-        let column = index.map_or("", |index| self.names[index]);
+        let column = match index {
+            Some(index) if self.names[index] == named.column => self.names[index],
+            Some(_) => self.samples.pairs.iter().find(|pair| *pair == named.column)?,
+            None => "",
+        };
         let made = Made::new(family, Parts { form, column, reference, parameter })?;
         let is_even = clock == Clock::Even && family.follows() == Follows::Tone;
         if let Some(grid) = self.grid.as_ref().filter(|_| is_even) {

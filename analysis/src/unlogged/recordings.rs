@@ -221,14 +221,21 @@ fn step(normals: &[Normal<BASE>], each: bool) -> Option<(SVector<f64, 6>, Vec<SV
 }
 
 /// The normal equations of one recording's offset, and how they hang on the matrix.
-struct Block {
+pub(super) struct Block {
     inverse: SMatrix<f64, 3, 3>,
     cross: SMatrix<f64, 3, 6>,
     right: SVector<f64, 3>,
 }
 
+impl Block {
+    /// What this offset takes off the squares while the matrix stays.
+    pub(super) fn taken(&self) -> f64 {
+        self.right.dot(&(self.inverse * self.right))
+    }
+}
+
 /// The normal equations of the matrix with the offsets eliminated, and what gives these back.
-fn eliminated(normals: &[Normal<BASE>]) -> Option<(Normal<6>, Vec<Block>)> {
+pub(super) fn eliminated(normals: &[Normal<BASE>]) -> Option<(Normal<6>, Vec<Block>)> {
     let mut shared = Normal::<6>::default();
     let mut blocks = Vec::with_capacity(normals.len());
     for normal in normals {

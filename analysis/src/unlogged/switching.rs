@@ -20,7 +20,7 @@ const MOST_BLOCKS: usize = 3000;
 /// Sizes of the vector to begin with, in standard deviations of the residual: a vector that switches half of the time has two.
 const SIZES: [f64; 3] = [1.0, 2.0, 4.0];
 /// −2 ln of the odds against a switching offset that chance brings about, at least: one in a hundred logs.
-const WORTH_NAMING: f64 = 2.0 * 4.605;
+pub(super) const WORTH_NAMING: f64 = 2.0 * 4.605;
 /// Fewer changes are steps, which have a name of their own.
 const FEWEST_CHANGES: usize = 2;
 /// A state that lasts for fewer samples than this in the mean is a spike.
@@ -111,10 +111,7 @@ pub fn switching(
         (corrected_ut.iter().zip(&fit.states)).map(|(h, on)| fit.point.left(*h, *on, field_ut)).collect();
     // Noise with a memory of one sample, as the rival's has a state.
     let own = autoregressive(&left) + (3.0 + 2.0 * changes as f64) * n.ln();
-    let free: Vec<f64> = rows.iter().map(|row| after_base(row, &before.0)).collect();
-    let along = wandering(&rows, time_s, &free, Some(fit.point.vector));
-    let each = wandering(&rows, time_s, &free, None);
-    let odds = along.min(each) - own;
+    let odds = wandered(&rows, time_s, fit.point.vector)? - own;
     if odds < WORTH_NAMING {
         return None;
     }
@@ -141,8 +138,15 @@ pub fn switching(
     })
 }
 
+/// −2 ln L of an offset that wanders, in all axes or along a vector.
+pub(super) fn wandered(rows: &[Row], time_s: &[f64], vector: [f64; 3]) -> Option<f64> {
+    let (base, _) = plain(rows)?;
+    let free: Vec<f64> = rows.iter().map(|row| after_base(row, &base)).collect();
+    Some(wandering(rows, time_s, &free, Some(vector)).min(wandering(rows, time_s, &free, None)))
+}
+
 /// Every so many of a series, so that there are few enough.
-fn thinned<T: Copy>(values: &[T], most: usize) -> Vec<T> {
+pub(super) fn thinned<T: Copy>(values: &[T], most: usize) -> Vec<T> {
     values.iter().step_by(values.len().div_ceil(most).max(1)).copied().collect()
 }
 
@@ -264,7 +268,7 @@ fn viterbi(left: &[[f64; 2]], variance: f64) -> Vec<bool> {
 }
 
 /// −2 ln L, but a constant, of noise whose values follow each other by ρ.
-fn autoregressive(values: &[f64]) -> f64 {
+pub(super) fn autoregressive(values: &[f64]) -> f64 {
     let squares: f64 = values.iter().map(|value| value * value).sum();
     let products: f64 = values.windows(2).map(|pair| pair[0] * pair[1]).sum();
     let rho = if squares > 0.0 { (products / squares).clamp(-0.99, 0.99) } else { 0.0 };

@@ -3,9 +3,9 @@
 //! Frozen logs stand beside their snapshot. `--unseen N` takes N logs of each kind of both generators and of each recording instead,
 //! from seeds that nothing was tuned on; `--seeds-from K` leaves out the first K seeds. `--from K` begins at the K-th log, `--every N`
 //! takes each N-th, `--only S` sets whose name contains S, `--log S` one log, `--rows` prints each log. `--count` counts lines and
-//! constants. `--false-alarms N` simulates N logs without effects in white noise and counts those in which somebody is named.
+//! constants. `--beyond N` tries N causes outside of the catalogue. `--false-alarms N` simulates N logs without effects in white noise and counts those in which somebody is named.
 
-use ironout_analysis::{Options, diagnose};
+use ironout_analysis::{Options, Table, diagnose};
 use ironout_host_tests::accuracy::simulated::table_of;
 use ironout_host_tests::frozen::compare::merit;
 use ironout_host_tests::frozen::entry::Entry;
@@ -96,6 +96,49 @@ fn false_alarms(logs: u64) {
     });
     let count = made.filter(|named| *named).count() as u64;
     println!("somebody named in white noise without effects: {}", Rate { count, of: logs });
+}
+
+/// Words by which the second generator tells its causes outside of the catalogue.
+const BEYOND: [&str; 9] =
+    ["low-pass", "product", "power", "saturation", "gain", "unlogged", "steps", "motor", "logged"];
+
+/// What a diagnosis makes of `logs` causes outside of the catalogue, kind by kind.
+fn beyond(logs: u64) {
+    /// The first number, which no other table has.
+    const FROM: u64 = 9000;
+    let mut rows: BTreeMap<&str, [u64; 4]> = BTreeMap::new();
+    for number in FROM..FROM + logs {
+        let drawn = second_generator::draw(second_generator::Kind::Beyond, number);
+        let Some(hidden) = drawn.truth.hidden.first() else { continue };
+        let columns = drawn.columns.iter().map(|(name, values)| (name.as_str(), values.as_slice()));
+        let Ok(table) = Table::from_columns(columns) else { continue };
+        let options = Options { search: true, ..Options::default() };
+        let Ok(found) = diagnose(&table, &options) else { continue };
+        let kind = BEYOND.iter().find(|word| hidden.words.contains(**word)).copied().unwrap_or("other");
+        let is_own = |id: &str| match options.registry.parse(id).filter(|named| named.form.column) {
+            Some(named) => named.columns().all(|name| hidden.columns.iter().any(|own| own == name)),
+            None => hidden.columns.is_empty(),
+        };
+        let named: Vec<&str> = found.steps.iter().filter_map(|step| step.added.as_deref()).collect();
+        let beyond_noise = |rms_ut: f64| (rms_ut.powi(2) - drawn.truth.noise_ut.powi(2)).max(0.0);
+        let levels = found.levels.as_ref().map(|levels| levels.rms_ut);
+        let levels = levels.or(found.switching.as_ref().map(|switching| switching.rms_ut));
+        let last = levels.or(found.steps.last().map(|step| step.rms_ut)).unwrap_or(f64::NAN);
+        let first = found.steps.first().map_or(f64::NAN, |step| step.rms_ut);
+        let row = rows.entry(kind).or_default();
+        row[0] += 1;
+        row[1] += u64::from(named.first().is_some_and(|id| is_own(id)));
+        row[2] += u64::from(beyond_noise(last) < 0.1 * beyond_noise(first));
+        row[3] += u64::from(named.iter().any(|id| !is_own(id)));
+    }
+    println!(
+        "{:<12}{:>4}  {:<30}{:<34}another named",
+        "cause", "n", "its own column named first", "a tenth of its squares left, or less"
+    );
+    for (kind, [n, first, left, other]) in rows {
+        let rate = |count| Rate { count, of: n }.to_string();
+        println!("{kind:<12}{n:>4}  {:<30}{:<34}{}", rate(first), rate(left), rate(other));
+    }
 }
 
 /// Root mean square, and how many.
@@ -196,6 +239,10 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
             "--rows" => rows = true,
             "--count" => {
                 count();
+                return Ok(());
+            }
+            "--beyond" => {
+                beyond(value()?.parse()?);
                 return Ok(());
             }
             "--false-alarms" => {

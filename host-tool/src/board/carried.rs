@@ -124,7 +124,7 @@ fn right_for(cal: &CalFile, board: &Identity) -> Outcome<()> {
 /// The calibration in the axes of the numbers that its log held, which a board corrects in: `Rᵀ·M·R·(raw − Rᵀ·b − …)`.
 ///
 /// # Errors
-/// An effect whose coefficients are no vectors.
+/// An effect whose coefficients are not vectors.
 fn in_source_axes(cal: &CalFile, notices: &mut Vec<String>) -> Outcome<CalFile> {
     let frame = cal.reading.as_ref().map_or_else(|| Ok(Frame::default()), Reading::frame)?;
     let (mut turned, r) = (cal.clone(), frame.rotation());

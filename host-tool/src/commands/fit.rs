@@ -66,9 +66,7 @@ pub fn run(arguments: &FitArgs, form: Form) -> Outcome<u8> {
         written = Some(if fitted.accepted {
             let text = {
                 let mut cal = CalFile::of(&fitted, method.name());
-                let columns: Vec<String> =
-                    cal.fit.effects.iter().flat_map(|effect| effect.columns.clone()).collect();
-                cal.reading = Some(Reading::of(&log, &used, &columns)?);
+                cal.reading = Some(Reading::of(&log, &used, &cal.read_columns())?);
                 serde_json::to_string_pretty(&cal).map_err(to_text)?
             };
             atomic::write(path, |out| writeln!(out, "{text}"))?;

@@ -12,7 +12,7 @@ const UNARY: [&str; 24] = [
     "atanh", "floor", "round", "ceil", "trunc", "exp", "sqrt", "cbrt", "ln", "log2", "log10",
 ];
 /// Functions that are evaluated here.
-const OTHERS: [&str; 6] = ["min", "max", "atan2", "prev", "diff", "lowpass"];
+const OTHERS: [&str; 8] = ["min", "max", "atan2", "prev", "next", "diff", "peak", "lowpass"];
 /// Parentheses deeper than this are a slip of the pen.
 const DEEPEST: usize = 40;
 
@@ -201,10 +201,15 @@ impl Work<'_> {
                 }
                 Ok(total)
             }
-            "prev" | "diff" => {
+            "prev" | "next" | "diff" | "peak" => {
                 expect(1, &format!("{name}(x)"))?;
                 let values = self.part(arguments.first().copied().unwrap_or_default(), depth + 1)?;
-                Ok(if name == "prev" { rows::prev(&values) } else { rows::diff(&values) })
+                Ok(match name {
+                    "prev" => rows::prev(&values),
+                    "next" => rows::next(&values),
+                    "diff" => rows::diff(&values),
+                    _ => rows::peak(&values),
+                })
             }
             "lowpass" => {
                 expect(2, "lowpass(x, seconds)")?;

@@ -5,9 +5,25 @@ pub fn prev(values: &[f64]) -> Vec<f64> {
     std::iter::once(f64::NAN).chain(values.iter().copied()).take(values.len()).collect()
 }
 
+/// The value of the row after; missing in the last.
+pub fn next(values: &[f64]) -> Vec<f64> {
+    values.iter().copied().skip(1).chain([f64::NAN]).take(values.len()).collect()
+}
+
 /// What changed since the row before; missing in the first.
 pub fn diff(values: &[f64]) -> Vec<f64> {
     values.iter().zip(prev(values)).map(|(now, before)| now - before).collect()
+}
+
+/// The largest magnitude so far: what magnetises a part once, and stays.
+pub fn peak(values: &[f64]) -> Vec<f64> {
+    let mut most = f64::NAN;
+    let mut row = |value: &f64| {
+        // `max` of the library passes over what is missing.
+        most = most.max(value.abs());
+        if value.is_finite() { most } else { f64::NAN }
+    };
+    values.iter().map(&mut row).collect()
 }
 
 /// A first-order low pass: what a part with this time constant makes of the column (a supply with a capacitor, a body that
@@ -38,7 +54,14 @@ mod tests {
         let values = [1.0, 4.0, f64::NAN, 2.0];
         assert_eq!(format!("{:?}", prev(&values)), "[NaN, 1.0, 4.0, NaN]");
         assert_eq!(format!("{:?}", diff(&values)), "[NaN, 3.0, NaN, NaN]");
-        assert!(prev(&[]).is_empty());
+        assert_eq!(format!("{:?}", next(&values)), "[4.0, NaN, 2.0, NaN]");
+        assert!(prev(&[]).is_empty() && next(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_peak_stays() {
+        let values = [1.0, -4.0, f64::NAN, 2.0, 5.0, 0.0];
+        assert_eq!(format!("{:?}", peak(&values)), "[1.0, 4.0, NaN, 4.0, 5.0, 5.0]");
     }
 
     #[test]
@@ -49,7 +72,7 @@ mod tests {
         // One time constant after the step: 1 − 1/e.
         assert!((out[149] - (1.0 - (-1.0_f64).exp())).abs() < 1e-3, "{}", out[149]);
         assert_eq!(out[50], 0.0);
-        // A gap in the column is no gap in the time.
+        // A gap in the column is not a gap in the time.
         let mut holes = step.clone();
         holes[120..140].fill(f64::NAN);
         let with = lowpass(&holes, &time, 0.5);

@@ -7,6 +7,7 @@ use crate::diagnosis_words::{advice, found, next};
 use crate::log_args::SAVED;
 use ironout_analysis::Report;
 use ironout_analysis::base::mounting;
+use ironout_analysis::blocks::{Block, blocks};
 use ironout_analysis::outcome::outcome::{Diagnosis, Status, Verdict};
 use ironout_analysis::samples::faults::FaultKind;
 use std::path::Path;
@@ -28,7 +29,7 @@ fn fall(diagnosis: &Diagnosis) -> String {
         return String::new();
     };
     if first.rms_ut > 1.02 * last.rms_ut {
-        // Where structure is left beside the noise it is not only that.
+        // Where structure is left next to the noise it is not only that.
         let all = diagnosis.verdict != Verdict::Unexplained || is_only_unsure(diagnosis);
         let noise = if all && at_the_noise(diagnosis) { ", the noise floor" } else { "" };
         return format!("the error from {} to {}{noise}", microtesla(first.rms_ut), field(last.rms_ut));
@@ -43,13 +44,10 @@ fn fall(diagnosis: &Diagnosis) -> String {
 
 /// The verdict in one sentence, or two.
 pub fn sentence(diagnosis: &Diagnosis) -> String {
-    let names: Vec<String> = diagnosis
-        .steps
-        .iter()
-        .filter_map(|step| step.added.as_deref())
-        .map(|id| with_id(diagnosis, id))
-        .collect();
-    let (it, they) = if names.len() == 1 { ("it", "The effect") } else { ("them", "The effects") };
+    let found: Vec<&str> = diagnosis.steps.iter().filter_map(|step| step.added.as_deref()).collect();
+    let blocks = blocks(&found, diagnosis.registry);
+    let names: Vec<String> = found.iter().filter_map(|id| with_block(diagnosis, &blocks, id)).collect();
+    let (it, they) = if found.len() == 1 { ("it", "The effect") } else { ("them", "The effects") };
     let fall = fall(diagnosis);
     let reasons = diagnosis.reasons.join(". ");
     match diagnosis.verdict {
@@ -107,6 +105,18 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
     }
 }
 
+/// The same where like-named columns have an effect each: all of them at the first, nothing at the others.
+fn with_block(diagnosis: &Diagnosis, blocks: &[Block], id: &str) -> Option<String> {
+    let Some(block) = blocks.iter().find(|block| block.ids.iter().any(|own| own == id)) else {
+        return Some(with_id(diagnosis, id));
+    };
+    let effect = diagnosis.effects.iter().find(|effect| effect.id == id);
+    let name = effect.map_or("effect of a column", |effect| effect.name.as_str());
+    let like =
+        block.ids.first().filter(|first| *first == id)?.replacen(block.columns.first()?, &block.like, 1);
+    Some(format!("{name}, with its own coefficients for each of {} ({like})", listed(&block.columns)))
+}
+
 /// Name and id, as in `offset drift (drift)`.
 fn with_id(diagnosis: &Diagnosis, id: &str) -> String {
     let name = name_of(diagnosis, id);
@@ -120,7 +130,7 @@ fn reasons_or<'a>(reasons: &'a str, otherwise: &'a str) -> &'a str {
 /// Of confounded effects, this many get a command of their own.
 const MOST_CHOICES: usize = 3;
 
-/// What the error is held against that is no column of the log.
+/// What the error is held against that is not a column of the log.
 const NO_COLUMNS: [&str; 4] = ["time", "spectrum", "attitude", "rate of turn"];
 /// A column is mentioned as the likely cause from this share of the residual variance on, and up to [`MAX_P_VALUE`].
 const MIN_VARIANCE_EXPLAINED: f64 = 0.5;

@@ -1,6 +1,7 @@
 //! The effects that were found: cause, coefficients, and the error falling.
 
 use crate::diagnosis_words::curve::{bar, limits, sparkline};
+use crate::diagnosis_words::moment::at_moment;
 use crate::diagnosis_words::numbers::{
     degrees, field, hang, microtesla, probability, readable_unit, significant, unit_of, with_error, wrap,
 };
@@ -120,6 +121,11 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
     if !at.is_empty() {
         let [first, rest] = ["parameters", ""].map(|label| format!("{INDENT}{label:<15}"));
         out.extend(hang(&at.join(", "), &first, &rest, WIDTH));
+    }
+    if let Some((_, at_s)) = effect.parameters.iter().find(|(name, _)| *name == "at_s") {
+        let [first, rest] = ["then", ""].map(|label| format!("{INDENT}{label:<15}"));
+        let told = at_moment(told.log, *at_s);
+        out.extend(told.iter().flat_map(|text| hang(text, &first, &rest, WIDTH)));
     }
     if let Some(text) = amount(told.log, told.diagnosis.registry, effect) {
         out.push(format!("{INDENT}{:<15}{text}", "size"));

@@ -5,6 +5,7 @@ mod answer;
 mod conclusion;
 mod curve;
 mod found;
+mod moment;
 mod next;
 mod numbers;
 mod place;

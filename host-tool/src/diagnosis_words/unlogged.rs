@@ -1,14 +1,21 @@
 //! What no column shows: an offset for each recording, an offset that switches.
 
+use crate::diagnosis_words::moment::at_moment;
 use crate::diagnosis_words::numbers::{field, probability, significant, wrap};
 use crate::diagnosis_words::told::{Told, WIDTH, title};
 use crate::field_unit::{fixed, symbol};
 use ironout_analysis::evidence::wander::Wander;
+use ironout_analysis::unlogged::levels::Levels;
 use ironout_analysis::unlogged::recordings::Recordings;
 use ironout_analysis::unlogged::switching::Switching;
 
 /// Lines of a table before the rest is counted.
 const MOST: usize = 12;
+
+/// Whether the cause without a column is told by its times, so that it needs no words of how it wanders.
+fn is_told(told: &Told) -> bool {
+    told.diagnosis.switching.is_some() || told.diagnosis.levels.is_some()
+}
 
 /// Both, where there are any.
 pub(crate) fn sections(told: &Told, out: &mut Vec<String>) {
@@ -16,7 +23,7 @@ pub(crate) fn sections(told: &Told, out: &mut Vec<String>) {
         title(out, "The offset differs between the recordings");
         out.extend(recordings(found, WIDTH));
     }
-    if let Some(found) = told.diagnosis.wander.as_ref().filter(|_| told.diagnosis.switching.is_none()) {
+    if let Some(found) = told.diagnosis.wander.as_ref().filter(|_| !is_told(told)) {
         title(out, "The offset wanders, and no column says why");
         out.extend(wander(found));
     }
@@ -24,6 +31,34 @@ pub(crate) fn sections(told: &Told, out: &mut Vec<String>) {
         title(out, "An offset switches between two values, and no column says when");
         out.extend(switching(found));
     }
+    if let Some(found) = &told.diagnosis.levels {
+        title(out, "The offset jumps more often than a model has steps");
+        out.extend(jumps(told, found));
+    }
+}
+
+/// The jumps as a table.
+fn jumps(told: &Told, found: &Levels) -> Vec<String> {
+    let mut out = Vec::new();
+    for ((at_s, change), errors) in found.at_s.iter().zip(&found.change_ut).zip(&found.std_errors_ut) {
+        out.push(format!("  at {at_s:>8.2} s   change {}", vector_with_errors(*change, *errors)));
+        out.extend(at_moment(told.log, *at_s).into_iter().map(|text| format!("                   {text}")));
+    }
+    let text = format!(
+        "With an offset for each stretch between the jumps the error falls from {} to {}. Something near the sensor moves, is \
+         switched or is magnetised at these times. Look for what happens then, and log it as a column. Or cut the log there and \
+         give the parts as several logs: one matrix, an offset for each.",
+        field(found.before_rms_ut),
+        field(found.rms_ut)
+    );
+    out.extend(wrap(&text, "  ", WIDTH));
+    out
+}
+
+/// The jumps in one line.
+pub(crate) fn jumps_in_short(found: &Levels) -> String {
+    let times: Vec<String> = found.at_s.iter().map(|at| format!("{at:.1}")).collect();
+    format!("offset changes {} times: at {} s", times.len(), times.join(", "))
 }
 
 /// A field with its sign, in the unit in use.

@@ -88,14 +88,17 @@ fn figures(log: &Log, fitted: &Fitted, expected: &Expected, report: &mut Report)
         if let Some(floor) = fitted.residual_floor_ut {
             row("noise floor", format!("{} {unit}", fixed(Some(floor), 2)));
         }
-        row(
-            "predicted error",
-            format!(
-                "{} {unit} ({}; 1σ of a corrected vector, worst direction)",
-                fixed(Some(solution.vector_error_ut()), 2),
-                percent(solution.vector_error_ut())
-            ),
-        );
+        // The worst direction lies outside the tilts that a vehicle's calibration is for.
+        if fitted.holds_for.is_none() {
+            row(
+                "predicted error",
+                format!(
+                    "{} {unit} ({}; 1σ of a corrected vector, worst direction)",
+                    fixed(Some(solution.vector_error_ut()), 2),
+                    percent(solution.vector_error_ut())
+                ),
+            );
+        }
         if let Some(degrees) = fitted.heading_error_deg {
             row("heading error", format!("{degrees:.2}° (1σ, {})", posture(fitted)));
         }

@@ -13,6 +13,7 @@ use ironout_analysis::base::axes::Alignment;
 use ironout_analysis::base::counted::Why;
 use ironout_analysis::base::solution::Solution;
 use ironout_analysis::calibration::FittedEffect;
+use nalgebra::Matrix3;
 
 /// The details, line by line.
 pub fn details(log: &Log, fitted: &Fitted, expected: &Expected) -> Vec<String> {
@@ -26,8 +27,43 @@ pub fn details(log: &Log, fitted: &Fitted, expected: &Expected) -> Vec<String> {
         table(solution, expected, &mut lines);
         lines.line("");
         errors(fitted, solution, expected, &mut lines);
+        if log.earth.is_some() {
+            tolles_lawson(solution, &mut lines);
+        }
     }
     lines.0
+}
+
+/// The model as the terms of Tolles and Lawson, where the field of each row is known and eddy currents are in the model:
+/// `m = p + (1 + I) h + E dh/dt` with h up to a rotation, which the magnitude does not show.
+fn tolles_lawson(solution: &Solution, out: &mut Lines) {
+    let of_eddies = |effect: &&FittedEffect| effect.id == "lag" && effect.coefficients.len() == 9;
+    let Some(eddy) = solution.effects.iter().find(of_eddies) else { return };
+    let calibration = &solution.calibration;
+    let matrix = Matrix3::from_fn(|i, j| calibration.matrix[i][j]);
+    let Some(answer) = matrix.try_inverse() else { return };
+    // The symmetric root of A·Aᵀ: what of A is no rotation of the field.
+    let parts = (answer * answer.transpose()).symmetric_eigen();
+    let root = Matrix3::from_diagonal(&parts.eigenvalues.map(|value| value.max(0.0).sqrt()));
+    let induced = parts.eigenvectors * root * parts.eigenvectors.transpose();
+    let coupled = -Matrix3::from_row_slice(&eddy.coefficients) * induced;
+    out.line("");
+    out.line("Tolles–Lawson terms: m = p + (1 + I) h + E dh/dt, h in axes in which I is symmetric");
+    let [x, y, z] = calibration.offset_ut.map(|value| fixed(Some(value), 3));
+    out.line(&format!("permanent p   {x}  {y}  {z} {}", symbol()));
+    let mut rows = |label: &str, matrix: &Matrix3<f64>, unit: &str| {
+        for (row, values) in matrix.row_iter().enumerate() {
+            let label = if row == 0 { label } else { "" };
+            let unit = if row == 0 { unit } else { "" };
+            out.line(
+                format!("{label:<12}{:>11.5}{:>11.5}{:>11.5} {unit}", values[0], values[1], values[2])
+                    .trim_end(),
+            );
+        }
+    };
+    rows("induced I", &(induced - Matrix3::identity()), "");
+    rows("eddy E", &coupled, "s");
+    out.line("A delay of the sensor, a multiple of 1 in E, does not change the magnitude and is left out.");
 }
 
 struct Lines(Vec<String>);

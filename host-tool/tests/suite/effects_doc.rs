@@ -2,7 +2,7 @@
 
 use ironout::effect::{
     AmbientField, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity, Offset, Past, Periodic, Power,
-    SoftIron, Step,
+    Product, SoftIron, Step,
 };
 
 fn catalogue() -> Vec<Box<dyn Effect<f64>>> {
@@ -17,6 +17,7 @@ fn catalogue() -> Vec<Box<dyn Effect<f64>>> {
         offset("current_a", Power::Linear, Past::Delayed(0.1)),
         offset("current_a", Power::Linear, Past::LowPass(2.0)),
         Box::new(SoftIron { column: "gripper", reference: 0.0 }),
+        Box::new(Product { columns: "servo*current_a", reference: 0.0 }),
         Box::new(Gain { column: "temp_c", reference: 0.0 }),
         Box::new(AmbientField { column: "height_m", reference: 0.0 }),
         Box::new(Drift { reference_s: 0.0 }),

@@ -1,11 +1,14 @@
 //! The kinds of effects that a world may hide.
 
 use super::simulated::Simulated;
-use super::{cross_axis, drift, field, gain, lag, mounting, nonlinearity, offset, periodic, soft_iron, step};
+use super::{
+    cross_axis, drift, field, gain, lag, mounting, nonlinearity, offset, periodic, product, soft_iron, step,
+};
 
 /// Each of them, in the order in which they are listed.
-pub(super) const LIST: [&dyn Simulated; 13] = [
+pub(super) const LIST: [&dyn Simulated; 14] = [
     &offset::Offset,
+    &product::Product,
     &gain::Gain,
     &field::Field,
     &soft_iron::SoftIron,

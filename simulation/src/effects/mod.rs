@@ -11,6 +11,7 @@ mod mounting;
 mod nonlinearity;
 mod offset;
 mod periodic;
+mod product;
 mod simulated;
 mod soft_iron;
 mod spec;

@@ -40,6 +40,11 @@ impl EffectKind {
         if self.column.is_empty() { id.to_string() } else { format!("{id}:{}{late}{square}", self.column) }
     }
 
+    /// Columns that it follows: of a product both.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        self.column().into_iter().flat_map(|names| names.split('*'))
+    }
+
     /// The column it follows, if any.
     pub fn column(&self) -> Option<&str> {
         Some(self.column.as_str()).filter(|name| !name.is_empty()).or(self.simulated.own_column())

@@ -80,9 +80,9 @@ impl EffectSpec {
         self.kind.id()
     }
 
-    /// The column this effect follows, if any.
-    pub fn column(&self) -> Option<&str> {
-        self.kind.column()
+    /// The columns that this effect follows.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        self.kind.columns()
     }
 }
 
@@ -100,5 +100,10 @@ fn kind(simulated: &'static dyn Simulated, id: &str, column: Option<&str>) -> Re
     if column.is_some() && name.is_empty() {
         return Err(SpecError(format!("effect `{id}` names no column")));
     }
-    Ok(EffectKind { simulated, column: name, squared, delayed, slow })
+    let columns = if simulated.kind() == "product" { 2 } else { 1 };
+    let kind = EffectKind { simulated, column: name, squared, delayed, slow };
+    if column.is_some() && (kind.columns().count() != columns || kind.columns().any(str::is_empty)) {
+        return Err(SpecError(format!("`{id}` names another number of columns than {columns}")));
+    }
+    Ok(kind)
 }

@@ -3,7 +3,7 @@
 use ironout::calibration::Calibration;
 use ironout::effect::{
     AmbientField, BuiltIn, ColumnName, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity, Offset, Past,
-    Periodic, Power, SoftIron, Step,
+    Periodic, Power, Product, SoftIron, Step,
 };
 use ironout::extended::{Effects, FittedEffect};
 use ironout::fit::{Method, Order};
@@ -42,7 +42,7 @@ pub fn fitted(effect: BuiltIn<f64>) -> FittedEffect<f64> {
     FittedEffect::new(effect, coefficients, std_errors)
 }
 
-pub fn all_effects() -> [BuiltIn<f64>; 15] {
+pub fn all_effects() -> [BuiltIn<f64>; 16] {
     let column = ColumnName::new("battery_current_a").expect("a name");
     let offset = |power, past| BuiltIn::Offset(Offset { column, reference: 1.0 / 3.0, power, past });
     [
@@ -52,6 +52,10 @@ pub fn all_effects() -> [BuiltIn<f64>; 15] {
         offset(Power::Squared, Past::Delayed(0.1)),
         offset(Power::Linear, Past::LowPass(3.5)),
         BuiltIn::SoftIron(SoftIron { column, reference: 0.5 }),
+        BuiltIn::Product(Product {
+            columns: ColumnName::new("servo*current_a").expect("a name"),
+            reference: 0.25,
+        }),
         BuiltIn::Gain(Gain { column, reference: -0.7 }),
         BuiltIn::Field(AmbientField { column, reference: 1e-7 }),
         BuiltIn::Drift(Drift { reference_s: 61.7 }),
