@@ -1,7 +1,7 @@
 //! One least squares of the ellipse, from the sums.
 
 use super::plane::{Affine, Plane};
-use crate::dense::root;
+use crate::dense::{add_scaled, root};
 use crate::monomial::COUNT;
 use crate::quadric::{corrected, product as mean_product};
 
@@ -12,6 +12,7 @@ pub(super) const VERTICAL: usize = 5;
 type Polynomial = [f64; 10];
 
 /// The product of two affine functions, over xx yy zz xy xz yz x y z 1.
+#[inline(never)]
 fn multiplied(a: &Affine, b: &Affine, factor: f64) -> Polynomial {
     let [ax, ay, az, a1] = a.map(|value| factor * value);
     let [bx, by, bz, b1] = *b;
@@ -33,11 +34,14 @@ fn linear(a: &Affine, factor: f64) -> Polynomial {
     multiplied(a, &[0.0, 0.0, 0.0, 1.0], factor)
 }
 
-fn sum(a: Polynomial, b: Polynomial) -> Polynomial {
-    core::array::from_fn(|i| a.get(i).unwrap_or(&0.0) + b.get(i).unwrap_or(&0.0))
+/// `a + factor b`.
+fn sum(mut a: Polynomial, factor: f64, b: &Polynomial) -> Polynomial {
+    add_scaled(&mut a, factor, b);
+    a
 }
 
 /// Mean of the product of two polynomials.
+#[inline(never)]
 fn mean_of(moments: &[f64; COUNT], a: &Polynomial, b: &Polynomial) -> f64 {
     let mut mean = 0.0;
     for (r, a) in a.iter().enumerate() {
@@ -69,6 +73,7 @@ pub(super) struct Ellipse {
 
 impl Ellipse {
     /// One least squares, and its changes applied. `held` is the prior information on the vertical field, over that of one sample.
+    #[inline(never)]
     pub(super) fn improved(
         &mut self,
         plane: &Plane,
@@ -81,9 +86,10 @@ impl Ellipse {
         let [w1, w2] = &self.w;
         let [_, _, s] = &plane.readings;
         let (squares, level) = (multiplied(w1, w1, 1.0), multiplied(w2, w2, 1.0));
-        let difference = sum(squares, level.map(|value| -value)).map(|value| -2.0 * value);
-        let observed =
-            sum(sum(squares, level), sum(multiplied(s, s, 1.0), linear(s, 2.0 * self.vertical_ut)));
+        let difference = sum(multiplied(w2, w2, 2.0), -2.0, &squares);
+        let observed = sum(squares, 1.0, &level);
+        let observed = sum(observed, 1.0, &multiplied(s, s, 1.0));
+        let observed = sum(observed, 2.0 * self.vertical_ut, &linear(s, 1.0));
         let mut one = [0.0; 10];
         one[9] = 1.0;
         let columns = [
@@ -101,10 +107,8 @@ impl Ellipse {
         swept(&mut gram)?;
         let change: [f64; COLUMNS] = core::array::from_fn(|i| gram[i][COLUMNS]);
         self.inverse = core::array::from_fn(|r| core::array::from_fn(|c| -gram[r][c]));
-        let residual = columns
-            .iter()
-            .zip(change)
-            .fold(observed, |residual, (column, change)| sum(residual, column.map(|value| -change * value)));
+        let mut residual = observed;
+        columns.iter().zip(change).for_each(|(column, change)| add_scaled(&mut residual, -change, column));
         self.variance = mean_of(measured, &residual, &residual).max(0.0);
         let [p, q, d1, d2, constant, vertical] = change;
         // Of determinant one: the common gain is the prior's.
@@ -132,25 +136,23 @@ impl Ellipse {
 
 /// Sweeps all columns but the last of a symmetric matrix: the solution comes into the last column and the negative inverse into
 /// the rest. `None` unless the matrix is positive definite.
+#[inline(never)]
 fn swept(gram: &mut [[f64; COLUMNS + 1]; COLUMNS + 1]) -> Option<()> {
     for k in 0..COLUMNS {
-        let own = gram[k];
-        let pivot = own[k];
+        let mut own = *gram.get(k)?;
+        let pivot = *own.get(k)?;
         if !(pivot > 0.0 && pivot.is_finite()) {
             return None;
         }
+        own.iter_mut().for_each(|value| *value /= pivot);
         for (r, row) in gram.iter_mut().enumerate() {
-            let factor = row[k] / pivot;
-            for (c, value) in row.iter_mut().enumerate() {
-                if r != k && c != k {
-                    *value -= factor * own[c];
-                }
-            }
-            row[k] = if r == k { -1.0 / pivot } else { factor };
-        }
-        for (c, value) in gram[k].iter_mut().enumerate() {
-            if c != k {
-                *value = own[c] / pivot;
+            let factor = *row.get(k)?;
+            if r == k {
+                *row = own;
+                *row.get_mut(k)? = -1.0 / pivot;
+            } else {
+                add_scaled(row, -factor, &own);
+                *row.get_mut(k)? = factor / pivot;
             }
         }
     }

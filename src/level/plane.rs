@@ -2,7 +2,7 @@
 
 use super::forces::Down;
 use crate::calibration::Calibration;
-use crate::math::symmetric_eigenvalues_3x3;
+use crate::math::eigenvalues_3x3_f32;
 use crate::scatter::Scatter;
 use crate::vector::{cross, dot, minus, norm, product, scaled, times, transposed_times};
 
@@ -22,6 +22,7 @@ pub(super) struct Plane {
 }
 
 impl Plane {
+    #[inline(never)]
     pub(super) fn of(scatter: &Scatter, prior: &Calibration<f64>, down: Option<Down>) -> Option<Self> {
         let [xx, xy, xz, yy, yz, zz] = scatter.covariance;
         let slopes = prior.matrix.map(|row| scaled(row, scatter.scale_ut));
@@ -29,7 +30,8 @@ impl Plane {
         let moved = product(&slopes, &covariance);
         let moved: [[f64; 3]; 3] =
             core::array::from_fn(|r| core::array::from_fn(|c| dot(moved[r], slopes[c])));
-        let [least, middle, most] = symmetric_eigenvalues_3x3(&moved);
+        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = moved.map(|row| row.map(|value| value as f32));
+        let [least, middle, most] = eigenvalues_3x3_f32(&[xx, xy, xz, yy, yz, zz]).map(f64::from);
         // (S − λ₂)(S − λ₃) leaves the direction of the least variance alone.
         let without = |value: f64| {
             let mut matrix = moved;

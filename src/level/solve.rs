@@ -11,10 +11,9 @@ use super::refusal::{Cause, MAX_HEADING_ERROR_DEG, MAX_RESIDUAL, MAX_TILT_DEG, N
 use crate::calibration::Calibration;
 use crate::dense::root;
 use crate::fit::{FitError, MIN_SAMPLES};
-use crate::math::{asin, atan2, floor, sin, sqrt};
 use crate::record::{HoldsFor, TILTS_DEG};
 use crate::scatter::Scatter;
-use crate::vector::{cross, inverse_3x3, norm, product, scaled, times, turned};
+use crate::vector::{cross, dot, inverse_3x3, norm, product, scaled, times};
 use crate::whiteness::{Residual, Whiteness};
 
 /// How the sensor is mounted against the vertical where no accelerometer shows it, 1σ, rad.
@@ -22,7 +21,9 @@ const MOUNTING_RAD: f64 = 0.06;
 /// Gravity is within so many standard errors of the normal of the readings' plane.
 const MAX_LEAN_SIGMAS: f64 = 3.0;
 /// Largest tilt that is stated, degrees.
-const MAX_HOLDS_DEG: f64 = 45.0;
+const MAX_HOLDS_DEG: u8 = 45;
+/// Sines of the tilts that the error of a heading is kept for.
+const SINES: [f64; TILTS_DEG.len()] = [0.0, 0.173_648, 0.342_020, core::f64::consts::FRAC_1_SQRT_2];
 /// Without a calibration: gains, 1σ, ...
 const GAIN_ERROR: f64 = 0.1;
 /// ... angles between the axes, 1σ, rad, ...
@@ -37,8 +38,8 @@ const HELD_FAST: f64 = 1e12;
 const MIN_TILT_SNR: f64 = 9.0;
 /// The noise's variance is known within this share, 1σ.
 const NOISE_ERROR: f64 = 0.3;
-/// Sine of one degree.
-const ONE_DEGREE: f64 = 0.017_452;
+/// Sine and cosine of one degree.
+const ONE_DEGREE: (f64, f64) = (0.017_452_406, 0.999_847_695);
 const DEG: f64 = 180.0 / core::f64::consts::PI;
 
 /// What the vertical axis is held by.
@@ -148,7 +149,7 @@ pub fn fit_level(
         return Err(too_little);
     }
     let horizontal_ut = root(ellipse.horizontal_ut2);
-    let tilt_deg = atan2(root(plane.thickness_ut2), horizontal_ut) * DEG;
+    let tilt_deg = root(plane.thickness_ut2) / horizontal_ut * DEG;
     if !(tilt_deg <= MAX_TILT_DEG) {
         return Err(NotLevel::Tilted(tilt_deg));
     }
@@ -167,9 +168,9 @@ pub fn fit_level(
     let circle2 = 0.5 * ((variance(2) + variance(3)) / ellipse.horizontal_ut2 + variance(0) + variance(1));
     let steepness = ellipse.vertical_ut / horizontal_ut;
     let lean2 = 0.5 * steepness * steepness * lean.error_rad * lean.error_rad;
-    let level_deg = sqrt(circle2 + lean2) * DEG;
+    let level_deg = root(circle2 + lean2) * DEG;
     if !(level_deg <= MAX_HEADING_ERROR_DEG) {
-        let as_noise_deg = sqrt(circle2 * effective / n) * DEG;
+        let as_noise_deg = root(circle2 * effective / n) * DEG;
         let cause = match () {
             () if lean2 > circle2 => Cause::Down,
             () if as_noise_deg < 0.5 * MAX_HEADING_ERROR_DEG => Cause::Field,
@@ -187,18 +188,21 @@ pub fn fit_level(
     };
     let vertical_ut2 = offset_ut2 + gain_ut * gain_ut;
     let vertical2 = vertical_ut2 / ellipse.horizontal_ut2;
-    let at = |sine: f64| sqrt(circle2 + lean2 + 0.5 * sine * sine * vertical2) * DEG;
-    let left = (MAX_HEADING_ERROR_DEG * MAX_HEADING_ERROR_DEG - level_deg * level_deg) / (DEG * DEG);
-    let sine = sqrt(2.0 * left / vertical2);
-    let holds_deg = if sine < 1.0 { (asin(sine) * DEG).min(MAX_HOLDS_DEG) } else { MAX_HOLDS_DEG };
-    let holds_deg = floor(holds_deg);
-    if !(holds_deg >= 1.0) {
-        return Err(NotLevel::Uncertain(at(ONE_DEGREE), Cause::Vertical));
+    let at = |sine: f64| root(circle2 + lean2 + 0.5 * sine * sine * vertical2) * DEG;
+    // Degree by degree: a rotation by one degree at a time costs less than trigonometry.
+    let (mut holds_deg, (mut sine, mut cosine)) = (0_u8, ONE_DEGREE);
+    while holds_deg < MAX_HOLDS_DEG && at(sine) <= MAX_HEADING_ERROR_DEG {
+        holds_deg += 1;
+        (sine, cosine) =
+            (sine * ONE_DEGREE.1 + cosine * ONE_DEGREE.0, cosine * ONE_DEGREE.1 - sine * ONE_DEGREE.0);
+    }
+    if holds_deg == 0 {
+        return Err(NotLevel::Uncertain(at(ONE_DEGREE.0), Cause::Vertical));
     }
     let holds_for = HoldsFor {
-        tilt_deg: holds_deg as f32,
+        tilt_deg: f32::from(holds_deg),
         down: lean.down.map(|axis| axis as f32),
-        heading_errors_deg: TILTS_DEG.map(|tilt_deg| at(sin(f64::from(tilt_deg) / DEG)) as f32),
+        heading_errors_deg: SINES.map(|sine| at(sine) as f32),
     };
     let field_ut = calibration.field_ut;
     Ok(LevelFit {
@@ -239,7 +243,8 @@ impl Lean {
         };
         let (of_plane, of_axes) = (of_force + tilts_rad2, axis_error * axis_error);
         let most_rad = MAX_LEAN_SIGMAS * root(of_plane + of_axes);
-        let angle = asin(norm(cross(normal, down)).min(1.0));
+        // Its sine is as good: it is refused where it is large.
+        let angle = norm(cross(normal, down));
         if !(angle <= most_rad) {
             return Err(NotLevel::Leaning(angle * DEG));
         }
@@ -252,6 +257,7 @@ impl Lean {
 }
 
 /// The calibration of an ellipse, turned so that the normal of the plane is `towards`.
+#[inline(never)]
 fn calibrated(
     ellipse: &Ellipse,
     plane: &Plane,
@@ -268,10 +274,14 @@ fn calibrated(
             row.iter_mut().zip(right).for_each(|(slot, other)| *slot += factor * value * other);
         }
     }
-    let axis = cross(normal, towards);
-    let sine = norm(axis);
-    let turn = if sine > 0.0 { scaled(axis, asin(sine.min(1.0)) / sine) } else { [0.0; 3] };
-    let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|unit| turned(unit, turn));
+    // The least rotation from the normal: I + [a] + [a]²/(1 + cos), with [a] of `a = n × t`.
+    let (axis, along) = (cross(normal, towards), 1.0 / (1.0 + dot(normal, towards)));
+    let rotated = |unit: [f64; 3]| {
+        let once = cross(axis, unit);
+        let twice = cross(axis, once);
+        core::array::from_fn(|i| unit[i] + once[i] + along * twice[i])
+    };
+    let [x, y, z]: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(rotated);
     let rotation: [[f64; 3]; 3] = core::array::from_fn(|i| [x[i], y[i], z[i]]);
     // The corrected reading is `soft u − k`: the offset moves by what the matrix makes `k` of.
     let [c1, c2] = ellipse.centre;
