@@ -100,6 +100,8 @@ pub mod gate;
 pub mod heading;
 #[cfg(feature = "study")]
 pub mod learn;
+#[cfg(feature = "device")]
+pub mod level;
 pub mod math;
 #[cfg(feature = "effects")]
 pub mod model;

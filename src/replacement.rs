@@ -49,11 +49,14 @@ impl fmt::Display for Worse {
 impl core::error::Error for Worse {}
 
 /// Compares a calibration with the one in use. `Some` where the new one is clearly worse; `None` where it may take its place, and
-/// where an error is not known or the sensor was mounted otherwise, so that nothing can be said.
+/// where an error is not known, the new one is for level headings, or the sensor was mounted otherwise, so that nothing can be said.
 pub fn clearly_worse(new: &Record, in_use: &Record) -> Option<Worse> {
     let (new_share, share) = (new.predicted_error.share()?, in_use.predicted_error.share()?);
     let mounted = |record: &Record| record.axes;
     if mounted(new).is_some() && mounted(in_use).is_some() && mounted(new) != mounted(in_use) {
+        return None;
+    }
+    if new.holds_for.is_some() {
         return None;
     }
     if new_share < MATTERS || new_share < CLEARLY * share {
@@ -103,6 +106,7 @@ mod tests {
             axes: None,
             predicted_error: PredictedError::of_share(share),
             covariance: None,
+            holds_for: None,
         }
     }
 

@@ -59,13 +59,14 @@ pub struct HoldsFor {
 }
 
 impl HoldsFor {
+    /// The limit in words.
+    pub fn limit(&self) -> String {
+        format!("fitted for tilts up to {:.0}°: the heading error is {} (1σ)", self.tilt_deg, self.words())
+    }
+
     /// What to know before it is used elsewhere.
     pub fn notice(&self) -> String {
-        format!(
-            "fitted for tilts up to {:.0}°: the heading error is {} (1σ). The target of an export does not know this limit",
-            self.tilt_deg,
-            self.words()
-        )
+        format!("{}. The target of an export does not know this limit", self.limit())
     }
 
     /// The errors in words: `0.2° while level, 0.4° tilted by 10°`.

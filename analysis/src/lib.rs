@@ -11,7 +11,7 @@
 //! Effects of one's own are named in [`Options::registry`]; everything here asks them as it asks those of the library.
 //!
 //! The rooms follow the data; each imports only what stands before it: [`samples`] → [`base`] → [`residual`] → [`search`] →
-//! [`outcome`] → [`mod@fit`] → [`picture`]. Beside them stand [`effects`], [`correct`] and [`export`], which know calibrations only.
+//! [`outcome`] → [`mod@fit`] → [`picture`]. Next to them stand [`effects`], [`correct`] and [`export`], which know calibrations only.
 
 pub mod base;
 pub mod blocks;

@@ -98,7 +98,7 @@ pub struct Derived {
 pub enum BadTable {
     /// Of `mx_ut`, `my_ut`, `mz_ut` this one is missing.
     Missing(&'static str),
-    /// Of `ax_mps2` … or `gx_radps` … this one is missing beside the others.
+    /// Of `ax_mps2` … or `gx_radps` … this one is missing next to the others.
     Incomplete(&'static str),
     /// This column has another number of rows than `mx_ut`.
     Ragged(String),

@@ -1,6 +1,6 @@
 //! The field of the Earth along the way of a log.
 //!
-//! Who travels some hundred kilometres reads another magnitude and another dip at the end. That is no error of the sensor: the base
+//! Who travels some hundred kilometres reads another magnitude and another dip at the end. That is not an error of the sensor: the base
 //! model takes the field of each place instead of one field for all.
 
 use ironout::study::{Model, Residual};
@@ -50,7 +50,7 @@ impl Place {
 
 impl Track {
     /// Of the magnitude, µT, and the dip, degrees, at every row. `None` where the field is one along the way, where the lengths
-    /// differ, or where something is no field.
+    /// differ, or where something is not a field.
     pub fn of(field_ut: &[f64], dip_deg: &[f64]) -> Option<Track> {
         let sound = field_ut.iter().all(|field| field.is_finite() && *field > 0.0)
             && dip_deg.iter().all(|dip| dip.is_finite());

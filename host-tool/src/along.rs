@@ -96,7 +96,7 @@ pub fn know(log: &mut Log, date: Option<&str>) -> Outcome<()> {
 /// are no candidates then.
 ///
 /// # Errors
-/// A column that is not there or has no value in most rows, another number of columns, a size that is no field.
+/// A column that is not there or has no value in most rows, another number of columns, a size that is not a field.
 pub fn reference(log: &mut Log, columns: &str) -> Outcome<()> {
     let names: Vec<&str> = columns.split(',').map(str::trim).collect();
     let fail = |what: String| Failure::usage(format!("--reference {columns}: {what}"));

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-/// Writes `path` through a file beside it that takes its place only when everything has been written: a reader
+/// Writes `path` through a file next to it that takes its place only when everything has been written: a reader
 /// never sees half a file, and an old one survives any failure. A link is followed, an old file's rights are kept, and what is no
 /// regular file (a terminal, a pipe) is written to and not replaced; `-` is standard output.
 pub fn write(path: &Path, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Outcome<()> {

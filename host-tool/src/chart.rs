@@ -38,7 +38,7 @@ pub struct Chart {
     pub title: String,
     /// Under the horizontal axis.
     pub x: String,
-    /// Beside the vertical axis.
+    /// Next to the vertical axis.
     pub y: String,
     /// Both axes by powers of ten.
     pub log: bool,
@@ -89,7 +89,7 @@ impl Axis {
         self.from + (value - self.low) / (self.high - self.low) * (self.to - self.from)
     }
 
-    /// Round values, and what stands beside them.
+    /// Round values, and what stands next to them.
     fn ticks(&self) -> Vec<(f64, String)> {
         if self.log {
             let powers = self.low.ceil() as i32..=self.high.floor() as i32;

@@ -11,11 +11,13 @@ use crate::cli_help::{CompletionsArgs, EffectsArgs, ManArgs};
 pub use crate::cli_page::{LiveArgs, ReportArgs, WebArgs};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::field_unit::FieldUnit;
+use crate::headings::known_heading;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::link_args::{FetchArgs, RecordArgs, SendArgs};
 use clap::Args;
 #[cfg(not(target_arch = "wasm32"))]
 use clap::{Parser, Subcommand};
+use ironout_analysis::confined::guided::KnownHeading;
 use ironout_analysis::outcome::request::Purpose;
 use std::path::PathBuf;
 
@@ -175,6 +177,10 @@ pub struct FitArgs {
     /// the same vehicle
     #[arg(long, value_name = "WHAT", requires = "earlier")]
     pub free: Option<Free>,
+    /// A true heading that you know at a time of the log, as 12.5=90: s, degrees clockwise from north (repeatable). Needs an
+    /// accelerometer and a gyro
+    #[arg(long = "heading", value_name = "T=DEG", value_parser = known_heading, allow_hyphen_values = true)]
+    pub headings: Vec<KnownHeading>,
     /// Orientations that the calibration is for: all, level (tilts up to 5°), boat (up to 20°), or a tilt in degrees (default: all if the
     /// log contains them, otherwise those in the log)
     #[arg(long = "for", value_name = "ORIENTATIONS", value_parser = purpose)]

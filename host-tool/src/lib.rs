@@ -29,6 +29,7 @@ pub mod failure;
 pub mod field_unit;
 pub mod fit_words;
 pub mod geomag;
+pub mod headings;
 pub mod input;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod interrupt;

@@ -21,7 +21,7 @@ use std::path::Path;
 /// the calibration was fitted. `arguments` are those that the log was read with.
 ///
 /// # Errors
-/// A file that is no calibration, is of another scale or mounting, holds no information, or carries effects that this log cannot be related to.
+/// A file that is not a calibration, is of another scale or mounting, holds no information, or carries effects that this log cannot be related to.
 pub fn read(path: &Path, log: &Log, arguments: &LogArgs) -> Outcome<EarlierCalibration> {
     of_file(&CalFile::read(path)?, path, log, arguments)
 }

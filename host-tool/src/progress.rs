@@ -66,7 +66,7 @@ impl Drop for Working {
     }
 }
 
-/// A sign of life for work without an end: a line that is said anew, removed when dropped.
+/// A sign of life for work without an end: a line that is said again, removed when dropped.
 pub struct Counting {
     bar: ProgressBar,
 }

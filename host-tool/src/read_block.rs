@@ -26,7 +26,7 @@ pub fn text(log: &Log) -> String {
         push(&mut out, "  ", &format!("… and {} more columns", rows.len() - SHOWN));
     }
     read.reasons.iter().for_each(|reason| push(&mut out, "  because: ", reason));
-    read.taken_out.iter().for_each(|what| push(&mut out, "  taken out: ", what));
+    read.taken_out.iter().for_each(|what| push(&mut out, "  adjusted: ", what));
     if let Some(instance) = &read.instance {
         let name = |number: &usize, what: &str| format!("{number} ({what})");
         let is = |there: &&(usize, String)| there.0 == instance.taken;
@@ -44,7 +44,7 @@ pub fn text(log: &Log) -> String {
         let line = entry.first_line.map_or(String::new(), |line| format!(", first on line {line}"));
         push(
             &mut out,
-            "  left out: ",
+            "  skipped: ",
             &format!(
                 "{} {}{line}: {}",
                 entry.rows,

@@ -202,7 +202,7 @@ impl Reading {
         Failure { file: failure.file.clone(), line: failure.line, column: failure.column.clone(), ..told }
     }
 
-    /// What the two files call things, where they differ: no reason to refuse, but worth to know beside one.
+    /// What the two files call things, where they differ: no reason to refuse, but worth a note.
     fn of_the_files(&self, log: &Log) -> Vec<String> {
         let mut lines = Vec::new();
         if !self.format.is_empty() && self.format != log.read_as.format {

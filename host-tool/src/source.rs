@@ -208,7 +208,7 @@ fn finished(mut log: Log, arguments: &LogArgs, path: &Path, kept: &[String]) -> 
     Ok(log)
 }
 
-/// Leaves columns out, by name. A column that a derived one was computed from may be left out beside it.
+/// Leaves columns out, by name. A column that a derived one was computed from may be left out next to it.
 fn ignore(log: &mut Log, names: &[String]) -> Outcome<()> {
     for name in names {
         if log.covariate(name).is_none() {

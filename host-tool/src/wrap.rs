@@ -8,11 +8,33 @@ pub fn wrap(text: &str, indent: &str, width: usize) -> Vec<String> {
     hang(text, indent, indent, width)
 }
 
+/// Units that stay on the line of their number.
+const UNITS: [&str; 23] = [
+    "%", "µT", "nT", "mG", "G", "T", "s", "ms", "min", "h", "Hz", "A", "V", "W", "°C", "m", "g", "rad/s",
+    "m/s²", "MB", "σ", "×", "samples",
+];
+
+/// Words of a text; a number and its unit are one.
+fn words(text: &str) -> Vec<String> {
+    let mut list: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        let bare = word.trim_end_matches([',', '.', ';', ':', ')']);
+        match list.last_mut() {
+            Some(before) if UNITS.contains(&bare) && before.ends_with(|c: char| c.is_ascii_digit()) => {
+                *before += " ";
+                *before += word;
+            }
+            _ => list.push(word.to_string()),
+        }
+    }
+    list
+}
+
 /// The same with another indent from the second line on.
 pub fn hang(text: &str, first: &str, rest: &str, width: usize) -> Vec<String> {
     let mut lines = Vec::new();
     let mut line = String::new();
-    for word in text.split_whitespace() {
+    for word in words(text) {
         let indent = if lines.is_empty() { first } else { rest };
         let length = indent.chars().count() + line.chars().count() + 1 + word.chars().count();
         if !line.is_empty() && length > width {
@@ -22,7 +44,7 @@ pub fn hang(text: &str, first: &str, rest: &str, width: usize) -> Vec<String> {
         if !line.is_empty() {
             line.push(' ');
         }
-        line.push_str(word);
+        line.push_str(&word);
     }
     if !line.is_empty() {
         lines.push(format!("{}{line}", if lines.is_empty() { first } else { rest }));
@@ -56,6 +78,16 @@ pub fn message(text: &str, width: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_and_its_unit_stay_on_one_line() {
+        let text = "gains within 20 %, 0.25 µT of 50 µT";
+        for width in 8..40 {
+            let lines = wrap(text, "", width);
+            assert!(lines.iter().all(|line| !line.starts_with(['%', 'µ'])), "{lines:?}");
+            assert_eq!(lines.join(" "), text);
+        }
+    }
 
     #[test]
     fn long_messages_are_broken_and_commands_are_not() {

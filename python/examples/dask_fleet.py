@@ -23,7 +23,7 @@ import ironout
 SCALE_UT = 0.1
 VEHICLES = 4
 FLIGHTS = 3
-PARTS = 60
+PARTS = 1000
 
 
 def row(path: str) -> dict:
@@ -48,7 +48,7 @@ def sums(path: str) -> ironout.Moments:
     import pyarrow.parquet as parquet
 
     table = parquet.read_table(path)
-    time.sleep(0.05)  # as if it were large, so that there is a time to kill a worker in
+    time.sleep(0.005)  # as if it were large, so that there is a time to kill a worker in
     return ironout.Moments(np.column_stack([table[name].to_numpy() for name in ("mx_counts", "my_counts", "mz_counts")]))
 
 

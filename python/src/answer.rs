@@ -76,6 +76,7 @@ pub fn fit(
         let arguments = FitArgs {
             free: asked.free,
             purpose: asked.purpose,
+            headings: Vec::new(),
             prior_from: None,
             log: held.arguments.clone(),
             field: asked.field.clone(),

@@ -4,11 +4,13 @@ use core::fmt;
 
 use super::button::ButtonEvent;
 use super::job_purpose::JobPurpose;
+use super::level::Tilts;
 use super::machine::Device;
 use super::sensor::SensorFault;
 use crate::effect::Effect;
 use crate::extended::FittedEffect;
 use crate::fit::FitReport;
+use crate::level::Forces;
 use crate::number::Num;
 use crate::protocol::{Answered, Code, Reply, StreamMode};
 use crate::quality::Reason;
@@ -26,18 +28,26 @@ enum NotSaved {
 enum NotStarted {
     Collecting,
     Sensor(SensorFault),
+    /// The calibration in use has effects.
+    Effects,
 }
 
 impl Device {
     /// Does what a press of the button does: starts a calibration, or ends one and accepts it if its verdict allows.
     #[inline(never)]
     pub(super) fn pressed(&mut self) {
-        match self.start() {
+        match self.start(false) {
             Ok(()) => self.tell(ButtonEvent::Started),
             Err(NotStarted::Sensor(fault)) => self.tell(ButtonEvent::NoSensor(fault)),
+            // The button starts no level calibration.
+            Err(NotStarted::Effects) => {}
             Err(NotStarted::Collecting) => {
-                // Collecting, so that this cannot fail; what counts is whether there is a solution now.
-                let _ = self.session.stop();
+                // What counts is whether there is a solution now.
+                if self.level.is_some() {
+                    let _ = self.solve_level();
+                } else {
+                    let _ = self.session.stop();
+                }
                 // Whoever has only a button cannot insist: what is better stays.
                 match self.save(JobPurpose::AcceptByButton, false) {
                     Ok(()) => {}
@@ -49,14 +59,18 @@ impl Device {
     }
 
     #[inline(never)]
-    fn start(&mut self) -> Result<(), NotStarted> {
+    fn start(&mut self, level: bool) -> Result<(), NotStarted> {
         if self.session.state() == State::Collecting {
             return Err(NotStarted::Collecting);
         }
         if let Some(fault) = self.sensor.fault() {
             return Err(NotStarted::Sensor(fault));
         }
+        if level && self.active.as_ref().is_some_and(|active| !active.record.effects.is_empty()) {
+            return Err(NotStarted::Effects);
+        }
         self.session.start();
+        self.level = level.then(Forces::default);
         self.loading.forget();
         self.learn_anew();
         self.status = None;
@@ -86,18 +100,26 @@ impl Device {
         Ok(slot)
     }
 
-    pub(super) fn cal_start<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Answered {
-        match self.start() {
+    pub(super) fn cal_start<W: fmt::Write>(&mut self, reply: Reply<'_, W>, level: bool) -> Answered {
+        match self.start(level) {
+            Ok(()) if level => reply.ok(format_args!("state=collecting level=1")),
             Ok(()) => reply.ok(format_args!("state={}", self.session.state().name())),
             Err(NotStarted::Collecting) => {
                 reply.err(Code::State, format_args!("already collecting: cal stop or cal cancel first"))
             }
             Err(NotStarted::Sensor(fault)) => self.no_sensor(reply, fault),
+            Err(NotStarted::Effects) => reply.err(
+                Code::State,
+                format_args!("the calibration in use has effects, and level turns do not show them: effect remove them first"),
+            ),
         }
     }
 
     #[inline(never)]
     pub(super) fn cal_stop<W: fmt::Write>(&mut self, mut reply: Reply<'_, W>) -> Answered {
+        if self.level.is_some() && self.session.state() == State::Collecting {
+            return self.level_stop(reply);
+        }
         let outcome = match self.session.stop() {
             Ok(outcome) => outcome,
             Err(_) => {
@@ -147,7 +169,13 @@ impl Device {
         match self.stored(outcome) {
             Ok(slot) => {
                 let sequence = self.record().map_or(0, |record| record.sequence);
-                reply.ok(format_args!("calibrated=1 slot={slot} sequence={sequence}"))
+                match self.record().and_then(|record| record.holds_for) {
+                    None => reply.ok(format_args!("calibrated=1 slot={slot} sequence={sequence}")),
+                    Some(holds_for) => reply.ok(format_args!(
+                        "calibrated=1 slot={slot} sequence={sequence} holds_to_deg={:.0}",
+                        Num(holds_for.tilt_deg)
+                    )),
+                }
             }
             Err(error) => reply.err(
                 Code::Store,
@@ -164,6 +192,7 @@ impl Device {
             return reply.err(Code::State, format_args!("nothing to cancel"));
         }
         self.session.cancel();
+        self.level = None;
         self.loading.forget();
         reply.ok(format_args!("state={}", self.state().name()))
     }
@@ -208,6 +237,9 @@ impl Device {
         }
         for fitted in record.effects.iter() {
             reply.line(format_args!("effect={}", Row(fitted)));
+        }
+        if let Some(holds_for) = &record.holds_for {
+            reply.line(format_args!("{}", Tilts(holds_for)));
         }
         reply.ok(format_args!(
             "field_ut={:?} method={} model={} n={} rms_ut={:.4} noise_ut={:.4} stored={}",

@@ -12,10 +12,11 @@ use crate::protocol::{self, Answered, Code, Command, Line, Opt, ParseError, Repl
 use crate::session::{Hint, State};
 use crate::store::StoreJob;
 
-const HELP: [&str; 12] = [
+const HELP: [&str; 13] = [
     "help | version | status",
-    "cal start | cal stop | cal accept [force] | cal cancel | cal show | cal clear",
+    "cal start [level] | cal stop | cal accept [force] | cal cancel | cal show | cal clear",
     "cal zero: another offset with the matrix in use, after some turns (a battery was swapped); cal zero start: begin again",
+    "cal start level: for a vehicle that only turns level: two circles to the left and two to the right",
     "cal method adjusted|trace|constant",
     "cal dump: print the calibration byte by byte; cal load: receive one (ironout fetch, ironout send)",
     "stream off | stream raw | stream cal | stream motioncal | stream log",
@@ -49,7 +50,7 @@ impl Device {
         let Line::Text(text) = line else { return false };
         match protocol::parse(text) {
             Ok(Command::CalStop) => self.session.state() == State::Collecting,
-            Ok(Command::Status) => self.status_is_old() || self.may_propose_zero(),
+            Ok(Command::Status) => self.status_is_old() || self.may_propose_zero() || self.level.is_some(),
             Ok(Command::CalZero { .. }) => true,
             _ => false,
         }
@@ -102,7 +103,7 @@ impl Device {
                 return None;
             }
             Command::Status => self.status(reply),
-            Command::CalStart => self.cal_start(reply),
+            Command::CalStart { level } => self.cal_start(reply, level),
             Command::CalStop => self.cal_stop(reply),
             Command::CalAccept { force } => return self.cal_accept(reply, force),
             Command::CalCancel => self.cal_cancel(reply),
@@ -190,6 +191,9 @@ impl Device {
                         "hint a calibration is in use; start another one with: cal start"
                     )),
                 },
+                _ if status.state == State::Collecting && self.level.is_some() => {
+                    self.level_hint(&mut reply);
+                }
                 _ => match said_with_command(status.hint) {
                     Some(hint) => reply.line(format_args!("hint {hint}")),
                     None => reply.line(format_args!("hint {}", status.hint)),
@@ -208,6 +212,7 @@ impl Device {
                 "monitor condition={condition} residual_ratio={ratio:.2} dip_ratio={dip_ratio:.2}"
             ));
         }
+        self.say_tilts(&mut reply);
         self.propose_zero(&mut reply);
         if self.store_watch.is_silent() {
             let [a, b] = self.slots().states;

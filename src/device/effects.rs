@@ -158,6 +158,7 @@ impl Device {
             axes: Some(self.config.sensor.axes),
             predicted_error: PredictedError::of_share(f64::from(outcome.base_error)),
             covariance: None,
+            holds_for: None,
         })
     }
 

@@ -104,7 +104,7 @@ impl Device {
     #[inline(never)]
     pub(super) fn heading<W: fmt::Write>(
         &mut self,
-        reply: Reply<'_, W>,
+        mut reply: Reply<'_, W>,
         declination_deg: Option<f64>,
     ) -> Answered {
         if let Some(declination_deg) = declination_deg {
@@ -114,6 +114,7 @@ impl Device {
             Ok(heading_deg) => {
                 // What would be rounded up to a whole turn is north.
                 let heading_deg = if heading_deg < 359.95 { heading_deg } else { 0.0 };
+                self.say_tilted(&mut reply);
                 let (heading_deg, declination_deg) = (Num(heading_deg), Num(self.view.declination_deg));
                 reply.ok(format_args!("heading_deg={heading_deg:.1} declination_deg={declination_deg:?}"))
             }

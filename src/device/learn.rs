@@ -135,7 +135,9 @@ impl Device {
     #[inline(never)]
     pub(super) fn begin_to_learn(&mut self) -> bool {
         let learner_inputs = &self.learner_inputs;
-        if learner_inputs.learner.is_learning()
+        // Level turns do not show where to begin.
+        if self.level.is_some()
+            || learner_inputs.learner.is_learning()
             || self.session.state() != State::Collecting
             || self.now_ms < learner_inputs.begin_at_ms
             || self.session.counts().n < BEGIN_SAMPLES

@@ -91,6 +91,7 @@ mod tests {
         counts: [-4096, 7, -300],
         measured_ut: Some([0.0; 3]),
         turn_radps: None,
+        is_tilted: false,
     };
 
     fn lines(log: &mut Log, sample: &Sample) -> String {

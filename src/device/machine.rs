@@ -12,14 +12,14 @@ use super::learner_inputs::LearnerInputs;
 use super::loading::Loading;
 use super::log::Log;
 use super::output::{MAX_REPLY_BYTES, Output};
-use super::sensor::{SensorAnswer, SensorTask, SensorWatch};
+use super::sensor::{SensorTask, SensorWatch};
 use super::store_watch::StoreWatch;
 use super::stream;
 use super::streamed;
 use super::view::View;
 use crate::clock::SteadyClock;
+use crate::level::Forces;
 use crate::protocol::{Line, LineSplitter, StreamMode};
-use crate::sensor::{Reading, Sample};
 use crate::session::{Session, State, Status};
 use crate::store::{BothSlots, Done, SlotState, StoreAnswer, StoreJob, StoreTask};
 
@@ -61,12 +61,14 @@ pub struct Device {
     pub(super) loading: Loading,
     pub(super) active: Option<Active>,
     pub(super) learner_inputs: LearnerInputs,
+    /// The accelerometer of a vehicle that turns level, while `cal start level` collects.
+    pub(super) level: Option<Forces>,
     pub(super) view: View,
     pub(super) sensor: SensorWatch,
     pub(super) stream: StreamMode,
     pub(super) log: Log,
-    samples_taken: u32,
-    waiting: Deque<streamed::Sample, WAITING_SAMPLES>,
+    pub(super) samples_taken: u32,
+    pub(super) waiting: Deque<streamed::Sample, WAITING_SAMPLES>,
     splitter: LineSplitter,
     line_waits: bool,
     /// Since when a computation has waited for the moment after a sample.
@@ -97,6 +99,7 @@ impl Device {
             loading: Loading::nothing(),
             active: None,
             learner_inputs: LearnerInputs::new(),
+            level: None,
             view: View::new(),
             sensor: SensorWatch::new(config.pace, sensor),
             stream: StreamMode::Off,
@@ -131,6 +134,7 @@ impl Device {
         self.loading.forget();
         self.active = None;
         self.learner_inputs.begin_anew();
+        self.level = None;
         self.view.begin_anew();
         self.stream = StreamMode::Off;
         self.log = Log::new();
@@ -198,59 +202,6 @@ impl Device {
     /// What a press of the button has done, once.
     pub fn take_event(&mut self) -> Option<ButtonEvent> {
         self.event.take()
-    }
-
-    /// Takes a measurement (chip axes) that the owner made on its own: with [`Pace::Pushed`](crate::device::Pace::Pushed), all of them. It works without
-    /// anything else, too: a sensor that is heard of works.
-    pub fn on_sample(&mut self, reading: &Reading, t_ms: u64) {
-        let t_ms = self.steady(t_ms);
-        self.sensor.heard(t_ms);
-        self.take_sample(self.config.sensor.sample(reading), t_ms);
-    }
-
-    fn take_sample(&mut self, sample: Sample, t_ms: u64) {
-        self.session.push(sample);
-        self.samples_taken = self.samples_taken.wrapping_add(1);
-        let measured_ut = self.config.sensor.measured_ut(sample);
-        if let Some(measured_ut) = measured_ut {
-            self.view.measured(t_ms, measured_ut);
-        }
-        if let Some(active) = &mut self.active {
-            active.take(t_ms, measured_ut, &self.learner_inputs.motion);
-        }
-        #[cfg(feature = "study")]
-        self.learn(sample, t_ms);
-        if self.stream != StreamMode::Off {
-            if self.waiting.is_full() {
-                self.waiting.pop_front();
-            }
-            // There is room now.
-            let _ = self.waiting.push_back(streamed::Sample {
-                t_ms,
-                seq: self.samples_taken.wrapping_add(self.sensor.lost()),
-                counts: sample.counts,
-                measured_ut,
-                turn_radps: self.turn_radps(),
-            });
-        }
-    }
-
-    /// How the board turned at the last sample, as far as it is known.
-    pub(super) fn turn_radps(&self) -> Option<[f32; 3]> {
-        let of_field = || self.active.as_ref().and_then(|active| active.turn_radps);
-        self.learner_inputs.motion.turn_radps.or_else(of_field)
-    }
-
-    /// Takes what came of an [`Action::Sensor`], with the time it is now.
-    pub fn complete_sensor(&mut self, answer: SensorAnswer, now_ms: u64) {
-        let now_ms = self.steady(now_ms);
-        if let SensorAnswer::Temperature(temp_c) = answer {
-            return self.take_temperature(temp_c);
-        }
-        self.sensor.answered(answer, now_ms);
-        if let SensorAnswer::Reading(reading) = answer {
-            self.take_sample(self.config.sensor.sample(&reading), now_ms);
-        }
     }
 
     /// Takes what came of an [`Action::Store`], with the time it is now.

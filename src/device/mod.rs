@@ -63,6 +63,9 @@ mod heading;
 mod job_purpose;
 mod learn;
 mod learner_inputs;
+mod level;
+#[cfg(test)]
+mod level_tests;
 mod light;
 mod load;
 mod loading;
@@ -72,6 +75,7 @@ mod name;
 mod output;
 mod own;
 mod packet;
+mod samples;
 mod sensor;
 mod serve;
 mod shown;

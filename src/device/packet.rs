@@ -57,6 +57,7 @@ impl Device {
             axes: Some(self.config.sensor.axes),
             predicted_error: PredictedError::UNKNOWN,
             covariance: None,
+            holds_for: None,
         };
         self.loading.take_record(&record, self.config.sensor.axes).map(|_| ())
     }

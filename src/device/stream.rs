@@ -44,7 +44,8 @@ pub(super) fn write_line(
             };
             let ([x, y, z], length, residual) = (ut, norm(ut), cal.residual_ut(ut));
             let ([x, y, z], length, residual) = ([x, y, z].map(Num), Num(length), Num(residual));
-            writeln!(out, "C,{},{x:.3},{y:.3},{z:.3},{length:.3},{residual:.3}", sample.t_ms)
+            let tilted = if sample.is_tilted { ",tilted" } else { "" };
+            writeln!(out, "C,{},{x:.3},{y:.3},{z:.3},{length:.3},{residual:.3}{tilted}", sample.t_ms)
         }
         // MotionCal has no word for an unknown value: a sample out of range is left out.
         StreamMode::MotionCal => match sample.measured_ut {
@@ -70,7 +71,7 @@ mod tests {
     fn line(mode: StreamMode, measured_ut: Option<[f32; 3]>) -> String {
         let calibration = Calibration { offset_ut: [93.0, 0.0, -1.0], ..Calibration::identity(48.0) };
         let counts = [-4096, 7, -300];
-        let sample = Sample { t_ms: 1260, seq: 63, counts, measured_ut, turn_radps: None };
+        let sample = Sample { t_ms: 1260, seq: 63, counts, measured_ut, turn_radps: None, is_tilted: false };
         let mut out = String::new();
         let live = Live::new(&ExtendedCalibration::plain(calibration)).unwrap();
         write_line(&mut out, mode, &sample, Some(&live), &mut Log::new()).unwrap();

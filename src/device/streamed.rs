@@ -11,4 +11,6 @@ pub(super) struct Sample {
     pub(super) measured_ut: Option<[f32; 3]>,
     /// The rate of turn then, rad/s.
     pub(super) turn_radps: Option<[f32; 3]>,
+    /// Whether the board was tilted further than its calibration holds for.
+    pub(super) is_tilted: bool,
 }

@@ -23,7 +23,7 @@ fn plain_device() -> Device {
 }
 
 /// A record with this effect, with coefficients of 2, −1 and 0.5.
-fn record(effect: BuiltIn<f64>) -> Record {
+pub(super) fn record(effect: BuiltIn<f64>) -> Record {
     let mut coefficients = [0.0; 9];
     coefficients[..3].copy_from_slice(&[2.0, -1.0, 0.5]);
     let fitted = FittedEffect::new(effect, coefficients, [0.001; 9]);
@@ -39,6 +39,7 @@ fn record(effect: BuiltIn<f64>) -> Record {
         axes: None,
         predicted_error: crate::record::PredictedError::UNKNOWN,
         covariance: None,
+        holds_for: None,
     }
 }
 
@@ -51,7 +52,7 @@ fn device(effect: BuiltIn<f64>) -> Device {
 }
 
 /// The answer to a line that comes at this time.
-fn answer(device: &mut Device, line: &str, now_ms: u64) -> std::string::String {
+pub(super) fn answer(device: &mut Device, line: &str, now_ms: u64) -> std::string::String {
     let mut out = String::<4096>::new();
     for byte in line.bytes().chain([b'\n']) {
         assert!(device.take_byte(byte), "{line}");
@@ -358,7 +359,7 @@ fn what_the_board_measures_is_tested_where_it_is_asked_for() {
 
 /// A device whose calibration is the identity, and its readings while it turns to and fro by this much with another offset, counts of
 /// 0.1 µT.
-fn turned(most_deg: f64, offset: [i16; 3], seconds: u64) -> Device {
+pub(super) fn turned(most_deg: f64, offset: [i16; 3], seconds: u64) -> Device {
     let sensor = Sensor::uniform("a chip", 0.1, 50.0);
     let mut device = Device::new(DeviceConfig { board: "bench", sensor, pace: Pace::Pushed });
     // Without a store, and with a sensor.
@@ -385,7 +386,7 @@ fn turn(device: &mut Device, most_deg: f64, offset: [i16; 3], seconds: std::ops:
 }
 
 /// The number behind this key.
-fn number(line: &str, key: &str) -> f64 {
+pub(super) fn number(line: &str, key: &str) -> f64 {
     let after = line.split_once(key).unwrap_or_else(|| panic!("{key} in {line}")).1;
     after.split([' ', ';']).next().and_then(|word| word.parse().ok()).unwrap_or_else(|| panic!("{line}"))
 }

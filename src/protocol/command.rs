@@ -41,8 +41,11 @@ pub enum Command {
     Version,
     /// `status`
     Status,
-    /// `cal start`
-    CalStart,
+    /// `cal start`; with `level` for a vehicle that only turns level.
+    CalStart {
+        /// Whether for level headings.
+        level: bool,
+    },
     /// `cal stop`
     CalStop,
     /// `cal accept`; with `force` also where it is clearly worse than the one in use.
@@ -118,7 +121,7 @@ pub fn parse(line: &str) -> Result<Command, ParseError> {
         "status" => (plain(second, Command::Status), "status takes no argument"),
         "cal" => (
             cal(second, third),
-            "cal start|stop|accept [force]|cancel|show|clear|zero [start]|dump, cal load ..., or cal method adjusted|trace|constant",
+            "cal start [level]|stop|accept [force]|cancel|show|clear|zero [start]|dump, cal load ..., or cal method adjusted|trace|constant",
         ),
         "stream" => (third.is_none().then(|| stream(second)).flatten(), "stream off|raw|cal|motioncal|log"),
         "field" => (
@@ -145,7 +148,8 @@ fn plain(argument: Option<&str>, command: Command) -> Option<Command> {
 
 fn cal(verb: Option<&str>, argument: Option<&str>) -> Option<Command> {
     let command = match (verb?, argument) {
-        ("start", None) => Command::CalStart,
+        ("start", None) => Command::CalStart { level: false },
+        ("start", Some("level")) => Command::CalStart { level: true },
         ("stop", None) => Command::CalStop,
         ("accept", None) => Command::CalAccept { force: false },
         ("accept", Some("force")) => Command::CalAccept { force: true },
@@ -211,7 +215,8 @@ mod tests {
             ("help", Command::Help),
             ("version", Command::Version),
             ("status", Command::Status),
-            ("cal start", Command::CalStart),
+            ("cal start", Command::CalStart { level: false }),
+            ("cal start level", Command::CalStart { level: true }),
             ("cal stop", Command::CalStop),
             ("cal accept", Command::CalAccept { force: false }),
             ("cal accept force", Command::CalAccept { force: true }),
@@ -239,7 +244,7 @@ mod tests {
             ("effect list", Command::EffectList),
             ("effect add offset:temp_c", Command::EffectAdd("offset:temp_c".try_into().unwrap())),
             ("effect remove step", Command::EffectRemove("step".try_into().unwrap())),
-            ("  cal   start ", Command::CalStart),
+            ("  cal   start ", Command::CalStart { level: false }),
         ] {
             assert_eq!(parse(line), Ok(command), "{line}");
         }

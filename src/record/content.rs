@@ -1,6 +1,7 @@
 //! A calibration with where it comes from.
 
 use super::covariance::Covariance;
+use super::holds_for::HoldsFor;
 use super::predicted::PredictedError;
 use crate::calibration::Calibration;
 #[cfg(feature = "effects")]
@@ -36,6 +37,8 @@ pub struct Record {
     /// How the errors of offset and matrix hang together, where that is known. A record whose effects leave no room for it is stored
     /// without.
     pub covariance: Option<Covariance>,
+    /// The tilts that it holds for; `None`: all.
+    pub holds_for: Option<HoldsFor>,
 }
 
 impl Record {
@@ -56,6 +59,7 @@ impl Record {
                 report.predicted_error_ut / report.calibration.field_ut,
             ),
             covariance: Covariance::of_spread(&report.spread),
+            holds_for: None,
         }
     }
 

@@ -15,8 +15,12 @@ pub const VERSION_WITH_RANGES: u8 = 4;
 pub const VERSION_WITH_RANGES_SHORT_ERRORS: u8 = 5;
 /// Added to one of the versions above: the same, and a covariance behind it.
 pub const WITH_COVARIANCE: u8 = 5;
+/// Added to one of the versions above, with a covariance or without: the same, and the tilts that it holds for behind it.
+pub const WITH_HOLDS_FOR: u8 = 10;
 /// Bytes of a covariance.
 pub const COVARIANCE_BYTES: usize = 45 * 4;
+/// Bytes of the tilts that a calibration holds for.
+pub const HOLDS_FOR_BYTES: usize = 8 * 4;
 /// Bytes of a record without effects.
 pub const RECORD_BYTES: usize = 148;
 /// The longest record: any four different effects of the catalogue fit, whatever their columns are called.
@@ -95,6 +99,15 @@ pub(crate) fn stated_length(bytes: &[u8]) -> Option<usize> {
     reader.at = LENGTH_AT;
     let length = usize::from(u16::from_le_bytes(reader.take().ok()?));
     (HEADER_BYTES + CRC_BYTES..=MAX_RECORD_BYTES).contains(&length).then_some(length)
+}
+
+/// The version without tilts that a version is made of, and whether they are behind it.
+pub(super) const fn without_holds_for(version: u8) -> (u8, bool) {
+    if WITH_HOLDS_FOR < version && version <= 2 * WITH_HOLDS_FOR {
+        (version - WITH_HOLDS_FOR, true)
+    } else {
+        (version, false)
+    }
 }
 
 /// The version without a covariance that a version is made of, and whether one is behind it.

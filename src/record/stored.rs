@@ -6,9 +6,11 @@ use super::content::Record;
 use super::covariance::Covariance;
 #[cfg(feature = "effects")]
 use super::effect;
+use super::holds_for::HoldsFor;
 use super::layout::{
-    COVARIANCE_BYTES, CRC, CRC_BYTES, LENGTH_AT, MAGIC, MAX_RECORD_BYTES, RECORD_BYTES, Reader, RecordError,
-    VERSION, WITH_COVARIANCE, Writer, check_crc, without_covariance,
+    COVARIANCE_BYTES, CRC, CRC_BYTES, HOLDS_FOR_BYTES, LENGTH_AT, MAGIC, MAX_RECORD_BYTES, RECORD_BYTES,
+    Reader, RecordError, VERSION, WITH_COVARIANCE, WITH_HOLDS_FOR, Writer, check_crc, without_covariance,
+    without_holds_for,
 };
 #[cfg(feature = "effects")]
 use super::layout::{
@@ -82,7 +84,9 @@ impl Record {
         let mut writer = Writer { bytes: [0; MAX_RECORD_BYTES], at: 0 };
         let effects = self.count_effects();
         writer.put(&MAGIC);
-        let stated = if covariance.is_some() { version + WITH_COVARIANCE } else { version };
+        let with_covariance = if covariance.is_some() { WITH_COVARIANCE } else { 0 };
+        let with_tilts = if self.holds_for.is_some() { WITH_HOLDS_FOR } else { 0 };
+        let stated = version + with_covariance + with_tilts;
         writer.put(&[stated, method_code(self.method), model_code(self.model), effects]);
         writer.put(&self.sequence.to_le_bytes());
         writer.put(&[0, 0, self.axes.map_or(0, AxisMap::code), self.predicted_error.code()]);
@@ -100,6 +104,9 @@ impl Record {
         }
         if let Some(covariance) = covariance {
             covariance.write(&mut writer);
+        }
+        if let Some(holds_for) = &self.holds_for {
+            holds_for.write(&mut writer);
         }
         let end = writer.at;
         let length = end + CRC_BYTES;
@@ -132,10 +139,13 @@ impl Record {
         let length = usize::from(u16::from_le_bytes(reader.take()?));
         let [axes, predicted_error] = reader.take()?;
         check_crc(bytes, length)?;
-        let (version_without, has_covariance) = without_covariance(version);
+        let (version_without, has_holds_for) = without_holds_for(version);
+        let (version_without, has_covariance) = without_covariance(version_without);
         #[cfg(feature = "effects")]
         let layout = EffectLayout::of(version_without);
-        let plain = RECORD_BYTES + if has_covariance { COVARIANCE_BYTES } else { 0 };
+        let plain = RECORD_BYTES
+            + if has_covariance { COVARIANCE_BYTES } else { 0 }
+            + if has_holds_for { HOLDS_FOR_BYTES } else { 0 };
         let without_effects = version_without == VERSION && length == plain && count == 0;
         // Without the feature a record with effects is one of a layout that is not known: its calibration alone would be wrong.
         #[cfg(not(feature = "effects"))]
@@ -169,6 +179,10 @@ impl Record {
             true => Some(Covariance::read(&mut reader).ok_or(unsound)?),
             false => None,
         };
+        let holds_for = match has_holds_for {
+            true => Some(HoldsFor::read(&mut reader).ok_or(unsound)?),
+            false => None,
+        };
         let calibration = Calibration { offset_ut, matrix, field_ut };
         let (Some(method), Some(model)) = (method_of(method), model_of(model)) else {
             return Err(unsound);
@@ -191,6 +205,7 @@ impl Record {
             axes,
             predicted_error,
             covariance,
+            holds_for,
         };
         let numbers = noise_ut.is_finite() && rms_ut.is_finite() && record.is_sound();
         if numbers && reader.at == reader.bytes.len() { Ok(record) } else { Err(unsound) }

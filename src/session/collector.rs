@@ -6,6 +6,8 @@ use crate::calibration::Calibration;
 use crate::coverage::{Coverage, Sketch, side_name};
 use crate::fit::{FitError, FitOptions, FitReport, MAX_PREDICTED_ERROR, fit};
 use crate::gate::{Gated, RestGate};
+#[cfg(feature = "device")]
+use crate::level::{Forces, LevelFit, LevelPrior, NotLevel, fit_level};
 use crate::quality::{Verdict, judge};
 use crate::scatter::Scatter;
 use crate::sensor::Sample;
@@ -120,6 +122,19 @@ impl Collector {
             report
         };
         Ok(report)
+    }
+
+    /// The fit for level headings.
+    #[cfg(feature = "device")]
+    pub(super) fn level(
+        &self,
+        config: &SessionConfig,
+        prior: &LevelPrior,
+        forces: &Forces,
+    ) -> Result<LevelFit, NotLevel> {
+        let scatter =
+            Scatter::from_moments(self.gate.moments(), config.ut_per_count).map_err(NotLevel::Fit)?;
+        fit_level(&scatter, &self.whiteness, config.ut_per_count, prior, forces)
     }
 
     fn coverage(&self, config: &SessionConfig, report: Option<&FitReport>) -> Coverage {

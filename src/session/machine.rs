@@ -6,6 +6,8 @@ use super::status::{Counts, Hint, Outcome, State, StateError, Status};
 #[cfg(feature = "methods")]
 use crate::fit::Method;
 use crate::fit::{FitError, FitReport};
+#[cfg(feature = "device")]
+use crate::level::{Forces, LevelFit, LevelPrior, NotLevel};
 use crate::record::Record;
 use crate::sensor::Sample;
 
@@ -120,6 +122,19 @@ impl Session {
     pub(crate) fn ellipsoid_so_far(&self) -> Option<Result<FitReport, FitError>> {
         match &self.stage {
             Stage::Collecting(collector) => Some(collector.ellipsoid(&self.config)),
+            _ => None,
+        }
+    }
+
+    /// The fit for level headings of the samples so far; `None` unless collecting.
+    #[cfg(feature = "device")]
+    pub(crate) fn level_so_far(
+        &self,
+        prior: &LevelPrior,
+        forces: &Forces,
+    ) -> Option<Result<LevelFit, NotLevel>> {
+        match &self.stage {
+            Stage::Collecting(collector) => Some(collector.level(&self.config, prior, forces)),
             _ => None,
         }
     }

@@ -46,6 +46,7 @@ fn record() -> Record {
         axes: Some(AxisMap::IDENTITY),
         predicted_error: crate::record::PredictedError::of_share(0.004),
         covariance: None,
+        holds_for: None,
     }
 }
 

@@ -18,4 +18,6 @@ mod stream;
 
 pub use share::independent_share;
 pub(crate) use share::{Pairs, share_of_pairs};
+#[cfg(feature = "device")]
+pub(crate) use stream::Residual;
 pub use stream::Whiteness;

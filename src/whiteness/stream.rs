@@ -2,11 +2,27 @@
 
 use super::lagged::{Lagged, Weights};
 use super::share::{Observed, effective_share};
+use crate::calibration::Calibration;
 use crate::fit::FitReport;
 use crate::gate::Gated;
 
 /// Samples between the two of a pair further apart. Odd, so that the pairs of every other sample reach all of them.
 const LAG: usize = 7;
+
+/// The residual of a fit, and what it is the residual of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Residual<'a> {
+    /// The calibration.
+    pub calibration: &'a Calibration<f64>,
+    /// What the noise makes of the corrected magnitude, rms, µT.
+    pub rms_ut: f64,
+    /// Noise of the sensor, σ per axis, µT.
+    pub noise_ut: f64,
+    /// Samples.
+    pub samples: f64,
+    /// Parameters of the fit.
+    pub parameters: f64,
+}
 
 /// Sums over pairs of neighbouring samples, and of samples seven apart, of a board that moves. At most 450 bytes.
 ///
@@ -89,18 +105,36 @@ impl Whiteness {
         ut_per_count: [f64; 3],
         quantisation_ut2: f64,
     ) -> Option<f64> {
-        let weights = Weights::of(&report.calibration, ut_per_count, self.centre?);
+        let residual = Residual {
+            calibration: &report.calibration,
+            rms_ut: report.residual_floor_ut,
+            noise_ut: report.noise_ut,
+            samples: report.samples as f64,
+            parameters: report.model.parameters() as f64,
+        };
+        self.share_of(&residual, ut_per_count, quantisation_ut2)
+    }
+
+    /// The same for the residual of another fit.
+    pub(crate) fn share_of(
+        &self,
+        residual: &Residual<'_>,
+        ut_per_count: [f64; 3],
+        quantisation_ut2: f64,
+    ) -> Option<f64> {
+        let Residual { calibration, rms_ut, noise_ut, samples, parameters } = *residual;
+        let weights = Weights::of(calibration, ut_per_count, self.centre?);
         // The quadric is twice the residual over the field.
-        let relative = 2.0 * report.residual_floor_ut / report.calibration.field_ut;
+        let relative = 2.0 * rms_ut / calibration.field_ut;
         let observed = Observed {
             variance: relative * relative,
-            quantisation: relative * relative * quantisation_ut2 / (report.noise_ut * report.noise_ut),
-            gradient2: relative * relative / (report.noise_ut * report.noise_ut),
+            quantisation: relative * relative * quantisation_ut2 / (noise_ut * noise_ut),
+            gradient2: relative * relative / (noise_ut * noise_ut),
             near: self.near.of(&weights)?,
             far: self.far.of(&weights),
             lag: LAG as i32,
-            samples: report.samples as f64,
-            parameters: report.model.parameters() as f64,
+            samples,
+            parameters,
         };
         effective_share(&observed)
     }

@@ -4,7 +4,7 @@ import { Sphere } from "./sphere.js";
 const POINTS = 2000;
 // A dot that is as near to the last one shows nothing new, µT.
 const APART_UT = 0.4;
-// So far, in radii, the dots may have moved before the sphere is built anew.
+// So far, in radii, the dots may have moved before the sphere is built again.
 const MOVED = 0.01;
 // A picture is due as often as this. Where the processor draws what is in 3-D, each costs it a twentieth of a second.
 const DUE_MS = 500;
@@ -93,7 +93,7 @@ export class Cloud {
     this.show(corrected);
   }
 
-  /** The sphere: built anew where tiles were lit or it has grown, else only its dots are moved. */
+  /** The sphere: built again where tiles were lit or it has grown, else only its dots are moved. */
   show(corrected) {
     const axes = [0, 1, 2].map((axis) => this.points.map((v) => v[axis]));
     const ends = axes.map((axis) => [Math.min(...axis), Math.max(...axis)]);

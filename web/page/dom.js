@@ -23,15 +23,16 @@ export function fill(node, ...children) {
 
 /** A table with a caption; the first cell of each row is its head. */
 export function table(caption, head, rows) {
+  const isText = (index) => rows.some((row) => /\p{L}{3}/u.test(row[index]));
   return h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption },
     h("table", {},
       h("caption", {}, caption),
-      h("thead", {}, h("tr", {}, head.map((text) => h("th", { scope: "col" }, text)))),
+      h("thead", {}, h("tr", {}, head.map((text, index) => h("th", { scope: "col", class: isText(index) ? "text" : null }, text)))),
       h("tbody", {}, rows.map((row) => h("tr", {}, row.map((cell, index) =>
-        index === 0 ? h("th", { scope: "row" }, cell) : h("td", {}, cell)))))));
+        index === 0 ? h("th", { scope: "row" }, cell) : h("td", { class: isText(index) ? "text" : null }, cell)))))));
 }
 
-/** Something long, closed until it is asked for; `make` gives its content then, and each time anew where it is `fresh`. */
+/** Something long, closed until it is asked for; `make` gives its content then, and each time again where it is `fresh`. */
 export function later(summary, make, fresh = false) {
   const body = h("div");
   let made = false;

@@ -15,7 +15,7 @@ const NEEDS_SCALE = ["betaflight", "iio"];
 const VERDICT = { MISSING: "FOUND" };
 
 const figure = (id, title, value, ...lines) => h("div", { class: "figure" }, title, h("b", { id }, value), lines.filter(Boolean).map((line) => h("span", {}, line)));
-const heading = (value) => (value === null ? null : `heading ± ${degrees(value)}`);
+const heading = (value) => (value === null ? null : `heading ± ${degrees(value)} (1σ)`);
 const ofField = (value) => `${percent(value)} of the field`;
 const arrow = () => h("span", { class: "arrow", "aria-hidden": "true" }, "→");
 
@@ -47,11 +47,14 @@ export class Figures {
     const { figures, fit, verdict } = this.look;
     const name = VERDICT[verdict.name] ?? verdict.name;
     fill(by("log-name"), h("strong", {}, this.said?.name ?? "log"), this.source());
-    fill(by("sentence"), h("span", { class: "badge", "data-verdict": name }, name), ` ${verdict.sentence.charAt(0).toUpperCase()}${verdict.sentence.slice(1)}`);
+    // The first sentence is the headline.
+    const [first, ...rest] = verdict.sentence.split(/(?<=\.) (?=[A-Z0-9])/);
+    fill(by("sentence"), h("span", { class: "badge", "data-verdict": name }, name), ` ${first.charAt(0).toUpperCase()}${first.slice(1)}`,
+      rest.length ? h("span", { class: "rest" }, ` ${rest.join(" ")}`) : null);
     fill(by("advice"), verdict.calibration);
     const parts = [];
     if (figures.before_ut !== null) {
-      parts.push(figure("error-before", "error as measured", ut(figures.before_ut), ofField(figures.before_percent), heading(figures.before_heading_deg)), arrow());
+      parts.push(figure("error-before", "error as measured", ut(figures.before_ut), ofField(figures.before_percent)), arrow());
     }
     const effects = fit.effects.length > 0;
     if (effects && figures.without_effects_ut !== null && fit.field_ut) {
@@ -92,7 +95,7 @@ export class Figures {
     const body = by("time-body");
     if (!body.firstChild) fill(body, h("p", { class: "note", id: "faults" }), Object.values(this.times).map((plot) => plot.whole));
     fill(by("faults"), this.look.faults.length
-      ? `Shaded times are left out of the fit: ${this.look.faults.map((fault) => `${fault.kind} ${fault.from_s === null ? "" : `${fixed(fault.from_s, 1)} to ${fixed(fault.to_s, 1)} s`}${fault.columns.length ? ` (${fault.columns.join(", ")})` : ""}`).join("; ")}.`
+      ? `The fit does not use the shaded times: ${this.look.faults.map((fault) => `${fault.kind} ${fault.from_s === null ? "" : `${fixed(fault.from_s, 1)} to ${fixed(fault.to_s, 1)} s`}${fault.columns.length ? ` (${fault.columns.join(", ")})` : ""}`).join("; ")}.`
       : "No faults in the data.");
     const x = timeline.at_s;
     const add = (values) => ({ low: values.low.map((v) => v === null ? null : v + field), high: values.high.map((v) => v === null ? null : v + field) });

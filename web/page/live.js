@@ -20,7 +20,8 @@ const CONDITIONS = { disturbed: "something disturbs the field, or an effect is m
 const vector = (line, from) => line.split(",").slice(from, from + 3).map(Number);
 
 /** An error with its unit: of the magnitude, or of the dip. */
-const sized = (ut, deg) => (ut !== undefined ? `${ut} µT` : deg !== undefined ? `${deg}°` : "");
+// The board prints `-` if a value is unknown: then there is no unit either.
+const sized = (ut, deg) => ([[ut, " µT"], [deg, "°"]].filter(([value]) => value !== undefined && value !== "-").map(([value, unit]) => value + unit)[0] ?? "–");
 
 const meter = (id, label, low, high, max, best) => {
   const bar = h("meter", { id: `meter-${id}`, min: 0, max, low, high, optimum: best, value: 0, "aria-label": label });
@@ -208,7 +209,7 @@ export class Live {
     start.disabled = !board;
     stop.disabled = !board || state !== "collecting";
     accept.disabled = !board || state !== "solved";
-    // The board studies from `cal start` on, whatever came of it, and beside a calibration.
+    // The board studies from `cal start` on, whatever came of it, and in addition to a calibration.
     why.disabled = !board || !(this.known?.calibrated || ["collecting", "solved", "refused"].includes(state));
     // Without a calibration everything is recorded.
     record.disabled = !board || !this.known?.calibrated || state === "collecting";
@@ -347,7 +348,8 @@ export class Live {
       const counts = vector(stream, 3);
       if (stream.startsWith("L,") && this.kind === "log" && counts.every(Number.isFinite)) this.point(counts.map((count, axis) => count * this.scale[axis]));
     } else if (stream.startsWith("C,")) {
-      const cells = stream.split(",").map(Number);
+      // An eighth cell says that the board is tilted further than its calibration is for.
+      const cells = stream.split(",").slice(0, 7).map(Number);
       // A column that an effect needs may not be known: then there is no corrected value.
       [this.at, this.now] = [null, null];
       if (cells.slice(1).every(Number.isFinite)) {

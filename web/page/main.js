@@ -167,12 +167,12 @@ class Page {
     }
   }
 
-  /** The log under a calibration file, beside its own fit. */
+  /** The log under a calibration file, next to its own fit. */
   besides(name, cal) {
     return this.stand(() => this.engine.ask({ do: "under", place: this.place, cal, name }));
   }
 
-  /** Another log under its own fit, beside this one. */
+  /** Another log under its own fit, next to this one. */
   logBeside({ name, bytes }) {
     const field_ut = this.look.asked.field_ut ?? null;
     return this.stand(async () => {
@@ -182,7 +182,7 @@ class Page {
     });
   }
 
-  /** Puts what `make` gives beside what is shown. */
+  /** Puts what `make` gives next to what is shown. */
   async stand(make) {
     this.trouble("");
     document.body.dataset.busy = "true";

@@ -237,7 +237,7 @@ export class Sphere {
     this.build();
   }
 
-  /** What the scene is made of. It stays, whatever is shown: a material that is made anew is compiled anew. */
+  /** What the scene is made of. It stays, whatever is shown: a material that is made again is compiled again. */
   furnish() {
     const line = (more) => new LineSegments(new BufferGeometry(), new LineBasicMaterial(more));
     const cloud = (size) => {

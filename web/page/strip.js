@@ -12,7 +12,7 @@ export class Strip {
     this.clear();
   }
 
-  /** Begins anew: what stood there was another model's. */
+  /** Begins again: what stood there was another model's. */
   clear() {
     this.at = [];
     this.values = [];

@@ -1,5 +1,5 @@
 "use strict";
-// Runs the module. Questions and answers are JSON; the bytes of a log go beside.
+// Runs the module. Questions and answers are JSON; the bytes of a log go with them.
 let running = null;
 
 const write = (slot, bytes) => {

@@ -126,7 +126,7 @@ pub struct Sums {
 }
 
 impl Rows {
-    /// Of a log at this state. Derivatives are taken at a reading that others beside it have smoothed, and at its place on the sphere: at the
+    /// Of a log at this state. Derivatives are taken at a reading that others next to it have smoothed, and at its place on the sphere: at the
     /// reading itself the noise of both would be the same, and their product never averages out (`E[Jᵀr] ≠ 0`).
     ///
     /// A board that speeds up, brakes or turns is tilted less than its accelerometer shows. The direction down is taken as what is to be expected

@@ -36,7 +36,7 @@ pub fn horizontal_ut(solved: &Solved) -> f64 {
 }
 
 /// Standard deviation of a heading, degrees rms over all headings and all ways to be tilted by so much from the mean attitude, with the
-/// accelerometer's gravity and effects whose columns have these mean squares. One constant for all headings is no error of a calibration: it is how the board stands in the vehicle.
+/// accelerometer's gravity and effects whose columns have these mean squares. One constant for all headings is not an error of a calibration: it is how the board stands in the vehicle.
 pub fn heading_error_deg(
     solved: &Solved,
     mean_down: &Vector3<f64>,

@@ -10,7 +10,7 @@ use crate::confined::state::{
 };
 use nalgebra::{DMatrix, Matrix3, SMatrix, SVector};
 
-/// Gains of the axes beside their mean, and angles between axes (rad): factory trims are within 5 %, soft iron of a vehicle within as much
+/// Gains of the axes next to their mean, and angles between axes (rad): factory trims are within 5 %, soft iron of a vehicle within as much
 /// again.
 const GAIN: f64 = 0.1;
 const SKEW: f64 = 0.05;

@@ -6,6 +6,7 @@
 //! the error of a heading while level, and while tilted.
 
 pub mod channels;
+pub mod guided;
 pub mod heading;
 pub mod known;
 pub mod log;

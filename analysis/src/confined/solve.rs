@@ -7,7 +7,7 @@ use crate::confined::log::Log;
 use crate::confined::state::{HARMONICS, State, YAW_ERROR, effect_at};
 use nalgebra::{DMatrix, DVector, Matrix3, SymmetricEigen, Vector3};
 
-/// How often the noise of each channel is worked out anew.
+/// How often the noise of each channel is worked out again.
 const ROUNDS: usize = 5;
 /// Steps with one noise at most.
 const STEPS: usize = 12;
@@ -139,7 +139,7 @@ fn promise(at: &Matrix, parameters: usize) -> Option<(f64, [f64; COLUMNS])> {
     Some(((0..parameters).map(|i| -step[i] * at.right(i)).sum(), step))
 }
 
-/// Steps to where `Jᵀr = 0` with this noise. With derivatives beside the readings that is not where the cost is least, so that a step is
+/// Steps to where `Jᵀr = 0` with this noise. With derivatives next to the readings that is not where the cost is least, so that a step is
 /// good where it lowers the cost or where the next one promises less.
 fn settle(log: &Log, start: &State, mut state: State, before: &Before, noise: &Noise) -> Option<State> {
     let parameters = state.parameters();

@@ -59,7 +59,7 @@ pub struct State {
     pub delay_s: f64,
     /// The zero error of the specific force, in parts of gravity and along the direction down that it shows.
     pub zero: Vector3<f64>,
-    /// Which part of the shown tilt is to be added to the share taken as the board's own: a board beside the axis that it rocks about is
+    /// Which part of the shown tilt is to be added to the share taken as the board's own: a board next to the axis that it rocks about is
     /// accelerated as it tilts.
     pub tilt: f64,
     /// Direction of magnetic north in the world of the logged attitude; `None` without one.

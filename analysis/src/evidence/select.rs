@@ -16,6 +16,7 @@ use crate::samples::samples::Samples;
 use crate::table::Table;
 use ironout::effect::Registry;
 use ironout::study::Model as CoreModel;
+use std::borrow::Cow;
 
 /// What a selection begins with.
 pub struct Begin<'b> {
@@ -53,12 +54,12 @@ pub struct Selection {
 
 /// Selects the terms of these samples. `None` where no model can be fitted.
 pub fn select(samples: &Samples, table: &Table, registry: Registry, begin: &Begin) -> Option<Selection> {
-    let mut samples = without_gaps(samples, table).unwrap_or_else(|| samples.clone());
+    let mut samples = without_gaps(samples, table).map_or(Cow::Borrowed(samples), Cow::Owned);
     let mut tones: Vec<Selected> = Vec::new();
     loop {
         match one_search(&samples, table, registry, begin, tones.len() < MOST_TONES)? {
             Round::Tone { rest, tone } => {
-                samples = *rest;
+                samples = Cow::Owned(*rest);
                 tones.push(tone);
             }
             Round::End(mut selection) => {

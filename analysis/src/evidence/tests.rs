@@ -3,7 +3,7 @@
 use crate::base::ground::Ground;
 use crate::base::prior::Prior;
 use crate::base::start::start;
-use crate::evidence::select::{Begin, Selection, select};
+use crate::evidence::select::{Begin, Selection, select, wander};
 use crate::table::Table;
 use ironout::effect::Registry;
 use ironout::fit::Method;
@@ -64,6 +64,40 @@ fn nothing_is_named_where_nothing_is_hidden() {
 #[test]
 fn a_cause_that_nobody_logged_accuses_nobody() {
     assert!(named(&log(&["offset:servo=5"], &["servo"], 3)).is_empty());
+}
+
+#[test]
+fn a_cause_that_nobody_logged_is_described() {
+    for seed in [3, 5, 6] {
+        let (known, unknown) =
+            (log(&["offset:servo=5"], &[], seed), log(&["offset:servo=5"], &["servo"], seed));
+        let table = Table::from_columns(unknown.named()).unwrap();
+        let ground = Ground::of(&table, Method::Adjusted, None, None);
+        let samples = &ground.counted.samples;
+        let (model, _) = start(samples, None).unwrap();
+        let begin = Begin { model: &model, known: &Prior::default(), stay: &[], is_at_rest: false };
+        let found = wander(samples, &table, Registry::BUILT_IN, &begin).unwrap();
+        let v = &known.truth.effects[0].drawn.coefficients;
+        let size = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let direction = found.direction.expect("one direction");
+        let cosine = (0..3).map(|i| direction[i] * v[i]).sum::<f64>() / size;
+        assert!(cosine.abs() > 0.95, "{seed}: {cosine}");
+        // Its trace follows the column.
+        let (time, servo) = (known.column("t_s").unwrap(), known.column("servo").unwrap());
+        let at = |t: f64| servo[time.partition_point(|one| *one < t).min(servo.len() - 1)];
+        let true_ut: Vec<f64> = found.t_s.iter().map(|t| at(*t) * size).collect();
+        let along: Vec<f64> =
+            found.offset_ut.iter().map(|o| (0..3).map(|i| o[i] * v[i]).sum::<f64>() / size).collect();
+        let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
+        let (a, b) = (mean(&true_ut), mean(&along));
+        let product = |f: &dyn Fn(f64, f64) -> f64| {
+            true_ut.iter().zip(&along).map(|(x, y)| f(x - a, y - b)).sum::<f64>()
+        };
+        let correlation = product(&|x, y| x * y) / (product(&|x, _| x * x) * product(&|_, y| y * y)).sqrt();
+        assert!(correlation > 0.8, "{seed}: {correlation}");
+        let true_rms = (product(&|x, _| x * x) / true_ut.len() as f64).sqrt();
+        assert!((found.rms_ut / true_rms - 1.0).abs() < 0.35, "{seed}: {} of {true_rms}", found.rms_ut);
+    }
 }
 
 #[test]

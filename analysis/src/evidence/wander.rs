@@ -2,6 +2,7 @@
 
 use crate::evidence::fit::Fit;
 use crate::evidence::hidden::hidden_cause;
+use crate::evidence::noise::{Noise, Track};
 use serde::Serialize;
 
 /// Points of a trace, at most.
@@ -30,11 +31,16 @@ impl Wander {
         let cause = hidden_cause(fit).filter(|cause| cause.gain > 0.0 && !cause.is_gain);
         let (trace, time_constant_s) = match &cause {
             Some(cause) => (cause.trace_ut(fit), cause.time_constant_s),
-            None if fit.noise.wander.is_none() => return None,
             None => {
-                let history = fit.noise.wander.history(&fit.track, &fit.residual());
+                // A short memory would stand for what moves.
+                let track = Track { without_memory: true, ..fit.track.clone() };
+                let noise = Noise::fit(&track, &fit.residual(), None, f64::INFINITY);
+                if noise.wander.is_none() {
+                    return None;
+                }
+                let history = noise.wander.history(&track, &fit.residual());
                 let sum = |[fast, slow]: &[[f64; 3]; 2]| [0, 1, 2].map(|i| fast[i] + slow[i]);
-                (history.iter().map(sum).collect(), fit.noise.wander_ut().1)
+                (history.iter().map(sum).collect(), noise.wander_ut().1)
             }
         };
         let n = trace.len() as f64;

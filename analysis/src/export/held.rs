@@ -2,7 +2,7 @@
 //! for, and what is left out.
 //!
 //! With the frame `measured = R·raw` a calibration is `corrected = M·R·(raw − Rᵀb − …)`. The polar decomposition
-//! `M·R = U·S` splits it into a symmetric matrix, which alone makes the magnitude, and a rotation: the mounting, and beside
+//! `M·R = U·S` splits it into a symmetric matrix, which alone makes the magnitude, and a rotation: the mounting, and next to
 //! it a misalignment that a target without a full matrix cannot hold. Where the calibration was not aligned to an accelerometer
 //! the rotation of its triangular matrix is a convention, and nothing is lost without it.
 
@@ -156,7 +156,7 @@ pub struct Held {
     pub narrowed: bool,
     /// The magnitude of corrected vectors, µT.
     pub field_ut: f64,
-    /// Whether it was fitted anew on a log.
+    /// Whether it was fitted again on a log.
     pub refitted: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What a target holds, fitted anew on a log, and what it costs beside the whole calibration.
+//! What a target holds, fitted again on a log, and what it costs next to the whole calibration.
 
 use crate::base::counted::Counted;
 use crate::base::heading::{HeadingError, difference_deg, heading_deg};
@@ -44,7 +44,7 @@ impl fmt::Display for NoCost {
 
 impl std::error::Error for NoCost {}
 
-/// The error of a calibration as a whole beside that of what a target holds, on one log.
+/// The error of a calibration as a whole next to that of what a target holds, on one log.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// Samples, without those set aside.
@@ -76,7 +76,7 @@ struct Row {
     row: usize,
 }
 
-/// Fits what the target holds anew where the target does not hold all of the calibration, and says what that costs.
+/// Fits what the target holds again where the target does not hold all of the calibration, and says what that costs.
 ///
 /// # Errors
 /// Where the log does not tell.

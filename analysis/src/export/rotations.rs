@@ -100,7 +100,7 @@ impl Rotation {
         TABLE.get(number).map(|angles| Rotation { number, matrix: matrix(*angles) })
     }
 
-    /// The one that leaves the least rotation beside it; of equal ones the first.
+    /// The one that leaves the least rotation next to it; of equal ones the first.
     pub fn nearest(rotation: &Matrix3<f64>) -> Self {
         let left = |one: &Self| angle_deg(&(rotation * one.matrix.transpose()));
         let mut best = Self::none();

@@ -8,7 +8,7 @@ const WIDTH: usize = 100;
 /// A misalignment below this is not worth a word, degrees.
 const LEAST_DEG: f64 = 0.05;
 
-/// What is known beside the calibration for the words at the top.
+/// What is known next to the calibration for the words at the top.
 #[derive(Debug, Clone, Copy)]
 pub struct About<'a> {
     /// The fit, in words.

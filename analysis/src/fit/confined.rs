@@ -27,15 +27,15 @@ pub const MAX_HEADING_ERROR_DEG: f64 = 1.5;
 /// Tilts that the error of a heading is said for, degrees.
 const TILTS_DEG: [f64; 4] = [0.0, 10.0, 20.0, 45.0];
 /// A board that is tilted further than this, degrees, is turned by hand, and has a verdict for all attitudes.
-const MOST_TILT_DEG: f64 = 60.0;
-/// A calibration is never for less tilt than this, degrees: a road is no table.
+pub(crate) const MOST_TILT_DEG: f64 = 60.0;
+/// A calibration is never for less tilt than this, degrees: a road is not a table.
 const LEAST_TILT_DEG: f64 = 5.0;
 /// What most samples stay below.
-const MOST: f64 = 0.95;
+pub(crate) const MOST: f64 = 0.95;
 /// The field turns as the gyro says within so many times the error of the magnitude, ...
 const ACROSS: f64 = 3.0;
 /// ... or explains all but this share of the variance by which it turns: a reversed axis leaves more than half of it, and the zero error
-/// that is fitted beside it takes most of that.
+/// that is fitted next to it takes most of that.
 const UNEXPLAINED: f64 = 0.05;
 /// The dip is one dip within this, degrees rms; more is another mounting, or no gravity.
 const DIP_DEG: f64 = 10.0;
@@ -90,6 +90,23 @@ pub(crate) fn tried(ground: &Ground, options: &Options, refused: Fitted) -> Fitt
         ));
     }
     fitted
+}
+
+/// Why a log is not calibrated for the tilts that it contains either.
+fn of_its_tilts(dip_spread_deg: f64, error_share: f64) -> String {
+    let why = if dip_spread_deg > DIP_DEG {
+        format!(
+            "the angle between field and gravity varies by {dip_spread_deg:.0}° rms (limit {DIP_DEG:.0}°). Either \
+             magnetometer and accelerometer have different axes (--rotate), or the accelerometer does not measure gravity"
+        )
+    } else {
+        format!(
+            "the error of the magnitude is {:.1} % of the field (limit {:.0} %). Fix: run ironout diagnose to find the cause",
+            100.0 * error_share,
+            100.0 * MAX_RESIDUAL
+        )
+    };
+    format!("ironout cannot calibrate for the tilts of this log either: {why}")
 }
 
 /// Why the attitude of a log that is taken in stretches is not used.
@@ -199,7 +216,14 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
         across_ut > ACROSS * along_ut && across_ut.powi(2) > UNEXPLAINED * turned_ut.powi(2);
     let implausible = implausible(&solved.state, IMPLAUSIBLE);
     let sound = fitted.is_refused_for_attitudes_only() && along_ut < MAX_RESIDUAL * field_ut;
-    if dip_spread_deg > DIP_DEG || !sound {
+    if dip_spread_deg > DIP_DEG || along_ut >= MAX_RESIDUAL * field_ut {
+        let mut refused = refused;
+        refused
+            .reasons
+            .push(Reason::new("not-for-its-tilts", of_its_tilts(dip_spread_deg, along_ut / field_ut)));
+        return refused;
+    }
+    if !sound {
         return refused;
     }
     if turns_otherwise || implausible.is_some() {

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// χ² with three degrees of freedom that chance exceeds in one of a thousand logs.
 const CHI_SQUARE: f64 = 16.27;
 
-/// The columns of the effects that are asked for; `None` where one of them is no offset in proportion to a column, or they are too many.
+/// The columns of the effects that are asked for; `None` where one of them is not an offset in proportion to a column, or they are too many.
 pub(crate) fn offsets<'a>(samples: &'a Samples, options: &Options) -> Option<Vec<&'a Column>> {
     let of = |id: &String| {
         let named = options.registry.parse(id)?;

@@ -85,7 +85,7 @@ fn not_shown(shown: &[Shown]) -> Vec<String> {
     shown.iter().filter(|one| !one.is_shown()).map(because).collect()
 }
 
-/// What the study arrived at; `None` where it is no calibration.
+/// What the study arrived at; `None` where it is not a calibration.
 fn solution(counted: &Counted, diagnosis: &Diagnosis, options: &Options) -> Option<Solution> {
     let (calibration, last) = (diagnosis.calibration?, diagnosis.steps.last()?);
     let finite = diagnosis.effects.iter().all(|effect| effect.coefficients.iter().all(|v| v.is_finite()));

@@ -228,7 +228,7 @@ impl Fitted {
             .collect();
         if let Some(beside) = self.varying_field(&solution) {
             (self.accepted, self.only_saturated, self.only_for_attitudes) = (false, false, false);
-            // A longer log is no remedy for another field.
+            // A longer log is not a remedy for another field.
             self.reasons.clear();
             let words = of_another_field(beside, solution.rms_ut / calibration.field_ut);
             self.reasons.push(Reason::new("field-not-uniform", words));
@@ -241,7 +241,7 @@ impl Fitted {
         self.solution = Some(solution);
     }
 
-    /// The corrected field beside the gyro.
+    /// The corrected field next to the gyro.
     fn held_against_gyro(counted: &Counted, solution: &Solution, registry: Registry) -> Option<BesideGyro> {
         counted.table.gyro_radps?;
         let entries: Vec<EffectEntry> = solution.effects.iter().map(EffectEntry::from).collect();
@@ -265,7 +265,7 @@ impl Fitted {
         Some(error_beyond(self.holdout_rms_ut?, solution.rms_ut)).filter(|error| error.is_finite())
     }
 
-    /// Takes the counts of a study: beside the effects of a fit other samples stand out than of the base model.
+    /// Takes the counts of a study: next to the effects of a fit other samples stand out than of the base model.
     pub(crate) fn counts_as(&mut self, diagnosis: &Diagnosis) {
         self.used = diagnosis.samples_used;
         let others: usize =
@@ -325,12 +325,12 @@ fn of_unseen_time(percent: f64, adds: bool) -> String {
     )
 }
 
-/// The reason where the board was turned all round: more directions are no remedy.
+/// The reason where the board was turned all round: more directions are not a remedy.
 fn of_a_short_log(percent: f64) -> String {
     format!(
-        "The predicted error of the corrected vector is {percent:.1} % of the field (limit {:.0} %), although all \
-         directions were covered. The log is too short for this much error. Fix: record longer, or run ironout diagnose to \
-         find the cause",
+        "The predicted error of the corrected vector is {percent:.1} % of the field (limit {:.0} %), although the \
+         log covers nearly all directions: the remaining error is too large for a log of this length. Fix: run ironout \
+         diagnose to find the cause, or record longer",
         100.0 * MAX_PREDICTED_ERROR
     )
 }

@@ -10,3 +10,4 @@ pub mod ids;
 mod recordings;
 pub mod run;
 pub(crate) mod turn;
+mod vehicle;

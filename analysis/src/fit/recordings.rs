@@ -1,6 +1,6 @@
 //! Several recordings whose offsets differ: one matrix, an offset for each.
 //!
-//! The board was mounted anew, a battery was exchanged, a day has passed. Where the offsets differ beyond what noise does, the
+//! The board was mounted again, a battery was exchanged, a day has passed. Where the offsets differ beyond what noise does, the
 //! readings are moved to the last recording's offset, and all else is of these.
 
 use crate::base::ground::Ground;
@@ -17,7 +17,7 @@ const SIGNIFICANT: f64 = 1e-3;
 const WORTH_SAYING: f64 = 0.98;
 
 /// What `then` makes of a log; where the offsets of its recordings differ, of its readings with the offset of the last, and the
-/// offsets beside it.
+/// offsets next to it.
 pub(crate) fn of_one_offset<T>(
     table: &Table,
     options: &Options,

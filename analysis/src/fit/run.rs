@@ -3,14 +3,14 @@
 
 use crate::base::ground::Ground;
 use crate::fit::fitted::Fitted;
-use crate::fit::{confined, extended, ids, recordings};
+use crate::fit::{confined, extended, ids, recordings, vehicle};
 use crate::outcome::contradiction::freed;
 use crate::outcome::request::{Options, Refusal};
 use crate::reason::Reason;
 use crate::table::Table;
 use crate::threads::with_room;
 
-/// Fits a log. The fit may be refused; the counts of what was used and set aside are there all the same.
+/// Fits a log. The fit may be refused; the counts of what was used and set aside are there anyway.
 ///
 /// # Errors
 /// Only where `options` ask for an effect that is not known or that this log does not allow.
@@ -35,7 +35,8 @@ pub(crate) fn of_ground(ground: &Ground, options: &Options) -> Result<Fitted, Re
         true => fitted.of_base(ground, options.registry),
         false => extended::run(ground, options, fitted)?,
     };
-    let mut fitted = confined::tried(ground, options, fitted);
+    let fitted = confined::tried(ground, options, fitted);
+    let mut fitted = vehicle::advised(ground, options, fitted);
     if let Some(contradiction) = contradiction {
         let words = format!("note: {}", contradiction.words());
         fitted.reasons.push(Reason::new("contradicts-prior", words));

@@ -15,7 +15,7 @@ const MIN_DEVIATIONS: f64 = 6.0;
 const MIN_SPREAD_SHARE: f64 = 0.05;
 /// Standard deviation of a normal distribution over its median absolute deviation.
 const SIGMA_OVER_MAD: f64 = 1.4826;
-/// One log with an effect is no habit of a vehicle.
+/// One log with an effect is not a habit of a vehicle.
 const MIN_LOGS_WITH_EFFECT: usize = 2;
 
 /// An effect that one vehicle shows more often than the others.

@@ -284,7 +284,7 @@ fn level(
         "tilted-too-little",
         format!(
             "The sensor was tilted by only {tilt_deg:.0}° (rms), so offset and matrix cannot be found. Record again with large \
-         tilts, or use --prior CAL.json. For a vehicle, ironout fit calibrates for the tilts in the log"
+         tilts, or use --prior CAL.json. For a vehicle, ironout fit can calibrate for the tilts in the log"
         ),
     );
     if let Some(mut lower) = as_logged(table, samples, options)?.filter(|lower| is_told(lower, options)) {
@@ -295,6 +295,8 @@ fn level(
     let base_only = Options { search: false, add: Vec::new(), ..options.clone() };
     let mut diagnosis = magnitude(table, samples, model, &Prior::default(), &base_only, stand)?;
     diagnosis.verdict = Verdict::Undetermined;
+    // The tilt says it already, with the same remedy.
+    diagnosis.reasons.retain(|other| other.code != "too-few-orientations");
     diagnosis.reasons.insert(0, reason);
     accuse_nobody(&mut diagnosis, base);
     Ok(diagnosis)

@@ -255,10 +255,12 @@ impl<'a> View<'_, 'a> {
         match error {
             Some(error) if error <= MAX_PREDICTED_ERROR => {}
             Some(error) => reasons.push(Reason::new("too-few-orientations", format!(
-                "Too few orientations: the predicted error is {:.*} % of the field in the worst direction (1σ). Rotate the \
-                 sensor through more orientations. For a vehicle, ironout fit calibrates for the tilts in the log",
+                "The log does not determine offset and matrix: the predicted error is {:.*} % of the field in the worst \
+                 direction (1σ; limit {:.0} %). Record longer and in more orientations. For a vehicle, ironout fit \
+                 can calibrate for the tilts in the log",
                 usize::from(error < 1.05 * MAX_PREDICTED_ERROR) + 1,
-                100.0 * error
+                100.0 * error,
+                100.0 * MAX_PREDICTED_ERROR
             ))),
             None => reasons.push(Reason::new("too-few-orientations", "too few orientations to determine the ellipsoid")),
         }
@@ -344,10 +346,12 @@ impl<'a> View<'_, 'a> {
             }
         }
         if left.structure > 0.0 {
-            reasons.push(Reason::new("unexplained-variance", format!(
+            let words = format!(
                 "{:.0} % of the residual variance is not noise, and no candidate explains it significantly",
                 100.0 * left.structure
-            )));
+            );
+            // First: it is the verdict, and the predicted error follows from it.
+            reasons.insert(0, Reason::new("unexplained-variance", words));
             return (Verdict::Unexplained, reasons, false);
         }
         if let Some(words) = self.stand_ins() {

@@ -24,7 +24,7 @@ pub struct Against {
     pub samples: Vec<u32>,
     /// Rms of the residual of offset and matrix only, µT.
     pub without_ut: Vec<f32>,
-    /// Rms of what the effects of the model make of the magnitude, with the noise floor beside it, µT.
+    /// Rms of what the effects of the model make of the magnitude, with the noise floor next to it, µT.
     pub effect_ut: Vec<f32>,
     /// Mean of the residual, µT.
     pub mean_ut: Vec<f32>,

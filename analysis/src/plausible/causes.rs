@@ -57,7 +57,7 @@ pub fn heading_is_computed(table: &Table) -> bool {
 }
 
 fn copies_of_axes<'a>(table: &Table<'a>, copies: &[FieldCopy]) -> Vec<&'a [f64]> {
-    /// More columns than these are no axes of two smoothed fields.
+    /// More columns than these are not axes of two smoothed fields.
     const MOST: usize = 6;
     let axes = copies.iter().filter(|copy| copy.of == CopyOf::Field);
     axes.filter_map(|copy| Some(table.covariates.get(copy.covariate)?.values)).take(MOST).collect()
@@ -125,7 +125,7 @@ fn is_step(table: &Table, values: &[f64]) -> bool {
         }
         varies |= (value - first).abs() > 1e-2 * first;
     }
-    // A constant beside an even clock proves nothing, and tests nothing either.
+    // A constant next to an even clock proves nothing, and tests nothing either.
     varies
 }
 

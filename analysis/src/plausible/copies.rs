@@ -1,5 +1,5 @@
 //! Columns that are made of this sensor's field: copies of an axis, filtered or late, and magnitudes of them. They follow the error
-//! because they contain it, so they are no cause of it.
+//! because they contain it, so they are not a cause of it.
 //!
 //! A copy is a column that the field and its past explain almost wholly on parts of the log that the regression has not seen, in a log
 //! that was turned in all directions. A cause is correlated with the field too, but there the turning is left over.
@@ -22,7 +22,7 @@ const PARTS: usize = 5;
 const ROWS_PER_TERM: f64 = 2.0;
 /// A magnitude that is copied repeats the noise of the field: what is left is below this share of that noise.
 const MAX_NOISE_LEFT: f64 = 0.5;
-/// Directions of the regressors that are less than this of the largest are no information.
+/// Directions of the regressors that are less than this of the largest are not information.
 const RANK: f64 = 1e-11;
 
 /// How much of the past a regressor takes, in rows.
@@ -292,7 +292,7 @@ impl Design {
             }
         }
         let explained = 1.0 - left / total;
-        // Explained on average, and nowhere missed: what follows time only in one part is no copy.
+        // Explained on average, and nowhere missed: what follows time only in one part is not a copy.
         let explained = if worst >= 2.0 * MIN_EXPLAINED - 1.0 { explained } else { explained.min(worst) };
         let slopes = solve(all.0, all.1)?;
         let slopes = slopes.iter().zip(&self.scale).skip(1).map(|(slope, scale)| slope / scale).collect();

@@ -145,7 +145,7 @@ fn judge(
         jump_ut: jump * scale,
         readings,
     };
-    // Of the inner nine tenths: what one reading does is no spread.
+    // Of the inner nine tenths: what one reading does is not a spread.
     let mut lengths: Vec<f64> = unit.iter().map(Vector3::norm_squared).collect();
     lengths.sort_by(f64::total_cmp);
     lengths.truncate((readings * 9 / 10).max(1));
@@ -384,7 +384,7 @@ mod tests {
         assert!(found.bounds_ut[0] < 55.0 && found.bounds_ut[1] > 100.0, "{found:?}");
         let can: Vec<&str> =
             UNITS.iter().filter(|(_, ut)| found.can_be_earth(*ut)).map(|(name, _)| *name).collect();
-        // Soft iron makes the circle of 52 an ellipse: what is no circle bounds less.
+        // Soft iron makes the circle of 52 an ellipse: what is not a circle bounds less.
         assert_eq!(can, ["uT", "mG"], "{found:?}");
     }
 

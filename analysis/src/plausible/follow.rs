@@ -1,6 +1,6 @@
 //! How well a gyro follows a vector that stands still in the world, in each of the 48 orders of its axes.
 //!
-//! A vector `m` of the body, `b` beside one that is fixed in the world, changes by `Δm = −k ∫ω×m dt + k ∫ω dt × b`: linear in
+//! A vector `m` of the body, `b` next to one that is fixed in the world, changes by `Δm = −k ∫ω×m dt + k ∫ω dt × b`: linear in
 //! the gyro's scale `k` and in `k b`. Nothing need be calibrated for it.
 
 use crate::plausible::orders::Order;
@@ -56,7 +56,7 @@ struct Stretch {
     turn: [f64; 3],
 }
 
-/// A gyro beside a vector, at the rows where the vector was read anew. `spread` is the vector's size; `offset` says whether
+/// A gyro next to a vector, at the rows where the vector was read again. `spread` is the vector's size; `offset` says whether
 /// it has one.
 pub struct Pair<'a> {
     /// Time, s.
@@ -69,7 +69,7 @@ pub struct Pair<'a> {
     pub rows: &'a [usize],
     /// Its size.
     pub size: f64,
-    /// Whether an unknown offset stands beside it.
+    /// Whether an unknown offset stands next to it.
     pub offset: bool,
 }
 
@@ -208,7 +208,7 @@ fn fit(stretches: &[Stretch], order: Order, offset: bool) -> Option<Fit> {
     let solution = unit.cholesky()?.solve(&right.component_mul(&scale));
     let explained = solution.dot(&right.component_mul(&scale)) / squares;
     let factor = solution[0] * scale[0];
-    // What is left of the scale's column beside the offset's, of a diagonal of 1.
+    // What is left of the scale's column next to the offset's, of a diagonal of 1.
     let told = unit.try_inverse().map_or(0.0, |inverse| inverse[(0, 0)].recip());
     // Where the offset does nearly as well, the sign of the scale says nothing.
     let signed = factor > 0.0 || (offset && told < SIGN_TOLD);

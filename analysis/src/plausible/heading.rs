@@ -1,4 +1,4 @@
-//! A heading that was computed from the field of this sensor: it repeats the field's errors, so it is no reference for them.
+//! A heading that was computed from the field of this sensor: it repeats the field's errors, so it is not a reference for them.
 //!
 //! A heading of another sensor differs from it by hard iron, noise and tilt; a computed one only by the rounding of what was written.
 
@@ -12,7 +12,7 @@ const MOST: usize = 3000;
 const LEAST: usize = 20;
 /// The heading turns by at least this, degrees (1σ of its direction on the circle).
 const TURNED_DEG: f64 = 15.0;
-/// What is left of a computed heading, beside its own rounding and that of the field, degrees.
+/// What is left of a computed heading, next to its own rounding and that of the field, degrees.
 const MOST_LEFT_DEG: f64 = 0.05;
 
 /// Whether these angles, in degrees, are computed from the field, raw, smoothed (`copies`: the columns of a smoothed field), or levelled
@@ -62,7 +62,7 @@ pub fn is_computed(table: &Table, heading_deg: &[f64], copies: &[&[f64]]) -> boo
     })
 }
 
-/// Spread of directions around the circle, degrees (1σ); large where one is no number.
+/// Spread of directions around the circle, degrees (1σ); large where one is not a number.
 fn spread_deg(angles_deg: impl Iterator<Item = f64>) -> f64 {
     let (mut sin, mut cos, mut count) = (0.0, 0.0, 0.0);
     for angle in angles_deg {

@@ -41,7 +41,7 @@ impl Orientation {
     }
 }
 
-/// What begins at the first of these neighbouring columns; `None` where it is no orientation, or where fewer than two columns change.
+/// What begins at the first of these neighbouring columns; `None` where it is not an orientation, or where fewer than two columns change.
 pub fn beginning_with(columns: &[&[f64]]) -> Option<Orientation> {
     [Orientation::Matrix, Orientation::Quaternion, Orientation::Direction].into_iter().find(|form| {
         let Some(columns) = columns.get(..form.width()) else { return false };

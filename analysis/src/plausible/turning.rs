@@ -110,7 +110,7 @@ pub fn judge(table: &Table) -> Turning {
         && let Some(more) = spreads_more(table, field)
     {
         // A shaken accelerometer does not show how the board turns, but the angle between field and gravity is more constant in
-        // the right order all the same.
+        // the right order anyway.
         let turned_back = more <= UNDECIDED;
         odd.whose = match more {
             _ if more <= MAGNETOMETERS => Whose::Magnetometer,

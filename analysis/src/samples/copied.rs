@@ -1,5 +1,5 @@
 //! Readings that a log holds twice: a file that was joined to itself, a buffer that was written again. They say nothing new, however
-//! often they are there, and whatever the time beside them is.
+//! often they are there, and whatever the time next to them is.
 
 use std::collections::HashMap;
 
@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(copied(&log[..10]), []);
     }
 
-    /// A board that turns evenly, in steps that hide the noise: the same readings again are no copy, and in fine steps a copy is found.
+    /// A board that turns evenly, in steps that hide the noise: the same readings again are not a copy, and in fine steps a copy is found.
     #[test]
     fn turns_in_coarse_steps_are_no_copies() {
         let turns = |step: f64| -> Vec<[f64; 3]> {

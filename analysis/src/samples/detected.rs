@@ -1,4 +1,4 @@
-//! What a linear model with structured noise tells of its parameters beside a prior.
+//! What a linear model with structured noise tells of its parameters next to a prior.
 //!
 //! Least squares `N θ = Jᵀr` with the errors of batch means, `N⁻¹ S N⁻¹`, give the information `N S⁻¹ N`; a direction that the data do not see has none
 //! and keeps the prior.

@@ -68,7 +68,7 @@ pub struct Faults {
 pub const AXES: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
 /// A visit to the end of a range ends this share of the range away from it.
 const VISIT_SHARE: f64 = 0.02;
-/// Fewer samples than this at the end of a range are no clipping.
+/// Fewer samples than this at the end of a range are not clipping.
 const CLIPPED_SAMPLES: usize = 15;
 /// The end of a range is met this many times as often as the steps before it, and more; at a turning point that no noise
 /// blurs it would be 3.2 times.
@@ -77,7 +77,7 @@ const CLIPPED_OVER: f64 = 4.0;
 const STUCK_S: f64 = 0.4;
 /// Nor is it stuck for fewer rows than this.
 const STUCK_ROWS: usize = 8;
-/// Less than this is no gap, s.
+/// Less than this is not a gap, s.
 const GAP_S: f64 = 0.4;
 /// A burst stands out of the residual this many robust standard deviations.
 const BURST_PEAK: f64 = 9.0;
@@ -363,7 +363,7 @@ pub fn outliers(residuals: &[f64]) -> Vec<bool> {
 }
 
 /// Single readings far from those next to them in the residual of a fit: `(first, last)` sample of each. Whatever effect is
-/// missing from the model changes slowly beside them. Empty where so many stand out that it is the noise.
+/// missing from the model changes slowly next to them. Empty where so many stand out that it is the noise.
 pub fn spikes(residuals: &[f64]) -> Vec<(usize, usize)> {
     let n = residuals.len();
     if n < 50 {
@@ -433,7 +433,7 @@ pub fn merge_bursts(list: &mut Vec<DataFault>) {
     list.extend(merged);
 }
 
-/// Whether a column of the log does something during bursts that it does not do elsewhere: then they are no fault but
+/// Whether a column of the log does something during bursts that it does not do elsewhere: then they are not a fault but
 /// something to explain.
 pub fn have_company(samples: &Samples, bursts: &[(usize, usize)]) -> bool {
     let inside = |at: usize| bursts.iter().any(|(from, to)| (*from..=*to).contains(&at));

@@ -335,7 +335,7 @@ impl Samples {
     }
 
     /// The same samples with accelerometer and gyro as they were `late_s` earlier: what a magnetometer that is so late
-    /// stands beside. `None` without time.
+    /// stands next to. `None` without time.
     pub fn beside_late(&self, table: &Table, late_s: f64) -> Option<Samples> {
         table.time_s?;
         let mut out = self.clone();

@@ -1,7 +1,7 @@
 //! Batch means of the score: how far the sums of `Jᵀr` over parts of a log spread.
 //!
 //! Independent samples make that spread `σ²JᵀJ`. A residual that is correlated where the rows are alike makes it larger, whatever its
-//! spectrum, as long as its memory is short beside a part (Liang and Zeger 1986, Flegal and Jones 2010).
+//! spectrum, as long as its memory is short next to a part (Liang and Zeger 1986, Flegal and Jones 2010).
 
 use nalgebra::{DMatrix, DVector};
 

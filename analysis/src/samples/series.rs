@@ -139,7 +139,7 @@ impl Autocorrelation {
 
 /// The smallest step between two readings of a column.
 pub fn quantum(values: &[f64]) -> f64 {
-    // A decimal fraction is no exact step: what is left of two equal readings is none.
+    // A decimal fraction is not an exact step: what is left of two equal readings is none.
     let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 1e-6);
     let least = steps.fold(f64::INFINITY, f64::min);
     if least.is_finite() { least } else { 0.0 }

@@ -30,6 +30,7 @@ fn record(effects: &[FittedEffect<f64>]) -> Record {
         axes: None,
         predicted_error: ironout::record::PredictedError::UNKNOWN,
         covariance: None,
+        holds_for: None,
     }
 }
 

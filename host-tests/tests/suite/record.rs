@@ -8,9 +8,9 @@ use ironout::effect::{
 use ironout::extended::Effects;
 use ironout::fit::{Method, Order};
 use ironout::record::{
-    COVARIANCE_BYTES, Covariance, MAX_RECORD_BYTES, RECORD_BYTES, Record, RecordError, VERSION,
-    VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, VERSION_WITH_RANGES, VERSION_WITH_RANGES_SHORT_ERRORS,
-    WITH_COVARIANCE, is_newer,
+    COVARIANCE_BYTES, Covariance, HOLDS_FOR_BYTES, HoldsFor, MAX_RECORD_BYTES, RECORD_BYTES, Record,
+    RecordError, VERSION, VERSION_SHORT_ERRORS, VERSION_WITH_EFFECTS, VERSION_WITH_RANGES,
+    VERSION_WITH_RANGES_SHORT_ERRORS, WITH_COVARIANCE, WITH_HOLDS_FOR, is_newer,
 };
 use ironout::sensor::AxisMap;
 use proptest::collection::vec;
@@ -45,6 +45,42 @@ fn effects_read_back_to_the_same_bits() {
 fn a_record_without_effects_is_one_that_older_firmware_reads() {
     let plain = bytes(&record(93.25));
     assert_eq!((plain.len(), plain[4], plain[7]), (RECORD_BYTES, VERSION, 0));
+}
+
+/// The tilts of a vehicle.
+const TILTS: HoldsFor =
+    HoldsFor { tilt_deg: 7.0, down: [0.0, -0.6, 0.8], heading_errors_deg: [0.3, 1.9, 3.75, 8.0] };
+
+#[test]
+fn the_tilts_that_a_calibration_holds_for_read_back_with_all_else() {
+    let plain = record(93.25);
+    let covariance = Some(covariance());
+    let effects = with(&all_effects()[..2]);
+    for (without, version) in [
+        (plain, VERSION),
+        (Record { covariance, ..plain }, VERSION + WITH_COVARIANCE),
+        (effects, VERSION_WITH_EFFECTS),
+        (with_ranges(&effects), VERSION_WITH_RANGES),
+    ] {
+        let written = Record { holds_for: Some(TILTS), ..without };
+        let (before, after) = (bytes(&without), bytes(&written));
+        assert_eq!((before[4], after[4]), (version, version + WITH_HOLDS_FOR));
+        assert_eq!(after.len(), before.len() + HOLDS_FOR_BYTES);
+        assert_eq!(Record::decode(&after), Ok(written));
+    }
+}
+
+#[test]
+fn tilts_that_are_none_are_unsound() {
+    for tilts in [
+        HoldsFor { tilt_deg: 0.0, ..TILTS },
+        HoldsFor { tilt_deg: f32::NAN, ..TILTS },
+        HoldsFor { down: [0.0; 3], ..TILTS },
+        HoldsFor { heading_errors_deg: [0.3, -1.0, 2.0, 3.0], ..TILTS },
+    ] {
+        let written = bytes(&Record { sequence: 5, holds_for: Some(tilts), ..record(1.0) });
+        assert_eq!(Record::decode(&written), Err(RecordError::Unsound { sequence: 5 }), "{tilts:?}");
+    }
 }
 
 /// A covariance whose numbers all differ.

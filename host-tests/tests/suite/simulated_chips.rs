@@ -206,6 +206,7 @@ fn save(store: &mut impl Store, clock: &Clock, in_use: Option<Slot>) -> Result<(
         axes: None,
         predicted_error: ironout::record::PredictedError::UNKNOWN,
         covariance: None,
+        holds_for: None,
     };
     match run(StoreJob::save(in_use, record), store, |ms| clock.advance_ns(ms * 1_000_000))? {
         Done::Saved(slot, record) => Ok((slot, record)),

@@ -7,8 +7,8 @@ use crate::reading::Reading;
 use ironout::effect::Id;
 use ironout::extended::{Effects, Live, LiveError, MAX_DELAYED};
 use ironout::fit::{Method, Order};
-use ironout::record::{Covariance, MAX_RECORD_BYTES, PredictedError, Record};
-use ironout_analysis::calibration::{EffectEntry, Information, StdErrors};
+use ironout::record::{self, Covariance, MAX_RECORD_BYTES, PredictedError, Record, TILTS_DEG};
+use ironout_analysis::calibration::{AtTilt, EffectEntry, HoldsFor, Information, StdErrors};
 use ironout_analysis::effects::{entry, of_library};
 use ironout_analysis::frame::{Frame, IDENTITY, matrix3, rows};
 use nalgebra::Vector3;
@@ -75,6 +75,7 @@ pub fn carried(cal: &CalFile, board: &Identity) -> Outcome<Carried> {
             .and_then(Information::covariance)
             .as_ref()
             .and_then(Covariance::of),
+        holds_for: cal.fit.holds_for.as_ref().map(tilts),
     };
     let encoded = record.encode().map_err(|_| {
         cannot(&format!(
@@ -123,7 +124,7 @@ fn right_for(cal: &CalFile, board: &Identity) -> Outcome<()> {
 /// The calibration in the axes of the numbers that its log held, which a board corrects in: `Rᵀ·M·R·(raw − Rᵀ·b − …)`.
 ///
 /// # Errors
-/// An effect whose coefficients are no vectors.
+/// An effect whose coefficients are not vectors.
 fn in_source_axes(cal: &CalFile, notices: &mut Vec<String>) -> Outcome<CalFile> {
     let frame = cal.reading.as_ref().map_or_else(|| Ok(Frame::default()), Reading::frame)?;
     let (mut turned, r) = (cal.clone(), frame.rotation());
@@ -132,6 +133,9 @@ fn in_source_axes(cal: &CalFile, notices: &mut Vec<String>) -> Outcome<CalFile> 
     }
     let back = r.transpose();
     turned.fit.offset_ut = cal.fit.offset_ut.map(|offset| (back * Vector3::from(offset)).into());
+    if let Some(holds_for) = &mut turned.fit.holds_for {
+        holds_for.down = (back * Vector3::from(holds_for.down)).into();
+    }
     turned.fit.matrix = cal.fit.matrix.map(|matrix| rows(&(back * matrix3(&matrix) * r)));
     for entry in &mut turned.fit.effects {
         let kind = entry.id.split([':', '#']).next().unwrap_or_default();
@@ -201,7 +205,7 @@ pub fn cal_file(record: &Record, covariance: Option<&[[f64; 9]; 9]>, board: &Ide
     let cal = CalFile {
         version: VERSION,
         fit: FitObject {
-            holds_for: None,
+            holds_for: record.holds_for.as_ref().map(holds_for),
             method: record.method.name().to_string(),
             samples_used: record.samples,
             samples_set_aside: 0,
@@ -235,6 +239,37 @@ pub fn cal_file(record: &Record, covariance: Option<&[[f64; 9]; 9]>, board: &Ide
     CalFile::parse(&text)
 }
 
+/// The tilts as a record keeps them. For a tilt that the file does not have, the error of the next larger one.
+fn tilts(holds_for: &HoldsFor) -> record::HoldsFor {
+    let error = |tilt_deg: f32| {
+        let enough = |at: &&AtTilt| at.tilt_deg >= f64::from(tilt_deg);
+        let at = holds_for.heading_errors.iter().find(enough).or(holds_for.heading_errors.last());
+        at.map_or(0.0, |at| at.heading_error_deg as f32)
+    };
+    record::HoldsFor {
+        tilt_deg: holds_for.tilt_deg as f32,
+        down: holds_for.down.map(|axis| axis as f32),
+        heading_errors_deg: TILTS_DEG.map(error),
+    }
+}
+
+/// The tilts as a file keeps them.
+fn holds_for(tilts: &record::HoldsFor) -> HoldsFor {
+    // The digits of single precision, and not those of its binary value.
+    let digits = |value: f32| value.to_string().parse().unwrap_or_else(|_| f64::from(value));
+    let errors = TILTS_DEG.into_iter().zip(tilts.heading_errors_deg);
+    HoldsFor {
+        tilt_deg: digits(tilts.tilt_deg),
+        down: tilts.down.map(digits),
+        heading_errors: errors
+            .map(|(tilt_deg, error_deg)| AtTilt {
+                tilt_deg: digits(tilt_deg),
+                heading_error_deg: digits(error_deg),
+            })
+            .collect(),
+    }
+}
+
 fn entries(effects: &Effects<f64>) -> Vec<EffectEntry> {
     effects.iter().map(entry).collect()
 }
@@ -251,6 +286,28 @@ fn std_errors(covariance: &[[f64; 9]; 9]) -> StdErrors {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_tilts_of_a_vehicle_go_to_a_board_and_come_back() {
+        let mut cal = CalFile::parse(include_str!("../../tests/fixtures/cal.json")).expect("a calibration");
+        let errors = [(0.0, 0.25), (10.0, 0.5), (20.0, 1.25), (45.0, 4.5)];
+        let of = |(tilt_deg, heading_error_deg)| AtTilt { tilt_deg, heading_error_deg };
+        let own = HoldsFor { tilt_deg: 28.0, down: [0.0, 0.6, 0.8], heading_errors: errors.map(of).to_vec() };
+        cal.fit.holds_for = Some(own.clone());
+        let flip = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]];
+        let frame = Frame { from_source: flip, ..Frame::default() };
+        cal.reading = Some(Reading { frame: Some(frame), ..Reading::default() });
+        let board = Identity {
+            firmware: "1".into(),
+            board: "bench".into(),
+            sensor: "chip".into(),
+            ut_per_count: None,
+        };
+        let Carried { record, .. } = carried(&cal, &board).expect("it can be sent");
+        let read = Record::decode(record.encode().expect("it fits").as_bytes()).expect("sound");
+        let back = cal_file(&read, None, &board).expect("a file").fit.holds_for.expect("the tilts");
+        assert_eq!(back, HoldsFor { down: [0.0, -0.6, -0.8], ..own });
+    }
 
     #[test]
     fn a_board_corrects_its_own_numbers_to_the_same_field() {

@@ -168,7 +168,7 @@ pub enum Trouble {
     Gone(String),
     /// Nothing came.
     Silent(Duration),
-    /// What came is no text.
+    /// What came is not text.
     NotText,
     /// What came is text, and not that of a board's console.
     Foreign(String),

@@ -60,7 +60,7 @@ fn one(
     let table = Table::from(log);
     let corrector = Corrected::new(calibration, cal.fitted_to.as_deref(), log, &table)?;
     if let Some(output) = &arguments.output {
-        // The program's own file keeps its lines and comments; another program's is written anew.
+        // The program's own file keeps its lines and comments; another program's is written again.
         if log.read_as.own_csv && log.path != Path::new("-") {
             write(log, &corrector, output)?;
         } else {
@@ -169,7 +169,7 @@ fn write(log: &Log, corrector: &Corrected, output: &Path) -> Outcome<()> {
             let text = line.text;
             done += text.len() as u64 + 1;
             out.write_all(text)?;
-            // The first line that is no comment is the header.
+            // The first line that is not a comment is the header.
             if !line.is_row() {
                 writeln!(out)?;
                 continue;

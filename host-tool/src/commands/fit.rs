@@ -7,7 +7,7 @@ use crate::plausible::Known;
 use crate::progress::Working;
 use crate::reading::Reading;
 use crate::registry::REGISTRY;
-use crate::{atomic, fit_words, output, prior, read_block, refusal, source};
+use crate::{atomic, fit_words, headings, output, prior, read_block, refusal, source};
 use ironout_analysis::reason::codes;
 use ironout_analysis::{Options, Report, Table, fit};
 
@@ -33,7 +33,8 @@ pub fn run(arguments: &FitArgs, form: Form) -> Outcome<u8> {
         arguments.log.logs().try_for_each(|log| atomic::not_over(log, path))?;
     }
     let known = Known::given(expected.field_ut);
-    let (log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, form)?;
+    let (mut log, used) = source::read_held(&arguments.log, arguments.prior.as_deref(), &known, form)?;
+    headings::guide(&mut log, &arguments.headings)?;
     let expected = expected.or_reference(&arguments.log, &log);
     let mut options = Options {
         method,

@@ -7,7 +7,6 @@ use crate::link_args::SendArgs;
 use crate::output::line;
 use crate::progress::Progress;
 use ironout::record::Record;
-use ironout_analysis::calibration::HoldsFor;
 
 /// A line that noise has spoilt is worth another try; more of them are a bad cable.
 const ATTEMPTS: usize = 3;
@@ -19,7 +18,9 @@ pub fn run(arguments: &SendArgs, json: bool) -> Outcome<u8> {
     let (mut console, board) = Console::open(&address, arguments.link.wait()?)?;
     let Carried { record, mut notices } =
         carried(&cal, &board).map_err(|failure| failure.in_file(&arguments.cal))?;
-    notices.extend(cal.fit.holds_for.as_ref().map(HoldsFor::notice));
+    notices.extend(cal.fit.holds_for.as_ref().map(|holds_for| {
+        format!("{}. The board warns if it is tilted further and has an accelerometer", holds_for.limit())
+    }));
     let failed = |trouble: Trouble| trouble.at(&address);
     // Nobody reads a stream meanwhile.
     console.ok("stream off").map_err(failed)?;

@@ -72,7 +72,7 @@ mod tests {
         // One time constant after the step: 1 − 1/e.
         assert!((out[149] - (1.0 - (-1.0_f64).exp())).abs() < 1e-3, "{}", out[149]);
         assert_eq!(out[50], 0.0);
-        // A gap in the column is no gap in the time.
+        // A gap in the column is not a gap in the time.
         let mut holes = step.clone();
         holes[120..140].fill(f64::NAN);
         let with = lowpass(&holes, &time, 0.5);

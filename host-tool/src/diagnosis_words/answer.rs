@@ -3,6 +3,7 @@
 use crate::diagnosis_words::conclusion::{verdict, what_next};
 use crate::diagnosis_words::found::{amount, axis_order};
 use crate::diagnosis_words::numbers::{degrees, microtesla, percent, probability};
+use crate::diagnosis_words::place;
 use crate::diagnosis_words::told::{Told, WIDTH, at_rest, counted};
 use crate::diagnosis_words::unlogged;
 use crate::field_unit::symbol;
@@ -81,8 +82,12 @@ fn figures(told: &Told, report: &mut Report) {
         let (before, after) = (degrees(heading.rms_deg_before), degrees(heading.rms_deg_after));
         row("heading error", format!("{before} → {after} rms, against heading_deg"));
     } else if let Some(dip) = diagnosis.dip.filter(|_| determined && axis_order(diagnosis).is_none()) {
-        let (before, after) = (degrees(dip.rms_deg_before), degrees(dip.rms_deg_after));
-        row("dip spread", format!("{before} → {after} rms"));
+        // The same two figures as in the verdict, which is about the effects; without effects only the alignment changes the dip.
+        let (before, how) = match steps.first().and_then(|first| first.dip_rms_deg) {
+            Some(before) if steps.len() > 1 => (before, ""),
+            _ => (dip.rms_deg_before, ", aligned with the accelerometer"),
+        };
+        row("dip spread", format!("{} → {} rms{how}", degrees(before), degrees(dip.rms_deg_after)));
     }
     if determined {
         let mut count = 0;
@@ -106,7 +111,12 @@ fn figures(told: &Told, report: &mut Report) {
             .filter(|shown| shown.p_value < 0.01)
             .take(COLUMNS)
             .map(|shown| {
-                format!("{} {} (p = {})", shown.against, percent(shown.explained), probability(shown.p_value))
+                format!(
+                    "{} {} (p = {})",
+                    place::label(&shown.against),
+                    percent(shown.explained),
+                    probability(shown.p_value)
+                )
             })
             .collect();
         if !most.is_empty() {

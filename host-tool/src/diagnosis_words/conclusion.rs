@@ -29,7 +29,7 @@ fn fall(diagnosis: &Diagnosis) -> String {
         return String::new();
     };
     if first.rms_ut > 1.02 * last.rms_ut {
-        // Where structure is left beside the noise it is not only that.
+        // Where structure is left next to the noise it is not only that.
         let all = diagnosis.verdict != Verdict::Unexplained || is_only_unsure(diagnosis);
         let noise = if all && at_the_noise(diagnosis) { ", the noise floor" } else { "" };
         return format!("the error from {} to {}{noise}", microtesla(first.rms_ut), field(last.rms_ut));
@@ -130,7 +130,7 @@ fn reasons_or<'a>(reasons: &'a str, otherwise: &'a str) -> &'a str {
 /// Of confounded effects, this many get a command of their own.
 const MOST_CHOICES: usize = 3;
 
-/// What the error is held against that is no column of the log.
+/// What the error is held against that is not a column of the log.
 const NO_COLUMNS: [&str; 4] = ["time", "spectrum", "attitude", "rate of turn"];
 /// A column is mentioned as the likely cause from this share of the residual variance on, and up to [`MAX_P_VALUE`].
 const MIN_VARIANCE_EXPLAINED: f64 = 0.5;

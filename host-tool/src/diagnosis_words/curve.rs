@@ -237,7 +237,7 @@ pub fn spectrum(time_s: &[f64], residual: &[f64]) -> Option<(Curve, f64, f64)> {
     }
     let rate = (n - 1) as f64 / seconds;
     let size = n.next_power_of_two();
-    // A Hann window: without it one strong line would fill the bands beside it.
+    // A Hann window: without it one strong line would fill the bands next to it.
     let window = |i: usize| 0.5 - 0.5 * (std::f64::consts::TAU * (i as f64 + 0.5) / n as f64).cos();
     let mut data: Vec<(f64, f64)> =
         residual[..n].iter().enumerate().map(|(i, r)| (r * window(i), 0.0)).collect();

@@ -44,6 +44,11 @@ pub fn least_span(diagnosis: &Diagnosis) -> f64 {
     diagnosis.residual_floor_ut.map_or(1e-6, |floor| (2.0 * floor).max(1e-6))
 }
 
+/// What a residual is shown against, as people read it; JSON keeps its own words.
+pub fn label(against: &str) -> &str {
+    if against == "attitude" { "orientation" } else { against }
+}
+
 /// The two ends of a curve's axis with their unit.
 pub fn axis_label(against: &str, curve: &Curve) -> (String, String) {
     let unit = match against {
@@ -205,7 +210,7 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
     let left = ends.iter().map(|(low, _)| low.chars().count()).max().unwrap_or(0);
     let right = ends.iter().map(|(_, high)| high.chars().count()).max().unwrap_or(0);
     for (row, (low, high)) in all.iter().zip(&ends).take(MOST) {
-        let label = shorten(&row.shown.against, NAME - 1);
+        let label = shorten(label(&row.shown.against), NAME - 1);
         let mut text = format!(
             "  {label:<NAME$}{:>8} {:>8}",
             percent(row.shown.explained),
@@ -238,7 +243,7 @@ pub fn failures(told: &Told, out: &mut Vec<String>) {
         }
         if all.iter().any(|row| row.scale == Scale::Symmetric && row.curve.is_some()) {
             note.push_str(
-                " attitude: residual against the field direction in sensor axes. The last column is its amplitude.",
+                " orientation: residual against the field direction in sensor axes. The last column is its amplitude.",
             );
         }
         out.extend(wrap(&note, "  ", WIDTH));

@@ -24,7 +24,7 @@ pub fn asked(arguments: &ExportArgs) -> Outcome<()> {
     }
 }
 
-/// The exported text; with a log (that of the calibration) what the target holds is fitted anew on it.
+/// The exported text; with a log (that of the calibration) what the target holds is fitted again on it.
 ///
 /// # Errors
 /// The target cannot hold the calibration, or a number that it needs is not given.

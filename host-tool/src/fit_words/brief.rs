@@ -19,13 +19,16 @@ const MIN_DIP_SPREAD_RATIO: f64 = 3.0;
 /// An error this many times the noise floor is worth a diagnosis.
 pub const MIN_ERROR_RATIO_TO_DIAGNOSE: f64 = 1.2;
 
+/// Codes of a refusal of a vehicle that was not turned over.
+const VEHICLE: [&str; 2] = ["vehicle", "too-few-orientations"];
+
 /// The answer.
 pub fn report(arguments: &FitArgs, log: &Log, fitted: &Fitted, expected: &Expected) -> Report {
     let mut report =
         Report { verdict: vec![verdict(fitted)], reasons: fitted.reasons.clone(), ..Report::default() };
     figures(log, fitted, expected, &mut report);
     report.remarks = remarks(fitted);
-    next_steps(arguments, fitted, &mut report);
+    next_steps(arguments, log, fitted, &mut report);
     report
 }
 
@@ -85,14 +88,17 @@ fn figures(log: &Log, fitted: &Fitted, expected: &Expected, report: &mut Report)
         if let Some(floor) = fitted.residual_floor_ut {
             row("noise floor", format!("{} {unit}", fixed(Some(floor), 2)));
         }
-        row(
-            "predicted error",
-            format!(
-                "{} {unit} ({}; 1σ of a corrected vector, worst direction)",
-                fixed(Some(solution.vector_error_ut()), 2),
-                percent(solution.vector_error_ut())
-            ),
-        );
+        // The worst direction lies outside the tilts that a vehicle's calibration is for.
+        if fitted.holds_for.is_none() {
+            row(
+                "predicted error",
+                format!(
+                    "{} {unit} ({}; 1σ of a corrected vector, worst direction)",
+                    fixed(Some(solution.vector_error_ut()), 2),
+                    percent(solution.vector_error_ut())
+                ),
+            );
+        }
         if let Some(degrees) = fitted.heading_error_deg {
             row("heading error", format!("{degrees:.2}° (1σ, {})", posture(fitted)));
         }
@@ -157,7 +163,7 @@ fn remarks(fitted: &Fitted) -> Vec<String> {
     list
 }
 
-fn next_steps(arguments: &FitArgs, fitted: &Fitted, report: &mut Report) {
+fn next_steps(arguments: &FitArgs, log: &Log, fitted: &Fitted, report: &mut Report) {
     let mut step = |what: &str, command: String| {
         report.say(format!("{what}:"));
         report.command(command);
@@ -167,6 +173,17 @@ fn next_steps(arguments: &FitArgs, fitted: &Fitted, report: &mut Report) {
             if *after_deg > MIN_DIP_SPREAD_DEG && *after_deg > MIN_DIP_SPREAD_RATIO * predicted)
     });
     let unexplained = error_ratios(fitted).1 > MIN_ERROR_RATIO_TO_DIAGNOSE || loose;
+    let is_vehicle = fitted.reasons.first().is_some_and(|reason| VEHICLE.contains(&reason.code));
+    if !fitted.accepted && is_vehicle && arguments.prior.is_none() && arguments.prior_from.is_none() {
+        let fit = next::fit(arguments);
+        step(
+            "Keep the matrix of a calibration made on the bench",
+            fit.clone() + " --prior bench.json --free offset",
+        );
+        if !log.frame.removed.is_empty() {
+            step("Or start from the autopilot's own calibration", fit + " --prior-from parameters");
+        }
+    }
     if !fitted.accepted {
         step("See what the log shows, and what is missing", next::diagnose(arguments));
     } else if unexplained {

@@ -20,6 +20,9 @@ pub fn fit(arguments: &FitArgs) -> String {
     if let Some(Free::Offset) = arguments.free {
         words += " --free offset";
     }
+    for known in &arguments.headings {
+        words += &format!(" --heading {}={}", known.time_s, known.heading_deg);
+    }
     match arguments.purpose {
         Some(Purpose::All) => words += " --for all",
         Some(Purpose::Tilt(tilt)) => words += &format!(" --for {tilt}"),

@@ -33,7 +33,7 @@ pub enum Format {
     /// Columns of Parquet or Arrow.
     #[cfg(feature = "parquet")]
     Columnar(Container),
-    /// What is no log and is known.
+    /// What is not a log and is known.
     Foreign(&'static str),
 }
 
@@ -85,7 +85,7 @@ pub fn detect(first: &[u8], options: &ReadOptions) -> Format {
     own(first, options).unwrap_or(Format::Text)
 }
 
-/// The first line that is no comment, and its number; `None` where it does not end, or where there is none: the strict reader says
+/// The first line that is not a comment, and its number; `None` where it does not end, or where there is none: the strict reader says
 /// best what is wrong with that.
 fn first_row(first: &[u8]) -> Option<(u64, &[u8])> {
     let mut rest = first.strip_prefix(b"\xef\xbb\xbf").unwrap_or(first);
@@ -124,7 +124,7 @@ fn own(first: &[u8], options: &ReadOptions) -> Option<Format> {
 /// Reads the log at `path`; `-` is standard input. Every error names the file, and line and column where there are any.
 ///
 /// # Errors
-/// What is no log, or one that can be read in two ways.
+/// What is not a log, or one that can be read in two ways.
 pub fn read_log(path: &Path, options: &ReadOptions) -> Outcome<Log> {
     let in_file = |failure: Failure| if failure.file.is_none() { failure.in_file(path) } else { failure };
     if path == Path::new("-") {

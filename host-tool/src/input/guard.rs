@@ -1,4 +1,4 @@
-//! A reader in front of the CSV parser that stops on what is no CSV log: binary files, other encodings, lines
+//! A reader in front of the CSV parser that stops on what is not a CSV log: binary files, other encodings, lines
 //! without end, quotes that never close. It counts lines, so that the place can be named.
 
 use std::io::{self, Read};

@@ -47,7 +47,7 @@ fn take_origin(comment: &[u8], origin: &mut Origin) {
     }
 }
 
-/// An identifier is no text.
+/// An identifier is not text.
 const MAX_ORIGIN_CHARS: usize = 80;
 
 impl<R: Read> Lines<R> {
@@ -88,7 +88,7 @@ impl<R: Read> Lines<R> {
                 take_origin(&self.buffer, &mut self.origin);
             }
         };
-        // Borrowed anew: a line that is returned from inside the loop would be borrowed in every round.
+        // Borrowed again: a line that is returned from inside the loop would be borrowed in every round.
         Ok(Some(Line { text: &self.buffer, number: self.number, ended }))
     }
 

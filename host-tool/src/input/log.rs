@@ -24,7 +24,7 @@ pub struct ReadOptions {
     pub progress: bool,
 }
 
-/// A numeric column that is no sensor of the format: temperature, current, throttle, anything.
+/// A numeric column that is not a sensor of the format: temperature, current, throttle, anything.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Covariate {
     /// Its header (after `--map`).

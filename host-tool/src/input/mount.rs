@@ -61,7 +61,7 @@ impl Mounting {
             (self.accelerometer, has_accelerometer, "accelerometer"),
             (self.gyroscope, has_gyroscope, "gyroscope"),
         ] {
-            // Turning everything at once is no wish for what is not there.
+            // Turning everything at once is not a wish for what is not there.
             if matrix.is_some() && matrix != self.magnetometer && !has {
                 notices.push(format!("--rotate rotates the {what}, which is not in the log"));
             }

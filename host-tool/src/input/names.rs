@@ -76,9 +76,9 @@ pub fn meaning(header: &str) -> Meaning {
         && let (Kind::Other, Some(text)) = (kind, bracket)
         && let Some(any) = Unit::any(text)
     {
-        // The unit tells what a name in any language is: `Magnetfeld x (µT)`, `X (µT)`. A G by itself is no gauss.
+        // The unit tells what a name in any language is: `Magnetfeld x (µT)`, `X (µT)`. A G by itself is not a gauss.
         kind = match any.quantity {
-            // (G) behind an acceleration is no gauss.
+            // (G) behind an acceleration is not a gauss.
             Some(Quantity::Field)
                 if !matches!(text.trim(), "g" | "mg" | "t")
                     && !words
@@ -119,7 +119,7 @@ pub fn meaning(header: &str) -> Meaning {
     if unit.is_none()
         && let Some(quantity) = quantity
     {
-        // A unit between the words: `mag_uT_x`. One letter is no unit there.
+        // A unit between the words: `mag_uT_x`. One letter is not a unit there.
         if let Some(at) = words.iter().position(|word| word.len() > 1 && Unit::of(word, quantity).is_some()) {
             unit = words.get(at).and_then(|word| Unit::of(word, quantity));
             if kind != Kind::Time {

@@ -96,7 +96,7 @@ impl Plan {
             (options.mounting.accelerometer, accel.is_some(), "accelerometer"),
             (options.mounting.gyroscope, gyro.is_some(), "gyroscope"),
         ] {
-            // Turning everything at once is no wish for what is not there.
+            // Turning everything at once is not a wish for what is not there.
             if matrix.is_some() && matrix != options.mounting.magnetometer && !has {
                 notices.push(format!("--rotate rotates the {what}, which is not in the log"));
             }
@@ -212,7 +212,7 @@ struct Repaired {
     repairs: Vec<String>,
 }
 
-/// Mends the magnetometer's numbers, and takes the rows out that are no readings.
+/// Mends the magnetometer's numbers, and takes the rows out that are not readings.
 fn repaired(
     stores: &mut [Store],
     field: [usize; 3],

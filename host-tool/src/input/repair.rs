@@ -89,7 +89,7 @@ fn one(text: &str) -> Option<Asked> {
     }))
 }
 
-/// Makes the repairs that are asked for, recognises others, and sets aside the rows that are no readings.
+/// Makes the repairs that are asked for, recognises others, and sets aside the rows that are not readings.
 ///
 /// # Errors
 /// Numbers that are broken and can be mended, with the option that does it.

@@ -5,7 +5,7 @@ use ironout_analysis::table::{ATTITUDE, Earth};
 use ironout_analysis::track::Track;
 use ironout_analysis::{Named, Table};
 
-/// Where the board was is no cause of what it reads beyond the field of that place.
+/// Where the board was is not a cause of what it reads beyond the field of that place.
 const WHERE: [&str; 2] = ["lat_deg", "lon_deg"];
 
 impl<'a> From<&'a Log> for Table<'a> {

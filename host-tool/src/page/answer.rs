@@ -23,7 +23,7 @@ enum Question {
     Look { place: usize, asked: LookAsked },
     /// A log under a calibration file.
     Under { place: usize, cal: String, name: String },
-    /// A calibration file for a target; with a log, what the target holds is fitted anew.
+    /// A calibration file for a target; with a log, what the target holds is fitted again.
     Export {
         cal: String,
         form: String,

@@ -50,6 +50,7 @@ pub fn look(held: &Held, asked: &LookAsked) -> Outcome<Value> {
     let arguments = FitArgs {
         free: None,
         purpose: None,
+        headings: Vec::new(),
         prior_from: None,
         log: held.asked.arguments(),
         field: asked.field(),
@@ -137,7 +138,7 @@ fn refused(fitted: &Fitted) -> &str {
 /// A log under a calibration that there is already: what is drawn, and its error.
 ///
 /// # Errors
-/// A file that is no calibration, or a column that it needs and the log has not.
+/// A file that is not a calibration, or a column that it needs and the log has not.
 pub fn under(held: &Held, cal_text: &str, name: &str) -> Outcome<Value> {
     let cal = CalFile::parse(cal_text).map_err(|failure| failure.in_file(name.as_ref()))?;
     if let Some(reading) = &cal.reading {
@@ -166,16 +167,10 @@ fn figures(fitted: &Fitted, floor_ut: Option<f64>) -> Value {
     let solution = fitted.solution.as_ref();
     let field_ut = solution.map(|solution| solution.calibration.field_ut);
     let percent = |value: Option<f64>| json_number(value.zip(field_ut).map(|(v, field)| 100.0 * v / field));
-    // As the fit predicts its own: an error across the level part of the field.
-    let heading = |error_ut: f64| {
-        let level_ut = field_ut? * fitted.dip_deg?.to_radians().cos();
-        Some(error_ut.atan2(level_ut.abs()).to_degrees())
-    };
     let before = fitted.before;
     json!({
         "before_ut": json_number(before.map(|(_, rms)| rms)),
         "before_percent": json_number(before.map(|(mean, rms)| 100.0 * rms / mean)),
-        "before_heading_deg": json_number(before.and_then(|(_, rms)| heading(rms))),
         "after_ut": json_number(solution.map(|solution| solution.rms_ut)),
         "after_percent": percent(solution.map(|solution| solution.rms_ut)),
         "after_heading_deg": json_number(fitted.heading_error_deg),

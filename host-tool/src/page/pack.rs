@@ -12,7 +12,7 @@ const MAGIC: &[u8; 8] = b"ironlog1";
 const MOST_DECIMALS: u32 = 9;
 /// Whole numbers up to here are exact in a double.
 const EXACT: f64 = 9_007_199_254_740_992.0;
-/// Longer logs keep columns that are no decimal numbers in single precision.
+/// Longer logs keep columns that are not decimal numbers in single precision.
 const LONG: usize = 20_000;
 
 /// How the values of a column stand.

@@ -113,7 +113,7 @@ fn the_summary_finds_three_planted_faults_and_no_other() {
     let words = batch(&logs, &table, &["--page", text(&page)]);
     assert!(words.stderr.contains("121 of 121 logs were studied before"), "{}", words.stderr);
     for found in [
-        "v05: offset:current_a in 6 of 6 logs, in 0 of 114",
+        "v05: offset:current_a in 6 of 6 logs, in 0 of 114 logs of the other vehicles",
         "v03: drifts by +0.2",
         "v11: offset changed by",
         "another sensor or mounting",
@@ -165,6 +165,17 @@ fn only_what_changed_is_studied_again() {
     let pattern = logs.join("?.csv");
     let run = batch(&pattern, &here.join("other.csv"), &["--json", "--vehicle-from", "{vehicle}.csv"]);
     let vehicles = run.json()["summary"]["vehicles"].as_u64();
+    // Several folders, as a shell expands a pattern, name the vehicles as the folder above them does.
+    let folders = ["u1", "u2"].map(|name| here.join("fleet").join(name));
+    for own in &folders {
+        std::fs::create_dir_all(own).expect("a folder");
+        write(own, "a.csv", flight(1, 1));
+    }
+    let table = here.join("expanded.jsonl");
+    let run = ironout(["batch", text(&folders[0]), text(&folders[1]), "-o", text(&table)]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    let named: Vec<Value> = rows(&table).iter().map(|row| row["vehicle"].clone()).collect();
+    assert_eq!(named, ["u1", "u2"]);
     assert_eq!(vehicles, Some(3), "A7 by two logs themselves, 1 and 3 by their names: {}", run.stdout);
 }
 

@@ -58,7 +58,7 @@ fn rows_of_zeros_are_set_aside_counted_and_said() {
     let run = ironout(["fit", text(&log), "-o", text(&cal)]);
     assert_eq!(run.status, 0, "{}", run.stderr);
     assert!(
-        run.said().contains("left out: 82 lines: 0, 0, 0 in the three axes is an error code"),
+        run.said().contains("skipped: 82 lines: 0, 0, 0 in the three axes is an error code"),
         "{}",
         run.stderr
     );

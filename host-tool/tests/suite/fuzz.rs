@@ -155,6 +155,7 @@ fn good_record() -> Record {
         axes: None,
         predicted_error: ironout::record::PredictedError::UNKNOWN,
         covariance: None,
+        holds_for: None,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Logs of vehicles that are not turned over: accepted for the attitudes that they show, refused where a sensor stands otherwise.
 
-use crate::common::{case, changed, folder, ironout, text};
+use crate::common::{case, changed, folder, ironout, recording, text};
 use serde_json::Value;
 use std::path::Path;
 
@@ -89,4 +89,73 @@ fn apply_says_where_a_log_is_tilted_further_than_the_calibration_is_for() {
     assert!(said(&boat).as_str().is_some_and(|words| words.contains("tilts up to 5°")), "{}", said(&boat));
     let exported = ironout(["export", text(&cal), "--as", "c"]);
     assert!(exported.stderr.contains("fitted for tilts up to 5°"), "{}", exported.stderr);
+}
+
+/// `--heading` options of so many times of a log, from its column of true headings, with this error, degrees.
+fn known_headings(log: &Path, count: usize, error_deg: f64) -> Vec<String> {
+    let text = std::fs::read_to_string(log).expect("a log");
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let place = |name: &str| header.iter().position(|own| *own == name).expect("a column");
+    let (time, heading) = (place("t_s"), place("heading_deg"));
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    let taken = (1..=count).map(|number| &rows[number * (rows.len() - 1) / (count + 1)]);
+    taken
+        .flat_map(|row| {
+            let degrees = row[heading].parse::<f64>().expect("a heading") + error_deg;
+            ["--heading".to_string(), format!("{}={degrees}", row[time])]
+        })
+        .collect()
+}
+
+#[test]
+fn known_headings_make_a_level_log_more_exact_and_never_falsely_certain() {
+    let Some(log) = case("17_car_level.csv") else { return };
+    let alone = fitted(&log, &[]);
+    let headings = known_headings(&log, 8, 0.0);
+    let with = fitted(&log, &headings.iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(with["accepted"], true, "{with}");
+    let level = |object: &Value| {
+        object["holds_for"]["heading_errors"][0]["heading_error_deg"].as_f64().expect("an error")
+    };
+    assert!(level(&with) <= 1.05 * level(&alone), "{} {}", with["holds_for"], alone["holds_for"]);
+    for ((found, truth), within) in offset_ut(&with).into_iter().zip(TRUE_OFFSET_UT).zip([4.0, 4.0, 9.0]) {
+        assert!((found - truth).abs() < within, "{found} instead of {truth}");
+    }
+    // Headings that count the other way are no headings, and change nothing.
+    let reversed: Vec<String> = headings
+        .iter()
+        .map(|word| match word.split_once('=') {
+            Some((time, degrees)) => format!("{time}={}", -degrees.parse::<f64>().expect("degrees")),
+            None => word.clone(),
+        })
+        .collect();
+    let unused = fitted(&log, &reversed.iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(offset_ut(&unused), offset_ut(&alone));
+    assert!(unused["reason_codes"].to_string().contains("logged-attitude-unused"), "{unused}");
+    let said = ironout(["fit", text(&log), "--heading", "9999=90"]);
+    assert!(
+        said.status == 2 && said.stderr.contains("--heading needs a time inside"),
+        "{}",
+        said.stderr
+    );
+    let usage = ironout(["fit", text(&log), "--heading", "north"]);
+    assert!(usage.status == 2 && usage.stderr.contains("expected T=DEG"), "{}", usage.stderr);
+}
+
+#[test]
+fn the_refusal_of_a_flight_says_first_what_to_do_with_it() {
+    let Some(flight) = recording("px4-quad-flight.csv") else { return };
+    for options in [&[][..], &["--for", "all"]] {
+        let object = fitted(&flight, options);
+        assert_eq!(object["reason_codes"][0], "vehicle", "{object}");
+        let first = object["reasons"][0].as_str().expect("a reason");
+        assert!(
+            first.contains("--prior bench.json --free offset") && first.contains("ironout diagnose"),
+            "{first}"
+        );
+        let brief = ironout(["fit", text(&flight)].into_iter().chain(options.iter().copied())).stdout;
+        let steps = brief.split_once("Next steps").expect("steps").1;
+        assert!(steps.find("--free offset") < steps.find("ironout diagnose"), "{brief}");
+    }
 }

@@ -12,6 +12,14 @@ MIN_IN_BIN = 5
 MAX_POINTS = 4000
 BLOCKS = 24
 MIN_IN_BLOCK = 50
+#: Room for the legend under the title.
+LEGEND_HEIGHT_PT = 20
+UNITS = {
+    "s": "s", "ut": "µT", "nt": "nT", "mps2": "m/s²", "mps": "m/s", "radps": "rad/s", "deg": "°", "rad": "rad",
+    "c": "°C", "a": "A", "v": "V", "w": "W", "m": "m", "hz": "Hz", "pa": "Pa", "pct": "%",
+}
+#: Beyond this number of characters, labels side by side would overlap.
+MAX_LABEL_CHARS = 48
 #: Of the normal matrix: beyond it a block has too few directions for an offset.
 MAX_CONDITION = 300.0
 
@@ -30,8 +38,19 @@ def _axes(ax: Any, **figure: Any) -> Any:
     return plt.subplots(layout="constrained", **figure)[1]
 
 
-def _legend(ax: Any, **options: Any) -> None:
-    ax.legend(facecolor="white", framealpha=0.85, edgecolor="none", fontsize="small", markerscale=2, **options)
+def _legend(ax: Any, columns: int) -> None:
+    # Between the title and the axes: it must not lie on samples.
+    ax.legend(
+        loc="lower center", bbox_to_anchor=(0.5, 1.0), borderaxespad=0, ncols=columns, frameon=False, fontsize="small",
+        markerscale=2, columnspacing=1.2,
+    )
+    ax.set_title(ax.get_title(), pad=LEGEND_HEIGHT_PT)
+
+
+def _label(name: str) -> str:
+    """Name of a column with its unit: the end of the name."""
+    stem, _, unit = name.rpartition("_")
+    return "time, s" if name == "t_s" else f"{name}, {UNITS[unit]}" if stem and unit in UNITS else name
 
 
 def _thin(count: int) -> slice:
@@ -71,20 +90,21 @@ def residual(column: np.ndarray, values: np.ndarray, name: str, ax: Any = None) 
     edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1))) if len(x) else np.array([])
     centres, means, quartiles = [], [], []
     for low, high in zip(edges[:-1], edges[1:]):
-        inside = y[(x >= low) & (x <= high)]
-        if len(inside) >= MIN_IN_BIN:
-            centres.append((low + high) / 2)
-            means.append(inside.mean())
-            quartiles.append(np.quantile(inside, [0.25, 0.75]))
+        inside = (x >= low) & (x <= high)
+        if inside.sum() >= MIN_IN_BIN:
+            # Not the middle of the bin: a bin may span a gap without samples.
+            centres.append(x[inside].mean())
+            means.append(y[inside].mean())
+            quartiles.append(np.quantile(y[inside], [0.25, 0.75]))
     if centres:
         # No standard errors: neighbouring samples are not independent.
         ax.fill_between(centres, *np.transpose(quartiles), color=AFTER, alpha=0.25, linewidth=0, label="half of the samples")
         ax.plot(centres, means, "o-", color=AFTER, markersize=3, linewidth=1, label="mean")
     ax.axhline(0, color=FLOOR, linewidth=0.8)
-    ax.set_xlabel({"t_s": "time, s"}.get(name, name))
+    ax.set_xlabel(_label(name))
     ax.set_ylabel("residual, µT")
     ax.set_title(f"Residual by {'time' if name == 't_s' else name}")
-    _legend(ax)
+    _legend(ax, 3)
     return ax
 
 
@@ -97,15 +117,16 @@ def steps(rows: list, floor_ut: Optional[float], ax: Any = None) -> Any:
     ax.bar(places + 0.2, held_out, 0.4, color=BEFORE, label="held out (10-fold)")
     if floor_ut is not None:
         ax.axhline(floor_ut, color=FLOOR, linestyle="--", linewidth=1, label="noise floor")
-    ax.set_xticks(places, names)
+    crowded = sum(map(len, names)) > MAX_LABEL_CHARS
+    ax.set_xticks(places, names, **({"rotation": 20, "ha": "right"} if crowded else {}))
     ax.set_ylabel("rms residual, µT")
     ax.set_title("Error with each effect added")
-    _legend(ax)
+    _legend(ax, 3)
     return ax
 
 
 def wander(time: np.ndarray, vectors: np.ndarray, residual: np.ndarray, name: str, ax: Any = None) -> Any:
-    """The offset that is left in blocks of time: least squares of the residual on the direction of the field."""
+    """The remaining offset in blocks of time: least squares of the residual on the direction of the field."""
     ax = _axes(ax, figsize=(5.2, 3.4))
     good = np.isfinite(residual) & np.isfinite(time) & (np.linalg.norm(vectors, axis=1) > 0)
     time, vectors, residual = time[good], vectors[good], residual[good]
@@ -128,11 +149,11 @@ def wander(time: np.ndarray, vectors: np.ndarray, residual: np.ndarray, name: st
             values, error = np.array(offsets)[:, axis], np.array(errors)[:, axis]
             ax.errorbar(np.array(centres), values, error, color=colour, marker=marker, markersize=3, linewidth=1, label="xyz"[axis])
     ax.axhline(0, color="0.85", linewidth=0.8, zorder=0)
-    ax.set_xlabel({"t_s": "time, s"}.get(name, name))
-    ax.set_ylabel("offset left, µT")
+    ax.set_xlabel(_label(name))
+    ax.set_ylabel("remaining offset, µT")
     ax.set_title("Offset over time")
     if centres:
-        _legend(ax, ncols=3)
+        _legend(ax, 3)
     else:
         ax.text(0.5, 0.5, "too few directions in each block of time", transform=ax.transAxes, ha="center", va="center")
     return ax
@@ -153,6 +174,6 @@ def fit(log: Any, vectors: np.ndarray, values: np.ndarray, field_ut: Optional[fl
         magnitudes.axhline(field_ut, color=FLOOR, linewidth=0.8)
     magnitudes.set_ylabel("magnitude, µT")
     magnitudes.set_title("Magnitude")
-    _legend(magnitudes, ncols=2)
+    _legend(magnitudes, 2)
     residual(time, values, "t_s" if log.t is not None else "row", ax=figure.add_subplot(grid[1, 1], sharex=magnitudes))
     return figure

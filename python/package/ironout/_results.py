@@ -82,7 +82,7 @@ class _Plotted:
         return _plots.residual(self.log[column], self._corrected()[1], column, ax=ax)
 
     def plot_wander(self, ax: Any = None) -> Any:
-        """The offset that is left in each of up to 24 blocks of time, with its standard error: does it drift or step?"""
+        """The remaining offset in each of up to 24 blocks of time, with its standard error: does it drift or step?"""
         vectors, residual = self._corrected()
         time = self.log.t if self.log.t is not None else np.arange(len(residual), dtype=float)
         return _plots.wander(time, vectors, residual, "t_s" if self.log.t is not None else "row", ax=ax)
@@ -224,7 +224,7 @@ class Diagnosis(_Plotted):
 
     def steps_frame(self) -> Any:
         """The error with each effect added, as a pandas DataFrame."""
-        return _frame(self.data["steps"])
+        return _frame([{one.name: getattr(step, one.name) for one in fields(Step)} for step in self.steps])
 
     def _corrected(self) -> tuple[np.ndarray, np.ndarray]:
         base = self.data.get("base")

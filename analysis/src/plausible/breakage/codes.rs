@@ -192,10 +192,10 @@ fn alternating(numbers: [&[f64]; 3]) -> Option<(Breakage, f64)> {
         return None;
     }
     let kept: [Vec<f64>; 3] = numbers.map(|axis| axis.iter().skip(1 - offset).step_by(2).copied().collect());
-    // An axis that hardly moves is noise within its own range: its steps are small beside the field's.
+    // An axis that hardly moves is noise within its own range: its steps are small next to the field's.
     let widest = kept.iter().map(|axis| half_range(axis)).fold(0.0, f64::max);
     let continuous = kept.iter().all(|axis| usual_step(axis) <= MAX_STEP_SHARE * widest);
-    // Rows that turn far from one to the next are on one ellipsoid all the same. Readings in a plane have none that could tell.
+    // Rows that turn far from one to the next are on one ellipsoid anyway. Readings in a plane have none that could tell.
     let before = misfit(&points(rows, |row, axis| numbers[axis][row]));
     let after = misfit(&points(kept[0].len(), |row, axis| kept[axis][row]));
     if before.zip(after).is_some_and(|(before, after)| after > MAX_MISFIT_SHARE * before) {

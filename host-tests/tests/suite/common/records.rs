@@ -26,6 +26,7 @@ pub fn record(offset_x_ut: f64) -> Record {
         axes: None,
         predicted_error: ironout::record::PredictedError::UNKNOWN,
         covariance: None,
+        holds_for: None,
     }
 }
 

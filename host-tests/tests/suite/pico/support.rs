@@ -114,6 +114,7 @@ pub fn record(sequence: u32, offset_ut: f64) -> Vec<u8> {
         axes: None,
         predicted_error: ironout::record::PredictedError::UNKNOWN,
         covariance: None,
+        holds_for: None,
     };
     record.encode().expect("it fits").as_bytes().to_vec()
 }

@@ -11,3 +11,4 @@ mod learning;
 mod same_trace;
 mod store;
 mod support;
+mod vehicles;

@@ -80,6 +80,7 @@ pub fn record(sequence: u32, offset_ut: f64) -> Record {
         axes: None,
         predicted_error: ironout::record::PredictedError::UNKNOWN,
         covariance: None,
+        holds_for: None,
     }
 }
 

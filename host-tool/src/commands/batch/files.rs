@@ -4,7 +4,7 @@ use crate::failure::{Failure, Outcome};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Files in folders that are no logs, by their extension. A file that is named is read whatever it is called.
+/// Files in folders that are not logs, by their extension. A file that is named is read whatever it is called.
 const NO_LOGS: [&str; 22] = [
     "html", "htm", "md", "png", "jpg", "jpeg", "svg", "pdf", "yaml", "yml", "toml", "py", "ipynb", "rs", "c",
     "h", "params", "param", "state", "jsonl", "part", "xml",
@@ -15,7 +15,8 @@ const NO_LOGS: [&str; 22] = [
 pub(super) struct Found {
     /// Its path as it can be opened.
     pub path: PathBuf,
-    /// The parts of the path below the folder that was named; the file's name alone if it was named itself.
+    /// The parts of the path below the folder that was named, or below the common folder of all that were named; the file's name alone if
+    /// only it was named.
     pub below: PathBuf,
 }
 
@@ -40,6 +41,16 @@ pub(super) fn find(named: &[PathBuf], leave_out: &[PathBuf]) -> Outcome<Vec<Foun
             return Err(Failure::usage("no log here. Fix: name a folder with logs, or the logs").in_file(one));
         }
     }
+    let mut found: Vec<Found> = found.into_iter().collect();
+    // A shell expands `logs/*`: the folders differ as they do below `logs`.
+    if named.len() > 1 {
+        let common = common_folder(named);
+        for one in &mut found {
+            if let Ok(below) = one.path.strip_prefix(&common) {
+                one.below = below.to_path_buf();
+            }
+        }
+    }
     let real = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
     let leave_out: Vec<PathBuf> = leave_out.iter().map(|path| real(path)).collect();
     let mut seen = BTreeSet::new();
@@ -50,6 +61,22 @@ pub(super) fn find(named: &[PathBuf], leave_out: &[PathBuf]) -> Outcome<Vec<Foun
             !leave_out.contains(&path) && seen.insert(path)
         })
         .collect())
+}
+
+/// The deepest folder above or equal to all that were named.
+fn common_folder(named: &[PathBuf]) -> PathBuf {
+    let folders = named.iter().map(|one| if one.is_dir() { one } else { one.parent().unwrap_or(one) });
+    let mut common: Option<PathBuf> = None;
+    for folder in folders {
+        common = Some(match common {
+            None => folder.to_path_buf(),
+            Some(before) => {
+                let alike = before.components().zip(folder.components()).take_while(|(a, b)| a == b);
+                alike.map(|(part, _)| part).collect()
+            }
+        });
+    }
+    common.unwrap_or_default()
 }
 
 fn file_name(path: &Path) -> PathBuf {

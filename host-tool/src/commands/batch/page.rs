@@ -1,7 +1,7 @@
 //! The summary as one page, to be read in a browser offline.
 
 use crate::chart::{BLUE, Chart, GREEN, ORANGE, Series, escaped};
-use crate::commands::batch::words::{apart, history, plural, share};
+use crate::commands::batch::words::{APART, EFFECTS, apart, history, share, title, verdict};
 use ironout_analysis::fleet::Fleet;
 use ironout_analysis::fleet::history::{History, HistoryPoint};
 
@@ -10,28 +10,29 @@ const MAX_STILL_CHARTS: usize = 24;
 
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;color:#1a1a1a}\
 table{border-collapse:collapse;margin:.5rem 0}td,th{padding:.2rem .8rem .2rem 0;text-align:left;border-bottom:1px solid #ddd}\
-td.n{text-align:right;font-variant-numeric:tabular-nums}h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}\
-.charts{display:grid;grid-template-columns:repeat(auto-fill,minmax(27rem,1fr));gap:1rem}svg{width:100%;height:auto}p.said{margin:.2rem 0}";
+td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}\
+.charts{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(27rem,100%),1fr));gap:1rem}svg{width:100%;height:auto}p.said{margin:.4rem 0;overflow-wrap:anywhere}\
+@media(prefers-color-scheme:dark){body{background:#14161a;color:#eceef2}td,th{border-color:#3b414c}svg{filter:invert(.9) hue-rotate(180deg)}}";
 
 /// The page of a fleet.
 pub(super) fn html(fleet: &Fleet) -> String {
-    let title = format!("{} of {}", plural(fleet.logs, "log"), plural(fleet.vehicles, "vehicle"));
+    let title = title(fleet);
     let mut out = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\
          <meta name=\"viewport\" content=\"width=device-width\"><style>{STYLE}</style></head><body>\n<h1>{title}</h1>\n"
     );
     out += "<h2>Verdicts</h2>\n";
     let verdicts = fleet.verdicts.iter().map(|count| {
-        [count.what.clone(), count.logs.to_string(), format!("{:.1} %", share(count.logs, fleet.logs))]
+        [verdict(&count.what), count.logs.to_string(), format!("{:.1} %", share(count.logs, fleet.logs))]
     });
-    out += &table(["verdict", "logs", "share"], verdicts);
-    out += "<h2>Missing effects</h2>\n";
+    out += &table(["Verdict", "Logs", "Share"], verdicts);
+    out += &format!("<h2>{EFFECTS}</h2>\n");
     let effects = fleet
         .effects
         .iter()
         .map(|count| [count.what.clone(), count.logs.to_string(), count.vehicles.to_string()]);
-    out += &table(["effect", "logs", "vehicles"], effects);
-    out += "<h2>Vehicles apart from the fleet</h2>\n";
+    out += &table(["Effect", "Logs", "Vehicles"], effects);
+    out += &format!("<h2>{APART}</h2>\n");
     out += &lines(&apart(fleet));
     out += "<h2>Offset over time</h2>\n";
     let (moved, still): (Vec<&History>, Vec<&History>) =
@@ -59,8 +60,10 @@ fn table(head: [&str; 3], rows: impl Iterator<Item = [String; 3]>) -> String {
     if body.is_empty() {
         return "<p>none</p>\n".into();
     }
-    let head: String = head.iter().map(|name| format!("<th>{name}</th>")).collect();
-    format!("<table><tr>{head}</tr>\n{body}</table>\n")
+    let [what, first, second] = head;
+    format!(
+        "<table><tr><th>{what}</th><th class=\"n\">{first}</th><th class=\"n\">{second}</th></tr>\n{body}</table>\n"
+    )
 }
 
 fn lines(lines: &[String]) -> String {
@@ -89,7 +92,7 @@ fn chart(sensor: &History) -> Option<String> {
     let chart = Chart {
         title: name.join(", "),
         x: "days since the first log".into(),
-        y: "offset less its mean, µT".into(),
+        y: "offset minus its mean, µT".into(),
         log: false,
         square: false,
         series: series.collect(),

@@ -54,7 +54,7 @@ impl State {
             let lines = text.lines().filter_map(|line| serde_json::from_str::<Line>(line).ok());
             done.extend(lines.map(|line| (line.path, (line.stamp, line.row))));
         }
-        // Written anew, without what was cut off and each log once; until that is whole the old file stands.
+        // Written again, without what was cut off and each log once; until that is whole the old file stands.
         let options = options(arguments);
         atomic::write(&path, |out| {
             done.iter().try_for_each(|(log, (stamp, row))| {

@@ -93,7 +93,7 @@ fn row(log: &Log, fitted: &Fitted, diagnosis: &Diagnosis) -> Row {
             },
         })
         .collect();
-    // A mounting or a lag has no coefficients and is missing all the same.
+    // A mounting or a lag has no coefficients and is missing anyway.
     for candidate in diagnosis.candidates.iter().filter(|candidate| candidate.status == Status::Missing) {
         if !effects.iter().any(|effect| effect.id == candidate.id) {
             effects.push(RowEffect {

@@ -7,20 +7,35 @@ use jiff::Timestamp;
 /// Lines of a list that are printed; the JSON object has all.
 const SHOWN: usize = 10;
 
+/// Headings, the same on the page.
+pub(super) const EFFECTS: &str = "Effects found";
+pub(super) const APART: &str = "Vehicles that differ from the fleet";
+
+/// A verdict as people read it; tables keep the value of the JSON object.
+pub(super) fn verdict(value: &str) -> String {
+    match value {
+        "missing" => "missing: effect found".into(),
+        other => other.into(),
+    }
+}
+
+/// How many logs of how many vehicles.
+pub(super) fn title(fleet: &Fleet) -> String {
+    let vehicles = match fleet.vehicles {
+        0 => "unknown vehicles (--vehicle-from names them)".to_string(),
+        n => plural(n, "vehicle"),
+    };
+    format!("{} of {vehicles}", plural(fleet.logs, "log"))
+}
+
 /// The summary as text.
 pub(super) fn text(fleet: &Fleet) -> String {
-    let mut out = format!(
-        "{} of {}\n\nVerdicts\n",
-        plural(fleet.logs, "log"),
-        match fleet.vehicles {
-            0 => "unknown vehicles (--vehicle-from names them)".to_string(),
-            n => plural(n, "vehicle"),
-        }
-    );
+    let mut out = format!("{}\n\nVerdicts\n", title(fleet));
     for count in &fleet.verdicts {
-        out += &format!("  {:<13} {:>6}  {:>5.1} %\n", count.what, count.logs, share(count.logs, fleet.logs));
+        let verdict = verdict(&count.what);
+        out += &format!("  {verdict:<21} {:>6}  {:>5.1} %\n", count.logs, share(count.logs, fleet.logs));
     }
-    out += "\nMissing effects\n";
+    out += &format!("\n{EFFECTS}\n");
     if fleet.effects.is_empty() {
         out += "  none\n";
     }
@@ -38,7 +53,7 @@ pub(super) fn text(fleet: &Fleet) -> String {
         );
     }
     out += &rest(fleet.effects.len());
-    out += "\nVehicles apart from the fleet\n";
+    out += &format!("\n{APART}\n");
     let apart = apart(fleet);
     if apart.is_empty() {
         out += "  none\n";
@@ -64,25 +79,27 @@ pub(super) fn text(fleet: &Fleet) -> String {
 pub(super) fn apart(fleet: &Fleet) -> Vec<String> {
     let effects = fleet.effects_apart.iter().map(|one| {
         format!(
-            "{}: {} in {} of {}, in {} of {} of the others (p = {})",
+            "{}: {} in {} of {}, in {} of {} of the other vehicles ({})",
             one.vehicle,
             one.effect,
             one.logs_with,
             plural(one.logs, "log"),
             one.others_with,
-            one.others,
+            plural(one.others, "log"),
             p_value(one.p_value)
         )
     });
     let figures = fleet.figures_apart.iter().map(|one| {
+        let (name, unit) = one.figure.split_once(", ").unwrap_or((one.figure, ""));
         format!(
-            "{}: {} {:.2}, the fleet {:.2} ({:+.0} robust σ)",
-            one.vehicle, one.figure, one.median, one.fleet_median, one.deviations
+            "{}: {name} {:.2} {unit}; median of the fleet {:.2} {unit} ({:+.0} robust σ)",
+            one.vehicle, one.median, one.fleet_median, one.deviations
         )
     });
-    let several = fleet.several_sensors.iter().map(|one| {
-        format!("{}: its logs name several sensors: {}", one.vehicle, one.sensors.join(", then "))
-    });
+    let several = fleet
+        .several_sensors
+        .iter()
+        .map(|one| format!("{}: several sensors: {}", one.vehicle, one.sensors.join(", then ")));
     effects.chain(figures).chain(several).collect()
 }
 
@@ -94,9 +111,14 @@ pub(super) fn history(one: &History) -> String {
         (_, true) => one.vehicle.clone(),
     };
     if let Some(drift) = &one.drift {
-        let axis = |i: usize| format!("{:+.3} ±{:.3}", drift.ut_per_day[i], drift.std_ut_per_day[i]);
+        // As many decimals as give the smallest error two digits.
+        let least = drift.std_ut_per_day.into_iter().filter(|std| *std > 0.0).fold(f64::INFINITY, f64::min);
+        let decimals =
+            if least.is_finite() { (1.0 - least.log10().floor()).clamp(3.0, 6.0) as usize } else { 3 };
+        let axis =
+            |i: usize| format!("{:+.decimals$} ±{:.decimals$}", drift.ut_per_day[i], drift.std_ut_per_day[i]);
         return format!(
-            "{name}: drifts by {}, {}, {} µT per day, {:.1} µT in {:.0} days ({}, p = {})",
+            "{name}: drifts by {}, {}, {} µT per day (x, y, z; ±1σ), {:.1} µT in {:.0} days ({}, {})",
             axis(0),
             axis(1),
             axis(2),
@@ -110,14 +132,14 @@ pub(super) fn history(one: &History) -> String {
     let [x, y, z] = change.offset_shift_ut;
     let cause = if change.gains_changed {
         let [a, b, c] = change.gain_shift.map(|gain| 100.0 * gain);
-        format!("and gains by {a:+.1}, {b:+.1}, {c:+.1} %: another sensor or mounting")
+        format!("and gains by {a:+.1}, {b:+.1}, {c:+.1} %: probably another sensor or mounting")
     } else {
-        "with the same gains: a magnet, a new part or a moved cable".to_string()
+        "with the same gains: probably a magnet, a new part or a moved cable".to_string()
     };
     let day = Timestamp::from_second((change.from_day * 86_400.0) as i64)
         .map_or(String::new(), |day| day.strftime(" on %Y-%m-%d").to_string());
     format!(
-        "{name}: offset changed by {x:+.2}, {y:+.2}, {z:+.2} µT{day} {cause} (from {}, p = {})",
+        "{name}: offset changed by {x:+.2}, {y:+.2}, {z:+.2} µT (x, y, z){day} {cause} (first log {}, {})",
         change.from_log,
         p_value(change.p_value)
     )
@@ -141,5 +163,5 @@ pub(super) fn plural(count: usize, what: &str) -> String {
 }
 
 fn p_value(value: f64) -> String {
-    if value < 1e-99 { "0".into() } else { format!("{value:.0e}") }
+    if value < 1e-99 { "p < 1e-99".into() } else { format!("p = {value:.0e}") }
 }

@@ -100,7 +100,7 @@ impl Story {
             .say(&format!("\nThe field is {FIELD_UT} µT. The board is calibrated without disturbance.\n"));
         self.talk.ok(&format!("field {FIELD_UT}"))?;
         self.talk.quiet("stream raw")?;
-        // The emulated sensor starts without any field at all, which is no attitude.
+        // The emulated sensor starts without any field at all, which is not an attitude.
         self.attitude()?;
         self.talk.ok("cal start")?;
         self.talk.say(&format!("Rotating it through {CALIBRATION} orientations …"));
@@ -170,7 +170,7 @@ impl Story {
     /// Asks until the samples carry an answer that names something; the id that comes first, and how often it was asked.
     fn why(&mut self, asked: usize) -> Outcome<(String, usize)> {
         for round in asked + 1..=ROUNDS {
-            // Asked quietly first: an answer that there is not enough yet is no part of the story.
+            // Asked quietly first: an answer that there is not enough yet is not a part of the story.
             let answer = self.talk.board.command("why")?;
             let first = answer.values("first").next().unwrap_or("-").to_string();
             if answer.is_ok() && first != "-" {

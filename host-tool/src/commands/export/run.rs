@@ -54,7 +54,7 @@ pub fn run(arguments: &ExportArgs, json: bool) -> Outcome<u8> {
     Ok(EXIT_OK)
 }
 
-/// What people are told beside the file, which says the same at its top.
+/// What people are told next to the file, which says the same at its top.
 fn told(exported: &Exported) -> Vec<String> {
     let Some(held) = &exported.held else { return Vec::new() };
     let lost = not_held(held).into_iter().map(|text| format!("{} cannot represent: {text}", held.room.name));

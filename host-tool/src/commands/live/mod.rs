@@ -1,4 +1,4 @@
-//! `ironout live`: the page served beside a board.
+//! `ironout live`: the page served next to a board.
 
 #[cfg(feature = "demo")]
 mod bench;

@@ -53,7 +53,7 @@ impl Serving {
     pub fn run(&self, interrupt: &Interrupt) -> Outcome<()> {
         while !interrupt.is_asked() {
             match self.server.recv_timeout(GLANCE) {
-                // A listener that hangs up in the middle is no failure of the program.
+                // A listener that hangs up in the middle is not a failure of the program.
                 Ok(Some(request)) => drop(self.answer(request)),
                 Ok(None) => {}
                 Err(error) => return Err(Failure::usage(format!("the page cannot be served: {error}"))),

@@ -10,7 +10,7 @@ pub struct Tally {
     pub samples: u64,
     /// Samples that the board took or should have taken, and that did not arrive.
     pub lost: u64,
-    /// Samples out of the sensor's range, which are no rows.
+    /// Samples out of the sensor's range, which are not rows.
     pub out_of_range: u64,
     /// Restarts of the board.
     pub restarts: u32,
@@ -38,7 +38,7 @@ pub struct Rows {
     places: Vec<usize>,
     last: Option<Last>,
     first_ms: Option<u64>,
-    /// What is added to the board's clock, which begins anew at every restart.
+    /// What is added to the board's clock, which begins again at every restart.
     offset_ms: u64,
     tally: Tally,
 }

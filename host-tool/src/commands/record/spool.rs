@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// A file beside the log, which goes with this value.
+/// A file next to the log, which goes with this value.
 pub struct Spool {
     path: PathBuf,
     output: PathBuf,
@@ -65,7 +65,7 @@ impl Spool {
 
 impl Drop for Spool {
     fn drop(&mut self) {
-        // Its rows are in the log; that it cannot be removed is no reason to fail.
+        // Its rows are in the log; that it cannot be removed is not a reason to fail.
         let _ = std::fs::remove_file(&self.path);
     }
 }

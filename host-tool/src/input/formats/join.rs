@@ -258,7 +258,7 @@ fn usable(stream: &mut Stream, field: [&str; 3], left_out: &mut Vec<(usize, Stri
     stream.time_s.len()
 }
 
-/// Mends the magnetometer's numbers, and takes the rows out that are no readings: what was mended, and what another log needs too.
+/// Mends the magnetometer's numbers, and takes the rows out that are not readings: what was mended, and what another log needs too.
 fn repaired(
     stream: &mut Stream,
     field: [&str; 3],

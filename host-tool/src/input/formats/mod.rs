@@ -1,4 +1,4 @@
-//! Logs of other programs that are no table: PX4 ULog, ArduPilot DataFlash, MAVLink telemetry, Betaflight and INAV blackbox, samples
+//! Logs of other programs that are not a table: PX4 ULog, ArduPilot DataFlash, MAVLink telemetry, Betaflight and INAV blackbox, samples
 //! of Betaflight Configurator, MCAP and rosbag2 of ROS.
 //!
 //! Each is read into a [`Recording`]: streams on time bases of their own, in body axes and the program's units, with the

@@ -15,7 +15,7 @@ use ironout_analysis::plausible::orientation;
 
 /// A gyroscope comes to rest: its least magnitude is below this share of its greatest.
 const COMES_TO_REST: f64 = 0.1;
-/// What may be a gyroscope beside a magnetometer that is known.
+/// What may be a gyroscope next to a magnetometer that is known.
 const RESTS: f64 = 0.5;
 /// In fewer rows an axis may run forward by chance.
 const TELLING: usize = 50;

@@ -16,7 +16,7 @@ use crate::input::text::table::MONITOR;
 
 /// Times later than this are dates: the log counts from its first row.
 const DATE_S: f64 = 1e8;
-/// Where counters of 32 bits begin anew.
+/// Where counters of 32 bits begin again.
 const WRAP: f64 = 4_294_967_296.0;
 /// More rows than this share with a time before that of the row above: the log is of two recordings.
 const MOST_BACKWARD: f64 = 0.02;
@@ -42,7 +42,7 @@ pub fn build(mut grid: Grid, choice: Choice, options: &ReadOptions) -> Outcome<L
         let names =
             columns.map(|column| grid.columns.get(column).map(|c| c.header.as_str()).unwrap_or_default());
         taken_out.push(format!(
-            "{} (subtracted from the field; DIA, ODI and SCALE are not in this table, so ironout uses 1)",
+            "subtracted {} from the field (DIA, ODI and SCALE are not in this table, so ironout uses 1)",
             names.join(", ")
         ));
     }
@@ -192,13 +192,13 @@ fn forward(
     }
     if turns > 0 {
         let what = if of_day { "midnight" } else { "an overflow of its 32 bits" };
-        taken_out.push(format!("{header}: {what}, {turns} times"));
+        taken_out.push(format!("{header} passes {what}, {turns} times"));
     }
     if let Some(first) = times.first().copied().filter(|first| *first > DATE_S) {
         times.iter_mut().for_each(|value| *value -= first);
         let date =
             jiff::Timestamp::from_second(first as i64).map_or(String::new(), |stamp| format!(" ({stamp})"));
-        taken_out.push(format!("{header}: the time of the first row, {first} s{date}; t_s counts from it"));
+        taken_out.push(format!("t_s counts from the first row, at {header} {first} s{date}"));
     }
     let mut kept = (Vec::with_capacity(times.len()), Vec::with_capacity(rows.len()));
     let (mut latest, mut backward, mut first_line) = (f64::NEG_INFINITY, 0_usize, None);

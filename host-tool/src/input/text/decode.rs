@@ -1,4 +1,4 @@
-//! From the bytes of a text file to lines: encodings, and what is no text.
+//! From the bytes of a text file to lines: encodings, and what is not text.
 
 use crate::failure::{Failure, Outcome};
 use crate::input::guard::{MAX_LINE_BYTES, Objection, Stop};
@@ -19,7 +19,7 @@ pub struct Decoded {
 /// Reads everything as text.
 ///
 /// # Errors
-/// A file that is no text, that cannot be read, or with a line that no log has.
+/// A file that is not text, that cannot be read, or with a line that no log has.
 pub fn decode(mut source: impl Read) -> Outcome<Decoded> {
     let mut bytes = Vec::new();
     source

@@ -6,7 +6,7 @@ use crate::input::text::clock;
 use crate::input::unit::Unit;
 use std::collections::HashMap;
 
-/// More texts than this in one column are no names of sensors.
+/// More texts than this in one column are not names of sensors.
 const MOST_TEXTS: usize = 64;
 
 /// One column.
@@ -119,7 +119,7 @@ impl Grid {
         self.columns.iter().map(|column| column.header.clone()).collect()
     }
 
-    /// Notes lines that are no rows.
+    /// Notes lines that are not rows.
     pub fn leave_out(&mut self, why: &str, line: u64) {
         match self.left_out.iter_mut().find(|entry| entry.why == why) {
             Some(entry) => entry.rows += 1,

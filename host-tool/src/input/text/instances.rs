@@ -87,7 +87,7 @@ fn by_text(column: &GridColumn, named: bool) -> Option<Sensors> {
     let of_field: Vec<usize> = (0..column.words.len())
         .filter(|word| column.words.get(*word).is_some_and(|w| speaks_of_field(w)))
         .collect();
-    // MAG1 and MAG2 under `sensor`; or MAG, ACC and GYR in any column of words. `compass` as the only word of a note is no choice.
+    // MAG1 and MAG2 under `sensor`; or MAG, ACC and GYR in any column of words. `compass` as the only word of a note is not a choice.
     let wanted = if of_field.is_empty() && named && column.words.len() > 1 {
         (0..column.words.len()).collect()
     } else {

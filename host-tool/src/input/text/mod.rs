@@ -1,6 +1,6 @@
 //! Text logs as people have them: any separator, any names, any unit; told by content, and said.
 //!
-//! Unlike the program's own CSV, a foreign table is read tolerantly: lines that are no rows are left out, counted and named. What its
+//! Unlike the program's own CSV, a foreign table is read tolerantly: lines that are not rows are left out, counted and named. What its
 //! columns are is decided by their names, by the program that wrote it, and by what their numbers rule out; where two readings are left,
 //! the program asks.
 

@@ -87,7 +87,7 @@ impl Program {
     }
 }
 
-/// `sensor_mag` has the columns x, y and z, without a word of what they are; the accelerometer's and the gyroscope's have more beside them.
+/// `sensor_mag` has the columns x, y and z, without a word of what they are; the accelerometer's and the gyroscope's have more next to them.
 pub fn is_sensor_mag(grid: &Grid) -> bool {
     ["timestamp", "device_id", "x", "y", "z"].iter().all(|name| grid.find(name).is_some())
         && (grid.find("error_count").is_some() || grid.find("is_external").is_some())

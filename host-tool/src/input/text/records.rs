@@ -1,4 +1,4 @@
-//! Lines that are no table: labelled prints, JSON, MotionCal's lines, the streams of this project's boards.
+//! Lines that are not a table: labelled prints, JSON, MotionCal's lines, the streams of this project's boards.
 
 use crate::input::names::meaning;
 use crate::input::text::grid::{Grid, GridColumn};
@@ -18,7 +18,7 @@ const NO_RECORD: &str = "not a record (boot message, reply, comment)";
 pub enum Stream {
     /// `Raw:` nine integers: accelerometer 1/8192 g, gyroscope 1/16 °/s, magnetometer 0.1 µT (MotionCal).
     Raw,
-    /// `Uni:` nine numbers in m/s², rad/s and µT (Adafruit's sketches write it beside `Raw:`).
+    /// `Uni:` nine numbers in m/s², rad/s and µT (Adafruit's sketches write it next to `Raw:`).
     Uni,
     /// `R,t_ms,x,y,z` in counts (this project's boards).
     Counts,
@@ -76,6 +76,9 @@ impl Stream {
 
     fn values(self, line: &str) -> Option<Vec<f64>> {
         let rest = line.trim().strip_prefix(self.head())?;
+        // The board says so where it is tilted further than its calibration is for.
+        let rest =
+            if self == Stream::Corrected { rest.strip_suffix(",tilted").unwrap_or(rest) } else { rest };
         let parsed: Option<Vec<f64>> = rest
             .split(',')
             .map(|cell| cell.trim().parse::<f64>().ok().filter(|value| value.is_finite()))

@@ -89,7 +89,7 @@ pub fn is_magnitude(grid: &Grid, field: &[usize], column: &GridColumn, rows: &[u
             .reduce(pick)
             .unwrap_or(0.0)
     });
-    // A constant beside a constant magnitude proves nothing.
+    // A constant next to a constant magnitude proves nothing.
     ratios.len() > 10 && least > 0.0 && most < 1.01 * least && long > 1.03 * short
 }
 

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 const LOOK: usize = 4000;
 /// Fewer numbers make no row.
 pub const LEAST_NUMBERS: usize = 3;
-/// A longer text is no sensor's name.
+/// A longer text is not a sensor's name.
 const LONGEST_NAME: usize = 24;
 /// What a monitor's time is called as a column.
 pub const MONITOR: &str = "monitor";

@@ -160,7 +160,7 @@ mod tests {
             join(&mut found, &[]);
             assert_eq!(found.joined_time.as_ref().map(|j| j.2), Some("ns"), "{names:?}");
         }
-        // Two sensors' numbers are no time, nor is a column that the user has named.
+        // Two sensors' numbers are not time, nor is a column that the user has named.
         let mut minute = grid(None, 1e3, 0.4);
         minute.columns[0].values.iter_mut().for_each(|value| *value %= 60.0);
         join(&mut minute, &[]);

@@ -9,7 +9,7 @@ use crate::input::text::{build, choose, decode, records, table, two_parts};
 use crate::input::words::shorten;
 use std::io::Read;
 
-/// Fewer rows are no log of anything.
+/// Fewer rows are not a log of anything.
 const LEAST_ROWS: usize = 1;
 
 /// Reads a text log of any layout.

@@ -34,7 +34,7 @@ pub fn assert_alike(name: &str, now: &str, then: &str) {
         let same = a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| word(a, b));
         assert!(
             same,
-            "{name}: now\n  {now_line}\nthen\n  {then_line}\nin\n{now}\n(IRONOUT_BLESS=1 writes it anew)"
+            "{name}: now\n  {now_line}\nthen\n  {then_line}\nin\n{now}\n(IRONOUT_BLESS=1 writes it again)"
         );
     }
     assert_eq!(now.lines().count(), then.lines().count(), "{name}: another number of lines:\n{now}");

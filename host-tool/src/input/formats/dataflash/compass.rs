@@ -155,7 +155,7 @@ pub fn undo(taken: usize, parameters: &Parameters, recording: &mut Recording) ->
         })?;
         let from = if since.is_finite() { format!(" (from {since:.1} s on)") } else { String::new() };
         recording.taken_out.push(format!(
-            "COMPASS_*{}{from}: offset {} mG, diagonal {}, off-diagonal {}, scale {scale}",
+            "removed the autopilot's calibration COMPASS_*{}{from}: offset {} mG, diagonal {}, off-diagonal {}, scale {scale}",
             number(k),
             join(offset, 1),
             join(diagonal, 4),
@@ -168,7 +168,9 @@ pub fn undo(taken: usize, parameters: &Parameters, recording: &mut Recording) ->
     let motors = (0..stream.time_s.len())
         .any(|row| three(stream, MOTOR, row).iter().any(|value| value.is_finite() && *value != 0.0));
     if motors {
-        recording.taken_out.push("MOX,MOY,MOZ: what was added for motors or current".into());
+        recording
+            .taken_out
+            .push("removed MOX,MOY,MOZ, the autopilot's compensation of motors or current".into());
     }
     let mut epoch = 0;
     let mut before: Option<f64> = None;

@@ -24,7 +24,7 @@ const HEAD_BYTES: usize = 9;
 const CHUNK_BYTES: usize = 32;
 /// `zstd` and `lz4` are shorter.
 const LONGEST_NAME: usize = 64;
-/// The largest record, bytes: a picture of a camera beside the sensors, and no more than memory bears.
+/// The largest record, bytes: a picture of a camera next to the sensors, and no more than memory bears.
 const LARGEST_RECORD: u64 = 1 << 28;
 /// A packed chunk of any file may have records of so many bytes; that of a larger file of so many times its size.
 const SMALL_RECORD: u64 = 1 << 20;

@@ -61,7 +61,7 @@ pub struct Database<'a> {
     data: &'a [u8],
     page_bytes: usize,
     usable: usize,
-    /// Whether newest changes may stand in a file beside it.
+    /// Whether newest changes may stand in a file next to it.
     pub has_wal: bool,
 }
 

@@ -50,7 +50,7 @@ pub struct Collector {
     devices: Vec<(usize, u32)>,
     /// Whether the messages say that the sensor is external.
     pub external: Option<bool>,
-    /// Whether the messages carry counts beside the values: then the driver had corrected the values already.
+    /// Whether the messages carry counts next to the values: then the driver had corrected the values already.
     pub with_counts: bool,
     readings: Vec<Reading>,
     time: usize,

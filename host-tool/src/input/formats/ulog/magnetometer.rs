@@ -203,7 +203,7 @@ fn mounting(
     };
     let mut text = format!("{name}: {}", rotation::words(angles));
     if level != [0.0; 3] {
-        text.push_str(&format!("; SENS_BOARD_X,Y,Z_OFF: {} {} {}°", level[0], level[1], level[2]));
+        text.push_str(&format!("; SENS_BOARD_X,Y,Z_OFF: {:.2}, {:.2}, {:.2}°", level[0], level[1], level[2]));
     }
     (matrix(level) * matrix(angles), text)
 }
@@ -323,7 +323,7 @@ fn remove(
         } else {
             let gauss = |values: [f64; 3]| values.map(|v| format!("{v:.4}")).join(" ");
             told.push(format!(
-                "CAL_MAG{n}_*{from}: offset {} G, scale {}, off-diagonal {}",
+                "removed the autopilot's calibration CAL_MAG{n}_*{from}: offset {} G, scale {}, off-diagonal {}",
                 gauss(offset),
                 gauss(scale),
                 gauss(off)
