@@ -66,7 +66,7 @@
 //! | `record` | a calibration in checked bytes, and the two slots for it |
 //! | `effects` | calibrations with effects of columns such as a temperature or a current, and their live correction; with `record` also in records |
 //! | `study` | the study of missing effects, on the board and for a host |
-//! | `methods` | sessions by other methods than [`fit::Method::Adjusted`], the default |
+//! | `methods` | sessions by other methods than [`fit::Method::Adjusted`], the default, and the device's level calibration |
 //! | `device` | the whole application of a board with its console: `record` and `effects` too, and `study` where that is chosen |
 //! | `defmt` | `defmt::Format` for what a firmware logs |
 //!

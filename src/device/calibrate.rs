@@ -30,6 +30,8 @@ enum NotStarted {
     Sensor(SensorFault),
     /// The calibration in use has effects.
     Effects,
+    /// This firmware has no level calibration.
+    NotLinked,
 }
 
 impl Device {
@@ -40,10 +42,10 @@ impl Device {
             Ok(()) => self.tell(ButtonEvent::Started),
             Err(NotStarted::Sensor(fault)) => self.tell(ButtonEvent::NoSensor(fault)),
             // The button starts no level calibration.
-            Err(NotStarted::Effects) => {}
+            Err(NotStarted::Effects | NotStarted::NotLinked) => {}
             Err(NotStarted::Collecting) => {
                 // What counts is whether there is a solution now.
-                if self.level.is_some() {
+                if self.is_level() {
                     let _ = self.solve_level();
                 } else {
                     let _ = self.session.stop();
@@ -65,6 +67,9 @@ impl Device {
         }
         if let Some(fault) = self.sensor.fault() {
             return Err(NotStarted::Sensor(fault));
+        }
+        if level && !cfg!(feature = "methods") {
+            return Err(NotStarted::NotLinked);
         }
         if level && self.active.as_ref().is_some_and(|active| !active.record.effects.is_empty()) {
             return Err(NotStarted::Effects);
@@ -108,6 +113,10 @@ impl Device {
                 reply.err(Code::State, format_args!("already collecting: cal stop or cal cancel first"))
             }
             Err(NotStarted::Sensor(fault)) => self.no_sensor(reply, fault),
+            Err(NotStarted::NotLinked) => reply.err(
+                Code::Unknown,
+                format_args!("this firmware has no level calibration: build it with the feature methods"),
+            ),
             Err(NotStarted::Effects) => reply.err(
                 Code::State,
                 format_args!("the calibration in use has effects, and level turns do not show them: effect remove them first"),
@@ -117,7 +126,7 @@ impl Device {
 
     #[inline(never)]
     pub(super) fn cal_stop<W: fmt::Write>(&mut self, mut reply: Reply<'_, W>) -> Answered {
-        if self.level.is_some() && self.session.state() == State::Collecting {
+        if self.is_level() && self.session.state() == State::Collecting {
             return self.level_stop(reply);
         }
         let outcome = match self.session.stop() {

@@ -50,7 +50,7 @@ impl Device {
         let Line::Text(text) = line else { return false };
         match protocol::parse(text) {
             Ok(Command::CalStop) => self.session.state() == State::Collecting,
-            Ok(Command::Status) => self.status_is_old() || self.may_propose_zero() || self.level.is_some(),
+            Ok(Command::Status) => self.status_is_old() || self.may_propose_zero() || self.is_level(),
             Ok(Command::CalZero { .. }) => true,
             _ => false,
         }
@@ -191,7 +191,7 @@ impl Device {
                         "hint a calibration is in use; start another one with: cal start"
                     )),
                 },
-                _ if status.state == State::Collecting && self.level.is_some() => {
+                _ if status.state == State::Collecting && self.is_level() => {
                     self.level_hint(&mut reply);
                 }
                 _ => match said_with_command(status.hint) {

@@ -136,7 +136,7 @@ impl Device {
     pub(super) fn begin_to_learn(&mut self) -> bool {
         let learner_inputs = &self.learner_inputs;
         // Level turns do not show where to begin.
-        if self.level.is_some()
+        if self.is_level()
             || learner_inputs.learner.is_learning()
             || self.session.state() != State::Collecting
             || self.now_ms < learner_inputs.begin_at_ms

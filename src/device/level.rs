@@ -36,6 +36,11 @@ pub(super) struct Tilted {
 }
 
 impl Device {
+    /// Whether level turns are being collected. Never without the feature `methods`, so that nothing of them is linked.
+    pub(super) fn is_level(&self) -> bool {
+        cfg!(feature = "methods") && self.level.is_some()
+    }
+
     /// The fit of the level turns so far.
     #[inline(never)]
     fn level_so_far(&self) -> Option<Result<LevelFit, NotLevel>> {

@@ -64,7 +64,7 @@ mod job_purpose;
 mod learn;
 mod learner_inputs;
 mod level;
-#[cfg(test)]
+#[cfg(all(test, feature = "methods"))]
 mod level_tests;
 mod light;
 mod load;

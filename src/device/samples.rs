@@ -25,7 +25,9 @@ impl Device {
         if let Some(active) = &mut self.active {
             active.take(t_ms, measured_ut, &self.learner_inputs.motion);
         }
-        if let (Some(forces), Some(measured_ut)) = (&mut self.level, measured_ut) {
+        if self.is_level()
+            && let (Some(forces), Some(measured_ut)) = (&mut self.level, measured_ut)
+        {
             forces.push(measured_ut, self.learner_inputs.motion.accel_mps2);
         }
         #[cfg(feature = "study")]

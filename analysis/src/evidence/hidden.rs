@@ -32,6 +32,11 @@ pub struct Cause {
 }
 
 impl Cause {
+    /// Its standard deviation, µT.
+    pub fn size_ut(&self) -> f64 {
+        self.noise.wander.size[1] * self.noise.variance.sqrt()
+    }
+
     /// What it adds to the offset block by block, µT: its history, seen from the past and from the future alike, along its direction.
     pub fn trace_ut(&self, fit: &Fit) -> Vec<[f64; 3]> {
         let along = |v: &[f64; 3]| {

@@ -11,7 +11,7 @@ const MOST_POINTS: usize = 400;
 /// An offset that wanders.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Wander {
-    /// Its root mean square over the log, µT.
+    /// Its standard deviation by the noise model, all axes together, µT: beside the part that offset and matrix take for themselves.
     pub rms_ut: f64,
     /// Its time constant, s: its values this far apart are alike to 37 %.
     pub time_constant_s: f64,
@@ -29,8 +29,8 @@ impl Wander {
     pub fn of(fit: &Fit) -> Option<Wander> {
         // A gain that wanders has no offset to show.
         let cause = hidden_cause(fit).filter(|cause| cause.gain > 0.0 && !cause.is_gain);
-        let (trace, time_constant_s) = match &cause {
-            Some(cause) => (cause.trace_ut(fit), cause.time_constant_s),
+        let (trace, rms_ut, time_constant_s) = match &cause {
+            Some(cause) => (cause.trace_ut(fit), cause.size_ut(), cause.time_constant_s),
             None => {
                 // A short memory would stand for what moves.
                 let track = Track { without_memory: true, ..fit.track.clone() };
@@ -40,13 +40,13 @@ impl Wander {
                 }
                 let history = noise.wander.history(&track, &fit.residual());
                 let sum = |[fast, slow]: &[[f64; 3]; 2]| [0, 1, 2].map(|i| fast[i] + slow[i]);
-                (history.iter().map(sum).collect(), noise.wander_ut().1)
+                let (per_axis_ut, time_constant_s) = noise.wander_ut();
+                (history.iter().map(sum).collect(), 3f64.sqrt() * per_axis_ut, time_constant_s)
             }
         };
         let n = trace.len() as f64;
         let mean: [f64; 3] = [0, 1, 2].map(|i| trace.iter().map(|v| v[i]).sum::<f64>() / n);
         let off: Vec<[f64; 3]> = trace.iter().map(|v| [0, 1, 2].map(|i| v[i] - mean[i])).collect();
-        let rms_ut = (off.iter().flatten().map(|v| v * v).sum::<f64>() / n).sqrt();
         if !(rms_ut > 0.0) {
             return None;
         }
