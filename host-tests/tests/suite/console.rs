@@ -51,7 +51,7 @@ fn the_answers_of_the_contract() {
         ("cov ax_mps2=0 ay_mps2=0 az_mps2=-9.8", "ok ax_mps2=0.0 ay_mps2=0.0 az_mps2=-9.8 used=0 tested=3"),
         ("cov current_a=-", "ok current_a=- used=0 tested=0"),
         ("cov current_a=much", "err usage cov NAME=VALUE"),
-        ("cal begin", "err usage cal start|stop|"),
+        ("cal begin", "err usage cal start [level]|stop|"),
         ("field -3", "err usage field UT"),
         ("stream raw", "ok stream=raw"),
         ("stream motioncal", "ok stream=motioncal"),

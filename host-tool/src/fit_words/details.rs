@@ -63,7 +63,7 @@ fn tolles_lawson(solution: &Solution, out: &mut Lines) {
     };
     rows("induced I", &(induced - Matrix3::identity()), "");
     rows("eddy E", &coupled, "s");
-    out.line("A delay of the sensor, a multiple of 1 in E, does not change the magnitude and is left out.");
+    out.line("A sensor delay adds a multiple of the identity to E. It does not change the magnitude, so E does not include it.");
 }
 
 struct Lines(Vec<String>);
