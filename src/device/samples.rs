@@ -15,6 +15,7 @@ impl Device {
         self.take_sample(self.config.sensor.sample(reading), t_ms);
     }
 
+    #[inline(never)]
     fn take_sample(&mut self, sample: Sample, t_ms: u64) {
         self.session.push(sample);
         self.samples_taken = self.samples_taken.wrapping_add(1);
@@ -54,7 +55,7 @@ impl Device {
         self.learner_inputs.motion.turn_radps.or_else(of_field)
     }
 
-    /// Takes what came of an [`Action::Sensor`], with the time it is now.
+    /// Takes what came of an [`Action::Sensor`](crate::device::Action::Sensor), with the time it is now.
     pub fn complete_sensor(&mut self, answer: SensorAnswer, now_ms: u64) {
         let now_ms = self.steady(now_ms);
         if let SensorAnswer::Temperature(temp_c) = answer {

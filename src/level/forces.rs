@@ -89,7 +89,7 @@ impl Forces {
         self.open = ([0.0; 3], 0);
     }
 
-    /// Number of times that the field has moved by [`KNOT_UT`] = 6 µT.
+    /// Number of times that the field has moved by 6 µT.
     pub fn count(&self) -> u16 {
         self.count
     }
