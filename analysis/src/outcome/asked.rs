@@ -120,7 +120,7 @@ fn one_by_one<'a>(
     let mut put_off: Vec<Term> = Vec::new();
     while let Some(id) = waiting.pop_front() {
         if start.terms.len() >= MOST_ADDED {
-            return Err(Refusal::cannot_add(id, format!("a model has at most {MOST_ADDED} effects")));
+            return Err(Refusal::cannot_add(id, format!("a calibration holds at most {MOST_ADDED} effects")));
         }
         let Some(candidate) = added(design, catalogue, &start, id)? else {
             if mounting::is_one(id) {

@@ -44,7 +44,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     let mut start = base.clone();
     for id in &options.add {
         if start.terms.len() >= MOST_ADDED {
-            return Err(Refusal::cannot_add(id, format!("a model has at most {MOST_ADDED} effects")));
+            return Err(Refusal::cannot_add(id, format!("a calibration holds at most {MOST_ADDED} effects")));
         }
         let Some(candidate) = added(&design, &catalogue, &start, id)? else {
             return Err(Refusal::cannot_add(id, cannot_add(&catalogue, id)));

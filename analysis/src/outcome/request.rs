@@ -100,7 +100,7 @@ impl fmt::Display for Refusal {
                 "no room for effect {id} in addition to the others: at most {TERMS} effects with {COLUMNS} coefficients, \
                  including the base model's"
             ),
-            Refusal::CannotAdd { id, why, .. } => write!(f, "{id}: {why}"),
+            Refusal::CannotAdd { id, why, .. } => write!(f, "{id} cannot be added: {why}"),
             Refusal::TooMany { given, most } => {
                 write!(f, "a calibration has at most {most} effects, but {given} are given")
             }

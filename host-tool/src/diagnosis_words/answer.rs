@@ -101,7 +101,8 @@ fn figures(told: &Told, report: &mut Report) {
             row("effect", format!("{}{size}", effect.id));
         }
         if count > EFFECTS {
-            row("", format!("and {} more effects", count - EFFECTS));
+            let more = count - EFFECTS;
+            row("", format!("and {more} more effect{}", if more == 1 { "" } else { "s" }));
         }
     }
     if matches!(diagnosis.verdict, Verdict::Unexplained | Verdict::Undetermined) {
