@@ -17,7 +17,7 @@ fn no_sample_is_lost_beside_a_solve_and_flash_ram_and_stack_stay_within_their_li
     let (mut board, _chip) = board(PERIOD_S);
     board.run_ms(500).unwrap();
     ok(&mut board, "cal start");
-    board.watch(firmware().function("Device::take_sample").unwrap()).unwrap();
+    board.watch(firmware().function("take_sample").unwrap()).unwrap();
     let before = board.state().unwrap();
     board.run_ms((PERIOD_S * 1000.0) as u64).unwrap();
     let busy = (board.state().unwrap().cycles - before.cycles) / (PERIOD_S * 1e6 * CYCLES_PER_US);
