@@ -5,7 +5,8 @@ use crate::samples::clock::even;
 use crate::samples::samples::Samples;
 use crate::table::Table;
 use ironout::effect::{Acts, MAX_INPUTS, Named, Need, Past};
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Values of the columns of an effect, a row per sample.
@@ -13,6 +14,9 @@ pub type Inputs = Arc<Vec<[f64; MAX_INPUTS]>>;
 
 /// Times that begin this near to zero, s, have a zero of their own that phases may count from.
 const OWN_ZERO_S: f64 = 1000.0;
+
+/// Low-passes of columns that are kept, at most: each is a pass over all rows of the log, and every screen asks for the same grid.
+const MOST_KEPT: usize = 256;
 
 /// Samples and what belongs to them.
 pub struct Log<'a> {
@@ -33,6 +37,8 @@ pub struct Log<'a> {
     /// Whether the board rests: each sample stands there three times, once for each axis, and the reading itself is the residual.
     pub is_at_rest: bool,
     work: Cell<u64>,
+    /// Low-passes by column and bits of the time constant.
+    low_passes: RefCell<HashMap<(usize, u64), Inputs>>,
 }
 
 impl<'a> Log<'a> {
@@ -52,7 +58,18 @@ impl<'a> Log<'a> {
             .and_then(even)
             .map(|grid| samples.row.iter().map(|&row| grid[row]).collect::<Vec<f64>>());
         let share = samples.places.iter().map(|place| place.share).collect();
-        Log { samples, table, time_s, is_timed, even_s, share, known, is_at_rest, work: Cell::new(0) }
+        Log {
+            samples,
+            table,
+            time_s,
+            is_timed,
+            even_s,
+            share,
+            known,
+            is_at_rest,
+            work: Cell::new(0),
+            low_passes: RefCell::default(),
+        }
     }
 
     /// Counts so many looks at a sample.
@@ -134,13 +151,25 @@ impl<'a> Log<'a> {
         Arc::new(one.iter().zip(other).map(|(one, other)| [*one, *other]).collect())
     }
 
-    /// Values of a column, or of its past.
-    pub fn values(&self, index: usize, past: Past<f64>) -> Option<Vec<f64>> {
+    /// Values of a column, or of its past, as the input of an effect.
+    pub fn column_inputs(&self, index: usize, past: Past<f64>) -> Option<Inputs> {
         let column = &self.samples.columns[index];
         if past.seconds() == 0.0 {
-            return Some(column.values.clone());
+            return Some(inputs(&column.values));
         }
-        self.samples.past(self.table, &column.name, past)
+        let key = match past {
+            Past::LowPass(time_constant_s) => Some((index, time_constant_s.to_bits())),
+            Past::Now | Past::Delayed(_) => None,
+        };
+        if let Some(known) = key.and_then(|key| self.low_passes.borrow().get(&key).cloned()) {
+            return Some(known);
+        }
+        let found = inputs(&self.samples.past(self.table, &column.name, past)?);
+        let mut kept = self.low_passes.borrow_mut();
+        if let Some(key) = key.filter(|_| kept.len() < MOST_KEPT) {
+            kept.insert(key, found.clone());
+        }
+        Some(found)
     }
 }
 

@@ -48,7 +48,7 @@ impl<'a> Term<'a> {
         let made = Made::new(family, Parts { form, column: name, reference, parameter })?;
         let inputs = match family.follows() {
             Follows::Column if pair.is_some() => log.pair_inputs(pair?.1),
-            Follows::Column => inputs(&log.values(column?, made.parts().past())?),
+            Follows::Column => log.column_inputs(column?, made.parts().past())?,
             Follows::Tone => inputs(log.even_s.as_deref().unwrap_or(&log.time_s)),
             Follows::Time => inputs(&log.time_s),
             Follows::Attitude | Follows::Turning => Inputs::default(),

@@ -64,27 +64,9 @@ impl<'a> Fitter<'_, 'a> {
     /// The tests of all candidates beside a model, in a thinned copy of a long log; those of `known` over all samples. Gives the number of
     /// candidates too.
     fn judge(&self, fitted: &Fitted<'a>, known: &[Term<'a>]) -> Result<(Vec<Judged<'a>>, usize), BadShape> {
-        let few = (self.design.samples.len() > MOST_SEARCHED)
-            .then(|| self.design.samples.thinned(self.catalogue.table(), MOST_SEARCHED));
-        let (mut judged, count) = match &few {
+        let (mut judged, count) = match self.judge_thinned(fitted)? {
+            Some(judged) => judged,
             None => self.judge_here(fitted)?,
-            Some(few) => {
-                let over = self.catalogue.over(few);
-                let thin = Fitter::new(Design::new(few, self.design.residual), &over, self.known);
-                let terms: Option<Vec<Term>> = fitted.terms.iter().map(|term| over.again(term)).collect();
-                let Some(terms) = terms else { return self.judge_here(fitted) };
-                let held = thin.design.hold(fitted.model, terms, self.known)?;
-                let (tested, count) = thin.judge_here(&held)?;
-                self.dropped.borrow_mut().append(&mut thin.dropped.borrow_mut());
-                let more = fitted.rows / held.rows;
-                let lifted = tested.into_iter().filter_map(|one| {
-                    let mut own = one.on(self.catalogue.again(&one.term)?);
-                    own.tested.decrease *= fitted.squares / held.squares;
-                    own.tested.held_out = own.tested.held_out.map(|squares| squares * more);
-                    Some(own)
-                });
-                (lifted.collect(), count)
-            }
         };
         let known: Vec<Term> =
             known.iter().map(|term| Term { coefficients: [0.0; MAX_COEFFICIENTS], ..term.clone() }).collect();
@@ -94,6 +76,30 @@ impl<'a> Fitter<'_, 'a> {
             judged.push(Judged { term, tested });
         }
         Ok((judged, count))
+    }
+
+    /// The tests of all candidates in a thinned copy of the log, their figures those of all samples. `None` where the log is short, or lacks
+    /// a term of the model there.
+    fn judge_thinned(&self, fitted: &Fitted<'a>) -> Result<Option<(Vec<Judged<'a>>, usize)>, BadShape> {
+        if self.design.samples.len() <= MOST_SEARCHED {
+            return Ok(None);
+        }
+        let few = self.design.samples.thinned(self.catalogue.table(), MOST_SEARCHED);
+        let over = self.catalogue.over(&few);
+        let thin = Fitter::new(Design::new(&few, self.design.residual), &over, self.known);
+        let terms: Option<Vec<Term>> = fitted.terms.iter().map(|term| over.again(term)).collect();
+        let Some(terms) = terms else { return Ok(None) };
+        let held = thin.design.hold(fitted.model, terms, self.known)?;
+        let (tested, count) = thin.judge_here(&held)?;
+        self.dropped.borrow_mut().append(&mut thin.dropped.borrow_mut());
+        let more = fitted.rows / held.rows;
+        let lifted = tested.into_iter().filter_map(|one| {
+            let mut own = one.on(self.catalogue.again(&one.term)?);
+            own.tested.decrease *= fitted.squares / held.squares;
+            own.tested.held_out = own.tested.held_out.map(|squares| squares * more);
+            Some(own)
+        });
+        Ok(Some((lifted.collect(), count)))
     }
 
     fn judge_here(&self, fitted: &Fitted<'a>) -> Result<(Vec<Judged<'a>>, usize), BadShape> {
