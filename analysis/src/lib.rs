@@ -15,6 +15,7 @@
 
 pub mod base;
 pub mod blocks;
+pub mod bounds;
 pub mod calibration;
 pub mod confined;
 pub mod correct;

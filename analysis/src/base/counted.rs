@@ -11,7 +11,6 @@ use crate::table::Table;
 use ironout::calibration::Calibration;
 use ironout::study::{Model, Residual};
 use serde::Serialize;
-use std::sync::Arc;
 
 /// Rounds of fit and search for bursts: the fit becomes better as they go.
 const ROUNDS: usize = 5;
@@ -110,8 +109,6 @@ impl<'a> Counted<'a> {
                 }
             }
             samples = Samples::take(table, &left_out(&set_aside), axes);
-            samples.rest = Arc::new(data.at_rest(&sound(&set_aside, &all), &sound(&set_aside, &moving)));
-            with_bursts.iter_mut().for_each(|whole: &mut Samples| whole.rest.clone_from(&samples.rest));
             faults::merge_bursts(&mut list);
         }
         let used = sound(&set_aside, &moving);

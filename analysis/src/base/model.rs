@@ -8,11 +8,9 @@ use crate::base::engine::Design;
 use crate::base::hemisphere::{Evidence, settle};
 use crate::base::holdout;
 use crate::base::prior::Prior;
-use crate::base::quality::{NoiseEstimate, Sizes, memory_of_scores, residue_by_part};
+use crate::base::quality::{NoiseEstimate, Sizes, gradients, memory_of_scores, residue_of};
 use crate::base::solution::Solution;
 use crate::base::start::{self, NO_ROTATION};
-use crate::noise::stretches::{stretches, within};
-use crate::noise::turning::Turning;
 use crate::plain;
 use crate::samples::data::Data;
 use ironout::calibration::{Calibration, norm};
@@ -67,21 +65,16 @@ impl Base {
         let first = fit_samples(data, used, &white)?;
         let residual = data.residual(used, &first.calibration);
         let step_s = counted.samples.step_s() / counted.samples.stride as f64;
-        let stretches = stretches(used.len());
-        let directions =
-            within(used, &stretches).into_iter().map(|sample| first.calibration.apply(data.field(sample)));
-        let turning = Turning::of(directions, &first.calibration.matrix).beside(
-            &counted.samples.rest,
-            1,
-            &first.calibration,
-        );
         let of = |residual: &[f64], report: &FitReport| {
-            let (sizes, part) = (Sizes::of(residual), within(residual, &stretches));
-            let parameters = report.model.parameters();
-            residue_by_part(&sizes, &part, parameters, counted.samples.quantum_ut, step_s, &turning)
+            let Calibration { offset_ut, matrix, field_ut } = report.calibration;
+            let readings = used.iter().map(|&sample| data.field(sample));
+            let model = Model::new(offset_ut, matrix, field_ut, NO_ROTATION, 0.0);
+            let directions =
+                model.map_or_else(|| vec![[0.0; 3]; used.len()], |model| gradients(readings, &model));
+            residue_of(residual, &directions, report.model.parameters(), step_s)
         };
         // Where noise has a memory, or structure remains, averaging removes less of it.
-        let memory = of(&residual, &first).memory;
+        let memory = Sizes::of(&residual).memory();
         let independent = used.len() as f64 / memory;
         let options = FitOptions { effective_samples: Some(independent.max(1.0)), ..white };
         let mut report = fit_samples(data, used, &options)?;

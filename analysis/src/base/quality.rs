@@ -3,11 +3,7 @@
 use crate::base::engine::{Design, Fitted};
 use crate::base::prior::Prior;
 use crate::base::term::{COLUMNS, Matrix, Term};
-use crate::noise::colour::{Colour, Seen};
-use crate::noise::shared::together;
-use crate::noise::still::Still;
-use crate::noise::stretches::{stretches, within};
-use crate::noise::turning::Turning;
+use crate::noise::own::{Colour, OwnNoise};
 use crate::samples::scores::Scores;
 use crate::samples::series::{Autocorrelation, rms, second_difference_sigma};
 use ironout::calibration::Calibration;
@@ -19,30 +15,11 @@ use serde::Serialize;
 
 /// The error of an effect is averaged over its columns' values at so many samples of the log.
 const CONDITIONS: usize = 8;
-/// Structure is certain where the correlation beyond the noise's memory exceeds chance this much (mean squares).
-const STRUCTURE_RATIO: f64 = 6.0;
-/// Or a slow part stands beside independent noise by this many standard errors ...
-const STRUCTURE_SIGMAS: f64 = 6.0;
-/// ... with at least this share of the variance.
-const SLOW_SHARE: f64 = 0.1;
-/// ... that takes longer than this to fade, samples ...
-const SLOW_MEMORY: usize = 13;
-/// ... or longer than this, s: a sensor's own slow noise (its 1/f noise, a filter before the part that is white) is
-/// forgotten sooner than anything that turns with the board.
-const SLOW_MEMORY_S: f64 = 0.42;
-/// Or the spectrum is another one than any noise's by this many standard deviations.
-const STRUCTURE_MISFIT: f64 = 10.0;
 /// Structure makes at least this share of the residual's variance.
 const STRUCTURE_SHARE: f64 = 0.04;
 
-/// Where the board rests noise is the same: less than this share of its squares ...
-const LESS_AT_REST: f64 = 0.8;
-/// ... of noise that is alike to more than this from sample to sample ...
-const LEAST_MEMORY: f64 = 0.2;
-/// ... (no sensor is so much quieter than this share of the squares) ...
-const LEAST_AT_REST: f64 = 0.01;
-/// ... and less by so many standard errors, comes with the turning. Of 160 simulated logs with nothing hidden the least was -2.7.
-const LESS_BY_SIGMAS: f64 = 5.0;
+/// The integrated autocorrelation time is that of so many samples.
+const TIME_BY: usize = 1 << 15;
 
 /// What the residual of a model is made of.
 #[derive(Debug, Clone, Serialize)]
@@ -96,88 +73,52 @@ impl Sizes {
 /// Splits the residual of a model into noise and structure. Noise with a short memory is noise.
 pub fn residue(design: &Design, model: &Model<f64>, residuals: &[f64], parameters: usize) -> NoiseEstimate {
     let samples = design.samples;
-    let sizes = Sizes::of(residuals);
-    let (quantum_ut, step_s) = (samples.quantum_ut, samples.step_s());
-    if design.residual != Residual::Magnitude {
-        let turning = Turning::none(residuals.len());
-        return residue_by_part(&sizes, residuals, parameters, quantum_ut, step_s, &turning);
-    }
-    let stretches = stretches(residuals.len());
-    let Model { offset_ut, matrix, field_ut, .. } = *model;
-    let calibration = Calibration { offset_ut, matrix, field_ut };
-    let readings = within(&samples.readings, &stretches).into_iter();
-    let directions = readings.map(|reading| calibration.apply(reading.measured_ut));
-    let turning = Turning::of(directions, &matrix).beside(&samples.rest, samples.stride, &calibration);
-    let part = within(residuals, &stretches);
-    residue_by_part(&sizes, &part, parameters, quantum_ut, step_s, &turning)
+    // A board at rest sees each axis of its sensor.
+    let directions: Vec<[f64; 3]> = match design.residual {
+        Residual::Magnitude => gradients(samples.readings.iter().map(|reading| reading.measured_ut), model),
+        _ => vec![[1.0, 0.0, 0.0]; residuals.len()],
+    };
+    residue_of(residuals, &directions, parameters, samples.step_s())
 }
 
-/// The same of a residual of these sizes, its colour and structure by a `part` of it ([`crate::noise::stretches`]) that `turning`, how
-/// the board turned meanwhile, is of. `quantum_ut` is the step of the readings, `step_s` that of their times (0 where unknown).
-pub fn residue_by_part(
-    sizes: &Sizes,
-    part: &[f64],
+/// How each axis of the sensor shows in the corrected magnitude of these readings: `Cᵀu`, along the corrected direction u.
+pub fn gradients(readings_ut: impl Iterator<Item = [f64; 3]>, model: &Model<f64>) -> Vec<[f64; 3]> {
+    let Model { offset_ut, matrix, field_ut, .. } = *model;
+    let calibration = Calibration { offset_ut, matrix, field_ut };
+    let gradient = |reading: [f64; 3]| {
+        let v = calibration.apply(reading);
+        let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+        [0, 1, 2].map(|j| (0..3).map(|i| matrix[i][j] * v[i]).sum::<f64>() / norm)
+    };
+    readings_ut.map(gradient).collect()
+}
+
+/// The same of a residual that is seen along these directions of the sensor's axes, a sample each `step_s` (0 where unknown).
+pub fn residue_of(
+    residuals: &[f64],
+    directions: &[[f64; 3]],
     parameters: usize,
-    quantum_ut: f64,
     step_s: f64,
-    turning: &Turning,
 ) -> NoiseEstimate {
-    let n = part.len();
-    let correlation = Autocorrelation::of(part);
+    let sizes = Sizes::of(residuals);
     let freedom = sizes.n.saturating_sub(parameters).max(1) as f64;
     let whole = sizes.rms * (sizes.n as f64 / freedom).sqrt();
-    let quick = sizes.quick;
-    let smooth = quick.min(whole);
+    let noise = OwnNoise::of(residuals, directions, step_s);
+    // What is new from sample to sample is noise; of what is faster than that, what no neighbour predicts.
+    let smooth = if sizes.quick < whole { sizes.quick } else { whole * noise.fresh.sqrt() };
     let share = 1.0 - (smooth / whole.max(1e-300)).powi(2);
-    // Independent noise that is more than the column's rounding, with something slow beside it: two causes, of which the
-    // slow one is structure. Noise with a memory alone has no independent part, and noise of both kinds a short memory.
-    let rounding = quantum_ut * quantum_ut / 12.0 / whole.max(1e-300).powi(2);
-    let fades = correlation.fades_after();
-    let slow_to_fade = fades > SLOW_MEMORY || fades as f64 * step_s > SLOW_MEMORY_S;
-    let beside = correlation.two_parts(n).is_some_and(|(independent, slow, sigmas)| {
-        sigmas > STRUCTURE_SIGMAS && independent > 3.0 * rounding && slow > SLOW_SHARE && slow_to_fade
-    });
-    let noise = Seen::of(part, turning, &turning.absorbed, rounding).describe();
-    let odd = correlation.structure(n) > STRUCTURE_RATIO || beside;
-    let lines = noise.misfit() > STRUCTURE_MISFIT && noise.excess > STRUCTURE_SHARE;
-    // A resting board's own drifts, and what a logger rounds, look like slow noise: there only a short memory is noise.
-    // What has a memory and moves the axes together is no sensor's own.
-    let together = noise.colour != Colour::White && together(part, turning, noise.colour, rounding);
-    // What is less at rest comes with the turning.
-    let remembers = match noise.colour {
-        Colour::White => false,
-        Colour::Ar1(rho) => rho > LEAST_MEMORY,
-        Colour::RollingMean { .. } | Colour::Flicker { .. } => true,
-    };
-    let rests = remembers.then(|| Still::of(part, turning, noise.colour, rounding)).flatten();
-    let rests = rests.filter(|still| still.sigmas < -LESS_BY_SIGMAS && still.share < LESS_AT_REST);
-    let is_noise = turning.of_magnitude && noise.is_noise(step_s) && !together && rests.is_none();
-    // A memory that no filter has, or a spectrum that no noise with a memory has: an error that moves. A rolling mean's has zeros,
-    // which rounding and the board's turns fill.
-    let forgets = matches!(noise.colour, Colour::Ar1(_) | Colour::Flicker { .. });
-    let own = noise.colour.is_of_a_sensor(step_s) && (is_noise || !forgets) && !together && rests.is_none();
-    let moves = turning.of_magnitude && !own;
-    let (share, smooth) = match rests.map(|still| still.share.max(LEAST_AT_REST)) {
-        Some(still) if 1.0 - still > share => (1.0 - still, whole * still.sqrt()),
-        _ => (share, smooth),
-    };
-    let structured = ((odd || moves) && share > STRUCTURE_SHARE || lines) && !is_noise;
-    // Fast structure is in the second differences too.
-    let (share, smooth) = match lines && noise.excess > share {
-        true => (noise.excess, whole * (1.0 - noise.excess).sqrt()),
-        false => (share, smooth),
-    };
+    let structured = !noise.is_noise() && share > STRUCTURE_SHARE;
     let floor = if structured { smooth } else { whole };
     NoiseEstimate {
         rms: sizes.rms,
-        floor_least: if noise.colour == Colour::White { floor } else { floor.min(quick) },
+        floor_least: if noise.colour == Colour::White { floor } else { floor.min(sizes.quick) },
         floor,
         structure: if structured { share } else { 0.0 },
-        time: correlation.time,
+        time: Autocorrelation::of(&residuals[..residuals.len().min(TIME_BY)]).time,
         memory: sizes.memory(),
         colour: noise.colour,
-        misfit: noise.misfit(),
-        is_noise,
+        misfit: noise.odds.max(0.0).sqrt(),
+        is_noise: noise.is_noise(),
     }
 }
 

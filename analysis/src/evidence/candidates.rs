@@ -1,6 +1,6 @@
 //! The terms that a log allows: fixed forms, and those with a place, a frequency or a delay to be searched.
 
-use crate::evidence::bounds::{
+use crate::bounds::{
     ALONE_ODDS, DERIVED_ODDS, MAX_COLUMNS_PAIRED, MAX_DELAY_S, MAX_LEAD_S, MAX_TIME_CONSTANT_S, MIN_TONE_HZ,
 };
 use crate::evidence::fit::Fit;

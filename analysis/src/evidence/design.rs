@@ -4,11 +4,11 @@
 //! undisturbed reading from the ellipsoid, over the gradient g by m: then it is the noise w along the unit vector q = g/‖g‖, in µT
 //! of the sensor, whatever the model. Columns are taken at the closest point of the ellipsoid, which noise along q does not move.
 
-use crate::evidence::bounds::LEAST_SLOPE;
+use crate::bounds::LEAST_SLOPE;
 use crate::evidence::closest::{Surface, quantities};
 use crate::evidence::log::Log;
-use crate::evidence::noise::Track;
 use crate::evidence::term::Term;
+use crate::noise::model::Track;
 use core::ops::SubAssign;
 use ironout::effect::Quantities;
 use ironout::study::Observation;

@@ -3,7 +3,7 @@
 //! Such a tone is faster than all columns and than the wander. Its squares are those of six columns at the rate of the samples; the noise
 //! around it is what the same columns take at frequencies nearby.
 
-use crate::evidence::bounds::{MIN_ODDS, MIN_SHARE, MIN_TONE_HZ};
+use crate::bounds::{MIN_ODDS, MIN_SHARE, MIN_TONE_HZ};
 use crate::evidence::design::{Blocks, candidate_rows};
 use crate::evidence::fit::{Fit, Setting};
 use crate::evidence::log::Log;

@@ -1,6 +1,6 @@
 //! Cells of a column that are missing: between far cells nobody knows what the column did, so those samples say nothing of it.
 
-use crate::evidence::bounds::{LEAST_LEFT, USUAL_DISTANCES};
+use crate::bounds::{LEAST_LEFT, USUAL_DISTANCES};
 use crate::samples::samples::Samples;
 use crate::table::Table;
 

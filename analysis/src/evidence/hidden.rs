@@ -1,54 +1,9 @@
-//! Whether what wanders has one cause: a single history in a fixed direction, instead of a vector whose axes go their own ways.
-//!
-//! A sensor's own noise is independent per axis. A cause that nobody logged adds `v·s(t)`, or bends the gain by `diag(v)·x·s(t)`: one
-//! history s for all axes. Both are the same Kalman filter with another view of the slow state; the likelier one wins.
+//! The single cause behind what a fit leaves: one that adds to the offset, or one that bends the gain.
 
-use crate::evidence::bounds::SHORTEST_CAUSE_BLOCKS;
+use crate::evidence::design::Point;
 use crate::evidence::fit::Fit;
-use crate::evidence::noise::{Noise, Track, Wander};
+use crate::noise::cause::{Cause, likeliest, single_cause};
 use nalgebra::Vector3;
-
-/// Directions of half a sphere that a cause is looked for in at first.
-const DIRECTIONS: usize = 13;
-/// Rounds that bring the direction near, and their angles.
-const NEARER: [f64; 3] = [0.35, 0.17, 0.08];
-
-fn seen(track: &Track, by: impl Fn(usize) -> f64) -> Track {
-    let slow = (0..track.weight.len()).map(|block| [by(block), 0.0, 0.0]).collect();
-    Track { slow: Some(slow), without_memory: true, ..track.clone() }
-}
-
-/// A single cause behind what a fit leaves.
-pub struct Cause {
-    /// By how much −2 log likelihood falls with it instead of independent axes, its direction paid for.
-    pub gain: f64,
-    /// Unit vector in the sensor's axes.
-    pub direction: Vector3<f64>,
-    /// Whether it bends the gain of each axis instead of adding an offset.
-    pub is_gain: bool,
-    /// Its time constant, s.
-    pub time_constant_s: f64,
-    noise: Noise,
-}
-
-impl Cause {
-    /// Its standard deviation, µT.
-    pub fn size_ut(&self) -> f64 {
-        self.noise.wander.size[1] * self.noise.variance.sqrt()
-    }
-
-    /// What it adds to the offset block by block, µT: its history, seen from the past and from the future alike, along its direction.
-    pub fn trace_ut(&self, fit: &Fit) -> Vec<[f64; 3]> {
-        let along = |v: &[f64; 3]| {
-            let q = Vector3::from(*v);
-            [q.dot(&self.direction), 0.0, 0.0]
-        };
-        let slow = Some(fit.track.direction.iter().map(along).collect());
-        let track = Track { slow, without_memory: true, ..fit.track.clone() };
-        let history = self.noise.wander.history(&track, &fit.residual());
-        history.iter().map(|[.., slow]| (self.direction * slow[0]).into()).collect()
-    }
-}
 
 /// The gain of the likeliest single cause; zero where independent axes are likelier.
 pub fn hidden_cause_gain(fit: &Fit) -> f64 {
@@ -58,88 +13,20 @@ pub fn hidden_cause_gain(fit: &Fit) -> f64 {
 /// The likeliest single cause behind what a fit leaves. `None` where the log has no times, or what moves is shorter than a block.
 pub fn hidden_cause(fit: &Fit) -> Option<Cause> {
     let residual = fit.residual();
-    // What wanders may hide in the short memory too: several time constants are tried.
-    let length = fit.track.time_s.last()? - fit.track.time_s.first()?;
-    let known = fit.noise.wander;
-    let mut starts =
-        vec![Wander { tau_s: [known.tau_s[0].min(length / 100.0), length / 10.0], size: [0.0, 3.0] }];
-    starts.push(Wander { tau_s: [starts[0].tau_s[0], length / 50.0], size: [0.0, 3.0] });
-    if known.size[1] > 0.0 {
-        starts.push(Wander { size: [known.size[0], known.size[1] * 3f64.sqrt()], ..known });
-    } else if known.size[0] > 0.0 {
-        starts.push(Wander {
-            tau_s: [known.tau_s[0], known.tau_s[0]],
-            size: [0.0, known.size[0] * 3f64.sqrt()],
-        });
-    }
-    let n = residual.len() as f64;
-    // The direction and one size less for independent axes: two parameters.
-    let price = 2.0 * n.ln();
-    let mut most: Option<Cause> = None;
     let size = fit.track.weight.len();
     let per_block = fit.points.len().div_ceil(size.max(1)).max(1);
-    let readings: Vec<Vector3<f64>> = fit
-        .points
-        .chunks(per_block)
-        .map(|chunk| {
-            chunk.iter().map(|p| p.closest - fit.model.offset).sum::<Vector3<f64>>() / chunk.len() as f64
-        })
-        .collect();
-    for is_gain in [false, true] {
-        let view = |v: &Vector3<f64>| {
-            seen(&fit.track, |block| {
-                let q = Vector3::from(fit.track.direction[block]);
-                match is_gain {
-                    false => q.dot(v),
-                    true => q.dot(&readings[block].component_mul(v)) / fit.model.field,
-                }
-            })
-        };
-        let cost = |v: &Vector3<f64>, wander: Wander| Noise::with(&view(v), wander, &residual);
-        let first = Vector3::new(1.0, 1.0, 1.0).normalize();
-        let wander = starts.iter().copied().min_by(|a, b| {
-            let least = |w: &Wander| {
-                let axes = [first, Vector3::x(), Vector3::y(), Vector3::z()];
-                axes.iter().map(|v| cost(v, *w).cost).fold(f64::INFINITY, f64::min)
-            };
-            least(a).total_cmp(&least(b))
-        })?;
-        let mut top: Option<(f64, Vector3<f64>)> = None;
-        let try_it = |v: Vector3<f64>, top: &mut Option<(f64, Vector3<f64>)>| {
-            let now = cost(&v, wander).cost;
-            if top.is_none_or(|(least, _)| now < least) {
-                *top = Some((now, v));
-            }
-        };
-        for place in 0..DIRECTIONS {
-            let z = (place as f64 + 0.5) / DIRECTIONS as f64;
-            let across = (1.0 - z * z).sqrt();
-            let (sine, cosine) = (place as f64 * 2.399_963_229_728_653).sin_cos();
-            try_it(Vector3::new(across * cosine, across * sine, z), &mut top);
-        }
-        for angle in NEARER {
-            let Some((_, v)) = top else { break };
-            let a = v.cross(&Vector3::ith(v.iamin(), 1.0)).normalize();
-            let b = v.cross(&a);
-            for step in [a, -a, b, -b] {
-                try_it((v + step * angle).normalize(), &mut top);
-            }
-        }
-        let Some((_, v)) = top else { continue };
-        // The direction is found without a short memory, which would stand for anything; then that may have its part.
-        let near = Noise::fit(&view(&v), &residual, Some(wander), f64::INFINITY);
-        let whole = Track { without_memory: false, ..view(&v) };
-        let noise = Noise::fit(&whole, &residual, Some(near.wander), f64::INFINITY);
-        let noise = if noise.cost < near.cost { noise } else { near };
-        // A history as short as a block is no history: white noise may differ between axes.
-        let time_constant_s = noise.wander.tau_s[1];
-        if time_constant_s < SHORTEST_CAUSE_BLOCKS * length / n {
-            continue;
-        }
-        let gain = fit.noise.cost - noise.cost - price;
-        if most.as_ref().is_none_or(|most| gain > most.gain) {
-            most = Some(Cause { gain, direction: v, is_gain, time_constant_s, noise });
-        }
-    }
-    most
+    let mean = |chunk: &[Point]| {
+        chunk.iter().map(|p| p.closest - fit.model.offset).sum::<Vector3<f64>>() / chunk.len() as f64
+    };
+    let readings: Vec<Vector3<f64>> = fit.points.chunks(per_block).map(mean).collect();
+    let gain = |block: usize, v: &Vector3<f64>| {
+        let q = Vector3::from(fit.track.direction[block]);
+        q.dot(&readings[block].component_mul(v)) / fit.model.field
+    };
+    let offset = single_cause(&fit.track, &residual, &fit.noise);
+    let gain = likeliest(&fit.track, &residual, &fit.noise, gain).map(|mut cause| {
+        cause.is_gain = true;
+        cause
+    });
+    offset.into_iter().chain(gain).reduce(|most, next| if next.gain > most.gain { next } else { most })
 }

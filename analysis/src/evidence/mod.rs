@@ -1,11 +1,9 @@
 //! One likelihood in the middle: a linearised Gaussian model of a log, one score, and a search by it.
 //!
 //! `docs/method.md` derives model and score. The rooms of one thread: [`log`] (samples and columns) → [`term`] (an effect
-//! with its inputs) → [`design`] (residual and columns at the closest point) → [`noise`] (wander and white noise) → [`fit`] →
-//! [`screen`] and [`candidates`] → [`search`] → [`select`]. Thresholds stand in [`bounds`].
+//! with its inputs) → [`design`] (residual and columns at the closest point) → [`crate::noise`] (wander and white noise) → [`fit`] →
+//! [`screen`] and [`candidates`] → [`search`] → [`select`]. Thresholds stand in [`crate::bounds`].
 
-pub mod autoregression;
-pub mod bounds;
 pub mod candidates;
 pub mod closest;
 pub mod design;
@@ -15,7 +13,6 @@ pub mod gaps;
 pub mod held_out;
 pub mod hidden;
 pub mod log;
-pub mod noise;
 pub mod screen;
 pub mod search;
 pub mod select;

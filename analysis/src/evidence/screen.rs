@@ -3,9 +3,9 @@
 use crate::evidence::design::{Blocks, candidate_rows};
 use crate::evidence::fit::Fit;
 use crate::evidence::log::Log;
-use crate::evidence::noise::Noise;
 use crate::evidence::solve::{Factor, Sums, taken_off};
 use crate::evidence::term::Term;
+use crate::noise::model::Noise;
 use nalgebra::{DMatrix, DVector};
 
 /// Columns that are whitened at once.

@@ -1,6 +1,6 @@
 //! Which terms a log asks for: add, drop and swap by one score.
 
-use crate::evidence::bounds::{
+use crate::bounds::{
     FORMS_DIFFER, LEADERS, MAX_P_HELD_OUT, MAX_TERMS, MIN_ODDS, MIN_SHARE, MOST_LOOKS, MOST_SWAPS,
     RIVAL_SHARE, RIVALS,
 };

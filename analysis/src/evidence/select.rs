@@ -2,7 +2,7 @@
 
 use crate::base::prior::Prior;
 use crate::base::term::Term as BaseTerm;
-use crate::evidence::bounds::{MAX_BLOCKS, MOST_TONES, UNCLEAR_ODDS};
+use crate::bounds::{MAX_BLOCKS, MOST_TONES, UNCLEAR_ODDS};
 use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::Blocks;
 use crate::evidence::fast_tones::{fast_tone, without_tone};

@@ -2,7 +2,7 @@
 
 use crate::evidence::fit::Fit;
 use crate::evidence::hidden::hidden_cause;
-use crate::evidence::noise::{Noise, Track};
+use crate::noise::model::{Noise, Track};
 use serde::Serialize;
 
 /// Points of a trace, at most.
@@ -30,7 +30,9 @@ impl Wander {
         // A gain that wanders has no offset to show.
         let cause = hidden_cause(fit).filter(|cause| cause.gain > 0.0 && !cause.is_gain);
         let (trace, rms_ut, time_constant_s) = match &cause {
-            Some(cause) => (cause.trace_ut(fit), cause.size_ut(), cause.time_constant_s),
+            Some(cause) => {
+                (cause.trace_ut(&fit.track, &fit.residual()), cause.size_ut(), cause.time_constant_s)
+            }
             None => {
                 // A short memory would stand for what moves.
                 let track = Track { without_memory: true, ..fit.track.clone() };

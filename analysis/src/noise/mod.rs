@@ -1,11 +1,6 @@
-//! The colours that a sensor's noise has, and which of them a residual has.
+//! The noise of a sensor: white, filtered, 1/f, or a vector that wanders in its axes, and what is none.
 
-pub mod colour;
-pub mod power;
-pub mod shared;
-pub mod still;
-pub mod stretches;
-pub mod turning;
-
-#[cfg(test)]
-mod tests;
+pub mod autoregression;
+pub mod cause;
+pub mod model;
+pub mod own;

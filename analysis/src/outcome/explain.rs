@@ -4,7 +4,7 @@ use crate::base::engine::Design;
 use crate::base::model::Base;
 use crate::base::prior::Prior;
 use crate::base::quality::{NoiseEstimate, attitude_error};
-use crate::noise::colour::Colour;
+use crate::noise::own::Colour;
 use crate::outcome::asked::{Added, asked_for};
 use crate::outcome::request::{Options, Refusal};
 use crate::samples::series::{rms, second_difference_sigma};

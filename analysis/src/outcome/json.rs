@@ -3,7 +3,7 @@
 use crate::base::mounting::{AXIS_ORDER, DecidedBy};
 use crate::blocks::blocks;
 use crate::calibration::StdErrors;
-use crate::noise::colour::Colour;
+use crate::noise::own::Colour;
 use crate::outcome::outcome::{Diagnosis, NoiseRow};
 use crate::reason::codes;
 use ironout::calibration::Calibration;

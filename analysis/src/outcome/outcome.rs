@@ -7,7 +7,7 @@ use crate::base::order::AxisOrder;
 use crate::base::quality::NoiseEstimate;
 use crate::calibration::{FittedEffect, Information, StdErrors};
 use crate::evidence::wander::Wander;
-use crate::noise::colour::Colour;
+use crate::noise::own::Colour;
 use crate::outcome::contradiction::Contradiction;
 use crate::plain;
 use crate::reason::Reason;

@@ -66,7 +66,6 @@ impl Samples {
         }
         let row: Vec<usize> = self.row.iter().copied().filter(|row| !left_out[*row]).collect();
         let mut common = Samples::of_rows(table, row, self.stride, self.axes);
-        common.rest = self.rest.clone();
         for (name, missing) in refused {
             let problem =
                 format!("{name} is missing for long periods, in {missing} of {} samples", self.len());

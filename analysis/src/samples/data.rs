@@ -103,15 +103,6 @@ impl<'a> Data<'a> {
         moving
     }
 
-    /// The readings in the stretches of `samples` of which none is `moving`.
-    pub fn at_rest(&self, samples: &[u32], moving: &[u32]) -> Vec<Vec<[f64; 3]>> {
-        let mut moving = moving.iter().peekable();
-        let rest: Vec<u32> =
-            samples.iter().copied().filter(|sample| moving.next_if_eq(&sample).is_none()).collect();
-        let stretches = rest.chunk_by(|one, next| one + 1 == *next);
-        stretches.map(|stretch| stretch.iter().map(|sample| self.field(*sample)).collect()).collect()
-    }
-
     /// Samples per second, over the whole log; NaN without a time column.
     pub fn rate_hz(&self) -> f64 {
         let seconds = self.table.time_s.and_then(|time| Some(time.last()? - time.first()?));

@@ -362,6 +362,14 @@ pub fn outliers(residuals: &[f64]) -> Vec<bool> {
     off.drain(..).map(|value| value > limit).collect()
 }
 
+/// The median of a few neighbours; NaN of none.
+fn median_of(near: &[f64]) -> f64 {
+    let mut copy = [0.0; NEIGHBOURS];
+    let copy = &mut copy[..near.len()];
+    copy.copy_from_slice(near);
+    median(copy)
+}
+
 /// Single readings far from those next to them in the residual of a fit: `(first, last)` sample of each. Whatever effect is
 /// missing from the model changes slowly next to them. Empty where so many stand out that it is the noise.
 pub fn spikes(residuals: &[f64]) -> Vec<(usize, usize)> {
@@ -369,33 +377,28 @@ pub fn spikes(residuals: &[f64]) -> Vec<(usize, usize)> {
     if n < 50 {
         return Vec::new();
     }
-    let mut near = Vec::with_capacity(NEIGHBOURS);
-    let mut beside = |from: usize, to: usize| {
-        near.clear();
-        near.extend_from_slice(&residuals[from..to]);
-        median(&mut near)
-    };
     // From the neighbours before and from those after. A level that changes for good lies with one of the two.
-    let off: Vec<[f64; 2]> = (0..n)
-        .map(|at| {
-            let (before, after) = (at.saturating_sub(NEIGHBOURS)..at, at + 1..(at + 1 + NEIGHBOURS).min(n));
-            let [before, after] = [before, after]
-                .map(|range| if range.is_empty() { f64::NAN } else { beside(range.start, range.end) });
-            let [before, after] = match (before.is_nan(), after.is_nan()) {
-                (true, _) => [after; 2],
-                (_, true) => [before; 2],
-                _ => [before, after],
-            };
-            [residuals[at] - before, residuals[at] - after]
-        })
-        .collect();
-    let mut sizes: Vec<f64> = off.iter().map(|[before, after]| 0.5 * (before + after).abs()).collect();
+    let off = |at: usize| {
+        let before = median_of(&residuals[at.saturating_sub(NEIGHBOURS)..at]);
+        let after = median_of(&residuals[at + 1..(at + 1 + NEIGHBOURS).min(n)]);
+        let [before, after] = match (before.is_nan(), after.is_nan()) {
+            (true, _) => [after; 2],
+            (_, true) => [before; 2],
+            _ => [before, after],
+        };
+        [residuals[at] - before, residuals[at] - after]
+    };
+    let size = |at: usize| {
+        let [before, after] = off(at);
+        0.5 * (before + after).abs()
+    };
+    let mut sizes: Vec<f64> = (0..n).map(size).collect();
     let limit = SPIKE * 1.4826 * median(&mut sizes);
     if limit.is_nan() || limit <= 0.0 {
         return Vec::new();
     }
     let stands = |at: usize| {
-        let [before, after] = off[at];
+        let [before, after] = off(at);
         before * after > 0.0 && before.abs().min(after.abs()) > limit
     };
     let mut events: Vec<(usize, usize)> = Vec::new();

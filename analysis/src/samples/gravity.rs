@@ -24,6 +24,10 @@ const MAX_TURN_RAD: f64 = 0.7;
 const MIN_ROWS: usize = 20;
 /// At most so many rows are marked with what they follow: neighbours follow the same.
 const MAX_MARKS: usize = 50_000;
+/// Rows that windows are held of at a time.
+const PIECE_ROWS: usize = 1 << 17;
+/// What lies further away than this is forgotten, s: the average has faded to 2e-9.
+const FADED_S: f64 = 20.0 * TIME_CONSTANT_S;
 /// The first step comes within a twentieth of an error of 5 °/s, the second to a four-hundredth.
 const GAUSS_NEWTON_STEPS: usize = 2;
 /// Zero errors of gyros before a log says more, rad/s: data sheets have 1 °/s (LSM6DSO), 3 (BMI160), 5 (ICM-20948).
@@ -84,37 +88,130 @@ fn quiet_force(time_s: &[f64], accel_mps2: [&[f64]; 3], gyro_radps: [&[f64]; 3])
     // Shaking makes the readings longer than gravity, and no scale error is that large.
     let gravity_mps2 = median(&mut lengths).min(STANDARD_GRAVITY_MPS2);
     drop(lengths);
-    // One set of windows at a time: on a long log they are the largest thing in memory.
-    let of = |gyro_zero| Windows::new(time_s, accel_mps2, gyro_radps, gyro_zero);
-    let gyro_zero = (0..GAUSS_NEWTON_STEPS).fold(Vector3::zeros(), |zero, _| of(zero).gyro_zero().0);
-    let windows = of(gyro_zero);
-    let (_, gyro_zero_covariance) = windows.gyro_zero();
-    let follows = windows.marks.iter().enumerate().map(|(mark, sums)| {
-        let row = mark * windows.every;
-        let ((sum, weight), back) = (windows.sums[row], matrix(&windows.frames[row]).transpose());
-        let scale = if sum.norm() > 0.0 { gravity_mps2 / sum.norm() } else { 0.0 };
-        Follows { accel: back * sums.frames * scale, gyro_s: back * sums.drifts_s / weight.max(1.0) }
-    });
-    let (follows, every) = (follows.collect(), windows.every);
-    let Windows { frames, mut sums, .. } = windows;
+    let log = Log { time_s, accel_mps2, gyro_radps };
+    let every = rows.div_ceil(MAX_MARKS).max(1);
+    let gyro_zero = (0..GAUSS_NEWTON_STEPS).fold(Vector3::zeros(), |zero, _| log.gyro_zero(zero, every).0);
+    let (_, gyro_zero_covariance) = log.gyro_zero(gyro_zero, every);
+    let mut quiet = QuietForce {
+        mps2: std::array::from_fn(|_| Vec::with_capacity(rows)),
+        follows: Vec::with_capacity(rows.div_ceil(every)),
+        every,
+        gyro_zero_covariance,
+    };
     let mut kept = Vec::with_capacity(rows);
-    // In place of the sums: on a long log a copy of them would be the largest thing in memory.
-    for ((sum, weight), frame) in sums.iter_mut().zip(&frames) {
-        let length = sum.norm() / *weight;
-        if length > 0.0 && length.is_finite() {
-            kept.push(length / gravity_mps2);
-            *sum = frame.inverse() * sum.normalize() * gravity_mps2;
-        } else {
-            *sum = Vector3::from_element(f64::NAN);
+    for (windows, own) in log.pieces(gyro_zero, every) {
+        for row in own {
+            let ((sum, weight), frame) = (windows.sums[row], windows.frames[row]);
+            let length = sum.norm() / weight;
+            let is_known = length > 0.0 && length.is_finite();
+            if is_known {
+                kept.push(length / gravity_mps2);
+            }
+            let force = match is_known {
+                true => frame.inverse() * sum.normalize() * gravity_mps2,
+                false => Vector3::from_element(f64::NAN),
+            };
+            quiet.mps2.iter_mut().zip(&force).for_each(|(axis, value)| axis.push(*value));
+            if let Some(sums) = windows.mark(row) {
+                let back = matrix(&frame).transpose();
+                let scale = if sum.norm() > 0.0 { gravity_mps2 / sum.norm() } else { 0.0 };
+                let follows = Follows {
+                    accel: back * sums.frames * scale,
+                    gyro_s: back * sums.drifts_s / weight.max(1.0),
+                };
+                quiet.follows.push(follows);
+            }
         }
     }
-    drop(frames);
-    if !(median(&mut kept) >= MIN_LENGTH_KEPT) {
-        return None;
+    (median(&mut kept) >= MIN_LENGTH_KEPT).then_some(quiet)
+}
+
+/// What the average is made of.
+#[derive(Clone, Copy)]
+struct Log<'a> {
+    time_s: &'a [f64],
+    accel_mps2: [&'a [f64]; 3],
+    gyro_radps: [&'a [f64]; 3],
+}
+
+impl<'a> Log<'a> {
+    /// The log in pieces, each with the windows of its rows and their range in them: on a long log the windows would be the largest thing
+    /// in memory. A piece begins and ends so far outside of its own rows that what lies beyond has faded.
+    fn pieces(
+        self,
+        gyro_zero_radps: Vector3<f64>,
+        every: usize,
+    ) -> impl Iterator<Item = (Windows<'a>, std::ops::Range<usize>)> {
+        let rows = self.time_s.len();
+        let length = PIECE_ROWS.next_multiple_of(every);
+        (0..rows).step_by(length).map(move |begin| {
+            let end = (begin + length).min(rows);
+            let (first_s, last_s) = (self.time_s[begin] - FADED_S, self.time_s[end - 1] + FADED_S);
+            let mut from = begin;
+            while from > 0 && self.time_s[from - 1] >= first_s {
+                from -= 1;
+            }
+            let mut to = end;
+            while to < rows && self.time_s[to] <= last_s {
+                to += 1;
+            }
+            let part = |axes: [&'a [f64]; 3]| axes.map(|axis| &axis[from..to]);
+            let (accel, gyro) = (part(self.accel_mps2), part(self.gyro_radps));
+            let every = Every { rows: every, first: (every - from % every) % every };
+            let windows = Windows::new(&self.time_s[from..to], accel, gyro, gyro_zero_radps, every);
+            (windows, begin - from..end - from)
+        })
     }
-    drop(kept);
-    let mps2 = std::array::from_fn(|axis| sums.iter().map(|(force, _)| force[axis]).collect());
-    Some(QuietForce { mps2, follows, every, gyro_zero_covariance })
+
+    /// The gyro's whole zero error, rad/s, and its covariance: what makes the specific forces of each window alike in its frame, and what
+    /// data sheets say. A rate that is wrong by `w` turns a row by the integral `B` of the rotations from the window's middle on, so that
+    /// its force differs from the mean by `−[g]× (B − mean B) w`.
+    fn gyro_zero(self, taken_off_radps: Vector3<f64>, every: usize) -> (Vector3<f64>, Matrix3<f64>) {
+        let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+        let mut marks = Vec::new();
+        for (windows, own) in self.pieces(taken_off_radps, every) {
+            for row in own {
+                let Some(mark) = windows.mark(row) else { continue };
+                let (sum, weight) = windows.sums[row];
+                let Some(force) = vector(&windows.accel_mps2, row) else {
+                    marks.push(None);
+                    continue;
+                };
+                let mean = sum / weight;
+                let column = mean.cross_matrix() * mark.drifts_s / weight;
+                let off = windows.frames[row] * force - mean + column * taken_off_radps;
+                marks.push((weight > 1.0).then_some((column, off)));
+            }
+        }
+        for (column, off) in marks.iter().flatten() {
+            normal += column.transpose() * column;
+            right += column.transpose() * off;
+        }
+        let prior = Vector3::from_element(1.0 / (GYRO_ZERO_RADPS * GYRO_ZERO_RADPS));
+        let mut told = Told::new(normal, right, prior, marks.len());
+        for (mark, (column, off)) in marks.iter().enumerate().filter_map(|(mark, one)| Some((mark, (*one)?)))
+        {
+            for axis in 0..3 {
+                told.add(mark, column.row(axis).transpose(), off[axis]);
+            }
+        }
+        told.posterior()
+    }
+}
+
+/// Every so many rows from a first one on.
+#[derive(Clone, Copy)]
+struct Every {
+    rows: usize,
+    first: usize,
+}
+
+impl Every {
+    /// The number of the mark of a row, where it has one.
+    fn mark(self, row: usize) -> Option<usize> {
+        let past = row.checked_sub(self.first)?;
+        past.is_multiple_of(self.rows).then_some(past / self.rows)
+    }
 }
 
 fn vector(axes: &[&[f64]; 3], row: usize) -> Option<Vector3<f64>> {
@@ -129,15 +226,13 @@ fn matrix(frame: &UnitQuaternion<f64>) -> Matrix3<f64> {
 /// Sums over the rows near each row, those nearer with more weight, in the frame in which its stretch begins.
 struct Windows<'a> {
     accel_mps2: [&'a [f64]; 3],
-    /// What was taken off the gyro.
-    gyro_zero_radps: Vector3<f64>,
     /// From the axes of each row to the frame of its stretch.
     frames: Vec<UnitQuaternion<f64>>,
     /// Specific forces, and the weights.
     sums: Vec<(Vector3<f64>, f64)>,
     /// At every so many rows.
     marks: Vec<Mark>,
-    every: usize,
+    every: Every,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -184,6 +279,7 @@ impl<'a> Windows<'a> {
         accel_mps2: [&'a [f64]; 3],
         gyro_radps: [&[f64]; 3],
         gyro_zero_radps: Vector3<f64>,
+        every: Every,
     ) -> Self {
         let rows = time_s.len();
         // How the board turned from the row before; `None` begins a new stretch.
@@ -202,7 +298,6 @@ impl<'a> Windows<'a> {
                 begins[row] = false;
             }
         }
-        let every = rows.div_ceil(MAX_MARKS).max(1);
         // What is kept from one row to the next, and the integral of the rotation between them.
         let step = |row: usize, before: &Matrix3<f64>, after: &Matrix3<f64>| {
             let step_s = time_s[row] - time_s[row - 1];
@@ -210,7 +305,7 @@ impl<'a> Windows<'a> {
             (keep, (before + after) * (0.5 * step_s))
         };
         let mut sums = Vec::with_capacity(rows);
-        let mut marks = Vec::with_capacity(rows.div_ceil(every));
+        let mut marks = Vec::with_capacity(rows.div_ceil(every.rows));
         let mut past = Running::new();
         let mut last = Matrix3::identity();
         for row in 0..rows {
@@ -221,7 +316,7 @@ impl<'a> Windows<'a> {
             }
             past.add(vector(&accel_mps2, row), &frame);
             sums.push((past.force, past.weight));
-            if row % every == 0 {
+            if every.mark(row).is_some() {
                 marks.push(past.mark);
             }
             last = frame;
@@ -235,41 +330,19 @@ impl<'a> Windows<'a> {
             }
             sums[row].0 += future.force;
             sums[row].1 += future.weight;
-            if row % every == 0 {
-                marks[row / every].frames += future.mark.frames;
-                marks[row / every].drifts_s += future.mark.drifts_s;
+            if let Some(mark) = every.mark(row) {
+                marks[mark].frames += future.mark.frames;
+                marks[mark].drifts_s += future.mark.drifts_s;
             }
             future.add(vector(&accel_mps2, row), &frame);
             last = frame;
         }
-        Windows { accel_mps2, gyro_zero_radps, frames, sums, marks, every }
+        Windows { accel_mps2, frames, sums, marks, every }
     }
 
-    /// The gyro's whole zero error, rad/s, and its covariance: what makes the specific forces of each window alike in its frame, and what
-    /// data sheets say. A rate that is wrong by `w` turns a row by the integral `B` of the rotations from the window's middle on, so that
-    /// its force differs from the mean by `−[g]× (B − mean B) w`.
-    fn gyro_zero(&self) -> (Vector3<f64>, Matrix3<f64>) {
-        let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-        let row = |mark: usize| {
-            let row = mark * self.every;
-            let (sum, weight) = self.sums[row];
-            let own = self.frames[row] * vector(&self.accel_mps2, row)?;
-            let mean = sum / weight;
-            let column = mean.cross_matrix() * self.marks[mark].drifts_s / weight;
-            (weight > 1.0).then(|| (column, own - mean + column * self.gyro_zero_radps))
-        };
-        for (column, off) in (0..self.marks.len()).filter_map(row) {
-            normal += column.transpose() * column;
-            right += column.transpose() * off;
-        }
-        let prior = Vector3::from_element(1.0 / (GYRO_ZERO_RADPS * GYRO_ZERO_RADPS));
-        let mut told = Told::new(normal, right, prior, self.marks.len());
-        for (mark, (column, off)) in (0..self.marks.len()).filter_map(|mark| Some((mark, row(mark)?))) {
-            for axis in 0..3 {
-                told.add(mark, column.row(axis).transpose(), off[axis]);
-            }
-        }
-        told.posterior()
+    /// The mark of a row, where it has one.
+    fn mark(&self, row: usize) -> Option<&Mark> {
+        self.marks.get(self.every.mark(row)?)
     }
 }
 
@@ -282,6 +355,7 @@ mod tests {
 
     const ROWS: usize = 4000;
     const STEP_S: f64 = 0.02;
+    const EACH: Every = Every { rows: 1, first: 0 };
 
     /// A board that turns about changing axes while a hand shakes it by some 4 m/s²: time, specific force, rate, and true down.
     fn shaken() -> Shaken {
@@ -349,7 +423,7 @@ mod tests {
     fn a_zero_error_is_followed_through_the_average() {
         let (time, accel, gyro, _) = shaken();
         let windows = |accel: &Axes| {
-            let windows = Windows::new(&time, slices(accel), slices(&gyro), Vector3::zeros());
+            let windows = Windows::new(&time, slices(accel), slices(&gyro), Vector3::zeros(), EACH);
             let quiet =
                 |row: usize| windows.frames[row].inverse() * windows.sums[row].0 / windows.sums[row].1;
             let force: Vec<Vector3<f64>> = (0..ROWS).map(quiet).collect();
@@ -375,11 +449,14 @@ mod tests {
         let zero = Vector3::new(0.06, -0.04, 0.05);
         let mut off = gyro.clone();
         (0..3).for_each(|axis| off[axis].iter_mut().for_each(|value| *value += zero[axis] - 0.01));
-        let (found, covariance) =
-            Windows::new(&time, slices(&still), slices(&off), Vector3::zeros()).gyro_zero();
+        let zero_of = |accel: &Axes| {
+            let log = Log { time_s: &time, accel_mps2: slices(accel), gyro_radps: slices(&off) };
+            log.gyro_zero(Vector3::zeros(), 1)
+        };
+        let (found, covariance) = zero_of(&still);
         assert!((found - zero).norm() < 0.05 * zero.norm(), "{found}");
         assert!(covariance.trace().sqrt() < 0.01, "{covariance}");
-        let (_, shaken) = Windows::new(&time, slices(&accel), slices(&off), Vector3::zeros()).gyro_zero();
+        let (_, shaken) = zero_of(&accel);
         assert!(shaken.trace() > covariance.trace());
         // Where each row goes with an error that is left.
         let quiet = quiet_force(&time, slices(&still), slices(&off)).expect("a right gyro");
@@ -387,7 +464,7 @@ mod tests {
         assert!(rms_deg(&quiet.mps2, &down) < 0.3, "{}", rms_deg(&quiet.mps2, &down));
         let left = Vector3::new(0.004, 0.002, -0.003);
         let at = |zero: Vector3<f64>, row: usize| {
-            let windows = Windows::new(&time, slices(&still), slices(&off), zero);
+            let windows = Windows::new(&time, slices(&still), slices(&off), zero, EACH);
             windows.frames[row].inverse() * windows.sums[row].0.normalize()
         };
         for row in (50..ROWS).step_by(797) {

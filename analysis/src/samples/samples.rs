@@ -87,8 +87,6 @@ pub struct Samples {
     pub quantum_ut: f64,
     /// How much was looked at.
     pub work: Work,
-    /// Readings, µT, in stretches of one sample after the other in which the board rested, which are not among the samples.
-    pub rest: Arc<Vec<Vec<[f64; 3]>>>,
     /// Second moment of the zero error that the accelerometer is expected to have, (m/s²)².
     pub zero_error_square: Matrix3<f64>,
     /// Covariance of the zero error of the gyro where directions down come of it, (rad/s)².
@@ -216,7 +214,6 @@ impl Samples {
             column.causes_nothing = own.causes_nothing;
         }
         few.middle_s = self.middle_s;
-        few.rest = self.rest.clone();
         few
     }
 
@@ -264,7 +261,6 @@ impl Samples {
             axes,
             quantum_ut: 0.0,
             work: Work::default(),
-            rest: Arc::default(),
             zero_error_square: gravity::zero_error_square(table),
             gyro_zero_covariance: quiet.map_or_else(Matrix3::zeros, |quiet| quiet.gyro_zero_covariance),
             follows,

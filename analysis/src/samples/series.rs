@@ -33,12 +33,6 @@ pub fn second_difference_sigma(values: &[f64]) -> f64 {
 /// The slowest decay from one sample to the next that an extrapolation is trusted with.
 const SLOWEST_DECAY: f64 = 0.93;
 
-/// A part that falls faster than this from one sample to the next is noise.
-const SLOW_PART_DECAY: f64 = 0.8;
-
-/// The longest memory that passes for noise, samples.
-pub const LONGEST_MEMORY: usize = 60;
-
 /// The autocorrelation of a series and what follows from it.
 #[derive(Debug, Clone)]
 pub struct Autocorrelation {
@@ -90,51 +84,6 @@ impl Autocorrelation {
         let by_decay = 1.0 + 2.0 * first / (1.0 - decay);
         Autocorrelation { at, time: if white { 1.0 } else { time.max(by_decay) } }
     }
-
-    /// The lag beyond which noise with a short memory has forgotten. Its decay is read between the first and the fourth
-    /// lag, so that a share of white noise on top does not shorten it; no sensor's noise remembers for longer than
-    /// [`LONGEST_MEMORY`] samples.
-    pub fn horizon(&self) -> usize {
-        let at = |lag: usize| self.at.get(lag).copied().unwrap_or(0.0);
-        if at(1) < 0.05 {
-            return 2;
-        }
-        let decay = (at(4).max(1e-3) / at(1)).powf(1.0 / 3.0).clamp(0.05, 0.999);
-        let lag = (0.03 / at(1).clamp(0.05, 1.0)).ln() / decay.ln();
-        (lag.ceil().max(2.0) as usize).min(LONGEST_MEMORY)
-    }
-
-    /// A slow part under noise that is independent from sample to sample: `c₁²/c₂` is the variance of a part that decays
-    /// steadily, and what is missing to the whole is independent. Gives the shares of the independent and of the slow
-    /// part, and how many standard errors the partial correlation at the second lag is from that of steady decay alone.
-    pub fn two_parts(&self, n: usize) -> Option<(f64, f64, f64)> {
-        let (first, second) = (self.at.get(1).copied()?, self.at.get(2).copied()?);
-        if first <= 0.05 || second <= SLOW_PART_DECAY * first {
-            return None;
-        }
-        let slow = (first * first / second).min(1.0);
-        let partial = (second - first * first) / (1.0 - first * first).max(1e-12);
-        Some((1.0 - slow, slow, partial * (n as f64).sqrt()))
-    }
-
-    /// After how many samples the correlation has fallen to 60 % of that of neighbours.
-    pub fn fades_after(&self) -> usize {
-        let first = self.at.get(1).copied().unwrap_or(0.0);
-        self.at.iter().skip(1).position(|value| *value < 0.6 * first).map_or(self.at.len(), |lag| lag + 1)
-    }
-
-    /// How far the correlation beyond the horizon exceeds what noise of the same memory shows there by chance: the ratio
-    /// of mean squares, 1 for noise. The squares, because structure that turns with the board changes its sign.
-    pub fn structure(&self, n: usize) -> f64 {
-        let horizon = self.horizon();
-        let window = (4 * horizon).max(200);
-        let end = (horizon + window).min(self.at.len());
-        let Some(tail) = self.at.get(horizon..end).filter(|tail| tail.len() >= 20) else { return 1.0 };
-        let square = tail.iter().map(|value| value * value).sum::<f64>() / tail.len() as f64;
-        // Bartlett: a correlation that is none has the variance Σρ²/n.
-        let memory: f64 = self.at.iter().take(horizon).skip(1).map(|value| value * value).sum();
-        square / ((1.0 + 2.0 * memory) / n as f64)
-    }
 }
 
 /// The smallest step between two readings of a column.
@@ -171,24 +120,6 @@ mod tests {
                 (0..20).map(|seed| Autocorrelation::of(&correlated(rho, 8000, seed)).time).sum::<f64>()
                     / 20.0;
             assert!((mean / expected - 1.0).abs() < 0.12, "rho {rho}: {mean} against {expected}");
-        }
-    }
-
-    #[test]
-    fn noise_with_a_short_memory_is_no_structure_and_a_slow_wave_is() {
-        for seed in 0..20 {
-            for rho in [0.0, 0.5, 0.9, 0.95] {
-                let noise = correlated(rho, 4000, seed);
-                let ratio = Autocorrelation::of(&noise).structure(4000);
-                assert!(ratio < 6.0, "seed {seed}, rho {rho}: {ratio}");
-            }
-            let white = correlated(0.0, 4000, seed);
-            for strength in [0.5, 1.0, 4.0, 20.0] {
-                let wave: Vec<f64> =
-                    white.iter().enumerate().map(|(i, v)| v + strength * (i as f64 / 80.0).sin()).collect();
-                let ratio = Autocorrelation::of(&wave).structure(4000);
-                assert!(ratio > 6.0, "seed {seed}, strength {strength}: {ratio}");
-            }
         }
     }
 

@@ -78,27 +78,28 @@ fn tone<'a>(
     let cells = (seconds / step).ceil() as usize + 1;
     let size = (2 * cells).next_power_of_two();
     let uniform = samples.stride == 1 && gaps.iter().all(|gap| (gap / step - 1.0).abs() < 0.2);
-    let mut series = vec![vec![(0.0, 0.0); size]; 3];
     let terms: Vec<&Term> = fitted.terms.iter().collect();
     let vector = design.residual == ironout::study::Residual::Vector;
-    design.rows(0..n, &fitted.model, &terms, |sample, row, r| {
-        let cell = if uniform { sample } else { ((time[sample] - first) / step).round() as usize };
-        for (axis, out) in series.iter_mut().enumerate() {
-            let weight = if vector { -row[axis] } else { row[axis] };
-            if let Some(value) = out.get_mut(cell) {
-                value.0 += weight * r;
-            }
-        }
-    })?;
-    for line in &mut series {
-        fft::forward(line);
-    }
     let resolution = 1.0 / (size as f64 * step);
     let from = (LOWEST_HZ / resolution).ceil() as usize;
     let to = ((nyquist / resolution).floor() as usize).min(size / 2);
-    let power: Vec<f64> = (0..=to)
-        .map(|bin| series.iter().map(|line| line[bin].0 * line[bin].0 + line[bin].1 * line[bin].1).sum())
-        .collect();
+    let mut power = vec![0.0; to + 1];
+    // Two real axes are one complex series: their powers are the mean of those at a frequency and at minus it. One series at a time: on
+    // a long log it is the largest thing in memory.
+    for axes in [&[0, 1][..], &[2]] {
+        let mut series = vec![fft::Complex::new(0.0_f32, 0.0); size];
+        design.rows(0..n, &fitted.model, &terms, |sample, row, r| {
+            let cell = if uniform { sample } else { ((time[sample] - first) / step).round() as usize };
+            let Some(value) = series.get_mut(cell) else { return };
+            let part = |axis: usize| if vector { -row[axis] * r } else { row[axis] * r };
+            value.re += part(axes[0]) as f32;
+            value.im += axes.get(1).map_or(0.0, |axis| part(*axis)) as f32;
+        })?;
+        let square = fft::powers(series);
+        for (bin, sum) in power.iter_mut().enumerate() {
+            *sum += 0.5 * (square(bin) + square((size - bin) % size));
+        }
+    }
     let mut peaks: Vec<usize> = (from.max(1)..to)
         .filter(|&bin| power[bin] >= power[bin - 1] && power[bin] >= power[bin + 1])
         .collect();

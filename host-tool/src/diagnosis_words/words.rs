@@ -6,7 +6,7 @@ use crate::diagnosis_words::{advice, answer, found, place, unlogged};
 use crate::field_unit::symbol;
 use ironout::effect::{Named, Registry, Searched};
 use ironout_analysis::base::mounting;
-use ironout_analysis::noise::colour::Colour;
+use ironout_analysis::noise::own::Colour;
 use ironout_analysis::outcome::outcome::{CandidateRow, Status, Verdict};
 use ironout_analysis::samples::faults::{DataFault, FaultKind};
 

@@ -5,8 +5,8 @@
 //! data, so that every column of a linear model passes the same filter. What memory the innovations still have (a driver's rolling
 //! mean, differenced noise) is autoregressive. The whole map is triangular: the likelihood is that of the last white residual.
 
-use crate::evidence::autoregression::burg;
-use crate::evidence::bounds::MAX_AR_ORDER;
+use crate::bounds::MAX_AR_ORDER;
+use crate::noise::autoregression::burg;
 
 /// Sizes and time constants of the wander; sizes relative to the white noise of one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -198,6 +198,12 @@ impl Wander {
         let step = typical_step(track);
         let length = length_s(track);
         Wander { tau_s: [4.0 * step, (length / 10.0).max(8.0 * step)], size: [0.0; 2] }
+    }
+
+    /// Price of its parameters, a size and a time constant of each part, in a series of `n` values.
+    pub fn price(&self, n: usize) -> f64 {
+        let parts = self.size.iter().filter(|size| **size > 0.0).count();
+        2.0 * parts as f64 * (n as f64).ln()
     }
 
     /// Whether both sizes are zero.

@@ -95,3 +95,25 @@ pub const SHORTEST_CAUSE_BLOCKS: f64 = 4.0;
 
 /// Fast tones that are taken out of one log, at most: a motor and its harmonic.
 pub const MOST_TONES: usize = 2;
+
+/// The longest filter that a sensor or its driver has, samples: the longest of common chips averages 16.
+pub const FILTER_SAMPLES: f64 = 16.0;
+
+/// The same as time, s: a compass behind a slower filter would lag behind every turn of a vehicle.
+pub const FILTER_S: f64 = 1.0;
+
+/// White noise behind a filter of more samples than that, at most, as a share of the variance: rounding and a word's last bits. More of it
+/// beside something slow are two causes.
+pub const LITTLE_WHITE: f64 = 0.04;
+
+/// What a filter of first order still knows after that: a fifth.
+pub const FORGOTTEN: f64 = 0.2;
+
+/// A filter's highest power gain over that at its ends, at most: one octave's worth of a resonance; a line has hundreds.
+pub const LINE: f64 = 2.0;
+
+/// Exponents of 1/f noise: electronics make 0.8 to 1.2.
+pub const FLICKER_EXPONENTS: [f64; 3] = [0.8, 1.0, 1.2];
+
+/// Samples in which the colour of a noise is looked at, at most: a noise that shows in none of them matters to no calibration.
+pub const MAX_NOISE_SAMPLES: usize = 3000;

@@ -37,7 +37,7 @@ pub fn burg(series: &[f64], most: usize) -> (Vec<f64>, f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evidence::bounds::MAX_AR_ORDER;
+    use crate::bounds::MAX_AR_ORDER;
     use rand::rngs::ChaCha8Rng;
     use rand::{RngExt, SeedableRng};
 
