@@ -27,6 +27,7 @@ pub mod frame;
 pub mod noise;
 pub mod outcome;
 pub mod outside;
+pub mod pair;
 pub mod picture;
 mod plain;
 pub mod plausible;

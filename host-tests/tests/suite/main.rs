@@ -26,6 +26,7 @@ mod mountings;
 pub mod names;
 mod optical;
 mod oracle;
+mod pair;
 mod paper;
 #[cfg(all(unix, feature = "emulated"))]
 mod pico;

@@ -5,6 +5,8 @@ use ironout_analysis::table::{ATTITUDE, Earth};
 use ironout_analysis::track::Track;
 use ironout_analysis::{Named, Table};
 
+/// Where a GPS receiver says that the vehicle went is no cause either.
+const WENT: [&str; 4] = ["gps_course_deg", "gps_speed_error_mps", "course_deg", "speed_accuracy_mps"];
 /// Where the board was is not a cause of what it reads beyond the field of that place.
 const WHERE: [&str; 2] = ["lat_deg", "lon_deg"];
 
@@ -40,6 +42,7 @@ impl<'a> From<&'a Log> for Table<'a> {
                 .covariates
                 .iter()
                 .filter(|column| attitude.is_none() || !ATTITUDE.contains(&column.name.as_str()))
+                .filter(|column| !WENT.contains(&column.name.as_str()))
                 .filter(|column| !(travels && WHERE.contains(&column.name.as_str())))
                 .map(|column| Named {
                     name: &column.name,

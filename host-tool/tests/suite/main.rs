@@ -63,6 +63,7 @@ mod tutorial;
 mod ulog;
 mod unlogged;
 mod vehicles;
+mod vehicles_course;
 mod vehicles_flights;
 mod writers;
 

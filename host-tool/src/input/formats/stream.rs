@@ -171,6 +171,17 @@ pub struct Recording {
     pub notices: Vec<String>,
 }
 
+/// Speed, course and the error of the speed of a GPS receiver. Only a vehicle on wheels has them: of others a course is no heading.
+pub const GROUND: [&str; 3] = ["gps_speed_mps", "gps_course_deg", "gps_speed_error_mps"];
+
+/// Takes speed and course out of the streams of a vehicle that is not on wheels.
+pub fn without_course(streams: &mut Vec<Stream>) {
+    streams
+        .iter_mut()
+        .for_each(|stream| stream.columns.retain(|column| !GROUND.contains(&column.name.as_str())));
+    streams.retain(|stream| !stream.columns.is_empty());
+}
+
 /// The instance to read: the one that was asked for, or the first that is there.
 ///
 /// # Errors
