@@ -27,7 +27,6 @@ pub mod frame;
 pub mod noise;
 pub mod outcome;
 pub mod outside;
-pub mod pair;
 pub mod picture;
 mod plain;
 pub mod plausible;

@@ -1,6 +1,7 @@
 //! Two magnetometers in one log: which of them is disturbed, and what both see, on logs of the second generator.
 
-use ironout_analysis::pair::{Disturbed, Pair, compare};
+use ironout_analysis::fit::pair::of_table;
+use ironout_analysis::unlogged::pair::{Disturbed, Pair};
 use ironout_analysis::{Options, Table};
 use second_generator::{Drawn, Kind, draw};
 
@@ -51,7 +52,8 @@ fn readings(drawn: &Drawn, on: On) -> (Vec<f64>, Field, Field) {
 fn compared(drawn: &Drawn, on: On) -> Option<Pair> {
     let (time_s, first, second) = readings(drawn, on);
     let [field_ut, other_ut] = [&first, &second].map(|field| field.each_ref().map(Vec::as_slice));
-    compare(&Table { time_s: Some(&time_s), field_ut, ..Table::default() }, other_ut, &Options::default())
+    let other_ut = Some(other_ut);
+    of_table(&Table { time_s: Some(&time_s), field_ut, other_ut, ..Table::default() }, &Options::default())
 }
 
 fn pairs(kind: Kind, on: On) -> Vec<Pair> {

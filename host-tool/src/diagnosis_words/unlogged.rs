@@ -6,6 +6,7 @@ use crate::diagnosis_words::told::{Told, WIDTH, title};
 use crate::field_unit::{fixed, symbol};
 use ironout_analysis::evidence::wander::Wander;
 use ironout_analysis::unlogged::levels::Levels;
+use ironout_analysis::unlogged::pair::{Disturbed, Pair, Part};
 use ironout_analysis::unlogged::recordings::Recordings;
 use ironout_analysis::unlogged::switching::Switching;
 
@@ -59,6 +60,24 @@ fn jumps(told: &Told, found: &Levels) -> Vec<String> {
 pub(crate) fn jumps_in_short(found: &Levels) -> String {
     let times: Vec<String> = found.at_s.iter().map(|at| format!("{at:.1}")).collect();
     format!("offset changes {} times: at {} s", times.len(), times.join(", "))
+}
+
+/// What two magnetometers show together, in one line.
+pub(crate) fn pair_in_short(found: &Pair) -> String {
+    let size = |part: Part| fixed(Some(part.rms_ut), 2);
+    let ([this, other], common) = (found.own.map(size), size(found.common));
+    let figures =
+        format!("in common {common}, this sensor alone {this}, the other alone {other} {} rms", symbol());
+    match (found.disturbed, found.common.significant) {
+        (Some(Disturbed::This), _) => format!("this sensor is disturbed, and the other is not: {figures}"),
+        (Some(Disturbed::Other), _) => {
+            format!("the other sensor is disturbed, and this one is not: {figures}")
+        }
+        (None, true) => {
+            format!("both see the same disturbance, so it is in the field or the vehicle: {figures}")
+        }
+        (None, false) => format!("no disturbance of one sensor, none in common ({figures})"),
+    }
 }
 
 /// A field with its sign, in the unit in use.

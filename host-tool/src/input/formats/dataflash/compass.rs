@@ -9,7 +9,7 @@ use crate::input::formats::correction::Correction;
 use crate::input::formats::dataflash::collect::Collected;
 use crate::input::formats::parameters::Parameters;
 use crate::input::formats::rotation;
-use crate::input::formats::stream::{Recording, Stream, choose, without_course};
+use crate::input::formats::stream::{Recording, Stream, choose, is_as_dense, without_course};
 use ironout_analysis::frame::{Frame, IDENTITY, MAX_REMOVED, Program, Removed, Rows, rows};
 use nalgebra::Vector3;
 
@@ -59,11 +59,23 @@ pub fn finish(
         notices,
         ..Recording::default()
     };
+    let mut others = Vec::new();
     for ((place, number), stream) in std::mem::take(&mut collected.streams) {
         if place != 0 {
             recording.others.push(without_zeros(stream));
         } else if usize::from(number) == taken {
             recording.magnetometer = stream;
+        } else {
+            others.push((usize::from(number), stream));
+        }
+    }
+    for (number, stream) in others {
+        // What was removed of it is of no interest: it is not calibrated here.
+        let mut other = Recording { magnetometer: stream, ..Recording::default() };
+        let fits = undo(number, &collected.parameters, &mut other).is_ok();
+        if fits && is_as_dense(&other.magnetometer, &recording.magnetometer) {
+            recording.others.push(other.magnetometer.as_other());
+            break;
         }
     }
     if !on_wheels {

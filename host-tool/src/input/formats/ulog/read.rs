@@ -292,12 +292,13 @@ impl Log {
             .collect::<Vec<_>>()
             .join(", ");
         self.collectors.sort_by_key(|one| (place(&one.topic), one.instance));
-        recording.others = self
+        let others = self
             .collectors
             .into_iter()
             .filter(|one| one.stream.column("armed").is_none())
             .map(|one| turned(one, &self.parameters, &mut recording.taken_out))
-            .collect();
+            .collect::<Vec<_>>();
+        recording.others.splice(..0, others);
         let on_wheels = self.parameters.first("MAV_TYPE") == Some(GROUND_ROVER)
             || self.parameters.first("SYS_AUTOSTART").is_some_and(|frame| ROVER_FRAMES.contains(&frame));
         if !on_wheels {

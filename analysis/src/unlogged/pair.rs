@@ -4,12 +4,8 @@
 //! sensor, and noise. The covariance of the deviations is the variance of `c`. What a variance has beyond that and beyond noise is the sensor's
 //! own. A magnitude knows no axes, so that the sensors may be mounted differently.
 
-use crate::outcome::request::Options;
-use crate::{Table, fit};
 use serde::Serialize;
 
-/// Fewest rows in which both are known.
-const MIN_ROWS: usize = 200;
 /// Blocks of time whose differences show the errors.
 const BLOCKS: usize = 24;
 /// A part is significant beyond so many standard errors ...
@@ -87,27 +83,9 @@ impl Sums {
     }
 }
 
-/// Compares the magnetometer of the table with another of the same rows, µT. `None` if one of them cannot be calibrated by this log, or
-/// too few rows have both.
-pub fn compare(table: &Table, other_ut: [&[f64]; 3], options: &Options) -> Option<Pair> {
-    let rows: Vec<usize> = (0..table.rows())
-        .filter(|row| {
-            table
-                .field_ut
-                .iter()
-                .chain(&other_ut)
-                .all(|axis| axis.get(*row).is_some_and(|value| value.is_finite()))
-        })
-        .collect();
-    if rows.len() < MIN_ROWS {
-        return None;
-    }
-    let taken = |column: &[f64]| rows.iter().map(|row| column[*row]).collect::<Vec<f64>>();
-    let time_s = table.time_s.map(taken);
-    let (one, other) = (table.field_ut.map(taken), other_ut.map(taken));
-    let deviations = [&one, &other].map(|field| deviation_ut(time_s.as_deref(), field, options));
-    let [Some((first, field_ut)), Some((second, _))] = deviations else { return None };
-    let long = rows.len().div_ceil(BLOCKS);
+/// Compares the deviations of the corrected magnitudes of two sensors in the same rows, each without its mean, µT.
+pub fn pair(first: &[f64], second: &[f64], field_ut: f64) -> Pair {
+    let long = first.len().div_ceil(BLOCKS).max(1);
     let blocks: Vec<Sums> =
         (first.chunks(long).zip(second.chunks(long))).map(|(one, two)| sums(one, two)).collect();
     let all = blocks.iter().fold(Sums::default(), |sum, block| sum.plus(block));
@@ -126,17 +104,15 @@ pub fn compare(table: &Table, other_ut: [&[f64]; 3], options: &Options) -> Optio
     };
     let [common, this, that] = [part(0), part(1), part(2)];
     let stands_out = parts[3].abs() > MIN_SIGMAS * error(3);
+    let of_both_ut = if common.significant { common.rms_ut } else { 0.0 };
+    let outweighs = |own: Part, other: Part| own.rms_ut > of_both_ut.max(MIN_RATIO * other.rms_ut);
     let disturbed = match () {
-        () if stands_out && this.significant && this.rms_ut > MIN_RATIO * that.rms_ut => {
-            Some(Disturbed::This)
-        }
-        () if stands_out && that.significant && that.rms_ut > MIN_RATIO * this.rms_ut => {
-            Some(Disturbed::Other)
-        }
+        () if stands_out && this.significant && outweighs(this, that) => Some(Disturbed::This),
+        () if stands_out && that.significant && outweighs(that, this) => Some(Disturbed::Other),
         () => None,
     };
     let rms_ut = [0, 1].map(|place: usize| (all.products[place] / all.count).sqrt());
-    Some(Pair { rows: rows.len(), rms_ut, common, own: [this, that], disturbed })
+    Pair { rows: first.len(), rms_ut, common, own: [this, that], disturbed }
 }
 
 fn sums(one: &[f64], two: &[f64]) -> Sums {
@@ -150,21 +126,4 @@ fn sums(one: &[f64], two: &[f64]) -> Sums {
     }
     sums.pairs = one.len().saturating_sub(1) as f64;
     sums
-}
-
-/// The deviation of the corrected magnitude from its mean in each row, and the field, µT.
-fn deviation_ut(time_s: Option<&[f64]>, field: &[Vec<f64>; 3], options: &Options) -> Option<(Vec<f64>, f64)> {
-    let table = Table { time_s, field_ut: field.each_ref().map(Vec::as_slice), ..Table::default() };
-    let options =
-        Options { method: options.method, field_ut: options.field_ut, search: false, ..Options::default() };
-    let calibration = fit(&table, &options).ok()?.solution?.calibration;
-    let mut deviations: Vec<f64> = (0..field[0].len())
-        .map(|row| {
-            let [x, y, z] = calibration.apply([0, 1, 2].map(|axis: usize| field[axis][row]));
-            (x * x + y * y + z * z).sqrt() - calibration.field_ut
-        })
-        .collect();
-    let mean = deviations.iter().sum::<f64>() / deviations.len() as f64;
-    deviations.iter_mut().for_each(|one| *one -= mean);
-    Some((deviations, calibration.field_ut))
 }
