@@ -60,6 +60,7 @@ mod text_corpus;
 mod text_questions;
 mod transients;
 mod tutorial;
+mod two_sensors;
 mod ulog;
 mod unlogged;
 mod vehicles;
