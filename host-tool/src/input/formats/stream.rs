@@ -173,7 +173,7 @@ pub struct Recording {
 
 impl Stream {
     /// The field alone, as that of another magnetometer.
-    pub fn as_other(mut self) -> Stream {
+    pub fn into_other(mut self) -> Stream {
         self.columns.retain_mut(|column| {
             let place = ["mx_ut", "my_ut", "mz_ut"].iter().position(|name| *name == column.name);
             place.map(|place| column.name = OTHER[place].into()).is_some()

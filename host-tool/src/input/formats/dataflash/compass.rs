@@ -74,7 +74,7 @@ pub fn finish(
         let mut other = Recording { magnetometer: stream, ..Recording::default() };
         let fits = undo(number, &collected.parameters, &mut other).is_ok();
         if fits && is_as_dense(&other.magnetometer, &recording.magnetometer) {
-            recording.others.push(other.magnetometer.as_other());
+            recording.others.push(other.magnetometer.into_other());
             break;
         }
     }

@@ -82,7 +82,7 @@ pub fn take(
         // What was removed of it is of no interest: it is not calibrated here.
         let other = undo(other, collectors, parameters, release, &mut Recording::default());
         let other = other.ok().filter(|stream| is_as_dense(stream, &recording.magnetometer));
-        recording.others.extend(other.map(Stream::as_other));
+        recording.others.extend(other.map(Stream::into_other));
     }
     Ok(Some(recording))
 }
