@@ -66,17 +66,18 @@ pub(crate) fn jumps_in_short(found: &Levels) -> String {
 pub(crate) fn pair_in_short(found: &Pair) -> String {
     let size = |part: Part| fixed(Some(part.rms_ut), 2);
     let ([this, other], common) = (found.own.map(size), size(found.common));
-    let figures =
-        format!("in common {common}, this sensor alone {this}, the other alone {other} {} rms", symbol());
+    // One line of the answer has room for no more.
+    let own = format!("own {this} and {other}");
+    let unit = symbol();
     match (found.disturbed, found.common.significant) {
-        (Some(Disturbed::This), _) => format!("this sensor is disturbed, and the other is not: {figures}"),
+        (Some(Disturbed::This), _) => {
+            format!("this one is disturbed, and the other is not: {own}, common {common} {unit} rms")
+        }
         (Some(Disturbed::Other), _) => {
-            format!("the other sensor is disturbed, and this one is not: {figures}")
+            format!("the other is disturbed, and this one is not: {own}, common {common} {unit} rms")
         }
-        (None, true) => {
-            format!("both see the same disturbance, so it is in the field or the vehicle: {figures}")
-        }
-        (None, false) => format!("no disturbance of one sensor, none in common ({figures})"),
+        (None, true) => format!("disturbance of field or vehicle: common {common}, {own} {unit} rms"),
+        (None, false) => format!("no disturbance of one or of both: {own}, common {common} {unit} rms"),
     }
 }
 

@@ -80,8 +80,8 @@ fn the_disturbed_sensor_is_named_in_logs_of_autopilots_and_tables() {
     let (drawn, other) = drawn();
     let own: Vec<[f64; 3]> = (0..other.len()).map(|row| three(&drawn, "m", "ut", row)).collect();
     for (sensors, disturbed, words) in [
-        ([&own[..], &other[..]], "this", "this sensor is disturbed, and the other is not"),
-        ([&other[..], &own[..]], "other", "the other sensor is disturbed, and this one is not"),
+        ([&own[..], &other[..]], "this", "this one is disturbed, and the other is not: own"),
+        ([&other[..], &own[..]], "other", "the other is disturbed, and this one is not: own"),
     ] {
         for (name, bytes) in [
             ("two.bin", ardupilot(&drawn, sensors)),
