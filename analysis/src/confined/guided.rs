@@ -87,8 +87,10 @@ pub struct Deviation {
     pub error_deg: f64,
 }
 
-/// Fewest headings that show a deviation: its constant, sine and cosine, and some to measure the error with.
-const MIN_HEADINGS: usize = 6;
+/// Fewest headings that show a deviation: its constant, sine and cosine, and one to measure the error with.
+const MIN_HEADINGS: usize = 4;
+/// A course is not better than this, degrees (1σ): few headings that agree by chance show no smaller error.
+const COURSE_ERROR_DEG: f64 = 1.0;
 /// A deviation is significant beyond so many standard errors ...
 const DEVIATION_SIGMAS: f64 = 4.0;
 /// ... and matters beyond this amplitude, degrees: a compass heading is accepted with 1.5° (1σ).
@@ -137,6 +139,7 @@ pub fn deviation(table: &Table, known: &mut Vec<KnownHeading>) -> Option<Deviati
     let inverse = normal.try_inverse()?;
     let solved = inverse * right;
     let variance = (square - solved.dot(&right)).max(0.0) / (known.len() - 3) as f64;
+    let variance = variance.max(COURSE_ERROR_DEG * COURSE_ERROR_DEG);
     let amplitude_deg = solved.y.hypot(solved.z);
     let along = Vector3::new(0.0, solved.y, solved.z) / amplitude_deg;
     let error_deg = (variance * along.dot(&(inverse * along))).sqrt();

@@ -14,7 +14,7 @@ const LEFT_OVER: f64 = 0.3;
 const SPEED_MPS: f64 = 7.0;
 
 /// Cars of the test.
-const CARS: usize = 4;
+const CARS: usize = 5;
 
 /// Cars with all sensors that hide nothing.
 fn cars(count: usize) -> Vec<Drawn> {
