@@ -132,12 +132,12 @@ fn beyond(seeds: u64, logs: u64) {
         row[3] += u64::from(named.iter().any(|id| !is_own(id)));
     }
     println!(
-        "{:<12}{:>4}  {:<30}{:<34}another named",
+        "{:<12}{:>4}  {:<30}{:<38}another named",
         "cause", "n", "its own column named first", "a tenth of its squares left, or less"
     );
     for (kind, [n, first, left, other]) in rows {
         let rate = |count| Rate { count, of: n }.to_string();
-        println!("{kind:<12}{n:>4}  {:<30}{:<34}{}", rate(first), rate(left), rate(other));
+        println!("{kind:<12}{n:>4}  {:<30}{:<38}{}", rate(first), rate(left), rate(other));
     }
 }
 
