@@ -12,6 +12,8 @@ pub struct Table<'a> {
     pub time_s: Option<&'a [f64]>,
     /// The magnetometer, µT.
     pub field_ut: [&'a [f64]; 3],
+    /// Another magnetometer in the same rows, in axes of its own, µT.
+    pub other_ut: Option<[&'a [f64]; 3]>,
     /// The same as the sensor's 16-bit counts, and their scale, µT a count: from these a fit gives the board's bits.
     pub counts: Option<(&'a [[i16; 3]], [f64; 3])>,
     /// Specific force, m/s².
@@ -38,6 +40,8 @@ pub struct Table<'a> {
 
 /// Names of the columns of a logged attitude.
 pub const ATTITUDE: [&str; 4] = ["q_w", "q_x", "q_y", "q_z"];
+/// Names of the columns of another magnetometer.
+pub const OTHER: [&str; 3] = ["mx_other_ut", "my_other_ut", "mz_other_ut"];
 
 /// The field of the Earth at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,7 +133,7 @@ pub struct Named<'a> {
 
 impl<'a> Table<'a> {
     /// From columns named as in the log format: `mx_ut,my_ut,mz_ut` are needed, `t_s`, `ax_mps2 …`, `gx_radps …`,
-    /// `q_w …` and `heading_deg` are known, every other is a covariate. A missing cell is NaN.
+    /// `mx_other_ut …`, `q_w …` and `heading_deg` are known, every other is a covariate. A missing cell is NaN.
     ///
     /// # Errors
     /// [`BadTable`].
@@ -162,8 +166,10 @@ impl<'a> Table<'a> {
             [Some(w), Some(x), Some(y), Some(z)] => Some([w, x, y, z]),
             _ => None,
         };
+        let other_ut = triple(OTHER)?;
         let known = |name: &str| {
             FIELD.contains(&name)
+                || OTHER.contains(&name)
                 || (attitude.is_some() && ATTITUDE.contains(&name))
                 || ACCEL.contains(&name)
                 || GYRO.contains(&name)
@@ -172,6 +178,7 @@ impl<'a> Table<'a> {
         Ok(Table {
             time_s: find("t_s"),
             field_ut,
+            other_ut,
             counts: None,
             accel_mps2: triple(ACCEL)?,
             gyro_radps: triple(GYRO)?,

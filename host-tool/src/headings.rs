@@ -1,16 +1,15 @@
 //! Headings that the user knows, and the course of a GPS receiver, as an attitude of the log.
 
 use crate::failure::{Failure, Outcome};
+use crate::input::formats::GROUND;
 use crate::input::{Covariate, Log};
 use crate::wrap;
 use ironout_analysis::Table;
-use ironout_analysis::confined::guided::{KnownHeading, attitude, of_course};
+use ironout_analysis::confined::guided::{Deviation, KnownHeading, attitude, deviation, of_course};
 use ironout_analysis::table::ATTITUDE;
 
 /// Columns of a GPS receiver in a CSV: its course, its speed, and the error of its speed.
-const COURSE: &str = "course_deg";
-const SPEED: &str = "speed_mps";
-const SPEED_ERROR: &str = "speed_accuracy_mps";
+const COLUMNS: [&str; 3] = ["speed_mps", "course_deg", "speed_accuracy_mps"];
 
 /// Reads the `T=DEG` of `--heading`.
 ///
@@ -38,16 +37,32 @@ fn number(text: &str) -> Option<f64> {
 /// # Errors
 /// Headings that cannot be used.
 pub fn guide(log: &mut Log, given: &[KnownHeading]) -> Outcome<()> {
-    let has_attitude = ATTITUDE.iter().all(|name| log.covariate(name).is_some());
-    if given.is_empty() && has_attitude {
-        return Ok(());
-    }
     let table = Table::from(&*log);
     let column = |name: &str| log.covariate(name).map(|column| column.values.as_slice());
-    let known = match (given.is_empty(), column(COURSE), column(SPEED)) {
-        (false, ..) => given.to_vec(),
-        (true, Some(course), Some(speed)) => of_course(&table, course, speed, column(SPEED_ERROR)),
-        _ => return Ok(()),
+    let course = |[speed, course, error]: [&str; 3]| {
+        Some(of_course(&table, column(course)?, column(speed)?, column(error)))
+    };
+    let known = if !given.is_empty() {
+        given.to_vec()
+    } else if table.attitude.is_none() {
+        match course(GROUND).or_else(|| course(COLUMNS)) {
+            Some(known) => known,
+            None => return Ok(()),
+        }
+    } else {
+        // The autopilot's own attitude, unless the course of its wheels contradicts it.
+        let Some(mut known) = course(GROUND) else { return Ok(()) };
+        let Some(Deviation { amplitude_deg, error_deg }) = deviation(&table, &mut known) else {
+            return Ok(());
+        };
+        tell(
+            log,
+            &format!(
+                "the logged yaw differs from the GPS course by up to {amplitude_deg:.0}° ± {error_deg:.1}°, depending on the heading, as the error \
+             of a compass does"
+            ),
+        );
+        known
     };
     let Some(columns) = attitude(&table, &known) else {
         if given.is_empty() {
@@ -59,18 +74,23 @@ pub fn guide(log: &mut Log, given: &[KnownHeading]) -> Outcome<()> {
         .in_file(&log.path));
     };
     log.covariates.retain(|column| !ATTITUDE.contains(&column.name.as_str()));
+    log.read_as.columns.retain(|column| !ATTITUDE.contains(&column.name.as_str()));
     for (name, values) in ATTITUDE.into_iter().zip(columns) {
         let not_finite = 0;
         log.covariates.push(Covariate { name: name.into(), values, empty: 0, not_finite });
     }
     let count = known.len();
     let of = match (given.is_empty(), count) {
-        (true, 1) => "stretch of straight driving (course_deg)",
-        (true, _) => "stretches of straight driving (course_deg)",
+        (true, 1) => "stretch of straight driving (GPS course)",
+        (true, _) => "stretches of straight driving (GPS course)",
         (false, 1) => "known heading",
         (false, _) => "known headings",
     };
-    let notice = format!("note: {}: the yaw comes from {count} {of} and the gyro", log.path.display());
-    eprintln!("{}", wrap::message(&notice, wrap::WIDTH));
+    tell(log, &format!("the yaw comes from {count} {of} and the gyro"));
     Ok(())
+}
+
+fn tell(log: &Log, what: &str) {
+    let notice = format!("note: {}: {what}", log.path.display());
+    eprintln!("{}", wrap::message(&notice, wrap::WIDTH));
 }

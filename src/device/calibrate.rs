@@ -5,6 +5,7 @@ use core::fmt;
 use super::button::ButtonEvent;
 use super::job_purpose::JobPurpose;
 use super::level::Tilts;
+use super::level_worse::LevelWorse;
 use super::machine::Device;
 use super::sensor::SensorFault;
 use crate::effect::Effect;
@@ -22,6 +23,7 @@ use crate::store::{Done, Slot, StoreError, StoreJob};
 enum NotSaved {
     NoSolution,
     Worse(Worse),
+    WorseLevel(LevelWorse),
 }
 
 /// Why a calibration was not started.
@@ -54,7 +56,7 @@ impl Device {
                 match self.save(JobPurpose::AcceptByButton, false) {
                     Ok(()) => {}
                     Err(NotSaved::NoSolution) => self.tell(ButtonEvent::Refused),
-                    Err(NotSaved::Worse(_)) => self.tell(ButtonEvent::Worse),
+                    Err(NotSaved::Worse(_) | NotSaved::WorseLevel(_)) => self.tell(ButtonEvent::Worse),
                 }
             }
         }
@@ -89,6 +91,9 @@ impl Device {
         let in_use = self.active.as_ref().map(|active| &active.record).filter(|_| !force);
         if let Some(worse) = in_use.and_then(|in_use| clearly_worse(&record, in_use)) {
             return Err(NotSaved::Worse(worse));
+        }
+        if let Some(worse) = self.loading.worse.filter(|_| !force) {
+            return Err(NotSaved::WorseLevel(worse));
         }
         self.begin(purpose, StoreJob::save(self.slot_in_use(), record));
         Ok(())
@@ -156,6 +161,9 @@ impl Device {
             Ok(()) => return None,
             Err(NotSaved::Worse(worse)) => {
                 return Some(reply.err(Code::Refused, format_args!("{} {worse}", Worse::CODE)));
+            }
+            Err(NotSaved::WorseLevel(worse)) => {
+                return Some(reply.err(Code::Refused, format_args!("{worse}")));
             }
             Err(NotSaved::NoSolution) => {}
         }

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::level_worse::LevelWorse;
 use super::machine::Device;
 use crate::calibration::Calibration;
 use crate::extended::Effects;
@@ -50,8 +51,11 @@ impl Device {
             Some(record) => LevelPrior {
                 calibration: record.calibration,
                 error: Some(record.predicted_error.share().unwrap_or(MAX_PREDICTED_ERROR)),
+                holds_for: record.holds_for,
             },
-            None => LevelPrior { calibration: Calibration::identity(ANY_FIELD_UT), error: None },
+            None => {
+                LevelPrior { calibration: Calibration::identity(ANY_FIELD_UT), error: None, holds_for: None }
+            }
         };
         self.session.level_so_far(&prior, forces)
     }
@@ -75,6 +79,7 @@ impl Device {
             holds_for: Some(fit.holds_for),
         };
         self.loading.take_record(&record, self.config.sensor.axes).map_err(|_| NotLevel::NOTHING)?;
+        self.loading.worse = LevelWorse::of(&fit);
         self.session.cancel();
         (self.level, self.status) = (None, None);
         Ok(fit)
@@ -82,17 +87,23 @@ impl Device {
 
     /// `cal stop` after `cal start level`.
     #[inline(never)]
-    pub(super) fn level_stop<W: fmt::Write>(&mut self, reply: Reply<'_, W>) -> Answered {
+    pub(super) fn level_stop<W: fmt::Write>(&mut self, mut reply: Reply<'_, W>) -> Answered {
         match self.solve_level() {
-            Ok(LevelFit { calibration, holds_for, rms_ut, horizontal_ut, samples, .. }) => {
+            Ok(LevelFit { calibration, holds_for, rms_ut, horizontal_ut, samples, in_use, .. }) => {
                 let [level_deg, ..] = holds_for.heading_errors_deg;
+                if let Some(worse) = &self.loading.worse {
+                    reply.line(format_args!("note {worse}"));
+                }
+                // A missing one is `-`.
+                let in_use_deg = in_use.map_or(f64::NAN, |in_use| in_use.heading_error_deg);
                 reply.ok(format_args!(
                     "verdict=accepted model=level n={samples} field_ut={:.3} horizontal_ut={:.3} rms_ut={:.4} heading_error_deg={:.2} \
-                     holds_to_deg={:.0}",
+                     in_use_error_deg={:.2} holds_to_deg={:.0}",
                     Num(calibration.field_ut),
                     Num(horizontal_ut),
                     Num(rms_ut),
                     Num(level_deg),
+                    Num(in_use_deg),
                     Num(holds_for.tilt_deg)
                 ))
             }

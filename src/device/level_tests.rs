@@ -166,8 +166,8 @@ fn a_field_that_varies_is_refused_and_so_are_effects() {
     vehicle.sample(0.0, 0.0);
     vehicle.say("cal start level");
     for i in 0..8 {
-        vehicle.offset = if i % 2 == 0 { [90.0, 0.0, 0.0] } else { [-60.0, 60.0, 0.0] };
-        vehicle.circles(0.5, 0.1);
+        vehicle.offset = if i % 2 == 0 { [45.0, 0.0, 0.0] } else { [-30.0, 30.0, 0.0] };
+        vehicle.circles(if i < 4 { 0.5 } else { -0.5 }, 0.1);
     }
     let refused = vehicle.say("cal stop");
     assert!(refused.starts_with("err refused error-too-large ") && refused.contains("steel"), "{refused}");

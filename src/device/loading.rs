@@ -4,6 +4,7 @@ use core::fmt;
 
 use heapless::Vec;
 
+use super::level_worse::LevelWorse;
 use crate::extended::{Live, LiveError};
 use crate::record::{MAX_RECORD_BYTES, Record, RecordError, stated_length};
 use crate::sensor::AxisMap;
@@ -92,16 +93,18 @@ enum Phase {
 pub(super) struct Loading {
     phase: Phase,
     bytes: Vec<u8, MAX_RECORD_BYTES>,
+    /// Why what waits would not be better than the calibration in use, as its level turns show.
+    pub(super) worse: Option<LevelWorse>,
 }
 
 impl Loading {
     pub(super) const fn nothing() -> Self {
-        Self { phase: Phase::Nothing, bytes: Vec::new() }
+        Self { phase: Phase::Nothing, bytes: Vec::new(), worse: None }
     }
 
     /// Drops whatever came so far.
     pub(super) fn forget(&mut self) {
-        self.phase = Phase::Nothing;
+        (self.phase, self.worse) = (Phase::Nothing, None);
         self.bytes.clear();
     }
 

@@ -66,6 +66,7 @@ mod learner_inputs;
 mod level;
 #[cfg(all(test, feature = "methods"))]
 mod level_tests;
+mod level_worse;
 mod light;
 mod load;
 mod loading;

@@ -5,6 +5,7 @@ use core::fmt;
 use crate::fit::FitError;
 use crate::number::Num;
 
+pub(super) const DEG: f64 = 180.0 / core::f64::consts::PI;
 /// Largest 1σ of a level heading, degrees: as for the host's fit of a vehicle.
 pub const MAX_HEADING_ERROR_DEG: f64 = 1.5;
 /// Largest residual, over the horizontal field.

@@ -6,8 +6,10 @@
 
 use super::ellipse::{COLUMNS, Ellipse, VERTICAL};
 use super::forces::{Down, Forces};
+use super::in_use::{InUse, in_use};
 use super::plane::{Plane, nearest_axis};
-use super::refusal::{Cause, MAX_HEADING_ERROR_DEG, MAX_RESIDUAL, MAX_TILT_DEG, NotLevel};
+use super::prior::LevelPrior;
+use super::refusal::{Cause, DEG, MAX_HEADING_ERROR_DEG, MAX_RESIDUAL, MAX_TILT_DEG, NotLevel};
 use crate::calibration::Calibration;
 use crate::dense::root;
 use crate::fit::{FitError, MIN_SAMPLES};
@@ -24,10 +26,8 @@ const MAX_LEAN_SIGMAS: f64 = 3.0;
 const MAX_HOLDS_DEG: u8 = 45;
 /// Sines of the tilts that the error of a heading is kept for.
 const SINES: [f64; TILTS_DEG.len()] = [0.0, 0.173_648, 0.342_020, core::f64::consts::FRAC_1_SQRT_2];
-/// Without a calibration: gains, 1σ, ...
+/// Without a calibration: gains, 1σ ...
 const GAIN_ERROR: f64 = 0.1;
-/// ... angles between the axes, 1σ, rad, ...
-const AXIS_ERROR_RAD: f64 = 0.052;
 /// ... and the least error of the vertical offset, µT.
 const LEAST_OFFSET_ERROR_UT: f64 = 10.0;
 /// Rounds of the solve; each removes all but some percent of what is left.
@@ -40,16 +40,6 @@ const MIN_TILT_SNR: f64 = 9.0;
 const NOISE_ERROR: f64 = 0.3;
 /// Sine and cosine of one degree.
 const ONE_DEGREE: (f64, f64) = (0.017_452_406, 0.999_847_695);
-const DEG: f64 = 180.0 / core::f64::consts::PI;
-
-/// What the vertical axis is held by.
-#[derive(Clone, Copy, Debug)]
-pub struct LevelPrior {
-    /// The calibration in use, or the identity.
-    pub calibration: Calibration<f64>,
-    /// Its error over the field; `None` for the identity.
-    pub error: Option<f64>,
-}
 
 /// A calibration for level headings.
 #[derive(Clone, Copy, Debug)]
@@ -66,6 +56,8 @@ pub struct LevelFit {
     pub horizontal_ut: f64,
     /// Samples.
     pub samples: u64,
+    /// The calibration in use, if there is one.
+    pub in_use: Option<InUse>,
 }
 
 /// Fits a calibration for level headings to the sums of a vehicle that turned level. `forces` show the direction down; without
@@ -172,7 +164,7 @@ pub fn fit_level(
     if !(level_deg <= MAX_HEADING_ERROR_DEG) {
         let as_noise_deg = root(circle2 * effective / n) * DEG;
         let cause = match () {
-            () if lean2 > circle2 => Cause::Down,
+            () if lean2 > circle2 && lean.is_of_forces => Cause::Down,
             () if as_noise_deg < 0.5 * MAX_HEADING_ERROR_DEG => Cause::Field,
             () => Cause::Circle,
         };
@@ -205,6 +197,7 @@ pub fn fit_level(
         heading_errors_deg: SINES.map(|sine| at(sine) as f32),
     };
     let field_ut = calibration.field_ut;
+    let in_use = in_use(&ellipse, &plane, prior, lean.towards, (level_deg, holds_for.tilt_deg));
     Ok(LevelFit {
         calibration,
         holds_for,
@@ -212,6 +205,7 @@ pub fn fit_level(
         rms_ut: 0.5 * root(ellipse.variance) / field_ut,
         horizontal_ut,
         samples: scatter.samples,
+        in_use,
     })
 }
 
@@ -223,6 +217,8 @@ struct Lean {
     down: [f64; 3],
     /// What stays uncertain of it, rad.
     error_rad: f64,
+    /// Whether most of that comes from the accelerometer.
+    is_of_forces: bool,
 }
 
 impl Lean {
@@ -236,7 +232,7 @@ impl Lean {
             Some(Down { direction, error_rad }) => (
                 direction.map(f64::from),
                 f64::from(error_rad) * f64::from(error_rad),
-                prior.error.unwrap_or(AXIS_ERROR_RAD),
+                prior.axis_error_rad(),
             ),
             // The vehicle's own tilts have a mean.
             None => (nearest_axis(normal), tilts_rad2, MOUNTING_RAD),
@@ -252,7 +248,8 @@ impl Lean {
         let share = of_axes / (of_axes + of_plane);
         let between: [f64; 3] = core::array::from_fn(|i| (1.0 - share) * normal[i] + share * down[i]);
         let towards = scaled(between, 1.0 / norm(between));
-        Ok(Self { towards, down, error_rad: root(share * of_plane) })
+        let is_of_forces = of_force > tilts_rad2;
+        Ok(Self { towards, down, error_rad: root(share * of_plane), is_of_forces })
     }
 }
 

@@ -1,10 +1,11 @@
 //! Circles that were driven, and what comes of them.
 
-use super::{Forces, LevelFit, LevelPrior, MAX_HEADING_ERROR_DEG, NotLevel, fit_level};
+use super::{Forces, InUse, LevelFit, LevelPrior, MAX_HEADING_ERROR_DEG, NotLevel, fit_level};
 use crate::calibration::Calibration;
 use crate::gate::Gated;
 use crate::math::{cos, sin, sqrt};
 use crate::moments::Moments;
+use crate::record::HoldsFor;
 use crate::scatter::Scatter;
 use crate::vector::{inverse_3x3, minus, norm, times, turned};
 use crate::whiteness::Whiteness;
@@ -137,7 +138,7 @@ impl Drive {
 }
 
 fn identity() -> LevelPrior {
-    LevelPrior { calibration: Calibration::identity(50.0), error: None }
+    LevelPrior { calibration: Calibration::identity(50.0), error: None, holds_for: None }
 }
 
 /// Accepted of 40, and the rms of the true heading error over the predicted one: level, and at the largest tilt.
@@ -163,7 +164,7 @@ fn earlier(drive: &Drive) -> LevelPrior {
     let matrix = inverse_3x3(&distortion).expect("it is near one");
     let offset_ut = offset_ut.map(|axis| axis + 4.0);
     let calibration = Calibration { offset_ut, matrix, field_ut: norm(FIELD) };
-    LevelPrior { calibration, error: Some(0.003) }
+    LevelPrior { calibration, error: Some(0.003), holds_for: None }
 }
 
 #[test]
@@ -205,4 +206,62 @@ fn what_does_not_show_a_level_heading_is_refused_with_the_reason() {
         let refused = drive.fit(&prior).map(|fitted| fitted.holds_for);
         assert_eq!(refused.map_err(|why| why.code()).err(), Some(code), "{name}");
     }
+}
+
+/// A calibration that predicts an error over the field, and has it.
+fn with_error(drive: &Drive, share: f64) -> LevelPrior {
+    let Truth { distortion, offset_ut } = drive.truth();
+    let mut random = Random(drive.seed.wrapping_mul(104_729).wrapping_add(5));
+    let offset_ut = offset_ut.map(|axis| axis + share * norm(FIELD) * random.next());
+    let matrix = inverse_3x3(&distortion).expect("it is near one");
+    let calibration = Calibration { offset_ut, matrix, field_ut: norm(FIELD) };
+    LevelPrior { calibration, error: Some(share), holds_for: None }
+}
+
+#[test]
+fn the_calibration_in_use_stays_where_its_level_headings_are_as_good() {
+    // Name, drive, error of the calibration in use, how far the offset moved along an axis, µT, and how many of 40 keep it.
+    let short = Drive { turns: [1.0, 1.0], ..USUAL };
+    let cases: [(&str, Drive, f64, f64, core::ops::RangeInclusive<u32>); 4] = [
+        ("nothing has changed", USUAL, 0.0005, 0.0, 38..=40),
+        ("a few circles, nothing has changed", short, 0.0005, 0.0, 38..=40),
+        ("something has moved", USUAL, 0.0005, 3.0, 0..=0),
+        ("it was rough", USUAL, 0.01, 0.0, 0..=10),
+    ];
+    for (name, usual, share, moved_ut, kept_range) in cases {
+        let (mut kept, mut worse, mut ratio2, mut all) = (0_u32, 0_u32, 0.0, 0_u32);
+        for seed in 1..=40 {
+            let drive = Drive { seed, ..usual };
+            let mut prior = with_error(&drive, share);
+            prior.calibration.offset_ut[0] += moved_ut;
+            let Ok(fitted) = drive.fit(&prior) else { continue };
+            let InUse { heading_error_deg, is_as_good } = fitted.in_use.expect("there is one");
+            let old = LevelFit { calibration: prior.calibration, ..fitted };
+            let (new_deg, old_deg) =
+                (drive.heading_error_deg(&fitted, 0.0), drive.heading_error_deg(&old, 0.0));
+            all += 1;
+            ratio2 += (old_deg / heading_error_deg).powi(2);
+            kept += u32::from(is_as_good);
+            // What stays is worse by more than anybody sees.
+            let (stays, goes) = if is_as_good { (old_deg, new_deg) } else { (new_deg, old_deg) };
+            worse += u32::from(stays > goes + 0.15);
+        }
+        let ratio = sqrt(ratio2 / f64::from(all));
+        assert!(all >= 38 && kept_range.contains(&kept) && worse == 0, "{name}: {all} {kept} {worse}");
+        assert!((0.3..1.3).contains(&ratio), "{name}: {ratio}");
+    }
+}
+
+#[test]
+fn a_level_calibration_in_use_that_holds_for_less_tilt_is_replaced() {
+    let mut prior = with_error(&USUAL, 0.0005);
+    let Ok(fitted) = USUAL.fit(&prior) else { panic!("two circles to each side") };
+    assert!(fitted.in_use.is_some_and(|in_use| in_use.is_as_good), "{:?}", fitted.in_use);
+    let tilts = HoldsFor { heading_errors_deg: [0.05; 4], ..fitted.holds_for };
+    for (tilt_deg, stays) in [(fitted.holds_for.tilt_deg - 1.0, false), (fitted.holds_for.tilt_deg, true)] {
+        prior.holds_for = Some(HoldsFor { tilt_deg, ..tilts });
+        let in_use = USUAL.fit(&prior).ok().and_then(|fitted| fitted.in_use).expect("as before");
+        assert_eq!(in_use.is_as_good, stays, "{tilt_deg} {in_use:?}");
+    }
+    assert_eq!(USUAL.fit(&identity()).ok().and_then(|fitted| fitted.in_use), None);
 }

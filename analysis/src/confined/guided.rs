@@ -4,7 +4,7 @@
 //! autopilot logged, with the same parameters for a yaw that is wrong.
 
 use crate::table::Table;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 /// A known heading.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,9 +48,15 @@ pub fn of_course(
     speed_error_mps: Option<&[f64]>,
 ) -> Vec<KnownHeading> {
     let (Some(time_s), Some(gyro)) = (table.time_s, table.gyro_radps) else { return Vec::new() };
+    // A vehicle on a road rolls and pitches with every bump: only its turns about the vertical count.
+    let up = table.accel_mps2.and_then(|accel| {
+        let sum = |axis: &[f64]| axis.iter().filter(|value| value.is_finite()).sum::<f64>();
+        Vector3::from(accel.map(sum)).try_normalize(f64::MIN_POSITIVE)
+    });
     let is_straight = |row: usize| {
         let least = speed_error_mps.map_or(COURSE_SPEED_MPS, |error| COURSE_SPEED_ERRORS * error[row]);
-        let turn = Vector3::from(gyro.map(|axis| axis[row])).norm();
+        let rate = Vector3::from(gyro.map(|axis| axis[row]));
+        let turn = up.map_or(rate.norm(), |up| rate.dot(&up).abs());
         speed_mps[row] > least.max(1.0) && turn < STRAIGHT_RADPS && course_deg[row].is_finite()
     };
     let mut list = Vec::new();
@@ -70,6 +76,79 @@ pub fn of_course(
         row = row.max(begin + 1);
     }
     list
+}
+
+/// How a logged yaw differs from known headings: by an error that depends on the heading, as that of a compass does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Deviation {
+    /// Its amplitude, degrees.
+    pub amplitude_deg: f64,
+    /// The standard error of that, degrees.
+    pub error_deg: f64,
+}
+
+/// Fewest headings that show a deviation: its constant, sine and cosine, and one to measure the error with.
+const MIN_HEADINGS: usize = 4;
+/// A course is not better than this, degrees (1σ): few headings that agree by chance show no smaller error.
+const COURSE_ERROR_DEG: f64 = 1.0;
+/// A deviation is significant beyond so many standard errors ...
+const DEVIATION_SIGMAS: f64 = 4.0;
+/// ... and matters beyond this amplitude, degrees: a compass heading is accepted with 1.5° (1σ).
+const MIN_DEVIATION_DEG: f64 = 3.0;
+/// A course further than this from the usual difference, degrees, is that of a vehicle in reverse.
+const REVERSE_DEG: f64 = 90.0;
+
+/// The deviation of the table's attitude from these headings; `None` where it is not significant. Headings of a vehicle in reverse are taken
+/// out of the list.
+pub fn deviation(table: &Table, known: &mut Vec<KnownHeading>) -> Option<Deviation> {
+    let (time_s, columns) = (table.time_s?, table.attitude?);
+    let [w, x, y, z] = columns;
+    let off_deg = |one: &KnownHeading| {
+        let row = time_s.partition_point(|t| *t < one.time_s).min(time_s.len().checked_sub(1)?);
+        let q = UnitQuaternion::new_normalize(Quaternion::new(w[row], x[row], y[row], z[row]));
+        let forward = q * Vector3::x();
+        let off = one.heading_deg - forward.y.atan2(forward.x).to_degrees();
+        off.is_finite().then(|| wrapped_deg(off))
+    };
+    let mut offs: Vec<f64> = known.iter().filter_map(off_deg).collect();
+    if offs.len() != known.len() || offs.is_empty() {
+        return None;
+    }
+    // The middle of a circle: the difference that the others are nearest to.
+    let usual = |offs: &[f64]| {
+        let far = |from: f64| offs.iter().map(|off| wrapped_deg(off - from).abs()).sum::<f64>();
+        offs.iter().copied().min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or_default()
+    };
+    let middle = usual(&offs);
+    let mut forwards = offs.iter().map(|off| wrapped_deg(off - middle).abs() < REVERSE_DEG);
+    known.retain(|_| forwards.next().unwrap_or(false));
+    offs.retain(|off| wrapped_deg(off - middle).abs() < REVERSE_DEG);
+    if known.len() < MIN_HEADINGS {
+        return None;
+    }
+    let rows = known.iter().zip(&offs).map(|(one, off)| {
+        let (sine, cosine) = one.heading_deg.to_radians().sin_cos();
+        (Vector3::new(1.0, sine, cosine), wrapped_deg(off - middle))
+    });
+    let (mut normal, mut right, mut square) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
+    for (row, off) in rows {
+        normal += row * row.transpose();
+        right += off * row;
+        square += off * off;
+    }
+    let inverse = normal.try_inverse()?;
+    let solved = inverse * right;
+    let variance = (square - solved.dot(&right)).max(0.0) / (known.len() - 3) as f64;
+    let variance = variance.max(COURSE_ERROR_DEG * COURSE_ERROR_DEG);
+    let amplitude_deg = solved.y.hypot(solved.z);
+    let along = Vector3::new(0.0, solved.y, solved.z) / amplitude_deg;
+    let error_deg = (variance * along.dot(&(inverse * along))).sqrt();
+    (amplitude_deg > MIN_DEVIATION_DEG && amplitude_deg > DEVIATION_SIGMAS * error_deg)
+        .then_some(Deviation { amplitude_deg, error_deg })
+}
+
+fn wrapped_deg(angle: f64) -> f64 {
+    angle - 360.0 * (angle / 360.0).round()
 }
 
 /// The attitude at every row, as a quaternion from body axes (forward, right, down) to north, east, down: w, x, y, z; NaN where it is not
@@ -232,6 +311,33 @@ mod tests {
         // A receiver that is not sure of its speed, and one that stands.
         assert!(of_course(&table, &columns[7], &speed, Some(&vec![1.0; truth.len()])).is_empty());
         assert!(of_course(&table, &columns[7], &vec![0.5; truth.len()], None).is_empty());
+    }
+
+    #[test]
+    fn a_yaw_that_follows_a_compass_deviates_and_a_turned_one_does_not() {
+        let (columns, truth) = driven();
+        let speed = vec![6.0; truth.len()];
+        let mut deviations = Vec::new();
+        // Hard iron of a third of the horizontal field; a sensor that is turned by 20°.
+        for deviate in [|heading: f64| heading + 0.33 * heading.sin(), |heading: f64| heading + 0.35] {
+            let mut attitude: [Vec<f64>; 4] = Default::default();
+            for heading in &truth {
+                let q = UnitQuaternion::from_scaled_axis(Vector3::z() * deviate(*heading));
+                attitude.iter_mut().zip([q.w, q.i, q.j, q.k]).for_each(|(column, value)| column.push(value));
+            }
+            let [w, x, y, z] = attitude.each_ref().map(Vec::as_slice);
+            let table = Table { attitude: Some([w, x, y, z]), ..table(&columns) };
+            let mut known = of_course(&table, &columns[7], &speed, None);
+            // In reverse on one of the sides.
+            let count = known.len();
+            known[2].heading_deg += 180.0;
+            deviations.push(deviation(&table, &mut known));
+            assert_eq!(known.len(), count - 1);
+        }
+        let [Some(Deviation { amplitude_deg, error_deg }), None] = deviations[..] else {
+            panic!("{deviations:?}")
+        };
+        assert!((amplitude_deg - 18.9).abs() < 3.0 && error_deg < 2.0, "{deviations:?}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::base::ground::Ground;
 use crate::base::mounting;
 use crate::fit::fitted::Fitted;
 use crate::fit::run::of_ground;
-use crate::fit::{ids, recordings};
+use crate::fit::{ids, pair, recordings};
 use crate::outcome::contradiction::freed;
 use crate::outcome::outcome::{Diagnosis, Verdict};
 use crate::outcome::request::{Options, Refusal};
@@ -13,6 +13,7 @@ use crate::plausible::causes::no_causes;
 use crate::reason::Reason;
 use crate::table::Table;
 use crate::threads::with_room;
+use crate::unlogged::pair::Pair;
 use std::borrow::Cow;
 
 /// The diagnosis of a log.
@@ -25,7 +26,8 @@ pub fn diagnose(table: &Table, options: &Options) -> Result<Diagnosis, Refusal> 
             leave_out(&mut ground, options);
             of_ground_searched(&ground, options)
         })?;
-        Ok(Diagnosis { recordings, ..diagnosis })
+        let found = recordings.is_some();
+        Ok(Diagnosis { recordings, pair: other(table, options, found), ..diagnosis })
     })
 }
 
@@ -42,8 +44,17 @@ pub fn fit_and_diagnose(table: &Table, options: &Options) -> Result<(Fitted, Dia
             let kept = Options { force_effect: true, ..options.clone() };
             Ok((fitted, of_ground_searched(&ground, &kept)?))
         })?;
-        Ok((fitted.of_recordings(table, recordings.clone()), Diagnosis { recordings, ..diagnosis }))
+        let found = recordings.is_some();
+        Ok((
+            fitted.of_recordings(table, recordings.clone()),
+            Diagnosis { recordings, pair: other(table, options, found), ..diagnosis },
+        ))
     })
+}
+
+/// What the log's other magnetometer shows; nothing where the offsets of recordings differ, which is no disturbance of one sensor.
+fn other(table: &Table, options: &Options, offsets_differ: bool) -> Option<Pair> {
+    if offsets_differ { None } else { pair::of_table(table, options) }
 }
 
 /// Leaves the columns that cause nothing out of a search, but for those that `options` name.

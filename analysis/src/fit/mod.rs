@@ -7,6 +7,7 @@ pub mod diagnosed;
 pub mod extended;
 pub mod fitted;
 pub mod ids;
+pub mod pair;
 mod recordings;
 pub mod run;
 pub(crate) mod turn;

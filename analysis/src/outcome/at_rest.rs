@@ -148,6 +148,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         recordings: None,
         switching: None,
         levels: None,
+        pair: None,
         wander: None,
         traces,
         ..undetermined(table, samples, options.registry, Reason::new("at-rest", ""))

@@ -164,6 +164,7 @@ impl View<'_, '_> {
             recordings: None,
             switching: None,
             levels: None,
+            pair: None,
             wander,
             lower_order: self.lower_order.is_some(),
             shown: self.shown(&dip, force_lag),

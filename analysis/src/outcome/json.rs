@@ -161,6 +161,9 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
         if let Some(levels) = &diagnosis.levels {
             map.insert("levels".into(), json!(levels));
         }
+        if let Some(pair) = &diagnosis.pair {
+            map.insert("pair".into(), json!(pair));
+        }
         let ids: Vec<&str> = diagnosis.effects.iter().map(|effect| effect.id.as_str()).collect();
         let blocks = blocks(&ids, diagnosis.registry);
         if !blocks.is_empty() {

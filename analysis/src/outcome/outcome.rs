@@ -15,6 +15,7 @@ use crate::residual::traces::Traces;
 use crate::samples::faults::DataFault;
 use crate::search::shown::Shown;
 use crate::unlogged::levels::Levels;
+use crate::unlogged::pair::Pair;
 use crate::unlogged::recordings::Recordings;
 use crate::unlogged::switching::Switching;
 use ironout::calibration::Calibration;
@@ -260,6 +261,9 @@ pub struct Diagnosis {
     /// An offset with more jumps than steps were named, with no column behind it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub levels: Option<Levels>,
+    /// What the log's other magnetometer shows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pair: Option<Pair>,
     /// How the offset wanders where the verdict is unexplained.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wander: Option<Wander>,

@@ -5,5 +5,6 @@
 
 pub mod levels;
 pub mod linear;
+pub mod pair;
 pub mod recordings;
 pub mod switching;

@@ -5,8 +5,10 @@ use crate::accuracy::truths::in_parallel;
 use crate::measured;
 use crate::rate::Rate;
 use ironout::calibration::Calibration;
+use ironout_analysis::confined::guided::{KnownHeading, attitude, of_course};
 use ironout_analysis::outcome::request::Purpose;
 use ironout_analysis::samples::samples::Samples;
+use ironout_analysis::table::ATTITUDE;
 use ironout_analysis::{Options, Table, fit};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use second_generator::{Drawn, Kind, draw};
@@ -22,9 +24,40 @@ const FIRST: u64 = 8100;
 /// An error is beyond what is predicted above so many standard deviations.
 const MAX_ERRORS_PREDICTED: f64 = 3.0;
 const KINDS: [Kind; 3] = [Kind::Flight, Kind::Car, Kind::Boat];
+/// Times of the known headings, as shares of the log, and their error, degrees (1σ): a runway, a quay, a compass beside the vehicle.
+const KNOWN_AT: [f64; 3] = [0.15, 0.5, 0.85];
+const KNOWN_ERROR_DEG: f64 = 2.0;
+/// What a GPS receiver says of a car, and the standard deviation of its course, degrees.
+const SPEED_MPS: f64 = 8.0;
+const COURSE_ERROR_DEG: f64 = 1.0;
 /// Headings, and directions to tilt to.
 const HEADINGS: usize = 24;
 const TILTS: usize = 8;
+
+/// Where the yaw comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Yaw {
+    /// The autopilot's attitude.
+    Logged,
+    /// Nowhere.
+    Unknown,
+    /// Three known headings.
+    Known,
+    /// The course of a GPS receiver.
+    Course,
+}
+
+/// The kinds with an attitude as it was drawn, and those without one next to those with headings.
+const ROWS: [(&str, Kind, Yaw); 8] = [
+    ("flight", KINDS[0], Yaw::Logged),
+    ("car", KINDS[1], Yaw::Logged),
+    ("boat", KINDS[2], Yaw::Logged),
+    ("car, no attitude", KINDS[1], Yaw::Unknown),
+    ("car, 3 headings", KINDS[1], Yaw::Known),
+    ("car, GPS course", KINDS[1], Yaw::Course),
+    ("boat, no attitude", KINDS[2], Yaw::Unknown),
+    ("boat, 3 headings", KINDS[2], Yaw::Known),
+];
 
 /// One log.
 #[derive(Debug, Clone, Copy)]
@@ -80,9 +113,49 @@ pub(super) fn heading_error(
         .collect()
 }
 
+/// A number from about −1.7 to 1.7 with a standard deviation of one.
+fn even(number: u64, place: u64) -> f64 {
+    let mixed = (number.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ place.wrapping_mul(0xD1B5_4A32_D192_ED03))
+        .wrapping_mul(0x94D0_49BB_1331_11EB);
+    12f64.sqrt() * ((mixed >> 40) as f64 / (1_u64 << 24) as f64 - 0.5)
+}
+
+/// The log with its yaw from elsewhere.
+fn with_yaw(mut drawn: Drawn, number: u64, yaw: Yaw) -> Drawn {
+    if yaw == Yaw::Logged {
+        return drawn;
+    }
+    drawn.columns.retain(|(name, _)| !ATTITUDE.contains(&name.as_str()));
+    let named = drawn.columns.iter().map(|(name, values)| (name.as_str(), values.as_slice()));
+    let Ok(table) = Table::from_columns(named) else { return drawn };
+    let rows = table.rows();
+    let heading_deg = |row: usize| {
+        let [w, x, y, z] = drawn.truth.attitude[row];
+        f64::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)).to_degrees()
+    };
+    let known = match (yaw, table.time_s) {
+        (Yaw::Known, Some(time_s)) => KNOWN_AT
+            .map(|share| (share * rows as f64) as usize)
+            .map(|row| KnownHeading {
+                time_s: time_s[row],
+                heading_deg: heading_deg(row) + KNOWN_ERROR_DEG * even(number, row as u64),
+            })
+            .to_vec(),
+        (Yaw::Course, _) => {
+            let course = |row: usize| heading_deg(row) + COURSE_ERROR_DEG * even(number, row as u64);
+            of_course(&table, &(0..rows).map(course).collect::<Vec<_>>(), &vec![SPEED_MPS; rows], None)
+        }
+        _ => return drawn,
+    };
+    if let Some(columns) = attitude(&table, &known) {
+        drawn.columns.extend(ATTITUDE.into_iter().map(str::to_owned).zip(columns));
+    }
+    drawn
+}
+
 /// One log of the second generator.
-pub fn judged(kind: Kind, number: u64) -> Judged {
-    let drawn = draw(kind, number);
+pub fn judged(kind: Kind, number: u64, yaw: Yaw) -> Judged {
+    let drawn = with_yaw(draw(kind, number), number, yaw);
     let named = drawn.columns.iter().map(|(name, values)| (name.as_str(), values.as_slice()));
     let refused = Judged { all: false, headings: None };
     let Ok(table) = Table::from_columns(named) else { return refused };
@@ -123,11 +196,11 @@ pub struct Vehicles(Vec<(String, Vec<Judged>)>);
 impl Vehicles {
     /// Runs so many logs of each kind; `say` hears each kind as it begins.
     pub fn measure(logs: u64, say: impl Fn(&str)) -> Self {
-        let of = |kind: Kind| {
-            say(kind.name());
-            (kind.name().to_owned(), in_parallel(FIRST..FIRST + logs, |number| judged(kind, number)))
+        let of = |(name, kind, yaw): (&str, Kind, Yaw)| {
+            say(name);
+            (name.to_owned(), in_parallel(FIRST..FIRST + logs, |number| judged(kind, number, yaw)))
         };
-        Vehicles(KINDS.map(of).into())
+        Vehicles(ROWS.map(of).into())
     }
 
     fn rows(&self) -> impl Iterator<Item = Row<'_>> {
@@ -159,7 +232,7 @@ impl Vehicles {
     /// What the snapshot holds.
     pub fn text(&self) -> String {
         let mut text = format!(
-            "{:<8}{:<28}{:<28}{:>8}{:>8}{:>7}  {:<26}{:>8}{:>8}{:>7}  beyond 3\n",
+            "{:<18}{:<28}{:<28}{:>8}{:>8}{:>7}  {:<26}{:>8}{:>8}{:>7}  beyond 3\n",
             "kind",
             "for all attitudes",
             "for those shown",
@@ -176,7 +249,7 @@ impl Vehicles {
                 format!("{median:>8.2}{worst:>8.2}{rms:>7.2}  {:<26}", beyond.to_string())
             });
             text += &format!(
-                "{kind:<8}{:<28}{:<28}{level}{}\n",
+                "{kind:<18}{:<28}{:<28}{level}{}\n",
                 all.to_string(),
                 shown.to_string(),
                 tilted.trim_end()

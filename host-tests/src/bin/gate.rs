@@ -3,7 +3,7 @@
 //! Frozen logs stand beside their snapshot. `--unseen N` takes N logs of each kind of both generators and of each recording instead,
 //! from seeds that nothing was tuned on; `--seeds-from K` leaves out the first K seeds. `--from K` begins at the K-th log, `--every N`
 //! takes each N-th, `--only S` sets whose name contains S, `--log S` one log, `--rows` prints each log. `--count` counts lines and
-//! constants. `--beyond N` tries N causes outside of the catalogue. `--false-alarms N` simulates N logs without effects in white noise and counts those in which somebody is named.
+//! constants. `--beyond N` tries N causes outside of the catalogue, after those that `--seeds-from` leaves out. `--false-alarms N` simulates N logs without effects in white noise and counts those in which somebody is named.
 
 use ironout_analysis::{Options, Table, diagnose};
 use ironout_host_tests::accuracy::simulated::table_of;
@@ -96,12 +96,12 @@ fn false_alarms(logs: u64) {
 const BEYOND: [&str; 9] =
     ["low-pass", "product", "power", "saturation", "gain", "unlogged", "steps", "motor", "logged"];
 
-/// What a diagnosis makes of `logs` causes outside of the catalogue, kind by kind.
-fn beyond(logs: u64) {
+/// What a diagnosis makes of `logs` causes outside of the catalogue behind the first `seeds`, kind by kind.
+fn beyond(seeds: u64, logs: u64) {
     /// The first number, which no other table has.
     const FROM: u64 = 9000;
     let mut rows: BTreeMap<&str, [u64; 4]> = BTreeMap::new();
-    for number in FROM..FROM + logs {
+    for number in FROM + seeds..FROM + seeds + logs {
         let drawn = second_generator::draw(second_generator::Kind::Beyond, number);
         let Some(hidden) = drawn.truth.hidden.first() else { continue };
         let columns = drawn.columns.iter().map(|(name, values)| (name.as_str(), values.as_slice()));
@@ -126,12 +126,12 @@ fn beyond(logs: u64) {
         row[3] += u64::from(named.iter().any(|id| !is_own(id)));
     }
     println!(
-        "{:<12}{:>4}  {:<30}{:<34}another named",
+        "{:<12}{:>4}  {:<30}{:<38}another named",
         "cause", "n", "its own column named first", "a tenth of its squares left, or less"
     );
     for (kind, [n, first, left, other]) in rows {
         let rate = |count| Rate { count, of: n }.to_string();
-        println!("{kind:<12}{n:>4}  {:<30}{:<34}{}", rate(first), rate(left), rate(other));
+        println!("{kind:<12}{n:>4}  {:<30}{:<38}{}", rate(first), rate(left), rate(other));
     }
 }
 
@@ -236,7 +236,7 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
                 return Ok(());
             }
             "--beyond" => {
-                beyond(value()?.parse()?);
+                beyond(seeds, value()?.parse()?);
                 return Ok(());
             }
             "--false-alarms" => {

@@ -17,6 +17,7 @@ mod flash_store;
 mod irrelevant_effects;
 mod late_store;
 mod learning_board;
+mod level_turns;
 mod loading;
 mod measured;
 mod moments;
@@ -25,6 +26,7 @@ mod mountings;
 pub mod names;
 mod optical;
 mod oracle;
+mod pair;
 mod paper;
 #[cfg(all(unix, feature = "emulated"))]
 mod pico;

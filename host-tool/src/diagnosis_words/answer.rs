@@ -75,6 +75,9 @@ fn figures(told: &Told, report: &mut Report) {
     {
         row("wander", unlogged::wander_in_short(found));
     }
+    if let Some(found) = &diagnosis.pair {
+        row("other sensor", unlogged::pair_in_short(found));
+    }
     if let Some(floor) = diagnosis.residual_floor_ut {
         row("noise floor", format!("{} {}", microtesla(floor), symbol()));
     }

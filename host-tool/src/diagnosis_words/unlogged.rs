@@ -6,6 +6,7 @@ use crate::diagnosis_words::told::{Told, WIDTH, title};
 use crate::field_unit::{fixed, symbol};
 use ironout_analysis::evidence::wander::Wander;
 use ironout_analysis::unlogged::levels::Levels;
+use ironout_analysis::unlogged::pair::{Disturbed, Pair, Part};
 use ironout_analysis::unlogged::recordings::Recordings;
 use ironout_analysis::unlogged::switching::Switching;
 
@@ -59,6 +60,25 @@ fn jumps(told: &Told, found: &Levels) -> Vec<String> {
 pub(crate) fn jumps_in_short(found: &Levels) -> String {
     let times: Vec<String> = found.at_s.iter().map(|at| format!("{at:.1}")).collect();
     format!("offset changes {} times: at {} s", times.len(), times.join(", "))
+}
+
+/// What two magnetometers show together, in one line.
+pub(crate) fn pair_in_short(found: &Pair) -> String {
+    let size = |part: Part| fixed(Some(part.rms_ut), 2);
+    let ([this, other], common) = (found.own.map(size), size(found.common));
+    // One line of the answer has room for no more.
+    let own = format!("own {this} and {other}");
+    let unit = symbol();
+    match (found.disturbed, found.common.significant) {
+        (Some(Disturbed::This), _) => {
+            format!("this one is disturbed, and the other is not: {own}, common {common} {unit} rms")
+        }
+        (Some(Disturbed::Other), _) => {
+            format!("the other is disturbed, and this one is not: {own}, common {common} {unit} rms")
+        }
+        (None, true) => format!("disturbance of field or vehicle: common {common}, {own} {unit} rms"),
+        (None, false) => format!("no disturbance of one or of both: {own}, common {common} {unit} rms"),
+    }
 }
 
 /// A field with its sign, in the unit in use.

@@ -60,9 +60,11 @@ mod text_corpus;
 mod text_questions;
 mod transients;
 mod tutorial;
+mod two_sensors;
 mod ulog;
 mod unlogged;
 mod vehicles;
+mod vehicles_course;
 mod vehicles_flights;
 mod writers;
 

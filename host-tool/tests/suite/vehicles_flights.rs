@@ -9,8 +9,8 @@ use serde_json::Value as Json;
 use std::path::Path;
 
 /// Errors of a parameter beyond so many standard errors are false certainty.
-const MAX_ERRORS: f64 = 4.0;
-const START_US: f64 = 5e6;
+pub const MAX_ERRORS: f64 = 4.0;
+pub const START_US: f64 = 5e6;
 /// What the autopilot had added to its readings, mG.
 const ADDED_MG: [f64; 3] = [-120.0, 333.0, 51.0];
 
@@ -30,7 +30,7 @@ fn flights() -> [Drawn; 2] {
 }
 
 /// The true offset at the mean of the current.
-fn offset_ut(drawn: &Drawn) -> [f64; 3] {
+pub fn offset_ut(drawn: &Drawn) -> [f64; 3] {
     let disturbances = drawn.truth.disturbance_ut();
     let n = disturbances.len() as f64;
     [0, 1, 2].map(|axis| drawn.truth.offset_ut[axis] + disturbances.iter().map(|d| d[axis]).sum::<f64>() / n)
@@ -47,7 +47,7 @@ fn motor_ut_per_a(drawn: &Drawn) -> [f64; 3] {
     })
 }
 
-fn three(drawn: &Drawn, first: &str, unit: &str, row: usize) -> [f64; 3] {
+pub fn three(drawn: &Drawn, first: &str, unit: &str, row: usize) -> [f64; 3] {
     ["x", "y", "z"].map(|axis| drawn.column(&format!("{first}{axis}_{unit}")).expect("a sensor")[row])
 }
 
@@ -148,14 +148,14 @@ fn px4(drawn: &Drawn) -> Vec<u8> {
     file.bytes
 }
 
-fn fitted(log: &Path, drawn: &Drawn, more: &[&str]) -> Json {
+pub fn fitted(log: &Path, drawn: &Drawn, more: &[&str]) -> Json {
     let add: &[&str] = if drawn.truth.hidden.is_empty() { &[] } else { &["--add", "offset:current_a"] };
     let start = ["fit", text(log), "--json", "--date", "2025-07-01"];
     ironout(start.iter().chain(add).chain(more).copied()).json()
 }
 
 /// The largest of three errors over what is predicted of them.
-fn errors(found: &Json, predicted: &Json, truth: [f64; 3]) -> f64 {
+pub fn errors(found: &Json, predicted: &Json, truth: [f64; 3]) -> f64 {
     (0..3)
         .map(|axis| {
             let value = |list: &Json| list[axis].as_f64().expect("a number");

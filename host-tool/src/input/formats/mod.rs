@@ -25,4 +25,4 @@ mod ulog;
 pub use detected::{FIRST_BYTES, Format, detect};
 pub use read::read;
 pub use rotation::mounting;
-pub use stream::Recording;
+pub use stream::{GROUND, Recording};

@@ -1,7 +1,7 @@
 //! What a recording holds: columns that share a time base of their own.
 
 use ironout_analysis::frame::Frame;
-use ironout_analysis::table::ATTITUDE;
+use ironout_analysis::table::{ATTITUDE, OTHER};
 
 const ANGLES: [&str; 3] = ["roll_deg", "pitch_deg", "yaw_deg"];
 
@@ -169,6 +169,33 @@ pub struct Recording {
     pub left_out: Vec<(usize, String)>,
     /// What the user should know.
     pub notices: Vec<String>,
+}
+
+impl Stream {
+    /// The field alone, as that of another magnetometer.
+    pub fn into_other(mut self) -> Stream {
+        self.columns.retain_mut(|column| {
+            let place = ["mx_ut", "my_ut", "mz_ut"].iter().position(|name| *name == column.name);
+            place.map(|place| column.name = OTHER[place].into()).is_some()
+        });
+        self
+    }
+}
+
+/// Speed, course and the error of the speed of a GPS receiver. Only a vehicle on wheels has them: of others a course is no heading.
+pub const GROUND: [&str; 3] = ["gps_speed_mps", "gps_course_deg", "gps_speed_error_mps"];
+
+/// Whether another magnetometer is read often enough to be compared.
+pub fn is_as_dense(other: &Stream, own: &Stream) -> bool {
+    2 * other.time_s.len() > own.time_s.len()
+}
+
+/// Takes speed and course out of the streams of a vehicle that is not on wheels.
+pub fn without_course(streams: &mut Vec<Stream>) {
+    streams
+        .iter_mut()
+        .for_each(|stream| stream.columns.retain(|column| !GROUND.contains(&column.name.as_str())));
+    streams.retain(|stream| !stream.columns.is_empty());
 }
 
 /// The instance to read: the one that was asked for, or the first that is there.

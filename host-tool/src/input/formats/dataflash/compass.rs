@@ -9,7 +9,7 @@ use crate::input::formats::correction::Correction;
 use crate::input::formats::dataflash::collect::Collected;
 use crate::input::formats::parameters::Parameters;
 use crate::input::formats::rotation;
-use crate::input::formats::stream::{Recording, Stream, choose};
+use crate::input::formats::stream::{Recording, Stream, choose, is_as_dense, without_course};
 use ironout_analysis::frame::{Frame, IDENTITY, MAX_REMOVED, Program, Removed, Rows, rows};
 use nalgebra::Vector3;
 
@@ -20,6 +20,8 @@ const MOTOR: [&str; 3] = ["motor_x", "motor_y", "motor_z"];
 const UT: f64 = 0.1;
 /// ArduPilot uses a scale within these only (CompassCalibrator.h).
 const SCALES: std::ops::RangeInclusive<f64> = 0.85..=1.4;
+/// `FRAME_CLASS` of a rover that floats.
+const BOAT: f64 = 2.0;
 /// Logged offsets are cut to whole milligauss.
 const ROUNDING_MG: f64 = 1.0;
 
@@ -47,6 +49,9 @@ pub fn finish(
         ));
     }
     let taken = choose(instance, &compasses, "compass")?;
+    // "ArduRover V4.5.7", "APM:Rover V2.50"
+    let on_wheels = collected.firmware.as_ref().is_some_and(|words| words.to_lowercase().contains("rover"))
+        && !collected.parameters.is_ever("FRAME_CLASS", |class| class == BOAT);
     let words = collected.firmware.take().map_or_else(String::new, |words| format!(", {words}"));
     let mut recording = Recording {
         format: format!("{format}{words}"),
@@ -54,12 +59,27 @@ pub fn finish(
         notices,
         ..Recording::default()
     };
+    let mut others = Vec::new();
     for ((place, number), stream) in std::mem::take(&mut collected.streams) {
         if place != 0 {
             recording.others.push(without_zeros(stream));
         } else if usize::from(number) == taken {
             recording.magnetometer = stream;
+        } else {
+            others.push((usize::from(number), stream));
         }
+    }
+    for (number, stream) in others {
+        // What was removed of it is of no interest: it is not calibrated here.
+        let mut other = Recording { magnetometer: stream, ..Recording::default() };
+        let fits = undo(number, &collected.parameters, &mut other).is_ok();
+        if fits && is_as_dense(&other.magnetometer, &recording.magnetometer) {
+            recording.others.push(other.magnetometer.into_other());
+            break;
+        }
+    }
+    if !on_wheels {
+        without_course(&mut recording.others);
     }
     undo(taken, &collected.parameters, &mut recording)?;
     Ok(recording)

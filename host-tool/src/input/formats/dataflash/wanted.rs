@@ -1,6 +1,6 @@
 //! Which messages of ArduPilot are read, and what each of their fields becomes.
 
-use crate::input::formats::stream::Between;
+use crate::input::formats::stream::{Between, GROUND};
 
 /// One field that is read.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,11 +95,16 @@ const FILTER: [Field; 4] =
 const ATT: [Field; 3] =
     [field("Roll", "roll_deg", "°"), field("Pitch", "pitch_deg", "°"), field("Yaw", "yaw_deg", "°")];
 
-const GPS: [Field; 3] = [
+const GPS: [Field; 5] = [
     field("Lat", "lat_deg", "°"),
     Field { between: Between::Circle, ..field("Lng", "lon_deg", "°") },
     field("Alt", "gps_height_m", "m"),
+    field("Spd", GROUND[0], "m/s"),
+    Field { between: Between::Circle, ..field("GCrs", GROUND[1], "°") },
 ];
+
+/// The accuracy of the receiver.
+const GPA: [Field; 1] = [field("SAcc", GROUND[2], "m/s")];
 
 /// A message: what is read of it, in which order it is asked, and which of its instances.
 pub struct Message {
@@ -125,6 +130,7 @@ pub fn wanted(name: &str) -> Option<Message> {
         "RCOU" => (&RCOU, 7, false),
         "BARO" => (&BARO, 8, false),
         "GPS" => (&GPS, 9, false),
+        "GPA" => (&GPA, 13, false),
         "XKQ" => (&FILTER, 10, false),
         "NKQ" => (&FILTER, 11, false),
         "ATT" => (&ATT, 12, false),

@@ -9,7 +9,7 @@ use crate::input::formats::correction::{Correction, Undo};
 use crate::input::formats::interpolate::{at_times, gap_s};
 use crate::input::formats::parameters::Parameters;
 use crate::input::formats::rotation;
-use crate::input::formats::stream::{Between, Recording, Stream, choose};
+use crate::input::formats::stream::{Between, Recording, Stream, choose, is_as_dense};
 use crate::input::formats::ulog::collector::Collector;
 use ironout_analysis::frame::{Frame, IDENTITY, MAX_REMOVED, Program, Removed, rows};
 use nalgebra::{Matrix3, Vector3};
@@ -70,12 +70,20 @@ pub fn take(
     let flown = candidates.iter().find(|one| in_use.is_some() && Some(one.device_id) == in_use);
     let fullest = candidates.iter().find(|one| Some(one.collector.stream.time_s.len()) == most);
     let taken = choose(wanted.or(flown.or(fullest).map(|one| one.number)), &there, "magnetometer")?;
-    let Some(candidate) = candidates.into_iter().find(|one| one.number == taken) else { return Ok(None) };
+    let (mut own, mut others): (Vec<_>, Vec<_>) = candidates.into_iter().partition(|one| one.number == taken);
+    let Some(candidate) = own.pop() else { return Ok(None) };
     let mut recording =
         Recording { instance: (there.len() > 1).then_some((taken, there)), ..Recording::default() };
     recording.sensor = (candidate.device_id != 0).then(|| candidate.device_id.to_string());
     let stream = undo(candidate, collectors, parameters, release, &mut recording)?;
     recording.magnetometer = stream;
+    others.sort_by_key(|one| std::cmp::Reverse(one.collector.stream.time_s.len()));
+    if let Some(other) = others.into_iter().next() {
+        // What was removed of it is of no interest: it is not calibrated here.
+        let other = undo(other, collectors, parameters, release, &mut Recording::default());
+        let other = other.ok().filter(|stream| is_as_dense(stream, &recording.magnetometer));
+        recording.others.extend(other.map(Stream::into_other));
+    }
     Ok(Some(recording))
 }
 

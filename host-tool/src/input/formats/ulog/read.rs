@@ -5,7 +5,7 @@ use crate::input::formats::feed::{Feed, bytes_at, u16_at, u64_at};
 use crate::input::formats::inventory::Inventory;
 use crate::input::formats::parameters::Parameters;
 use crate::input::formats::rotation;
-use crate::input::formats::stream::{Recording, Stream};
+use crate::input::formats::stream::{Recording, Stream, without_course};
 use crate::input::formats::ulog::collector::Collector;
 use crate::input::formats::ulog::layout::Formats;
 use crate::input::formats::ulog::magnetometer;
@@ -17,6 +17,9 @@ const RECORD_BYTES: usize = 3;
 const KINDS: &[u8] = b"BFIMPQARDLCSO";
 /// The content of a synchronisation record.
 const SYNC: [u8; 8] = [0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12];
+/// `MAV_TYPE` of a rover, and the airframes (`SYS_AUTOSTART`) that are rovers.
+const GROUND_ROVER: f64 = 10.0;
+const ROVER_FRAMES: std::ops::Range<f64> = 50_000.0..60_000.0;
 /// More topics with instances than any vehicle has.
 const MOST_TOPICS: usize = 4096;
 
@@ -289,12 +292,18 @@ impl Log {
             .collect::<Vec<_>>()
             .join(", ");
         self.collectors.sort_by_key(|one| (place(&one.topic), one.instance));
-        recording.others = self
+        let others = self
             .collectors
             .into_iter()
             .filter(|one| one.stream.column("armed").is_none())
             .map(|one| turned(one, &self.parameters, &mut recording.taken_out))
-            .collect();
+            .collect::<Vec<_>>();
+        recording.others.splice(..0, others);
+        let on_wheels = self.parameters.first("MAV_TYPE") == Some(GROUND_ROVER)
+            || self.parameters.first("SYS_AUTOSTART").is_some_and(|frame| ROVER_FRAMES.contains(&frame));
+        if !on_wheels {
+            without_course(&mut recording.others);
+        }
         recording.notices.extend(notices);
         recording.vehicle = self.vehicle;
         Ok(recording)

@@ -1,6 +1,6 @@
 //! Which topics of PX4 are read, and what each becomes. Names and units are those of PX4's message definitions (msg/*.msg).
 
-use crate::input::formats::stream::Between;
+use crate::input::formats::stream::{Between, GROUND};
 use crate::input::formats::ulog::collector::Want;
 use ironout_analysis::table::ATTITUDE;
 
@@ -148,6 +148,9 @@ pub fn wants(topic: &str, instance: u8) -> Vec<Want> {
                 Want { none: Some(0.0), ..want("lat", "lat_deg", "1e-7 °", 1e-7) },
                 Want { none: Some(0.0), ..longitude("lon", 1e-7) },
                 want("alt", "gps_height_m", "mm", 1e-3),
+                want("vel_m_s", GROUND[0], "m/s", 1.0),
+                Want { between: Between::Circle, ..want("cog_rad", GROUND[1], "rad", 1f64.to_degrees()) },
+                want("s_variance_m_s", GROUND[2], "m/s", 1.0),
             ]
         }
         // From the vehicle's axes (forward, right, down) to north, east, down.
