@@ -102,9 +102,9 @@ pub const FILTER_SAMPLES: f64 = 16.0;
 /// The same as time, s: a compass behind a slower filter would lag behind every turn of a vehicle.
 pub const FILTER_S: f64 = 1.0;
 
-/// White noise behind a filter of more samples than that, at most, as a share of the variance: rounding and a word's last bits. More of it
-/// beside something slow are two causes.
-pub const LITTLE_WHITE: f64 = 0.04;
+/// What a sample adds to noise behind a longer filter than that, at most, as a share of the variance: one of first order that is forgotten
+/// as late adds 0.18. More of it is white noise beside something slow: two causes.
+pub const MOST_FRESH: f64 = 0.25;
 
 /// What a filter of first order still knows after that: a fifth.
 pub const FORGOTTEN: f64 = 0.2;

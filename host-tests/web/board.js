@@ -40,7 +40,7 @@ async function session(browser, said, shots, hidden = null) {
   await browser.until(() => Number(document.getElementById("plot-live").dataset.drawn) > 5);
   await browser.shot(`${shots}-calibrated`, { fullPage: true });
   // What was recorded meanwhile, as a log of its own.
-  const [download] = await Promise.all([page.waitForEvent("download"), page.locator("#save-log").click()]);
+  const download = await browser.downloaded(page.locator("#save-log"));
   said.recording = download.suggestedFilename();
   said.log = await (await import("node:fs/promises")).readFile(await download.path(), "utf8");
   await page.locator("#look-log").click();
@@ -182,8 +182,8 @@ export async function replay({ address, hidden, shots }) {
 }
 
 /** A download that a click begins: its name and its text. */
-async function downloaded(page, selector) {
-  const [download] = await Promise.all([page.waitForEvent("download"), page.locator(selector).click()]);
+async function downloaded(browser, selector) {
+  const download = await browser.downloaded(browser.page.locator(selector));
   return [download.suggestedFilename(), readFileSync(await download.path(), "utf8")];
 }
 
@@ -230,7 +230,7 @@ export async function sketch({ file, address, rows, hostile, name, shots }) {
   said.link = await link(browser, "open");
   await browser.until((most) => Number(document.body.dataset.samples) > most, rows);
   await browser.shot("sketch", { fullPage: true });
-  [said.recording, said.log] = await downloaded(page, "#save-log");
+  [said.recording, said.log] = await downloaded(browser, "#save-log");
   // What is looked at is what was saved: the rest of the stream is not in it.
   await page.locator("#file").setInputFiles({ name: "recording.txt", mimeType: "text/plain", buffer: Buffer.from(said.log) });
   await browser.until(() => document.body.dataset.log === "recording.txt");
@@ -254,7 +254,7 @@ export async function sketch({ file, address, rows, hostile, name, shots }) {
   said.hostileWhy = await other.text("#why");
   await clicked(other, "#cal-start");
   await other.until(() => Number(document.body.dataset.samples) > 60 && !document.getElementById("save-log").disabled);
-  said.hostileSaved = (await downloaded(other.page, "#save-log"))[1];
+  said.hostileSaved = (await downloaded(other, "#save-log"))[1];
   await other.page.locator("details").evaluateAll((all) => all.forEach((one) => { one.open = true; }));
   said.injected = await other.page.evaluate(() => [...document.querySelectorAll("img, iframe, b:not([id]), object, embed")].map((one) => one.outerHTML));
   said.marked = await other.page.evaluate(() => Boolean(window.injected));

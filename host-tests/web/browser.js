@@ -71,6 +71,18 @@ export class Browser {
     return this.page.waitForFunction(what, argument, { timeout: PATIENCE_MS, polling: 100 });
   }
 
+  /** The file that a button gives. Chromium drops the eleventh of downloads in quick succession: then once more, as a person would. */
+  async downloaded(button) {
+    for (let attempt = 1; ; attempt += 1) {
+      const [download, lost] = await Promise.all([
+        this.page.waitForEvent("download", { timeout: PATIENCE_MS / 6 }).then((file) => [file, null], (error) => [null, error]),
+        button.click(),
+      ]).then(([seen]) => seen);
+      if (download) return download;
+      if (attempt === 3) throw lost;
+    }
+  }
+
   /** Until a fit that was asked for is shown. */
   async settled() {
     await this.until(() => !document.body.dataset.busy);

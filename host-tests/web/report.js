@@ -51,20 +51,20 @@ export async function report({ file, effect, shots }) {
   await page.locator("#falling").scrollIntoViewIfNeeded();
   await browser.shot("report-switched", { fullPage: true });
   // A calibration for a target, as a download.
-  const [download] = await Promise.all([page.waitForEvent("download"), page.locator("[data-form=c]").click()]);
+  const download = await browser.downloaded(page.locator("[data-form=c]"));
   said.download = download.suggestedFilename();
   said.exported = await browser.text("#exported");
   // Every target has its button, and each gives a file.
   await page.locator("#scale").fill("0.15");
   said.targets = {};
   for (const form of await page.locator("[data-form]:is(button)").evaluateAll((all) => all.map((one) => one.dataset.form))) {
-    const [file] = await Promise.all([page.waitForEvent("download"), page.locator(`button[data-form=${form}]`).click()]);
+    const file = await browser.downloaded(page.locator(`button[data-form=${form}]`));
     said.targets[form] = [file.suggestedFilename(), await browser.text("#exported")];
   }
   // Each figure as SVG.
   said.figures = {};
   for (const name of ["residual", "dots", "spectrum", "histogram", "directions"]) {
-    const [file] = await Promise.all([page.waitForEvent("download"), page.locator(`[data-svg="${name}"]`).click()]);
+    const file = await browser.downloaded(page.locator(`[data-svg="${name}"]`));
     const text = await (await import("node:fs/promises")).readFile(await file.path(), "utf8");
     const drawn = await page.evaluate((svg) => {
       const root = new DOMParser().parseFromString(svg, "image/svg+xml").documentElement;

@@ -6,7 +6,7 @@
 //! less the price of its parameters.
 
 use crate::bounds::{
-    FILTER_S, FILTER_SAMPLES, FLICKER_EXPONENTS, FORGOTTEN, LINE, LITTLE_WHITE, MAX_NOISE_SAMPLES, MIN_ODDS,
+    FILTER_S, FILTER_SAMPLES, FLICKER_EXPONENTS, FORGOTTEN, LINE, MAX_NOISE_SAMPLES, MIN_ODDS, MOST_FRESH,
 };
 use crate::noise::cause::single_cause;
 use crate::noise::model::{Noise, Track, Wander};
@@ -105,6 +105,15 @@ impl Memory {
         }
     }
 
+    /// Samples after which it is forgotten.
+    fn samples(self) -> f64 {
+        match self.colour {
+            Colour::Ar1(rho) => FORGOTTEN.ln() / rho.abs().max(1e-9).ln(),
+            Colour::RollingMean { of, .. } => of as f64,
+            Colour::White | Colour::Flicker { .. } => 0.0,
+        }
+    }
+
     /// Numbers it was chosen by.
     fn parameters(self) -> f64 {
         let own = f64::from(u8::from(self.colour != Colour::White));
@@ -142,12 +151,16 @@ impl Seen<'_> {
 
     /// The same with this memory, its price with it.
     fn cost(&self, memory: Memory) -> f64 {
-        let (innovations, log_det) = self.innovations(memory);
+        let (innovations, log_det, fresh) = self.innovations(memory);
+        if memory.samples() > FILTER_SAMPLES && fresh > MOST_FRESH {
+            return f64::INFINITY;
+        }
         Self::white(&innovations) + log_det + (self.series.len() as f64).ln() * memory.parameters()
     }
 
-    /// What the samples before each sample do not predict under this memory, of one size, and the logarithm of the determinant.
-    fn innovations(&self, memory: Memory) -> (Vec<f64>, f64) {
+    /// What the samples before each sample do not predict under this memory, of one size, the logarithm of the determinant, and the share of
+    /// the variance that each sample adds.
+    fn innovations(&self, memory: Memory) -> (Vec<f64>, f64, f64) {
         let series = self.series;
         let r: Vec<f64> = (0..=LOOKS_BACK).map(|lag| memory.correlation(lag) * self.alike[lag]).collect();
         // Levinson and Durbin: the predictor of each order, and the variance that it leaves.
@@ -170,7 +183,7 @@ impl Seen<'_> {
                 variance *= (1.0 - reflection * reflection).max(1e-9);
             }
         }
-        (innovations, log_det)
+        (innovations, log_det, variance)
     }
 
     /// The likeliest memory of a filter, and its cost.
@@ -198,20 +211,15 @@ impl Seen<'_> {
                 rho = if cost < rho.0 { (cost, next) } else { rho };
             }
         }
-        let mut means: Vec<(f64, usize)> =
-            (2..=self.longest as usize).map(|of| (try_it(Memory::mean(of, 0.02)), of)).collect();
+        let lengths = std::iter::successors(Some(2), |of| Some(of + 1 + of / 16));
+        let lengths = lengths.take_while(|of| *of as f64 <= self.longest);
+        let mut means: Vec<(f64, usize)> = lengths.map(|of| (try_it(Memory::mean(of, 0.02)), of)).collect();
         means.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // Something slow beside white noise is no filter's: behind a long one there is little white.
-        let short = FORGOTTEN.powf(1.0 / FILTER_SAMPLES);
         for white in WHITE_AFTER {
-            let little = white <= LITTLE_WHITE;
             for higher in 0..=6 {
-                let next = rho.1 + f64::from(higher) / 6.0 * (most - rho.1);
-                if little || next <= short {
-                    try_it(Memory::ar1(next, white));
-                }
+                try_it(Memory::ar1(rho.1 + f64::from(higher) / 6.0 * (most - rho.1), white));
             }
-            for (_, of) in means.iter().take(3).filter(|(_, of)| little || *of as f64 <= FILTER_SAMPLES) {
+            for (_, of) in means.iter().take(3) {
                 try_it(Memory::mean(*of, white));
             }
         }
@@ -349,12 +357,8 @@ fn line(innovations: &[f64]) -> (f64, f64) {
 /// Whether the general noise has no memory beyond that of a filter of so many samples, and no line in its spectrum: a smoothing or a
 /// differentiating filter has its highest gain at one end.
 fn is_filtered(wander: &Wander, ar: &[f64], longest: f64, step: f64) -> bool {
-    let tau = |samples: f64| samples * step / FORGOTTEN.recip().ln();
-    let allowed = |part: usize| match wander.size[part].powi(2) * LITTLE_WHITE >= 1.0 {
-        true => tau(longest),
-        false => tau(FILTER_SAMPLES),
-    };
-    let is_short = (0..2).all(|part| wander.size[part] == 0.0 || wander.tau_s[part] <= allowed(part));
+    let longest_tau = longest * step / FORGOTTEN.recip().ln();
+    let is_short = (0..2).all(|part| wander.size[part] == 0.0 || wander.tau_s[part] <= longest_tau);
     let response = response(ar, 8 * longest as usize);
     let energy = |part: &[f64]| part.iter().map(|v| v * v).sum::<f64>();
     let beyond = energy(&response[(longest as usize).min(response.len())..]);
@@ -427,20 +431,25 @@ impl OwnNoise {
         };
         let whole = series.iter().map(|v| v * v).sum::<f64>() / n.max(1) as f64;
         let white = OwnNoise { colour: Colour::White, odds: 0.0, fresh: 1.0 };
-        if n < LOOKS_BACK || !(whole > 0.0) {
+        if n < 2 * LOOKS_BACK || !(whole > 0.0 && whole.is_finite()) {
             return white;
         }
         let general = Noise::fit(&track, series, None, f64::INFINITY);
         let cost = general.cost + general.wander.price(n);
         let is_white = Seen::white(series) < cost + MIN_ODDS;
-        let longest = FILTER_SAMPLES.max(if step_s > 0.0 { FILTER_S / step_s } else { 0.0 });
+        let by_time = if step_s > 0.0 { FILTER_S / step_s } else { 0.0 };
+        // A memory of an eighth of a series is not told from a wander.
+        let longest = by_time.clamp(FILTER_SAMPLES, (n as f64 / 8.0).max(FILTER_SAMPLES));
         let (colour, own, innovations) = match is_white {
             true => (Colour::White, cost, series.to_vec()),
             false => likeliest(&track, series, longest),
         };
         let step = if step_s > 0.0 { step_s } else { 1.0 };
         // A filter may be another one than those that have a name.
-        let own = if is_filtered(&general.wander, &general.ar, longest, step) { own.min(cost) } else { own };
+        let fresh = (general.variance / whole).min(1.0);
+        // Something slow beside white noise is no filter's.
+        let most = if fresh > MOST_FRESH { FILTER_SAMPLES } else { longest };
+        let own = if is_filtered(&general.wander, &general.ar, most, step) { own.min(cost) } else { own };
         let (of_line, share) = line(&innovations);
         let mut odds = (own - cost).max(of_line);
         if colour != Colour::White && odds < MIN_ODDS {
@@ -451,7 +460,7 @@ impl OwnNoise {
         if is_white {
             return OwnNoise { colour, odds, fresh: 1.0 - if of_line > MIN_ODDS { share } else { 0.0 } };
         }
-        OwnNoise { colour, odds, fresh: (general.variance / whole).min(1.0) }
+        OwnNoise { colour, odds, fresh }
     }
 
     /// Whether it is a sensor's own noise and nothing more.
