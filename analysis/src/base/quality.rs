@@ -73,12 +73,16 @@ impl Sizes {
 /// Splits the residual of a model into noise and structure. Noise with a short memory is noise.
 pub fn residue(design: &Design, model: &Model<f64>, residuals: &[f64], parameters: usize) -> NoiseEstimate {
     let samples = design.samples;
-    // A board at rest sees each axis of its sensor.
-    let directions: Vec<[f64; 3]> = match design.residual {
-        Residual::Magnitude => gradients(samples.readings.iter().map(|reading| reading.measured_ut), model),
-        _ => vec![[1.0, 0.0, 0.0]; residuals.len()],
+    let axis = |row: usize| [0, 1, 2].map(|i| f64::from(u8::from(row % 3 == i)));
+    let (directions, rows): (Vec<[f64; 3]>, f64) = match design.residual {
+        Residual::Magnitude => {
+            (gradients(samples.readings.iter().map(|reading| reading.measured_ut), model), 1.0)
+        }
+        // A board at rest sees each axis of its sensor in turn.
+        Residual::Vector => ((0..residuals.len()).map(axis).collect(), 3.0),
+        Residual::Dip => (vec![[1.0, 0.0, 0.0]; residuals.len()], 1.0),
     };
-    residue_of(residuals, &directions, parameters, samples.step_s())
+    residue_of(residuals, &directions, parameters, samples.step_s() / rows)
 }
 
 /// How each axis of the sensor shows in the corrected magnitude of these readings: `Cᵀu`, along the corrected direction u.

@@ -450,7 +450,11 @@ impl OwnNoise {
         // Something slow beside white noise is no filter's.
         let most = if fresh > MOST_FRESH { FILTER_SAMPLES } else { longest };
         let own = if is_filtered(&general.wander, &general.ar, most, step) { own.min(cost) } else { own };
+        // A line stands out whichever of the two whitens the series.
+        let mut whitened = series.to_vec();
+        general.whiten(&track, 1, &mut whitened);
         let (of_line, share) = line(&innovations);
+        let of_line = of_line.min(line(&whitened).0);
         let mut odds = (own - cost).max(of_line);
         if colour != Colour::White && odds < MIN_ODDS {
             // A cause has one history; a sensor's axes have one each.
