@@ -93,8 +93,6 @@ pub struct Derived {
     pub(crate) accelerometer: OnceLock<Option<Accelerometer>>,
     /// Second moment of the zero error that is left, (m/s²)².
     pub(crate) zero_error_square: OnceLock<Matrix3<f64>>,
-    /// The coarsest step of the readings, µT.
-    pub(crate) quantum_ut: OnceLock<f64>,
 }
 
 /// A column that the log format asks for and that is not there, or one whose length is not that of the others.

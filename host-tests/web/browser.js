@@ -73,14 +73,8 @@ export class Browser {
 
   /** The file that a button gives. Chromium drops the eleventh of downloads in quick succession: then once more, as a person would. */
   async downloaded(button) {
-    for (let attempt = 1; ; attempt += 1) {
-      const [download, lost] = await Promise.all([
-        this.page.waitForEvent("download", { timeout: PATIENCE_MS / 6 }).then((file) => [file, null], (error) => [null, error]),
-        button.click(),
-      ]).then(([seen]) => seen);
-      if (download) return download;
-      if (attempt === 3) throw lost;
-    }
+    const once = async (timeout) => (await Promise.all([this.page.waitForEvent("download", { timeout }), button.click()]))[0];
+    return once(PATIENCE_MS / 4).catch(() => once(PATIENCE_MS / 2));
   }
 
   /** Until a fit that was asked for is shown. */

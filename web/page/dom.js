@@ -49,10 +49,6 @@ export function later(summary, make, fresh = false) {
 /** Gives the text to the person as a file. */
 export function save(name, text, type = "text/plain") {
   const address = URL.createObjectURL(new Blob([text], { type }));
-  const link = h("a", { href: address, download: name, hidden: true });
-  // A link outside of the document may be gone before the browser follows it.
-  document.body.append(link);
-  link.click();
-  link.remove();
+  h("a", { href: address, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(address), 60000);
 }

@@ -11,6 +11,7 @@ use crate::base::prior::Prior;
 use crate::base::quality::{NoiseEstimate, Sizes, gradients, memory_of_scores, residue_of};
 use crate::base::solution::Solution;
 use crate::base::start::{self, NO_ROTATION};
+use crate::noise::own::OwnNoise;
 use crate::plain;
 use crate::samples::data::Data;
 use ironout::calibration::{Calibration, norm};
@@ -65,14 +66,6 @@ impl Base {
         let first = fit_samples(data, used, &white)?;
         let residual = data.residual(used, &first.calibration);
         let step_s = counted.samples.step_s() / counted.samples.stride as f64;
-        let of = |residual: &[f64], report: &FitReport| {
-            let Calibration { offset_ut, matrix, field_ut } = report.calibration;
-            let readings = used.iter().map(|&sample| data.field(sample));
-            let model = Model::new(offset_ut, matrix, field_ut, NO_ROTATION, 0.0);
-            let directions =
-                model.map_or_else(|| vec![[0.0; 3]; used.len()], |model| gradients(readings, &model));
-            residue_of(residual, &directions, report.model.parameters(), step_s)
-        };
         // Where noise has a memory, or structure remains, averaging removes less of it.
         let memory = Sizes::of(&residual).memory();
         let independent = used.len() as f64 / memory;
@@ -85,7 +78,10 @@ impl Base {
             let effective_samples = Some((used.len() as f64 / by_scores).max(1.0));
             report = fit_samples(data, used, &FitOptions { effective_samples, lower_orders, ..options })?;
         }
-        let residue = of(&data.residual(used, &report.calibration), &report);
+        let directions = gradients(used.iter().map(|&sample| data.field(sample)), &report.calibration);
+        let left = data.residual(used, &report.calibration);
+        let noise = OwnNoise::of(&left, &directions, 1, step_s);
+        let residue = residue_of(&left, noise, report.model.parameters());
         // rms‖Cᵀu‖: what a unit of noise on each axis makes of the corrected magnitude.
         let gain = report.residual_floor_ut / report.noise_ut;
         let mut base = Base {

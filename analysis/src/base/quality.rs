@@ -6,7 +6,7 @@ use crate::base::term::{COLUMNS, Matrix, Term};
 use crate::noise::own::{Colour, OwnNoise};
 use crate::samples::scores::Scores;
 use crate::samples::series::{Autocorrelation, rms, second_difference_sigma};
-use ironout::calibration::Calibration;
+use ironout::calibration::{Calibration, norm};
 use ironout::effect::{Quantities, no_shape};
 use ironout::study::{Model, PhysicalPrior, Residual};
 use ironout::whiteness::independent_share;
@@ -40,7 +40,7 @@ pub struct NoiseEstimate {
     pub memory: f64,
     /// What noise it is most like.
     pub colour: Colour,
-    /// By how many standard deviations its spectrum is another one than that.
+    /// The root of twice the log of the odds that it is something else: standard deviations, if it were one number.
     pub misfit: f64,
     /// Whether it is that noise and nothing more.
     pub is_noise: bool,
@@ -73,41 +73,47 @@ impl Sizes {
 /// Splits the residual of a model into noise and structure. Noise with a short memory is noise.
 pub fn residue(design: &Design, model: &Model<f64>, residuals: &[f64], parameters: usize) -> NoiseEstimate {
     let samples = design.samples;
-    let axis = |row: usize| [0, 1, 2].map(|i| f64::from(u8::from(row % 3 == i)));
-    let (directions, rows): (Vec<[f64; 3]>, f64) = match design.residual {
+    let noise = match design.residual {
         Residual::Magnitude => {
-            (gradients(samples.readings.iter().map(|reading| reading.measured_ut), model), 1.0)
+            let Model { offset_ut, matrix, field_ut, .. } = *model;
+            let calibration = Calibration { offset_ut, matrix, field_ut };
+            let readings = samples.readings.iter().map(|reading| reading.measured_ut);
+            let directions = gradients(readings, &calibration);
+            OwnNoise::of(residuals, &directions, 1, samples.step_s())
         }
-        // A board at rest sees each axis of its sensor in turn.
-        Residual::Vector => ((0..residuals.len()).map(axis).collect(), 3.0),
-        Residual::Dip => (vec![[1.0, 0.0, 0.0]; residuals.len()], 1.0),
+        // Of a board at rest there is one axis after the other: here those of each sample stand together.
+        Residual::Vector | Residual::Dip => {
+            let used = || samples.axes.iter().filter(|used| **used).count().max(1);
+            let axes = if design.residual == Residual::Vector { used() } else { 1 };
+            let long = residuals.len() / axes;
+            let rows =
+                (0..long).flat_map(|sample| (0..axes).map(move |axis| residuals[axis * long + sample]));
+            let unit = |row: usize| [0, 1, 2].map(|i| f64::from(u8::from(row % axes == i)));
+            let directions: Vec<[f64; 3]> = (0..axes * long).map(unit).collect();
+            OwnNoise::of(&rows.collect::<Vec<f64>>(), &directions, axes, samples.step_s())
+        }
     };
-    residue_of(residuals, &directions, parameters, samples.step_s() / rows)
+    residue_of(residuals, noise, parameters)
 }
 
 /// How each axis of the sensor shows in the corrected magnitude of these readings: `Cᵀu`, along the corrected direction u.
-pub fn gradients(readings_ut: impl Iterator<Item = [f64; 3]>, model: &Model<f64>) -> Vec<[f64; 3]> {
-    let Model { offset_ut, matrix, field_ut, .. } = *model;
-    let calibration = Calibration { offset_ut, matrix, field_ut };
+pub fn gradients(
+    readings_ut: impl Iterator<Item = [f64; 3]>,
+    calibration: &Calibration<f64>,
+) -> Vec<[f64; 3]> {
     let gradient = |reading: [f64; 3]| {
         let v = calibration.apply(reading);
-        let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
-        [0, 1, 2].map(|j| (0..3).map(|i| matrix[i][j] * v[i]).sum::<f64>() / norm)
+        let length = norm(v).max(f64::MIN_POSITIVE);
+        [0, 1, 2].map(|j| (0..3).map(|i| calibration.matrix[i][j] * v[i]).sum::<f64>() / length)
     };
     readings_ut.map(gradient).collect()
 }
 
-/// The same of a residual that is seen along these directions of the sensor's axes, a sample each `step_s` (0 where unknown).
-pub fn residue_of(
-    residuals: &[f64],
-    directions: &[[f64; 3]],
-    parameters: usize,
-    step_s: f64,
-) -> NoiseEstimate {
+/// The same of a residual whose noise is known.
+pub fn residue_of(residuals: &[f64], noise: OwnNoise, parameters: usize) -> NoiseEstimate {
     let sizes = Sizes::of(residuals);
     let freedom = sizes.n.saturating_sub(parameters).max(1) as f64;
     let whole = sizes.rms * (sizes.n as f64 / freedom).sqrt();
-    let noise = OwnNoise::of(residuals, directions, step_s);
     // What is new from sample to sample is noise; of what is faster than that, what no neighbour predicts.
     let smooth = if sizes.quick < whole { sizes.quick } else { whole * noise.fresh.sqrt() };
     let share = 1.0 - (smooth / whole.max(1e-300)).powi(2);

@@ -46,6 +46,65 @@ pub struct Noise {
     filter: Filter,
 }
 
+/// `N` independent processes of first order, followed along a series that shows a sum of them beside white noise.
+pub struct Kalman<const N: usize> {
+    square: [f64; N],
+    covariance: [[f64; N]; N],
+    state: [f64; N],
+}
+
+impl<const N: usize> Kalman<N> {
+    /// Nothing seen yet, with the standard deviation of each process.
+    pub fn new(size: impl Fn(usize) -> f64) -> Self {
+        let square: [f64; N] = core::array::from_fn(|i| size(i).powi(2));
+        let mut covariance = [[0.0; N]; N];
+        for (i, row) in covariance.iter_mut().enumerate() {
+            row[i] = square[i];
+        }
+        Kalman { square, covariance, state: [0.0; N] }
+    }
+
+    /// Goes on to a value, `decay` of each process later, that sees them by these weights beside white noise of this variance: what was not
+    /// expected of it, its variance, and the gains.
+    pub fn step(
+        &mut self,
+        decay: &[f64; N],
+        seen: &[f64; N],
+        white: f64,
+        value: f64,
+    ) -> (f64, f64, [f64; N]) {
+        let v = &mut self.covariance;
+        let mut vh = [0.0; N];
+        for i in 0..N {
+            let mut sum = 0.0;
+            for j in 0..N {
+                v[i][j] *= decay[i] * decay[j];
+                sum += v[i][j] * seen[j];
+            }
+            let fresh = self.square[i] * (1.0 - decay[i] * decay[i]);
+            v[i][i] += fresh;
+            vh[i] = sum + fresh * seen[i];
+            self.state[i] *= decay[i];
+        }
+        let (mut variance, mut innovation) = (white, value);
+        for i in 0..N {
+            variance += seen[i] * vh[i];
+            innovation -= seen[i] * self.state[i];
+        }
+        let variance = variance.max(white);
+        let gain = vh.map(|vh| vh / variance);
+        // One triangle and its mirror: rounding must not make it lopsided.
+        for i in 0..N {
+            self.state[i] += gain[i] * innovation;
+            for j in i..N {
+                v[i][j] -= gain[i] * vh[j];
+                v[j][i] = v[i][j];
+            }
+        }
+        (innovation, variance, gain)
+    }
+}
+
 /// The Kalman gains of one wander.
 #[derive(Debug, Clone)]
 struct Filter {
@@ -90,12 +149,7 @@ impl Filter {
             log_det: 0.0,
         };
         let mut innovations = Vec::with_capacity(n);
-        let q0: [f64; N] = core::array::from_fn(|i| wander.size[(first + i) / 3].powi(2));
-        let mut v = [[0.0; N]; N];
-        for (i, square) in q0.into_iter().enumerate() {
-            v[i][i] = square;
-        }
-        let mut state = [0.0; N];
+        let mut kalman = Kalman::<N>::new(|i| wander.size[(first + i) / 3]);
         let mut last = track.time_s.first().copied().unwrap_or(0.0);
         let (mut step, mut phi) = (f64::NAN, [1.0; 2]);
         // Products of many variances: one logarithm for all of them.
@@ -107,43 +161,13 @@ impl Filter {
                 step = dt;
                 phi = wander.tau_s.map(|tau| (-dt / tau).exp());
             }
-            let decay: [f64; N] = core::array::from_fn(|i| phi[(first + i) / 3]);
             let (q, p) = (track.direction[k], track.slow_direction(k));
             let all = [q[0], q[1], q[2], p[0], p[1], p[2]];
-            let h: [f64; N] = core::array::from_fn(|i| all[first + i]);
-            let mut vh = [0.0; N];
-            for i in 0..N {
-                let mut sum = 0.0;
-                for j in 0..N {
-                    v[i][j] *= decay[i] * decay[j];
-                    sum += v[i][j] * h[j];
-                }
-                let fresh = q0[i] * (1.0 - decay[i] * decay[i]);
-                v[i][i] += fresh;
-                vh[i] = sum + fresh * h[i];
-                state[i] *= decay[i];
-            }
-            let mut f = 1.0 / track.weight[k];
-            let mut innovation = series[k];
-            for i in 0..N {
-                f += h[i] * vh[i];
-                innovation -= h[i] * state[i];
-            }
-            f = f.max(1.0 / track.weight[k]);
-            let mut gain = [0.0; N];
+            let decay = core::array::from_fn(|i| phi[(first + i) / 3]);
+            let seen = core::array::from_fn(|i| all[first + i]);
+            let (innovation, f, gain) = kalman.step(&decay, &seen, 1.0 / track.weight[k], series[k]);
             let mut whole = [0.0; 6];
-            for i in 0..N {
-                gain[i] = vh[i] / f;
-                state[i] += gain[i] * innovation;
-                whole[first + i] = gain[i];
-            }
-            // One triangle and its mirror: rounding must not make it lopsided.
-            for i in 0..N {
-                for j in i..N {
-                    v[i][j] -= gain[i] * vh[j];
-                    v[j][i] = v[i][j];
-                }
-            }
+            whole[first..first + N].copy_from_slice(&gain);
             let scale = 1.0 / f.sqrt();
             out.decay.push(phi);
             out.gain.push(whole);

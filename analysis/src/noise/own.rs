@@ -9,7 +9,7 @@ use crate::bounds::{
     FILTER_S, FILTER_SAMPLES, FLICKER_EXPONENTS, FORGOTTEN, LINE, MAX_NOISE_SAMPLES, MIN_ODDS, MOST_FRESH,
 };
 use crate::noise::cause::single_cause;
-use crate::noise::model::{Noise, Track, Wander};
+use crate::noise::model::{Kalman, Noise, Track, Wander};
 use crate::samples::fft;
 use serde::Serialize;
 
@@ -23,6 +23,8 @@ const NEARER: [f64; 3] = [1.5, 1.2, 1.1];
 const WHITE_AFTER: [f64; 7] = [0.0, 0.01, 0.04, 0.1, 0.2, 0.35, 0.5];
 /// Samples that a predictor looks back.
 const LOOKS_BACK: usize = 32;
+/// Rows of a sample, at most: the axes of a board at rest.
+const MAX_ROWS: usize = 3;
 
 /// A colour of noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -126,12 +128,14 @@ struct Seen<'s> {
     series: &'s [f64],
     /// How alike the directions are so many samples apart: what a vector remembers, its projection forgets as the board turns.
     alike: &'s [f64],
+    /// Rows of each sample.
+    rows: usize,
     /// The longest memory of a filter, samples.
     longest: f64,
 }
 
 /// Mean products of the directions at the lags of a predictor, over that at none.
-fn alike(directions: &[[f64; 3]]) -> Vec<f64> {
+fn alike(directions: &[[f64; 3]], rows: usize) -> Vec<f64> {
     let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let at = |lag: usize| {
         let pairs = directions.iter().zip(&directions[lag.min(directions.len())..]);
@@ -139,7 +143,7 @@ fn alike(directions: &[[f64; 3]]) -> Vec<f64> {
         pairs.map(|(a, b)| dot(a, b)).sum::<f64>() / n
     };
     let none = at(0).max(f64::MIN_POSITIVE);
-    (0..=LOOKS_BACK).map(|lag| at(lag) / none).collect()
+    (0..=LOOKS_BACK * rows).map(|lag| at(lag) / none).collect()
 }
 
 impl Seen<'_> {
@@ -162,17 +166,20 @@ impl Seen<'_> {
     /// the variance that each sample adds.
     fn innovations(&self, memory: Memory) -> (Vec<f64>, f64, f64) {
         let series = self.series;
-        let r: Vec<f64> = (0..=LOOKS_BACK).map(|lag| memory.correlation(lag) * self.alike[lag]).collect();
+        // Rows of one sample see different axes, which are not alike.
+        let back = LOOKS_BACK * self.rows;
+        let correlation = |lag: usize| memory.correlation(lag / self.rows) * self.alike[lag];
+        let r: Vec<f64> = (0..=back).map(correlation).collect();
         // Levinson and Durbin: the predictor of each order, and the variance that it leaves.
-        let (mut a, mut variance) = ([0.0; LOOKS_BACK + 1], 1.0_f64);
+        let (mut a, mut variance) = ([0.0; LOOKS_BACK * MAX_ROWS + 1], 1.0_f64);
         let mut log_det = 0.0;
         let mut innovations = Vec::with_capacity(series.len());
         for (k, value) in series.iter().enumerate() {
-            let order = k.min(LOOKS_BACK);
+            let order = k.min(back);
             let predicted: f64 = (1..=order).map(|lag| a[lag] * series[k - lag]).sum();
             innovations.push((value - predicted) / variance.sqrt());
             log_det += variance.ln();
-            if k < LOOKS_BACK {
+            if k < back {
                 let known: f64 = (1..=order).map(|lag| a[lag] * r[order + 1 - lag]).sum();
                 let reflection = (r[order + 1] - known) / variance;
                 let before = a;
@@ -246,55 +253,24 @@ impl Flicker {
 
     /// Innovations of a residual beside white noise of unit size, and the logarithm of the determinant.
     fn innovations(&self, track: &Track, series: &[f64]) -> (f64, Vec<f64>) {
-        const N: usize = 3 * PARTS;
-        let mut v = [[0.0; N]; N];
-        for (i, row) in v.iter_mut().enumerate() {
-            row[i] = self.size[i / 3].powi(2);
-        }
-        let mut state = [0.0; N];
+        let mut kalman = Kalman::<{ 3 * PARTS }>::new(|i| self.size[i / 3]);
         let mut last = track.time_s[0];
         let (mut step, mut phi) = (f64::NAN, [1.0; PARTS]);
         let mut log_det = 0.0;
-        let innovations = series
-            .iter()
-            .zip(&track.time_s)
-            .zip(&track.direction)
-            .map(|((value, time_s), q)| {
-                let dt = (time_s - last).max(0.0);
-                last = *time_s;
-                if dt != step {
-                    step = dt;
-                    phi = self.tau_s.map(|tau| (-dt / tau).exp());
-                }
-                let mut vh = [0.0; N];
-                for i in 0..N {
-                    let decay = phi[i / 3];
-                    let mut sum = 0.0;
-                    for j in 0..N {
-                        v[i][j] *= decay * phi[j / 3];
-                        sum += v[i][j] * q[j % 3];
-                    }
-                    let fresh = self.size[i / 3].powi(2) * (1.0 - decay * decay);
-                    v[i][i] += fresh;
-                    vh[i] = sum + fresh * q[i % 3];
-                    state[i] *= decay;
-                }
-                let seen =
-                    |state: &[f64; N]| state.iter().enumerate().map(|(i, s)| q[i % 3] * s).sum::<f64>();
-                let variance = (1.0 + seen(&vh)).max(1.0);
-                let innovation = value - seen(&state);
-                for i in 0..N {
-                    let gain = vh[i] / variance;
-                    state[i] += gain * innovation;
-                    for j in i..N {
-                        v[i][j] -= gain * vh[j];
-                        v[j][i] = v[i][j];
-                    }
-                }
-                log_det += variance.ln();
-                innovation / variance.sqrt()
-            })
-            .collect();
+        let mut innovations = Vec::with_capacity(series.len());
+        for ((value, time_s), q) in series.iter().zip(&track.time_s).zip(&track.direction) {
+            let dt = (time_s - last).max(0.0);
+            last = *time_s;
+            if dt != step {
+                step = dt;
+                phi = self.tau_s.map(|tau| (-dt / tau).exp());
+            }
+            let decay = core::array::from_fn(|i| phi[i / 3]);
+            let seen = core::array::from_fn(|i| q[i % 3]);
+            let (innovation, variance, _) = kalman.step(&decay, &seen, 1.0, *value);
+            log_det += variance.ln();
+            innovations.push(innovation / variance.sqrt());
+        }
         (log_det, innovations)
     }
 
@@ -307,9 +283,9 @@ impl Flicker {
 }
 
 /// The likeliest noise of a sensor, its −2 log likelihood with the price of its parameters, and the innovations under it.
-fn likeliest(track: &Track, series: &[f64], longest: f64) -> (Colour, f64, Vec<f64>) {
-    let alike = alike(&track.direction);
-    let filtered = Seen { series, alike: &alike, longest };
+fn likeliest(track: &Track, series: &[f64], rows: usize, longest: f64) -> (Colour, f64, Vec<f64>) {
+    let alike = alike(&track.direction, rows);
+    let filtered = Seen { series, alike: &alike, rows, longest };
     let (memory, least) = filtered.likeliest();
     let mut beside = (f64::INFINITY, 0.0, 1.0);
     let try_size = |size: f64, exponent: f64, beside: &mut (f64, f64, f64)| {
@@ -333,7 +309,7 @@ fn likeliest(track: &Track, series: &[f64], longest: f64) -> (Colour, f64, Vec<f
     let (_, size, exponent) = beside;
     let flicker = Flicker::new(track, size, exponent);
     let (log_det, innovations) = flicker.innovations(track, series);
-    let rest = Seen { series: &innovations, alike: &alike, longest };
+    let rest = Seen { series: &innovations, alike: &alike, rows, longest };
     let (behind, cost) = rest.likeliest();
     let cost = cost + log_det + 2.0 * (series.len() as f64).ln();
     if cost < least {
@@ -356,12 +332,13 @@ fn line(innovations: &[f64]) -> (f64, f64) {
 
 /// Whether the general noise has no memory beyond that of a filter of so many samples, and no line in its spectrum: a smoothing or a
 /// differentiating filter has its highest gain at one end.
-fn is_filtered(wander: &Wander, ar: &[f64], longest: f64, step: f64) -> bool {
+fn is_filtered(wander: &Wander, ar: &[f64], rows: usize, longest: f64, step: f64) -> bool {
     let longest_tau = longest * step / FORGOTTEN.recip().ln();
     let is_short = (0..2).all(|part| wander.size[part] == 0.0 || wander.tau_s[part] <= longest_tau);
-    let response = response(ar, 8 * longest as usize);
+    let longest = rows * longest as usize;
+    let response = response(ar, 8 * longest);
     let energy = |part: &[f64]| part.iter().map(|v| v * v).sum::<f64>();
-    let beyond = energy(&response[(longest as usize).min(response.len())..]);
+    let beyond = energy(&response[longest..]);
     let gain = |turns: f64| {
         let sum = |wave: fn(f64) -> f64| {
             ar.iter().enumerate().map(|(lag, a)| a * wave(turns * lag as f64)).sum::<f64>()
@@ -395,61 +372,61 @@ pub struct OwnNoise {
 }
 
 impl OwnNoise {
-    /// Of a residual that is seen along these directions of the sensor's axes, a sample each `step_s` (0 where unknown).
-    pub fn of(residual: &[f64], directions: &[[f64; 3]], step_s: f64) -> OwnNoise {
-        let step = if step_s > 0.0 { step_s } else { 1.0 };
-        let near = Self::of_series(residual, directions, step_s, |k| step * k as f64);
+    /// Of a residual that is seen along these directions of the sensor's axes, `rows` of them in each sample, a sample each `step_s` (0 where
+    /// unknown).
+    pub fn of(residual: &[f64], directions: &[[f64; 3]], rows: usize, step_s: f64) -> OwnNoise {
+        let near = Self::of_series(residual, directions, rows, step_s);
         if residual.len() <= MAX_NOISE_SAMPLES {
             return near;
         }
-        // What is slow shows in means over the whole log.
+        // What is slow shows in means over the whole log, as large as if white noise were as before.
         let size = residual.len().div_ceil(MAX_NOISE_SAMPLES);
         let root = (size as f64).sqrt();
-        let means: Vec<f64> =
-            residual.chunks_exact(size).map(|chunk| root * chunk.iter().sum::<f64>() / size as f64).collect();
-        let axis = |chunk: &[[f64; 3]], i: usize| chunk.iter().map(|q| q[i]).sum::<f64>() / size as f64;
-        let seen: Vec<[f64; 3]> =
-            directions.chunks_exact(size).map(|chunk| [0, 1, 2].map(|i| axis(chunk, i))).collect();
-        let far = Self::of_series(&means, &seen, size as f64 * step_s, |k| size as f64 * step * k as f64);
+        let (mut means, mut seen) = (Vec::new(), Vec::new());
+        for (values, axes) in residual.chunks_exact(rows * size).zip(directions.chunks_exact(rows * size)) {
+            for row in 0..rows {
+                let mean = |sum: f64| sum / size as f64;
+                means.push(root * mean(values.iter().skip(row).step_by(rows).sum()));
+                let axis = |i: usize| mean(axes.iter().skip(row).step_by(rows).map(|q| q[i]).sum());
+                seen.push([0, 1, 2].map(axis));
+            }
+        }
+        let far = Self::of_series(&means, &seen, rows, size as f64 * step_s);
         OwnNoise { odds: near.odds.max(far.odds), ..near }
     }
 
-    fn of_series(
-        residual: &[f64],
-        directions: &[[f64; 3]],
-        step_s: f64,
-        time_s: impl Fn(usize) -> f64,
-    ) -> OwnNoise {
-        let n = residual.len().min(MAX_NOISE_SAMPLES);
-        let begin = (residual.len() - n) / 2;
+    /// The same of the middle of a series.
+    fn of_series(residual: &[f64], directions: &[[f64; 3]], rows: usize, step_s: f64) -> OwnNoise {
+        let step = if step_s > 0.0 { step_s } else { 1.0 };
+        let samples = residual.len().min(MAX_NOISE_SAMPLES) / rows;
+        let (n, begin) = (rows * samples, (residual.len() / rows - samples) / 2 * rows);
         let series = &residual[begin..begin + n];
         let track = Track {
-            time_s: (0..n).map(time_s).collect(),
+            time_s: (0..n).map(|row| step * (row / rows) as f64).collect(),
             direction: directions[begin..begin + n].to_vec(),
             weight: vec![1.0; n],
             ..Track::default()
         };
         let whole = series.iter().map(|v| v * v).sum::<f64>() / n.max(1) as f64;
-        let white = OwnNoise { colour: Colour::White, odds: 0.0, fresh: 1.0 };
         if n < 2 * LOOKS_BACK || !(whole > 0.0 && whole.is_finite()) {
-            return white;
+            return OwnNoise { colour: Colour::White, odds: 0.0, fresh: 1.0 };
         }
         let general = Noise::fit(&track, series, None, f64::INFINITY);
         let cost = general.cost + general.wander.price(n);
         let is_white = Seen::white(series) < cost + MIN_ODDS;
         let by_time = if step_s > 0.0 { FILTER_S / step_s } else { 0.0 };
         // A memory of an eighth of a series is not told from a wander.
-        let longest = by_time.clamp(FILTER_SAMPLES, (n as f64 / 8.0).max(FILTER_SAMPLES));
+        let longest = by_time.clamp(FILTER_SAMPLES, (samples as f64 / 8.0).max(FILTER_SAMPLES));
         let (colour, own, innovations) = match is_white {
             true => (Colour::White, cost, series.to_vec()),
-            false => likeliest(&track, series, longest),
+            false => likeliest(&track, series, rows, longest),
         };
-        let step = if step_s > 0.0 { step_s } else { 1.0 };
         // A filter may be another one than those that have a name.
         let fresh = (general.variance / whole).min(1.0);
         // Something slow beside white noise is no filter's.
         let most = if fresh > MOST_FRESH { FILTER_SAMPLES } else { longest };
-        let own = if is_filtered(&general.wander, &general.ar, most, step) { own.min(cost) } else { own };
+        let own =
+            if is_filtered(&general.wander, &general.ar, rows, most, step) { own.min(cost) } else { own };
         // A line stands out whichever of the two whitens the series.
         let mut whitened = series.to_vec();
         general.whiten(&track, 1, &mut whitened);
@@ -534,7 +511,7 @@ mod tests {
         let directions = directions();
         let seen = |(k, q): (usize, &[f64; 3])| (0..3).map(|i| axes[i][k] * q[i]).sum::<f64>() + error(k, q);
         let residual: Vec<f64> = directions.iter().enumerate().map(seen).collect();
-        OwnNoise::of(&residual, &directions, 0.05)
+        OwnNoise::of(&residual, &directions, 1, 0.05)
     }
 
     #[test]
@@ -602,8 +579,31 @@ mod tests {
     }
 
     #[test]
+    fn a_board_at_rest_shows_each_axis_for_itself() {
+        let unit = |row: usize| [0, 1, 2].map(|i| f64::from(u8::from(row % 3 == i)));
+        let directions: Vec<[f64; 3]> = (0..3 * N).map(unit).collect();
+        for seed in 0..4 {
+            let mut rng = ChaCha8Rng::seed_from_u64(200 + seed);
+            let axes = [(); 3].map(|()| noise(Colour::Ar1(0.7), &mut rng));
+            let history = noise(Colour::Ar1(0.95), &mut rng);
+            let along = [0.8, 0.5, -0.33];
+            let rows = |cause: f64| -> Vec<f64> {
+                (0..3 * N)
+                    .map(|row| axes[row % 3][row / 3] + cause * along[row % 3] * history[row / 3])
+                    .collect()
+            };
+            let own = OwnNoise::of(&rows(0.0), &directions, 3, 0.05);
+            let is_near = matches!(own.colour, Colour::Ar1(rho) if (rho - 0.7).abs() < 0.05);
+            assert!(is_near && own.is_noise(), "seed {seed}: {own:?}");
+            let moved = OwnNoise::of(&rows(1.5), &directions, 3, 0.05);
+            assert!(!moved.is_noise(), "seed {seed}: {moved:?}");
+        }
+    }
+
+    #[test]
     fn a_resonance_is_a_line_and_a_smooth_filter_is_none() {
-        let filtered = |ar: &[f64]| is_filtered(&Wander { tau_s: [1.0; 2], size: [0.0; 2] }, ar, 16.0, 0.05);
+        let filtered =
+            |ar: &[f64]| is_filtered(&Wander { tau_s: [1.0; 2], size: [0.0; 2] }, ar, 1, 16.0, 0.05);
         // A Butterworth filter of second order, a difference, and a pole near the unit circle.
         assert!(filtered(&[1.0, -1.0, 0.47]));
         assert!(filtered(&[1.0, 0.66, 0.47, 0.27]));

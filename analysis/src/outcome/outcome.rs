@@ -153,7 +153,7 @@ pub struct Heading {
 pub struct NoiseRow {
     /// What it is most like.
     pub colour: Colour,
-    /// By how many standard deviations its spectrum is another one than that.
+    /// The root of twice the log of the odds that it is something else: standard deviations, if it were one number.
     pub misfit: f64,
     /// Whether it is that noise and nothing more.
     pub is_noise: bool,

@@ -3,7 +3,6 @@
 use crate::calibration::STANDARD_GRAVITY_MPS2;
 use crate::samples::gravity;
 use crate::samples::pairs::pairs;
-use crate::samples::series::quantum;
 use crate::samples::work::Work;
 use crate::table::{Follows, Table};
 use crate::track::Place;
@@ -83,8 +82,6 @@ pub struct Samples {
     pub stride: usize,
     /// Axes that carry data of their own.
     pub axes: [bool; 3],
-    /// The coarsest step of the readings, µT.
-    pub quantum_ut: f64,
     /// How much was looked at.
     pub work: Work,
     /// Second moment of the zero error that the accelerometer is expected to have, (m/s²)².
@@ -259,14 +256,11 @@ impl Samples {
             row,
             stride,
             axes,
-            quantum_ut: 0.0,
             work: Work::default(),
             zero_error_square: gravity::zero_error_square(table),
             gyro_zero_covariance: quiet.map_or_else(Matrix3::zeros, |quiet| quiet.gyro_zero_covariance),
             follows,
         };
-        let quantum = || table.field_ut.iter().map(|axis| quantum(axis)).fold(0.0, f64::max);
-        samples.quantum_ut = *table.derived.quantum_ut.get_or_init(quantum);
         samples.find_down(table, 0.0);
         samples
     }

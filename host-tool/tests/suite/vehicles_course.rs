@@ -1,7 +1,7 @@
 //! Cars of another hand's generator, written as ArduPilot and PX4 log rovers, with the course of a GPS receiver.
 
 use crate::common::{folder, ironout, text, write};
-use crate::vehicles_flights::{MAX_ERRORS, START_US, errors, offset_ut, three};
+use crate::vehicles_flights::{MAX_ERRORS, START_US, errors, imu, offset_ut, three};
 use crate::writers::dataflash::Cell::{N, T};
 use crate::writers::dataflash::Dataflash;
 use crate::writers::ulog::{Ulog, Value, floats};
@@ -86,10 +86,7 @@ fn ardupilot(drawn: &Drawn, firmware: &str, yaw: Yaw) -> Vec<u8> {
     let every = (drawn.truth.rate_hz / 5.0).round().max(1.0) as usize;
     for row in 0..time_s.len() {
         let (time, zero) = (N((START_US + 1e6 * time_s[row]).round()), N(0.0));
-        let ([gx, gy, gz], [ax, ay, az]) =
-            (three(drawn, "g", "radps", row).map(N), three(drawn, "a", "mps2", row).map(N));
-        let rest = [zero, zero, N(35.5), N(1.0), N(1.0), N(1000.0), N(1000.0)];
-        file.message("IMU", &[&[time, zero, gx, gy, gz, ax, ay, az][..], &rest].concat());
+        imu(&mut file, drawn, time, row);
         if row % every == 0 {
             let head = [time, zero, N(3.0), zero, zero, N(9.0), N(0.8), zero, zero, zero];
             file.message("GPS", &[&head[..], &[N(SPEED_MPS), N(course_deg(drawn, row))]].concat());

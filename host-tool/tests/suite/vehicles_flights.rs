@@ -2,7 +2,7 @@
 
 use crate::common::{folder, ironout, text, write};
 use crate::writers::dataflash::Cell::{N, T};
-use crate::writers::dataflash::Dataflash;
+use crate::writers::dataflash::{Cell, Dataflash};
 use crate::writers::ulog::{Ulog, Value, floats};
 use second_generator::{Drawn, Kind, draw};
 use serde_json::Value as Json;
@@ -64,6 +64,15 @@ enum Says {
     Angles,
 }
 
+/// The `IMU` message of a row.
+pub fn imu(file: &mut Dataflash, drawn: &Drawn, time: Cell<'static>, row: usize) {
+    let [gx, gy, gz] = three(drawn, "g", "radps", row).map(N);
+    let [ax, ay, az] = three(drawn, "a", "mps2", row).map(N);
+    let zero = N(0.0);
+    let rest = [zero, zero, N(35.5), N(1.0), N(1.0), N(1000.0), N(1000.0)];
+    file.message("IMU", &[&[time, zero, gx, gy, gz, ax, ay, az][..], &rest].concat());
+}
+
 fn ardupilot(drawn: &Drawn, says: Says) -> Vec<u8> {
     let mut file = Dataflash::new();
     file.message("MSG", &[N(1000.0), T("ArduCopter V4.5.7 (2a3dc4b7)")]);
@@ -73,10 +82,7 @@ fn ardupilot(drawn: &Drawn, says: Says) -> Vec<u8> {
     let time_s = drawn.column("t_s").expect("a time");
     for row in 0..time_s.len() {
         let (time, zero) = (N((START_US + 1e6 * time_s[row]).round()), N(0.0));
-        let ([gx, gy, gz], [ax, ay, az]) =
-            (three(drawn, "g", "radps", row).map(N), three(drawn, "a", "mps2", row).map(N));
-        let rest = [zero, zero, N(35.5), N(1.0), N(1.0), N(1000.0), N(1000.0)];
-        file.message("IMU", &[&[time, zero, gx, gy, gz, ax, ay, az][..], &rest].concat());
+        imu(&mut file, drawn, time, row);
         let current = N(drawn.column("current_a").expect("a current")[row]);
         file.message("BAT", &[time, zero, N(16.0), N(16.0), current, zero, zero, zero, N(21.5), zero]);
         if row % 10 == 0 {
