@@ -7,7 +7,6 @@
 mod base;
 mod closest_point;
 mod correct;
-mod direct;
 mod fixed_point;
 mod rows;
 mod sample;

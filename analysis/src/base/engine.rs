@@ -4,7 +4,6 @@ use crate::base::prior::Prior;
 use crate::base::term::{BadShape, COLUMNS, Matrix, TERMS, Term};
 use crate::samples::samples::Samples;
 use crate::threads::{ALONE, halves};
-use ironout::effect::Acts;
 use ironout::study::{Model, NoRow, NotFinite, Residual};
 
 /// When a fit ends.
@@ -22,9 +21,6 @@ pub struct End {
 
 /// Good enough to go on from: what is left of the way is a thirtieth of a standard error.
 const USUAL: End = End { step_left: 1e-9, variances_left: 1e-3, steps_near: 1, steps: 24 };
-
-/// A few steps, where what is fitted moves in the next round anyway.
-const ROUGH: End = End { steps: 4, ..USUAL };
 
 /// Where the steps themselves end, wherever they began: the shape of a coupling depends on the model, which its derivatives
 /// leave out, so that the least sum is not quite where no step is left.
@@ -47,9 +43,6 @@ const MOST_ALIKE: u32 = 4;
 /// Steps so damped that do not lower the error either end a fit.
 const TOO_DAMPED: f64 = 1e2;
 
-/// A fit over more samples is not begun again: a long log is searched in a thinned copy, and what that has found is near.
-const MOST_FROM_FAR: usize = 12_000;
-
 /// So many effects are most of the passes; the room for more costs each sample its clearing.
 const FEW_TERMS: usize = 5;
 
@@ -60,14 +53,12 @@ pub struct Design<'a> {
     pub samples: &'a Samples,
     /// The residual.
     pub residual: Residual,
-    /// Whether the magnitude's shapes are taken at the readings themselves, to come from far.
-    direct: bool,
 }
 
 impl<'a> Design<'a> {
     /// Over these samples.
     pub fn new(samples: &'a Samples, residual: Residual) -> Self {
-        Design { samples, residual, direct: false }
+        Design { samples, residual }
     }
 }
 
@@ -102,10 +93,9 @@ impl Design<'_> {
                 }
                 axis += 1;
             };
-            let done = match (self.direct, at_sample.len() <= FEW_TERMS) {
-                (true, _) => model.direct_rows::<TERMS, COLUMNS>(reading, &at_sample, push),
-                (false, true) => model.rows::<FEW_TERMS, COLUMNS>(self.residual, reading, &at_sample, push),
-                (false, false) => model.rows::<TERMS, COLUMNS>(self.residual, reading, &at_sample, push),
+            let done = match at_sample.len() <= FEW_TERMS {
+                true => model.rows::<FEW_TERMS, COLUMNS>(self.residual, reading, &at_sample, push),
+                false => model.rows::<TERMS, COLUMNS>(self.residual, reading, &at_sample, push),
             };
             match done {
                 Ok(()) | Err(NoRow::NotFinite(NotFinite::Sample)) => {}
@@ -249,49 +239,8 @@ impl Design<'_> {
         self.fit_to(USUAL, model, terms, known)
     }
 
-    /// A few steps towards it.
-    pub fn approach<'a>(
-        &self,
-        model: Model<f64>,
-        terms: Vec<Term<'a>>,
-        known: &Prior,
-    ) -> Result<Option<Fitted<'a>>, BadShape> {
-        self.steps_to(ROUGH, model, terms, known)
-    }
-
-    /// The same to another end. Where that is not reached, and an effect reads the field it disturbs, the fit begins once more
-    /// from where one at the readings themselves ends: the closest point moves with what is fitted, and from far steps go astray.
+    /// The same to another end.
     pub fn fit_to<'a>(
-        &self,
-        end: End,
-        model: Model<f64>,
-        terms: Vec<Term<'a>>,
-        known: &Prior,
-    ) -> Result<Option<Fitted<'a>>, BadShape> {
-        let reads = |term: &Term| term.acts(Acts::Measured);
-        if self.direct || self.residual != Residual::Magnitude || !terms.iter().any(reads) {
-            return self.steps_to(end, model, terms, known);
-        }
-        let plain = self.steps_to(end, model, terms.clone(), known)?;
-        let long = self.samples.len() > MOST_FROM_FAR;
-        if long || plain.as_ref().is_some_and(|fitted| fitted.converged) {
-            return Ok(plain);
-        }
-        let direct = Design { direct: true, ..*self };
-        let far = match direct.steps_to(end, model, terms, known) {
-            Ok(far) => far,
-            Err(BadShape::NotFinite(_)) => None,
-            Err(bad) => return Err(bad),
-        };
-        let Some(far) = far else { return Ok(plain) };
-        let near = self.steps_to(end, far.model, far.terms, known)?;
-        let squares =
-            |fitted: &Option<Fitted>| fitted.as_ref().map_or(f64::INFINITY, |fitted| fitted.squares);
-        Ok(if squares(&near) < squares(&plain) { near } else { plain })
-    }
-
-    /// The steps of one fit.
-    fn steps_to<'a>(
         &self,
         end: End,
         model: Model<f64>,

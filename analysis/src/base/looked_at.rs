@@ -7,31 +7,15 @@ use std::sync::Arc;
 /// Somebody's effect, shared.
 pub type Shared<'a> = Arc<dyn Effect<f64> + Send + Sync + 'a>;
 
-/// Where the shape is looked at.
-pub trait Place: Send + Sync {
-    /// The vector in place of the measured one, µT.
-    fn vector_ut(&self, inner: &dyn Effect<f64>, at: &Quantities<f64>) -> [f64; 3];
-}
-
-/// A vector that is known: of one sample, µT.
-#[derive(Clone, Copy)]
-pub struct Seen(pub [f64; 3]);
-
-impl Place for Seen {
-    fn vector_ut(&self, _: &dyn Effect<f64>, _: &Quantities<f64>) -> [f64; 3] {
-        self.0
-    }
-}
-
-/// The effect, looked at there.
-pub struct LookedAt<'a, P> {
+/// The effect, looked at a vector that is known: of one sample.
+pub struct LookedAt<'a> {
     /// The effect.
     pub inner: Shared<'a>,
-    /// Where its shape is looked at.
-    pub place: P,
+    /// The vector in place of the measured one, µT.
+    pub vector_ut: [f64; 3],
 }
 
-impl<P: Place> Effect<f64> for LookedAt<'_, P> {
+impl Effect<f64> for LookedAt<'_> {
     fn id(&self, out: &mut dyn fmt::Write) -> fmt::Result {
         self.inner.id(out)
     }
@@ -60,7 +44,6 @@ impl<P: Place> Effect<f64> for LookedAt<'_, P> {
         self.inner.delay_s(coefficients)
     }
     fn shape(&self, at: &Quantities<f64>, shape: &mut Shape<f64>) {
-        let measured_ut = self.place.vector_ut(self.inner.as_ref(), at);
-        self.inner.shape(&Quantities { measured_ut, ..*at }, shape);
+        self.inner.shape(&Quantities { measured_ut: self.vector_ut, ..*at }, shape);
     }
 }

@@ -2,9 +2,11 @@
 
 use crate::base::looked_at::Shared;
 use ironout::effect::{
-    Acts, BuiltIn, ColumnName, Follows, MAX_COEFFICIENTS, MAX_INPUTS, Made, Named, Parts, Registry, Searched,
+    Acts, BuiltIn, ColumnName, Follows, Form, MAX_COEFFICIENTS, MAX_INPUTS, Made, Named, Parts, Quantities,
+    Registry, Searched, Shape, no_shape,
 };
 use ironout::study::{Normal, Term as SampleTerm};
+use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// Most columns of one pass.
@@ -16,15 +18,6 @@ pub const BLOCKS: usize = 10;
 
 /// A normal matrix of this host.
 pub type Matrix = Normal<f64, COLUMNS>;
-
-/// Which times a tone goes by: for what is slower they are the same.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Clock {
-    /// Those of the rows' stamps.
-    Stamps,
-    /// Those of the even grid behind stamps of arrival.
-    Even,
-}
 
 /// An effect with its coefficients and the values of its columns at every sample.
 #[derive(Clone)]
@@ -41,8 +34,8 @@ pub struct Term<'a> {
     pub inputs: Arc<Vec<[f64; MAX_INPUTS]>>,
     /// Among how many trials what fixes its shape was found; 1 where nothing was searched.
     pub trials: f64,
-    /// The clock that its time is of.
-    pub clock: Clock,
+    /// Twice the log of the prior odds against this form.
+    pub odds: f64,
     /// The same effect at each sample, looked at a vector that is known there; `None` where it is looked at the measured one.
     pub known_at: Option<KnownAt<'a>>,
 }
@@ -56,8 +49,7 @@ impl<'a> Term<'a> {
         let id = ironout::effect::Id(&made).to_string();
         let effect = ready(made);
         let coefficients = [0.0; MAX_COEFFICIENTS];
-        let (clock, known_at) = (Clock::Stamps, None);
-        Term { id, made: Some(made), effect, coefficients, inputs, trials: 1.0, clock, known_at }
+        Term { id, made: Some(made), effect, coefficients, inputs, trials: 1.0, odds: 0.0, known_at: None }
     }
 
     /// The parts of the effect.
@@ -110,6 +102,45 @@ impl<'a> Term<'a> {
             Some(made) if !made.parts().form.dip_only => made.family().delay_coefficients(made.parts().form),
             _ => &[],
         }
+    }
+
+    /// Its form.
+    pub fn form(&self) -> Option<&'static Form> {
+        Some(self.parts()?.form)
+    }
+
+    /// Name of its column, or of its two; empty where it has none.
+    pub fn column(&self) -> &'a str {
+        self.parts().map_or("", |parts| parts.column)
+    }
+
+    /// Whether a log may hold several of it.
+    pub fn is_repeated(&self) -> bool {
+        self.form().is_some_and(Form::is_repeated)
+    }
+
+    /// Coefficients that the magnitude can show: a pure delay among them is hidden.
+    pub fn visible(&self) -> usize {
+        self.k() - usize::from(!self.hidden_delay().is_empty())
+    }
+
+    /// Whether its shape depends on the reading.
+    pub fn reads(&self) -> bool {
+        self.made.is_some() && !self.acts(Acts::Added)
+    }
+
+    /// Vectors per unit of each coefficient at a sample, µT.
+    pub fn shape(&self, sample: usize, at: &Quantities<f64>) -> Shape<f64> {
+        let mut shape = no_shape();
+        let inputs = self.inputs.get(sample).copied().unwrap_or_default();
+        self.effect.shape(&Quantities { inputs, ..*at }, &mut shape);
+        shape
+    }
+
+    /// Disturbance at a sample, µT.
+    pub fn disturbance(&self, sample: usize, at: &Quantities<f64>) -> Vector3<f64> {
+        let shape = self.shape(sample, at);
+        (0..self.k()).map(|c| Vector3::from(shape[c]) * self.coefficients[c]).sum()
     }
 
     /// Whether it has a coefficient that is not zero.

@@ -1,14 +1,14 @@
 //! The terms that a log allows: fixed forms, and those with a place, a frequency or a delay to be searched.
 
+use crate::base::term::Term;
 use crate::bounds::{
     ALONE_ODDS, DERIVED_ODDS, MAX_COLUMNS_PAIRED, MAX_DELAY_S, MAX_LEAD_S, MAX_TIME_CONSTANT_S, MIN_TONE_HZ,
 };
 use crate::evidence::fit::Fit;
 use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
-use crate::evidence::term::Term;
 use crate::samples::fft;
-use ironout::effect::{ColumnKind, Follows, Named, Registry, Searched};
+use ironout::effect::{ColumnKind, Family, Follows, Form, Named, Registry, Searched};
 
 /// Places of a first look for a step.
 const STEP_PLACES: usize = 48;
@@ -23,6 +23,15 @@ pub struct Catalogue<'l, 'a> {
     pub count: f64,
 }
 
+/// The columns that a form of an effect suits; the empty one where it has none.
+fn columns_of<'a>(log: &Log<'a>, family: &dyn Family, form: &Form) -> Vec<&'a str> {
+    if !form.column {
+        return vec![""];
+    }
+    let names = log.usable().map(|index| log.samples.columns[index].name.as_str());
+    names.filter(|name| family.suits(name)).collect()
+}
+
 impl<'l, 'a> Catalogue<'l, 'a> {
     /// Of a log.
     pub fn new(log: &'l Log<'a>, registry: Registry) -> Self {
@@ -33,12 +42,8 @@ impl<'l, 'a> Catalogue<'l, 'a> {
                 if !form.offered || form.dip_only {
                     continue;
                 }
-                let suits = |index: &usize| family.suits(&log.samples.columns[*index].name);
-                let columns: Vec<Option<usize>> =
-                    if form.column { log.usable().filter(suits).map(Some).collect() } else { vec![None] };
-                for column in columns {
-                    let named = Named { family, column: "", form };
-                    let Some(mut term) = Term::new(log, &named, column, 0.0) else { continue };
+                for column in columns_of(log, family, form) {
+                    let Some(mut term) = log.term(&Named { family, column, form }, 0.0) else { continue };
                     count += 1.0;
                     if form.searched.is_some() {
                         continue;
@@ -51,47 +56,67 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         Catalogue { log, registry, fixed, count }
     }
 
-    /// The best places of the searched forms at a fit.
+    /// The best places of the searched forms at a fit, and products of columns.
     pub fn searched(&self, fit: &Fit<'a>, screen: &Screen) -> Vec<Term<'a>> {
         let mut list = Vec::new();
-        for family in self.registry.families().filter(|family| self.log.tells(family.acts())) {
-            for form in family.forms().iter().copied().filter(|form| form.offered && !form.dip_only) {
-                let named = Named { family, column: "", form };
-                match form.searched {
-                    Some(Searched::At) => list.extend(self.step(&named, fit, screen)),
-                    Some(Searched::Frequency) => list.extend(self.tone(&named, fit, screen)),
-                    Some(Searched::Delay) if form.column => {
-                        list.extend(
-                            self.log.usable().filter_map(|column| self.late(&named, column, fit, screen)),
-                        );
-                    }
-                    Some(Searched::TimeConstant) if form.column => {
-                        let columns = self.log.usable().filter_map(|column| {
-                            let odds = self.low_pass_odds(column, fit)?;
-                            let mut term = self.low_pass(&named, column, fit, screen)?;
-                            term.odds = odds;
-                            Some(term)
-                        });
-                        list.extend(columns);
-                    }
-                    _ => {}
-                }
-            }
+        for named in self.forms_searched() {
+            let odds = match named.form.searched {
+                Some(Searched::TimeConstant) => self.low_pass_odds(named.column, fit),
+                _ => Some(if named.form.column { DERIVED_ODDS } else { 0.0 }),
+            };
+            let Some(odds) = odds else { continue };
+            list.extend(self.asked(&named, fit, screen).map(|term| Term { odds, ..term }));
         }
         list.extend(self.products(fit));
         list
     }
 
+    /// What is told of a log beside a fit: the fixed forms, steps and tones, and the past of columns that act in the model. The past of any
+    /// other column shows through the column.
+    pub fn told(&self, fit: &Fit<'a>, screen: &Screen) -> Vec<Term<'a>> {
+        let mut list = self.fixed.clone();
+        let is_told = |named: &Named| !named.form.column || Self::acts_alone(fit, named.column);
+        let searched = self.forms_searched().into_iter().filter(is_told);
+        list.extend(searched.filter_map(|named| self.asked(&named, fit, screen)));
+        list.retain(|term| term.is_repeated() || !fit.model.terms.iter().any(|own| own.id == term.id));
+        list
+    }
+
+    /// The forms of which something is searched, of each column that they suit.
+    fn forms_searched(&self) -> Vec<Named<'a>> {
+        let mut list = Vec::new();
+        for family in self.registry.families().filter(|family| self.log.tells(family.acts())) {
+            for form in family.forms().iter().copied() {
+                if form.offered && !form.dip_only && form.searched.is_some() {
+                    let columns = columns_of(self.log, family, form);
+                    list.extend(columns.into_iter().map(|column| Named { family, column, form }));
+                }
+            }
+        }
+        list
+    }
+
+    /// An effect at a fit, what is searched of it at its likeliest place.
+    pub fn asked(&self, named: &Named, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
+        match named.form.searched {
+            Some(Searched::At) => self.step(named, fit, screen),
+            Some(Searched::Frequency) => self.tone(named, fit, screen),
+            Some(Searched::Delay) => self.late(named, fit, screen),
+            Some(Searched::TimeConstant) => self.low_pass(named, fit, screen),
+            None => self.log.term(named, 0.0),
+        }
+    }
+
     /// Whether a column acts as an offset in the model, through no past of it.
     fn acts_alone(fit: &Fit<'a>, column: &str) -> bool {
-        let alone = |term: &Term| term.made.family().kind() == "offset" && term.form().searched.is_none();
-        fit.model.terms.iter().any(|term| alone(term) && term.column() == column)
+        let alone = |named: Named| named.family.kind() == "offset" && named.form.searched.is_none();
+        let named = fit.model.terms.iter().filter_map(Term::named);
+        named.into_iter().any(|named| alone(named) && named.column == column)
     }
 
     /// Odds against a low-pass of a column. What is warmed, and what a power module filters, has a temperature or a current behind it: any
     /// other column only where it acts itself, since through a low-pass all are smooth, and smooth columns imitate each other.
-    fn low_pass_odds(&self, column: usize, fit: &Fit<'a>) -> Option<f64> {
-        let name = &self.log.samples.columns[column].name;
+    fn low_pass_odds(&self, name: &str, fit: &Fit<'a>) -> Option<f64> {
         if Self::acts_alone(fit, name) {
             return Some(DERIVED_ODDS);
         }
@@ -112,8 +137,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
             }
             for other in names.iter().filter(|other| *other != own) {
                 let id = format!("product:{other}*{own}");
-                let Some(mut term) =
-                    self.registry.parse(&id).and_then(|named| Term::new(self.log, &named, None, 0.0))
+                let Some(mut term) = self.registry.parse(&id).and_then(|named| self.log.term(&named, 0.0))
                 else {
                     continue;
                 };
@@ -122,7 +146,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
             }
         }
         let count = list.len() as f64;
-        list.iter_mut().for_each(|term| term.places = count);
+        list.iter_mut().for_each(|term| term.trials = count);
         list
     }
 
@@ -130,15 +154,12 @@ impl<'l, 'a> Catalogue<'l, 'a> {
     fn best(
         &self,
         named: &Named<'_>,
-        column: Option<usize>,
         parameters: impl IntoIterator<Item = f64>,
         fit: &Fit<'a>,
         screen: &Screen,
     ) -> Option<(f64, f64)> {
-        let terms: Vec<Term<'a>> = parameters
-            .into_iter()
-            .filter_map(|parameter| Term::new(self.log, named, column, parameter))
-            .collect();
+        let terms: Vec<Term<'a>> =
+            parameters.into_iter().filter_map(|parameter| self.log.term(named, parameter)).collect();
         let refs: Vec<&Term<'a>> = terms.iter().collect();
         let gains = screen.gains(fit, &refs);
         let best = (0..terms.len()).max_by(|&i, &j| gains[i].total_cmp(&gains[j]))?;
@@ -148,19 +169,19 @@ impl<'l, 'a> Catalogue<'l, 'a> {
     fn step(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
         let (first, length) = (*self.log.time_s.first()?, self.log.length_s());
         let grid = (1..STEP_PLACES).map(|i| first + length * i as f64 / STEP_PLACES as f64);
-        let (mut at, _) = self.best(named, None, grid, fit, screen)?;
+        let (mut at, _) = self.best(named, grid, fit, screen)?;
         let mut width = length / STEP_PLACES as f64;
         while width > 0.5 * self.log.step_s() {
             let near = (-4..=4).map(|i| at + width * f64::from(i) / 4.0);
-            at = self.best(named, None, near, fit, screen)?.0;
+            at = self.best(named, near, fit, screen)?.0;
             width /= 4.0;
         }
-        let mut term = Term::new(self.log, named, None, at)?;
-        term.places = STEP_PLACES as f64;
+        let mut term = self.log.term(named, at)?;
+        term.trials = STEP_PLACES as f64;
         Some(term)
     }
 
-    fn late(&self, named: &Named<'_>, column: usize, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
+    fn late(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
         let step = self.log.step_s();
         let most = MAX_DELAY_S.min(0.2 * self.log.length_s());
         let mut grid = Vec::new();
@@ -173,35 +194,34 @@ impl<'l, 'a> Catalogue<'l, 'a> {
             }
             (a, b) = (b, a + b);
         }
-        self.past(named, column, (grid, [0.3, 0.08]), fit, screen)
+        self.past(named, (grid, [0.3, 0.08]), fit, screen)
     }
 
-    fn low_pass(&self, named: &Named<'_>, column: usize, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
+    fn low_pass(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
         let step = self.log.step_s();
         let most = MAX_TIME_CONSTANT_S.min(0.5 * self.log.length_s());
         // The shapes of two low-passes whose time constants are twice each other's are alike by 97 % at least.
         let grid: Vec<f64> =
             std::iter::successors(Some(2.0 * step), |s| Some(2.0 * s)).take_while(|s| *s <= most).collect();
-        self.past(named, column, (grid, [0.5, 0.15]), fit, screen)
+        self.past(named, (grid, [0.5, 0.15]), fit, screen)
     }
 
     /// The best past of a column: of a grid, then nearer by shares of it.
     fn past(
         &self,
         named: &Named<'_>,
-        column: usize,
         (grid, nearer): (Vec<f64>, [f64; 2]),
         fit: &Fit<'a>,
         screen: &Screen,
     ) -> Option<Term<'a>> {
         let places = grid.len() as f64;
-        let (mut seconds, _) = self.best(named, Some(column), grid, fit, screen)?;
+        let (mut seconds, _) = self.best(named, grid, fit, screen)?;
         for width in nearer {
             let near = (-3..=3).map(|i| seconds * (1.0 + width * f64::from(i) / 3.0));
-            seconds = self.best(named, Some(column), near, fit, screen)?.0;
+            seconds = self.best(named, near, fit, screen)?.0;
         }
-        let mut term = Term::new(self.log, named, Some(column), seconds)?;
-        (term.places, term.odds) = (places.max(1.0), DERIVED_ODDS);
+        let mut term = self.log.term(named, seconds)?;
+        (term.trials, term.odds) = (places.max(1.0), DERIVED_ODDS);
         Some(term)
     }
 
@@ -237,11 +257,11 @@ impl<'l, 'a> Catalogue<'l, 'a> {
             let near = (-3..=3)
                 .map(|i| frequency + width * f64::from(i) / 3.0)
                 .filter(|hertz| *hertz >= MIN_TONE_HZ && *hertz <= highest);
-            frequency = self.best(named, None, near, fit, screen)?.0;
+            frequency = self.best(named, near, fit, screen)?.0;
             width /= 3.0;
         }
-        let mut term = Term::new(self.log, named, None, frequency)?;
-        term.places = ((highest - MIN_TONE_HZ) * length).max(1.0);
+        let mut term = self.log.term(named, frequency)?;
+        term.trials = ((highest - MIN_TONE_HZ) * length).max(1.0);
         Some(term)
     }
 }

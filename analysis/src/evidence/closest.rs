@@ -3,7 +3,7 @@
 //! A sensor that bends the field gives out y(u) = x + Φ(x)θ with x = F·C⁻¹u + b. The residual is the distance of the reading from that
 //! surface. It needs no undisturbed reading: a strong effect may fold the readings, and then two fields have one reading.
 
-use crate::evidence::term::Term;
+use crate::base::term::Term;
 use core::ops::AddAssign;
 use ironout::effect::Quantities;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};

@@ -4,10 +4,10 @@
 //! undisturbed reading from the ellipsoid, over the gradient g by m: then it is the noise w along the unit vector q = g/‖g‖, in µT
 //! of the sensor, whatever the model. Columns are taken at the closest point of the ellipsoid, which noise along q does not move.
 
+use crate::base::term::Term;
 use crate::bounds::LEAST_SLOPE;
 use crate::evidence::closest::{Surface, quantities};
 use crate::evidence::log::Log;
-use crate::evidence::term::Term;
 use crate::noise::model::Track;
 use core::ops::SubAssign;
 use ironout::effect::Quantities;
@@ -83,7 +83,7 @@ impl Point {
 impl Model<'_> {
     /// The same model on other samples of the log.
     pub fn rebound<'b>(&self, log: &Log<'b>) -> Option<Model<'b>> {
-        let terms = self.terms.iter().map(|term| term.rebound(log)).collect::<Option<Vec<_>>>()?;
+        let terms = self.terms.iter().map(|term| log.again(term)).collect::<Option<Vec<_>>>()?;
         Some(Model { offset: self.offset, matrix: self.matrix, field: self.field, terms, bends: self.bends })
     }
 

@@ -3,12 +3,12 @@
 //! Such a tone is faster than all columns and than the wander. Its squares are those of six columns at the rate of the samples; the noise
 //! around it is what the same columns take at frequencies nearby.
 
+use crate::base::term::Term;
 use crate::bounds::{MIN_ODDS, MIN_SHARE, MIN_TONE_HZ};
 use crate::evidence::design::{Blocks, candidate_rows};
 use crate::evidence::fit::{Fit, Setting};
 use crate::evidence::log::Log;
 use crate::evidence::solve::Sums;
-use crate::evidence::term::Term;
 use crate::samples::fft;
 use crate::samples::samples::Samples;
 use ironout::effect::{Follows, Named, Registry, Searched};
@@ -28,7 +28,7 @@ struct Line<'a> {
 }
 
 fn line<'a>(log: &Log<'a>, named: &Named<'_>, fit: &Fit<'a>, hertz: f64) -> Option<Line<'a>> {
-    let term = Term::new(log, named, None, hertz)?;
+    let term = log.term(named, hertz)?;
     let all = Blocks { size: 1, samples: log.len() };
     let columns = candidate_rows(&all, &fit.model, &fit.points, &[&term]);
     let k = term.k();
@@ -101,8 +101,8 @@ pub fn fast_tone<'a>(
     if !(gain > price + MIN_ODDS && best.squares > MIN_SHARE * fit.squares) {
         return None;
     }
-    best.term.theta.iter_mut().zip(best.theta.iter()).for_each(|(theta, value)| *theta = *value);
-    best.term.places = places;
+    best.term.coefficients.iter_mut().zip(best.theta.iter()).for_each(|(theta, value)| *theta = *value);
+    best.term.trials = places;
     Some(best.term)
 }
 

@@ -124,7 +124,7 @@ pub fn parameters(model: &Model) -> Vec<f64> {
     let mut out: Vec<f64> = model.offset.iter().copied().collect();
     out.extend(TRIANGLE.iter().map(|&(i, j)| model.matrix[(i, j)]));
     for term in &model.terms {
-        out.extend(&term.theta[..term.k()]);
+        out.extend(&term.coefficients[..term.k()]);
     }
     out
 }
@@ -140,7 +140,7 @@ fn moved<'a>(model: &Model<'a>, delta: &DVector<f64>) -> Model<'a> {
     let mut at = BASE;
     for term in &mut model.terms {
         for c in 0..term.k() {
-            term.theta[c] += delta[at];
+            term.coefficients[c] += delta[at];
             at += 1;
         }
     }
@@ -287,7 +287,7 @@ impl<'a> Fit<'a> {
             .terms
             .iter()
             .map(|term| {
-                term.visible() as f64 * n.ln() + term.odds + 2.0 * (term.places * setting.candidates).ln()
+                term.visible() as f64 * n.ln() + term.odds + 2.0 * (term.trials * setting.candidates).ln()
             })
             .sum();
         let score = noise.cost + prior.cost(&model) + price;

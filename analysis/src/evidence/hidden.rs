@@ -1,8 +1,9 @@
-//! The single cause behind what a fit leaves: one that adds to the offset, or one that bends the gain.
+//! The single cause behind what a fit leaves: one that adds to the offset, one that bends the gain, or a field that is stronger in one place
+//! than in another.
 
 use crate::evidence::design::Point;
 use crate::evidence::fit::Fit;
-use crate::noise::cause::{Cause, likeliest, single_cause};
+use crate::noise::cause::{Cause, Moves, changing_field, likeliest, single_cause};
 use nalgebra::Vector3;
 
 /// The gain of the likeliest single cause; zero where independent axes are likelier.
@@ -25,8 +26,19 @@ pub fn hidden_cause(fit: &Fit) -> Option<Cause> {
     };
     let offset = single_cause(&fit.track, &residual, &fit.noise);
     let gain = likeliest(&fit.track, &residual, &fit.noise, gain).map(|mut cause| {
-        cause.is_gain = true;
+        cause.moves = Moves::Gain;
         cause
     });
-    offset.into_iter().chain(gain).reduce(|most, next| if next.gain > most.gain { next } else { most })
+    let stretch: Vec<f64> = fit
+        .points
+        .chunks(per_block)
+        .map(|chunk| chunk.iter().map(|p| p.stretch).sum::<f64>() / chunk.len() as f64)
+        .collect();
+    let mean = stretch.iter().sum::<f64>() / size as f64;
+    let field = changing_field(&fit.track, &residual, &fit.noise, |block| stretch[block] / mean);
+    offset
+        .into_iter()
+        .chain(gain)
+        .chain(field)
+        .reduce(|most, next| if next.gain > most.gain { next } else { most })
 }

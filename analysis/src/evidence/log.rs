@@ -1,10 +1,11 @@
 //! A log as the evidence sees it: samples, their times, and the columns that may be a cause.
 
 use crate::base::prior::Prior;
+use crate::base::term::Term;
 use crate::samples::clock::even;
 use crate::samples::samples::Samples;
 use crate::table::Table;
-use ironout::effect::{Acts, MAX_INPUTS, Named, Need, Past};
+use ironout::effect::{Acts, Follows, MAX_INPUTS, Made, Named, Need, Parts, Past, Zero};
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -37,8 +38,8 @@ pub struct Log<'a> {
     /// Whether the board rests: each sample stands there three times, once for each axis, and the reading itself is the residual.
     pub is_at_rest: bool,
     work: Cell<u64>,
-    /// Low-passes by column and bits of the time constant.
-    low_passes: RefCell<HashMap<(usize, u64), Inputs>>,
+    /// Columns and their low-passes, by column and bits of the time constant.
+    kept: RefCell<HashMap<(usize, u64), Inputs>>,
 }
 
 impl<'a> Log<'a> {
@@ -68,7 +69,7 @@ impl<'a> Log<'a> {
             known,
             is_at_rest,
             work: Cell::new(0),
-            low_passes: RefCell::default(),
+            kept: RefCell::default(),
         }
     }
 
@@ -119,11 +120,6 @@ impl<'a> Log<'a> {
         }
     }
 
-    /// Whether most samples have a direction down.
-    pub fn has_down(&self) -> bool {
-        self.samples.readings.iter().filter(|reading| reading.down.is_some()).count() * 2 > self.len()
-    }
-
     /// Indices of the columns that can be tested.
     pub fn usable(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.samples.columns.len()).filter(|&index| self.samples.columns[index].problem.is_none())
@@ -135,6 +131,44 @@ impl<'a> Log<'a> {
             Some(first) if first.abs() >= OWN_ZERO_S => *first,
             _ => 0.0,
         }
+    }
+
+    /// The effect of an id, what is searched of it given (any number where nothing is). `None` where the log lacks what it needs.
+    pub fn term(&self, named: &Named, parameter: f64) -> Option<Term<'a>> {
+        let Named { family, form, column } = *named;
+        if family.need(form).is_some_and(|need| !self.has(need)) {
+            return None;
+        }
+        let single = self.usable().find(|&index| self.samples.columns[index].name == column);
+        let pair = if form.column && single.is_none() { Some(self.pair(named)?) } else { None };
+        let index = single.filter(|_| form.column).or(pair.map(|(_, [first, _])| first));
+        let known = index.map(|index| &self.samples.columns[index]);
+        let reference = match form.zero {
+            Zero::None => 0.0,
+            Zero::Column => known?.reference,
+            Zero::Square => known?.reference_square,
+            Zero::Time if family.follows() == Follows::Tone => self.origin_s(),
+            Zero::Time => self.samples.middle_s,
+        };
+        let parameter = if form.searched.is_some() { parameter } else { 0.0 };
+        let name = pair.map(|(name, _)| name).or(known.map(|column| column.name.as_str()));
+        let made = Made::new(family, Parts { form, column: name.unwrap_or_default(), reference, parameter })?;
+        let inputs = match family.follows() {
+            Follows::Column if pair.is_some() => self.pair_inputs(pair?.1),
+            Follows::Column => self.column_inputs(index?, made.parts().past())?,
+            Follows::Tone => inputs(self.even_s.as_deref().unwrap_or(&self.time_s)),
+            Follows::Time => inputs(&self.time_s),
+            Follows::Attitude | Follows::Turning => Inputs::default(),
+        };
+        Some(Term::new(made, inputs))
+    }
+
+    /// An effect of other samples of the log, with its coefficients, over these.
+    pub fn again(&self, term: &Term) -> Option<Term<'a>> {
+        let parameter = term.searched().map_or(0.0, |(_, parameter)| parameter);
+        let own = self.term(&term.named()?, parameter)?;
+        let Term { id, coefficients, trials, odds, .. } = term.clone();
+        Some(Term { id, coefficients, trials, odds, ..own })
     }
 
     /// The two columns that a form names, with what their pair is called.
@@ -154,19 +188,20 @@ impl<'a> Log<'a> {
     /// Values of a column, or of its past, as the input of an effect.
     pub fn column_inputs(&self, index: usize, past: Past<f64>) -> Option<Inputs> {
         let column = &self.samples.columns[index];
-        if past.seconds() == 0.0 {
-            return Some(inputs(&column.values));
-        }
         let key = match past {
+            Past::Now => Some((index, 0)),
             Past::LowPass(time_constant_s) => Some((index, time_constant_s.to_bits())),
-            Past::Now | Past::Delayed(_) => None,
+            Past::Delayed(_) => None,
         };
-        if let Some(known) = key.and_then(|key| self.low_passes.borrow().get(&key).cloned()) {
+        if let Some(known) = key.and_then(|key| self.kept.borrow().get(&key).cloned()) {
             return Some(known);
         }
-        let found = inputs(&self.samples.past(self.table, &column.name, past)?);
-        let mut kept = self.low_passes.borrow_mut();
-        if let Some(key) = key.filter(|_| kept.len() < MOST_KEPT) {
+        let found = match past.seconds() == 0.0 {
+            true => inputs(&column.values),
+            false => inputs(&self.samples.past(self.table, &column.name, past)?),
+        };
+        let mut kept = self.kept.borrow_mut();
+        if let Some(key) = key.filter(|(_, bits)| *bits == 0 || kept.len() < MOST_KEPT) {
             kept.insert(key, found.clone());
         }
         Some(found)

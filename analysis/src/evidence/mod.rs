@@ -1,8 +1,7 @@
 //! One likelihood in the middle: a linearised Gaussian model of a log, one score, and a search by it.
 //!
-//! `docs/method.md` derives model and score. The rooms of one thread: [`log`] (samples and columns) → [`term`] (an effect
-//! with its inputs) → [`design`] (residual and columns at the closest point) → [`crate::noise`] (wander and white noise) → [`fit`] →
-//! [`screen`] and [`candidates`] → [`search`] → [`select`]. Thresholds stand in [`crate::bounds`].
+//! `docs/method.md` derives model and score. The rooms of one thread: [`log`] (samples and columns, and effects over them) → [`design`] (residual and columns at the closest point) → [`crate::noise`] (wander and white noise) → [`fit`] →
+//! [`screen`] and [`candidates`] → [`search`] → [`significance`] → [`select`]. Thresholds stand in [`crate::bounds`].
 
 pub mod candidates;
 pub mod closest;
@@ -16,8 +15,8 @@ pub mod log;
 pub mod screen;
 pub mod search;
 pub mod select;
+pub mod significance;
 pub mod solve;
-pub mod term;
 #[cfg(test)]
 mod tests;
 pub mod wander;

@@ -1,10 +1,10 @@
 //! What candidates would gain: their columns through the same filter as the model's, which stay free.
 
+use crate::base::term::Term;
 use crate::evidence::design::{Blocks, candidate_rows};
 use crate::evidence::fit::Fit;
 use crate::evidence::log::Log;
 use crate::evidence::solve::{Factor, Sums, taken_off};
-use crate::evidence::term::Term;
 use crate::noise::model::Noise;
 use nalgebra::{DMatrix, DVector};
 

@@ -1,5 +1,6 @@
 //! Which terms a log asks for: add, drop and swap by one score.
 
+use crate::base::term::Term;
 use crate::bounds::{
     FORMS_DIFFER, LEADERS, MAX_P_HELD_OUT, MAX_TERMS, MIN_ODDS, MIN_SHARE, MOST_LOOKS, MOST_SWAPS,
     RIVAL_SHARE, RIVALS,
@@ -11,12 +12,12 @@ use crate::evidence::held_out::p_values;
 use crate::evidence::hidden::hidden_cause_gain;
 use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
-use crate::evidence::term::Term;
 
 /// Share of the least share that a term must have under white noise to be fitted: strong terms explain more than their columns tell.
 const SHARE_TO_FIT: f64 = 0.5;
 /// Candidates that are fitted at each step under white noise.
 const WHITE_LEADERS: usize = 2;
+use ironout::effect::Named;
 
 /// The result of a search.
 pub struct Found<'a> {
@@ -80,6 +81,23 @@ impl<'a> Search<'_, 'a> {
         fits.min_by(|a, b| a.score.total_cmp(&b.score))
     }
 
+    /// An effect, what is searched of it at the likeliest of its best places under coloured and under white noise (the first may have taken
+    /// it for its own), and the fit with it, if there is one.
+    pub fn asked(&self, named: &Named, fit: &Fit<'a>) -> Option<(Term<'a>, Option<Fit<'a>>)> {
+        let place = |white: bool| {
+            self.catalogue.asked(named, fit, &Screen::new(self.log, fit, self.setting.blocks, white)?)
+        };
+        let first = place(false);
+        let mut terms: Vec<Term<'a>> = first.into_iter().collect();
+        if named.form.searched.is_some() {
+            terms.extend(place(true));
+        }
+        let fits = terms.iter().filter_map(|term| self.with(fit, term));
+        let best = fits.min_by(|a, b| a.score.total_cmp(&b.score));
+        let term = best.as_ref().and_then(|best| best.model.terms.last()).or(terms.first()).cloned();
+        Some((term?, best))
+    }
+
     /// The fit without one of its terms.
     pub fn without(&self, fit: &Fit<'a>, place: usize) -> Option<Fit<'a>> {
         let mut model = fit.model.clone();
@@ -107,9 +125,8 @@ impl<'a> Search<'_, 'a> {
             };
             let mut terms = self.catalogue.fixed.clone();
             terms.extend(self.catalogue.searched(fit, screen));
-            let known = |term: &Term| {
-                fit.model.terms.iter().any(|own| own.id == term.id && !term.form().is_repeated())
-            };
+            let known =
+                |term: &Term| fit.model.terms.iter().any(|own| own.id == term.id && !term.is_repeated());
             terms.retain(|term| !known(term));
             let refs: Vec<&Term<'a>> = terms.iter().collect();
             let gains = screen.gains(fit, &refs);
@@ -121,7 +138,7 @@ impl<'a> Search<'_, 'a> {
                 .zip(shares)
                 .filter(|(_, plain)| *plain > least_plain)
                 .map(|((term, gain), _)| {
-                    (gain - term.visible() as f64 * n.ln() - term.odds - 2.0 * term.places.ln(), term)
+                    (gain - term.visible() as f64 * n.ln() - term.odds - 2.0 * term.trials.ln(), term)
                 })
                 .collect();
             order.sort_by(|a, b| b.0.total_cmp(&a.0));

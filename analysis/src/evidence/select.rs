@@ -1,20 +1,22 @@
 //! Which terms a log asks for, with what may stand in the place of each.
 
 use crate::base::prior::Prior;
-use crate::base::term::Term as BaseTerm;
+use crate::base::term::Term;
 use crate::bounds::{MAX_BLOCKS, MOST_TONES, UNCLEAR_ODDS};
 use crate::evidence::candidates::Catalogue;
-use crate::evidence::design::Blocks;
+use crate::evidence::design::{Blocks, Model};
 use crate::evidence::fast_tones::{fast_tone, without_tone};
 use crate::evidence::fit::{Fit, Setting, starts};
 use crate::evidence::gaps::without_gaps;
+use crate::evidence::held_out::p_values;
 use crate::evidence::log::Log;
+use crate::evidence::screen::Screen;
 use crate::evidence::search::{Found, Rival, Search};
-use crate::evidence::term::Term;
-use crate::evidence::wander::Wander;
+use crate::evidence::significance::{Test, of_tone, tests};
+use crate::evidence::wander::Moving;
 use crate::samples::samples::Samples;
 use crate::table::Table;
-use ironout::effect::Registry;
+use ironout::effect::{MAX_COEFFICIENTS, Named, Registry, Searched};
 use ironout::study::Model as CoreModel;
 use std::borrow::Cow;
 
@@ -25,7 +27,7 @@ pub struct Begin<'b> {
     /// What is known besides the log.
     pub known: &'b Prior,
     /// Effects that stay in the model.
-    pub stay: &'b [BaseTerm<'b>],
+    pub stay: &'b [Term<'b>],
     /// Whether the board rests.
     pub is_at_rest: bool,
 }
@@ -37,8 +39,10 @@ pub struct Selected {
     pub id: String,
     /// Where what was searched of it was found; zero where nothing was.
     pub parameter: f64,
+    /// Its coefficients beside the others.
+    pub coefficients: [f64; MAX_COEFFICIENTS],
     /// Places tried for it.
-    pub places: f64,
+    pub trials: f64,
     /// Ids of others that the log cannot tell from it.
     pub rivals: Vec<String>,
 }
@@ -48,6 +52,16 @@ pub struct Selected {
 pub struct Selection {
     /// Those that were found, in their order.
     pub found: Vec<Selected>,
+    /// Offset and matrix beside them.
+    pub model: Option<CoreModel<f64>>,
+    /// The tests of all candidates beside the model that the selection began with.
+    pub first: Vec<Test>,
+    /// The same beside what was found.
+    pub last: Vec<Test>,
+    /// How many candidates there are.
+    pub candidates: usize,
+    /// Terms whose shape is not finite on this log.
+    pub dropped: Vec<String>,
     /// Whether the search ended before all was tried.
     pub ended_early: bool,
 }
@@ -55,18 +69,21 @@ pub struct Selection {
 /// Selects the terms of these samples. `None` where no model can be fitted.
 pub fn select(samples: &Samples, table: &Table, registry: Registry, begin: &Begin) -> Option<Selection> {
     let mut samples = without_gaps(samples, table).map_or(Cow::Borrowed(samples), Cow::Owned);
-    let mut tones: Vec<Selected> = Vec::new();
+    let (mut tones, mut tests_of_tones): (Vec<Selected>, Vec<Test>) = Default::default();
     loop {
         match one_search(&samples, table, registry, begin, tones.len() < MOST_TONES)? {
-            Round::Tone { rest, tone } => {
+            Round::Tone { rest, tone, test } => {
                 samples = Cow::Owned(*rest);
                 tones.push(tone);
+                tests_of_tones.push(test);
             }
             Round::End(mut selection) => {
                 // Two tones are one name.
                 tones.dedup_by(|one, other| one.id == other.id);
                 selection.found.retain(|one| !tones.iter().any(|tone| tone.id == one.id));
                 selection.found.splice(..0, tones);
+                selection.first.retain(|test| !tests_of_tones.iter().any(|own| own.id == test.id));
+                selection.first.extend(tests_of_tones);
                 return Some(selection);
             }
         }
@@ -76,14 +93,103 @@ pub fn select(samples: &Samples, table: &Table, registry: Registry, begin: &Begi
 /// What one search ends with.
 enum Round {
     /// A fast tone, and the samples without it.
-    Tone { rest: Box<Samples>, tone: Selected },
+    Tone { rest: Box<Samples>, tone: Selected, test: Test },
     /// The end.
     End(Selection),
 }
 
 fn selected(term: &Term, rivals: Vec<String>) -> Selected {
     let parameter = term.searched().map_or(0.0, |(_, parameter)| parameter);
-    Selected { id: term.id.clone(), parameter, places: term.places, rivals }
+    Selected { id: term.id.clone(), parameter, coefficients: term.coefficients, trials: term.trials, rivals }
+}
+
+/// Effects of these ids with what is searched of each at its likeliest place, and offset and matrix beside them.
+///
+/// # Errors
+/// The number of an effect for which the log lacks what it needs; `None` where no model can be fitted.
+pub fn placed(
+    samples: &Samples,
+    table: &Table,
+    registry: Registry,
+    begin: &Begin,
+    asked: &[Named],
+) -> Result<Selection, Option<usize>> {
+    let tripled;
+    let samples = match begin.is_at_rest {
+        true => {
+            tripled = one_per_axis(samples, table);
+            &tripled
+        }
+        false => samples,
+    };
+    let known = known_besides(begin);
+    let log = Log::new(samples, table, known.as_ref(), begin.is_at_rest);
+    let few = if begin.is_at_rest { None } else { thinned(samples, table) };
+    let few_log = few.as_ref().map(|few| Log::new(few, table, known.as_ref(), false));
+    let searched = few_log.as_ref().unwrap_or(&log);
+    let (mut fit, setting) = base_of(searched, begin, registry).ok_or(None)?;
+    let catalogue = Catalogue::new(searched, registry);
+    let search = Search { log: searched, catalogue: &catalogue, setting, keep: begin.stay.len() };
+    // Each with its place among the terms of the fit, where it stands there.
+    let mut list: Vec<(Selected, Option<usize>)> = Vec::new();
+    for (index, named) in asked.iter().enumerate() {
+        let tone = match (named.form.searched, few_log.is_some()) {
+            (Some(Searched::Frequency), true) => tone_of(&log, &fit, registry, setting),
+            _ => None,
+        };
+        if let Some((term, _)) = tone {
+            list.push((selected(&term, Vec::new()), None));
+            continue;
+        }
+        let (term, next) = search.asked(named, &fit).ok_or(Some(index))?;
+        // What does not fit beside the others yet may fit beside those that follow.
+        let own = next.as_ref().map(|_| fit.model.terms.len());
+        list.push((selected(&term, Vec::new()), own));
+        fit = next.unwrap_or(fit);
+    }
+    // What was searched before the others stood beside it is searched once more.
+    for (index, named) in asked.iter().enumerate().filter(|(_, named)| named.form.searched.is_some()) {
+        let Some(own) = list[index].1.filter(|_| asked.len() > 1) else { continue };
+        let Some(fewer) = search.without(&fit, own) else { continue };
+        let again = search.asked(named, &fewer).and_then(|(_, next)| next);
+        if let Some(mut next) = again.filter(|next| next.score < fit.score - 1.0)
+            && let Some(term) = next.model.terms.pop()
+        {
+            next.model.terms.insert(own, term);
+            fit = Fit::of(searched, &setting, next.model.clone(), Some(&next)).unwrap_or(fit);
+        }
+    }
+    let found = list.into_iter().map(|(one, own)| match own {
+        Some(own) => selected(&fit.model.terms[own], Vec::new()),
+        None => one,
+    });
+    let found = found.collect();
+    Ok(Selection { found, model: core_model(&fit, begin.model), ..Selection::default() })
+}
+
+/// Offset and matrix of a fit, with the rotation of another model.
+fn core_model(fit: &Fit, other: &CoreModel<f64>) -> Option<CoreModel<f64>> {
+    let Model { offset, matrix, .. } = &fit.model;
+    let rows = core::array::from_fn(|i| core::array::from_fn(|j| matrix[(i, j)]));
+    CoreModel::new((*offset).into(), rows, other.field_ut, other.rotation, other.sin_dip)
+}
+
+/// What is known besides the log, where that is more than how magnetometers are.
+fn known_besides(begin: &Begin) -> Option<Prior> {
+    let is_known = begin.known.earlier.is_some() || begin.known.holds_matrix();
+    is_known.then(|| Prior { memory: 1.0, ..begin.known.clone() })
+}
+
+/// A tone that is too fast for the blocks beside a fit of a thinned log, and the fit to all samples that it stands out of.
+fn tone_of<'l>(
+    log: &Log<'l>,
+    fit: &Fit,
+    registry: Registry,
+    setting: Setting,
+) -> Option<(Term<'l>, Fit<'l>)> {
+    let setting = Setting { blocks: Blocks::at_most(log.len(), MAX_BLOCKS), ..setting };
+    let whole = Fit::of(log, &setting, fit.model.rebound(log)?, None)?;
+    Some((fast_tone(log, registry, &setting, &whole)?, whole))
 }
 
 fn one_search(
@@ -93,8 +199,7 @@ fn one_search(
     begin: &Begin,
     looks_again: bool,
 ) -> Option<Round> {
-    let is_known = begin.known.earlier.is_some() || begin.known.holds_matrix();
-    let known = is_known.then(|| Prior { memory: 1.0, ..begin.known.clone() });
+    let known = known_besides(begin);
     let known = known.as_ref();
     let tripled;
     let samples = match begin.is_at_rest {
@@ -112,11 +217,9 @@ fn one_search(
     let (base, setting) = base_of(searched, begin, registry)?;
     // Tones are looked for at the rate of the samples.
     let tone_beside = |fit: &Fit| {
-        let setting = Setting { blocks: Blocks::at_most(log.len(), MAX_BLOCKS), ..setting };
-        let whole = Fit::of(&log, &setting, fit.model.rebound(&log)?, None)?;
-        let term = fast_tone(&log, registry, &setting, &whole)?;
+        let (term, whole) = tone_of(&log, fit, registry, setting)?;
         let rest = Box::new(without_tone(samples, &term, &whole));
-        Some(Round::Tone { rest, tone: selected(&term, Vec::new()) })
+        Some(Round::Tone { rest, tone: selected(&term, Vec::new()), test: of_tone(&whole, &term) })
     };
     let looks_again = looks_again && few_log.is_some();
     if looks_again && let Some(tone) = tone_beside(&base) {
@@ -124,7 +227,7 @@ fn one_search(
     }
     let catalogue = Catalogue::new(searched, registry);
     let search = Search { log: searched, catalogue: &catalogue, setting, keep: begin.stay.len() };
-    let mut found = search.run(base);
+    let mut found = search.run(base.clone());
     search.against_hidden_cause(&mut found);
     let Found { fit, rivals, .. } = found;
     // Next to a stronger effect a tone is less than its share at first.
@@ -139,19 +242,74 @@ fn one_search(
         unclear.map(|rival| rival.id.clone()).collect()
     };
     let own = fit.model.terms.iter().zip(&rivals).skip(begin.stay.len());
+    let of = |at: &Fit, more: &[Term]| -> (Vec<Test>, Vec<String>) {
+        let Some(screen) = Screen::new(searched, at, setting.blocks, false) else {
+            return Default::default();
+        };
+        let mut terms = catalogue.told(at, &screen);
+        terms.retain(|term| !more.iter().any(|own| own.id == term.id));
+        terms.extend(more.iter().cloned());
+        tests(&setting, at, &terms)
+    };
+    let (first, mut dropped) = of(&base, &fit.model.terms[begin.stay.len()..]);
+    let (last, more) = of(&fit, &[]);
+    dropped.extend(more);
+    dropped.sort_unstable();
+    dropped.dedup();
     Some(Round::End(Selection {
         found: own.map(|(term, rivals)| selected(term, unclear(rivals))).collect(),
+        model: core_model(&fit, begin.model),
+        first,
+        last,
+        candidates: setting.candidates as usize,
+        dropped,
         ended_early: search.is_spent(),
     }))
 }
 
-/// How the offset wanders beside the terms that a model has; `None` where it does not, or the log has no times.
-pub fn wander(samples: &Samples, table: &Table, registry: Registry, begin: &Begin) -> Option<Wander> {
-    samples.time.as_ref()?;
+/// What moves beside the terms that a model has; nothing where the log has no times.
+pub fn moving(samples: &Samples, table: &Table, registry: Registry, begin: &Begin) -> Moving {
     let few = thinned(samples, table);
     let log = Log::new(few.as_ref().unwrap_or(samples), table, None, false);
-    let (fit, _) = base_of(&log, begin, registry)?;
-    Wander::of(&fit)
+    match base_of(&log, begin, registry) {
+        Some((fit, _)) if samples.time.is_some() => Moving::of(&fit),
+        _ => Moving::default(),
+    }
+}
+
+/// p-value of each term that a model has, all others in it, by the spread of its coefficients over parts of the log; one where no model can be
+/// fitted.
+pub fn p_values_of(samples: &Samples, table: &Table, registry: Registry, begin: &Begin) -> Vec<f64> {
+    let known = known_besides(begin);
+    let few = match begin.is_at_rest {
+        true => Some(one_per_axis(samples, table)),
+        false => thinned(samples, table),
+    };
+    let log = Log::new(few.as_ref().unwrap_or(samples), table, known.as_ref(), begin.is_at_rest);
+    match base_of(&log, begin, registry) {
+        Some((fit, _)) => p_values(&fit),
+        None => vec![1.0; begin.stay.len()],
+    }
+}
+
+/// The undisturbed reading of each sample, µT: the closest points of the likeliest model whose terms bend the field. `None` where there is
+/// no such model.
+pub fn undisturbed_ut(
+    samples: &Samples,
+    table: &Table,
+    registry: Registry,
+    begin: &Begin,
+) -> Option<Vec<[f64; 3]>> {
+    let known = known_besides(begin);
+    let log = Log::new(samples, table, known.as_ref(), false);
+    let few = thinned(samples, table);
+    let few_log = few.as_ref().map(|few| Log::new(few, table, known.as_ref(), false));
+    let (fit, _) = base_of(few_log.as_ref().unwrap_or(&log), begin, registry)?;
+    let points = match few {
+        Some(_) => fit.model.rebound(&log)?.points(&log, true, &[])?,
+        None => fit.points,
+    };
+    Some(points.iter().map(|point| point.shaped_at.into()).collect())
 }
 
 /// Each sample of a board at rest three times, once for each axis.
@@ -186,7 +344,7 @@ fn base_of<'a>(log: &Log<'a>, begin: &Begin, registry: Registry) -> Option<(Fit<
     let blocks = if log.is_at_rest { log.len() } else { MAX_BLOCKS };
     let blocks = Blocks::at_most(log.len(), blocks);
     let candidates = Catalogue::new(log, registry).count.max(1.0);
-    let stay = begin.stay.iter().map(|term| Term::standing(log, term)).collect::<Option<Vec<_>>>()?;
+    let stay = begin.stay.iter().map(|term| log.again(term)).collect::<Option<Vec<_>>>()?;
     let mut bases = Vec::new();
     for (mut model, scale) in starts(begin.model, log) {
         model.terms.clone_from(&stay);

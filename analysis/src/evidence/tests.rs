@@ -3,7 +3,7 @@
 use crate::base::ground::Ground;
 use crate::base::prior::Prior;
 use crate::base::start::start;
-use crate::evidence::select::{Begin, Selection, select, wander};
+use crate::evidence::select::{Begin, Selection, moving, select};
 use crate::table::Table;
 use ironout::effect::Registry;
 use ironout::fit::Method;
@@ -77,7 +77,7 @@ fn a_cause_that_nobody_logged_is_described() {
         let samples = &ground.counted.samples;
         let (model, _) = start(samples, None).unwrap();
         let begin = Begin { model: &model, known: &Prior::default(), stay: &[], is_at_rest: false };
-        let found = wander(samples, &table, Registry::BUILT_IN, &begin).unwrap();
+        let found = moving(samples, &table, Registry::BUILT_IN, &begin).offset.unwrap();
         let v = &known.truth.effects[0].drawn.coefficients;
         let size = v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let direction = found.direction.expect("one direction");

@@ -1,7 +1,9 @@
 //! How the offset wanders where no column says why: how far, how fast, in which direction, and when.
 
+use crate::bounds::MIN_ODDS;
 use crate::evidence::fit::Fit;
 use crate::evidence::hidden::hidden_cause;
+use crate::noise::cause::{Cause, Moves};
 use crate::noise::model::{Noise, Track};
 use serde::Serialize;
 
@@ -24,15 +26,35 @@ pub struct Wander {
     pub offset_ut: Vec<[f64; 3]>,
 }
 
-impl Wander {
-    /// Of what a fit leaves; `None` where nothing of it wanders.
-    pub fn of(fit: &Fit) -> Option<Wander> {
-        // A gain that wanders has no offset to show.
-        let cause = hidden_cause(fit).filter(|cause| cause.gain > 0.0 && !cause.is_gain);
-        let (trace, rms_ut, time_constant_s) = match &cause {
-            Some(cause) => {
-                (cause.trace_ut(&fit.track, &fit.residual()), cause.size_ut(), cause.time_constant_s)
+/// What moves in what a fit leaves.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Moving {
+    /// The offset.
+    pub offset: Option<Wander>,
+    /// The share of the variance that a field makes which is stronger in one place than in another.
+    pub field_share: Option<f64>,
+}
+
+impl Moving {
+    /// Of a fit.
+    pub fn of(fit: &Fit) -> Moving {
+        let cause = hidden_cause(fit).filter(|cause| cause.gain > 0.0);
+        match cause.as_ref().map(|cause| cause.moves) {
+            Some(Moves::Field) if cause.as_ref().is_some_and(|cause| cause.gain > MIN_ODDS) => {
+                Moving { offset: None, field_share: cause.map(|cause| cause.share(&fit.residual())) }
             }
+            // A gain or a field that wanders has no offset to show.
+            Some(Moves::Gain | Moves::Field) => Moving { offset: Wander::of(fit, None), field_share: None },
+            Some(Moves::Offset) | None => Moving { offset: Wander::of(fit, cause), field_share: None },
+        }
+    }
+}
+
+impl Wander {
+    /// Of what a fit leaves, with the single cause that is behind it; `None` where nothing of it wanders.
+    fn of(fit: &Fit, cause: Option<Cause>) -> Option<Wander> {
+        let (trace, rms_ut, time_constant_s) = match &cause {
+            Some(cause) => (cause.trace_ut(&fit.residual()), cause.size_ut(), cause.time_constant_s),
             None => {
                 // A short memory would stand for what moves.
                 let track = Track { without_memory: true, ..fit.track.clone() };

@@ -5,7 +5,6 @@ use crate::fit::diagnosed::leave_out;
 use crate::outcome::request::Options;
 use crate::search::candidates::{Catalogue, Untestable};
 use crate::table::Table;
-use ironout::effect::Named;
 
 /// The effects of a log.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,17 +22,11 @@ pub fn allowed(table: &Table, options: &Options) -> Allowed {
     let mut ground = Ground::of(table, options.method, options.scale_ut(), options.dip_deg);
     leave_out(&mut ground, &Options { search: true, ..options.clone() });
     let catalogue = Catalogue::new(&ground.counted.samples, table, options.registry);
-    let plain: Vec<String> = catalogue.plain(false).into_iter().map(|term| term.id).collect();
-    let column_of = |id: &str| {
-        let named = options.registry.parse(id).filter(|named| named.form.column)?;
-        Some(named.column.to_string())
+    let of = |column: &str| {
+        let own = catalogue.offered().filter(|named| named.column == column);
+        own.map(|named| named.to_string()).collect::<Vec<String>>()
     };
-    let columns = catalogue.usable_columns().map(|column| {
-        let fixed = plain.iter().filter(|id| column_of(id).as_deref() == Some(column)).cloned();
-        (column.to_string(), fixed.chain(catalogue.late(column).iter().map(Named::to_string)).collect())
-    });
-    let columns = columns.collect();
-    let others = plain.iter().filter(|id| column_of(id).is_none()).cloned();
-    let others = others.chain(catalogue.searched().iter().map(Named::to_string)).collect();
+    let columns = catalogue.usable_columns().map(|column| (column.to_string(), of(column))).collect();
+    let others = of("");
     Allowed { columns, others, untestable: catalogue.untestable() }
 }

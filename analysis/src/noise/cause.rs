@@ -17,19 +17,31 @@ fn seen(track: &Track, by: impl Fn(usize) -> f64) -> Track {
     Track { slow: Some(slow), without_memory: true, ..track.clone() }
 }
 
+/// What a cause moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Moves {
+    /// The offset, along a direction.
+    Offset,
+    /// The gain of each axis.
+    Gain,
+    /// The strength of the field, whatever the attitude.
+    Field,
+}
+
 /// A single cause behind what a fit leaves.
 pub struct Cause {
     /// By how much −2 log likelihood falls with it instead of independent axes, its direction paid for.
     pub gain: f64,
     /// Unit vector in the sensor's axes.
     pub direction: Vector3<f64>,
-    /// Whether it bends the gain of each axis instead of adding an offset.
-    pub is_gain: bool,
+    /// What it moves.
+    pub moves: Moves,
     /// Its time constant, s.
     pub time_constant_s: f64,
     /// −2 log likelihood with the price of all its parameters.
     pub cost: f64,
     noise: Noise,
+    track: Track,
 }
 
 impl Cause {
@@ -38,17 +50,76 @@ impl Cause {
         self.noise.wander.size[1] * self.noise.variance.sqrt()
     }
 
-    /// What it adds to the offset block by block, µT: its history, seen from the past and from the future alike, along its direction.
-    pub fn trace_ut(&self, track: &Track, residual: &[f64]) -> Vec<[f64; 3]> {
-        let along = |v: &[f64; 3]| {
-            let q = Vector3::from(*v);
-            [q.dot(&self.direction), 0.0, 0.0]
-        };
-        let slow = Some(track.direction.iter().map(along).collect());
-        let track = Track { slow, without_memory: true, ..track.clone() };
-        let history = self.noise.wander.history(&track, residual);
-        history.iter().map(|[.., slow]| (self.direction * slow[0]).into()).collect()
+    /// Its history block by block, µT: seen from the past and from the future alike.
+    fn history_ut(&self, residual: &[f64]) -> Vec<f64> {
+        let history = self.noise.wander.history(&self.track, residual);
+        history.iter().map(|[.., slow]| slow[0]).collect()
     }
+
+    /// What it adds to the offset block by block, µT: its history along its direction.
+    pub fn trace_ut(&self, residual: &[f64]) -> Vec<[f64; 3]> {
+        self.history_ut(residual).iter().map(|size| (self.direction * *size).into()).collect()
+    }
+
+    /// Share of the squared residual that it explains.
+    pub fn share(&self, residual: &[f64]) -> f64 {
+        let view = self.track.slow.iter().flatten();
+        let left = |((r, view), size): ((&f64, &[f64; 3]), &f64)| (r - view[0] * size).powi(2);
+        let history = self.history_ut(residual);
+        let left: f64 = residual.iter().zip(view).zip(&history).map(left).sum();
+        (1.0 - left / residual.iter().map(|r| r * r).sum::<f64>()).clamp(0.0, 1.0)
+    }
+
+    /// Of a view, from a wander nearby. `None` where its history is as short as a block: white noise may differ between axes.
+    fn of(view: Track, residual: &[f64], noise: &Noise, wander: Wander, price: f64) -> Option<Cause> {
+        // It is found without a short memory, which would stand for anything; then that may have its part.
+        let near = Noise::fit(&view, residual, Some(wander), f64::INFINITY);
+        let whole = Track { without_memory: false, ..view.clone() };
+        let best = Noise::fit(&whole, residual, Some(near.wander), f64::INFINITY);
+        let best = if best.cost < near.cost { best } else { near };
+        let length = view.time_s.last()? - view.time_s.first()?;
+        let time_constant_s = best.wander.tau_s[1];
+        let cause = Cause {
+            gain: noise.cost - best.cost - price,
+            direction: Vector3::zeros(),
+            moves: Moves::Field,
+            time_constant_s,
+            cost: best.cost + best.wander.price(residual.len()) + price,
+            noise: best,
+            track: view,
+        };
+        (time_constant_s >= SHORTEST_CAUSE_BLOCKS * length / residual.len() as f64).then_some(cause)
+    }
+}
+
+/// Wanders that a cause is looked for from: what moves may hide in the short memory too, so that several time constants are tried.
+fn starts(track: &Track, known: Wander) -> Option<Vec<Wander>> {
+    let length = track.time_s.last()? - track.time_s.first()?;
+    let mut starts =
+        vec![Wander { tau_s: [known.tau_s[0].min(length / 100.0), length / 10.0], size: [0.0, 3.0] }];
+    starts.push(Wander { tau_s: [starts[0].tau_s[0], length / 50.0], size: [0.0, 3.0] });
+    if known.size[1] > 0.0 {
+        starts.push(Wander { size: [known.size[0], known.size[1] * 3f64.sqrt()], ..known });
+    } else if known.size[0] > 0.0 {
+        starts.push(Wander {
+            tau_s: [known.tau_s[0], known.tau_s[0]],
+            size: [0.0, known.size[0] * 3f64.sqrt()],
+        });
+    }
+    Some(starts)
+}
+
+/// The likeliest strength of the field that changes along the way, where a block shows so much of it.
+pub fn changing_field(
+    track: &Track,
+    residual: &[f64],
+    noise: &Noise,
+    view: impl Fn(usize) -> f64,
+) -> Option<Cause> {
+    let view = seen(track, view);
+    let cost = |wander: &Wander| Noise::with(&view, *wander, residual).cost;
+    let wander = starts(track, noise.wander)?.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
+    Cause::of(view, residual, noise, wander, 0.0)
 }
 
 /// The likeliest single cause that adds to the offset, behind a residual that is most like this noise.
@@ -63,20 +134,7 @@ pub fn likeliest(
     noise: &Noise,
     view: impl Fn(usize, &Vector3<f64>) -> f64,
 ) -> Option<Cause> {
-    // What wanders may hide in the short memory too: several time constants are tried.
-    let length = track.time_s.last()? - track.time_s.first()?;
-    let known = noise.wander;
-    let mut starts =
-        vec![Wander { tau_s: [known.tau_s[0].min(length / 100.0), length / 10.0], size: [0.0, 3.0] }];
-    starts.push(Wander { tau_s: [starts[0].tau_s[0], length / 50.0], size: [0.0, 3.0] });
-    if known.size[1] > 0.0 {
-        starts.push(Wander { size: [known.size[0], known.size[1] * 3f64.sqrt()], ..known });
-    } else if known.size[0] > 0.0 {
-        starts.push(Wander {
-            tau_s: [known.tau_s[0], known.tau_s[0]],
-            size: [0.0, known.size[0] * 3f64.sqrt()],
-        });
-    }
+    let starts = starts(track, noise.wander)?;
     let n = residual.len() as f64;
     // The direction and one size less for independent axes: two parameters.
     let price = 2.0 * n.ln();
@@ -112,15 +170,9 @@ pub fn likeliest(
         }
     }
     let (_, direction) = top?;
-    // The direction is found without a short memory, which would stand for anything; then that may have its part.
-    let near = Noise::fit(&view(&direction), residual, Some(wander), f64::INFINITY);
-    let whole = Track { without_memory: false, ..view(&direction) };
-    let best = Noise::fit(&whole, residual, Some(near.wander), f64::INFINITY);
-    let best = if best.cost < near.cost { best } else { near };
-    // A history as short as a block is no history: white noise may differ between axes.
-    let time_constant_s = best.wander.tau_s[1];
-    let gain = noise.cost - best.cost - price;
-    let cost = best.cost + best.wander.price(residual.len()) + price;
-    let cause = Cause { gain, direction, is_gain: false, time_constant_s, cost, noise: best };
-    (time_constant_s >= SHORTEST_CAUSE_BLOCKS * length / n).then_some(cause)
+    Some(Cause {
+        direction,
+        moves: Moves::Offset,
+        ..Cause::of(view(&direction), residual, noise, wander, price)?
+    })
 }

@@ -4,11 +4,12 @@ use crate::base::engine::Design;
 use crate::base::prior::Prior;
 use crate::base::quality::{covariance, residue};
 use crate::base::start;
-use crate::outcome::asked::{MOST_ADDED, added, cannot_add};
+use crate::outcome::asked::{MOST_ADDED, placed_at};
 use crate::outcome::blank::undetermined;
 use crate::outcome::outcome::{Diagnosis, NoiseRow, Status, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::rows::describe;
+use crate::outcome::shows::shows;
 use crate::outcome::view::View;
 use crate::reason::Reason;
 use crate::residual::traces::Traces;
@@ -41,26 +42,21 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         return Ok(nothing());
     };
     let fitter = Fitter::new(design, &catalogue, &known);
-    let mut start = base.clone();
-    for id in &options.add {
-        if start.terms.len() >= MOST_ADDED {
-            return Err(Refusal::cannot_add(id, format!("a calibration holds at most {MOST_ADDED} effects")));
-        }
-        let Some(candidate) = added(&design, &catalogue, &start, id)? else {
-            return Err(Refusal::cannot_add(id, cannot_add(&catalogue, id)));
-        };
-        let mut terms = start.terms.clone();
-        terms.push(candidate);
-        if let Some(next) = design.fit(start.model, terms, &known)? {
-            start = next;
-        }
+    if let Some(more) = options.add.get(MOST_ADDED) {
+        return Err(Refusal::cannot_add(more, format!("a calibration holds at most {MOST_ADDED} effects")));
     }
-    let mut explanation = if options.search {
-        fitter.that_predict(fitter.selected(start)?, &options.add)?
-    } else {
-        fitter.only(base, start)?
+    let (terms, _) = placed_at(&fitter, &base, &options.add.iter().collect::<Vec<_>>())?;
+    let start = match terms.is_empty() {
+        true => base.clone(),
+        false => design.fit(base.model, terms, &known)?.unwrap_or_else(|| base.clone()),
     };
-    explanation.chances = fitter.chances(&explanation.fitted)?;
+    let explanation = if options.search {
+        fitter.that_hold(fitter.selected(start)?, &options.add)?
+    } else {
+        let mut only = fitter.only(base, start)?;
+        only.chances = fitter.chances(&only.fitted);
+        only
+    };
     let (used, confounded) = (explanation.fitted.terms.len(), explanation.confounded.clone());
     let fitted = &explanation.fitted;
     let residuals = design.residuals(&fitted.model, &fitted.terms.iter().collect::<Vec<_>>())?;
@@ -97,13 +93,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         Verdict::Complete
     };
     let base_residuals = design.residuals(&explanation.base.model, &[])?;
-    let shows = crate::outcome::shows::shows(
-        samples,
-        &base_residuals,
-        &explanation.first,
-        &explanation.base,
-        explanation.count,
-    );
+    let shows = shows(samples, &base_residuals, &explanation, &explanation.base.model);
     let traces = Traces::of(&design, &explanation.base, &explanation.fitted)?;
     let view = View {
         table,

@@ -5,7 +5,7 @@ use crate::outcome::outcome::{CandidateRow, Diagnosis, Status, Verdict};
 use crate::reason::Reason;
 use crate::residual::traces::Traces;
 use crate::samples::samples::Samples;
-use crate::search::candidates::Catalogue;
+use crate::search::candidates::{Catalogue, Untestable};
 use crate::table::Table;
 use ironout::effect::Registry;
 use ironout::study::Residual;
@@ -60,20 +60,9 @@ pub(crate) fn undetermined(table: &Table, samples: &Samples, registry: Registry,
 }
 
 pub(crate) fn untestable(catalogue: &Catalogue) -> Vec<CandidateRow> {
-    catalogue
-        .untestable()
-        .into_iter()
-        .map(|one| CandidateRow {
-            residual: if one.in_dip { Residual::Dip.name() } else { Residual::Magnitude.name() },
-            id: one.id,
-            name: one.name,
-            status: Status::Untestable,
-            holdout_rms_ut: None,
-            p_value: None,
-            confounded_with: Vec::new(),
-            why: one.why,
-            angle_deg: None,
-            takes: None,
-        })
-        .collect()
+    let row = |one: Untestable| {
+        let residual = if one.in_dip { Residual::Dip } else { Residual::Magnitude };
+        CandidateRow::new(&one.id, &one.name, Status::Untestable, residual, one.why)
+    };
+    catalogue.untestable().into_iter().map(row).collect()
 }

@@ -7,13 +7,13 @@ use crate::base::quality::{
     NoiseEstimate, covariance, information, memory_of_scores, noise_gain, predicted_error, residue,
 };
 use crate::calibration::Information;
-use crate::evidence::select::{Begin, wander};
+use crate::evidence::select::{Begin, moving};
+use crate::evidence::wander::Moving;
 use crate::outcome::axes_status;
 use crate::outcome::outcome::{Diagnosis, Dip, NoiseRow, StepRow, Verdict};
 use crate::outcome::request::Refusal;
 use crate::outcome::view::{Judged, View};
 use crate::reason::Reason;
-use crate::residual::place::field_share;
 use crate::residual::traces::Traces;
 use crate::search::state::held_out_rms;
 use crate::search::true_field::as_corrected;
@@ -53,28 +53,24 @@ impl View<'_, '_> {
             self.verdict(&left, &applied, predicted, fitted.model.field_ut);
         if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
             verdict = Verdict::Missing;
-        } else if verdict == Verdict::Complete
-            && let Some(words) = self.shows_a_column()
-        {
-            verdict = Verdict::Unexplained;
-            reasons.push(Reason::new("column-unexplained", words));
         }
         let traces = Traces::of(&self.design, &self.explanation.base, &self.explanation.fitted)?;
         let wanted = verdict == Verdict::Unexplained && self.searches && self.lower_order.is_none();
         let nobody = wanted && self.explanation.fitted.terms.is_empty();
         let stands_out = if nobody { self.beside_leaders()? } else { Vec::new() };
-        let field_varies = wanted.then(|| field_share(&applied.residuals, &traces.directions)).flatten();
-        if let Some(share) = field_varies {
+        let fitted = &self.explanation.fitted;
+        let begin = Begin { model: &fitted.model, known: self.known, stay: &fitted.terms, is_at_rest: false };
+        let moving = match wanted {
+            true => moving(self.samples, self.table, self.catalogue.registry, &begin),
+            false => Moving::default(),
+        };
+        if let Some(share) = moving.field_share {
             reasons.push(Reason::new("field-not-uniform", format!(
                 "{:.0} % of the remaining variance does not depend on the orientation and changes along the path. The field \
                  itself is not uniform, as next to iron, magnets or cables",
                 100.0 * share
             )));
         }
-        let fitted = &self.explanation.fitted;
-        let begin = Begin { model: &fitted.model, known: self.known, stay: &fitted.terms, is_at_rest: false };
-        let wander =
-            wanted.then(|| wander(self.samples, self.table, self.catalogue.registry, &begin)).flatten();
         let candidates = self.candidates(&dip, pure_lag, standing, verdict);
         // What is given out looks at its shapes where a correction does. Where the search looked elsewhere, names and verdict are the
         // search's; the errors are those of what is given out.
@@ -152,7 +148,7 @@ impl View<'_, '_> {
             rotation_error_rad: 0.0,
             bursts_explained: false,
             stands_out,
-            field_varies,
+            field_varies: moving.field_share,
             fit_refuses: None,
             only_unsure,
             has_attitude,
@@ -165,7 +161,7 @@ impl View<'_, '_> {
             switching: None,
             levels: None,
             pair: None,
-            wander,
+            wander: moving.offset,
             lower_order: self.lower_order.is_some(),
             shown: self.shown(&dip, force_lag),
             traces,

@@ -10,7 +10,7 @@ use crate::base::engine::{Design, Fitted};
 use crate::base::prior::Prior;
 use crate::base::start;
 use crate::base::term::Term;
-use crate::outcome::explain::{Stand, explain};
+use crate::outcome::explain::explain;
 use crate::outcome::outcome::{Diagnosis, StepRow, Verdict};
 use crate::outcome::request::{Options, Refusal};
 use crate::outcome::view::View;
@@ -18,7 +18,7 @@ use crate::reason::Reason;
 use crate::samples::samples::Samples;
 use crate::samples::series::{Autocorrelation, rms};
 use crate::search::candidates::Catalogue;
-use crate::search::screen::{RELEVANCE, SIGNIFICANCE, Tested, screen};
+use crate::search::screen::{RELEVANCE, SIGNIFICANCE, test};
 use crate::search::state::held_out_rms;
 use crate::table::Table;
 use ironout::fit::MIN_THICKNESS;
@@ -107,8 +107,7 @@ pub(crate) fn as_logged(
         let Some(scaled) = model(1.0, mean / scale) else { return Ok(None) };
         start = scaled;
     }
-    let stand = Stand { base: None, held: true };
-    let Ok(mut found) = explain(design, &catalogue, start, &known, options, stand)? else { return Ok(None) };
+    let Ok(mut found) = explain(design, &catalogue, start, &known, options, None)? else { return Ok(None) };
     let mut order = Order::Scale;
     for next in [Order::Offset, Order::Gains] {
         let freer = next.known(memory);
@@ -118,7 +117,7 @@ pub(crate) fn as_logged(
         if !better {
             continue;
         }
-        let Ok(again) = explain(design, &catalogue, start, &freer, options, stand)? else { break };
+        let Ok(again) = explain(design, &catalogue, start, &freer, options, None)? else { break };
         (order, known, found) = (next, freer, again);
     }
     let (explanation, pure_lag) = found;
@@ -172,15 +171,18 @@ fn scale_at_rest<'a>(
     let scale = |fitted: &Fitted| fitted.model.matrix[0][0];
     let Some(base) = design.fit(start, Vec::new(), known)? else { return Ok(1.0) };
     let adds = |term: &Term| term.made.is_some_and(|made| made.family().is_proportional(made.parts()));
-    let list: Vec<Term> = catalogue.plain(true).into_iter().filter(adds).collect();
-    let screening = screen(design, &base, &list, list.len())?;
-    let held = |tested: &Tested| tested.held_out.unwrap_or(f64::INFINITY);
-    let best = screening
-        .iter()
-        .filter(|tested| tested.accepted || tested.decrease > 0.5 * base.squares)
-        .min_by(|a, b| held(a).total_cmp(&held(b)))
-        .and_then(|tested| list.get(tested.index));
-    let Some(best) = best else { return Ok(scale(&base)) };
+    let list = catalogue.offered().filter(|named| named.form.searched.is_none());
+    let list: Vec<Term> = list.filter_map(|named| catalogue.build(&named, 0.0)).filter(adds).collect();
+    let mut best: Option<(f64, &Term)> = None;
+    for term in &list {
+        let Some(tested) = test(design, &base, term, list.len())? else { continue };
+        let held = tested.held_out.unwrap_or(f64::INFINITY);
+        let counts = tested.accepted || tested.decrease > 0.5 * base.squares;
+        if counts && best.is_none_or(|(least, _)| held < least) {
+            best = Some((held, term));
+        }
+    }
+    let Some((_, best)) = best else { return Ok(scale(&base)) };
     Ok(design.fit(base.model, vec![best.clone()], known)?.as_ref().map_or(1.0, scale))
 }
 

@@ -20,6 +20,7 @@ use crate::unlogged::recordings::Recordings;
 use crate::unlogged::switching::Switching;
 use ironout::calibration::Calibration;
 use ironout::effect::Registry;
+use ironout::study::Residual;
 use serde::Serialize;
 
 /// The verdict of the contract.
@@ -113,6 +114,24 @@ pub struct CandidateRow {
     pub angle_deg: Option<f64>,
     /// Share of the squared error that it would take off the model in which it was tested: of one in the model, off the base.
     pub takes: Option<f64>,
+}
+
+impl CandidateRow {
+    /// A row without figures.
+    pub(crate) fn new(id: &str, name: &str, status: Status, residual: Residual, why: String) -> Self {
+        CandidateRow {
+            id: id.into(),
+            name: name.into(),
+            status,
+            residual: residual.name(),
+            holdout_rms_ut: None,
+            p_value: None,
+            confounded_with: Vec::new(),
+            why,
+            angle_deg: None,
+            takes: None,
+        }
+    }
 }
 
 /// How much of the base model's residual something explains.

@@ -1,20 +1,19 @@
 //! The candidates and effects of a diagnosis as rows, in words and numbers.
 
 use crate::base::alignment::SWAPPED_DEG;
-use crate::base::engine::Fitted;
-use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT, Standing};
+use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT, Mounting, Standing};
 use crate::base::quality::{covariance, covariance_of};
 use crate::base::term::{BadShape, Term};
+use crate::bounds::MIN_SHARE;
 use crate::calibration::FittedEffect;
+use crate::evidence::significance::Test;
 use crate::outcome::blank::untestable;
 use crate::outcome::outcome::{CandidateRow, Status, Verdict};
 use crate::outcome::view::{DipStudy, View};
 use crate::search::parameter::in_words;
-use crate::search::screen::{RELEVANCE, SIGNIFICANCE, WORTH_NAMING};
-use crate::search::state::{Confounded, Judged, held_out_rms};
+use crate::search::screen::SIGNIFICANCE;
 use ironout::effect::{Follows, Named};
 use ironout::study::Residual;
-use ironout::study::rule::falls;
 
 /// A rotation between the sensors beyond this is worth a word, degrees: soft iron itself may turn the field by less.
 const MISALIGNED_DEG: f64 = 4.0;
@@ -27,49 +26,27 @@ impl View<'_, '_> {
         standing: Option<Standing>,
         verdict: Verdict,
     ) -> Vec<CandidateRow> {
-        let rows = self.explanation.fitted.rows;
         let mut list: Vec<CandidateRow> = Vec::new();
-        let squares = |fitted: &Fitted| fitted.squares.max(f64::MIN_POSITIVE);
-        let (base, whole) = (squares(&self.explanation.base), squares(&self.explanation.fitted));
-        let row_of = |one: &Judged, status: Status, partners: Vec<String>, why: String| CandidateRow {
-            id: one.term.id.clone(),
-            name: one.term.effect.name().to_string(),
-            status,
-            residual: Residual::Magnitude.name(),
-            holdout_rms_ut: one.tested.held_out.map(|squares| (squares / rows).sqrt()),
-            p_value: Some((one.tested.p_value * self.explanation.count as f64).min(1.0)),
+        let corrected = |p: f64| Some((p * self.explanation.count as f64).min(1.0));
+        let row_of = |one: &Test, status: Status, partners: Vec<String>, why: String| CandidateRow {
+            holdout_rms_ut: one.held_out_rms_ut,
+            p_value: corrected(one.p_value),
             confounded_with: partners,
-            why,
-            angle_deg: None,
-            takes: Some(
-                (one.tested.decrease / if status == Status::NotNeeded { whole } else { base })
-                    .clamp(0.0, 1.0),
-            ),
-        };
-        let others_in = |groups: &[Confounded], id: &str| {
-            groups
-                .iter()
-                .find(|group| group.ids.iter().any(|other| other == id))
-                .map(|group| group.ids.iter().filter(|other| *other != id).cloned().collect::<Vec<_>>())
+            takes: Some(one.share),
+            ..CandidateRow::new(&one.id, one.name, status, Residual::Magnitude, why)
         };
         let untried = |id: &String, status: Status, why: String| {
             let built = self.catalogue.registry.parse(id).and_then(|named| self.catalogue.build(&named, 0.0));
-            CandidateRow {
-                id: id.clone(),
-                name: built.map_or_else(|| id.clone(), |term| term.effect.name().to_string()),
-                status,
-                residual: Residual::Magnitude.name(),
-                holdout_rms_ut: None,
-                p_value: None,
-                confounded_with: Vec::new(),
-                why,
-                angle_deg: None,
-                takes: None,
-            }
+            let name = built.map_or(id.as_str(), |term| term.effect.name());
+            CandidateRow::new(id, name, status, Residual::Magnitude, why)
         };
-        let group_of = |id: &str| others_in(&self.explanation.confounded, id);
+        let group_of = |id: &str| -> Option<Vec<String>> {
+            let mut groups = self.explanation.confounded.iter();
+            let group = groups.find(|group| group.ids.iter().any(|other| other == id))?;
+            Some(group.ids.iter().filter(|other| *other != id).cloned().collect())
+        };
         for term in &self.explanation.fitted.terms {
-            let tested = self.explanation.first.iter().find(|one| one.term.id == term.id);
+            let tested = self.explanation.first.iter().find(|one| one.id == term.id);
             let partners = group_of(&term.id);
             let status = if partners.is_some() { Status::Confounded } else { Status::Missing };
             let why = match &partners {
@@ -85,27 +62,17 @@ impl View<'_, '_> {
             };
             // Beside all others: before those are in the model, what they do hides it.
             let chance = self.explanation.chances.iter().find(|(id, _)| *id == term.id);
-            let p_value = chance.map(|(_, p)| (p * self.explanation.count as f64).min(1.0));
-            match tested {
-                Some(one) => list
-                    .push(CandidateRow { p_value, ..row_of(one, status, partners.unwrap_or_default(), why) }),
-                None => list.push(CandidateRow {
-                    id: term.id.clone(),
-                    name: term.effect.name().to_string(),
-                    status,
-                    residual: Residual::Magnitude.name(),
-                    holdout_rms_ut: None,
-                    p_value,
-                    confounded_with: partners.unwrap_or_default(),
-                    why,
-                    angle_deg: None,
-                    takes: None,
-                }),
-            }
+            let p_value = chance.and_then(|(_, p)| corrected(*p));
+            let name = term.effect.name();
+            let row = match tested {
+                Some(one) => row_of(one, status, Vec::new(), why),
+                None => CandidateRow::new(&term.id, name, status, Residual::Magnitude, why),
+            };
+            list.push(CandidateRow { p_value, confounded_with: partners.unwrap_or_default(), ..row });
         }
         for withdrawn in &self.explanation.withdrawn {
             let judged = self.explanation.first.iter().chain(&self.explanation.last);
-            let mut tested = judged.filter(|one| one.term.id == withdrawn.id);
+            let mut tested = judged.filter(|one| one.id == withdrawn.id);
             list.push(match tested.next() {
                 Some(one) => row_of(one, Status::NotNeeded, Vec::new(), withdrawn.why.clone()),
                 None => untried(&withdrawn.id, Status::NotNeeded, withdrawn.why.clone()),
@@ -116,20 +83,19 @@ impl View<'_, '_> {
             list.push(untried(id, Status::Untestable, why.into()));
         }
         for one in &self.explanation.last {
-            let id = &one.term.id;
+            let id = &one.id;
             // A further step or tone that nothing asks for is not worth a row.
-            let further =
-                id.contains('#') && one.term.made.is_some_and(|made| made.parts().form.is_repeated());
+            let further = id.contains('#') && one.is_repeated;
             if further || list.iter().any(|row| row.id == *id) {
                 continue;
             }
-            if !one.term.hidden_delay().is_empty() && dip.is_some() {
+            if one.hides_delay && dip.is_some() {
                 continue;
             }
             match group_of(id) {
                 Some(partners) => {
                     // What it explains by itself, not beside the one that stands in the model.
-                    let alone = self.explanation.first.iter().find(|other| other.term.id == *id);
+                    let alone = self.explanation.first.iter().find(|other| other.id == *id);
                     let one = alone.unwrap_or(one);
                     let why = format!(
                         "{} explains the error equally well. Fix: {}",
@@ -141,8 +107,8 @@ impl View<'_, '_> {
                 None => {
                     let why = if verdict == Verdict::Undetermined {
                         "not tested: the data do not support a calibration".to_string()
-                    } else if one.tested.p_value * (self.explanation.count as f64) < SIGNIFICANCE {
-                        self.not_taken(one, one.tested.decrease / whole)
+                    } else if one.p_value * (self.explanation.count as f64) < SIGNIFICANCE {
+                        self.not_taken(one)
                     } else {
                         "not significant".to_string()
                     };
@@ -165,81 +131,50 @@ impl View<'_, '_> {
                     ),
                     _ => "significant neither in the magnitude nor in the dip".to_string(),
                 };
+                let status = if pure_lag { Status::Missing } else { Status::NotNeeded };
                 list.push(CandidateRow {
-                    name: late.effect.name().into(),
-                    id: late.id,
-                    status: if pure_lag { Status::Missing } else { Status::NotNeeded },
-                    residual: Residual::Dip.name(),
                     holdout_rms_ut: held,
                     p_value: Some((2.0 * p).min(1.0)),
-                    confounded_with: Vec::new(),
-                    why,
-                    angle_deg: None,
-                    takes: None,
+                    ..CandidateRow::new(&late.id, late.effect.name(), status, Residual::Dip, why)
                 });
             }
             let angle = dip.alignment.angle_deg;
             let by_gyro = dip.alignment.by_gyro;
             let beside = if by_gyro { "gyro" } else { "accelerometer" };
-            list.push(CandidateRow {
-                id: MISALIGNMENT.id.into(),
-                name: MISALIGNMENT.name.into(),
-                // A rotation so large is a matter of the axes' order, told below.
-                status: if angle > MISALIGNED_DEG && angle <= SWAPPED_DEG {
-                    Status::Missing
-                } else {
-                    Status::NotNeeded
-                },
-                residual: Residual::Dip.name(),
-                holdout_rms_ut: None,
-                p_value: None,
-                confounded_with: Vec::new(),
-                why: format!(
-                    "the axes of magnetometer and {beside} differ by {angle:.1}° in addition to the triangular matrix"
+            let mut of_mounting = |one: Mounting, status: Status, angle_deg: Option<f64>, why: String| {
+                let row = CandidateRow::new(one.id, one.name, status, Residual::Dip, why);
+                list.push(CandidateRow { angle_deg, ..row });
+            };
+            // A rotation so large is a matter of the axes' order, told below.
+            let status = match angle > MISALIGNED_DEG && angle <= SWAPPED_DEG {
+                true => Status::Missing,
+                false => Status::NotNeeded,
+            };
+            let why = format!(
+                "the axes of magnetometer and {beside} differ by {angle:.1}° in addition to the triangular matrix"
+            );
+            of_mounting(MISALIGNMENT, status, Some(angle), why);
+            let status = match standing.and_then(|standing| standing.swapped()) {
+                Some(_) => Status::Missing,
+                None if angle > SWAPPED_DEG => Status::Untestable,
+                None => Status::NotNeeded,
+            };
+            let why = match standing.map(|standing| standing.words()) {
+                Some(_) if angle > SWAPPED_DEG => format!(
+                    "{} with the axes rotated by {angle:.0}°, but it varies by {:.1}° rms there too, which is too much \
+                     to determine their order. Fix: rotate the sensor slowly and without shaking it",
+                    if by_gyro { "the gyro agrees best with the field" } else { "the dip is most constant" },
+                    dip.after_deg
                 ),
-                angle_deg: Some(angle),
-                takes: None,
-            });
-            list.push(CandidateRow {
-                id: AXIS_ORDER.id.into(),
-                name: AXIS_ORDER.name.into(),
-                status: match standing.and_then(|standing| standing.swapped()) {
-                    Some(_) => Status::Missing,
-                    None if angle > SWAPPED_DEG => Status::Untestable,
-                    None => Status::NotNeeded,
-                },
-                residual: Residual::Dip.name(),
-                holdout_rms_ut: None,
-                p_value: None,
-                confounded_with: Vec::new(),
-                why: match standing.map(|standing| standing.words()) {
-                    Some(_) if angle > SWAPPED_DEG => format!(
-                        "{} with the axes rotated by {angle:.0}°, but it varies by {:.1}° rms there too, which is too much \
-                         to determine their order. Fix: rotate the sensor slowly and without shaking it",
-                        if by_gyro { "the gyro agrees best with the field" } else { "the dip is most constant" },
-                        dip.after_deg
-                    ),
-                    Some(words) if !words.is_empty() => words.join("; "),
-                    _ => "the axis order is correct".into(),
-                },
-                angle_deg: None,
-                takes: None,
-            });
+                Some(words) if !words.is_empty() => words.join("; "),
+                _ => "the axis order is correct".into(),
+            };
+            of_mounting(AXIS_ORDER, status, None, why);
         }
         if self.lower_order.is_some() && self.catalogue.has_down() {
             for one in mounting::ALL {
-                list.push(CandidateRow {
-                    id: one.id.into(),
-                    name: one.name.into(),
-                    status: Status::Untestable,
-                    residual: Residual::Dip.name(),
-                    holdout_rms_ut: None,
-                    p_value: None,
-                    confounded_with: Vec::new(),
-                    why: "too few orientations: rotate the sensor through more of them".into(),
-                    angle_deg: None,
-                    takes: None,
-                });
+                let why = "too few orientations: rotate the sensor through more of them".into();
+                list.push(CandidateRow::new(one.id, one.name, Status::Untestable, Residual::Dip, why));
             }
         }
         let more = untestable(self.catalogue);
@@ -249,29 +184,21 @@ impl View<'_, '_> {
     }
 
     /// Why what chance hardly does was not added, from what it would take off the squared error.
-    fn not_taken(&self, one: &Judged, takes: f64) -> String {
-        let percent = 100.0 * takes.clamp(0.0, 1.0);
-        if takes < RELEVANCE {
+    fn not_taken(&self, one: &Test) -> String {
+        let (takes, percent) = (one.share, 100.0 * one.share);
+        if takes < MIN_SHARE {
             return format!(
                 "significant, but too small to matter: it explains {percent:.1} % of the remaining variance"
             );
         }
-        if takes < WORTH_NAMING && self.design.residual == Residual::Magnitude {
-            return format!(
-                "it explains {percent:.0} % of the remaining variance, less than the {:.0} % needed to name it",
-                100.0 * WORTH_NAMING
-            );
-        }
-        let before =
-            held_out_rms(&self.explanation.fitted).map(|rms| rms * rms * self.explanation.fitted.rows);
-        if !falls(before, one.tested.held_out) {
+        if !one.falls {
             return format!(
                 "it explains {percent:.0} % of the remaining variance, but does not reduce the held-out error"
             );
         }
         format!(
             "it explains {percent:.0} % of the remaining variance, but is not significant by itself: {} may look like it",
-            if one.term.follows(Follows::Attitude) { "another cause" } else { "a cause that was not logged" }
+            if one.follows == Follows::Attitude { "another cause" } else { "a cause that was not logged" }
         )
     }
 

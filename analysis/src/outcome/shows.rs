@@ -1,11 +1,11 @@
 //! Where the base model fails: its residual against columns, time, attitude and spectrum.
 
-use crate::base::engine::Fitted;
-use crate::base::term::Term;
+use crate::evidence::significance::Test;
 use crate::outcome::outcome::Where;
 use crate::samples::samples::Samples;
-use crate::search::state::Judged;
+use crate::search::state::Explanation;
 use ironout::effect::Follows;
+use ironout::study::Model;
 
 /// Bins of a shape.
 const BINS: usize = 40;
@@ -31,20 +31,12 @@ fn shape(by: &[f64], values: &[f64]) -> Vec<f64> {
 pub fn shows(
     samples: &Samples,
     residuals: &[f64],
-    first: &[Judged],
-    base: &Fitted,
-    count: usize,
+    explanation: &Explanation,
+    base: &Model<f64>,
 ) -> Vec<Where> {
-    let best = |belongs: &dyn Fn(&Term) -> bool| -> (f64, f64) {
-        first
-            .iter()
-            .filter(|one| belongs(&one.term))
-            .map(|one| {
-                (
-                    (one.tested.decrease / base.squares).clamp(0.0, 1.0),
-                    (one.tested.p_value * count as f64).min(1.0),
-                )
-            })
+    let best = |belongs: &dyn Fn(&Test) -> bool| -> (f64, f64) {
+        let own = explanation.first.iter().filter(|one| belongs(one));
+        own.map(|one| (one.share, (one.p_value * explanation.count as f64).min(1.0)))
             // Where numbers are so large that a test is none, it shows nothing.
             .filter(|(share, p_value)| !share.is_nan() && !p_value.is_nan())
             .max_by(|a, b| a.0.total_cmp(&b.0))
@@ -55,31 +47,31 @@ pub fn shows(
     let one_a_sample = residuals.len() == n;
     let squares: Vec<f64> = residuals.iter().take(n).map(|r| r * r).collect();
     for column in samples.columns.iter().filter(|column| column.problem.is_none()) {
-        let reads = |term: &Term| term.effect.columns().iter().flatten().any(|read| read.name == column.name);
+        let reads = |one: &Test| one.columns.contains(&column.name);
         let (explained, p_value) = best(&reads);
         let shape = if one_a_sample { root(shape(&column.values, &squares)) } else { Vec::new() };
         list.push(Where { against: column.name.clone(), explained, p_value, shape });
     }
     if let Some(time) = &samples.time {
-        let (explained, p_value) = best(&|term| term.follows(Follows::Time));
+        let (explained, p_value) = best(&|one| one.follows == Follows::Time);
         let shape = if one_a_sample { root(shape(time, &squares)) } else { Vec::new() };
         list.push(Where { against: "time".into(), explained, p_value, shape });
-        let (explained, p_value) = best(&|term| term.follows(Follows::Tone));
+        let (explained, p_value) = best(&|one| one.follows == Follows::Tone);
         list.push(Where { against: "spectrum".into(), explained, p_value, shape: Vec::new() });
     }
     if one_a_sample {
-        let (explained, p_value) = best(&|term| term.follows(Follows::Attitude));
+        let (explained, p_value) = best(&|one| one.follows == Follows::Attitude);
         let z: Vec<f64> = samples
             .readings
             .iter()
             .map(|reading| {
                 let v: [f64; 3] =
-                    core::array::from_fn(|axis| reading.measured_ut[axis] - base.model.offset_ut[axis]);
+                    core::array::from_fn(|axis| reading.measured_ut[axis] - base.offset_ut[axis]);
                 v[2] / v.iter().map(|value| value * value).sum::<f64>().sqrt()
             })
             .collect();
         list.push(Where { against: "attitude".into(), explained, p_value, shape: shape(&z, residuals) });
-        let (explained, p_value) = best(&|term| term.follows(Follows::Turning));
+        let (explained, p_value) = best(&|one| one.follows == Follows::Turning);
         list.push(Where { against: "rate of turn".into(), explained, p_value, shape: Vec::new() });
     }
     list.sort_by(|a, b| b.explained.total_cmp(&a.explained));

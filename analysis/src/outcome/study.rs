@@ -13,7 +13,7 @@ use crate::effects::calibrated;
 use crate::outcome::at_rest::at_rest;
 use crate::outcome::axes_status;
 use crate::outcome::blank::undetermined;
-use crate::outcome::explain::{Stand, explain};
+use crate::outcome::explain::explain;
 use crate::outcome::lower_order::as_logged;
 use crate::outcome::outcome::{Diagnosis, Status, Verdict};
 use crate::outcome::request::{Options, Refusal};
@@ -168,7 +168,7 @@ fn on(
     let at_conditions = options.prior.as_ref().map(|prior| samples.known_at(&prior.conditions));
     let samples = at_conditions.as_ref().unwrap_or(samples);
     let Some(model) = begin(samples, options) else { return Ok(None) };
-    magnitude(table, samples, model, known, options, Stand { base, held: false }).map(Some)
+    magnitude(table, samples, model, known, options, base).map(Some)
 }
 
 fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
@@ -291,9 +291,8 @@ fn level(
         lower.reasons.insert(0, reason);
         return Ok(lower);
     }
-    let stand = Stand { base, held: false };
     let base_only = Options { search: false, add: Vec::new(), ..options.clone() };
-    let mut diagnosis = magnitude(table, samples, model, &Prior::default(), &base_only, stand)?;
+    let mut diagnosis = magnitude(table, samples, model, &Prior::default(), &base_only, base)?;
     diagnosis.verdict = Verdict::Undetermined;
     // The tilt says it already, with the same remedy.
     diagnosis.reasons.retain(|other| other.code != "too-few-orientations");
@@ -346,18 +345,17 @@ fn magnitude(
     model: Model<f64>,
     known: &Prior,
     options: &Options,
-    stand: Stand,
+    base: Option<&Base>,
 ) -> Result<Diagnosis, Refusal> {
     let catalogue = Catalogue::new(samples, table, options.registry);
     let design = Design::new(samples, Residual::Magnitude);
-    let (explanation, pure_lag) = match explain(design, &catalogue, model, known, options, stand)? {
+    let (explanation, pure_lag) = match explain(design, &catalogue, model, known, options, base)? {
         Ok(explained) => explained,
         Err(why) => {
             let why = Reason::new("no-convergence", why);
             return Ok(undetermined(table, samples, options.registry, why));
         }
     };
-    let base = stand.base;
     let (dip_deg, searches) = (options.dip_deg, options.search);
     View {
         table,

@@ -13,12 +13,13 @@ use crate::base::quality::{NoiseEstimate, attitude_error, covariance, error_beyo
 use crate::base::start;
 use crate::base::term::{BadShape, Term};
 use crate::outcome::outcome::{Heading, StepRow, Verdict, Where};
+use crate::outcome::shows::shows;
 use crate::reason::Reason;
 use crate::residual::late::{Late, scan};
 use crate::samples::samples::Samples;
 use crate::samples::series::Autocorrelation;
 use crate::search::candidates::Catalogue;
-use crate::search::screen::{SIGNIFICANCE, screen};
+use crate::search::screen::{SIGNIFICANCE, test};
 use crate::search::shown::Shown;
 use crate::search::state::{Explanation, held_out_rms};
 use crate::table::Table;
@@ -104,8 +105,7 @@ impl<'a> View<'_, 'a> {
         let Some(base) = design.fit(study.alignment.model, Vec::new(), self.known)? else {
             return Ok(Some(study));
         };
-        let tested = screen(&design, &base, std::slice::from_ref(&lag), 2)?;
-        let Some(tested) = tested.into_iter().next() else { return Ok(Some(study)) };
+        let Some(tested) = test(&design, &base, &lag, 2)? else { return Ok(Some(study)) };
         let held_deg = tested.held_out.map(|squares| (squares / base.rows).sqrt().to_degrees());
         study.tested = Some((tested.p_value, held_deg));
         let has_eddy = is_coupled;
@@ -354,10 +354,6 @@ impl<'a> View<'_, 'a> {
             reasons.insert(0, Reason::new("unexplained-variance", words));
             return (Verdict::Unexplained, reasons, false);
         }
-        if let Some(words) = self.stand_ins() {
-            reasons.push(Reason::new("probable-proxies", words));
-            return (Verdict::Unexplained, reasons, false);
-        }
         if let Some(times) = fails {
             reasons.push(Reason::new("held-out-error", format!(
                 "The held-out error is {times:.1} × the noise floor: the model is incomplete, or the log is too short for it"
@@ -427,12 +423,6 @@ impl<'a> View<'_, 'a> {
     pub(crate) fn shows(&self) -> Result<Vec<Where>, BadShape> {
         let base = &self.explanation.base;
         let residuals = self.design.residuals(&base.model, &[])?;
-        Ok(crate::outcome::shows::shows(
-            self.samples,
-            &residuals,
-            &self.explanation.first,
-            base,
-            self.explanation.count,
-        ))
+        Ok(shows(self.samples, &residuals, &self.explanation, &base.model))
     }
 }

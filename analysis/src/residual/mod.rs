@@ -1,5 +1,4 @@
 //! What the base model leaves: its traces, its delay.
 
 pub mod late;
-pub mod place;
 pub mod traces;

@@ -6,7 +6,6 @@ pub mod common;
 pub mod copied;
 pub mod data;
 pub mod detected;
-pub mod families;
 pub mod faults;
 pub mod fft;
 pub mod gravity;

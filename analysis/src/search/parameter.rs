@@ -3,7 +3,7 @@
 
 use crate::base::engine::{Design, Fitted};
 use crate::base::prior::Prior;
-use crate::base::term::{BadShape, COLUMNS, Clock, Matrix, Term};
+use crate::base::term::{BadShape, COLUMNS, Matrix, Term};
 use crate::search::candidates::Catalogue;
 use ironout::effect::{Column, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, Searched, Shape, TIME};
 use ironout::extended::LowPass;
@@ -115,7 +115,7 @@ fn slope<'a>(design: &Design, term: &Term<'a>) -> Option<Term<'a>> {
         coefficients: [0.0; MAX_COEFFICIENTS],
         inputs,
         trials: 1.0,
-        clock: Clock::Stamps,
+        odds: 0.0,
         known_at: None,
     })
 }
@@ -135,7 +135,7 @@ pub fn with_slopes(design: &Design, fitted: &Fitted) -> Result<Option<Matrix>, B
 /// The term with its parameter moved.
 fn moved<'a>(term: &Term<'a>, change: f64, catalogue: &Catalogue<'a>) -> Option<Term<'a>> {
     let next = match term.searched()? {
-        (Searched::Frequency, now) => catalogue.by(term.clock, &term.named()?, now + change)?,
+        (Searched::Frequency, now) => catalogue.build(&term.named()?, now + change)?,
         (Searched::Delay | Searched::TimeConstant, now) => {
             {
                 // Neither a time constant nor a delay changes its sign on the way.
@@ -148,6 +148,9 @@ fn moved<'a>(term: &Term<'a>, change: f64, catalogue: &Catalogue<'a>) -> Option<
     Some(Term { coefficients: term.coefficients, id: term.id.clone(), trials: term.trials, ..next })
 }
 
+/// How often parameters are moved, at most.
+const ROUNDS: usize = 6;
+
 /// Moves searched parameters to where the error is least, and refits.
 pub fn refine<'a>(
     design: &Design,
@@ -155,19 +158,33 @@ pub fn refine<'a>(
     catalogue: &Catalogue<'a>,
     known: &Prior,
 ) -> Result<Fitted<'a>, BadShape> {
-    for _ in 0..4 {
-        let Some(total) = with_slopes(design, &fitted)? else { return Ok(fitted) };
-        let Some(factor) = total.factor() else { return Ok(fitted) };
-        let step = total.step(&factor);
-        let mut changes = step[fitted.columns()..].iter();
+    for _ in 0..ROUNDS {
         let mut terms = fitted.terms.clone();
-        for term in &mut terms {
-            if slope(design, term).is_some()
-                && let Some(change) = changes.next()
-                && let Some(next) = moved(term, *change, catalogue)
-            {
-                *term = next;
+        if let Some(total) = with_slopes(design, &fitted)?
+            && let Some(factor) = total.factor()
+        {
+            let step = total.step(&factor);
+            let mut changes = step[fitted.columns()..].iter();
+            for term in &mut terms {
+                if slope(design, term).is_some()
+                    && let Some(change) = changes.next()
+                    && let Some(next) = moved(term, *change, catalogue)
+                {
+                    *term = next;
+                }
             }
+        }
+        for place in 0..terms.len() {
+            if let Some(at_s) = likeliest_time(design, &fitted, place)?
+                && let Some(named) = terms[place].named()
+                && let Some(next) = catalogue.build(&named, at_s)
+            {
+                let Term { id, coefficients, trials, .. } = terms[place].clone();
+                terms[place] = Term { id, coefficients, trials, ..next };
+            }
+        }
+        if terms.iter().zip(&fitted.terms).all(|(next, now)| next.parts() == now.parts()) {
+            break;
         }
         let before = fitted.squares;
         match design.fit(fitted.model, terms, known)? {
@@ -179,4 +196,32 @@ pub fn refine<'a>(
         }
     }
     Ok(fitted)
+}
+
+/// When a step of the size that it has leaves the least error, all else as it is: between two samples. `None` for what is no step.
+fn likeliest_time(design: &Design, fitted: &Fitted, place: usize) -> Result<Option<f64>, BadShape> {
+    let term = &fitted.terms[place];
+    let (Some((Searched::At, at_s)), Some(time)) = (term.searched(), &design.samples.time) else {
+        return Ok(None);
+    };
+    let n = design.samples.len();
+    let now = time.partition_point(|t| *t < at_s);
+    // By how much the error rises where the step begins before each sample instead: before all, and then later by one after the other.
+    let mut rises = vec![0.0; n + 1];
+    let list: Vec<&Term> = fitted.terms.iter().collect();
+    design.rows(0..n, &fitted.model, &list, |sample, row, r| {
+        let by: f64 = (0..3).map(|axis| row[axis] * term.coefficients[axis]).sum();
+        // Samples after it are free of it: what they leave without it, and the earlier ones with it.
+        let (without, with) = if sample < now { (r, r + by) } else { (r - by, r) };
+        rises[sample + 1] += without * without - with * with;
+    })?;
+    let (mut sum, mut best) = (0.0, (f64::INFINITY, now));
+    for (index, rise) in rises.iter().enumerate() {
+        sum += rise;
+        if index > 0 && index < n && sum < best.0 {
+            best = (sum, index);
+        }
+    }
+    let index = best.1.clamp(1, n - 1);
+    Ok(Some(0.5 * (time[index - 1] + time[index])))
 }

@@ -3,6 +3,9 @@
 use crate::search::screen::{ACCUSED, RELEVANCE};
 use serde::Serialize;
 
+/// What raises the held-out error by more than this is not recommended.
+const RAISES: f64 = 1.05;
+
 /// What the test of an effect in the model says.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shown {
@@ -32,6 +35,33 @@ impl Shown {
             (None, with) => with.is_some(),
             (Some(_), None) => false,
         }
+    }
+
+    /// The held-out error with it, over that without it.
+    pub(crate) fn rise(&self) -> f64 {
+        self.without.zip(self.with).map_or(0.0, |(without, with)| with / without)
+    }
+
+    /// Whether it raises the held-out error.
+    pub(crate) fn raises(&self) -> bool {
+        self.rise() > RAISES
+    }
+
+    /// Why it is left out.
+    pub(crate) fn why_not(&self, is_asked: bool) -> String {
+        let rms = |rms: Option<f64>| rms.map_or("unknown".into(), |rms| format!("{rms:.3} {}", self.unit));
+        let (with, without) = (rms(self.with), rms(self.without));
+        if !is_asked {
+            return format!("it increases the held-out error from {without} to {with}");
+        }
+        let p = if self.p_value < 0.01 {
+            format!("{:.0e}", self.p_value)
+        } else {
+            format!("{:.2}", self.p_value)
+        };
+        format!(
+            "requested, but not significant in this log (p = {p}; held-out error {with} with it, {without} without)"
+        )
     }
 
     /// Whether the log shows the effect.

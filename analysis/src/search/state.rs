@@ -4,12 +4,11 @@ use crate::base::alignment::{align, without_effects};
 use crate::base::applied::Applied;
 use crate::base::engine::{Design, Fitted, SETTLED};
 use crate::base::prior::Prior;
-use crate::base::term::{BadShape, Term};
+use crate::base::term::BadShape;
+use crate::evidence::significance::Test;
 use crate::search::candidates::Catalogue;
-use crate::search::screen::Tested;
 use crate::search::shown::Shown;
 use ironout::study::{Residual, held_out};
-use std::cell::RefCell;
 
 /// The coupling's share along the identity has settled when it moves by less than this, s.
 const SETTLED_S: f64 = 2e-5;
@@ -20,8 +19,6 @@ const SETTLING: usize = 12;
 /// … until nothing moves by more than this share of the offset's and of the coefficients' size.
 const SETTLED_SHARE: f64 = 1e-7;
 
-/// A search looks at this many samples at most.
-pub const MOST_SEARCHED: usize = 6000;
 /// The state of the model after one addition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
@@ -40,22 +37,6 @@ pub struct Confounded {
     pub ids: Vec<String>,
 }
 
-/// A candidate of the last round.
-#[derive(Clone)]
-pub struct Judged<'a> {
-    /// It.
-    pub term: Term<'a>,
-    /// Its test.
-    pub tested: Tested,
-}
-
-impl Judged<'_> {
-    /// The same of the effect over other samples.
-    pub fn on<'b>(&self, term: Term<'b>) -> Judged<'b> {
-        Judged { term: Term { trials: self.term.trials, ..term }, tested: self.tested.clone() }
-    }
-}
-
 /// What the search found.
 #[derive(Clone)]
 pub struct Explanation<'a> {
@@ -68,9 +49,9 @@ pub struct Explanation<'a> {
     /// Groups that cannot be told apart.
     pub confounded: Vec<Confounded>,
     /// The candidates tested against the base model.
-    pub first: Vec<Judged<'a>>,
+    pub first: Vec<Test>,
     /// The candidates tested last, against the final model.
-    pub last: Vec<Judged<'a>>,
+    pub last: Vec<Test>,
     /// Effects that were found and are not certain.
     pub withdrawn: Vec<Withdrawn>,
     /// Candidates whose shape was not finite somewhere, and which were left out.
@@ -83,6 +64,26 @@ pub struct Explanation<'a> {
     pub chances: Vec<(String, f64)>,
     /// The tests of the effects that were asked for; empty after a search, which adds only what is shown.
     pub shown: Vec<Shown>,
+}
+
+impl<'a> Explanation<'a> {
+    /// Of a model whose effects nobody searched.
+    pub(crate) fn plain(base: Fitted<'a>, fitted: Fitted<'a>, steps: Vec<Step>) -> Self {
+        Explanation {
+            base,
+            fitted,
+            steps,
+            confounded: Vec::new(),
+            first: Vec::new(),
+            last: Vec::new(),
+            withdrawn: Vec::new(),
+            dropped: Vec::new(),
+            ended_early: false,
+            count: 1,
+            chances: Vec::new(),
+            shown: Vec::new(),
+        }
+    }
 }
 
 /// Rms on held-out blocks.
@@ -131,23 +132,16 @@ pub struct Fitter<'p, 'a> {
     pub known: &'p Prior,
     /// The base model's held-out error as `fit` gives it, which is the first of those that are told.
     pub base_held_out: Option<f64>,
-    /// Candidates that were left out because their shape is not finite.
-    pub(crate) dropped: RefCell<Vec<String>>,
 }
 
 impl<'p, 'a> Fitter<'p, 'a> {
     /// Over these samples.
     pub fn new(design: Design<'p>, catalogue: &'p Catalogue<'a>, known: &'p Prior) -> Self {
-        Fitter { design, catalogue, known, base_held_out: None, dropped: RefCell::default() }
+        Fitter { design, catalogue, known, base_held_out: None }
     }
 }
 
 impl<'a> Fitter<'_, 'a> {
-    /// Whether the base is held, or most of it.
-    pub(crate) fn held(&self) -> bool {
-        self.known.holds_matrix()
-    }
-
     /// Gives a fitted model its rotation to the accelerometer, and a coupling to the turning field the share that is
     /// a pure delay, which only the dip sees. The magnitude does not depend on the rotation, but what turns with the gyro does.
     pub fn aligned(&self, fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
@@ -235,20 +229,7 @@ impl<'a> Fitter<'_, 'a> {
     pub fn only(&self, base: Fitted<'a>, fitted: Fitted<'a>) -> Result<Explanation<'a>, BadShape> {
         let order: Vec<String> = fitted.terms.iter().map(|term| term.id.clone()).collect();
         let steps = self.falling(&base, &fitted, &order)?;
-        Ok(Explanation {
-            base,
-            fitted,
-            steps,
-            confounded: Vec::new(),
-            first: Vec::new(),
-            last: Vec::new(),
-            withdrawn: Vec::new(),
-            dropped: Vec::new(),
-            ended_early: false,
-            count: 1,
-            chances: Vec::new(),
-            shown: Vec::new(),
-        })
+        Ok(Explanation::plain(base, fitted, steps))
     }
 
     /// The error falling as the effects of the final model are added in their order.

@@ -3,9 +3,10 @@
 //! The jumps are found one by one on a grid of cells, each where it lowers the squares most, with the matrix and the offsets of all
 //! stretches free; after each, all of them are moved to their best places. What competes with them is an offset that wanders.
 
+use crate::bounds::MIN_ODDS;
 use crate::unlogged::linear::{BASE, Normal, Row};
 use crate::unlogged::recordings::{Recordings, eliminated, offsets};
-use crate::unlogged::switching::{WORTH_NAMING, autoregressive, thinned, wandered};
+use crate::unlogged::switching::{autoregressive, thinned, wandered};
 use serde::Serialize;
 
 /// Jumps at most.
@@ -144,14 +145,14 @@ pub fn levels(
                 }
             }
         }
-        if !(n * (left / squares).ln() > price + WORTH_NAMING) {
+        if !(n * (left / squares).ln() > price + MIN_ODDS) {
             break;
         }
         (cuts, left) = (next, squares);
     }
     cuts.sort_unstable();
     let few = thinned(&corrected_ut, MOST_TO_PRUNE);
-    prune(&mut cuts, &few, (matrix, field_ut), (price + WORTH_NAMING) / n);
+    prune(&mut cuts, &few, (matrix, field_ut), (price + MIN_ODDS) / n);
     if cuts.len() <= known || cuts.len() < 2 {
         return None;
     }
@@ -195,7 +196,7 @@ pub fn levels(
     let largest = largest.max_by(|a, b| dot(*a, *a).total_cmp(&dot(*b, *b)))?;
     let along = matrix.each_ref().map(|row| dot(*row, largest));
     let own = autoregressive(&residuals(&parts, &found, matrix, field_ut)) + price * cuts.len() as f64;
-    if wandered(&rows, &time_s, along)? - own < WORTH_NAMING {
+    if wandered(&rows, &time_s, along)? - own < MIN_ODDS {
         return None;
     }
     let pairs = || list.windows(2).map(|pair| (&pair[0], &pair[1]));

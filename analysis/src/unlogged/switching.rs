@@ -5,6 +5,7 @@
 //! from several beginnings. What competes with it is an offset that wanders (an Ornstein–Uhlenbeck process, one for each axis or along v): the
 //! same filter, and as many parameters less as it has fewer changes.
 
+use crate::bounds::MIN_ODDS;
 use crate::unlogged::linear::{BASE, Normal, Row, base_columns, memory, one_and};
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
@@ -19,8 +20,6 @@ const MOST_SAMPLES: usize = 20_000;
 const MOST_BLOCKS: usize = 3000;
 /// Sizes of the vector to begin with, in standard deviations of the residual: a vector that switches half of the time has two.
 const SIZES: [f64; 3] = [1.0, 2.0, 4.0];
-/// −2 ln of the odds against a switching offset that chance brings about, at least: one in a hundred logs.
-pub(super) const WORTH_NAMING: f64 = 2.0 * 4.605;
 /// Fewer changes are steps, which have a name of their own.
 const FEWEST_CHANGES: usize = 2;
 /// A state that lasts for fewer samples than this in the mean is a spike.
@@ -112,7 +111,7 @@ pub fn switching(
     // Noise with a memory of one sample, as the rival's has a state.
     let own = autoregressive(&left) + (3.0 + 2.0 * changes as f64) * n.ln();
     let odds = wandered(&rows, time_s, fit.point.vector)? - own;
-    if odds < WORTH_NAMING {
+    if odds < MIN_ODDS {
         return None;
     }
     let on = fit.states.iter().filter(|on| **on).count() as f64 / n;
