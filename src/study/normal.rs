@@ -14,6 +14,12 @@ pub struct Normal<T, const P: usize> {
     rows: u32,
 }
 
+impl<const P: usize> Normal<f32, P> {
+    /// An empty matrix of all columns, as a constant.
+    pub(crate) const EMPTY: Self =
+        Normal { columns: P, matrix: [[0.0; P]; P], right: [0.0; P], squares: 0.0, rows: 0 };
+}
+
 impl<T: Real, const P: usize> Normal<T, P> {
     /// An empty matrix of `columns` columns, at most `P`.
     pub fn new(columns: usize) -> Self {
@@ -68,6 +74,20 @@ impl<T: Real, const P: usize> Normal<T, P> {
         self.rows = self.rows.saturating_add(1);
     }
 
+    /// Puts a sum of products in the place of an entry of `JᵀJ`, ...
+    pub(crate) fn set(&mut self, i: usize, j: usize, value: T) {
+        if let Some(entry) = self.matrix.get_mut(i.min(j)).and_then(|row| row.get_mut(i.max(j))) {
+            *entry = value;
+        }
+    }
+
+    /// ... and of `Jᵀr`.
+    pub(crate) fn set_right(&mut self, i: usize, value: T) {
+        if let Some(entry) = self.right.get_mut(i) {
+            *entry = value;
+        }
+    }
+
     /// Adds information without data: `weight` at `(i, j)` and `(j, i)`.
     pub fn inform(&mut self, i: usize, j: usize, weight: T) {
         if let Some(entry) = self.matrix.get_mut(i.min(j)).and_then(|row| row.get_mut(i.max(j))) {
@@ -85,6 +105,29 @@ impl<T: Real, const P: usize> Normal<T, P> {
     /// Adds to `rᵀr` without data: what a model departs from what is known.
     pub fn depart(&mut self, squares: T) {
         self.squares += squares;
+    }
+
+    /// Counts rows whose products were added by [`Normal::inform`] and its like.
+    pub(crate) fn count(&mut self, rows: u32) {
+        self.rows = self.rows.saturating_add(rows);
+    }
+
+    /// Forgets everything, in place.
+    pub(crate) fn clear(&mut self) {
+        self.scale(T::zero());
+        self.rows = 0;
+    }
+
+    /// Lets every row count half.
+    pub(crate) fn halve(&mut self) {
+        self.scale(T::of(0.5));
+        self.rows /= 2;
+    }
+
+    fn scale(&mut self, times: T) {
+        let sums =
+            self.matrix.as_flattened_mut().iter_mut().chain(&mut self.right).chain([&mut self.squares]);
+        sums.for_each(|sum| *sum *= times);
     }
 
     /// Adds `sign` times another matrix; `sign` −1 takes a block out again.
@@ -108,11 +151,16 @@ impl<T: Real, const P: usize> Normal<T, P> {
         self.rows = self.rows.saturating_add(other.rows);
     }
 
+    /// Takes the rows of one of its blocks out again.
+    pub fn take_out(&mut self, block: &Self) {
+        self.combine(block, -T::one());
+        self.rows = self.rows.saturating_sub(block.rows);
+    }
+
     /// This matrix without the rows of one of its blocks.
     pub fn without(&self, block: &Self) -> Self {
         let mut rest = self.clone();
-        rest.combine(block, -T::one());
-        rest.rows = self.rows.saturating_sub(block.rows);
+        rest.take_out(block);
         rest
     }
 
@@ -146,15 +194,20 @@ impl<T: Real, const P: usize> Normal<T, P> {
     /// The same data about another point of the linearised model: `r + Jδ` in place of `r`.
     pub fn moved(&self, delta: &[T; P]) -> Self {
         let mut out = self.clone();
-        out.squares = self.squares_after(delta);
+        out.shift(delta);
+        out
+    }
+
+    /// [`Normal::moved`] in place.
+    pub fn shift(&mut self, delta: &[T; P]) {
+        self.squares = self.squares_after(delta);
         for i in 0..self.columns.min(P) {
             let mut line = T::zero();
             for (j, other) in delta.iter().enumerate().take(self.columns) {
                 line += self.entry(i, j) * *other;
             }
-            out.pull(i, line);
+            self.pull(i, line);
         }
-        out
     }
 
     /// Value of `‖r + Jδ‖²`.
@@ -178,39 +231,16 @@ impl<T: Real, const P: usize> Normal<T, P> {
 
     /// The same with `damping` added to the unit diagonal (Marquardt's step).
     pub fn damped_factor(&self, damping: T) -> Option<Factor<T, P>> {
-        let n = self.columns;
-        let mut scale = [T::zero(); P];
-        for (i, s) in scale.iter_mut().enumerate().take(n) {
-            let diagonal = self.entry(i, i);
-            if !diagonal.is_finite() || diagonal <= T::zero() {
-                return None;
-            }
-            *s = T::one() / diagonal.root();
-        }
-        let floor = T::epsilon() * T::of(16.0);
-        let mut lower = [[T::zero(); P]; P];
-        for i in 0..n {
-            for j in 0..=i {
-                let mut sum = self.entry(i, j) * scale.get(i).copied()? * scale.get(j).copied()?;
-                if i == j {
-                    sum += damping;
-                }
-                let (row_i, row_j) = (lower.get(i)?, lower.get(j)?);
-                for (a, b) in row_i.iter().zip(row_j).take(j) {
-                    sum -= *a * *b;
-                }
-                let value = if i == j {
-                    if !sum.is_finite() || sum <= floor {
-                        return None;
-                    }
-                    sum.root()
-                } else {
-                    sum / *lower.get(j)?.get(j)?
-                };
-                *lower.get_mut(i)?.get_mut(j)? = value;
-            }
-        }
-        Some(Factor { n, lower, scale })
+        let mut factor = Factor::new();
+        factor.extend(self, self.columns, damping, |_| Role::Required)?;
+        Some(factor)
+    }
+
+    /// Cholesky factor with a part of the columns; what is left out is zero in each solution.
+    pub fn partial_factor(&self, role: impl Fn(usize) -> Role) -> Option<Factor<T, P>> {
+        let mut factor = Factor::new();
+        factor.extend(self, self.columns, T::zero(), role)?;
+        Some(factor)
     }
 
     /// The step `δ = −N⁻¹g` with a factor of this matrix.
@@ -228,7 +258,118 @@ pub struct Factor<T, const P: usize> {
     pub(super) scale: [T; P],
 }
 
+/// Whether a column is part of a factor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Without it there is no factor.
+    Required,
+    /// Left out if those before it leave less than [`MIN_DIRECTION`] of it.
+    Optional,
+    /// Left out.
+    Absent,
+}
+
+/// Share of a column's square below which rounding in single precision has changed its first digits.
+pub const MIN_DIRECTION: f64 = 1e-4;
+
 impl<T: Real, const P: usize> Factor<T, P> {
+    /// The factor of no column.
+    pub(crate) fn new() -> Self {
+        Factor { n: 0, lower: [[T::zero(); P]; P], scale: [T::zero(); P] }
+    }
+
+    /// Adds the columns up to `n`; those before are of the same matrix. `None` where a required one is not determined.
+    pub(crate) fn extend(
+        &mut self,
+        normal: &Normal<T, P>,
+        n: usize,
+        damping: T,
+        role: impl Fn(usize) -> Role,
+    ) -> Option<()> {
+        for i in self.n..n {
+            let (role, diagonal) = (role(i), normal.entry(i, i));
+            let is_usable = diagonal.is_finite() && diagonal > T::zero();
+            if role == Role::Required && !is_usable {
+                return None;
+            }
+            let scale =
+                if role != Role::Absent && is_usable { T::one() / diagonal.root() } else { T::zero() };
+            *self.scale.get_mut(i)? = scale;
+            let (before, rest) = self.lower.split_at_mut_checked(i)?;
+            let row = rest.first_mut()?;
+            let mut left = T::zero();
+            for j in 0..i {
+                let mut sum = normal.entry(i, j) * scale * self.scale.get(j).copied()?;
+                let row_j = before.get(j)?;
+                for (a, b) in row.iter().zip(row_j).take(j) {
+                    sum -= *a * *b;
+                }
+                *row.get_mut(j)? = sum / *row_j.get(j)?;
+            }
+            if scale > T::zero() {
+                left = diagonal * scale * scale + damping;
+                for a in row.iter().take(i) {
+                    left -= *a * *a;
+                }
+            }
+            let floor = match role {
+                Role::Required => T::epsilon() * T::of(16.0),
+                Role::Optional | Role::Absent => T::of(MIN_DIRECTION),
+            };
+            let is_new = left.is_finite() && left > floor;
+            if !is_new {
+                if role == Role::Required {
+                    return None;
+                }
+                *row = [T::zero(); P];
+                *self.scale.get_mut(i)? = T::zero();
+                left = T::one();
+            }
+            *row.get_mut(i)? = left.root();
+        }
+        self.n = n;
+        Some(())
+    }
+
+    /// Leaves the columns from `n` on out again.
+    pub(crate) fn shorten(&mut self, n: usize) {
+        self.n = self.n.min(n);
+    }
+
+    /// Columns that are not left out.
+    pub fn directions(&self) -> usize {
+        self.scale.iter().take(self.n).filter(|scale| **scale > T::zero()).count()
+    }
+
+    /// `rᵀr` after the step.
+    pub fn squares(&self, normal: &Normal<T, P>) -> T {
+        let mut squares = normal.squares;
+        for value in self.forward(&normal.right) {
+            squares -= value * value;
+        }
+        squares.max(T::zero())
+    }
+
+    /// Diagonal entry `j` of `N⁻¹`.
+    pub fn inverse_diagonal(&self, j: usize) -> T {
+        let mut unit = [T::zero(); P];
+        if let Some(entry) = unit.get_mut(j) {
+            *entry = T::one();
+        }
+        let mut sum = T::zero();
+        for value in self.forward(&unit) {
+            sum += value * value;
+        }
+        sum
+    }
+
+    /// The largest standard error among the first columns, for noise as large as what the step leaves.
+    pub(crate) fn largest_error(&self, normal: &Normal<T, P>, first: usize) -> T {
+        let freedom = (f64::from(normal.rows) - self.directions() as f64).max(1.0);
+        let largest = (0..first).map(|column| self.inverse_diagonal(column)).fold(T::zero(), T::max);
+        (self.squares(normal) / T::of(freedom) * largest).root()
+    }
+
     /// `L⁻¹ S b`.
     pub(super) fn forward(&self, b: &[T; P]) -> [T; P] {
         let mut y = [T::zero(); P];
