@@ -8,14 +8,18 @@ pub(super) const MIN_SCORE_FALL: f64 = 9.210_340_371_976_184;
 pub(super) const RIVAL_SCORE_FALL: f64 = 5.888_877_957_332_881;
 /// An effect that explains less of the squared residual changes no correction by more than 3 %. As in the host's score.
 pub(super) const MIN_SHARE: f32 = 0.05;
-/// A block of time is predicted with an effect if a tenth of its column is in the other blocks: three coefficients from less are noise.
+/// A block of time is predicted with an effect if a tenth of what is known of it comes from the others: else their noise is too large.
 pub(super) const MIN_SHARE_ELSEWHERE: f32 = 0.1;
+/// A direction that is a smaller share of its column has no digits in single precision.
+pub(super) const MIN_DIRECTION: f32 = 1e-4;
 /// A column tells its cause to a tenth of its variation (its steps, its delay): of 1 % of the square two causes are not told apart.
 pub(super) const COLUMN_ERROR: f32 = 0.01;
 /// Independent places at which a jump is looked for.
 pub(super) const JUMP_PLACES: f64 = STEP_PLACES as f64;
 /// Noise is told from structure if the error would fall by an eighth without it.
 pub(super) const STRUCTURE_SHARE: f64 = 0.25;
+/// By so many standard errors of the noise's variance more: one chance in forty.
+pub(super) const NOISE_SIGMAS: f64 = 2.0;
 /// Samples of the shortest turn in all directions: fewer say nothing.
 pub(super) const LEAST_ROWS: u32 = 300;
 /// Standard error of a base parameter, over the field, beyond which an effect of the usual size is not seen.
@@ -74,5 +78,7 @@ pub(super) const TOLD: f32 = 0.01;
 pub(super) const WELL_TOLD: f32 = 3.5;
 /// The dip is of another direction once the base has moved by more than this: half a degree.
 pub(super) const ANOTHER_DIRECTION: f32 = 0.01;
+/// An effect stands at the point from odds of 5·10⁸ to 1 on: with fewer, early on, it is what the model's own curvature looks like.
+pub(super) const POINT_SCORE_FALL: f64 = 40.0;
 /// An effect's columns at their ends are known to this, relative to the field, before it stands at the point.
 pub(super) const EFFECT_TOLD: f32 = 0.004;

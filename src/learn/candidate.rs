@@ -1,5 +1,6 @@
 //! What the learner can tell: candidates, their columns, and the effects that they are.
 
+use super::bounds::MIN_DIRECTION;
 use super::columns::MAX_TESTED;
 use super::learner::Learner;
 use super::point::BASE;
@@ -111,10 +112,10 @@ impl Found {
     }
 
     /// Which columns are part of a model with these effects.
-    pub(super) fn roles(self) -> impl Fn(usize) -> Role {
+    pub(super) fn roles(self) -> impl Fn(usize) -> Role<f32> {
         move |column| match column.checked_sub(BASE) {
             None => Role::Required,
-            Some(effect) if self.0 >> (effect / 3) & 1 != 0 => Role::Optional,
+            Some(effect) if self.0 >> (effect / 3) & 1 != 0 => Role::Optional(MIN_DIRECTION),
             Some(_) => Role::Absent,
         }
     }

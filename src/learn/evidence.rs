@@ -1,10 +1,9 @@
 //! The score that compares sets of effects, as the host's does (docs/method.md, section 3).
 
 use super::blocks::BLOCKS;
-use super::bounds::{JUMP_PLACES, MIN_SCORE_FALL, MIN_SHARE, MIN_SHARE_ELSEWHERE};
+use super::bounds::{JUMP_PLACES, MIN_SCORE_FALL, MIN_SHARE, MIN_SHARE_ELSEWHERE, POINT_SCORE_FALL};
 use super::candidate::{Candidate, Found};
 use super::learner::Learner;
-use super::point::BASE;
 use super::sums::{WIDEST, Work};
 use crate::math;
 use crate::study::{Role, f_tail};
@@ -27,19 +26,25 @@ impl Fit {
     /// Of all samples, with these effects.
     pub(super) fn of(learner: &Learner, set: Found) -> Self {
         let mut total = learner.total();
-        let squares = left(&total, set);
-        let sizes: [f32; WIDEST] = core::array::from_fn(|column| total.entry(column, column));
+        let Some(factor) = total.partial_factor(set.roles()) else { return Self::NONE };
+        let squares = factor.squares(&total);
+        // About the fit to all: what the others do not tell of an effect stays as it is there.
+        let step = total.step(&factor);
+        total.shift(&step);
+        let new: [f32; WIDEST] = core::array::from_fn(|column| factor.own_square(column));
         let mut held_out = 0.0;
         for index in 0..BLOCKS {
-            let Some(own) = learner.part(index) else { continue };
+            let Some(mut own) = learner.part(index) else { continue };
+            own.shift(&step);
             total.take_out(&own);
-            // Of an effect that hardly was elsewhere, the others say nothing.
-            let is_left = |column: usize| {
-                let size = sizes.get(column).copied().unwrap_or(0.0);
-                column < BASE || total.entry(column, column) > MIN_SHARE_ELSEWHERE * size
-            };
             let roles = set.roles();
-            let rest = |column: usize| if is_left(column) { roles(column) } else { Role::Absent };
+            let rest = |column: usize| match roles(column) {
+                Role::Optional(least) => {
+                    let new = new.get(column).copied().unwrap_or(0.0);
+                    Role::Optional(least.max(MIN_SHARE_ELSEWHERE * new / total.entry(column, column)))
+                }
+                role => role,
+            };
             held_out += match total.partial_factor(rest) {
                 Some(factor) => own.squares_after(&total.step(&factor)).max(0.0),
                 None => f32::NAN,
@@ -86,10 +91,20 @@ impl Evidence {
         self.samples * math::ln(f64::from(squares)) + price
     }
 
+    /// How far the score falls with an effect of so many coefficients.
+    fn fall(&self, without: Fit, with: Fit, coefficients: f64, places: f64) -> f64 {
+        let likelihood = self.samples * math::ln(f64::from(without.squares) / f64::from(with.squares));
+        likelihood - self.price(coefficients, places)
+    }
+
+    /// Whether an effect of the magnitude stands out so far that no curvature of the model is taken for it.
+    pub(super) fn stands_out(&self, without: Fit, with: Fit, candidate: Candidate) -> bool {
+        self.fall(without, with, COEFFICIENTS, Self::places(candidate)) > POINT_SCORE_FALL
+    }
+
     /// Whether an effect of so many coefficients is likely, relevant, and holds on blocks of time that were not fitted.
     pub(super) fn is_worth(&self, without: Fit, with: Fit, coefficients: f64, places: f64) -> bool {
-        let fall = self.samples * math::ln(f64::from(without.squares) / f64::from(with.squares));
-        fall - self.price(coefficients, places) > MIN_SCORE_FALL
+        self.fall(without, with, coefficients, places) > MIN_SCORE_FALL
             && without.squares - with.squares > MIN_SHARE * without.squares
             // Without it some block cannot be predicted at all, perhaps.
             && (with.held_out < without.held_out || without.held_out.is_nan())

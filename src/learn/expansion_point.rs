@@ -67,7 +67,7 @@ impl Learner {
         let variance = full.squares(&work) / (rows as f32 - full.directions() as f32).max(1.0);
         // Noise that has a memory tells less.
         let time = self.memory.time(f64::from(variance), f64::from(rows), full.directions() as f64);
-        let set = self.standing_out(&work, &Evidence::new(rows, time, full.directions(), EFFECTS + 1));
+        let set = self.standing_out(&work, &Evidence::new(rows, 1.0, full.directions(), EFFECTS + 1));
         let factor = work.partial_factor(set.roles())?;
         let mut delta = work.step(&factor);
         let error = factor.largest_error(&work, BASE) * math::sqrtf(time as f32);
@@ -86,8 +86,7 @@ impl Learner {
         Some((delta, far, error))
     }
 
-    /// The effects at the point, and those that stand out, one after the other: of a logged cause and a shape in time that is hardly
-    /// better, the cause.
+    /// The effects at the point, and those that stand out, one after the other.
     fn standing_out(&self, work: &Work, evidence: &Evidence) -> Found {
         let is_open = |set: Found, one: Candidate| {
             !set.has(one)
@@ -104,7 +103,8 @@ impl Learner {
             let mut best: Option<(f32, Candidate)> = None;
             for one in Candidate::all().filter(|one| is_open(set, *one)) {
                 let with = fit(set.with(one));
-                if evidence.supports(without, with, one) && best.is_none_or(|(least, _)| with.squares < least)
+                if evidence.stands_out(without, with, one)
+                    && best.is_none_or(|(least, _)| with.squares < least)
                 {
                     best = Some((with.squares, one));
                 }

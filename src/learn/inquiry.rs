@@ -3,7 +3,9 @@
 //! Every set of effects is fitted, and the set is taken that the samples support most: each of its effects has to be worth its price
 //! next to the others ([`Evidence`]). What would do as well in the place of one of them cannot be told from it.
 
-use super::bounds::{COLUMN_ERROR, LEAST_ROWS, MOST_BASE_ERROR, RIVAL_SCORE_FALL, STRUCTURE_SHARE};
+use super::bounds::{
+    COLUMN_ERROR, LEAST_ROWS, MOST_BASE_ERROR, NOISE_SIGMAS, RIVAL_SCORE_FALL, STRUCTURE_SHARE,
+};
 use super::candidate::{CANDIDATES, Candidate, Found, SETS};
 use super::evidence::{Evidence, Fit, left};
 use super::finding::{Finding, InUse, NOTHING, Outcome, Status, Verdict};
@@ -117,7 +119,8 @@ impl Inquiry {
         let time = learner.memory.time(variance, f64::from(rows), parameters as f64);
         self.evidence = Evidence::new(rows, time, parameters, self.testable.len());
         let field = learner.point.map_or(f64::NAN, |point| f64::from(point.field_ut));
-        self.outcome.floor_ut = (math::sqrt(learner.memory.noise(variance)) * field) as f32;
+        self.outcome.floor_ut =
+            (math::sqrt(learner.memory.noise(variance, f64::from(rows)).0) * field) as f32;
         let Some(base) = total.partial_factor(Found::none().roles()) else { return Stage::End };
         let largest = (0..BASE).map(|column| base.inverse_diagonal(column)).fold(0.0, f32::max);
         self.outcome.base_error = math::sqrtf(largest * (variance * time) as f32);
@@ -204,12 +207,11 @@ impl Inquiry {
             }
         }
         // What the final model leaves beyond noise.
-        let parameters = BASE + 3 * best.len();
-        let variance =
-            f64::from(self.of(best).squares) / (f64::from(learner.rows()) - parameters as f64).max(1.0);
-        if learner.memory.noise(variance) < (1.0 - STRUCTURE_SHARE) * variance
-            && self.outcome.verdict != Verdict::Confounded
-        {
+        let rows = f64::from(learner.rows());
+        let variance = f64::from(self.of(best).squares) / (rows - (BASE + 3 * best.len()) as f64).max(1.0);
+        let (noise, error) = learner.memory.noise(variance, rows);
+        let most = (1.0 - STRUCTURE_SHARE - NOISE_SIGMAS * error) * variance;
+        if noise < most && self.outcome.verdict != Verdict::Confounded {
             self.outcome.verdict = Verdict::Unexplained;
         }
     }

@@ -1,7 +1,7 @@
 //! Whether the sensor is late, which the magnitude cannot see: by the angle between field and gravity, and by how a gyro turns.
 
 use super::blocks::{Blocks, MOST_ROWS};
-use super::bounds::{ABSURD_RAD, FAR_RAD, LOOK_AT, TRIES};
+use super::bounds::{ABSURD_RAD, FAR_RAD, LOOK_AT, MIN_DIRECTION, TRIES};
 use super::memory::Memory;
 use super::point::dip;
 use super::turning::{ByField, ByGyro, TURNING, Turning};
@@ -133,7 +133,7 @@ impl Late {
         let total = self.total();
         // Next to the delay, which turns the field too.
         let Some(factor) = total.partial_factor(|column| match column + 1 {
-            DIP => Role::Optional,
+            DIP => Role::Optional(MIN_DIRECTION),
             _ => Role::Required,
         }) else {
             return;

@@ -28,7 +28,7 @@ pub(super) struct Lateness {
 }
 
 /// All columns, or all but the delay's, which is the last.
-fn roles<const P: usize>(with: bool) -> impl Fn(usize) -> Role {
+fn roles<const P: usize>(with: bool) -> impl Fn(usize) -> Role<f32> {
     move |column| if with || column + 1 < P { Role::Required } else { Role::Absent }
 }
 

@@ -5,7 +5,7 @@
 //! follows from what the fit leaves there ([`Marks::settle`]).
 
 use super::blocks::{Block, Blocks, first_to_end};
-use super::bounds::{FIRM_SHARE, LEAST_JUMP_ROWS, LEAST_JUMP_SHARE, SEEN_VARIANCES};
+use super::bounds::{FIRM_SHARE, LEAST_JUMP_ROWS, LEAST_JUMP_SHARE, MIN_DIRECTION, SEEN_VARIANCES};
 use super::point::BASE;
 use super::sums::{Jump, STEP, Sums, WIDEST, Work};
 use crate::study::{Factor, Normal, Role};
@@ -44,8 +44,8 @@ pub(super) struct Marks {
 }
 
 /// All that streamed, and a jump: the base has to be determined.
-pub(super) fn everything(column: usize) -> Role {
-    if column < BASE { Role::Required } else { Role::Optional }
+pub(super) fn everything(column: usize) -> Role<f32> {
+    if column < BASE { Role::Required } else { Role::Optional(MIN_DIRECTION) }
 }
 
 impl Marks {

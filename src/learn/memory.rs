@@ -1,5 +1,6 @@
 //! How much memory the noise has, from differences of the residual as it streams: what changes slowly falls out of them.
 
+use crate::math;
 use crate::whiteness::{Pairs, share_of_pairs};
 
 /// Samples between the two of a far pair.
@@ -89,12 +90,12 @@ impl Memory {
     }
 
     /// The variance that is noise, of a residual of this variance: as much as noise with the memory that both differences show,
-    /// which forgets exponentially.
-    pub(super) fn noise(&self, variance: f64) -> f64 {
-        let Some((near, far)) = self.pairs() else { return variance };
+    /// which forgets exponentially. With it the relative standard error of a variance of such noise, of so many samples.
+    pub(super) fn noise(&self, variance: f64, samples: f64) -> (f64, f64) {
+        let Some((near, far)) = self.pairs() else { return (variance, 0.0) };
         let half = 0.5 * near.mean_square;
         if half <= 0.0 {
-            return variance;
+            return (variance, 0.0);
         }
         // (1 − ρ⁷)/(1 − ρ) = 1 + ρ + … + ρ⁶ is the quotient of both.
         let quotient = far.mean_square / near.mean_square;
@@ -104,14 +105,14 @@ impl Memory {
             let middle = 0.5 * (low + high);
             if sum(middle) < quotient { low = middle } else { high = middle }
         }
-        (half / (1.0 - low)).min(variance)
+        let independent = samples * (1.0 - low * low) / (1.0 + low * low);
+        ((half / (1.0 - low)).min(variance), math::sqrt(2.0 / independent))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math;
 
     #[test]
     fn noise_with_a_memory_is_noise_and_what_is_slow_is_not() {
@@ -135,7 +136,7 @@ mod tests {
                 squares += (value + slow) * (value + slow);
             }
             let variance = squares / f64::from(n);
-            let floor = math::sqrt(memory.noise(variance));
+            let floor = math::sqrt(memory.noise(variance, f64::from(n)).0);
             assert!((floor - 1.0).abs() < 0.12, "{rho}: {floor}");
             let time = memory.time(1.0, f64::from(n), 9.0);
             let right = (1.0 + rho) / (1.0 - rho);

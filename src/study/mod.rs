@@ -24,7 +24,7 @@ mod schur;
 pub use crate::fdist::f_tail;
 pub use crate::model::{Model, NoRow, NotFinite, Observation, Residual, Term};
 pub use holdout::{HeldOut, held_out};
-pub use normal::{Factor, MIN_DIRECTION, Normal, Role};
+pub use normal::{Factor, Normal, Role};
 pub use pass::Study;
 pub use prior::{PhysicalPrior, base_prior};
 pub use refit::refit;

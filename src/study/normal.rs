@@ -237,7 +237,7 @@ impl<T: Real, const P: usize> Normal<T, P> {
     }
 
     /// Cholesky factor with a part of the columns; what is left out is zero in each solution.
-    pub fn partial_factor(&self, role: impl Fn(usize) -> Role) -> Option<Factor<T, P>> {
+    pub fn partial_factor(&self, role: impl Fn(usize) -> Role<T>) -> Option<Factor<T, P>> {
         let mut factor = Factor::new();
         factor.extend(self, self.columns, T::zero(), role)?;
         Some(factor)
@@ -259,18 +259,15 @@ pub struct Factor<T, const P: usize> {
 }
 
 /// Whether a column is part of a factor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Role<T> {
     /// Without it there is no factor.
     Required,
-    /// Left out if those before it leave less than [`MIN_DIRECTION`] of it.
-    Optional,
+    /// Left out if those before it leave less than this share of its square.
+    Optional(T),
     /// Left out.
     Absent,
 }
-
-/// Share of a column's square below which rounding in single precision has changed its first digits.
-pub const MIN_DIRECTION: f64 = 1e-4;
 
 impl<T: Real, const P: usize> Factor<T, P> {
     /// The factor of no column.
@@ -284,16 +281,17 @@ impl<T: Real, const P: usize> Factor<T, P> {
         normal: &Normal<T, P>,
         n: usize,
         damping: T,
-        role: impl Fn(usize) -> Role,
+        role: impl Fn(usize) -> Role<T>,
     ) -> Option<()> {
         for i in self.n..n {
             let (role, diagonal) = (role(i), normal.entry(i, i));
-            let is_usable = diagonal.is_finite() && diagonal > T::zero();
-            if role == Role::Required && !is_usable {
-                return None;
-            }
-            let scale =
-                if role != Role::Absent && is_usable { T::one() / diagonal.root() } else { T::zero() };
+            let least = match role {
+                Role::Required => T::epsilon() * T::of(16.0),
+                Role::Optional(least) => least,
+                Role::Absent => T::one(),
+            };
+            let is_usable = role != Role::Absent && diagonal.is_finite() && diagonal > T::zero();
+            let scale = if is_usable { T::one() / diagonal.root() } else { T::zero() };
             *self.scale.get_mut(i)? = scale;
             let (before, rest) = self.lower.split_at_mut_checked(i)?;
             let row = rest.first_mut()?;
@@ -312,12 +310,7 @@ impl<T: Real, const P: usize> Factor<T, P> {
                     left -= *a * *a;
                 }
             }
-            let floor = match role {
-                Role::Required => T::epsilon() * T::of(16.0),
-                Role::Optional | Role::Absent => T::of(MIN_DIRECTION),
-            };
-            let is_new = left.is_finite() && left > floor;
-            if !is_new {
+            if !(left.is_finite() && left > least) {
                 if role == Role::Required {
                     return None;
                 }
@@ -339,6 +332,13 @@ impl<T: Real, const P: usize> Factor<T, P> {
     /// Columns that are not left out.
     pub fn directions(&self) -> usize {
         self.scale.iter().take(self.n).filter(|scale| **scale > T::zero()).count()
+    }
+
+    /// What those before it leave of a column's square; zero of one that is left out.
+    pub fn own_square(&self, column: usize) -> T {
+        let scale = self.scale.get(column).copied().unwrap_or(T::zero());
+        let pivot = self.lower.get(column).and_then(|row| row.get(column)).copied().unwrap_or(T::zero());
+        if scale > T::zero() { pivot * pivot / (scale * scale) } else { T::zero() }
     }
 
     /// `rᵀr` after the step.
