@@ -11,54 +11,47 @@ use crate::study::{Role, f_tail};
 /// Coefficients of an effect of the magnitude.
 const COEFFICIENTS: f64 = 3.0;
 
-/// What a model leaves of the samples.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Fit {
-    /// Squared residual; NaN of a model that is not determined.
-    pub(super) squares: f32,
-    /// The same on blocks of time that were not fitted.
-    pub(super) held_out: f32,
-}
-
-impl Fit {
-    pub(super) const NONE: Self = Self { squares: f32::NAN, held_out: f32::NAN };
-
-    /// Of all samples, with these effects.
-    pub(super) fn of(learner: &Learner, set: Found) -> Self {
-        let mut total = learner.total();
-        let Some(factor) = total.partial_factor(set.roles()) else { return Self::NONE };
-        let squares = factor.squares(&total);
-        // About the fit to all: what the others do not tell of an effect stays as it is there.
-        let step = total.step(&factor);
-        total.shift(&step);
-        let new: [f32; WIDEST] = core::array::from_fn(|column| factor.own_square(column));
-        let mut held_out = 0.0;
-        for index in 0..BLOCKS {
-            let Some(mut own) = learner.part(index) else { continue };
-            own.shift(&step);
-            total.take_out(&own);
-            let roles = set.roles();
-            let rest = |column: usize| match roles(column) {
-                Role::Optional(least) => {
-                    let new = new.get(column).copied().unwrap_or(0.0);
-                    Role::Optional(least.max(MIN_SHARE_ELSEWHERE * new / total.entry(column, column)))
-                }
-                role => role,
-            };
-            held_out += match total.partial_factor(rest) {
-                Some(factor) => own.squares_after(&total.step(&factor)).max(0.0),
-                None => f32::NAN,
-            };
-            total.merge(&own);
-        }
-        Self { squares, held_out }
-    }
-}
-
 /// The squared residual that a model with these effects leaves.
 #[inline(never)]
 pub(super) fn left(total: &Work, set: Found) -> f32 {
     total.partial_factor(set.roles()).map_or(f32::NAN, |factor| factor.squares(total))
+}
+
+/// The squared residual of a model with these effects on blocks of time that were not fitted.
+#[inline(never)]
+pub(super) fn held_out(learner: &Learner, set: Found) -> f32 {
+    let mut total = learner.total();
+    let Some(factor) = total.partial_factor(set.roles()) else { return f32::NAN };
+    // About the fit to all: what the others do not tell of an effect stays as it is there.
+    let step = total.step(&factor);
+    total.shift(&step);
+    let new: [f32; WIDEST] = core::array::from_fn(|column| factor.own_square(column));
+    let mut squares = 0.0;
+    for index in 0..BLOCKS {
+        let Some(mut own) = learner.part(index) else { continue };
+        own.shift(&step);
+        total.take_out(&own);
+        let roles = set.roles();
+        let rest = |column: usize| match roles(column) {
+            Role::Optional(least) => {
+                let new = new.get(column).copied().unwrap_or(0.0);
+                Role::Optional(least.max(MIN_SHARE_ELSEWHERE * new / total.entry(column, column)))
+            }
+            role => role,
+        };
+        squares += match total.partial_factor(rest) {
+            Some(factor) => own.squares_after(&total.step(&factor)).max(0.0),
+            None => f32::NAN,
+        };
+        total.merge(&own);
+    }
+    squares
+}
+
+/// Whether blocks of time that were not fitted bear an effect out, by their squared residual without it and with it.
+pub(super) fn holds([without, with]: [f32; 2]) -> bool {
+    // Without it some block is not predicted at all, perhaps.
+    with < without || without.is_nan()
 }
 
 /// The samples as evidence.
@@ -92,37 +85,35 @@ impl Evidence {
     }
 
     /// How far the score falls with an effect of so many coefficients.
-    fn fall(&self, without: Fit, with: Fit, coefficients: f64, places: f64) -> f64 {
-        let likelihood = self.samples * math::ln(f64::from(without.squares) / f64::from(with.squares));
+    fn fall(&self, [without, with]: [f32; 2], coefficients: f64, places: f64) -> f64 {
+        let likelihood = self.samples * math::ln(f64::from(without) / f64::from(with));
         likelihood - self.price(coefficients, places)
     }
 
     /// Whether an effect of the magnitude stands out so far that no curvature of the model is taken for it.
-    pub(super) fn stands_out(&self, without: Fit, with: Fit, candidate: Candidate) -> bool {
-        self.fall(without, with, COEFFICIENTS, Self::places(candidate)) > POINT_SCORE_FALL
+    pub(super) fn stands_out(&self, squares: [f32; 2], candidate: Candidate) -> bool {
+        self.fall(squares, COEFFICIENTS, Self::places(candidate)) > POINT_SCORE_FALL
     }
 
-    /// Whether an effect of so many coefficients is likely, relevant, and holds on blocks of time that were not fitted.
-    pub(super) fn is_worth(&self, without: Fit, with: Fit, coefficients: f64, places: f64) -> bool {
-        self.fall(without, with, coefficients, places) > MIN_SCORE_FALL
-            && without.squares - with.squares > MIN_SHARE * without.squares
-            // Without it some block cannot be predicted at all, perhaps.
-            && (with.held_out < without.held_out || without.held_out.is_nan())
+    /// Whether an effect of so many coefficients is likely and relevant, by the squared residual without it and with it.
+    pub(super) fn is_worth(&self, squares: [f32; 2], coefficients: f64, places: f64) -> bool {
+        let [without, with] = squares;
+        self.fall(squares, coefficients, places) > MIN_SCORE_FALL && without - with > MIN_SHARE * without
     }
 
     /// [`Evidence::is_worth`] of an effect of the magnitude.
-    pub(super) fn supports(&self, without: Fit, with: Fit, candidate: Candidate) -> bool {
-        self.is_worth(without, with, COEFFICIENTS, Self::places(candidate))
+    pub(super) fn supports(&self, squares: [f32; 2], candidate: Candidate) -> bool {
+        self.is_worth(squares, COEFFICIENTS, Self::places(candidate))
     }
 
     /// Probability that chance takes as much off, everything tested counted.
-    pub(super) fn p_value(&self, without: Fit, with: Fit, coefficients: f64, places: f64) -> f64 {
-        let f = (f64::from(without.squares) / f64::from(with.squares) - 1.0) * self.samples / coefficients;
+    pub(super) fn p_value(&self, [without, with]: [f32; 2], coefficients: f64, places: f64) -> f64 {
+        let f = (f64::from(without) / f64::from(with) - 1.0) * self.samples / coefficients;
         (f_tail(f, coefficients, self.samples) * places * self.candidates.max(1) as f64).min(1.0)
     }
 
     /// [`Evidence::p_value`] of an effect of the magnitude.
-    pub(super) fn chance(&self, without: Fit, with: Fit, candidate: Candidate) -> f32 {
-        self.p_value(without, with, COEFFICIENTS, Self::places(candidate)) as f32
+    pub(super) fn chance(&self, squares: [f32; 2], candidate: Candidate) -> f32 {
+        self.p_value(squares, COEFFICIENTS, Self::places(candidate)) as f32
     }
 }

@@ -9,7 +9,7 @@ use super::bounds::{
     ABSURD, ANOTHER_DIRECTION, EARLY_ROWS, EFFECT_SHARE, EFFECT_TOLD, FAR, NEAR, TOLD, WELL_TOLD,
 };
 use super::candidate::{Candidate, Found};
-use super::evidence::{Evidence, Fit, left};
+use super::evidence::{Evidence, left};
 use super::learner::Learner;
 use super::marks::everything;
 use super::point::BASE;
@@ -89,24 +89,19 @@ impl Learner {
     /// The effects at the point, and those that stand out, one after the other.
     fn standing_out(&self, work: &Work, evidence: &Evidence) -> Found {
         let is_open = |set: Found, one: Candidate| {
-            !set.has(one)
-                && one != Candidate::Lag
-                && (one != Candidate::Step || self.marks.has_step(work.rows()))
+            !set.has(one) && one != Candidate::Lag && (one == Candidate::Drift || self.is_testable(one))
         };
         let mut set = Candidate::all()
             .zip(&self.carried)
             .filter(|(_, theta)| **theta != [0.0; 3])
             .fold(Found::none(), |set, (one, _)| set.with(one));
         loop {
-            let fit = |set: Found| Fit { squares: left(work, set), held_out: f32::NAN };
-            let without = fit(set);
+            let without = left(work, set);
             let mut best: Option<(f32, Candidate)> = None;
             for one in Candidate::all().filter(|one| is_open(set, *one)) {
-                let with = fit(set.with(one));
-                if evidence.stands_out(without, with, one)
-                    && best.is_none_or(|(least, _)| with.squares < least)
-                {
-                    best = Some((with.squares, one));
+                let with = left(work, set.with(one));
+                if evidence.stands_out([without, with], one) && best.is_none_or(|(least, _)| with < least) {
+                    best = Some((with, one));
                 }
             }
             let Some((_, one)) = best else { return set };

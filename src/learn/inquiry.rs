@@ -1,13 +1,14 @@
 //! The question which effect is missing, answered in steps so small that no sample waits.
 //!
 //! Every set of effects is fitted, and the set is taken that the samples support most: each of its effects has to be worth its price
-//! next to the others ([`Evidence`]). What would do as well in the place of one of them cannot be told from it.
+//! next to the others ([`Evidence`]), and to hold on blocks of time that were not fitted. What would do as well in the place of one of
+//! them cannot be told from it.
 
 use super::bounds::{
     COLUMN_ERROR, LEAST_ROWS, MOST_BASE_ERROR, NOISE_SIGMAS, RIVAL_SCORE_FALL, STRUCTURE_SHARE,
 };
 use super::candidate::{CANDIDATES, Candidate, Found, SETS};
-use super::evidence::{Evidence, Fit, left};
+use super::evidence::{Evidence, held_out, holds, left};
 use super::finding::{Finding, InUse, NOTHING, Outcome, Status, Verdict};
 use super::lateness::Lateness;
 use super::learner::Learner;
@@ -17,10 +18,17 @@ use crate::math;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     Begin,
-    /// The set of this number is fitted next.
-    Fit(u8),
+    Fit,
+    Conclude,
     Dip,
     End,
+}
+
+/// A set whose held-out error is not known yet.
+type Unknown = Found;
+
+fn sets() -> impl Iterator<Item = Found> {
+    (0..SETS as u8).map(Found::numbered)
 }
 
 /// A question under way. Its answer is of one moment where the learner takes no samples meanwhile; those that it takes move it by what
@@ -34,7 +42,10 @@ pub struct Inquiry {
     testable: Found,
     used: Found,
     evidence: Evidence,
-    fits: [Fit; SETS],
+    /// Squared residual with each set of effects, NaN of one that is no model; and on blocks of time that were not fitted, where that was
+    /// asked for.
+    squares: [f32; SETS],
+    held_out: [Option<f32>; SETS],
     outcome: Outcome,
 }
 
@@ -48,7 +59,8 @@ impl Inquiry {
             testable: Found::none(),
             used: Found::none(),
             evidence: Evidence::new(0, 1.0, 0, 0),
-            fits: [Fit::NONE; SETS],
+            squares: [f32::NAN; SETS],
+            held_out: [None; SETS],
             outcome: Outcome {
                 verdict: Verdict::Undetermined,
                 rows: 0,
@@ -71,7 +83,16 @@ impl Inquiry {
         }
         self.stage = match self.stage {
             Stage::Begin => self.begin(learner),
-            Stage::Fit(number) => self.fit(learner, number),
+            Stage::Fit => self.fit(learner),
+            Stage::Conclude => match self.conclude(learner) {
+                Ok(()) => Stage::Dip,
+                Err(set) => {
+                    if let Some(slot) = self.held_out.get_mut(set.number()) {
+                        *slot = Some(held_out(learner, set));
+                    }
+                    Stage::Conclude
+                }
+            },
             Stage::Dip => self.dip(learner),
             Stage::End => return Some(self.outcome),
         };
@@ -127,55 +148,67 @@ impl Inquiry {
         if self.outcome.base_error > MOST_BASE_ERROR {
             return Stage::End;
         }
-        Stage::Fit(0)
+        Stage::Fit
     }
 
-    /// Fits the next set that holds all in use and nothing that cannot be tested.
-    fn fit(&mut self, learner: &Learner, number: u8) -> Stage {
+    /// Fits each set that holds all in use and nothing that cannot be tested.
+    fn fit(&mut self, learner: &Learner) -> Stage {
+        let total = learner.total();
         let all = self.testable.iter().fold(self.used, Found::with);
-        let is_model = |set: &Found| self.used.less(*set).is_empty() && set.less(all).is_empty();
-        let Some(set) = (number..SETS as u8).map(Found::numbered).find(is_model) else {
-            self.conclude(learner);
-            return Stage::Dip;
-        };
-        if let Some(slot) = self.fits.get_mut(set.number()) {
-            *slot = Fit::of(learner, set);
+        for (set, slot) in sets().zip(&mut self.squares) {
+            if self.used.less(set).is_empty() && set.less(all).is_empty() {
+                *slot = left(&total, set);
+            }
         }
-        Stage::Fit(set.number() as u8 + 1)
+        self.say_in_use(learner);
+        Stage::Conclude
     }
 
-    fn of(&self, set: Found) -> Fit {
-        self.fits.get(set.number()).copied().unwrap_or(Fit::NONE)
+    fn squares(&self, set: Found) -> f32 {
+        self.squares.get(set.number()).copied().unwrap_or(f32::NAN)
+    }
+
+    fn held_out(&self, set: Found) -> Result<f32, Unknown> {
+        self.held_out.get(set.number()).copied().flatten().ok_or(set)
     }
 
     fn score(&self, set: Found) -> f64 {
-        self.evidence.score(self.of(set).squares, set)
+        self.evidence.score(self.squares(set), set)
     }
 
-    /// Whether an effect is worth its price next to others.
-    fn supports(&self, others: Found, candidate: Candidate) -> bool {
-        self.evidence.supports(self.of(others), self.of(others.with(candidate)), candidate)
+    /// Whether an effect is worth its price next to others, and holds.
+    fn supports(&self, others: Found, candidate: Candidate) -> Result<bool, Unknown> {
+        let sets = [others, others.with(candidate)];
+        Ok(self.evidence.supports(sets.map(|set| self.squares(set)), candidate)
+            && holds([self.held_out(sets[0])?, self.held_out(sets[1])?]))
     }
 
     /// The likeliest set of effects each of which is worth its price.
-    fn best(&self) -> Found {
-        let mut best = self.used;
-        for set in (0..SETS as u8).map(Found::numbered) {
-            let mut added = set.less(self.used).iter();
-            // NaN, of a set that was not fitted, is no fall.
-            if self.score(set) < self.score(best) && added.all(|one| self.supports(set.without(one), one)) {
-                best = set;
+    fn best(&self) -> Result<Found, Unknown> {
+        let mut refused = f64::NEG_INFINITY;
+        loop {
+            // NaN, of a set that was not fitted, is no score.
+            let open = sets().filter(|set| self.score(*set) > refused);
+            let better = |a: Found, b: Found| if self.score(b) < self.score(a) { b } else { a };
+            let Some(set) = open.reduce(better).filter(|set| *set != self.used) else { return Ok(self.used) };
+            let mut is_supported = true;
+            for one in set.less(self.used).iter() {
+                is_supported = is_supported && self.supports(set.without(one), one)?;
             }
+            if is_supported {
+                return Ok(set);
+            }
+            refused = self.score(set);
         }
-        best
     }
 
-    fn conclude(&mut self, learner: &Learner) {
-        self.say_in_use(learner);
-        let best = self.best();
+    /// The findings, or the set whose held-out error they need.
+    fn conclude(&mut self, learner: &Learner) -> Result<(), Unknown> {
+        let best = self.best()?;
+        self.outcome.holdout_rms_ut = self.ut(learner, self.held_out(self.used)?);
         let (added, left) = (best.less(self.used), self.testable.less(best));
         for one in left.iter() {
-            self.say(learner, best, one, Status::NotNeeded, 0);
+            self.say(learner, best, one, Status::NotNeeded, 0)?;
         }
         self.outcome.verdict = if added.is_empty() { Verdict::Complete } else { Verdict::Missing };
         // By what each explains beyond those before it.
@@ -186,15 +219,19 @@ impl Inquiry {
             .reduce(|a, b| if self.score(set.with(b)) < self.score(set.with(a)) { b } else { a })
         {
             order += 1;
-            self.say(learner, set, next, Status::Missing, order);
+            self.say(learner, set, next, Status::Missing, order)?;
             set = set.with(next);
         }
         for one in added.iter() {
             let others = best.without(one);
-            let rivals = left.iter().filter(|other| self.is_rival(others, one, *other));
-            let partners = rivals.fold(Found::none(), Found::with);
+            let mut partners = Found::none();
+            for other in left.iter() {
+                if self.is_rival(others, one, other)? {
+                    partners = partners.with(other);
+                }
+            }
             for partner in partners.iter() {
-                self.say(learner, others, partner, Status::Confounded, 0);
+                self.say(learner, others, partner, Status::Confounded, 0)?;
                 if let Some(finding) = self.finding(partner) {
                     finding.partners = partners.with(one).without(partner);
                 }
@@ -208,38 +245,46 @@ impl Inquiry {
         }
         // What the final model leaves beyond noise.
         let rows = f64::from(learner.rows());
-        let variance = f64::from(self.of(best).squares) / (rows - (BASE + 3 * best.len()) as f64).max(1.0);
+        let variance = f64::from(self.squares(best)) / (rows - (BASE + 3 * best.len()) as f64).max(1.0);
         let (noise, error) = learner.memory.noise(variance, rows);
         let most = (1.0 - STRUCTURE_SHARE - NOISE_SIGMAS * error) * variance;
         if noise < most && self.outcome.verdict != Verdict::Confounded {
             self.outcome.verdict = Verdict::Unexplained;
         }
+        Ok(())
     }
 
     /// Whether another effect explains what one does, next to the others.
-    fn is_rival(&self, others: Found, one: Candidate, other: Candidate) -> bool {
+    fn is_rival(&self, others: Found, one: Candidate, other: Candidate) -> Result<bool, Unknown> {
         let (mine, its) = (others.with(one), others.with(other));
-        let [left, my_left, its_left] = [others, mine, its].map(|set| self.of(set).squares);
-        self.supports(others, other)
-            && (self.score(its) - self.score(mine) < RIVAL_SCORE_FALL
-                || its_left - my_left < COLUMN_ERROR * (left - my_left))
+        let [left, my_left, its_left] = [others, mine, its].map(|set| self.squares(set));
+        Ok((self.score(its) - self.score(mine) < RIVAL_SCORE_FALL
+            || its_left - my_left < COLUMN_ERROR * (left - my_left))
+            && self.supports(others, other)?)
     }
 
     /// What an effect does next to others.
-    fn say(&mut self, learner: &Learner, others: Found, one: Candidate, status: Status, order: u8) {
-        let (without, with) = (self.of(others), self.of(others.with(one)));
-        let [before, after] = [without, with].map(|fit| self.ut(learner, fit.held_out));
-        let p_value = self.evidence.chance(without, with, one);
+    fn say(
+        &mut self,
+        learner: &Learner,
+        others: Found,
+        one: Candidate,
+        status: Status,
+        order: u8,
+    ) -> Result<(), Unknown> {
+        let sets = [others, others.with(one)];
+        let [before, after] =
+            [self.held_out(sets[0])?, self.held_out(sets[1])?].map(|held| self.ut(learner, held));
+        let p_value = self.evidence.chance(sets.map(|set| self.squares(set)), one);
         if let Some(finding) = self.finding(one) {
             *finding = Finding { status, before, after, p_value, partners: Found::none(), order };
         }
+        Ok(())
     }
 
     /// The model in use, and what it would be without each of its effects.
     fn say_in_use(&mut self, learner: &Learner) {
-        let fit = self.of(self.used);
-        self.outcome.rms_ut = self.ut(learner, fit.squares);
-        self.outcome.holdout_rms_ut = self.ut(learner, fit.held_out);
+        self.outcome.rms_ut = self.ut(learner, self.squares(self.used));
         let mut total = learner.total();
         for one in self.used.iter() {
             let Some(theta) = self.in_use.get(one.place()).copied().flatten() else { continue };

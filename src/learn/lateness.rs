@@ -1,7 +1,7 @@
 //! What the dip, and the way between two directions, say of a late sensor.
 
 use super::bounds::{DELAY_SIGMAS, DIP_TESTS, LEAST_BEATS, LEAST_ROWS};
-use super::evidence::{Evidence, Fit};
+use super::evidence::{Evidence, holds};
 use super::late::{DIP, Late};
 use crate::math;
 use crate::study::{Normal, Role};
@@ -89,10 +89,10 @@ impl Lateness {
         }
         let full = total.factor()?;
         let base = total.partial_factor(roles::<P>(false))?;
-        let [without, with] = [&base, &full].map(|factor| factor.squares(total));
+        let squares = [&base, &full].map(|factor| factor.squares(total));
+        let [without, with] = squares;
         let evidence = Evidence::new(rows, time, P, DIP_TESTS);
         let [before, after] = held_out;
-        let fits = [Fit { squares: without, held_out: before }, Fit { squares: with, held_out: after }];
         let variance = f64::from(with) / f64::from(rows - P as u32);
         let delta = total.step(&full);
         let delay_s = *delta.last()?;
@@ -102,9 +102,9 @@ impl Lateness {
             rms_deg: degrees(without),
             before_deg: degrees(before),
             after_deg: degrees(after),
-            p_value: evidence.p_value(fits[0], fits[1], 1.0, 1.0) as f32,
+            p_value: evidence.p_value(squares, 1.0, 1.0) as f32,
             // No sensor is early.
-            is_shown: evidence.is_worth(fits[0], fits[1], 1.0, 1.0) && delay_s > 0.0,
+            is_shown: evidence.is_worth(squares, 1.0, 1.0) && holds(held_out) && delay_s > 0.0,
             delay_s,
             error_s: math::sqrt(variance * time * f64::from(full.inverse_diagonal(P - 1))) as f32,
             step: [0.0; DIP],

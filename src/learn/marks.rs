@@ -124,8 +124,8 @@ impl Marks {
         if self.pinned {
             return;
         }
-        let (rows, now) = (blocks.rows(), so_far(blocks, 0));
-        self.look(blocks, &now);
+        let rows = blocks.rows();
+        let before = self.look(blocks);
         if usize::from(self.used) == MARKS {
             let from_best = |index: usize| self.best.map_or(MARKS, |best| index.abs_diff(usize::from(best)));
             let rows_at = |index: usize| self.marks.get(index).map_or(rows, |mark| mark.rows);
@@ -146,18 +146,20 @@ impl Marks {
             self.best = self.best.map(|best| if usize::from(best) > index { best - 1 } else { best });
         }
         let Some(mark) = self.marks.get_mut(usize::from(self.used)) else { return };
-        *mark = Mark { rows, t_ms, before: now };
+        *mark = Mark { rows, t_ms, before };
         self.used += 1;
     }
 
-    /// Finds the best one, next to the plain base.
-    fn look(&mut self, blocks: &Blocks<Sums>, now: &Jump) {
+    /// Finds the best one, next to the plain base; the sums of a jump of all rows.
+    fn look(&mut self, blocks: &Blocks<Sums>) -> Jump {
         let mut work: Normal<f32, { BASE + 3 }> = Normal::EMPTY;
-        blocks.iter().for_each(|block| block.write(&mut work, BASE));
-        let rows = work.rows();
+        let mut sums = Sums::EMPTY;
+        blocks.iter().for_each(|block| sums.merge_base(block));
+        sums.write(&mut work, BASE);
+        let (now, rows) = (sums.jump(), work.rows());
         let mut base = Factor::new();
         if base.extend(&work, BASE, 0.0, everything).is_none() {
-            return;
+            return now;
         }
         let left = base.squares(&work);
         let mut best = (left, None);
@@ -165,7 +167,7 @@ impl Marks {
             if mark.rows < LEAST_JUMP_ROWS || rows.saturating_sub(mark.rows) < LEAST_JUMP_ROWS {
                 continue;
             }
-            now.less(&mark.before).write(&mut work, BASE, BASE);
+            now.less(&mark.before).write(&mut work, BASE);
             base.shorten(BASE);
             if base.extend(&work, BASE + 3, 0.0, everything).is_some() {
                 let squares = base.squares(&work);
@@ -179,6 +181,7 @@ impl Marks {
             self.be_best(place);
         }
         self.firm = left - squares > FIRM_SHARE * left;
+        now
     }
 
     /// Finds the moment of the jump between the marks, next to everything that streams.
@@ -231,10 +234,12 @@ impl Marks {
 
     /// The sums of all rows, with the columns of the best jump.
     pub(super) fn total(&self, blocks: &Blocks<Sums>) -> Work {
+        let mut sums = Sums::EMPTY;
+        blocks.iter().for_each(|block| sums.merge(block));
         let mut work = Work::EMPTY;
-        blocks.iter().for_each(|block| block.add_to(&mut work));
+        sums.add_to(&mut work);
         if let Some(best) = self.best() {
-            so_far(blocks, 0).less(&best.before).write(&mut work, STEP, STEP);
+            sums.jump().less(&best.before).write(&mut work, STEP);
         }
         work
     }
@@ -247,13 +252,10 @@ impl Marks {
         let Some(best) = self.best() else { return Some(work) };
         let begin = blocks.rows_before(index);
         if best.rows <= begin {
-            block.jump().write(&mut work, STEP, STEP);
+            block.jump().write(&mut work, STEP);
         } else if best.rows < begin + block.rows() {
             // What came after the jump, less the later blocks.
-            so_far(blocks, 0)
-                .less(&best.before)
-                .less(&so_far(blocks, index + 1))
-                .write(&mut work, STEP, STEP);
+            so_far(blocks, 0).less(&best.before).less(&so_far(blocks, index + 1)).write(&mut work, STEP);
         }
         Some(work)
     }

@@ -139,16 +139,26 @@ impl Jump {
         })
     }
 
-    /// Puts them into the columns of a jump, which stand at `first`, behind `width` others.
-    pub(super) fn write<const P: usize>(&self, work: &mut Normal<f32, P>, first: usize, width: usize) {
-        for (axis, right) in self.right().into_iter().enumerate() {
-            for column in 0..width {
-                work.set(column, first + axis, self.entry(axis, column));
+    /// Puts them into the columns of a jump, which stand at `first`, behind the base and what streams with it.
+    pub(super) fn write<const P: usize>(&self, work: &mut Normal<f32, P>, first: usize) {
+        let (sixes, others) = self.0.split_at(6 * MULTIPLES);
+        let threes = |[a, b, c, d, e, f]: [f32; 6]| [[a, b, d], [b, c, e], [d, e, f]];
+        for (multiple, six) in sixes.as_chunks::<6>().0.iter().enumerate() {
+            let column = if multiple == 0 { 0 } else { BASE - 3 + 3 * multiple };
+            for (axis, three) in threes(*six).into_iter().enumerate() {
+                for (other, value) in three.into_iter().enumerate() {
+                    if column < first {
+                        work.set(column + other, first + axis, value);
+                    }
+                    if multiple == 0 && other <= axis {
+                        work.set(first + other, first + axis, value);
+                    }
+                }
             }
-            for other in 0..=axis {
-                work.set(first + other, first + axis, self.entry(axis, other));
-            }
-            work.set_right(first + axis, right);
+        }
+        for (axis, [matrix @ .., right]) in others.as_chunks::<OTHERS>().0.iter().enumerate() {
+            (3..).zip(matrix).for_each(|(column, value)| work.set(column, first + axis, *value));
+            work.set_right(first + axis, *right);
         }
     }
 }
@@ -224,6 +234,16 @@ impl Sums {
 
     fn entry(&self, i: usize, j: usize) -> f32 {
         self.values.get(place(i, j)).copied().unwrap_or(0.0)
+    }
+
+    /// Adds what another block knows of the base and of a jump.
+    pub(super) fn merge_base(&mut self, other: &Self) {
+        let (jump, rest) = self.values.split_at_mut(start(1));
+        add_scaled_f32(jump, 1.0, &other.values);
+        if let (Some(to), Some(from)) = (rest.get_mut(OWN - start(1)..), other.values.get(OWN..)) {
+            add_scaled_f32(to, 1.0, from);
+        }
+        self.rows = self.rows.saturating_add(other.rows);
     }
 
     /// Those of the offset's columns.

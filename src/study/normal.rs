@@ -200,26 +200,37 @@ impl<T: Real, const P: usize> Normal<T, P> {
 
     /// [`Normal::moved`] in place.
     pub fn shift(&mut self, delta: &[T; P]) {
+        if delta.iter().all(|value| *value == T::zero()) {
+            return;
+        }
         self.squares = self.squares_after(delta);
         for i in 0..self.columns.min(P) {
-            let mut line = T::zero();
-            for (j, other) in delta.iter().enumerate().take(self.columns) {
-                line += self.entry(i, j) * *other;
-            }
+            let line = self.along(i, delta);
             self.pull(i, line);
         }
+    }
+
+    /// `Σ_j N_ij δ_j`.
+    fn along(&self, i: usize, delta: &[T; P]) -> T {
+        let mut line = T::zero();
+        // Column i above the diagonal, then row i.
+        for (row, other) in self.matrix.iter().zip(delta).take(i) {
+            line += row.get(i).copied().unwrap_or(T::zero()) * *other;
+        }
+        let row = self.matrix.get(i).map_or(&[][..], |row| row);
+        for (entry, other) in row.iter().zip(delta).take(self.columns).skip(i) {
+            line += *entry * *other;
+        }
+        line
     }
 
     /// Value of `‖r + Jδ‖²`.
     pub fn squares_after(&self, delta: &[T; P]) -> T {
         let mut sum = self.squares;
-        for i in 0..self.columns {
-            let d = delta.get(i).copied().unwrap_or(T::zero());
-            let mut line = T::zero();
-            for (j, other) in delta.iter().enumerate().take(self.columns) {
-                line += self.entry(i, j) * *other;
+        for (i, (d, right)) in delta.iter().zip(&self.right).enumerate().take(self.columns) {
+            if *d != T::zero() {
+                sum += *d * (self.along(i, delta) + *right + *right);
             }
-            sum += d * (line + self.right(i) + self.right(i));
         }
         sum
     }
@@ -247,6 +258,14 @@ impl<T: Real, const P: usize> Normal<T, P> {
     pub fn step(&self, factor: &Factor<T, P>) -> [T; P] {
         factor.solve(&self.right).map(|value| -value)
     }
+}
+
+/// `value − Σ aᵢbᵢ`, over the shorter of the two.
+fn less_products<T: Real>(mut value: T, a: &[T], b: &[T]) -> T {
+    for (a, b) in a.iter().zip(b) {
+        value -= *a * *b;
+    }
+    value
 }
 
 /// `L` with `L Lᵀ = S N S`, `S` the scale to unit columns.
@@ -292,33 +311,34 @@ impl<T: Real, const P: usize> Factor<T, P> {
             };
             let is_usable = role != Role::Absent && diagonal.is_finite() && diagonal > T::zero();
             let scale = if is_usable { T::one() / diagonal.root() } else { T::zero() };
-            *self.scale.get_mut(i)? = scale;
             let (before, rest) = self.lower.split_at_mut_checked(i)?;
             let row = rest.first_mut()?;
+            *row = [T::zero(); P];
             let mut left = T::zero();
-            for j in 0..i {
-                let mut sum = normal.entry(i, j) * scale * self.scale.get(j).copied()?;
-                let row_j = before.get(j)?;
-                for (a, b) in row.iter().zip(row_j).take(j) {
-                    sum -= *a * *b;
+            if is_usable {
+                let columns = normal.matrix.iter().zip(&self.scale).zip(&*before).enumerate();
+                for (j, ((column, scale_j), row_j)) in columns {
+                    // What is left out has a row of zeros.
+                    if *scale_j == T::zero() {
+                        continue;
+                    }
+                    let (known, slot) = row.split_at_mut_checked(j)?;
+                    let product = *column.get(i)? * scale * *scale_j;
+                    *slot.first_mut()? = less_products(product, known, row_j) / *row_j.get(j)?;
                 }
-                *row.get_mut(j)? = sum / *row_j.get(j)?;
+                let known = row.get(..i)?;
+                left = less_products(diagonal * scale * scale + damping, known, known);
             }
-            if scale > T::zero() {
-                left = diagonal * scale * scale + damping;
-                for a in row.iter().take(i) {
-                    left -= *a * *a;
-                }
-            }
-            if !(left.is_finite() && left > least) {
+            let is_new = left.is_finite() && left > least;
+            if !is_new {
                 if role == Role::Required {
                     return None;
                 }
                 *row = [T::zero(); P];
-                *self.scale.get_mut(i)? = T::zero();
                 left = T::one();
             }
             *row.get_mut(i)? = left.root();
+            *self.scale.get_mut(i)? = if is_new { scale } else { T::zero() };
         }
         self.n = n;
         Some(())
@@ -373,16 +393,13 @@ impl<T: Real, const P: usize> Factor<T, P> {
     /// `L⁻¹ S b`.
     pub(super) fn forward(&self, b: &[T; P]) -> [T; P] {
         let mut y = [T::zero(); P];
-        for i in 0..self.n {
-            let (Some(row), Some(s), Some(value)) = (self.lower.get(i), self.scale.get(i), b.get(i)) else {
-                break;
-            };
-            let mut sum = *value * *s;
-            for (l, known) in row.iter().zip(&y).take(i) {
-                sum -= *l * *known;
-            }
-            if let (Some(out), Some(pivot)) = (y.get_mut(i), row.get(i)) {
-                *out = sum / *pivot;
+        let rows = self.lower.iter().zip(&self.scale).zip(b);
+        for (i, ((row, s), value)) in rows.enumerate().take(self.n) {
+            let (known, slot) = y.split_at_mut(i.min(P));
+            if let (Some(out), Some(pivot)) = (slot.first_mut(), row.get(i))
+                && *s != T::zero()
+            {
+                *out = less_products(*value * *s, known, row) / *pivot;
             }
         }
         y
