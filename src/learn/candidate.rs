@@ -68,6 +68,9 @@ impl Candidate {
 pub struct Found(u8);
 
 impl Found {
+    /// All that the magnitude shows.
+    pub(super) const EVERY: Self = Self(SETS as u8 - 1);
+
     /// None of them.
     pub const fn none() -> Self {
         Self(0)
@@ -111,9 +114,9 @@ impl Found {
         Self(self.0 & !others.0)
     }
 
-    /// Which columns are part of a model with these effects.
-    pub(super) fn roles(self) -> impl Fn(usize) -> Role<f32> {
-        move |column| match column.checked_sub(BASE) {
+    /// Whether a column is part of a model with these effects.
+    pub(super) fn role(self, column: usize) -> Role<f32> {
+        match column.checked_sub(BASE) {
             None => Role::Required,
             Some(effect) if self.0 >> (effect / 3) & 1 != 0 => Role::Optional(MIN_DIRECTION),
             Some(_) => Role::Absent,

@@ -4,45 +4,40 @@ use super::blocks::BLOCKS;
 use super::bounds::{JUMP_PLACES, MIN_SCORE_FALL, MIN_SHARE, MIN_SHARE_ELSEWHERE, POINT_SCORE_FALL};
 use super::candidate::{Candidate, Found};
 use super::learner::Learner;
-use super::sums::{WIDEST, Work};
+use super::sums::{Work, solved};
 use crate::math;
 use crate::study::{Role, f_tail};
 
 /// Coefficients of an effect of the magnitude.
 const COEFFICIENTS: f64 = 3.0;
 
-/// The squared residual that a model with these effects leaves.
-#[inline(never)]
+/// The squared residual that a model with these effects leaves; NaN of one that is not determined.
 pub(super) fn left(total: &Work, set: Found) -> f32 {
-    total.partial_factor(set.roles()).map_or(f32::NAN, |factor| factor.squares(total))
+    solved(total, &|column| set.role(column)).map_or(f32::NAN, |solved| solved.squares)
 }
 
-/// The squared residual of a model with these effects on blocks of time that were not fitted.
+/// The same on blocks of time that were not fitted; NaN where one is not predicted.
 #[inline(never)]
 pub(super) fn held_out(learner: &Learner, set: Found) -> f32 {
-    let mut total = learner.total();
-    let Some(factor) = total.partial_factor(set.roles()) else { return f32::NAN };
+    let mut total = Work::EMPTY;
+    learner.add_to(&mut total);
     // About the fit to all: what the others do not tell of an effect stays as it is there.
-    let step = total.step(&factor);
-    total.shift(&step);
-    let new: [f32; WIDEST] = core::array::from_fn(|column| factor.own_square(column));
+    let Some(all) = solved(&total, &|column| set.role(column)) else { return f32::NAN };
+    total.shift(&all.step);
     let mut squares = 0.0;
     for index in 0..BLOCKS {
-        let Some(mut own) = learner.part(index) else { continue };
-        own.shift(&step);
+        let mut own = Work::EMPTY;
+        learner.add_part_to(index, &mut own);
+        own.shift(&all.step);
         total.take_out(&own);
-        let roles = set.roles();
-        let rest = |column: usize| match roles(column) {
+        let rest = solved(&total, &|column| match set.role(column) {
             Role::Optional(least) => {
-                let new = new.get(column).copied().unwrap_or(0.0);
-                Role::Optional(least.max(MIN_SHARE_ELSEWHERE * new / total.entry(column, column)))
+                let own = all.own.get(column).copied().unwrap_or(0.0);
+                Role::Optional(least.max(MIN_SHARE_ELSEWHERE * own / total.entry(column, column)))
             }
             role => role,
-        };
-        squares += match total.partial_factor(rest) {
-            Some(factor) => own.squares_after(&total.step(&factor)).max(0.0),
-            None => f32::NAN,
-        };
+        });
+        squares += rest.map_or(f32::NAN, |rest| own.squares_after(&rest.step).max(0.0));
         total.merge(&own);
     }
     squares

@@ -11,9 +11,8 @@ use super::bounds::{
 use super::candidate::{Candidate, Found};
 use super::evidence::{Evidence, left};
 use super::learner::Learner;
-use super::marks::everything;
 use super::point::BASE;
-use super::sums::{DRIFT, DRIFT_UNIT_MS, EFFECTS, STEP, WIDEST, Work};
+use super::sums::{DRIFT, DRIFT_UNIT_MS, EFFECTS, STEP, Solved, WIDEST, Work, inverse_diagonal, solved};
 use crate::math;
 
 impl Learner {
@@ -61,23 +60,24 @@ impl Learner {
     /// that are not told yet there is none.
     #[inline(never)]
     fn step_to_the_sums(&self) -> Option<([f32; WIDEST], f32, f32)> {
-        let work = self.total_here();
-        let rows = work.rows();
-        let full = work.partial_factor(everything)?;
-        let variance = full.squares(&work) / (rows as f32 - full.directions() as f32).max(1.0);
+        let mut work = Work::EMPTY;
+        self.marks.add_to(&self.blocks, &mut work);
+        let rows = work.rows() as f32;
+        let full = solved(&work, &|column| Found::EVERY.role(column))?;
+        let parameters = full.directions;
+        let variance = full.squares / (rows - parameters as f32).max(1.0);
         // Noise that has a memory tells less.
-        let time = self.memory.time(f64::from(variance), f64::from(rows), full.directions() as f64);
-        let set = self.standing_out(&work, &Evidence::new(rows, 1.0, full.directions(), EFFECTS + 1));
-        let factor = work.partial_factor(set.roles())?;
-        let mut delta = work.step(&factor);
-        let error = factor.largest_error(&work, BASE) * math::sqrtf(time as f32);
-        let variance = factor.squares(&work) / rows as f32 * time as f32;
+        let time = self.memory.time(f64::from(variance), f64::from(rows), parameters as f64) as f32;
+        let set = self.standing_out(&work, &Evidence::new(work.rows(), 1.0, parameters, EFFECTS + 1));
+        let Solved { step: mut delta, squares, .. } = solved(&work, &|column| set.role(column))?;
+        let variance = squares / rows * time;
+        let errors = inverse_diagonal(&work, &|column| set.role(column))?
+            .map(|inverse| math::sqrtf(variance * inverse));
+        let error = errors.iter().take(BASE).copied().fold(0.0, f32::max);
         let mut far = 0.0;
         for (index, three) in delta.get_mut(DRIFT..STEP)?.as_chunks_mut::<3>().0.iter_mut().enumerate() {
             let (first, most) = (DRIFT + 3 * index, self.most(index));
-            let is_told = (first..first + 3).all(|column| {
-                variance * factor.inverse_diagonal(column) * most * most < EFFECT_TOLD * EFFECT_TOLD
-            });
+            let is_told = errors.iter().skip(first).take(3).all(|error| error * most < EFFECT_TOLD);
             if !is_told {
                 *three = [0.0; 3];
             }

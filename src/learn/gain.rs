@@ -5,7 +5,7 @@ use super::finding::InUse;
 use super::lateness::Lateness;
 use super::learner::Learner;
 use super::point::{BASE, Point};
-use super::sums::{DRIFT_UNIT_MS, WIDEST, Work};
+use super::sums::{DRIFT_UNIT_MS, Solved, WIDEST, Work, inverse_diagonal, solved};
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, Effect};
 use crate::extended::{Effects, ExtendedCalibration, FittedEffect, MAX_EFFECTS, Ranges};
@@ -119,8 +119,9 @@ impl Learner {
             .effects
             .push(FittedEffect::new(effect, [0.0; 9], [f64::NAN; 9]))
             .map_err(|_| NotShown::Full)?;
-        let next =
-            self.moved(&before, studied, &self.total(), [0.0; WIDEST]).ok_or(NotShown::Undetermined)?;
+        let mut total = Work::EMPTY;
+        self.add_to(&mut total);
+        let next = self.moved(&before, studied, &total, [0.0; WIDEST]).ok_or(NotShown::Undetermined)?;
         if candidate == Candidate::Step {
             self.marks.pinned = true;
         }
@@ -161,7 +162,8 @@ impl Learner {
         let fitted = calibration.effects.iter().find(|fitted| fitted.effect == *effect)?;
         let [x, y, z, ..] = fitted.coefficients;
         let away = self.in_columns(candidate, [-x, -y, -z]);
-        let mut total = self.total();
+        let mut total = Work::EMPTY;
+        self.add_to(&mut total);
         total.shift(&away);
         let others = studied.without(candidate);
         if candidate != Candidate::Step {
@@ -188,14 +190,15 @@ impl Learner {
         already: [f32; WIDEST],
     ) -> Option<ExtendedCalibration<f64>> {
         let point = self.point?;
-        let factor = total.partial_factor(studied.roles())?;
-        let mut delta = total.step(&factor);
+        let role = |column| studied.role(column);
+        let Solved { step: mut delta, squares, .. } = solved(total, &role)?;
+        let inverse = inverse_diagonal(total, &role)?;
         if !delta.iter().all(|value| value.is_finite()) {
             return None;
         }
         let rows = f64::from(self.rows());
         let parameters = (BASE + 3 * studied.len()) as f64;
-        let variance = f64::from(factor.squares(total)) / (rows - parameters).max(1.0);
+        let variance = f64::from(squares) / (rows - parameters).max(1.0);
         let variance = variance * self.memory.time(variance, rows, parameters);
         let rotation = Point::of(&from.base)?.1;
         let stepped = point.stepped(&delta).calibration(&rotation);
@@ -215,7 +218,7 @@ impl Learner {
                 let shift = reference.map_or(0.0, |reference| reference - self.held_against(candidate));
                 for axis in 0..3 {
                     let more = f64::from(*delta.get(first + axis)?) * unit;
-                    let error = math::sqrt(variance * f64::from(factor.inverse_diagonal(first + axis)));
+                    let error = math::sqrt(variance * f64::from(*inverse.get(first + axis)?));
                     fitted.coefficients[axis] += more;
                     // As a record keeps it, so that a restart changes no digit.
                     fitted.std_errors[axis] = f64::from((error * unit) as f32);
@@ -277,12 +280,15 @@ impl Learner {
     }
 }
 
-/// Whether sums tell the base beside some effects as well as a calibration that is accepted.
-#[inline(never)]
+/// Whether sums tell the base next to some effects as well as a calibration that is accepted.
 fn tells(total: &Work, others: Found) -> bool {
-    total
-        .partial_factor(others.roles())
-        .is_some_and(|factor| factor.largest_error(total, BASE) <= MAX_PREDICTED_ERROR as f32)
+    let role = |column| others.role(column);
+    let Some((solved, inverse)) = solved(total, &role).zip(inverse_diagonal(total, &role)) else {
+        return false;
+    };
+    let variance = solved.squares / (total.rows() as f32 - solved.directions as f32).max(1.0);
+    let largest = inverse.into_iter().take(BASE).fold(0.0, f32::max);
+    math::sqrtf(variance * largest) <= MAX_PREDICTED_ERROR as f32
 }
 
 fn transposed(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {

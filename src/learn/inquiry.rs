@@ -13,6 +13,7 @@ use super::finding::{Finding, InUse, NOTHING, Outcome, Status, Verdict};
 use super::lateness::Lateness;
 use super::learner::Learner;
 use super::point::BASE;
+use super::sums::{Work, inverse_diagonal};
 use crate::math;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,6 +110,7 @@ impl Inquiry {
     }
 
     /// Whether there is enough; how much noise there is.
+    #[inline(never)]
     fn begin(&mut self, learner: &Learner) -> Stage {
         let rows = learner.rows();
         self.outcome.rows = rows;
@@ -128,13 +130,13 @@ impl Inquiry {
                 self.testable = self.testable.with(candidate);
             }
         }
-        let total = learner.total();
+        let mut total = Work::EMPTY;
+        learner.add_to(&mut total);
         let all = self.testable.iter().fold(self.used, Found::with);
-        let Some(full) = total.partial_factor(all.roles()) else { return Stage::End };
         let parameters = BASE + 3 * all.len();
-        let variance = f64::from(full.squares(&total)) / (f64::from(rows) - parameters as f64).max(1.0);
+        let variance = f64::from(left(&total, all)) / (f64::from(rows) - parameters as f64).max(1.0);
         if !(variance > 0.0) {
-            // All digits are used up: of such sums nothing can be said.
+            // The base is not told, or all digits are used up: of such sums nothing can be said.
             return Stage::End;
         }
         let time = learner.memory.time(variance, f64::from(rows), parameters as f64);
@@ -142,8 +144,9 @@ impl Inquiry {
         let field = learner.point.map_or(f64::NAN, |point| f64::from(point.field_ut));
         self.outcome.floor_ut =
             (math::sqrt(learner.memory.noise(variance, f64::from(rows)).0) * field) as f32;
-        let Some(base) = total.partial_factor(Found::none().roles()) else { return Stage::End };
-        let largest = (0..BASE).map(|column| base.inverse_diagonal(column)).fold(0.0, f32::max);
+        let none = |column| Found::none().role(column);
+        let Some(inverse) = inverse_diagonal(&total, &none) else { return Stage::End };
+        let largest = inverse.into_iter().fold(0.0, f32::max);
         self.outcome.base_error = math::sqrtf(largest * (variance * time) as f32);
         if self.outcome.base_error > MOST_BASE_ERROR {
             return Stage::End;
@@ -152,15 +155,17 @@ impl Inquiry {
     }
 
     /// Fits each set that holds all in use and nothing that cannot be tested.
+    #[inline(never)]
     fn fit(&mut self, learner: &Learner) -> Stage {
-        let total = learner.total();
+        let mut total = Work::EMPTY;
+        learner.add_to(&mut total);
         let all = self.testable.iter().fold(self.used, Found::with);
         for (set, slot) in sets().zip(&mut self.squares) {
             if self.used.less(set).is_empty() && set.less(all).is_empty() {
                 *slot = left(&total, set);
             }
         }
-        self.say_in_use(learner);
+        self.say_in_use(learner, &mut total);
         Stage::Conclude
     }
 
@@ -203,6 +208,7 @@ impl Inquiry {
     }
 
     /// The findings, or the set whose held-out error they need.
+    #[inline(never)]
     fn conclude(&mut self, learner: &Learner) -> Result<(), Unknown> {
         let best = self.best()?;
         self.outcome.holdout_rms_ut = self.ut(learner, self.held_out(self.used)?);
@@ -283,15 +289,13 @@ impl Inquiry {
     }
 
     /// The model in use, and what it would be without each of its effects.
-    fn say_in_use(&mut self, learner: &Learner) {
+    fn say_in_use(&mut self, learner: &Learner, total: &mut Work) {
         self.outcome.rms_ut = self.ut(learner, self.squares(self.used));
-        let mut total = learner.total();
         for one in self.used.iter() {
             let Some(theta) = self.in_use.get(one.place()).copied().flatten() else { continue };
-            let mut away = learner.in_columns(one, theta);
-            away.iter_mut().for_each(|value| *value = -*value);
+            let away = learner.in_columns(one, theta.map(|value| -value));
             total.shift(&away);
-            let before = self.ut(learner, left(&total, self.used.without(one)));
+            let before = self.ut(learner, left(total, self.used.without(one)));
             total.shift(&away.map(|value| -value));
             let after = self.outcome.rms_ut;
             if let Some(finding) = self.finding(one) {
@@ -301,6 +305,7 @@ impl Inquiry {
     }
 
     /// The dip, and the last word.
+    #[inline(never)]
     fn dip(&mut self, learner: &Learner) -> Stage {
         self.outcome.dip_rms_deg = Lateness::by_dip(&learner.late).map_or(f32::NAN, |dip| dip.rms_deg);
         let Some(late) = Lateness::of(&learner.late) else { return Stage::End };

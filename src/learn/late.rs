@@ -6,7 +6,7 @@ use super::memory::Memory;
 use super::point::dip;
 use super::turning::{ByField, ByGyro, TURNING, Turning};
 use crate::real::decompose::Decompose;
-use crate::study::{Normal, Role};
+use crate::study::{Factor, Normal, Role};
 use crate::vector::{cross, dot, norm, product, scaled, times};
 
 /// Columns of the dip: a rotation (3), the sine of the dip (1), the delay (1).
@@ -132,12 +132,11 @@ impl Late {
         self.look_at = self.look_at.saturating_mul(2);
         let total = self.total();
         // Next to the delay, which turns the field too.
-        let Some(factor) = total.partial_factor(|column| match column + 1 {
-            DIP => Role::Optional(MIN_DIRECTION),
-            _ => Role::Required,
-        }) else {
+        let mut factor = Factor::new();
+        let role = |column| if column + 1 < DIP { Role::Required } else { Role::Optional(MIN_DIRECTION) };
+        if factor.extend(&total, DIP, 0.0, &role).is_none() {
             return;
-        };
+        }
         let delta = total.step(&factor);
         let [x, y, z, sine, _] = delta;
         let far = norm([x, y, z]).max(sine.abs());

@@ -4,7 +4,7 @@ use super::bounds::{DELAY_SIGMAS, DIP_TESTS, LEAST_BEATS, LEAST_ROWS};
 use super::evidence::{Evidence, holds};
 use super::late::{DIP, Late};
 use crate::math;
-use crate::study::{Normal, Role};
+use crate::study::{Factor, Normal, Role};
 
 /// The delay's test.
 #[derive(Clone, Copy, Debug)]
@@ -27,9 +27,11 @@ pub(super) struct Lateness {
     pub(super) step: [f32; DIP],
 }
 
-/// All columns, or all but the delay's, which is the last.
-fn roles<const P: usize>(with: bool) -> impl Fn(usize) -> Role<f32> {
-    move |column| if with || column + 1 < P { Role::Required } else { Role::Absent }
+/// The factor of all columns, or of all but the delay's, which is the last.
+fn factor<const P: usize>(total: &Normal<f32, P>, with: bool) -> Option<Factor<f32, P>> {
+    let mut factor = Factor::new();
+    factor.extend(total, if with { P } else { P - 1 }, 0.0, &|_| Role::Required)?;
+    Some(factor)
 }
 
 impl Lateness {
@@ -46,14 +48,14 @@ impl Lateness {
     pub(super) fn by_dip(late: &Late) -> Option<Self> {
         let total = late.total();
         let rows = f64::from(total.rows());
-        let full = total.factor()?;
+        let full = factor(&total, true)?;
         let variance = f64::from(full.squares(&total)) / (rows - DIP as f64);
         let time = late.memory.time(variance, rows, DIP as f64);
         let held_out = |with: bool| {
             let mut squares = 0.0;
             for block in late.blocks.iter().filter(|block| block.rows() > 0) {
                 let rest = total.without(block);
-                let Some(factor) = rest.partial_factor(roles::<DIP>(with)) else { return f32::NAN };
+                let Some(factor) = factor(&rest, with) else { return f32::NAN };
                 squares += block.squares_after(&rest.step(&factor)).max(0.0);
             }
             squares
@@ -87,8 +89,8 @@ impl Lateness {
         if rows < LEAST_ROWS {
             return None;
         }
-        let full = total.factor()?;
-        let base = total.partial_factor(roles::<P>(false))?;
+        let full = factor(total, true)?;
+        let base = factor(total, false)?;
         let squares = [&base, &full].map(|factor| factor.squares(total));
         let [without, with] = squares;
         let evidence = Evidence::new(rows, time, P, DIP_TESTS);

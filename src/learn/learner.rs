@@ -139,7 +139,9 @@ impl Learner {
 
     /// Rms of the residual at the point without any effect, µT; NaN without samples.
     pub fn rms_ut(&self) -> f32 {
-        let squares = self.total().squares();
+        let mut total = Work::EMPTY;
+        self.add_to(&mut total);
+        let squares = total.squares();
         let field = self.point.map_or(f32::NAN, |point| point.field_ut);
         math::sqrtf(squares.max(0.0) / self.rows() as f32) * field
     }
@@ -242,23 +244,16 @@ impl Learner {
         away
     }
 
-    /// The sums of all rows about the point without any effect, with the columns of a step where it explains most.
-    pub(super) fn total(&self) -> Work {
-        let mut work = self.total_here();
+    /// Adds the sums of all rows about the point without any effect, with the columns of a step where it explains most.
+    pub(super) fn add_to(&self, work: &mut Work) {
+        self.marks.add_to(&self.blocks, work);
         work.shift(&self.away());
-        work
     }
 
-    /// The same about the point with the effects at it.
-    pub(super) fn total_here(&self) -> Work {
-        self.marks.total(&self.blocks)
-    }
-
-    /// The sums of one block, likewise; `None` of one without rows.
-    pub(super) fn part(&self, index: usize) -> Option<Work> {
-        let mut work = self.marks.part(&self.blocks, index)?;
+    /// Adds the sums of one block, likewise.
+    pub(super) fn add_part_to(&self, index: usize, work: &mut Work) {
+        self.marks.add_part_to(&self.blocks, index, work);
         work.shift(&self.away());
-        Some(work)
     }
 
     /// Whether these samples can show an effect in the magnitude.
@@ -288,7 +283,8 @@ impl Learner {
     pub(super) fn shift(&mut self, delta: &[f32; WIDEST], point: Point) {
         // From the last to the first: the sums since a mark are those of all blocks less those before it, which are still to come.
         for index in (0..BLOCKS).rev() {
-            let Some(mut work) = self.marks.part(&self.blocks, index) else { continue };
+            let mut work = Work::EMPTY;
+            self.marks.add_part_to(&self.blocks, index, &mut work);
             work.shift(delta);
             if let Some(block) = self.blocks.iter_mut().nth(index) {
                 block.take_right(&work);

@@ -6,8 +6,9 @@
 
 use super::blocks::{Block, Blocks, first_to_end};
 use super::bounds::{FIRM_SHARE, LEAST_JUMP_ROWS, LEAST_JUMP_SHARE, MIN_DIRECTION, SEEN_VARIANCES};
+use super::candidate::Found;
 use super::point::BASE;
-use super::sums::{Jump, STEP, Sums, WIDEST, Work};
+use super::sums::{Jump, STEP, Solved, Sums, WIDEST, Work, solved};
 use crate::study::{Factor, Normal, Role};
 
 /// Snapshots that are kept.
@@ -41,11 +42,6 @@ pub(super) struct Marks {
     part: f32,
     /// What the samples between the earlier of these two and the jump add to the sums with the residual, beyond their share.
     more: [f32; 3],
-}
-
-/// All that streamed, and a jump: the base has to be determined.
-pub(super) fn everything(column: usize) -> Role<f32> {
-    if column < BASE { Role::Required } else { Role::Optional(MIN_DIRECTION) }
 }
 
 impl Marks {
@@ -157,8 +153,9 @@ impl Marks {
         blocks.iter().for_each(|block| sums.merge_base(block));
         sums.write(&mut work, BASE);
         let (now, rows) = (sums.jump(), work.rows());
+        let role = |column| if column < BASE { Role::Required } else { Role::Optional(MIN_DIRECTION) };
         let mut base = Factor::new();
-        if base.extend(&work, BASE, 0.0, everything).is_none() {
+        if base.extend(&work, BASE, 0.0, &role).is_none() {
             return now;
         }
         let left = base.squares(&work);
@@ -169,7 +166,7 @@ impl Marks {
             }
             now.less(&mark.before).write(&mut work, BASE);
             base.shorten(BASE);
-            if base.extend(&work, BASE + 3, 0.0, everything).is_some() {
+            if base.extend(&work, BASE + 3, 0.0, &role).is_some() {
                 let squares = base.squares(&work);
                 if squares < best.0 {
                     best = (squares, Some(index));
@@ -198,19 +195,22 @@ impl Marks {
         for _ in 0..3 {
             let _ = self.move_to_the_jump(blocks);
         }
-        let work = self.total(blocks);
-        let left = work.partial_factor(everything).map_or(0.0, |factor| factor.squares(&work));
-        if !(left >= least_variance * work.rows() as f32) {
+        let left = self.with_everything(blocks).map_or(0.0, |solved| solved.squares);
+        if !(left >= least_variance * blocks.rows() as f32) {
             self.be_best(self.best);
         }
     }
 
     #[inline(never)]
+    fn with_everything(&self, blocks: &Blocks<Sums>) -> Option<Solved> {
+        let mut work = Work::EMPTY;
+        self.add_to(blocks, &mut work);
+        solved(&work, &|column| Found::EVERY.role(column))
+    }
+
     fn move_to_the_jump(&mut self, blocks: &Blocks<Sums>) -> Option<()> {
-        let work = self.total(blocks);
-        let factor = work.partial_factor(everything)?;
-        let delta = work.step(&factor);
-        let variance = factor.squares(&work) / (work.rows() as f32 - factor.directions() as f32).max(1.0);
+        let Solved { step: delta, squares, directions, .. } = self.with_everything(blocks)?;
+        let variance = squares / (blocks.rows() as f32 - directions as f32).max(1.0);
         let theta: [f32; 3] = *delta.last_chunk()?;
         // How much of the way from one mark to the next is behind the jump.
         let behind = |first: Option<&Mark>, second: Option<&Mark>| -> Option<f32> {
@@ -232,32 +232,30 @@ impl Marks {
         Some(())
     }
 
-    /// The sums of all rows, with the columns of the best jump.
-    pub(super) fn total(&self, blocks: &Blocks<Sums>) -> Work {
+    /// Adds the sums of all rows, with the columns of the best jump.
+    #[inline(never)]
+    pub(super) fn add_to(&self, blocks: &Blocks<Sums>, work: &mut Work) {
         let mut sums = Sums::EMPTY;
         blocks.iter().for_each(|block| sums.merge(block));
-        let mut work = Work::EMPTY;
-        sums.add_to(&mut work);
+        sums.add_to(work);
         if let Some(best) = self.best() {
-            sums.jump().less(&best.before).write(&mut work, STEP);
+            sums.jump().less(&best.before).write(work, STEP);
         }
-        work
     }
 
-    /// Those of one block; `None` of one without rows.
-    pub(super) fn part(&self, blocks: &Blocks<Sums>, index: usize) -> Option<Work> {
-        let block = blocks.get(index)?;
-        let mut work = Work::EMPTY;
-        block.add_to(&mut work);
-        let Some(best) = self.best() else { return Some(work) };
+    /// Adds those of one block.
+    #[inline(never)]
+    pub(super) fn add_part_to(&self, blocks: &Blocks<Sums>, index: usize, work: &mut Work) {
+        let Some(block) = blocks.get(index) else { return };
+        block.add_to(work);
+        let Some(best) = self.best() else { return };
         let begin = blocks.rows_before(index);
         if best.rows <= begin {
-            block.jump().write(&mut work, STEP);
+            block.jump().write(work, STEP);
         } else if best.rows < begin + block.rows() {
             // What came after the jump, less the later blocks.
-            so_far(blocks, 0).less(&best.before).less(&so_far(blocks, index + 1)).write(&mut work, STEP);
+            so_far(blocks, 0).less(&best.before).less(&so_far(blocks, index + 1)).write(work, STEP);
         }
-        Some(work)
     }
 
     /// The oldest block leaves the sums. What happened within it happened before all rows that are left.

@@ -7,7 +7,7 @@ use super::blocks::Block;
 use super::columns::MAX_TESTED;
 use super::point::{BASE, Look};
 use crate::dense::add_scaled_f32;
-use crate::study::Normal;
+use crate::study::{Factor, Normal, Role};
 
 /// Effects that stream: drift and the tested columns.
 pub(super) const EFFECTS: usize = 1 + MAX_TESTED;
@@ -23,6 +23,40 @@ pub(super) const STEP: usize = STREAMED;
 pub(super) const WIDEST: usize = STEP + 3;
 /// What all come together in to be solved.
 pub(super) type Work = Normal<f32, WIDEST>;
+
+/// What a model leaves of the samples, and where it leads.
+pub(super) struct Solved {
+    /// `δ = −N⁻¹g`.
+    pub(super) step: [f32; WIDEST],
+    /// Squared residual.
+    pub(super) squares: f32,
+    /// What the columns before it leave of a column's square.
+    pub(super) own: [f32; WIDEST],
+    /// Columns that are told.
+    pub(super) directions: usize,
+}
+
+/// Solves for a part of the columns. `None` where the base is not determined.
+// Apart, and with what is needed of a factor alone: the stack carries one of them at a time.
+#[inline(never)]
+pub(super) fn solved(work: &Work, role: &dyn Fn(usize) -> Role<f32>) -> Option<Solved> {
+    let mut factor = Factor::new();
+    factor.extend(work, WIDEST, 0.0, role)?;
+    Some(Solved {
+        step: work.step(&factor),
+        squares: factor.squares(work),
+        own: core::array::from_fn(|column| factor.own_square(column)),
+        directions: factor.directions(),
+    })
+}
+
+/// Diagonal of the inverse, over a part of the columns; zero of those that are left out.
+#[inline(never)]
+pub(super) fn inverse_diagonal(work: &Work, role: &dyn Fn(usize) -> Role<f32>) -> Option<[f32; WIDEST]> {
+    let mut factor = Factor::new();
+    factor.extend(work, WIDEST, 0.0, role)?;
+    Some(core::array::from_fn(|column| factor.inverse_diagonal(column)))
+}
 
 /// The offset's columns and their multiples.
 const MULTIPLES: usize = 1 + EFFECTS;

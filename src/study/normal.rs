@@ -152,7 +152,7 @@ impl<T: Real, const P: usize> Normal<T, P> {
     }
 
     /// Takes the rows of one of its blocks out again.
-    pub fn take_out(&mut self, block: &Self) {
+    pub(crate) fn take_out(&mut self, block: &Self) {
         self.combine(block, -T::one());
         self.rows = self.rows.saturating_sub(block.rows);
     }
@@ -199,7 +199,7 @@ impl<T: Real, const P: usize> Normal<T, P> {
     }
 
     /// [`Normal::moved`] in place.
-    pub fn shift(&mut self, delta: &[T; P]) {
+    pub(crate) fn shift(&mut self, delta: &[T; P]) {
         if delta.iter().all(|value| *value == T::zero()) {
             return;
         }
@@ -243,14 +243,7 @@ impl<T: Real, const P: usize> Normal<T, P> {
     /// The same with `damping` added to the unit diagonal (Marquardt's step).
     pub fn damped_factor(&self, damping: T) -> Option<Factor<T, P>> {
         let mut factor = Factor::new();
-        factor.extend(self, self.columns, damping, |_| Role::Required)?;
-        Some(factor)
-    }
-
-    /// Cholesky factor with a part of the columns; what is left out is zero in each solution.
-    pub fn partial_factor(&self, role: impl Fn(usize) -> Role<T>) -> Option<Factor<T, P>> {
-        let mut factor = Factor::new();
-        factor.extend(self, self.columns, T::zero(), role)?;
+        factor.extend(self, self.columns, damping, &|_| Role::Required)?;
         Some(factor)
     }
 
@@ -279,7 +272,7 @@ pub struct Factor<T, const P: usize> {
 
 /// Whether a column is part of a factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Role<T> {
+pub(crate) enum Role<T> {
     /// Without it there is no factor.
     Required,
     /// Left out if those before it leave less than this share of its square.
@@ -300,7 +293,7 @@ impl<T: Real, const P: usize> Factor<T, P> {
         normal: &Normal<T, P>,
         n: usize,
         damping: T,
-        role: impl Fn(usize) -> Role<T>,
+        role: &dyn Fn(usize) -> Role<T>,
     ) -> Option<()> {
         for i in self.n..n {
             let (role, diagonal) = (role(i), normal.entry(i, i));
@@ -350,19 +343,19 @@ impl<T: Real, const P: usize> Factor<T, P> {
     }
 
     /// Columns that are not left out.
-    pub fn directions(&self) -> usize {
+    pub(crate) fn directions(&self) -> usize {
         self.scale.iter().take(self.n).filter(|scale| **scale > T::zero()).count()
     }
 
     /// What those before it leave of a column's square; zero of one that is left out.
-    pub fn own_square(&self, column: usize) -> T {
+    pub(crate) fn own_square(&self, column: usize) -> T {
         let scale = self.scale.get(column).copied().unwrap_or(T::zero());
         let pivot = self.lower.get(column).and_then(|row| row.get(column)).copied().unwrap_or(T::zero());
         if scale > T::zero() { pivot * pivot / (scale * scale) } else { T::zero() }
     }
 
     /// `rᵀr` after the step.
-    pub fn squares(&self, normal: &Normal<T, P>) -> T {
+    pub(crate) fn squares(&self, normal: &Normal<T, P>) -> T {
         let mut squares = normal.squares;
         for value in self.forward(&normal.right) {
             squares -= value * value;
@@ -371,7 +364,7 @@ impl<T: Real, const P: usize> Factor<T, P> {
     }
 
     /// Diagonal entry `j` of `N⁻¹`.
-    pub fn inverse_diagonal(&self, j: usize) -> T {
+    pub(crate) fn inverse_diagonal(&self, j: usize) -> T {
         let mut unit = [T::zero(); P];
         if let Some(entry) = unit.get_mut(j) {
             *entry = T::one();
