@@ -3,9 +3,9 @@
 use crate::study::rule::STEP_PLACES;
 
 /// Twice the logarithm of odds of 100 to 1: one effect in a hundred is added wrongly. As in the host's score (docs/method.md).
-pub(super) const MIN_SCORE_FALL: f64 = 9.210_340_371_976_184;
+pub(super) const MIN_SCORE_FALL: f32 = 9.210_34;
 /// Twice the logarithm of odds of 19 to 1: another cause that is likelier than one in twenty is not excluded.
-pub(super) const RIVAL_SCORE_FALL: f64 = 5.888_877_957_332_881;
+pub(super) const RIVAL_SCORE_FALL: f32 = 5.888_878;
 /// An effect that explains less of the squared residual changes no correction by more than 3 %. As in the host's score.
 pub(super) const MIN_SHARE: f32 = 0.05;
 /// A block of time is predicted with an effect if a tenth of what is known of it comes from the others: else their noise is too large.
@@ -16,6 +16,8 @@ pub(super) const MIN_DIRECTION: f32 = 1e-4;
 pub(super) const COLUMN_ERROR: f32 = 0.01;
 /// Independent places at which a jump is looked for.
 pub(super) const JUMP_PLACES: f64 = STEP_PLACES as f64;
+/// Twice the logarithm of their number.
+pub(super) const JUMP_PLACES_PRICE: f64 = 7.742_402_021_815_782;
 /// Noise is told from structure if the error would fall by an eighth without it.
 pub(super) const STRUCTURE_SHARE: f64 = 0.25;
 /// By so many standard errors of the noise's variance more: one chance in forty.
@@ -79,6 +81,6 @@ pub(super) const WELL_TOLD: f32 = 3.5;
 /// The dip is of another direction once the base has moved by more than this: half a degree.
 pub(super) const ANOTHER_DIRECTION: f32 = 0.01;
 /// An effect stands at the point from odds of 5·10⁸ to 1 on: with fewer, early on, it is what the model's own curvature looks like.
-pub(super) const POINT_SCORE_FALL: f64 = 40.0;
+pub(super) const POINT_SCORE_FALL: f32 = 40.0;
 /// An effect's columns at their ends are known to this, relative to the field, before it stands at the point.
 pub(super) const EFFECT_TOLD: f32 = 0.004;

@@ -1,10 +1,10 @@
 //! The score that compares sets of effects, as the host's does (docs/method.md, section 3).
 
 use super::blocks::BLOCKS;
-use super::bounds::{JUMP_PLACES, MIN_SCORE_FALL, MIN_SHARE, MIN_SHARE_ELSEWHERE, POINT_SCORE_FALL};
+use super::bounds::{JUMP_PLACES, JUMP_PLACES_PRICE, MIN_SCORE_FALL, MIN_SHARE, MIN_SHARE_ELSEWHERE};
 use super::candidate::{Candidate, Found};
 use super::learner::Learner;
-use super::sums::{Work, solved};
+use super::sums::{self, Work, solved};
 use crate::math;
 use crate::study::{Role, f_tail};
 
@@ -13,7 +13,7 @@ const COEFFICIENTS: f64 = 3.0;
 
 /// The squared residual that a model with these effects leaves; NaN of one that is not determined.
 pub(super) fn left(total: &Work, set: Found) -> f32 {
-    solved(total, &|column| set.role(column)).map_or(f32::NAN, |solved| solved.squares)
+    sums::left(total, &|column| set.role(column)).unwrap_or(f32::NAN)
 }
 
 /// The same on blocks of time that were not fitted; NaN where one is not predicted.
@@ -43,6 +43,11 @@ pub(super) fn held_out(learner: &Learner, set: Found) -> f32 {
     squares
 }
 
+/// Whether an effect is likely and relevant: by how far the score falls, and by the squared residual without it and with it.
+pub(super) fn is_worth(fall: f32, [without, with]: [f32; 2]) -> bool {
+    fall > MIN_SCORE_FALL && without - with > MIN_SHARE * without
+}
+
 /// Whether blocks of time that were not fitted bear an effect out, by their squared residual without it and with it.
 pub(super) fn holds([without, with]: [f32; 2]) -> bool {
     // Without it some block is not predicted at all, perhaps.
@@ -53,20 +58,20 @@ pub(super) fn holds([without, with]: [f32; 2]) -> bool {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Evidence {
     /// Independent ones among them, less the parameters of the largest model.
-    pub(super) samples: f64,
+    samples: f64,
     /// Effects that are tested.
-    pub(super) candidates: usize,
+    candidates: f64,
+    /// What a coefficient has to be paid with, and the choice among the effects.
+    per_coefficient: f64,
+    choice: f64,
 }
 
 impl Evidence {
     /// Of so many samples, `time` of which count as one.
     pub(super) fn new(rows: u32, time: f64, parameters: usize, candidates: usize) -> Self {
-        Self { samples: (f64::from(rows) / time - parameters as f64).max(1.0), candidates }
-    }
-
-    /// What a coefficient, and the choice among `places`, have to be paid with.
-    fn price(&self, coefficients: f64, places: f64) -> f64 {
-        coefficients * math::ln(self.samples) + 2.0 * math::ln(places * self.candidates.max(1) as f64)
+        let samples = (f64::from(rows) / time - parameters as f64).max(1.0);
+        let candidates = candidates.max(1) as f64;
+        Self { samples, candidates, per_coefficient: math::ln(samples), choice: 2.0 * math::ln(candidates) }
     }
 
     fn places(candidate: Candidate) -> f64 {
@@ -74,37 +79,22 @@ impl Evidence {
     }
 
     /// `−2 log L`, the noise estimated with the model, and the prices of its effects.
-    pub(super) fn score(&self, squares: f32, set: Found) -> f64 {
-        let price = set.iter().map(|one| self.price(COEFFICIENTS, Self::places(one))).sum::<f64>();
-        self.samples * math::ln(f64::from(squares)) + price
+    pub(super) fn score(&self, squares: f32, set: Found) -> f32 {
+        let price = set.len() as f64 * (COEFFICIENTS * self.per_coefficient + self.choice);
+        let places = if set.has(Candidate::Step) { JUMP_PLACES_PRICE } else { 0.0 };
+        (self.samples * math::ln(f64::from(squares)) + price + places) as f32
     }
 
-    /// How far the score falls with an effect of so many coefficients.
-    fn fall(&self, [without, with]: [f32; 2], coefficients: f64, places: f64) -> f64 {
+    /// How far the score falls with an effect of so many coefficients, by the squared residual without it and with it.
+    pub(super) fn fall(&self, [without, with]: [f32; 2], coefficients: f64) -> f32 {
         let likelihood = self.samples * math::ln(f64::from(without) / f64::from(with));
-        likelihood - self.price(coefficients, places)
-    }
-
-    /// Whether an effect of the magnitude stands out so far that no curvature of the model is taken for it.
-    pub(super) fn stands_out(&self, squares: [f32; 2], candidate: Candidate) -> bool {
-        self.fall(squares, COEFFICIENTS, Self::places(candidate)) > POINT_SCORE_FALL
-    }
-
-    /// Whether an effect of so many coefficients is likely and relevant, by the squared residual without it and with it.
-    pub(super) fn is_worth(&self, squares: [f32; 2], coefficients: f64, places: f64) -> bool {
-        let [without, with] = squares;
-        self.fall(squares, coefficients, places) > MIN_SCORE_FALL && without - with > MIN_SHARE * without
-    }
-
-    /// [`Evidence::is_worth`] of an effect of the magnitude.
-    pub(super) fn supports(&self, squares: [f32; 2], candidate: Candidate) -> bool {
-        self.is_worth(squares, COEFFICIENTS, Self::places(candidate))
+        (likelihood - coefficients * self.per_coefficient - self.choice) as f32
     }
 
     /// Probability that chance takes as much off, everything tested counted.
     pub(super) fn p_value(&self, [without, with]: [f32; 2], coefficients: f64, places: f64) -> f64 {
         let f = (f64::from(without) / f64::from(with) - 1.0) * self.samples / coefficients;
-        (f_tail(f, coefficients, self.samples) * places * self.candidates.max(1) as f64).min(1.0)
+        (f_tail(f, coefficients, self.samples) * places * self.candidates).min(1.0)
     }
 
     /// [`Evidence::p_value`] of an effect of the magnitude.

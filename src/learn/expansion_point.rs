@@ -6,7 +6,8 @@
 //! too, whatever is said of it in the end.
 
 use super::bounds::{
-    ABSURD, ANOTHER_DIRECTION, EARLY_ROWS, EFFECT_SHARE, EFFECT_TOLD, FAR, NEAR, TOLD, WELL_TOLD,
+    ABSURD, ANOTHER_DIRECTION, EARLY_ROWS, EFFECT_SHARE, EFFECT_TOLD, FAR, NEAR, POINT_SCORE_FALL, TOLD,
+    WELL_TOLD,
 };
 use super::candidate::{Candidate, Found};
 use super::evidence::{Evidence, left};
@@ -95,17 +96,18 @@ impl Learner {
             .zip(&self.carried)
             .filter(|(_, theta)| **theta != [0.0; 3])
             .fold(Found::none(), |set, (one, _)| set.with(one));
+        let score = |set: Found| evidence.score(left(work, set), set);
+        let mut without = score(set);
         loop {
-            let without = left(work, set);
             let mut best: Option<(f32, Candidate)> = None;
             for one in Candidate::all().filter(|one| is_open(set, *one)) {
-                let with = left(work, set.with(one));
-                if evidence.stands_out([without, with], one) && best.is_none_or(|(least, _)| with < least) {
+                let with = score(set.with(one));
+                if without - with > POINT_SCORE_FALL && best.is_none_or(|(least, _)| with < least) {
                     best = Some((with, one));
                 }
             }
-            let Some((_, one)) = best else { return set };
-            set = set.with(one);
+            let Some((with, one)) = best else { return set };
+            (set, without) = (set.with(one), with);
         }
     }
 

@@ -8,7 +8,7 @@ use super::bounds::{
     COLUMN_ERROR, LEAST_ROWS, MOST_BASE_ERROR, NOISE_SIGMAS, RIVAL_SCORE_FALL, STRUCTURE_SHARE,
 };
 use super::candidate::{CANDIDATES, Candidate, Found, SETS};
-use super::evidence::{Evidence, held_out, holds, left};
+use super::evidence::{Evidence, held_out, holds, is_worth, left};
 use super::finding::{Finding, InUse, NOTHING, Outcome, Status, Verdict};
 use super::lateness::Lateness;
 use super::learner::Learner;
@@ -16,10 +16,14 @@ use super::point::BASE;
 use super::sums::{Work, inverse_diagonal};
 use crate::math;
 
+/// Sets that are fitted in one step.
+const AT_ONCE: usize = 8;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
     Begin,
-    Fit,
+    /// Sets from this number on are fitted.
+    Fit(u8),
     Conclude,
     Dip,
     End,
@@ -46,6 +50,7 @@ pub struct Inquiry {
     /// Squared residual with each set of effects, NaN of one that is no model; and on blocks of time that were not fitted, where that was
     /// asked for.
     squares: [f32; SETS],
+    scores: [f32; SETS],
     held_out: [Option<f32>; SETS],
     outcome: Outcome,
 }
@@ -61,6 +66,7 @@ impl Inquiry {
             used: Found::none(),
             evidence: Evidence::new(0, 1.0, 0, 0),
             squares: [f32::NAN; SETS],
+            scores: [f32::NAN; SETS],
             held_out: [None; SETS],
             outcome: Outcome {
                 verdict: Verdict::Undetermined,
@@ -84,7 +90,7 @@ impl Inquiry {
         }
         self.stage = match self.stage {
             Stage::Begin => self.begin(learner),
-            Stage::Fit => self.fit(learner),
+            Stage::Fit(first) => self.fit(learner, first),
             Stage::Conclude => match self.conclude(learner) {
                 Ok(()) => Stage::Dip,
                 Err(set) => {
@@ -151,19 +157,25 @@ impl Inquiry {
         if self.outcome.base_error > MOST_BASE_ERROR {
             return Stage::End;
         }
-        Stage::Fit
+        Stage::Fit(0)
     }
 
-    /// Fits each set that holds all in use and nothing that cannot be tested.
+    /// Fits the next sets, of those that hold all in use and nothing that cannot be tested.
     #[inline(never)]
-    fn fit(&mut self, learner: &Learner) -> Stage {
+    fn fit(&mut self, learner: &Learner, first: u8) -> Stage {
         let mut total = Work::EMPTY;
         learner.add_to(&mut total);
         let all = self.testable.iter().fold(self.used, Found::with);
-        for (set, slot) in sets().zip(&mut self.squares) {
+        let slots = self.squares.iter_mut().zip(&mut self.scores);
+        for (set, (squares, score)) in sets().zip(slots).skip(usize::from(first)).take(AT_ONCE) {
             if self.used.less(set).is_empty() && set.less(all).is_empty() {
-                *slot = left(&total, set);
+                *squares = left(&total, set);
+                *score = self.evidence.score(*squares, set);
             }
+        }
+        let next = first + AT_ONCE as u8;
+        if usize::from(next) < SETS {
+            return Stage::Fit(next);
         }
         self.say_in_use(learner, &mut total);
         Stage::Conclude
@@ -177,20 +189,21 @@ impl Inquiry {
         self.held_out.get(set.number()).copied().flatten().ok_or(set)
     }
 
-    fn score(&self, set: Found) -> f64 {
-        self.evidence.score(self.squares(set), set)
+    fn score(&self, set: Found) -> f32 {
+        self.scores.get(set.number()).copied().unwrap_or(f32::NAN)
     }
 
     /// Whether an effect is worth its price next to others, and holds.
     fn supports(&self, others: Found, candidate: Candidate) -> Result<bool, Unknown> {
-        let sets = [others, others.with(candidate)];
-        Ok(self.evidence.supports(sets.map(|set| self.squares(set)), candidate)
-            && holds([self.held_out(sets[0])?, self.held_out(sets[1])?]))
+        let [without, with] = [others, others.with(candidate)];
+        let fall = self.score(without) - self.score(with);
+        Ok(is_worth(fall, [self.squares(without), self.squares(with)])
+            && holds([self.held_out(without)?, self.held_out(with)?]))
     }
 
     /// The likeliest set of effects each of which is worth its price.
     fn best(&self) -> Result<Found, Unknown> {
-        let mut refused = f64::NEG_INFINITY;
+        let mut refused = f32::NEG_INFINITY;
         loop {
             // NaN, of a set that was not fitted, is no score.
             let open = sets().filter(|set| self.score(*set) > refused);

@@ -1,7 +1,7 @@
 //! What the dip, and the way between two directions, say of a late sensor.
 
 use super::bounds::{DELAY_SIGMAS, DIP_TESTS, LEAST_BEATS, LEAST_ROWS};
-use super::evidence::{Evidence, holds};
+use super::evidence::{Evidence, holds, is_worth};
 use super::late::{DIP, Late};
 use crate::math;
 use crate::study::{Factor, Normal, Role};
@@ -106,7 +106,7 @@ impl Lateness {
             after_deg: degrees(after),
             p_value: evidence.p_value(squares, 1.0, 1.0) as f32,
             // No sensor is early.
-            is_shown: evidence.is_worth(squares, 1.0, 1.0) && holds(held_out) && delay_s > 0.0,
+            is_shown: is_worth(evidence.fall(squares, 1.0), squares) && holds(held_out) && delay_s > 0.0,
             delay_s,
             error_s: math::sqrt(variance * time * f64::from(full.inverse_diagonal(P - 1))) as f32,
             step: [0.0; DIP],

@@ -36,6 +36,14 @@ pub(super) struct Solved {
     pub(super) directions: usize,
 }
 
+/// The squared residual that a part of the columns leaves. `None` where the base is not determined.
+#[inline(never)]
+pub(super) fn left(work: &Work, role: &dyn Fn(usize) -> Role<f32>) -> Option<f32> {
+    let mut factor = Factor::new();
+    factor.extend(work, WIDEST, 0.0, role)?;
+    Some(factor.squares(work))
+}
+
 /// Solves for a part of the columns. `None` where the base is not determined.
 // Apart, and with what is needed of a factor alone: the stack carries one of them at a time.
 #[inline(never)]
@@ -65,7 +73,7 @@ const OTHERS: usize = BASE - 3 + 1;
 const RESIDUAL: usize = WIDEST;
 /// Where the sums of the others with each other stand.
 const OWN: usize = start(MULTIPLES);
-const WORDS: usize = OWN + OTHERS * (OTHERS + 1) / 2;
+const WORDS: usize = OWN + (OTHERS - 1) * OTHERS + 1;
 
 /// Where the sums of a multiple begin: with itself and each that follows (a triangle of six), then with the others, by axis.
 const fn start(multiple: usize) -> usize {
@@ -101,7 +109,7 @@ const fn place(i: usize, j: usize) -> usize {
         }
         (Err(a), Err(b)) => {
             let (low, high) = if a < b { (a, b) } else { (b, a) };
-            OWN + low * OTHERS - low * low.saturating_sub(1) / 2 + high - low
+            OWN + low * OTHERS + if low == OTHERS - 1 { 0 } else { high }
         }
     }
 }
@@ -114,6 +122,17 @@ fn add_six(slots: &mut [f32; 6], times: f32, values: &[f32; 6]) {
     *d += times * s;
     *e += times * t;
     *f += times * u;
+}
+
+/// Adds a column's products with those of the matrix, and with the residual; the slots behind.
+#[inline]
+fn add_row<'a>(slots: &'a mut [f32], times: f32, matrix: &[f32; 6], residual: f32) -> Option<&'a mut [f32]> {
+    let (six, [right, rest @ ..]) = slots.split_first_chunk_mut()? else { return None };
+    if times != 0.0 {
+        add_six(six, times, matrix);
+        *right += times * residual;
+    }
+    Some(rest)
 }
 
 /// The sums of the offset's columns with all: what the columns of a jump are made of.
@@ -244,24 +263,18 @@ impl Sums {
                 slots = rest;
             }
             for axis in [x, y, z] {
-                let Some((six, [right, rest @ ..])) = slots.split_first_chunk_mut() else { return };
-                let times = own * axis;
-                if times != 0.0 {
-                    add_six(six, times, &matrix);
-                    *right += times * residual;
-                }
+                let Some(rest) = add_row(slots, own * axis, &matrix, residual) else { return };
                 slots = rest;
             }
             let [_, rest @ ..] = left else { return };
             left = rest;
         }
-        let [p, q, r, s, t, u] = matrix;
-        let others = [p, q, r, s, t, u, residual];
-        let mut others = others.as_slice();
-        while let ([own, rest @ ..], Some((row, later))) = (others, slots.split_at_mut_checked(others.len()))
-        {
-            add_scaled_f32(row, *own, others);
-            (others, slots) = (rest, later);
+        for value in matrix {
+            let Some(rest) = add_row(slots, value, &matrix, residual) else { return };
+            slots = rest;
+        }
+        if let [slot] = slots {
+            *slot += residual * residual;
         }
         self.rows = self.rows.saturating_add(1);
     }

@@ -365,6 +365,9 @@ impl<T: Real, const P: usize> Factor<T, P> {
 
     /// Diagonal entry `j` of `N⁻¹`.
     pub(crate) fn inverse_diagonal(&self, j: usize) -> T {
+        if self.scale.get(j).is_none_or(|scale| *scale == T::zero()) {
+            return T::zero();
+        }
         let mut unit = [T::zero(); P];
         if let Some(entry) = unit.get_mut(j) {
             *entry = T::one();
