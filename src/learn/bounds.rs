@@ -36,10 +36,6 @@ pub(super) const LEAST_JUMP_ROWS: u32 = 48;
 pub(super) const LEAST_JUMP_SHARE: u32 = 50;
 /// A jump that explains this share stays in view: none of chance does in [`LEAST_JUMP_ROWS`] on either side.
 pub(super) const FIRM_SHARE: f32 = 0.2;
-/// A jump between two marks is seen where it adds so many variances of the noise: two standard errors.
-pub(super) const SEEN_VARIANCES: f32 = 4.0;
-/// Of what is new from sample to sample, a jump in its place leaves at least this share: less is made of a wrong place.
-pub(super) const SETTLED_SHARE: f32 = 0.3;
 
 /// Rows of a dip before the first look whether its model is linear at a good point: forty for each of its parameters.
 pub(super) const LOOK_AT: u32 = 200;

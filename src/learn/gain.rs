@@ -111,7 +111,6 @@ impl Learner {
         candidate: Candidate,
         calibration: &ExtendedCalibration<f64>,
     ) -> Result<ExtendedCalibration<f64>, NotShown> {
-        self.settle();
         let effect = self.effect(candidate).ok_or(NotShown::Undetermined)?;
         let studied = self.studied(&calibration.effects).with(candidate);
         let mut before = *calibration;

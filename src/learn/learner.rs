@@ -1,7 +1,7 @@
 //! What streams: rows about a point, in blocks of time.
 
 use super::blocks::{BLOCKS, Blocks};
-use super::bounds::{EARLY_ROWS, GAP_MS, LOOK_EVERY, SETTLED_SHARE};
+use super::bounds::{EARLY_ROWS, GAP_MS, LOOK_EVERY};
 use super::candidate::Candidate;
 use super::columns::Columns;
 use super::late::{Late, Motion};
@@ -271,11 +271,6 @@ impl Learner {
     /// Whether the columns of an effect in use are those that stream.
     pub(super) fn is_studied(&self, candidate: Candidate) -> bool {
         if candidate == Candidate::Step { self.marks.pinned } else { self.is_testable(candidate) }
-    }
-
-    /// Finds the moment of a jump more closely than the snapshots stand; before a question is put.
-    pub fn settle(&mut self) {
-        self.marks.settle(&self.blocks, SETTLED_SHARE * self.memory.quick());
     }
 
     /// Moves to another point of the linearised model: what was learned is kept. The base, streamed columns and the best step are

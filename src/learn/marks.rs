@@ -1,14 +1,12 @@
 //! Where the offset may have jumped: snapshots of running sums, from which the fit with a jump there follows exactly.
 //!
 //! A jump at some row has the columns of the offset, from that row on. Their sums are those of all rows less those before it, so
-//! that a copy of the offset's sums is all that a possible jump costs, and nothing a sample. Between two snapshots the moment
-//! follows from what the fit leaves there ([`Marks::settle`]).
+//! that a copy of the offset's sums is all that a possible jump costs, and nothing a sample.
 
 use super::blocks::{Block, Blocks, first_to_end};
-use super::bounds::{FIRM_SHARE, LEAST_JUMP_ROWS, LEAST_JUMP_SHARE, MIN_DIRECTION, SEEN_VARIANCES};
-use super::candidate::Found;
+use super::bounds::{FIRM_SHARE, LEAST_JUMP_ROWS, LEAST_JUMP_SHARE, MIN_DIRECTION};
 use super::point::BASE;
-use super::sums::{Jump, STEP, Solved, Sums, WIDEST, Work, solved};
+use super::sums::{Jump, STEP, Sums, WIDEST, Work};
 use crate::study::{Factor, Normal, Role};
 
 /// Snapshots that are kept.
@@ -38,64 +36,24 @@ pub(super) struct Marks {
     firm: bool,
     /// The best is that of a step in use, and stays.
     pub(super) pinned: bool,
-    /// Where the jump is: so much of the way to the next mark, or, negative, to the one before.
-    part: f32,
-    /// What the samples between the earlier of these two and the jump add to the sums with the residual, beyond their share.
-    more: [f32; 3],
 }
 
 impl Marks {
     pub(super) const fn new() -> Self {
-        Self {
-            marks: [NO_MARK; MARKS],
-            used: 0,
-            best: None,
-            firm: false,
-            pinned: false,
-            part: 0.0,
-            more: [0.0; 3],
-        }
+        Self { marks: [NO_MARK; MARKS], used: 0, best: None, firm: false, pinned: false }
     }
 
     pub(super) fn clear(&mut self) {
-        self.used = 0;
-        self.be_best(None);
-        (self.firm, self.pinned) = (false, false);
-    }
-
-    /// Another mark, or none, is the best.
-    fn be_best(&mut self, place: Option<u8>) {
-        (self.best, self.part, self.more) = (place, 0.0, [0.0; 3]);
+        (self.used, self.best, self.firm, self.pinned) = (0, None, false, false);
     }
 
     fn used(&self) -> &[Mark] {
         self.marks.get(..usize::from(self.used)).unwrap_or_default()
     }
 
-    /// The mark so many places after the best.
-    fn next_to_best(&self, after: isize) -> Option<&Mark> {
-        self.used().get(usize::from(self.best?).checked_add_signed(after)?)
-    }
-
-    /// The marks on both sides of the jump, and how much of the way it is from the first.
-    fn sides(&self) -> Option<(&Mark, &Mark, f32)> {
-        let here = self.next_to_best(0)?;
-        if self.part < 0.0 {
-            Some((self.next_to_best(-1)?, here, 1.0 + self.part))
-        } else {
-            Some((here, self.next_to_best(1).filter(|_| self.part > 0.0)?, self.part))
-        }
-    }
-
     /// The jump that explains most.
-    fn best(&self) -> Option<Mark> {
-        let here = self.next_to_best(0)?;
-        let Some((first, second, share)) = self.sides() else { return Some(*here) };
-        let between = |a: u32, b: u32| a.wrapping_add((share * b.wrapping_sub(a) as f32) as u32);
-        let mut before = first.before;
-        before.add(&second.before.less(&first.before), share);
-        before.pull(self.more);
-        Some(Mark { rows: between(first.rows, second.rows), t_ms: between(first.t_ms, second.t_ms), before })
+    fn best(&self) -> Option<&Mark> {
+        self.used().get(usize::from(self.best?))
     }
 
     /// Its moment, ms of the board's clock; `last_ms` is that of the last sample.
@@ -132,9 +90,6 @@ impl Marks {
             };
             let may_go = (0..MARKS).filter(|index| from_best(*index) > usize::from(self.firm));
             let Some(index) = may_go.min_by(|a, b| gap(*a).total_cmp(&gap(*b))) else { return };
-            if from_best(index) == 1 {
-                self.be_best(self.best);
-            }
             if let Some(rest) = self.marks.get_mut(index..) {
                 first_to_end(rest);
             }
@@ -173,63 +128,9 @@ impl Marks {
                 }
             }
         }
-        let (squares, place) = best;
-        if place != self.best {
-            self.be_best(place);
-        }
-        self.firm = left - squares > FIRM_SHARE * left;
+        self.best = best.1;
+        self.firm = left - best.0 > FIRM_SHARE * left;
         now
-    }
-
-    /// Finds the moment of the jump between the marks, next to everything that streams.
-    ///
-    /// With coefficients `δ` of the others and `θ` of the jump, what they leave of the samples between two marks is noise before
-    /// the jump and `−uθ` after it: the sums tell how much of the way that is. Where it is no jump that is not so, and less than
-    /// the sensor's own noise may seem to be left: then the jump stays where the mark is. `least_variance` is what noise leaves of a
-    /// sample at least.
-    pub(super) fn settle(&mut self, blocks: &Blocks<Sums>, least_variance: f32) {
-        if self.pinned || !self.firm {
-            return;
-        }
-        // The coefficients move with the moment, and it with them.
-        for _ in 0..3 {
-            let _ = self.move_to_the_jump(blocks);
-        }
-        let left = self.with_everything(blocks).map_or(0.0, |solved| solved.squares);
-        if !(left >= least_variance * blocks.rows() as f32) {
-            self.be_best(self.best);
-        }
-    }
-
-    #[inline(never)]
-    fn with_everything(&self, blocks: &Blocks<Sums>) -> Option<Solved> {
-        let mut work = Work::EMPTY;
-        self.add_to(blocks, &mut work);
-        solved(&work, &|column| Found::EVERY.role(column))
-    }
-
-    fn move_to_the_jump(&mut self, blocks: &Blocks<Sums>) -> Option<()> {
-        let Solved { step: delta, squares, directions, .. } = self.with_everything(blocks)?;
-        let variance = squares / (blocks.rows() as f32 - directions as f32).max(1.0);
-        let theta: [f32; 3] = *delta.last_chunk()?;
-        // How much of the way from one mark to the next is behind the jump.
-        let behind = |first: Option<&Mark>, second: Option<&Mark>| -> Option<f32> {
-            let between = second?.before.less(&first?.before);
-            let (own, base, right) = (between.own(), between.along(&delta), between.right());
-            let dot = |v: [f32; 3]| v.iter().zip(&theta).map(|(a, b)| a * b).sum::<f32>();
-            let size = dot(own.map(dot));
-            let left = dot(core::array::from_fn(|axis| right[axis] + base[axis]));
-            // Where it would hardly be seen, nothing is said.
-            (size > SEEN_VARIANCES * variance).then(|| (-left / size).clamp(0.0, 1.0))
-        };
-        let here = self.next_to_best(0);
-        let earlier = behind(self.next_to_best(-1), here).unwrap_or(0.0);
-        let later = behind(here, self.next_to_best(1)).unwrap_or(1.0);
-        self.part = (1.0 - later - earlier).clamp(-0.999, 0.999);
-        self.more = self.sides().map_or([0.0; 3], |(first, second, share)| {
-            second.before.less(&first.before).along(&delta).map(|value| -share * value)
-        });
-        Some(())
     }
 
     /// Adds the sums of all rows, with the columns of the best jump.
@@ -270,14 +171,9 @@ impl Marks {
             mark.rows -= oldest.rows();
             mark.before.add(&sums, -1.0);
         }
-        match self.best.map(|best| best.checked_sub(gone)) {
-            Some(Some(best)) if best > 0 || self.part >= 0.0 => self.best = Some(best),
-            // The mark on the jump's other side is gone.
-            Some(Some(best)) => self.be_best(Some(best)),
-            _ => {
-                self.be_best(None);
-                (self.firm, self.pinned) = (false, false);
-            }
+        self.best = self.best.and_then(|best| best.checked_sub(gone));
+        if self.best.is_none() {
+            (self.firm, self.pinned) = (false, false);
         }
     }
 
@@ -289,11 +185,7 @@ impl Marks {
     /// The snapshots about another point: streamed columns and the best step moved by `delta`.
     pub(super) fn shift(&mut self, delta: &[f32; WIDEST]) {
         let [.., x, y, z] = *delta;
-        if let Some((first, second, share)) = self.sides() {
-            let along = second.before.less(&first.before).along(delta);
-            self.more = core::array::from_fn(|axis| self.more[axis] + share * along[axis]);
-        }
-        let best = self.best();
+        let best = self.best().copied();
         for mark in self.marks.iter_mut().take(usize::from(self.used)) {
             mark.before.pull(mark.before.along(delta));
             if let Some(best) = best.filter(|best| mark.rows > best.rows) {

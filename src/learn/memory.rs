@@ -76,11 +76,6 @@ impl Memory {
         Some((self.near.mean()?, self.far.mean()?))
     }
 
-    /// The variance of what is new from one sample to the next; zero where that is not known.
-    pub(super) fn quick(&self) -> f32 {
-        0.5 * self.near.squares / self.near.pairs.max(1) as f32
-    }
-
     /// How many samples are as good as one independent one, of a residual of this variance; at least 1.
     pub(super) fn time(&self, variance: f64, samples: f64, parameters: f64) -> f64 {
         let share = self

@@ -170,11 +170,6 @@ impl Jump {
         core::array::from_fn(|i| core::array::from_fn(|j| self.entry(i, j)))
     }
 
-    /// With the residual.
-    pub(super) fn right(&self) -> [f32; 3] {
-        core::array::from_fn(|axis| self.entry(axis, RESIDUAL))
-    }
-
     /// Adds to those with the residual.
     pub(super) fn pull(&mut self, right: [f32; 3]) {
         for (axis, value) in right.into_iter().enumerate() {

@@ -142,8 +142,7 @@ fn a_study_that_begins_far_away_comes_to_where_the_truth_is() {
 fn the_moment_of_a_jump_is_found_between_the_snapshots() {
     for (seed, row) in [(31, 1307), (32, 2011), (33, 2902)] {
         let jump = [1.5, -2.0, 1.0];
-        let mut learner = learned_from(OFFSET_UT, seed, |i| if i < row { [0.0; 3] } else { jump });
-        learner.settle();
+        let learner = learned_from(OFFSET_UT, seed, |i| if i < row { [0.0; 3] } else { jump });
         let outcome = asked(&learner, InUse::default());
         let (first, _) = outcome.ranked().next().expect("candidates");
         assert_eq!((first, outcome.verdict), (Candidate::Step, Verdict::Missing), "{outcome:?}");
@@ -225,7 +224,6 @@ fn a_slow_cause_that_nobody_feeds_is_no_noise() {
             });
             learner.push(measured, 1000 * i / hz, &Motion::UNKNOWN);
         }
-        learner.settle();
         let outcome = asked(&learner, InUse::default());
         assert_ne!(outcome.verdict, Verdict::Complete, "{hz} Hz, {turn_radps} rad/s, {far_ut}: {outcome:?}");
         assert!(outcome.floor_ut > 0.1, "{hz} Hz, {turn_radps} rad/s, {far_ut}: {outcome:?}");

@@ -93,7 +93,6 @@ impl Board {
     }
 
     fn ask(&mut self) -> Outcome {
-        self.learner.settle();
         let mut inquiry = Inquiry::new(&self.learner, InUse::default());
         loop {
             if let Some(outcome) = inquiry.step(&self.learner) {
