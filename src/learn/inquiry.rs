@@ -15,6 +15,7 @@ use super::learner::Learner;
 use super::point::BASE;
 use super::sums::{Work, inverse_diagonal};
 use crate::math;
+use crate::study::rule::NEARLY;
 
 /// Sets that are fitted in one step.
 const AT_ONCE: usize = 8;
@@ -209,15 +210,33 @@ impl Inquiry {
             let open = sets().filter(|set| self.score(*set) > refused);
             let better = |a: Found, b: Found| if self.score(b) < self.score(a) { b } else { a };
             let Some(set) = open.reduce(better).filter(|set| *set != self.used) else { return Ok(self.used) };
-            let mut is_supported = true;
-            for one in set.less(self.used).iter() {
-                is_supported = is_supported && self.supports(set.without(one), one)?;
-            }
-            if is_supported {
-                return Ok(set);
+            if self.is_supported(set)? {
+                return self.logged_before(set);
             }
             refused = self.score(set);
         }
+    }
+
+    fn is_supported(&self, set: Found) -> Result<bool, Unknown> {
+        for one in set.less(self.used).iter() {
+            if !self.supports(set.without(one), one)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// A set, or the likeliest one with logged causes in the place of shapes in time that are hardly better.
+    fn logged_before(&self, set: Found) -> Result<Found, Unknown> {
+        let shapes = Found::none().with(Candidate::Drift).with(Candidate::Step);
+        let better = |a: Found, b: Found| if self.score(b) < self.score(a) { b } else { a };
+        let is_hardly_worse = |other: &Found| {
+            other.less(shapes).len() > set.less(shapes).len()
+                && shapes.less(*other).len() > shapes.less(set).len()
+                && self.squares(*other) < (NEARLY * NEARLY) as f32 * self.squares(set)
+        };
+        let Some(other) = sets().filter(is_hardly_worse).reduce(better) else { return Ok(set) };
+        Ok(if self.is_supported(other)? { other } else { set })
     }
 
     /// The findings, or the set whose held-out error they need.
