@@ -125,6 +125,23 @@ impl Found {
 }
 
 impl Learner {
+    /// Whether these samples can show an effect in the magnitude.
+    pub(super) fn is_testable(&self, candidate: Candidate) -> bool {
+        match candidate {
+            Candidate::Drift => true,
+            Candidate::Column(place) => {
+                self.columns.get(usize::from(place)).is_some_and(|column| !column.is_constant())
+            }
+            Candidate::Step => self.marks.has_step(self.rows()),
+            Candidate::Lag => false,
+        }
+    }
+
+    /// Whether the columns of an effect in use are those that stream.
+    pub(super) fn is_studied(&self, candidate: Candidate) -> bool {
+        if candidate == Candidate::Step { self.marks.pinned } else { self.is_testable(candidate) }
+    }
+
     /// The effect that a candidate is, as far as the study knows it: referred to the mean of its column. `None` where there is no
     /// such column, or no moment for a step.
     pub fn effect(&self, candidate: Candidate) -> Option<BuiltIn<f64>> {

@@ -2,7 +2,6 @@
 
 use super::blocks::{BLOCKS, Blocks};
 use super::bounds::{EARLY_ROWS, GAP_MS, LOOK_EVERY};
-use super::candidate::Candidate;
 use super::columns::Columns;
 use super::late::{Late, Motion};
 use super::marks::{EVERY, Marks};
@@ -254,23 +253,6 @@ impl Learner {
     pub(super) fn add_part_to(&self, index: usize, work: &mut Work) {
         self.marks.add_part_to(&self.blocks, index, work);
         work.shift(&self.away());
-    }
-
-    /// Whether these samples can show an effect in the magnitude.
-    pub(super) fn is_testable(&self, candidate: Candidate) -> bool {
-        match candidate {
-            Candidate::Drift => true,
-            Candidate::Column(place) => {
-                self.columns.get(usize::from(place)).is_some_and(|column| !column.is_constant())
-            }
-            Candidate::Step => self.marks.has_step(self.rows()),
-            Candidate::Lag => false,
-        }
-    }
-
-    /// Whether the columns of an effect in use are those that stream.
-    pub(super) fn is_studied(&self, candidate: Candidate) -> bool {
-        if candidate == Candidate::Step { self.marks.pinned } else { self.is_testable(candidate) }
     }
 
     /// Moves to another point of the linearised model: what was learned is kept. The base, streamed columns and the best step are
