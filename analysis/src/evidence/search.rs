@@ -179,7 +179,9 @@ impl<'a> Search<'_, 'a> {
             };
             let best = Self::plainer(tried, place);
             fit = best;
-            self.drop_idle(&mut fit);
+            // The last one is new.
+            let last = fit.model.terms.len() - 1;
+            self.drop_idle(&mut fit, last);
             path.push(fit.clone());
         }
         if let Some(several) = self.together(&fit) {
@@ -332,6 +334,8 @@ impl<'a> Search<'_, 'a> {
                     }
                     let Some(best) = self.again(best) else { return all };
                     *fit = best;
+                    let terms = fit.model.terms.len();
+                    self.drop_idle(fit, terms);
                     swaps += 1;
                     continue 'again;
                 }
@@ -354,14 +358,14 @@ impl<'a> Search<'_, 'a> {
         Fit::of(self.log, &self.setting, fit.model.clone(), Some(&fit))
     }
 
-    /// Drops terms that later ones have made superfluous.
-    fn drop_idle(&self, fit: &mut Fit<'a>) {
+    /// Drops terms among the first `count` that others have made superfluous.
+    fn drop_idle(&self, fit: &mut Fit<'a>, mut count: usize) {
         let mut place = self.keep;
-        while fit.model.terms.len() > 1 && place + 1 < fit.model.terms.len() {
+        while fit.model.terms.len() > 1 && place < count {
             match self.without(fit, place) {
                 Some(fewer) if !Self::is_worth(fit, &fewer, 1) => {
                     *fit = fewer;
-                    place = self.keep;
+                    (place, count) = (self.keep, count - 1);
                 }
                 _ => place += 1,
             }

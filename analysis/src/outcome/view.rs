@@ -12,6 +12,7 @@ use crate::base::prior::Prior;
 use crate::base::quality::{NoiseEstimate, attitude_error, covariance, error_beyond};
 use crate::base::start;
 use crate::base::term::{BadShape, Term};
+use crate::bounds::MAX_P_HELD_OUT;
 use crate::outcome::outcome::{Heading, StepRow, Verdict, Where};
 use crate::outcome::shows::shows;
 use crate::reason::Reason;
@@ -30,10 +31,8 @@ use ironout::study::{Model, Residual, f_tail};
 /// A dip that spreads by more than this after alignment, degrees, is worth a search for a sensor that is very late.
 const LOOSE_DEG: f64 = 3.0;
 
-/// What is certain is named up to this error of the corrected vector, as a share of the field ...
+/// What is certain ([`MAX_P_HELD_OUT`]) is named up to this error of the corrected vector, as a share of the field ...
 const MAX_ERROR_TO_NAME: f64 = 0.025;
-/// ... where chance does as well with less than this probability ...
-const CERTAIN: f64 = 1e-6;
 /// ... and each that is named leaves less than this of the squared error.
 const MOST: f64 = 0.5;
 
@@ -301,7 +300,7 @@ impl<'a> View<'_, 'a> {
         let each = pairs.all(|pair| {
             falls(Some(pair[0].rms), Some(pair[1].rms)) && falls(pair[0].held_out, pair[1].held_out)
         });
-        !explanation.fitted.terms.is_empty() && chance < CERTAIN && each
+        !explanation.fitted.terms.is_empty() && chance < MAX_P_HELD_OUT && each
     }
 
     /// What the model says of a log, whether or not its attitude is enough.

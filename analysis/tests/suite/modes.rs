@@ -163,7 +163,8 @@ fn the_chance_of_an_effect_is_that_beside_all_others() {
     assert_eq!(ids.len(), 3, "{ids:?}");
     for id in ids {
         let row = found.candidates.iter().find(|row| row.id == id).expect("its row");
-        assert!(row.p_value.is_some_and(|p| p < 1e-6), "{id}: {:?}", row.p_value);
+        // By the spread of the coefficients over forty parts of the log, times the number of candidates.
+        assert!(row.p_value.is_some_and(|p| p < 1e-4), "{id}: {:?}", row.p_value);
     }
 }
 
