@@ -260,7 +260,11 @@ fn tells_more(calibrated: &Diagnosis, free: &Diagnosis) -> bool {
             .is_some_and(|named| matches!(named.family.follows(), Follows::Time | Follows::Tone))
     };
     let in_time = calibrated.steps.iter().filter_map(|step| step.added.as_ref()).any(is_in_time);
-    base(free) > AS_WELL * left(calibrated) && !(in_time && base(free) < OF_ATTITUDE * base(calibrated))
+    // Where the same cause leaves clearly less beside an offset and a matrix of its own, the sensor was not calibrated.
+    let as_well = left(calibrated) < AS_WELL * left(free);
+    as_well
+        && base(free) > AS_WELL * left(calibrated)
+        && !(in_time && base(free) < OF_ATTITUDE * base(calibrated))
 }
 
 /// The model that a study begins with: an earlier calibration, or what these samples say.

@@ -13,8 +13,8 @@ use rand::{RngExt, SeedableRng, rngs::ChaCha12Rng};
 use serde_json::Value;
 use std::io::Write;
 
-/// What takes less off the squared error does not matter.
-const RELEVANCE: f64 = ironout::study::rule::RELEVANCE;
+/// Share of the remaining variance below which an effect is said to be too small (`bounds::MIN_SHARE` of the analysis).
+const RELEVANCE: f64 = 0.05;
 
 fn pick<'a, T: ?Sized>(rng: &mut ChaCha12Rng, list: &[&'a T]) -> &'a T {
     list[rng.random_range(0..list.len())]
