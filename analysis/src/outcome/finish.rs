@@ -26,11 +26,11 @@ impl View<'_, '_> {
         let mut dip = if self.lower_order.is_some() { None } else { self.dip(force_lag)? };
         let standing = dip.as_ref().map(|dip| self.settle(dip));
         let fitted = &self.explanation.fitted;
-        let applied = Applied::of(&self.design, fitted)?;
+        let mut applied = Applied::of(&self.design, fitted)?;
         let mut errors_ut = left_ut(fitted, &applied);
         // Without effects the final model is the base model, and what `fit` says of that holds.
         let plain = self.base.filter(|_| fitted.terms.is_empty() && self.lower_order.is_none());
-        let left = match plain {
+        let mut left = match plain {
             Some(base) => base.residue.clone(),
             None => self.residue(fitted, &applied),
         };
@@ -76,8 +76,8 @@ impl View<'_, '_> {
         // search's; the errors are those of what is given out.
         let given = as_corrected(&self.design, &self.explanation.fitted, self.known)?;
         if let Some(given) = &given {
-            let applied = Applied::of(&self.design, given)?;
-            let left = self.residue(given, &applied);
+            applied = Applied::of(&self.design, given)?;
+            left = self.residue(given, &applied);
             predicted = predicted_error(&self.design, given, self.known, &left);
             time = left.time.max(memory_of_scores(&self.design, given));
             rows = covariance(given, time);

@@ -180,7 +180,7 @@ fn what_only_a_longer_log_can_tell_is_said_so() {
     lines_fit(&text);
     let said = joined(&text);
     for part in [
-        "UNEXPLAINED: The predicted error of a calibration from this log is",
+        "UNEXPLAINED: The predicted error of",
         "the noise floor. This log has no further candidate",
         "Record longer, in more orientations, and diagnose that log: ironout diagnose longer.csv",
     ] {
