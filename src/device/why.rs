@@ -23,6 +23,7 @@ impl Device {
     }
 
     pub(super) fn ask(&mut self, purpose: Purpose) {
+        self.learner_inputs.learner.settle();
         let learner = &self.learner_inputs.learner;
         let none = Effects::none();
         let effects = self.active.as_ref().map_or(&none, |active| &active.record.effects);

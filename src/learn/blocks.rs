@@ -1,6 +1,6 @@
 //! Four blocks of time, however long a session is.
 
-use crate::study::Normal;
+use super::sums::Sums;
 
 /// Blocks.
 pub(super) const BLOCKS: usize = 4;
@@ -10,88 +10,57 @@ const LEAST_ROWS: u32 = 100;
 /// before it, and sums in single precision are exact enough up to here.
 pub(super) const MOST_ROWS: u32 = 180_000;
 
-/// Sums of rows.
-pub(super) trait Block {
-    /// Without rows.
-    const EMPTY: Self;
-    fn rows(&self) -> u32;
-    fn clear(&mut self);
-    fn merge(&mut self, other: &Self);
-}
-
-impl<const P: usize> Block for Normal<f32, P> {
-    const EMPTY: Self = Self::EMPTY;
-
-    fn rows(&self) -> u32 {
-        self.rows()
-    }
-
-    fn clear(&mut self) {
-        self.clear();
-    }
-
-    fn merge(&mut self, other: &Self) {
-        self.merge(other);
-    }
-}
-
 /// Sums by block of time. A block is as long as a fourth of all rows. Where all blocks are full, the two neighbours that are shortest
 /// together become one; with more rows than three fourths of [`MOST_ROWS`] the oldest blocks are forgotten instead. There are always
 /// three of like length, and one that fills.
 #[derive(Clone, Debug)]
-pub(super) struct Blocks<B> {
-    blocks: [B; BLOCKS],
+pub(super) struct Blocks<const P: usize, const E: usize> {
+    blocks: [Sums<P, E>; BLOCKS],
     /// Blocks before the one that fills.
     full: u8,
 }
 
-impl<B: Block> Blocks<B> {
+impl<const P: usize, const E: usize> Blocks<P, E> {
     pub(super) const fn new() -> Self {
-        Self { blocks: [const { B::EMPTY }; BLOCKS], full: 0 }
+        Self { blocks: [const { Sums::new() }; BLOCKS], full: 0 }
     }
 
     pub(super) fn clear(&mut self) {
-        self.blocks.iter_mut().for_each(B::clear);
+        self.blocks.iter_mut().for_each(Sums::clear);
         self.full = 0;
     }
 
     pub(super) fn rows(&self) -> u32 {
-        self.blocks.iter().map(B::rows).fold(0, u32::saturating_add)
-    }
-
-    /// A block with rows.
-    pub(super) fn get(&self, index: usize) -> Option<&B> {
-        self.blocks.get(index).filter(|block| block.rows() > 0)
+        self.blocks.iter().map(|block| block.rows).fold(0, u32::saturating_add)
     }
 
     /// Blocks in their order, the last ones perhaps empty.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &B> {
+    pub(super) fn iter(&self) -> impl DoubleEndedIterator<Item = &Sums<P, E>> {
         self.blocks.iter()
     }
 
-    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut B> {
+    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Sums<P, E>> {
         self.blocks.iter_mut()
     }
 
     /// Rows before a block.
     pub(super) fn rows_before(&self, block: usize) -> u32 {
-        self.blocks.iter().take(block).map(B::rows).fold(0, u32::saturating_add)
+        self.blocks.iter().take(block).map(|block| block.rows).fold(0, u32::saturating_add)
     }
 
-    /// Adds a row with `push`. `forget` is told of the oldest block before its rows leave the sums.
+    /// Adds a row. `forget` is told of the oldest block before its rows leave the sums.
     #[inline]
-    pub(super) fn push(&mut self, push: impl FnOnce(&mut B), forget: impl FnMut(&B)) {
+    pub(super) fn push(&mut self, row: &[f32], residual: f32, forget: impl FnMut(&Sums<P, E>)) {
         let filling = usize::from(self.full).min(BLOCKS - 1);
         let Some(block) = self.blocks.get_mut(filling) else { return };
-        push(block);
-        let rows = block.rows();
-        if rows >= LEAST_ROWS && rows >= self.rows() / BLOCKS as u32 {
+        block.push(row, residual);
+        if block.rows >= LEAST_ROWS && block.rows >= self.rows() / BLOCKS as u32 {
             self.close(forget);
         }
     }
 
     /// The block that fills is full.
-    fn close(&mut self, mut forget: impl FnMut(&B)) {
+    fn close(&mut self, mut forget: impl FnMut(&Sums<P, E>)) {
         self.full += 1;
         while self.rows() > MOST_ROWS - MOST_ROWS / BLOCKS as u32 {
             if let Some(oldest) = self.blocks.first_mut() {
@@ -105,7 +74,7 @@ impl<B: Block> Blocks<B> {
             return;
         }
         self.full -= 1;
-        let together = |pair: &[B]| pair.iter().map(B::rows).fold(0, u32::saturating_add);
+        let together = |pair: &[Sums<P, E>]| pair.iter().map(|block| block.rows).fold(0, u32::saturating_add);
         let shortest = self.blocks.windows(2).enumerate().min_by_key(|(_, pair)| together(pair));
         let Some((first, _)) = shortest else { return };
         if let Some((one, [other, ..])) = self
@@ -136,25 +105,23 @@ pub(super) fn first_to_end<T>(all: &mut [T]) {
 #[cfg(test)]
 mod tests {
     use super::{Blocks, MOST_ROWS};
-    use crate::study::Normal;
 
     #[test]
     fn every_row_is_in_one_block_or_forgotten_with_the_oldest_and_blocks_stay_alike() {
-        let mut blocks: Blocks<Normal<f32, 2>> = Blocks::new();
+        let mut blocks: Blocks<2, 3> = Blocks::new();
         let mut forgotten = 0;
         for row in 1..2_000_000u32 {
-            blocks
-                .push(|block| block.push(&[1.0, (row % 7) as f32], 0.5), |oldest| forgotten += oldest.rows());
+            blocks.push(&[1.0, (row % 7) as f32], 0.5, |oldest| forgotten += oldest.rows);
             assert_eq!(blocks.rows() + forgotten, row);
             assert!(blocks.rows() <= MOST_ROWS && (forgotten == 0 || blocks.rows() > MOST_ROWS / 3));
             if row > 1000 {
-                let longest = blocks.iter().map(Normal::rows).max().unwrap_or(0);
+                let longest = blocks.iter().map(|block| block.rows).max().unwrap_or(0);
                 assert!(longest <= blocks.rows() * 2 / 3, "{longest} of {row}");
             }
         }
         assert!(forgotten > 1_500_000);
         // Each row counts as much as any other, however long it has gone on.
-        let total: f32 = blocks.iter().map(|block| block.entry(0, 0)).sum();
+        let total: f32 = blocks.iter().map(|block| block.entries[0]).sum();
         assert_eq!(total, blocks.rows() as f32);
     }
 }

@@ -1,12 +1,10 @@
 //! What the learner can tell: candidates, their columns, and the effects that they are.
 
-use super::bounds::MIN_DIRECTION;
 use super::columns::MAX_TESTED;
+use super::layout::{DRIFT, STEP};
 use super::learner::Learner;
-use super::point::BASE;
-use super::sums::DRIFT;
+use super::solve::Chosen;
 use crate::effect::{BuiltIn, Drift, Lag, Offset, Past, Power, Step};
-use crate::study::Role;
 
 /// An effect that a board tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,8 +21,8 @@ pub enum Candidate {
 
 /// How many candidates there are, and thus places for what is found of each.
 pub(super) const CANDIDATES: usize = MAX_TESTED + 3;
-/// Sets of those that the magnitude shows: all stand before [`Candidate::Lag`].
-pub(super) const SETS: usize = 1 << (CANDIDATES - 1);
+/// Those that the magnitude shows stand before [`Candidate::Lag`].
+pub(super) const SHOWN_BY_MAGNITUDE: usize = CANDIDATES - 1;
 
 impl Candidate {
     /// All, each at the place that [`Candidate::place`] says.
@@ -54,11 +52,21 @@ impl Candidate {
 
     /// Its three columns, of those of the magnitude.
     pub(super) fn first_column(self) -> Option<usize> {
-        (self != Self::Lag).then(|| DRIFT + 3 * self.place())
+        match self {
+            Self::Drift => Some(DRIFT),
+            Self::Column(place) => Some(DRIFT + 3 + 3 * usize::from(place)),
+            Self::Step => Some(STEP),
+            Self::Lag => None,
+        }
     }
 
-    /// Whether it goes by the clock, with no logged cause behind it.
+    /// Whether it goes by the clock.
     pub fn goes_by_time(self) -> bool {
+        self.is_in_time()
+    }
+
+    /// Whether it is a shape in time, with no logged cause behind it.
+    pub(super) fn is_in_time(self) -> bool {
         matches!(self, Self::Drift | Self::Step)
     }
 }
@@ -68,9 +76,6 @@ impl Candidate {
 pub struct Found(u8);
 
 impl Found {
-    /// All that the magnitude shows.
-    pub(super) const EVERY: Self = Self(SETS as u8 - 1);
-
     /// None of them.
     pub const fn none() -> Self {
         Self(0)
@@ -100,48 +105,15 @@ impl Found {
         Candidate::all().filter(move |one| self.has(*one))
     }
 
-    /// The one of this number; those of effects that the magnitude shows are below [`SETS`].
-    pub(super) fn numbered(number: u8) -> Self {
-        Self(number)
-    }
-
-    pub(super) fn number(self) -> usize {
-        usize::from(self.0)
-    }
-
-    /// Those that are not among others.
-    pub(super) fn less(self, others: Self) -> Self {
-        Self(self.0 & !others.0)
-    }
-
-    /// Whether a column is part of a model with these effects.
-    pub(super) fn role(self, column: usize) -> Role<f32> {
-        match column.checked_sub(BASE) {
-            None => Role::Required,
-            Some(effect) if self.0 >> (effect / 3) & 1 != 0 => Role::Optional(MIN_DIRECTION),
-            Some(_) => Role::Absent,
-        }
+    /// The base and the columns of these.
+    pub(super) fn chosen(self) -> Chosen {
+        self.iter()
+            .filter_map(Candidate::first_column)
+            .fold(Chosen::base(super::point::BASE), |chosen, first| chosen.with(first, 3))
     }
 }
 
 impl Learner {
-    /// Whether these samples can show an effect in the magnitude.
-    pub(super) fn is_testable(&self, candidate: Candidate) -> bool {
-        match candidate {
-            Candidate::Drift => true,
-            Candidate::Column(place) => {
-                self.columns.get(usize::from(place)).is_some_and(|column| !column.is_constant())
-            }
-            Candidate::Step => self.marks.has_step(self.rows()),
-            Candidate::Lag => false,
-        }
-    }
-
-    /// Whether the columns of an effect in use are those that stream.
-    pub(super) fn is_studied(&self, candidate: Candidate) -> bool {
-        if candidate == Candidate::Step { self.marks.pinned } else { self.is_testable(candidate) }
-    }
-
     /// The effect that a candidate is, as far as the study knows it: referred to the mean of its column. `None` where there is no
     /// such column, or no moment for a step.
     pub fn effect(&self, candidate: Candidate) -> Option<BuiltIn<f64>> {

@@ -61,6 +61,11 @@ impl Columns {
         self.places.iter().flatten()
     }
 
+    /// Places up to the last that is taken.
+    pub(super) fn width(&self) -> usize {
+        self.places.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
+    }
+
     /// Sets a column that is known; `None` where it is not.
     pub(super) fn set(&mut self, name: &str, value: f32) -> Option<()> {
         let place = self.place(name)?;

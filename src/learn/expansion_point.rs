@@ -5,41 +5,117 @@
 //! later what was learned is kept, and what comes is looked at from the better point. An effect that stands out stands at the point
 //! too, whatever is said of it in the end.
 
-use super::bounds::{
-    ABSURD, ANOTHER_DIRECTION, EARLY_ROWS, EFFECT_SHARE, EFFECT_TOLD, FAR, NEAR, POINT_SCORE_FALL, TOLD,
-    WELL_TOLD,
-};
-use super::candidate::{Candidate, Found};
-use super::evidence::{Evidence, left};
-use super::learner::Learner;
+use super::candidate::Candidate;
+use super::layout::{DRIFT, DRIFT_UNIT_MS, EFFECTS};
+use super::learner::{EARLY_ROWS, Learner};
 use super::point::BASE;
-use super::sums::{DRIFT, DRIFT_UNIT_MS, EFFECTS, STEP, Solved, WIDEST, Work, inverse_diagonal, solved};
+use super::solve::{Chosen, Factor};
+use super::sums::WIDEST;
 use crate::math;
+use crate::study::rule::{NEARLY, RELEVANCE};
+
+/// A point further than this from what the sums say, relative to the field, is left, and everything begins anew, while no more rows
+/// than that would be lost with those that were lost so before: what is wrong for long is rather an effect.
+const FAR: [(f32, u32); 3] = [(0.008, 400), (0.05, 1600), (0.25, u32::MAX)];
+/// An effect may be as many times as far: it goes there only when its column does.
+const EFFECT_SHARE: f32 = 0.5;
+/// A point nearer than this is near enough.
+const NEAR: f32 = 0.002;
+/// No base is that far.
+const ABSURD: f32 = 1.0;
+/// The samples tell the base once its standard errors are this small, ...
+const TOLD: f32 = 0.01;
+/// ... and well enough to begin anew where they are so many times smaller than the way there.
+const WELL_TOLD: f32 = 3.5;
+/// The dip is of another direction once the base has moved by more than this.
+const ANOTHER_DIRECTION: f32 = 0.01;
+/// An effect stands out that takes so many variances off the squared error.
+const STANDS_OUT: f32 = 60.0;
+/// Its columns at their ends are known to this, relative to the field.
+const EFFECT_TOLD: f32 = 0.004;
 
 impl Learner {
     /// Looks whether the point is where the sums say, and moves there.
-    // Apart from a sample's way: its stack would be that of a sample too.
-    #[inline(never)]
     pub(super) fn look(&mut self) {
-        let Some((mut delta, far, error)) = self.step_to_the_sums() else { return };
         let Some(point) = self.point else { return };
+        let work = self.total_here();
+        let mut chosen = Chosen::base(BASE);
+        for (index, theta) in self.carried.iter().enumerate() {
+            if *theta != [0.0; 3] {
+                chosen.add(DRIFT + 3 * index, 3);
+            }
+        }
+        let mut open: [bool; EFFECTS + 1] = core::array::from_fn(|index| match self.carried.get(index) {
+            Some(theta) => *theta == [0.0; 3],
+            None => self.marks.has_step(work.rows),
+        });
+        // What stands out, one after the other.
+        let factor = loop {
+            let Some(factor) = Factor::of(&work, chosen, true) else { return };
+            let left = factor.squares(&work);
+            let least = (STANDS_OUT * left / work.rows as f32).max(RELEVANCE as f32 * left);
+            // A logged cause, and a shape in time.
+            let mut best: [Option<(f32, usize)>; 2] = [None; 2];
+            for (index, _) in open.iter().enumerate().filter(|(_, open)| **open) {
+                let gained = factor.test(&work, DRIFT + 3 * index, 3, index < EFFECTS).decrease;
+                let is_in_time = index == 0 || index == EFFECTS;
+                for best in best.iter_mut().skip(usize::from(is_in_time)).take(1) {
+                    if gained > least && best.is_none_or(|(known, _)| gained > known) {
+                        *best = Some((gained, index));
+                    }
+                }
+            }
+            // The cause stands before a shape that is hardly better.
+            let best = match best {
+                [Some(logged), Some(timed)]
+                    if left - logged.0 > (NEARLY * NEARLY) as f32 * (left - timed.0) =>
+                {
+                    Some(timed)
+                }
+                [logged, timed] => logged.or(timed),
+            };
+            let Some((_, index)) = best else { break factor };
+            chosen.add(DRIFT + 3 * index, 3);
+            open.iter_mut().skip(index).take(1).for_each(|open| *open = false);
+        };
+        let mut delta = factor.step(&work);
+        // Noise that has a memory tells less.
+        let rows = work.rows as f32;
+        let variance = factor.squares(&work) / rows.max(1.0);
+        let time = self.memory.time(f64::from(variance), f64::from(rows), chosen.len() as f64) as f32;
+        let error = factor.largest_error(&work) * math::sqrtf(time);
+        // The jump keeps its columns: it is not at the point.
+        delta.iter_mut().skip(DRIFT + 3 * EFFECTS).for_each(|value| *value = 0.0);
         let base = delta.iter().take(BASE).fold(0.0f32, |most, value| most.max(value.abs()));
         if base > ABSURD && error < TOLD {
             // Another sensor, or another place: from what a session finds.
             return self.reset();
         }
         // Where the samples do not tell it yet, it is where it was.
-        let far = far.max(base);
-        if !(base < ABSURD && error < TOLD && far > NEAR) {
+        if !(base < ABSURD && error < TOLD) {
             return;
         }
-        // The jump keeps its columns: it is not at the point.
-        delta.iter_mut().skip(STEP).for_each(|value| *value = 0.0);
+        let variance = variance * time;
+        let mut far = base;
+        for index in 0..EFFECTS {
+            let (first, most) = (DRIFT + 3 * index, self.most(index));
+            let three = || delta.iter().skip(first).take(3);
+            let is_told = (first..first + 3)
+                .all(|column| variance * factor.inverse(column) * most * most < EFFECT_TOLD * EFFECT_TOLD);
+            if three().any(|value| *value != 0.0) && !is_told {
+                delta.iter_mut().skip(first).take(3).for_each(|value| *value = 0.0);
+            }
+            let most = EFFECT_SHARE * most;
+            far = delta.iter().skip(first).take(3).fold(far, |far, value| far.max(value.abs() * most));
+        }
+        if !(far > NEAR) {
+            return;
+        }
         let rotation = self.late.rotation;
-        let rows = self.rows();
-        let lost = self.lost.saturating_add(rows);
-        let way = base.max(if lost <= EARLY_ROWS { far } else { 0.0 });
-        let is_far = FAR.into_iter().any(|(limit, rows)| way > limit && lost <= rows);
+        let lost = self.lost.saturating_add(work.rows);
+        let is_far = FAR.into_iter().any(|(limit, rows)| {
+            base.max(if lost <= EARLY_ROWS { far } else { 0.0 }) > limit && lost <= rows
+        });
         // A jump is seen only with what was before it, and where the point is good.
         let is_jump = lost > EARLY_ROWS && self.marks.is_firm();
         if is_far && far > WELL_TOLD * error && !is_jump {
@@ -48,66 +124,12 @@ impl Learner {
             self.late.begin(rotation);
             self.forget();
             self.lost = lost;
-        } else if rows > EARLY_ROWS {
+        } else if work.rows > EARLY_ROWS {
             self.shift(&delta, point.stepped(&delta));
             self.carry(&delta);
             if base > ANOTHER_DIRECTION {
                 self.late.begin(rotation);
             }
-        }
-    }
-
-    /// The step from the point to what the sums say, how far that is for the effects, and the standard error of the base; of effects
-    /// that are not told yet there is none.
-    #[inline(never)]
-    fn step_to_the_sums(&self) -> Option<([f32; WIDEST], f32, f32)> {
-        let mut work = Work::EMPTY;
-        self.marks.add_to(&self.blocks, &mut work);
-        let rows = work.rows() as f32;
-        let full = solved(&work, &|column| Found::EVERY.role(column))?;
-        let parameters = full.directions;
-        let variance = full.squares / (rows - parameters as f32).max(1.0);
-        // Noise that has a memory tells less.
-        let time = self.memory.time(f64::from(variance), f64::from(rows), parameters as f64) as f32;
-        let set = self.standing_out(&work, &Evidence::new(work.rows(), 1.0, parameters, EFFECTS + 1));
-        let Solved { step: mut delta, squares, .. } = solved(&work, &|column| set.role(column))?;
-        let variance = squares / rows * time;
-        let errors = inverse_diagonal(&work, &|column| set.role(column))?
-            .map(|inverse| math::sqrtf(variance * inverse));
-        let error = errors.iter().take(BASE).copied().fold(0.0, f32::max);
-        let mut far = 0.0;
-        for (index, three) in delta.get_mut(DRIFT..STEP)?.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-            let (first, most) = (DRIFT + 3 * index, self.most(index));
-            let is_told = errors.iter().skip(first).take(3).all(|error| error * most < EFFECT_TOLD);
-            if !is_told {
-                *three = [0.0; 3];
-            }
-            far = three.iter().fold(far, |far: f32, value| far.max(value.abs() * EFFECT_SHARE * most));
-        }
-        Some((delta, far, error))
-    }
-
-    /// The effects at the point, and those that stand out, one after the other.
-    fn standing_out(&self, work: &Work, evidence: &Evidence) -> Found {
-        let is_open = |set: Found, one: Candidate| {
-            !set.has(one) && one != Candidate::Lag && (one == Candidate::Drift || self.is_testable(one))
-        };
-        let mut set = Candidate::all()
-            .zip(&self.carried)
-            .filter(|(_, theta)| **theta != [0.0; 3])
-            .fold(Found::none(), |set, (one, _)| set.with(one));
-        let score = |set: Found| evidence.score(left(work, set), set);
-        let mut without = score(set);
-        loop {
-            let mut best: Option<(f32, Candidate)> = None;
-            for one in Candidate::all().filter(|one| is_open(set, *one)) {
-                let with = score(set.with(one));
-                if without - with > POINT_SCORE_FALL && best.is_none_or(|(least, _)| with < least) {
-                    best = Some((with, one));
-                }
-            }
-            let Some((with, one)) = best else { return set };
-            (set, without) = (set.with(one), with);
         }
     }
 
@@ -125,54 +147,6 @@ impl Learner {
                 (most - column.first).max(column.first - least)
             }),
             _ => self.last_ms.saturating_sub(self.first_ms) as f32 / DRIFT_UNIT_MS,
-        }
-    }
-
-    /// Holds each effect's column against its mean over the rows that are left once the oldest block is forgotten, the clock against
-    /// where they begin. What was learned is the same, about the same model.
-    ///
-    /// Held against a value of long ago (a clock at power-up, the temperature of a cold start) a column would be nearly the offset's
-    /// itself, and single precision would have no digits for the difference.
-    #[inline(never)]
-    pub(super) fn hold_against_what_is_left(&mut self) {
-        // With every second block, so that both parts of a range reach as far back as the sums do, to within a block.
-        self.is_odd = !self.is_odd;
-        if !self.is_odd {
-            self.columns.forget_ranges();
-        }
-        for effect in 0..EFFECTS {
-            let [along, size] = self
-                .blocks
-                .iter()
-                .map(|block| block.moment(effect))
-                .fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
-            let mean: f32 = along / size;
-            let further = if effect == 0 {
-                // The mean is in the middle. Whole units, so that the clock goes with it to the digit.
-                let now = self.last_ms.saturating_sub(self.first_ms) as f32 / DRIFT_UNIT_MS;
-                (2.0 * mean - now) as u32 as f32
-            } else {
-                mean
-            };
-            if !(further.is_finite() && further != 0.0) {
-                continue;
-            }
-            match effect.checked_sub(1) {
-                None => self.first_ms += (further * DRIFT_UNIT_MS) as u64,
-                Some(place) => self.columns.hold_against(place, further),
-            }
-            self.blocks.iter_mut().for_each(|block| block.hold_against(effect, further));
-            self.marks.hold_against(effect, further);
-            self.move_by(effect, further);
-        }
-    }
-
-    /// The point's offset takes what an effect at it does at a value so far from where its column was held against.
-    pub(super) fn move_by(&mut self, effect: usize, value: f32) {
-        if let (Some(point), Some(theta)) = (&mut self.point, self.carried.get(effect)) {
-            for (offset, along) in point.offset_ut.iter_mut().zip(theta) {
-                *offset += point.field_ut * along * value;
-            }
         }
     }
 }

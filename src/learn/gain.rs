@@ -3,9 +3,11 @@
 use super::candidate::{Candidate, Found};
 use super::finding::InUse;
 use super::lateness::Lateness;
+use super::layout::DRIFT_UNIT_MS;
 use super::learner::Learner;
-use super::point::{BASE, Point};
-use super::sums::{DRIFT_UNIT_MS, Solved, WIDEST, Work, inverse_diagonal, solved};
+use super::point::Point;
+use super::solve::{Chosen, Factor};
+use super::sums::{WIDEST, Work};
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, Effect};
 use crate::extended::{Effects, ExtendedCalibration, FittedEffect, MAX_EFFECTS, Ranges};
@@ -37,21 +39,30 @@ impl fmt::Display for NotShown {
 impl core::error::Error for NotShown {}
 
 impl Learner {
-    /// What a step by one of a candidate's columns is in its own unit.
-    fn unit(&self, candidate: Candidate) -> f64 {
-        let field = self.point.map_or(1.0, |point| f64::from(point.field_ut));
-        if candidate == Candidate::Drift { field * 1e3 / f64::from(DRIFT_UNIT_MS) } else { field }
-    }
-
     /// Coefficients of a candidate as a step of its columns.
-    pub(super) fn in_columns(&self, candidate: Candidate, theta: [f64; 3]) -> [f32; WIDEST] {
+    pub(super) fn in_columns(
+        &self,
+        candidate: Candidate,
+        theta: [f64; 3],
+        sign: f64,
+        first: usize,
+    ) -> [f32; WIDEST] {
+        let field = self.point.map_or(1.0, |point| f64::from(point.field_ut));
+        let unit = if candidate == Candidate::Drift { f64::from(DRIFT_UNIT_MS) * 1e-3 } else { 1.0 };
         let mut delta = [0.0; WIDEST];
-        if let Some(first) = candidate.first_column() {
-            for (slot, value) in delta.iter_mut().skip(first).zip(theta) {
-                *slot = (value / self.unit(candidate)) as f32;
-            }
+        for (slot, value) in delta.iter_mut().skip(first).zip(theta) {
+            *slot = (sign * value * unit / field) as f32;
         }
         delta
+    }
+
+    /// The coefficients that a step of a candidate's columns means.
+    fn coefficients(&self, candidate: Candidate, values: &[f32; WIDEST]) -> Option<[f64; 3]> {
+        let first = candidate.first_column()?;
+        let field = self.point.map_or(1.0, |point| f64::from(point.field_ut));
+        let unit = if candidate == Candidate::Drift { f64::from(DRIFT_UNIT_MS) * 1e-3 } else { 1.0 };
+        let value = |axis: usize| f64::from(values.get(first + axis).copied().unwrap_or(0.0)) * field / unit;
+        Some([value(0), value(1), value(2)])
     }
 
     /// What the columns of a candidate are held against, in the effect's own unit.
@@ -77,10 +88,19 @@ impl Learner {
         in_use
     }
 
-    /// The effects of a calibration that are fitted with the base.
     fn studied(&self, effects: &Effects<f64>) -> Found {
-        let candidates = effects.iter().filter_map(|fitted| self.candidate(&fitted.effect));
-        candidates.filter(|one| self.is_studied(*one)).fold(Found::none(), Found::with)
+        effects
+            .iter()
+            .filter_map(|fitted| self.candidate(&fitted.effect))
+            .filter(|candidate| match candidate {
+                Candidate::Step => self.marks.pinned,
+                Candidate::Lag => false,
+                Candidate::Column(place) => {
+                    self.columns.get(usize::from(*place)).is_some_and(|column| !column.is_constant())
+                }
+                Candidate::Drift => true,
+            })
+            .fold(Found::none(), Found::with)
     }
 
     /// The calibration with a further effect, base and effects estimated together from what was learned; what was learned stays, about
@@ -111,16 +131,16 @@ impl Learner {
         candidate: Candidate,
         calibration: &ExtendedCalibration<f64>,
     ) -> Result<ExtendedCalibration<f64>, NotShown> {
+        self.settle();
         let effect = self.effect(candidate).ok_or(NotShown::Undetermined)?;
         let studied = self.studied(&calibration.effects).with(candidate);
-        let mut before = *calibration;
-        before
-            .effects
-            .push(FittedEffect::new(effect, [0.0; 9], [f64::NAN; 9]))
-            .map_err(|_| NotShown::Full)?;
-        let mut total = Work::EMPTY;
-        self.add_to(&mut total);
-        let next = self.moved(&before, studied, &total, [0.0; WIDEST]).ok_or(NotShown::Undetermined)?;
+        let fresh = FittedEffect::new(effect, [0.0; 9], [f64::NAN; 9]).over(self.range(candidate));
+        let mut list = calibration.effects;
+        list.push(fresh).map_err(|_| NotShown::Full)?;
+        let before = ExtendedCalibration { base: calibration.base, effects: list };
+        let (total, chosen) = (self.total(), studied.chosen());
+        let next =
+            self.moved(&before, studied, &total, chosen, [0.0; WIDEST]).ok_or(NotShown::Undetermined)?;
         if candidate == Candidate::Step {
             self.marks.pinned = true;
         }
@@ -135,49 +155,54 @@ impl Learner {
         effect: &BuiltIn<f64>,
         calibration: &ExtendedCalibration<f64>,
     ) -> ExtendedCalibration<f64> {
-        let mut plain = ExtendedCalibration { base: calibration.base, effects: Effects::none() };
-        for fitted in calibration.effects.iter().filter(|fitted| fitted.effect != *effect) {
-            // There were as many before.
-            let _ = plain.effects.push(*fitted);
+        let candidate = self.candidate(effect);
+        let mut without = Effects::none();
+        let mut theta = [0.0; 3];
+        for fitted in calibration.effects.iter() {
+            if fitted.effect == *effect {
+                let [x, y, z, ..] = fitted.coefficients;
+                theta = [x, y, z];
+            } else {
+                // There were as many before.
+                let _ = without.push(*fitted);
+            }
         }
-        match self.refitted_without(effect, calibration, plain) {
-            Some(next) => next,
+        let plain = ExtendedCalibration { base: calibration.base, effects: without };
+        let studied = self.studied(&calibration.effects);
+        let Some((candidate, first)) =
+            candidate.filter(|one| studied.has(*one)).and_then(|one| Some((one, one.first_column()?)))
+        else {
+            // What was learned was learned with it taken off.
+            self.begin(&plain.base);
+            return plain;
+        };
+        let away = self.in_columns(candidate, theta, -1.0, first);
+        let mut total = self.total();
+        total.shift(&away);
+        let others = studied.without(candidate);
+        // Its columns are about their own zero, the effect was about its reference.
+        let zero = calibration.effects.iter().find(|fitted| fitted.effect == *effect);
+        let reference = zero.and_then(|fitted| fitted.effect.parts().reference()).unwrap_or(0.0);
+        let shift = self.held_against(candidate) - reference;
+        let mut base = plain;
+        if candidate != Candidate::Step {
+            base.base.offset_ut =
+                core::array::from_fn(|axis| plain.base.offset_ut[axis] + theta[axis] * shift);
+        }
+        // After a restart a few samples say little: the base that the calibration has is better then.
+        let next = tells(&total, others).then(|| self.moved(&base, others, &total, others.chosen(), away));
+        match next.flatten() {
+            Some(next) => {
+                if candidate == Candidate::Step {
+                    self.marks.pinned = false;
+                }
+                next
+            }
             None => {
-                // What was learned was learned with it taken off.
                 self.begin(&plain.base);
                 plain
             }
         }
-    }
-
-    fn refitted_without(
-        &mut self,
-        effect: &BuiltIn<f64>,
-        calibration: &ExtendedCalibration<f64>,
-        mut plain: ExtendedCalibration<f64>,
-    ) -> Option<ExtendedCalibration<f64>> {
-        let studied = self.studied(&calibration.effects);
-        let candidate = self.candidate(effect).filter(|one| studied.has(*one))?;
-        let fitted = calibration.effects.iter().find(|fitted| fitted.effect == *effect)?;
-        let [x, y, z, ..] = fitted.coefficients;
-        let away = self.in_columns(candidate, [-x, -y, -z]);
-        let mut total = Work::EMPTY;
-        self.add_to(&mut total);
-        total.shift(&away);
-        let others = studied.without(candidate);
-        if candidate != Candidate::Step {
-            // Its columns are about their own zero, the effect was about its reference.
-            let reference = fitted.effect.parts().reference().unwrap_or(0.0);
-            let shift = self.held_against(candidate) - reference;
-            plain.base.offset_ut =
-                core::array::from_fn(|axis| plain.base.offset_ut[axis] + [x, y, z][axis] * shift);
-        }
-        // After a restart a few samples say little: the base that the calibration has is better then.
-        let next = tells(&total, others).then(|| self.moved(&plain, others, &total, away)).flatten()?;
-        if candidate == Candidate::Step {
-            self.marks.pinned = false;
-        }
-        Some(next)
     }
 
     /// Solves for the base and the effects that are studied, moves there, and gives the calibration of it.
@@ -186,19 +211,29 @@ impl Learner {
         from: &ExtendedCalibration<f64>,
         studied: Found,
         total: &Work,
+        chosen: Chosen,
         already: [f32; WIDEST],
     ) -> Option<ExtendedCalibration<f64>> {
         let point = self.point?;
-        let role = |column| studied.role(column);
-        let Solved { step: mut delta, squares, .. } = solved(total, &role)?;
-        let inverse = inverse_diagonal(total, &role)?;
+        let factor = Factor::of(total, chosen, true)?;
+        let mut delta = factor.step(total);
         if !delta.iter().all(|value| value.is_finite()) {
             return None;
         }
-        let rows = f64::from(self.rows());
-        let parameters = (BASE + 3 * studied.len()) as f64;
-        let variance = f64::from(squares) / (rows - parameters).max(1.0);
-        let variance = variance * self.memory.time(variance, rows, parameters);
+        let rows = self.rows();
+        let freedom = (f64::from(rows) - chosen.len() as f64).max(1.0);
+        let variance = f64::from(factor.squares(total)) / freedom;
+        let time = self.memory.time(variance, f64::from(rows), chosen.len() as f64);
+        let errors: [f32; WIDEST] = {
+            let mut errors = [f32::NAN; WIDEST];
+            for candidate in studied.iter() {
+                let Some(first) = candidate.first_column() else { continue };
+                for (column, slot) in errors.iter_mut().enumerate().skip(first).take(3) {
+                    *slot = math::sqrt(variance * time * f64::from(factor.inverse(column))) as f32;
+                }
+            }
+            errors
+        };
         let rotation = Point::of(&from.base)?.1;
         let stepped = point.stepped(&delta).calibration(&rotation);
         let scale = from.base.field_ut / f64::from(point.field_ut);
@@ -211,17 +246,17 @@ impl Learner {
         let mut effects = Effects::none();
         for fitted in from.effects.iter() {
             let mut fitted = *fitted;
-            if let Some(candidate) = self.candidate(&fitted.effect).filter(|one| studied.has(*one)) {
-                let (first, unit) = (candidate.first_column()?, self.unit(candidate));
+            if let Some(candidate) = self.candidate(&fitted.effect).filter(|one| studied.has(*one))
+                && let (Some(more), Some(error)) =
+                    (self.coefficients(candidate, &delta), self.coefficients(candidate, &errors))
+            {
                 let reference = fitted.effect.parts().reference();
                 let shift = reference.map_or(0.0, |reference| reference - self.held_against(candidate));
                 for axis in 0..3 {
-                    let more = f64::from(*delta.get(first + axis)?) * unit;
-                    let error = math::sqrt(variance * f64::from(*inverse.get(first + axis)?));
-                    fitted.coefficients[axis] += more;
+                    fitted.coefficients[axis] += more[axis];
                     // As a record keeps it, so that a restart changes no digit.
-                    fitted.std_errors[axis] = f64::from((error * unit) as f32);
-                    offset_ut[axis] += more * shift;
+                    fitted.std_errors[axis] = f64::from(error[axis] as f32);
+                    offset_ut[axis] += more[axis] * shift;
                 }
                 fitted.ranges = self.range(candidate);
             }
@@ -279,15 +314,11 @@ impl Learner {
     }
 }
 
-/// Whether sums tell the base next to some effects as well as a calibration that is accepted.
+/// Whether sums tell the base beside some effects as well as a calibration that is accepted.
+#[inline(never)]
 fn tells(total: &Work, others: Found) -> bool {
-    let role = |column| others.role(column);
-    let Some((solved, inverse)) = solved(total, &role).zip(inverse_diagonal(total, &role)) else {
-        return false;
-    };
-    let variance = solved.squares / (total.rows() as f32 - solved.directions as f32).max(1.0);
-    let largest = inverse.into_iter().take(BASE).fold(0.0, f32::max);
-    math::sqrtf(variance * largest) <= MAX_PREDICTED_ERROR as f32
+    Factor::of(total, others.chosen(), true)
+        .is_some_and(|factor| factor.largest_error(total) <= MAX_PREDICTED_ERROR as f32)
 }
 
 fn transposed(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {

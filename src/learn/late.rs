@@ -1,16 +1,18 @@
 //! Whether the sensor is late, which the magnitude cannot see: by the angle between field and gravity, and by how a gyro turns.
 
 use super::blocks::{Blocks, MOST_ROWS};
-use super::bounds::{ABSURD_RAD, FAR_RAD, LOOK_AT, MIN_DIRECTION, TRIES};
 use super::memory::Memory;
 use super::point::dip;
-use super::turning::{ByField, ByGyro, TURNING, Turning};
+use super::sums::Sums;
+use super::turning::{ByField, ByGyro, TURNING, TURNING_ENTRIES, Turning};
 use crate::real::decompose::Decompose;
-use crate::study::{Factor, Normal, Role};
 use crate::vector::{cross, dot, norm, product, scaled, times};
 
 /// Columns of the dip: a rotation (3), the sine of the dip (1), the delay (1).
 pub(super) const DIP: usize = 5;
+pub(super) const DIP_ENTRIES: usize = DIP * (DIP + 1) / 2;
+/// Columns of its base.
+pub(super) const DIP_BASE: usize = 4;
 
 /// What the accelerometer and the gyro say, in the board's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,16 +42,25 @@ pub(super) struct Late {
     /// From the magnitude's triangular frame to the accelerometer's.
     pub(super) rotation: [[f32; 3]; 3],
     sine: f32,
-    pub(super) blocks: Blocks<Normal<f32, DIP>>,
+    pub(super) blocks: Blocks<DIP, DIP_ENTRIES>,
     pub(super) memory: Memory,
     pub(super) turning: Turning,
-    pub(super) by_gyro: Normal<f32, TURNING>,
+    pub(super) by_gyro: Sums<TURNING, TURNING_ENTRIES>,
     /// Rows at which it is looked whether it stands well.
     look_at: u32,
     begun: bool,
     /// How often it may still begin anew by itself.
     tries: u8,
 }
+
+/// Rows before it is looked for the first time whether it stands well.
+const LOOK_AT: u32 = 200;
+/// More than this is no rotation that so few rows tell, rad.
+const ABSURD_RAD: f32 = 0.8;
+/// It begins anew so often at most: an accelerometer that is waved shows another rotation each time.
+const TRIES: u8 = 3;
+/// A rotation further than this from where it was linearised begins anew, rad.
+const FAR_RAD: f32 = 0.04;
 
 impl Late {
     pub(super) const fn new() -> Self {
@@ -59,7 +70,7 @@ impl Late {
             blocks: Blocks::new(),
             memory: Memory::new(),
             turning: Turning::Field(ByField::new()),
-            by_gyro: Normal::EMPTY,
+            by_gyro: Sums::new(),
             look_at: LOOK_AT,
             begun: false,
             tries: TRIES,
@@ -88,7 +99,7 @@ impl Late {
                 }
                 if let Turning::Gyro(gyro) = &mut self.turning {
                     gyro.push(direction, turn_radps, t_ms, &mut self.by_gyro);
-                    if self.by_gyro.rows() > MOST_ROWS {
+                    if self.by_gyro.rows > MOST_ROWS {
                         self.by_gyro.halve();
                     }
                 }
@@ -113,39 +124,33 @@ impl Late {
         if !(look.residual.is_finite() && look.row.iter().all(|value| value.is_finite())) {
             return;
         }
-        self.blocks.push(|block| block.push(&look.row, look.residual), |_| {});
+        self.blocks.push(&look.row, look.residual, |_| {});
         self.memory.push(look.residual);
         if self.blocks.rows() == self.look_at {
             self.look();
         }
     }
 
-    /// The sums of all rows.
-    pub(super) fn total(&self) -> Normal<f32, DIP> {
-        let mut total = Normal::EMPTY;
-        self.blocks.iter().for_each(|block| total.merge(block));
-        total
-    }
-
     /// Begins anew where the sums say that they were taken far from where they should have been.
     fn look(&mut self) {
+        use super::solve::{Chosen, Factor};
+        use super::sums::Work;
         self.look_at = self.look_at.saturating_mul(2);
-        let total = self.total();
-        // Next to the delay, which turns the field too.
-        let mut factor = Factor::new();
-        let role = |column| if column + 1 < DIP { Role::Required } else { Role::Optional(MIN_DIRECTION) };
-        if factor.extend(&total, DIP, 0.0, &role).is_none() {
-            return;
-        }
-        let delta = total.step(&factor);
-        let [x, y, z, sine, _] = delta;
+        let mut work = Work::new();
+        self.blocks.iter().for_each(|block| work.merge(block));
+        // Beside the delay, which turns the field too.
+        let Some(factor) = Factor::of(&work, Chosen::base(DIP_BASE).with(DIP_BASE, 1), true) else { return };
+        let [x, y, z, sine, ..] = factor.step(&work);
         let far = norm([x, y, z]).max(sine.abs());
-        let is_told = factor.largest_error(&total, DIP - 1) < FAR_RAD;
-        if self.tries > 0 && far > FAR_RAD && far < ABSURD_RAD && is_told {
-            let tries = self.tries - 1;
-            self.turn(&delta);
-            self.begin(self.rotation);
-            (self.begun, self.tries) = (true, tries);
+        if self.tries > 0 && far > FAR_RAD && far < ABSURD_RAD && factor.largest_error(&work) < FAR_RAD {
+            self.tries -= 1;
+            self.rotation = product(&f32::rotation([x, y, z]), &self.rotation);
+            self.sine = (self.sine + sine).clamp(-0.99, 0.99);
+            self.blocks.clear();
+            self.memory = Memory::new();
+            self.look_at = LOOK_AT;
+            self.turning.interrupt();
+            self.by_gyro.clear();
         }
     }
 
@@ -154,14 +159,11 @@ impl Late {
         self.turning.interrupt();
     }
 
-    /// The same rows about another point, the correction itself late by the last number less.
+    /// The same rows about another point, the correction itself late by `delay_s` less.
     pub(super) fn shift(&mut self, delta: &[f32; DIP]) {
         self.blocks.iter_mut().for_each(|block| block.shift(delta));
-        self.turn(delta);
-    }
-
-    fn turn(&mut self, [x, y, z, sine, _]: &[f32; DIP]) {
-        self.rotation = product(&f32::rotation([*x, *y, *z]), &self.rotation);
+        let [x, y, z, sine, _] = *delta;
+        self.rotation = product(&f32::rotation([x, y, z]), &self.rotation);
         self.sine = (self.sine + sine).clamp(-0.99, 0.99);
     }
 }

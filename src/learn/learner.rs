@@ -1,16 +1,24 @@
 //! What streams: rows about a point, in blocks of time.
 
-use super::blocks::{BLOCKS, Blocks};
-use super::bounds::{EARLY_ROWS, GAP_MS, LOOK_EVERY};
+use super::blocks::Blocks;
 use super::columns::Columns;
 use super::late::{Late, Motion};
+use super::layout::{DRIFT, DRIFT_UNIT_MS, EFFECTS, ENTRIES, STEP, STREAMED};
 use super::marks::{EVERY, Marks};
 use super::memory::Memory;
-use super::point::Point;
-use super::sums::{DRIFT, DRIFT_UNIT_MS, EFFECTS, Sums, WIDEST, Work};
+use super::point::{BASE, Point};
+use super::solve::Chosen;
+use super::sums::{WIDEST, Work};
 use crate::calibration::Calibration;
 use crate::effect::ColumnName;
 use crate::math;
+
+/// A pause longer than this is a gap, ms.
+const GAP_MS: u64 = 250;
+/// Rows between two looks at where the study stands, early on; later as many as [`EARLY_ROWS`].
+const LOOK_EVERY: u32 = 256;
+/// Up to so many rows it is early.
+pub(super) const EARLY_ROWS: u32 = 1024;
 
 /// What became of a column that was fed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +38,7 @@ pub struct Learner {
     pub(super) point: Option<Point>,
     /// Coefficients of the effects at the point, over the field: taken off each sample before it is looked at.
     pub(super) carried: [[f32; 3]; EFFECTS],
-    pub(super) blocks: Blocks<Sums>,
+    pub(super) blocks: Blocks<STREAMED, ENTRIES>,
     pub(super) marks: Marks,
     pub(super) memory: Memory,
     pub(super) late: Late,
@@ -44,6 +52,9 @@ pub struct Learner {
     /// The last block that was forgotten was an odd one.
     pub(super) is_odd: bool,
 }
+
+/// Of what is new from sample to sample, a settled jump leaves at least this share: less is made of the wrong assumption.
+const SETTLED_SHARE: f32 = 0.3;
 
 const _: () = assert!(core::mem::size_of::<Learner>() <= 6144, "the learner's memory is a promise");
 
@@ -108,9 +119,15 @@ impl Learner {
         self.marks.clear();
         self.memory = Memory::new();
         let moved = self.values(self.first_ms, self.last_ms);
-        (0..).zip(moved).for_each(|(effect, value)| self.move_by(effect, value));
         self.first_ms = self.last_ms;
         self.lost = 0;
+        if let Some(point) = &mut self.point {
+            for (theta, moved) in self.carried.iter().zip(moved) {
+                for (offset, value) in point.offset_ut.iter_mut().zip(theta) {
+                    *offset += point.field_ut * value * moved;
+                }
+            }
+        }
         self.columns.begin();
         self.epoch = self.epoch.wrapping_add(1);
     }
@@ -138,9 +155,7 @@ impl Learner {
 
     /// Rms of the residual at the point without any effect, µT; NaN without samples.
     pub fn rms_ut(&self) -> f32 {
-        let mut total = Work::EMPTY;
-        self.add_to(&mut total);
-        let squares = total.squares();
+        let squares = self.total().squares;
         let field = self.point.map_or(f32::NAN, |point| point.field_ut);
         math::sqrtf(squares.max(0.0) / self.rows() as f32) * field
     }
@@ -204,7 +219,10 @@ impl Learner {
             *z -= point.field_ut * along_z * value;
         }
         let Some(look) = point.look(cleaned_ut) else { return };
-        if !(look.residual.is_finite() && look.base.iter().all(|value| value.is_finite())) {
+        let mut row = [0.0; STREAMED];
+        let (base, effects) = row.split_at_mut(BASE);
+        base.copy_from_slice(&look.base);
+        if !(look.residual.is_finite() && base.iter().all(|value| value.is_finite())) {
             return;
         }
         let rows = self.blocks.rows();
@@ -215,15 +233,20 @@ impl Learner {
         }
         self.last_ms = t_ms;
         self.columns.take();
+        let offset = look.offset();
+        let [along_x, along_y, along_z] = offset;
+        for (three, value) in effects.as_chunks_mut::<3>().0.iter_mut().zip(values) {
+            *three = [along_x * value, along_y * value, along_z * value];
+        }
         if rows > 0 && rows.is_multiple_of(EVERY) {
             self.marks.take(&self.blocks, t_ms as u32);
         }
+        let width = DRIFT + 3 + 3 * self.columns.width();
         let (marks, mut has_forgotten) = (&mut self.marks, false);
-        let forget = |oldest: &Sums| {
+        self.blocks.push(row.get(..width).unwrap_or(&row), look.residual, |oldest| {
             marks.forget(oldest);
             has_forgotten = true;
-        };
-        self.blocks.push(|block| block.push(&look, &values), forget);
+        });
         if has_forgotten {
             self.hold_against_what_is_left();
         }
@@ -243,28 +266,52 @@ impl Learner {
         away
     }
 
-    /// Adds the sums of all rows about the point without any effect, with the columns of a step where it explains most.
-    pub(super) fn add_to(&self, work: &mut Work) {
-        self.marks.add_to(&self.blocks, work);
+    /// The sums of all rows about the point without any effect, with the columns of a step where it explains most.
+    pub(super) fn total(&self) -> Work {
+        let mut work = self.total_here();
         work.shift(&self.away());
+        work
     }
 
-    /// Adds the sums of one block, likewise.
-    pub(super) fn add_part_to(&self, index: usize, work: &mut Work) {
-        self.marks.add_part_to(&self.blocks, index, work);
+    /// The same about the point with the effects at it.
+    pub(super) fn total_here(&self) -> Work {
+        let mut work = Work::new();
+        self.blocks.iter().for_each(|block| work.merge(block));
+        self.marks.beside_total(&self.blocks, &mut work);
+        work
+    }
+
+    /// The sums of one block, likewise; `None` of one without rows.
+    pub(super) fn part(&self, index: usize) -> Option<Work> {
+        let block = self.blocks.iter().nth(index).filter(|block| block.rows > 0)?;
+        let mut work = Work::new();
+        work.merge(block);
+        self.marks.beside_block(&self.blocks, index, &mut work);
         work.shift(&self.away());
+        Some(work)
+    }
+
+    /// Finds the moment of a jump more closely than the snapshots stand; before a question is put.
+    pub fn settle(&mut self) {
+        let effects = 3 + 3 * self.columns.width();
+        let chosen = Chosen::base(BASE).with(DRIFT, effects).with(STEP, 3);
+        self.marks.settle(&self.blocks, chosen, SETTLED_SHARE * self.memory.quick());
     }
 
     /// Moves to another point of the linearised model: what was learned is kept. The base, streamed columns and the best step are
     /// moved by `delta`, which leads to `point`.
     pub(super) fn shift(&mut self, delta: &[f32; WIDEST], point: Point) {
         // From the last to the first: the sums since a mark are those of all blocks less those before it, which are still to come.
-        for index in (0..BLOCKS).rev() {
-            let mut work = Work::EMPTY;
-            self.marks.add_part_to(&self.blocks, index, &mut work);
+        for index in (0..super::blocks::BLOCKS).rev() {
+            let mut work = Work::new();
+            if let Some(block) = self.blocks.iter().nth(index) {
+                work.merge(block);
+            }
+            self.marks.beside_block(&self.blocks, index, &mut work);
             work.shift(delta);
             if let Some(block) = self.blocks.iter_mut().nth(index) {
-                block.take_right(&work);
+                block.right.iter_mut().zip(&work.right).for_each(|(to, from)| *to = *from);
+                block.squares = work.squares;
             }
         }
         self.marks.shift(delta);

@@ -76,6 +76,11 @@ impl Memory {
         Some((self.near.mean()?, self.far.mean()?))
     }
 
+    /// The variance of what is new from one sample to the next; zero where that is not known.
+    pub(super) fn quick(&self) -> f32 {
+        0.5 * self.near.squares / self.near.pairs.max(1) as f32
+    }
+
     /// How many samples are as good as one independent one, of a residual of this variance; at least 1.
     pub(super) fn time(&self, variance: f64, samples: f64, parameters: f64) -> f64 {
         let share = self
@@ -85,12 +90,12 @@ impl Memory {
     }
 
     /// The variance that is noise, of a residual of this variance: as much as noise with the memory that both differences show,
-    /// which forgets exponentially. With it the relative standard error of a variance of such noise, of so many samples.
-    pub(super) fn noise(&self, variance: f64, samples: f64) -> (f64, f64) {
-        let Some((near, far)) = self.pairs() else { return (variance, 0.0) };
+    /// which forgets exponentially.
+    pub(super) fn noise(&self, variance: f64) -> f64 {
+        let Some((near, far)) = self.pairs() else { return variance };
         let half = 0.5 * near.mean_square;
         if half <= 0.0 {
-            return (variance, 0.0);
+            return variance;
         }
         // (1 − ρ⁷)/(1 − ρ) = 1 + ρ + … + ρ⁶ is the quotient of both.
         let quotient = far.mean_square / near.mean_square;
@@ -100,8 +105,12 @@ impl Memory {
             let middle = 0.5 * (low + high);
             if sum(middle) < quotient { low = middle } else { high = middle }
         }
-        let independent = samples * (1.0 - low * low) / (1.0 + low * low);
-        ((half / (1.0 - low)).min(variance), math::sqrt(2.0 / independent))
+        (half / (1.0 - low)).min(variance)
+    }
+
+    /// Root of [`Memory::noise`].
+    pub(super) fn floor(&self, variance: f64) -> f64 {
+        math::sqrt(self.noise(variance).max(0.0))
     }
 }
 
@@ -131,8 +140,7 @@ mod tests {
                 squares += (value + slow) * (value + slow);
             }
             let variance = squares / f64::from(n);
-            let floor = math::sqrt(memory.noise(variance, f64::from(n)).0);
-            assert!((floor - 1.0).abs() < 0.12, "{rho}: {floor}");
+            assert!((memory.floor(variance) - 1.0).abs() < 0.12, "{rho}: {}", memory.floor(variance));
             let time = memory.time(1.0, f64::from(n), 9.0);
             let right = (1.0 + rho) / (1.0 - rho);
             assert!((time / right - 1.0).abs() < 0.35, "{rho}: {time} for {right}");

@@ -8,21 +8,25 @@
 //! relative to the field, a column is held against its first value, and a matrix is scaled to unit columns before it is solved.
 
 mod blocks;
-mod bounds;
 mod candidate;
 mod columns;
-mod evidence;
+mod cross;
 mod expansion_point;
 mod finding;
+mod forget;
 mod gain;
 mod inquiry;
+mod jump;
 mod late;
 mod lateness;
+mod layout;
 mod learner;
 mod marks;
 mod memory;
 mod point;
+mod solve;
 mod sums;
+mod test;
 #[cfg(test)]
 mod tests;
 mod turning;

@@ -29,6 +29,14 @@ pub(super) struct Look {
     pub(super) direction: [f32; 3],
 }
 
+impl Look {
+    /// The derivatives by an offset, that over the field.
+    pub(super) fn offset(&self) -> [f32; 3] {
+        let [x, y, z, ..] = self.base;
+        [x, y, z]
+    }
+}
+
 /// `C v` and `Cᵀ u` of a triangle.
 #[inline(always)]
 fn times([a, b, c, d, e, f]: [f32; 6], [x, y, z]: [f32; 3]) -> [f32; 3] {

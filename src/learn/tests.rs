@@ -1,10 +1,12 @@
 //! The learner on synthetic samples, without a device.
 
+use super::sums::{WIDEST, Work};
 use super::*;
 use crate::calibration::Calibration;
 use crate::effect::{BuiltIn, ColumnName};
 use crate::extended::ExtendedCalibration;
 use crate::math;
+use crate::study::Normal;
 
 /// Seeded noise, mean zero and variance one.
 struct Noise(u64);
@@ -142,7 +144,8 @@ fn a_study_that_begins_far_away_comes_to_where_the_truth_is() {
 fn the_moment_of_a_jump_is_found_between_the_snapshots() {
     for (seed, row) in [(31, 1307), (32, 2011), (33, 2902)] {
         let jump = [1.5, -2.0, 1.0];
-        let learner = learned_from(OFFSET_UT, seed, |i| if i < row { [0.0; 3] } else { jump });
+        let mut learner = learned_from(OFFSET_UT, seed, |i| if i < row { [0.0; 3] } else { jump });
+        learner.settle();
         let outcome = asked(&learner, InUse::default());
         let (first, _) = outcome.ranked().next().expect("candidates");
         assert_eq!((first, outcome.verdict), (Candidate::Step, Verdict::Missing), "{outcome:?}");
@@ -157,8 +160,9 @@ fn the_moment_of_a_jump_is_found_between_the_snapshots() {
 
 #[test]
 fn a_gyro_tells_the_delay_of_a_field_that_turns() {
-    use super::turning::{ByGyro, TURNING};
-    use crate::study::Normal;
+    use super::solve::{Chosen, Factor};
+    use super::sums::Sums;
+    use super::turning::{ByGyro, TURNING_BASE};
     // To and fro about one axis, and slowly about another.
     let direction = |t: f64| {
         let (angle, tilt) = (1.4 * math::sin(2.1 * t), 0.5 * math::sin(0.7 * t));
@@ -175,13 +179,17 @@ fn a_gyro_tells_the_delay_of_a_field_that_turns() {
     };
     let mut noise = Noise(77);
     for delay_s in [0.0, 0.03] {
-        let (mut gyro, mut sums) = (ByGyro::new(), Normal::<f32, TURNING>::EMPTY);
+        let (mut gyro, mut sums) = (ByGyro::new(), Sums::new());
         for i in 0..6000u64 {
             let t = 0.01 * i as f64;
             let late = direction(t - delay_s).map(|value| value + 0.005 * noise.next() as f32);
             gyro.push(late, rate(t), 10 * i, &mut sums);
         }
-        let found_s = f64::from(sums.step(&sums.factor().expect("regular"))[TURNING - 1]);
+        let mut work = Work::new();
+        work.merge(&sums);
+        let factor =
+            Factor::of(&work, Chosen::base(TURNING_BASE).with(TURNING_BASE, 1), false).expect("regular");
+        let found_s = f64::from(factor.step(&work)[TURNING_BASE]);
         assert!(math::abs(found_s - delay_s) < 0.0015, "{found_s} for {delay_s}");
     }
 }
@@ -197,6 +205,28 @@ fn too_many_columns_are_refused_and_one_that_is_forgotten_makes_room() {
     assert!(learner.drop_column("a") && !learner.drop_column("a"));
     assert_eq!(learner.feed(&column("c"), 1.0), Fed::Tested);
     assert_eq!(learner.tested().count(), MAX_TESTED);
+}
+
+#[test]
+fn packed_sums_are_the_studys_normal_matrix() {
+    let mut noise = Noise(9);
+    let (mut packed, mut full): (Work, Normal<f64, WIDEST>) = (Work::new(), Normal::new(WIDEST));
+    for _ in 0..500 {
+        let row: [f32; WIDEST] = core::array::from_fn(|_| noise.next() as f32);
+        let residual = row[3] * 0.5 + 0.1 * noise.next() as f32;
+        packed.push(&row, residual);
+        full.push(&row.map(f64::from), f64::from(residual));
+    }
+    let chosen = super::solve::Chosen::base(WIDEST);
+    let step = super::solve::Factor::of(&packed, chosen, false).expect("regular").step(&packed);
+    let expected = full.step(&full.factor().expect("regular"));
+    for (got, right) in step.into_iter().zip(expected) {
+        assert!(math::abs(f64::from(got) - right) < 1e-5, "{got} for {right}");
+    }
+    let after = f64::from(packed.squares_after(&step));
+    assert!((after / full.squares_after(&expected) - 1.0).abs() < 1e-4);
+    packed.shift(&step);
+    assert!(math::abs(f64::from(packed.squares) / after - 1.0) < 1e-6);
 }
 
 /// The chip warms and cools by eight degrees and nobody says so, in quick and in slow motion, from near and from far.
@@ -224,6 +254,7 @@ fn a_slow_cause_that_nobody_feeds_is_no_noise() {
             });
             learner.push(measured, 1000 * i / hz, &Motion::UNKNOWN);
         }
+        learner.settle();
         let outcome = asked(&learner, InUse::default());
         assert_ne!(outcome.verdict, Verdict::Complete, "{hz} Hz, {turn_radps} rad/s, {far_ut}: {outcome:?}");
         assert!(outcome.floor_ut > 0.1, "{hz} Hz, {turn_radps} rad/s, {far_ut}: {outcome:?}");

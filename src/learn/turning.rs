@@ -1,11 +1,17 @@
 //! How the field turns in the board's axes: against a gyro, or by itself where there is none.
 
-use super::bounds::{APART_MS, SPAN_S};
-use crate::study::Normal;
+use super::sums::Sums;
 use crate::vector::{cross, dot, minus, scaled};
 
+/// A direction is held against where a gyro turns it over this time, s: long against the sensor's noise, short against a movement.
+const SPAN_S: f32 = 0.1;
+/// Of three moments between which the field shows how it turns, one is at least so long after the other, ms.
+const APART_MS: u32 = 40;
 /// Columns of the turning: a rotation between the sensor's axes and the gyro's (3), and the delay (1).
 pub(super) const TURNING: usize = 4;
+pub(super) const TURNING_ENTRIES: usize = TURNING * (TURNING + 1) / 2;
+/// Its base.
+pub(super) const TURNING_BASE: usize = 3;
 
 fn sum(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
@@ -57,7 +63,7 @@ impl ByGyro {
         direction: [f32; 3],
         turn_radps: [f32; 3],
         t_ms: u64,
-        sums: &mut Normal<f32, TURNING>,
+        sums: &mut Sums<TURNING, TURNING_ENTRIES>,
     ) {
         let step_s = (t_ms as u32).wrapping_sub(self.t_ms) as f32 * 1e-3;
         let (last, before) = (self.last, self.turn_radps);

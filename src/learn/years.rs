@@ -93,6 +93,7 @@ impl Board {
     }
 
     fn ask(&mut self) -> Outcome {
+        self.learner.settle();
         let mut inquiry = Inquiry::new(&self.learner, InUse::default());
         loop {
             if let Some(outcome) = inquiry.step(&self.learner) {
@@ -200,7 +201,7 @@ fn the_noise_of_three_weeks_is_as_large_as_that_of_an_hour() {
         for _ in 0..samples / 3 {
             noise.next().iter().for_each(|residual| memory.push(0.006 * residual));
         }
-        math::sqrt(memory.noise(f64::from(0.006f32 * 0.006), samples as f64).0)
+        memory.floor(f64::from(0.006f32 * 0.006))
     };
     let (hour, weeks) = (floor_after(HOUR), floor_after(504 * HOUR));
     assert!((hour / 0.006 - 1.0).abs() < 0.01, "{hour}");

@@ -24,7 +24,6 @@ mod schur;
 pub use crate::fdist::f_tail;
 pub use crate::model::{Model, NoRow, NotFinite, Observation, Residual, Term};
 pub use holdout::{HeldOut, held_out};
-pub(crate) use normal::Role;
 pub use normal::{Factor, Normal};
 pub use pass::Study;
 pub use prior::{PhysicalPrior, base_prior};

@@ -14,12 +14,6 @@ pub struct Normal<T, const P: usize> {
     rows: u32,
 }
 
-impl<const P: usize> Normal<f32, P> {
-    /// An empty matrix of all columns, as a constant.
-    pub(crate) const EMPTY: Self =
-        Normal { columns: P, matrix: [[0.0; P]; P], right: [0.0; P], squares: 0.0, rows: 0 };
-}
-
 impl<T: Real, const P: usize> Normal<T, P> {
     /// An empty matrix of `columns` columns, at most `P`.
     pub fn new(columns: usize) -> Self {
@@ -74,20 +68,6 @@ impl<T: Real, const P: usize> Normal<T, P> {
         self.rows = self.rows.saturating_add(1);
     }
 
-    /// Puts a sum of products in the place of an entry of `JᵀJ`, ...
-    pub(crate) fn set(&mut self, i: usize, j: usize, value: T) {
-        if let Some(entry) = self.matrix.get_mut(i.min(j)).and_then(|row| row.get_mut(i.max(j))) {
-            *entry = value;
-        }
-    }
-
-    /// ... and of `Jᵀr`.
-    pub(crate) fn set_right(&mut self, i: usize, value: T) {
-        if let Some(entry) = self.right.get_mut(i) {
-            *entry = value;
-        }
-    }
-
     /// Adds information without data: `weight` at `(i, j)` and `(j, i)`.
     pub fn inform(&mut self, i: usize, j: usize, weight: T) {
         if let Some(entry) = self.matrix.get_mut(i.min(j)).and_then(|row| row.get_mut(i.max(j))) {
@@ -105,29 +85,6 @@ impl<T: Real, const P: usize> Normal<T, P> {
     /// Adds to `rᵀr` without data: what a model departs from what is known.
     pub fn depart(&mut self, squares: T) {
         self.squares += squares;
-    }
-
-    /// Counts rows whose products were added by [`Normal::inform`] and its like.
-    pub(crate) fn count(&mut self, rows: u32) {
-        self.rows = self.rows.saturating_add(rows);
-    }
-
-    /// Forgets everything, in place.
-    pub(crate) fn clear(&mut self) {
-        self.scale(T::zero());
-        self.rows = 0;
-    }
-
-    /// Lets every row count half.
-    pub(crate) fn halve(&mut self) {
-        self.scale(T::of(0.5));
-        self.rows /= 2;
-    }
-
-    fn scale(&mut self, times: T) {
-        let sums =
-            self.matrix.as_flattened_mut().iter_mut().chain(&mut self.right).chain([&mut self.squares]);
-        sums.for_each(|sum| *sum *= times);
     }
 
     /// Adds `sign` times another matrix; `sign` −1 takes a block out again.
@@ -151,16 +108,11 @@ impl<T: Real, const P: usize> Normal<T, P> {
         self.rows = self.rows.saturating_add(other.rows);
     }
 
-    /// Takes the rows of one of its blocks out again.
-    pub(crate) fn take_out(&mut self, block: &Self) {
-        self.combine(block, -T::one());
-        self.rows = self.rows.saturating_sub(block.rows);
-    }
-
     /// This matrix without the rows of one of its blocks.
     pub fn without(&self, block: &Self) -> Self {
         let mut rest = self.clone();
-        rest.take_out(block);
+        rest.combine(block, -T::one());
+        rest.rows = self.rows.saturating_sub(block.rows);
         rest
     }
 
@@ -194,43 +146,27 @@ impl<T: Real, const P: usize> Normal<T, P> {
     /// The same data about another point of the linearised model: `r + Jδ` in place of `r`.
     pub fn moved(&self, delta: &[T; P]) -> Self {
         let mut out = self.clone();
-        out.shift(delta);
-        out
-    }
-
-    /// [`Normal::moved`] in place.
-    pub(crate) fn shift(&mut self, delta: &[T; P]) {
-        if delta.iter().all(|value| *value == T::zero()) {
-            return;
-        }
-        self.squares = self.squares_after(delta);
+        out.squares = self.squares_after(delta);
         for i in 0..self.columns.min(P) {
-            let line = self.along(i, delta);
-            self.pull(i, line);
+            let mut line = T::zero();
+            for (j, other) in delta.iter().enumerate().take(self.columns) {
+                line += self.entry(i, j) * *other;
+            }
+            out.pull(i, line);
         }
-    }
-
-    /// `Σ_j N_ij δ_j`.
-    fn along(&self, i: usize, delta: &[T; P]) -> T {
-        let mut line = T::zero();
-        // Column i above the diagonal, then row i.
-        for (row, other) in self.matrix.iter().zip(delta).take(i) {
-            line += row.get(i).copied().unwrap_or(T::zero()) * *other;
-        }
-        let row = self.matrix.get(i).map_or(&[][..], |row| row);
-        for (entry, other) in row.iter().zip(delta).take(self.columns).skip(i) {
-            line += *entry * *other;
-        }
-        line
+        out
     }
 
     /// Value of `‖r + Jδ‖²`.
     pub fn squares_after(&self, delta: &[T; P]) -> T {
         let mut sum = self.squares;
-        for (i, (d, right)) in delta.iter().zip(&self.right).enumerate().take(self.columns) {
-            if *d != T::zero() {
-                sum += *d * (self.along(i, delta) + *right + *right);
+        for i in 0..self.columns {
+            let d = delta.get(i).copied().unwrap_or(T::zero());
+            let mut line = T::zero();
+            for (j, other) in delta.iter().enumerate().take(self.columns) {
+                line += self.entry(i, j) * *other;
             }
+            sum += d * (line + self.right(i) + self.right(i));
         }
         sum
     }
@@ -242,23 +178,45 @@ impl<T: Real, const P: usize> Normal<T, P> {
 
     /// The same with `damping` added to the unit diagonal (Marquardt's step).
     pub fn damped_factor(&self, damping: T) -> Option<Factor<T, P>> {
-        let mut factor = Factor::new();
-        factor.extend(self, self.columns, damping, &|_| Role::Required)?;
-        Some(factor)
+        let n = self.columns;
+        let mut scale = [T::zero(); P];
+        for (i, s) in scale.iter_mut().enumerate().take(n) {
+            let diagonal = self.entry(i, i);
+            if !diagonal.is_finite() || diagonal <= T::zero() {
+                return None;
+            }
+            *s = T::one() / diagonal.root();
+        }
+        let floor = T::epsilon() * T::of(16.0);
+        let mut lower = [[T::zero(); P]; P];
+        for i in 0..n {
+            for j in 0..=i {
+                let mut sum = self.entry(i, j) * scale.get(i).copied()? * scale.get(j).copied()?;
+                if i == j {
+                    sum += damping;
+                }
+                let (row_i, row_j) = (lower.get(i)?, lower.get(j)?);
+                for (a, b) in row_i.iter().zip(row_j).take(j) {
+                    sum -= *a * *b;
+                }
+                let value = if i == j {
+                    if !sum.is_finite() || sum <= floor {
+                        return None;
+                    }
+                    sum.root()
+                } else {
+                    sum / *lower.get(j)?.get(j)?
+                };
+                *lower.get_mut(i)?.get_mut(j)? = value;
+            }
+        }
+        Some(Factor { n, lower, scale })
     }
 
     /// The step `δ = −N⁻¹g` with a factor of this matrix.
     pub fn step(&self, factor: &Factor<T, P>) -> [T; P] {
         factor.solve(&self.right).map(|value| -value)
     }
-}
-
-/// `value − Σ aᵢbᵢ`, over the shorter of the two.
-fn less_products<T: Real>(mut value: T, a: &[T], b: &[T]) -> T {
-    for (a, b) in a.iter().zip(b) {
-        value -= *a * *b;
-    }
-    value
 }
 
 /// `L` with `L Lᵀ = S N S`, `S` the scale to unit columns.
@@ -270,132 +228,20 @@ pub struct Factor<T, const P: usize> {
     pub(super) scale: [T; P],
 }
 
-/// Whether a column is part of a factor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Role<T> {
-    /// Without it there is no factor.
-    Required,
-    /// Left out if those before it leave less than this share of its square.
-    Optional(T),
-    /// Left out.
-    Absent,
-}
-
 impl<T: Real, const P: usize> Factor<T, P> {
-    /// The factor of no column.
-    pub(crate) fn new() -> Self {
-        Factor { n: 0, lower: [[T::zero(); P]; P], scale: [T::zero(); P] }
-    }
-
-    /// Adds the columns up to `n`; those before are of the same matrix. `None` where a required one is not determined.
-    pub(crate) fn extend(
-        &mut self,
-        normal: &Normal<T, P>,
-        n: usize,
-        damping: T,
-        role: &dyn Fn(usize) -> Role<T>,
-    ) -> Option<()> {
-        for i in self.n..n {
-            let (role, diagonal) = (role(i), normal.entry(i, i));
-            let least = match role {
-                Role::Required => T::epsilon() * T::of(16.0),
-                Role::Optional(least) => least,
-                Role::Absent => T::one(),
-            };
-            let is_usable = role != Role::Absent && diagonal.is_finite() && diagonal > T::zero();
-            let scale = if is_usable { T::one() / diagonal.root() } else { T::zero() };
-            let (before, rest) = self.lower.split_at_mut_checked(i)?;
-            let row = rest.first_mut()?;
-            *row = [T::zero(); P];
-            let mut left = T::zero();
-            if is_usable {
-                let columns = normal.matrix.iter().zip(&self.scale).zip(&*before).enumerate();
-                for (j, ((column, scale_j), row_j)) in columns {
-                    // What is left out has a row of zeros.
-                    if *scale_j == T::zero() {
-                        continue;
-                    }
-                    let (known, slot) = row.split_at_mut_checked(j)?;
-                    let product = *column.get(i)? * scale * *scale_j;
-                    *slot.first_mut()? = less_products(product, known, row_j) / *row_j.get(j)?;
-                }
-                let known = row.get(..i)?;
-                left = less_products(diagonal * scale * scale + damping, known, known);
-            }
-            let is_new = left.is_finite() && left > least;
-            if !is_new {
-                if role == Role::Required {
-                    return None;
-                }
-                *row = [T::zero(); P];
-                left = T::one();
-            }
-            *row.get_mut(i)? = left.root();
-            *self.scale.get_mut(i)? = if is_new { scale } else { T::zero() };
-        }
-        self.n = n;
-        Some(())
-    }
-
-    /// Leaves the columns from `n` on out again.
-    pub(crate) fn shorten(&mut self, n: usize) {
-        self.n = self.n.min(n);
-    }
-
-    /// Columns that are not left out.
-    pub(crate) fn directions(&self) -> usize {
-        self.scale.iter().take(self.n).filter(|scale| **scale > T::zero()).count()
-    }
-
-    /// What those before it leave of a column's square; zero of one that is left out.
-    pub(crate) fn own_square(&self, column: usize) -> T {
-        let scale = self.scale.get(column).copied().unwrap_or(T::zero());
-        let pivot = self.lower.get(column).and_then(|row| row.get(column)).copied().unwrap_or(T::zero());
-        if scale > T::zero() { pivot * pivot / (scale * scale) } else { T::zero() }
-    }
-
-    /// `rᵀr` after the step.
-    pub(crate) fn squares(&self, normal: &Normal<T, P>) -> T {
-        let mut squares = normal.squares;
-        for value in self.forward(&normal.right) {
-            squares -= value * value;
-        }
-        squares.max(T::zero())
-    }
-
-    /// Diagonal entry `j` of `N⁻¹`.
-    pub(crate) fn inverse_diagonal(&self, j: usize) -> T {
-        if self.scale.get(j).is_none_or(|scale| *scale == T::zero()) {
-            return T::zero();
-        }
-        let mut unit = [T::zero(); P];
-        if let Some(entry) = unit.get_mut(j) {
-            *entry = T::one();
-        }
-        let mut sum = T::zero();
-        for value in self.forward(&unit) {
-            sum += value * value;
-        }
-        sum
-    }
-
-    /// The largest standard error among the first columns, for noise as large as what the step leaves.
-    pub(crate) fn largest_error(&self, normal: &Normal<T, P>, first: usize) -> T {
-        let freedom = (f64::from(normal.rows) - self.directions() as f64).max(1.0);
-        let largest = (0..first).map(|column| self.inverse_diagonal(column)).fold(T::zero(), T::max);
-        (self.squares(normal) / T::of(freedom) * largest).root()
-    }
-
     /// `L⁻¹ S b`.
     pub(super) fn forward(&self, b: &[T; P]) -> [T; P] {
         let mut y = [T::zero(); P];
-        let rows = self.lower.iter().zip(&self.scale).zip(b);
-        for (i, ((row, s), value)) in rows.enumerate().take(self.n) {
-            let (known, slot) = y.split_at_mut(i.min(P));
-            if let (Some(out), Some(pivot)) = (slot.first_mut(), row.get(i))
-                && *s != T::zero()
-            {
-                *out = less_products(*value * *s, known, row) / *pivot;
+        for i in 0..self.n {
+            let (Some(row), Some(s), Some(value)) = (self.lower.get(i), self.scale.get(i), b.get(i)) else {
+                break;
+            };
+            let mut sum = *value * *s;
+            for (l, known) in row.iter().zip(&y).take(i) {
+                sum -= *l * *known;
+            }
+            if let (Some(out), Some(pivot)) = (y.get_mut(i), row.get(i)) {
+                *out = sum / *pivot;
             }
         }
         y

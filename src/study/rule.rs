@@ -17,6 +17,12 @@ pub const RELEVANCE: f64 = 0.02;
 /// time.
 pub const NEARLY: f64 = 1.1;
 
+/// Two candidates whose columns agree to this much, once the base is projected out, may be the same cause.
+pub const ALIKE: f64 = 0.8;
+
+/// A rival is looked at if it takes this share of what the better one takes off the squared error.
+pub const RIVAL_SHARE: f64 = 0.3;
+
 /// Places where a step is looked for: so many independent tests its search is.
 pub const STEP_PLACES: usize = 48;
 
