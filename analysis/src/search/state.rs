@@ -200,7 +200,7 @@ impl<'a> Fitter<'_, 'a> {
     }
 
     /// A model with effects fitted so far that the way to it no longer shows: whoever adds the same effects, in whatever
-    /// order, gets the same digits.
+    /// order, gets the same digits but for the last.
     pub fn to_the_end(&self, mut fitted: Fitted<'a>) -> Result<Fitted<'a>, BadShape> {
         if fitted.terms.is_empty() {
             return Ok(fitted);

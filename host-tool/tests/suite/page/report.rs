@@ -5,6 +5,13 @@ use crate::page::browser::{number, scenario, turn, words};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
+/// The words of a text, its numbers to twelve digits.
+fn rounded(text: &str) -> Vec<String> {
+    let words = text.split(|c: char| !(c.is_ascii_alphanumeric() || "+-._".contains(c)));
+    let word = |word: &str| word.parse::<f64>().map_or_else(|_| word.into(), |value| format!("{value:.11e}"));
+    words.map(word).collect()
+}
+
 #[test]
 fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
     let Some(_turn) = turn("a report") else { return };
@@ -56,7 +63,8 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
     let fit = ironout(["fit", text(&log), "--add", "offset:current_a", "-o", text(&with_cal)]);
     assert_eq!(fit.status, 0, "{}", fit.stderr);
     let header = ironout(["export", text(&with_cal), "--as", "c"]);
-    assert_eq!(words(&targets["c"][1]).trim(), header.stdout.trim());
+    // A search and a fit come to the same solution on two ways: all but the last digits.
+    assert_eq!(rounded(words(&targets["c"][1])), rounded(&header.stdout));
     for (key, parts) in [
         (
             "numbers",
