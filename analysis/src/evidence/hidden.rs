@@ -25,10 +25,7 @@ pub fn hidden_cause(fit: &Fit) -> Option<Cause> {
         q.dot(&readings[block].component_mul(v)) / fit.model.field
     };
     let offset = single_cause(&fit.track, &residual, &fit.noise);
-    let gain = likeliest(&fit.track, &residual, &fit.noise, gain).map(|mut cause| {
-        cause.moves = Moves::Gain;
-        cause
-    });
+    let gain = likeliest(&fit.track, &residual, &fit.noise, Moves::Gain, gain);
     let stretch: Vec<f64> = fit
         .points
         .chunks(per_block)

@@ -114,18 +114,8 @@ pub fn placed(
     begin: &Begin,
     asked: &[Named],
 ) -> Result<Selection, Option<usize>> {
-    let tripled;
-    let samples = match begin.is_at_rest {
-        true => {
-            tripled = one_per_axis(samples, table);
-            &tripled
-        }
-        false => samples,
-    };
-    let known = known_besides(begin);
-    let log = Log::new(samples, table, known.as_ref(), begin.is_at_rest);
-    let few = if begin.is_at_rest { None } else { thinned(samples, table) };
-    let few_log = few.as_ref().map(|few| Log::new(few, table, known.as_ref(), false));
+    let sampled = Sampled::of(samples, table, begin);
+    let (log, few_log) = sampled.logs(table, begin);
     let searched = few_log.as_ref().unwrap_or(&log);
     let (mut fit, setting) = base_of(searched, begin, registry).ok_or(None)?;
     let catalogue = Catalogue::new(searched, registry);
@@ -174,10 +164,45 @@ fn core_model(fit: &Fit, other: &CoreModel<f64>) -> Option<CoreModel<f64>> {
     CoreModel::new((*offset).into(), rows, other.field_ut, other.rotation, other.sin_dip)
 }
 
-/// What is known besides the log, where that is more than how magnetometers are.
-fn known_besides(begin: &Begin) -> Option<Prior> {
-    let is_known = begin.known.earlier.is_some() || begin.known.holds_matrix();
-    is_known.then(|| Prior { memory: 1.0, ..begin.known.clone() })
+/// The samples that the likelihood looks at, and what is known besides them.
+struct Sampled<'s> {
+    /// All of them; of a board at rest each three times, once for each axis.
+    all: Cow<'s, Samples>,
+    /// One of each block of a long log: a term that matters shows in those as well.
+    few: Option<Samples>,
+    /// Where that is more than how magnetometers are.
+    known: Option<Prior>,
+}
+
+impl<'s> Sampled<'s> {
+    fn of(samples: &'s Samples, table: &Table, begin: &Begin) -> Self {
+        let (all, few) = match begin.is_at_rest {
+            true => (Cow::Owned(one_per_axis(samples, table)), None),
+            false => (Cow::Borrowed(samples), thinned(samples, table)),
+        };
+        let is_known = begin.known.earlier.is_some() || begin.known.holds_matrix();
+        let known = is_known.then(|| Prior { memory: 1.0, ..begin.known.clone() });
+        Sampled { all, few, known }
+    }
+
+    /// The log of all samples, and that of the few of a long one.
+    fn logs<'l>(&'l self, table: &'l Table<'l>, begin: &Begin) -> (Log<'l>, Option<Log<'l>>) {
+        let log = |samples| Log::new(samples, table, self.known.as_ref(), begin.is_at_rest);
+        (log(&self.all), self.few.as_ref().map(log))
+    }
+}
+
+/// A fit of what stays in the model, to the few samples of a long log, and something that is made of it and of the log of all samples.
+fn of_base<T>(
+    samples: &Samples,
+    table: &Table,
+    registry: Registry,
+    begin: &Begin,
+    made: impl FnOnce(Fit<'_>, &Log<'_>) -> Option<T>,
+) -> Option<T> {
+    let sampled = Sampled::of(samples, table, begin);
+    let (log, few_log) = sampled.logs(table, begin);
+    made(base_of(few_log.as_ref().unwrap_or(&log), begin, registry)?.0, &log)
 }
 
 /// A tone that is too fast for the blocks beside a fit of a thinned log, and the fit to all samples that it stands out of.
@@ -199,26 +224,14 @@ fn one_search(
     begin: &Begin,
     looks_again: bool,
 ) -> Option<Round> {
-    let known = known_besides(begin);
-    let known = known.as_ref();
-    let tripled;
-    let samples = match begin.is_at_rest {
-        true => {
-            tripled = one_per_axis(samples, table);
-            &tripled
-        }
-        false => samples,
-    };
-    let log = Log::new(samples, table, known, begin.is_at_rest);
-    // Which terms there are is decided by a sample of each block: a term that matters shows in those as well.
-    let few = if begin.is_at_rest { None } else { thinned(samples, table) };
-    let few_log = few.as_ref().map(|few| Log::new(few, table, known, false));
+    let sampled = Sampled::of(samples, table, begin);
+    let (log, few_log) = sampled.logs(table, begin);
     let searched = few_log.as_ref().unwrap_or(&log);
     let (base, setting) = base_of(searched, begin, registry)?;
     // Tones are looked for at the rate of the samples.
     let tone_beside = |fit: &Fit| {
         let (term, whole) = tone_of(&log, fit, registry, setting)?;
-        let rest = Box::new(without_tone(samples, &term, &whole));
+        let rest = Box::new(without_tone(log.samples, &term, &whole));
         Some(Round::Tone { rest, tone: selected(&term, Vec::new()), test: of_tone(&whole, &term) })
     };
     let looks_again = looks_again && few_log.is_some();
@@ -269,27 +282,15 @@ fn one_search(
 
 /// What moves beside the terms that a model has; nothing where the log has no times.
 pub fn moving(samples: &Samples, table: &Table, registry: Registry, begin: &Begin) -> Moving {
-    let few = thinned(samples, table);
-    let log = Log::new(few.as_ref().unwrap_or(samples), table, None, false);
-    match base_of(&log, begin, registry) {
-        Some((fit, _)) if samples.time.is_some() => Moving::of(&fit),
-        _ => Moving::default(),
-    }
+    let of = |fit: Fit, log: &Log| log.is_timed.then(|| Moving::of(&fit));
+    of_base(samples, table, registry, begin, of).unwrap_or_default()
 }
 
 /// p-value of each term that a model has, all others in it, by the spread of its coefficients over parts of the log; one where no model can be
 /// fitted.
 pub fn p_values_of(samples: &Samples, table: &Table, registry: Registry, begin: &Begin) -> Vec<f64> {
-    let known = known_besides(begin);
-    let few = match begin.is_at_rest {
-        true => Some(one_per_axis(samples, table)),
-        false => thinned(samples, table),
-    };
-    let log = Log::new(few.as_ref().unwrap_or(samples), table, known.as_ref(), begin.is_at_rest);
-    match base_of(&log, begin, registry) {
-        Some((fit, _)) => p_values(&fit),
-        None => vec![1.0; begin.stay.len()],
-    }
+    let found = of_base(samples, table, registry, begin, |fit, _| Some(p_values(&fit)));
+    found.unwrap_or_else(|| vec![1.0; begin.stay.len()])
 }
 
 /// The undisturbed reading of each sample, µT: the closest points of the likeliest model whose terms bend the field. `None` where there is
@@ -300,16 +301,13 @@ pub fn undisturbed_ut(
     registry: Registry,
     begin: &Begin,
 ) -> Option<Vec<[f64; 3]>> {
-    let known = known_besides(begin);
-    let log = Log::new(samples, table, known.as_ref(), false);
-    let few = thinned(samples, table);
-    let few_log = few.as_ref().map(|few| Log::new(few, table, known.as_ref(), false));
-    let (fit, _) = base_of(few_log.as_ref().unwrap_or(&log), begin, registry)?;
-    let points = match few {
-        Some(_) => fit.model.rebound(&log)?.points(&log, true, &[])?,
-        None => fit.points,
-    };
-    Some(points.iter().map(|point| point.shaped_at.into()).collect())
+    of_base(samples, table, registry, begin, |fit, log| {
+        let points = match fit.points.len() == log.len() {
+            true => fit.points,
+            false => fit.model.rebound(log)?.points(log, true, &[])?,
+        };
+        Some(points.iter().map(|point| point.shaped_at.into()).collect())
+    })
 }
 
 /// Each sample of a board at rest three times, once for each axis.

@@ -74,7 +74,7 @@ fn joined(own: &[f64], width: usize, candidate: &[f64], (of, from, k): (usize, u
     rows
 }
 
-/// What is known of the model's own columns, at the end of a matrix of more.
+/// Sums with what is known of the model's own columns, the first of them, and a trace of information on the others.
 fn with_known(mut sums: Sums, known: &Sums) -> Sums {
     let p = known.right.len();
     sums.squares += known.squares;
@@ -90,12 +90,13 @@ fn with_known(mut sums: Sums, known: &Sums) -> Sums {
     sums
 }
 
-/// Mean square of the residual of each part of the log when the columns are fitted to the others. `None` where some part cannot be left out.
-fn held_out_square(rows: &[f64], columns: usize, known: &Sums) -> Option<f64> {
+/// Mean square of the residual of each part of the log when the columns are fitted to the others. `total`: sums of all rows, with what is
+/// known. `None` where some part cannot be left out.
+fn held_out_square(rows: &[f64], total: &Sums) -> Option<f64> {
+    let columns = total.right.len();
     let n = rows.len() / (columns + 1);
     let fold = n.div_ceil(FOLDS).max(1);
     let folds: Vec<Sums> = rows.chunks(fold * (columns + 1)).map(|rows| Sums::of(rows, columns)).collect();
-    let total = with_known(Sums::of(rows, columns), known);
     let mut sum = 0.0;
     for fold in &folds {
         let rest =
@@ -106,12 +107,9 @@ fn held_out_square(rows: &[f64], columns: usize, known: &Sums) -> Option<f64> {
     (sum.is_finite() && sum >= 0.0).then(|| sum / n as f64)
 }
 
-/// What is known besides the log of the columns of a fit, over the variance of the noise that its rows have.
-fn known_of(fit: &Fit, variance: f64) -> Sums {
-    let p = fit.model.columns();
-    let mut whitened = fit.rows.clone();
-    fit.noise.whiten(&fit.track, p + 1, &mut whitened);
-    let data = Sums::of(&whitened, p);
+/// What is known besides the log of the columns of a fit, in sums of rows whose noise has this variance.
+fn known_of(fit: &Fit, whitened: &[f64], variance: f64) -> Sums {
+    let data = Sums::of(whitened, fit.model.columns());
     let share = variance / fit.noise.variance;
     Sums {
         matrix: (&fit.sums.matrix - data.matrix) * share,
@@ -121,7 +119,7 @@ fn known_of(fit: &Fit, variance: f64) -> Sums {
     }
 }
 
-/// Tests each of these terms by itself beside a fit, of so many candidates in all. Gives also the ids of terms whose shape is not finite.
+/// Tests each of these terms by itself beside a fit. Gives also the ids of terms whose shape is not finite.
 pub fn tests(setting: &Setting, fit: &Fit, terms: &[Term]) -> (Vec<Test>, Vec<String>) {
     let (mut tests, mut dropped) = (Vec::new(), Vec::new());
     let p = fit.model.columns();
@@ -129,10 +127,10 @@ pub fn tests(setting: &Setting, fit: &Fit, terms: &[Term]) -> (Vec<Test>, Vec<St
     let mut whitened = fit.rows.clone();
     fit.noise.whiten(&fit.track, width, &mut whitened);
     let plain_variance = fit.residual().iter().map(|r| r * r).sum::<f64>() / fit.track.weight.len() as f64;
-    let known_plain = known_of(fit, plain_variance.max(f64::MIN_POSITIVE));
-    let known = known_of(fit, fit.noise.variance);
-    let before = held_out_square(&fit.rows, p, &known_plain);
+    let known_plain = known_of(fit, &whitened, plain_variance.max(f64::MIN_POSITIVE));
+    let known = known_of(fit, &whitened, fit.noise.variance);
     let whole_plain = with_known(Sums::of(&fit.rows, p), &known_plain);
+    let before = held_out_square(&fit.rows, &whole_plain);
     let left_plain = whole_plain
         .factor()
         .map(|factor| whole_plain.squares - whole_plain.right.dot(&factor.solve(&whole_plain.right)));
@@ -160,10 +158,10 @@ pub fn tests(setting: &Setting, fit: &Fit, terms: &[Term]) -> (Vec<Test>, Vec<St
             }
             let white = joined(&whitened, width, &z_whitened, place);
             let all = with_known(Sums::of(&plain, p + k), &known_plain);
-            let taken = taken(&all, p);
-            let held_out = held_out_square(&plain, p + k, &known_plain);
+            let (taken, _) = taken(&all, p);
+            let held_out = held_out_square(&plain, &all);
             tests.push(Test {
-                share: left_plain.map_or(0.0, |left| (taken.0 / left.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)),
+                share: left_plain.map_or(0.0, |left| (taken / left.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)),
                 p_value: chance(&white, p, k, &known, term.trials, setting.candidates),
                 held_out_rms_ut: held_out.map(f64::sqrt),
                 falls: match (before, held_out) {

@@ -4,6 +4,8 @@ use crate::base::ground::Ground;
 use crate::base::prior::Prior;
 use crate::base::start::start;
 use crate::evidence::select::{Begin, Selection, moving, select};
+use crate::evidence::significance::Test;
+use crate::evidence::wander::Moving;
 use crate::table::Table;
 use ironout::effect::Registry;
 use ironout::fit::Method;
@@ -104,6 +106,71 @@ fn a_cause_that_nobody_logged_is_described() {
         assert!((0.5..1.3).contains(&share), "{seed}: {} of {true_rms}", found.rms_ut);
     }
     assert!(followed >= 5, "{followed} of 6 traces follow the column");
+}
+
+/// What moves beside the plain model.
+fn moving_in(log: &Log) -> Moving {
+    let table = Table::from_columns(log.named()).unwrap();
+    let ground = Ground::of(&table, Method::Adjusted, None, None);
+    let samples = &ground.counted.samples;
+    let (model, _) = start(samples, None).unwrap();
+    let begin = Begin { model: &model, known: &Prior::default(), stay: &[], is_at_rest: false };
+    moving(samples, &table, Registry::BUILT_IN, &begin)
+}
+
+#[test]
+fn a_field_that_is_stronger_in_one_place_is_told_from_an_offset_and_a_gain_that_move() {
+    let mut told = 0;
+    for seed in 3..9 {
+        told += usize::from(
+            moving_in(&log(&["field:height_m=5"], &["height_m"], seed))
+                .field_share
+                .is_some_and(|share| share > 0.5),
+        );
+        for (hidden, column) in
+            [("offset:servo=5", "servo"), ("gain:temp_c=5", "temp_c"), ("nonlinearity=5", "")]
+        {
+            let log = log(&[hidden], &[column], seed);
+            // One gain of all axes is as if the field changed.
+            let theta = &log.truth.effects[0].drawn.coefficients;
+            let (sum, squares) = (theta.iter().sum::<f64>(), theta.iter().map(|c| c * c).sum::<f64>());
+            let is_alike = column == "temp_c" && sum * sum > 0.9 * theta.len() as f64 * squares;
+            assert!(moving_in(&log).field_share.is_none() || is_alike, "{hidden}, seed {seed}");
+        }
+    }
+    assert!(told >= 5, "{told} of 6");
+}
+
+#[test]
+fn p_values_of_noise_are_spread_evenly() {
+    let (mut below, mut all, mut logs) = (0, 0, 0);
+    for seed in 1000..1030 {
+        let quiet = of_table(&Table::from_columns(log(&[], &[], seed).named()).unwrap());
+        all += quiet.first.len();
+        below += quiet.first.iter().filter(|one| one.p_value < 0.1).count();
+        // Corrected for all candidates.
+        let is_significant = |one: &Test| one.p_value * (quiet.candidates as f64) < 0.05;
+        logs += usize::from(quiet.first.iter().any(is_significant));
+    }
+    let share = f64::from(below as u32) / f64::from(all as u32);
+    assert!(all > 400 && (0.05..0.17).contains(&share), "{below} of {all}");
+    assert!(logs <= 4, "{logs} of 30");
+}
+
+#[test]
+fn a_test_says_what_a_term_explains_and_predicts() {
+    for seed in 0..4 {
+        let loud =
+            of_table(&Table::from_columns(log(&["offset:temp_c=6"], &[], 100 + seed).named()).unwrap());
+        let of = |list: &[Test], id: &str| list.iter().find(|one| one.id == id).cloned().unwrap();
+        let (own, other) = (of(&loud.first, "offset:temp_c"), of(&loud.first, "offset:height_m"));
+        assert!(own.share > 0.8 && own.p_value < 1e-6 && own.falls, "{own:?}");
+        assert!(other.share < 0.5 * own.share && other.p_value > 1e-3, "{other:?}");
+        // Beside it nothing else predicts any better.
+        let rest = of(&loud.last, "offset:height_m");
+        assert!(rest.share < 0.01 && !rest.falls, "{rest:?}");
+        assert!(rest.held_out_rms_ut.unwrap() < 0.3 && own.held_out_rms_ut.unwrap() < 0.3, "{own:?}");
+    }
 }
 
 #[test]

@@ -39,13 +39,15 @@ impl Moving {
     /// Of a fit.
     pub fn of(fit: &Fit) -> Moving {
         let cause = hidden_cause(fit).filter(|cause| cause.gain > 0.0);
-        match cause.as_ref().map(|cause| cause.moves) {
-            Some(Moves::Field) if cause.as_ref().is_some_and(|cause| cause.gain > MIN_ODDS) => {
-                Moving { offset: None, field_share: cause.map(|cause| cause.share(&fit.residual())) }
+        match cause {
+            Some(field) if field.moves == Moves::Field && field.gain > MIN_ODDS => {
+                Moving { offset: None, field_share: Some(field.share(&fit.residual())) }
             }
-            // A gain or a field that wanders has no offset to show.
-            Some(Moves::Gain | Moves::Field) => Moving { offset: Wander::of(fit, None), field_share: None },
-            Some(Moves::Offset) | None => Moving { offset: Wander::of(fit, cause), field_share: None },
+            // What is no single offset has no direction to show.
+            other => {
+                let offset = Wander::of(fit, other.filter(|cause| cause.moves == Moves::Offset));
+                Moving { offset, field_share: None }
+            }
         }
     }
 }

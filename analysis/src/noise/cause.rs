@@ -124,14 +124,15 @@ pub fn changing_field(
 
 /// The likeliest single cause that adds to the offset, behind a residual that is most like this noise.
 pub fn single_cause(track: &Track, residual: &[f64], noise: &Noise) -> Option<Cause> {
-    likeliest(track, residual, noise, |block, v| Vector3::from(track.direction[block]).dot(v))
+    likeliest(track, residual, noise, Moves::Offset, |block, v| Vector3::from(track.direction[block]).dot(v))
 }
 
-/// The likeliest direction and history, where `view` says how a direction shows in a block.
+/// The likeliest direction and history of what `moves`, where `view` says how a direction shows in a block.
 pub fn likeliest(
     track: &Track,
     residual: &[f64],
     noise: &Noise,
+    moves: Moves,
     view: impl Fn(usize, &Vector3<f64>) -> f64,
 ) -> Option<Cause> {
     let starts = starts(track, noise.wander)?;
@@ -170,9 +171,5 @@ pub fn likeliest(
         }
     }
     let (_, direction) = top?;
-    Some(Cause {
-        direction,
-        moves: Moves::Offset,
-        ..Cause::of(view(&direction), residual, noise, wander, price)?
-    })
+    Some(Cause { direction, moves, ..Cause::of(view(&direction), residual, noise, wander, price)? })
 }

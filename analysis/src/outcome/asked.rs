@@ -83,7 +83,7 @@ pub(crate) fn asked_for<'a>(
         ids.into_iter().partition(|id| is_coupling(id, options));
     let mut start = base.clone();
     let mut pure_lag = false;
-    for list in [others, couplings] {
+    for list in [others, couplings].into_iter().filter(|list| !list.is_empty()) {
         let (mut terms, near) = placed_at(fitter, &start, &list)?;
         if fitter.catalogue.has_down() {
             for term in terms.extract_if(.., |term| !term.hidden_delay().is_empty()) {
@@ -94,7 +94,7 @@ pub(crate) fn asked_for<'a>(
                     pure_lag = true;
                     continue;
                 }
-                start = match fitter.with(&start, vec![term.clone()], None)? {
+                start = match fitter.with(&start, vec![term.clone()], near)? {
                     Some(next) => fitter.aligned(next)?,
                     None => return Ok(Err(does_not_converge(std::iter::once(term.id.as_str())))),
                 };

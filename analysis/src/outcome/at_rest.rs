@@ -45,10 +45,13 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     if let Some(more) = options.add.get(MOST_ADDED) {
         return Err(Refusal::cannot_add(more, format!("a calibration holds at most {MOST_ADDED} effects")));
     }
-    let (terms, _) = placed_at(&fitter, &base, &options.add.iter().collect::<Vec<_>>())?;
-    let start = match terms.is_empty() {
+    let asked: Vec<&String> = options.add.iter().collect();
+    let start = match asked.is_empty() {
         true => base.clone(),
-        false => design.fit(base.model, terms, &known)?.unwrap_or_else(|| base.clone()),
+        false => {
+            let (terms, _) = placed_at(&fitter, &base, &asked)?;
+            design.fit(base.model, terms, &known)?.unwrap_or_else(|| base.clone())
+        }
     };
     let explanation = if options.search {
         fitter.that_hold(fitter.selected(start)?, &options.add)?

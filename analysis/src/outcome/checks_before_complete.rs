@@ -3,10 +3,10 @@
 use crate::base::applied::Applied;
 use crate::base::quality::NoiseEstimate;
 use crate::base::term::{BadShape, Term};
+use crate::bounds::MIN_SHARE;
 use crate::evidence::significance::Test;
 use crate::outcome::view::View;
 use crate::samples::faults;
-use crate::search::screen::WORTH_NAMING;
 use crate::search::state::held_out_rms;
 
 /// The squared held-out error exceeds what is expected of noise by chance by so many times that excess ...
@@ -32,8 +32,7 @@ impl View<'_, '_> {
     /// hidden it.
     pub(super) fn beside_leaders(&self) -> Result<Vec<(usize, usize)>, BadShape> {
         let explanation = &self.explanation;
-        let mut first: Vec<&Test> =
-            explanation.first.iter().filter(|one| one.share >= WORTH_NAMING).collect();
+        let mut first: Vec<&Test> = explanation.first.iter().filter(|one| one.share >= MIN_SHARE).collect();
         first.sort_by(|a, b| b.share.total_cmp(&a.share));
         for leader in first.into_iter().take(LEADERS) {
             let named = self.catalogue.registry.parse(&leader.id);

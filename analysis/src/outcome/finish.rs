@@ -67,7 +67,7 @@ impl View<'_, '_> {
         if let Some(share) = moving.field_share {
             reasons.push(Reason::new("field-not-uniform", format!(
                 "{:.0} % of the remaining variance does not depend on the orientation and changes along the path. The field \
-                 itself is not uniform, as next to iron, magnets or cables",
+                 itself is not uniform, as next to iron, magnets or cables, or the gain of all axes changes",
                 100.0 * share
             )));
         }

@@ -10,6 +10,9 @@ use crate::search::true_field::as_corrected;
 impl<'a> Fitter<'_, 'a> {
     /// Probability that chance does as well as each effect of a model, all others in it, its search counted; by its id.
     pub(crate) fn chances(&self, fitted: &Fitted<'a>) -> Vec<(String, f64)> {
+        if fitted.terms.is_empty() {
+            return Vec::new();
+        }
         let (table, registry) = (self.catalogue.table(), self.catalogue.registry);
         let tests = p_values_of(self.design.samples, table, registry, &self.begin(fitted));
         let chance = |(term, p_value): (&Term, f64)| (term.id.clone(), (p_value * term.trials).min(1.0));

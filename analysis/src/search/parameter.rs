@@ -132,20 +132,22 @@ pub fn with_slopes(design: &Design, fitted: &Fitted) -> Result<Option<Matrix>, B
     Ok(Some(Matrix::total(&blocks, Some(&fitted.prior))))
 }
 
+/// The same effect with another parameter, with the name and coefficients that it had.
+fn carried<'a>(term: &Term<'a>, next: Term<'a>) -> Term<'a> {
+    Term { coefficients: term.coefficients, id: term.id.clone(), trials: term.trials, ..next }
+}
+
 /// The term with its parameter moved.
 fn moved<'a>(term: &Term<'a>, change: f64, catalogue: &Catalogue<'a>) -> Option<Term<'a>> {
     let next = match term.searched()? {
         (Searched::Frequency, now) => catalogue.build(&term.named()?, now + change)?,
+        // Neither a time constant nor a delay changes its sign on the way.
         (Searched::Delay | Searched::TimeConstant, now) => {
-            {
-                // Neither a time constant nor a delay changes its sign on the way.
-                let next = (now + change) / now;
-                catalogue.build(&term.named()?, now * next.max(0.2))?
-            }
+            catalogue.build(&term.named()?, now * ((now + change) / now).max(0.2))?
         }
         (Searched::At, _) => return None,
     };
-    Some(Term { coefficients: term.coefficients, id: term.id.clone(), trials: term.trials, ..next })
+    Some(carried(term, next))
 }
 
 /// How often parameters are moved, at most.
@@ -166,7 +168,7 @@ pub fn refine<'a>(
             let step = total.step(&factor);
             let mut changes = step[fitted.columns()..].iter();
             for term in &mut terms {
-                if slope(design, term).is_some()
+                if !matches!(term.searched(), None | Some((Searched::At, _)))
                     && let Some(change) = changes.next()
                     && let Some(next) = moved(term, *change, catalogue)
                 {
@@ -179,8 +181,7 @@ pub fn refine<'a>(
                 && let Some(named) = terms[place].named()
                 && let Some(next) = catalogue.build(&named, at_s)
             {
-                let Term { id, coefficients, trials, .. } = terms[place].clone();
-                terms[place] = Term { id, coefficients, trials, ..next };
+                terms[place] = carried(&terms[place], next);
             }
         }
         if terms.iter().zip(&fitted.terms).all(|(next, now)| next.parts() == now.parts()) {
@@ -198,20 +199,23 @@ pub fn refine<'a>(
     Ok(fitted)
 }
 
-/// When a step of the size that it has leaves the least error, all else as it is: between two samples. `None` for what is no step.
+/// The time between two samples at which a step of this size leaves the least error, if all else stays. `None` for what is no step.
 fn likeliest_time(design: &Design, fitted: &Fitted, place: usize) -> Result<Option<f64>, BadShape> {
     let term = &fitted.terms[place];
     let (Some((Searched::At, at_s)), Some(time)) = (term.searched(), &design.samples.time) else {
         return Ok(None);
     };
     let n = design.samples.len();
+    if n < 2 {
+        return Ok(None);
+    }
     let now = time.partition_point(|t| *t < at_s);
-    // By how much the error rises where the step begins before each sample instead: before all, and then later by one after the other.
+    // A step before all samples is moved behind one sample after the other; each entry is by how much that raises the squares.
     let mut rises = vec![0.0; n + 1];
     let list: Vec<&Term> = fitted.terms.iter().collect();
     design.rows(0..n, &fitted.model, &list, |sample, row, r| {
         let by: f64 = (0..3).map(|axis| row[axis] * term.coefficients[axis]).sum();
-        // Samples after it are free of it: what they leave without it, and the earlier ones with it.
+        // Before the time where the step is now, the residual is free of it.
         let (without, with) = if sample < now { (r, r + by) } else { (r - by, r) };
         rises[sample + 1] += without * without - with * with;
     })?;
@@ -224,4 +228,45 @@ fn likeliest_time(design: &Design, fitted: &Fitted, place: usize) -> Result<Opti
     }
     let index = best.1.clamp(1, n - 1);
     Ok(Some(0.5 * (time[index - 1] + time[index])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::ground::Ground;
+    use crate::table::Table;
+    use ironout::effect::Registry;
+    use ironout::fit::Method;
+    use ironout::study::Residual;
+    use ironout_simulation::{EffectSpec, World, WorldOptions};
+
+    #[test]
+    fn a_step_moves_to_the_gap_between_two_samples_where_it_was() {
+        let step = EffectSpec::parse("step=6").expect("an effect");
+        let options = WorldOptions { seed: 8, seconds: 40.0, effects: vec![step], ..WorldOptions::default() };
+        let log = World::new(options).run();
+        let table = Table::from_columns(log.named()).expect("columns");
+        let ground = Ground::of(&table, Method::default(), None, None);
+        let model = ground.base.as_ref().ok().and_then(|base| base.model()).expect("a base model");
+        let samples = ground.counted.with_bursts.as_ref().unwrap_or(&ground.counted.samples);
+        let catalogue = Catalogue::new(samples, &table, Registry::BUILT_IN);
+        let (design, known) = (Design::new(samples, Residual::Magnitude), Prior::default());
+        let named = Registry::BUILT_IN.parse("step").expect("a step");
+        let found_from = |at_s: f64| {
+            let begun = catalogue.build(&named, at_s).expect("a step");
+            let fitted = design.fit(model, vec![begun], &known).ok().flatten().expect("a fit");
+            let refined = refine(&design, fitted, &catalogue, &known).expect("shapes");
+            (refined.terms[0].searched().expect("a time").1, refined.rms())
+        };
+        // From either side it comes to one place, whatever the fit began with, and to the noise.
+        let time = samples.time.as_ref().expect("times");
+        let best =
+            (1..39).map(|s| found_from(f64::from(s))).min_by(|a, b| a.1.total_cmp(&b.1)).expect("fits");
+        assert!(best.1 < 0.27, "{best:?}");
+        for off_s in [-2.0, 2.0] {
+            assert_eq!(found_from(best.0 + off_s).0, best.0, "{off_s} s");
+        }
+        let next = time.partition_point(|t| *t < best.0);
+        assert_eq!(best.0, 0.5 * (time[next - 1] + time[next]));
+    }
 }

@@ -1,13 +1,10 @@
-//! Tests of candidates against a fitted model.
+//! The test of one more effect beside a fitted model.
 
 use crate::base::engine::{Design, Fitted};
 use crate::base::term::{BadShape, COLUMNS, Matrix, TERMS, Term};
 pub use ironout::study::rule::{ACCUSED, RELEVANCE, SIGNIFICANCE};
 use ironout::study::rule::{falls, is_accepted};
 use ironout::study::{f_tail, held_out};
-
-/// An effect of the magnitude is named if it takes at least this share off the squared held-out error.
-pub const WORTH_NAMING: f64 = 0.15;
 
 /// What a test of a candidate says.
 #[derive(Debug, Clone)]
@@ -23,11 +20,9 @@ pub struct Tested {
 }
 
 /// A prior with a trace of information on further columns, so that directions the data do not show stay at zero.
-pub(crate) fn ridge(prior: &Matrix, data: &Matrix, from: usize) -> Matrix {
-    let mut out = prior.clone();
-    let mut wide = Matrix::new(data.columns());
-    wide.merge(&out);
-    out = wide;
+fn ridge(prior: &Matrix, data: &Matrix, from: usize) -> Matrix {
+    let mut out = Matrix::new(data.columns());
+    out.merge(prior);
     for column in from..data.columns() {
         let size = data.entry(column, column);
         out.inform(column, column, if size > 0.0 { 1e-7 * size } else { 1.0 });

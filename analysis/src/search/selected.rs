@@ -46,11 +46,7 @@ impl<'a> Fitter<'_, 'a> {
     }
 
     /// A fit with what fixes the shapes moved to where the error is least.
-    pub(crate) fn refined(
-        &self,
-        begin: Model<f64>,
-        terms: Vec<Term<'a>>,
-    ) -> Result<Option<Fitted<'a>>, BadShape> {
+    fn refined(&self, begin: Model<f64>, terms: Vec<Term<'a>>) -> Result<Option<Fitted<'a>>, BadShape> {
         let Some(next) = finite(self.design.fit(begin, terms, self.known))?.flatten() else {
             return Ok(None);
         };

@@ -8,16 +8,13 @@ use crate::base::engine::{Design, Fitted};
 use crate::base::looked_at::{LookedAt, Shared};
 use crate::base::prior::Prior;
 use crate::base::term::{BadShape, Term, ready};
+use crate::bounds::MIN_ODDS;
 use crate::evidence::select::{Begin, undisturbed_ut};
 use crate::samples::series::Autocorrelation;
 use crate::search::state::Fitter;
 use ironout::effect::Acts;
 use ironout::study::{Model, Residual};
 use std::sync::Arc;
-
-/// The shapes at the undisturbed vectors are taken where they leave so many variances less of the squared error. By chance, the wrong one
-/// does in one log of a thousand at most.
-const PREFERRED: f64 = 10.0;
 
 /// The term with its shape at these vectors, one a sample.
 fn held_at<'a>(term: &Term<'a>, vectors_ut: &[[f64; 3]]) -> Term<'a> {
@@ -72,7 +69,7 @@ impl<'a> Fitter<'_, 'a> {
         let Some(plain) = plain else { return Ok(Some(other).filter(|other| other.converged)) };
         let residuals = design.residuals(&other.model, &other.terms.iter().collect::<Vec<_>>())?;
         let variance = other.squares / other.rows.max(1.0) * Autocorrelation::of(&residuals).time;
-        let is_likelier = plain.squares - other.squares > PREFERRED * variance;
+        let is_likelier = plain.squares - other.squares > MIN_ODDS * variance;
         Ok(Some(if is_likelier { other } else { plain }))
     }
 }
