@@ -69,7 +69,7 @@ fn strapped(seed: u64, per_a_ut: [f64; 3]) -> Log {
     let gyro = ["gx_radps", "gy_radps", "gz_radps"].map(position);
     let field = ["mx_ut", "my_ut", "mz_ut"].map(position);
     log.columns[current].iter_mut().for_each(|current_a| *current_a = 0.4 + noise(0.02));
-    // What it reads there without noise: held, the noise of one reading would be an offset of its own.
+    // Its reading there without noise. A noisy reading that is repeated would be a step of the offset.
     let quiet = World::new(WorldOptions { seed, noise_ut: 0.0, ..WorldOptions::default() }).run();
     let held: Vec<f64> = log.columns.iter().map(|column| column[rows / 3]).collect();
     let held: Vec<f64> = (0..held.len())

@@ -13,8 +13,8 @@ use rand::{RngExt, SeedableRng, rngs::ChaCha12Rng};
 use serde_json::Value;
 use std::io::Write;
 
-/// Share of the remaining variance below which an effect is said to be too small (`bounds::MIN_SHARE` of the analysis).
-const RELEVANCE: f64 = 0.05;
+/// Share of the remaining variance below which an effect is said to be too small.
+const RELEVANCE: f64 = ironout_analysis::bounds::MIN_SHARE;
 
 fn pick<'a, T: ?Sized>(rng: &mut ChaCha12Rng, list: &[&'a T]) -> &'a T {
     list[rng.random_range(0..list.len())]

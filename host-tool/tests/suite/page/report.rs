@@ -63,7 +63,7 @@ fn a_report_shows_the_error_fall_when_the_missing_effect_is_switched_on() {
     let fit = ironout(["fit", text(&log), "--add", "offset:current_a", "-o", text(&with_cal)]);
     assert_eq!(fit.status, 0, "{}", fit.stderr);
     let header = ironout(["export", text(&with_cal), "--as", "c"]);
-    // A search and a fit come to the same solution on two ways: all but the last digits.
+    // The page begins at the result of a search, `fit --add` at the plain model. They agree to twelve digits.
     assert_eq!(rounded(words(&targets["c"][1])), rounded(&header.stdout));
     for (key, parts) in [
         (
