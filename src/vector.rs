@@ -50,6 +50,13 @@ by_call! {
 }
 
 by_call! {
+    /// `a + b`.
+    pub fn plus(a: [T; 3], b: [T; 3]) -> [T; 3] {
+        [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+    }
+}
+
+by_call! {
     /// `s a`.
     pub fn scaled(a: [T; 3], s: T) -> [T; 3] {
         [a[0] * s, a[1] * s, a[2] * s]

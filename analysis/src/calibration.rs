@@ -1,5 +1,7 @@
 //! What is known of a calibration besides its numbers: errors, information, and the effects in it, as plain data.
 
+use crate::plain;
+use ironout::effect::Bends;
 use nalgebra::{DMatrix, SMatrix};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -36,6 +38,9 @@ pub struct EffectEntry {
     /// programs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range: Option<BTreeMap<String, [f64; 2]>>,
+    /// What it bends, where it reads the field: `field`; absent where it is the reading.
+    #[serde(default, with = "plain::bends", skip_serializing_if = "plain::is_reading")]
+    pub bends: Bends,
 }
 
 /// The error of a heading at one tilt.
@@ -244,6 +249,9 @@ pub struct FittedEffect {
     pub parameters: Vec<(&'static str, f64)>,
     /// The least and the greatest value of each column over the samples of the fit.
     pub range: Vec<(String, [f64; 2])>,
+    /// What it bends, where it reads the field.
+    #[serde(with = "plain::bends", skip_serializing_if = "plain::is_reading")]
+    pub bends: Bends,
 }
 
 impl From<&FittedEffect> for EffectEntry {
@@ -262,6 +270,7 @@ impl From<&FittedEffect> for EffectEntry {
             reference: fitted.reference.iter().cloned().collect(),
             parameters: fitted.parameters.iter().map(|(name, value)| (name.to_string(), *value)).collect(),
             range: Some(fitted.range.iter().cloned().collect()),
+            bends: fitted.bends,
         }
     }
 }

@@ -15,9 +15,10 @@ pub type Calibrated = ExtendedCalibration<f64, Made<ColumnName>>;
 /// the library's.
 pub fn of_library(calibration: &Calibrated) -> Option<ExtendedCalibration<f64>> {
     let mut out = ExtendedCalibration::plain(calibration.base);
-    for FittedEffect { effect, coefficients, std_errors, ranges } in calibration.effects.iter() {
+    for FittedEffect { effect, coefficients, std_errors, ranges, bends } in calibration.effects.iter() {
         let effect = BuiltIn::of(effect.parts())?;
-        out.effects.push(FittedEffect::new(effect, *coefficients, *std_errors).over(*ranges)).ok()?;
+        let fitted = FittedEffect::new(effect, *coefficients, *std_errors);
+        out.effects.push(fitted.over(*ranges).bending(*bends)).ok()?;
     }
     Some(out)
 }
@@ -42,7 +43,7 @@ pub fn calibrated(
 
 /// The entry of a calibration file that stands for an effect: the inverse of [`from_entry`].
 pub fn entry<E: Effect<f64> + InParts>(fitted: &FittedEffect<f64, E>) -> EffectEntry {
-    let FittedEffect { effect, coefficients, std_errors, ranges } = fitted;
+    let FittedEffect { effect, coefficients, std_errors, ranges, bends } = fitted;
     let (parts, k) = (effect.parts(), effect.coefficients());
     let names: Vec<String> =
         effect.columns().iter().flatten().map(|column| column.name.to_string()).collect();
@@ -64,6 +65,7 @@ pub fn entry<E: Effect<f64> + InParts>(fitted: &FittedEffect<f64, E>) -> EffectE
             .collect(),
         range: known,
         columns: names,
+        bends: *bends,
     }
 }
 
@@ -111,5 +113,5 @@ pub fn from_entry(
     for (range, column) in ranges.iter_mut().zip(effect.columns()) {
         *range = column.zip(entry.range.as_ref()).and_then(|(column, known)| known.get(column.name).copied());
     }
-    Ok(FittedEffect::new(effect, coefficients, std_errors).over(ranges))
+    Ok(FittedEffect::new(effect, coefficients, std_errors).over(ranges).bending(entry.bends))
 }

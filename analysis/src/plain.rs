@@ -1,6 +1,7 @@
 //! The core's types as plain data, for serde: the core itself knows of no format.
 
 use ironout::calibration::Calibration;
+use ironout::effect::Bends;
 use ironout::fit::{Method, Order};
 use serde::de::Error;
 use serde::ser::SerializeStruct;
@@ -43,4 +44,30 @@ pub fn method<S: Serializer>(method: &Method, serializer: S) -> Result<S::Ok, S:
 pub fn method_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Method, D::Error> {
     let word = String::deserialize(deserializer)?;
     Method::parse(&word).ok_or_else(|| D::Error::custom(format!("there is no method {word:?}")))
+}
+
+/// Whether it is what most effects bend.
+pub fn is_reading(bends: &Bends) -> bool {
+    *bends == Bends::Reading
+}
+
+/// `field` or `reading`.
+pub mod bends {
+    use super::*;
+
+    /// The word.
+    pub fn serialize<S: Serializer>(bends: &Bends, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(if is_reading(bends) { "reading" } else { "field" })
+    }
+
+    /// What a word says.
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Bends, D::Error> {
+        match String::deserialize(deserializer)?.as_str() {
+            "reading" => Ok(Bends::Reading),
+            "field" => Ok(Bends::Field),
+            other => {
+                Err(D::Error::custom(format!("an effect bends \"reading\" or \"field\", not {other:?}")))
+            }
+        }
+    }
 }

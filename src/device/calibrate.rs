@@ -8,7 +8,7 @@ use super::level::Tilts;
 use super::level_worse::LevelWorse;
 use super::machine::Device;
 use super::sensor::SensorFault;
-use crate::effect::Effect;
+use crate::effect::{Bends, Effect};
 use crate::extended::FittedEffect;
 use crate::fit::FitReport;
 use crate::level::Forces;
@@ -309,7 +309,7 @@ struct Row<'a>(&'a FittedEffect<f64>);
 
 impl fmt::Display for Row<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Row(FittedEffect { effect, coefficients, std_errors, ranges }) = self;
+        let Row(FittedEffect { effect, coefficients, std_errors, ranges, bends }) = self;
         let k = effect.coefficients();
         Effect::<f64>::id(effect, f)?;
         for (key, values) in [(" coefficients=", coefficients), (" std_errors=", std_errors)] {
@@ -331,6 +331,9 @@ impl fmt::Display for Row<'_> {
                 (Some(_), Some([least, most])) => write!(f, " range={:?},{:?}", Num(*least), Num(*most))?,
                 (Some(_), None) => f.write_str(" range=-")?,
             }
+        }
+        if *bends == Bends::Field {
+            f.write_str(" bends=field")?;
         }
         Ok(())
     }

@@ -35,6 +35,18 @@ pub enum Acts {
     Turning,
 }
 
+/// What a sensor bends in an effect whose shape is made of the measured vector ([`Acts::Measured`]): two forms of one effect. They differ by
+/// the square of the disturbance over the field.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Bends {
+    /// Its reading, as an amplifier behind a feedback does: the shape is that of what the sensor gives out, `m = x + Φ(m) θ`.
+    #[default]
+    Reading,
+    /// The field at the sensor, as a core does that saturates: the shape is that of the undisturbed reading, `m = x + Φ(x) θ`.
+    Field,
+}
+
 /// What a log must have besides the effect's column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {

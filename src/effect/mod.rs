@@ -94,7 +94,7 @@ pub use columns::{ColumnKind, Usual};
 pub use cross_axis::CrossAxis;
 pub use definition::{Effect, Id};
 pub use drift::Drift;
-pub use family::{Acts, Advice, Amount, Family, Follows, Group, Need, Subject};
+pub use family::{Acts, Advice, Amount, Bends, Family, Follows, Group, Need, Subject};
 pub use field::AmbientField;
 pub use gain::Gain;
 pub use lag::{Eddy, Lag};

@@ -56,8 +56,9 @@ impl<T: Real, E: Effect<T>> ExtendedCalibration<T, E> {
                 return Err(NotCorrected::RateOfTurn(index));
             }
         }
-        let list =
-            list().map(|(fitted, inputs)| (&fitted.effect, &fitted.coefficients, fitted.held(*inputs)));
+        let list = list().map(|(fitted, inputs)| {
+            (&fitted.effect, &fitted.coefficients, fitted.held(*inputs), fitted.bends)
+        });
         correct(&self.base, &prepared, measured_ut, *turn_radps, list)
     }
 
@@ -79,7 +80,8 @@ impl<T: Real> ExtendedCalibration<T> {
         }
         let mut effects = Effects::none();
         for fitted in self.effects.iter() {
-            let mut cast = FittedEffect::new(fitted.effect.cast(), [U::zero(); 9], [U::zero(); 9]);
+            let mut cast =
+                FittedEffect::new(fitted.effect.cast(), [U::zero(); 9], [U::zero(); 9]).bending(fitted.bends);
             cast_all(&fitted.coefficients, &mut cast.coefficients);
             cast_all(&fitted.std_errors, &mut cast.std_errors);
             for (from, to) in fitted.ranges.iter().zip(&mut cast.ranges) {

@@ -1,10 +1,10 @@
 //! The correction of one sample, and what it needs to know.
 
-use super::fitted::{Effects, MAX_EFFECTS};
+use super::fitted::{Effects, FittedEffect, MAX_EFFECTS};
 use crate::calibration::Calibration;
-use crate::effect::{Coefficients, Effect, MAX_INPUTS, Quantities};
+use crate::effect::{Bends, Coefficients, Effect, MAX_INPUTS, Quantities};
 use crate::math::Real;
-use crate::model::settle;
+use crate::model::{of_bent, settle};
 use crate::vector::{cross, inverse_3x3, minus, scaled, times, turned};
 use core::fmt;
 
@@ -79,15 +79,18 @@ impl<T: Real> Prepared<T> {
     }
 
     pub(super) fn of<E: Effect<T>>(base: &Calibration<T>, effects: &Effects<T, E>) -> Option<Self> {
-        let effects = || effects.iter().map(|fitted| &fitted.effect);
+        let looks_again = |one: &FittedEffect<T, E>| one.bends == Bends::Field || one.effect.reads_centre();
         Some(Self {
             inverse: inverse_3x3(&base.matrix)?,
-            turning: effects().any(|effect| effect.needs_gyro()),
-            looks_again: effects().any(|effect| effect.reads_centre()),
+            turning: effects.iter().any(|one| one.effect.needs_gyro()),
+            looks_again: effects.iter().any(looks_again),
             most_square: T::of(LIMIT) * base.field_ut * base.field_ut,
         })
     }
 }
+
+/// An effect of a correction, with its inputs.
+pub(super) type Applied<'e, T, E> = (&'e E, &'e Coefficients<T>, [T; MAX_INPUTS], Bends);
 
 /// The correction itself, once everything that the effects need is known to be there. Effects that read the centre are
 /// evaluated again until their disturbance stands: the first time with the centre as if there were none.
@@ -97,7 +100,7 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
     prepared: &Prepared<T>,
     measured_ut: [T; 3],
     turn_radps: Option<[T; 3]>,
-    effects: impl Iterator<Item = (&'e E, &'e Coefficients<T>, [T; MAX_INPUTS])> + Clone,
+    effects: impl Iterator<Item = Applied<'e, T, E>> + Clone,
 ) -> Result<[T; 3], NotCorrected> {
     let centred = minus(measured_ut, base.offset_ut);
     let mut at = Quantities {
@@ -112,16 +115,16 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
             at.turning_ut_per_s = times(&prepared.inverse, cross(turn, times(&base.matrix, at.centred_ut)));
         }
         let mut left = centred;
-        for (effect, coefficients, inputs) in effects.clone() {
+        for (effect, coefficients, inputs, bends) in effects.clone() {
             at.inputs = inputs;
-            left = minus(left, effect.disturbance(&at, coefficients));
+            left = minus(left, effect.disturbance(&of_bent(bends, &at, base.offset_ut), coefficients));
         }
         Ok::<_, NotCorrected>(left)
     };
     let left = settle(centred, prepared.looks_again, look)?;
     let mut corrected = times(&base.matrix, left);
     if let (true, Some(turn)) = (prepared.turning, turn_radps) {
-        for (effect, coefficients, _) in effects.clone() {
+        for (effect, coefficients, ..) in effects.clone() {
             // The board turned since what is read now.
             if let Some(delay_s) = effect.delay_s(coefficients) {
                 corrected = turned(corrected, scaled(turn, -delay_s));
@@ -136,7 +139,7 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
         return Ok(corrected);
     }
     // Whose fault it is, is looked for only now.
-    for (index, (effect, coefficients, inputs)) in effects.clone().enumerate() {
+    for (index, (effect, coefficients, inputs, _)) in effects.clone().enumerate() {
         at.inputs = inputs;
         if is_finite(measured_ut) && !is_finite(effect.disturbance(&at, coefficients)) {
             return Err(NotCorrected::Shape(index));

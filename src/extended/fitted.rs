@@ -2,7 +2,7 @@
 
 use crate::calibration::Calibration;
 use crate::effect::{
-    BuiltIn, Coefficients, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, TIME, no_shape,
+    Bends, BuiltIn, Coefficients, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, TIME, no_shape,
 };
 use crate::math::Real;
 use crate::vector::{minus, norm, times};
@@ -46,13 +46,24 @@ pub struct FittedEffect<T, E = BuiltIn<T>> {
     pub std_errors: Coefficients<T>,
     /// The ranges of its columns in the log of the fit. Far outside of them the effect is held ([`FittedEffect::held`]).
     pub ranges: Ranges<T>,
+    /// What it bends.
+    pub bends: Bends,
 }
 
 impl<T, E> FittedEffect<T, E> {
     /// An effect with these coefficients and standard errors, of which it is not known over which values of its columns it
     /// was fitted: [`FittedEffect::over`] says so.
     pub const fn new(effect: E, coefficients: Coefficients<T>, std_errors: Coefficients<T>) -> Self {
-        Self { effect, coefficients, std_errors, ranges: [const { None }; MAX_INPUTS] }
+        Self { effect, coefficients, std_errors, ranges: [const { None }; MAX_INPUTS], bends: Bends::Reading }
+    }
+
+    /// The same effect, bending this; usable in constants.
+    pub const fn bending(mut self, bends: Bends) -> Self
+    where
+        T: Copy,
+    {
+        self.bends = bends;
+        self
     }
 
     /// The same effect, fitted over these values of its columns; usable in constants.

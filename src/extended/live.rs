@@ -7,7 +7,7 @@ use super::fitted::{Limits, MAX_EFFECTS, Ranges, held};
 use super::low_pass::LowPass;
 use super::outside::Outside;
 use crate::calibration::Calibration;
-use crate::effect::{BuiltIn, Coefficients, Effect, MAX_INPUTS, Past, TIME};
+use crate::effect::{Bends, BuiltIn, Coefficients, Effect, MAX_INPUTS, Past, TIME};
 use crate::math::Real;
 use core::fmt;
 use heapless::Vec;
@@ -73,6 +73,7 @@ struct Place<T, E> {
     coefficients: Coefficients<T>,
     ranges: Ranges<T>,
     limits: Limits<T>,
+    bends: Bends,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -169,6 +170,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
                 coefficients: fitted.coefficients,
                 ranges: fitted.ranges,
                 limits: fitted.limits(),
+                bends: fitted.bends,
             });
             for (input, column) in fitted.effect.columns().into_iter().enumerate() {
                 let Some(column) = column else { continue };
@@ -302,8 +304,9 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
             return Err(NotCorrected::RateOfTurn(turning.unwrap_or_default()));
         }
         let effects = self.places.iter().zip(&self.inputs);
-        let effects =
-            effects.map(|(place, inputs)| (&place.effect, &place.coefficients, held(&place.limits, *inputs)));
+        let effects = effects.map(|(place, inputs)| {
+            (&place.effect, &place.coefficients, held(&place.limits, *inputs), place.bends)
+        });
         correct(&self.base, &self.prepared, measured_ut, turn_radps, effects)
     }
 

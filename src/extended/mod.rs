@@ -61,7 +61,8 @@
 //!     let mut study: Study<f64, 11, 1, 1> = Study::new(Residual::Magnitude, model, 2);
 //!     for i in 0..3000 {
 //!         let (measured_ut, angle) = sample(i);
-//!         let term = Term { effect: &servo.effect, coefficients: servo.coefficients, inputs: [angle, 0.0] };
+//!         let (coefficients, bends) = (servo.coefficients, servo.bends);
+//!         let term = Term { effect: &servo.effect, coefficients, inputs: [angle, 0.0], bends };
 //!         study.push(0, &Observation { measured_ut, turn_radps: None, down: None }, &[term])?;
 //!     }
 //!     let prior: Normal<f64, 11> = base_prior(&PhysicalPrior::default(), &model, 0.01, 11);

@@ -3,10 +3,11 @@
 use super::{Conditions, ExtendedCalibration, FittedEffect, Live, MAX_EFFECTS, NotCorrected};
 use crate::calibration::Calibration;
 use crate::effect::{
-    AmbientField, BuiltIn, ColumnName, Eddy, Effect, Gain, Lag, Offset, Past, Product, Quantities, Shape,
+    AmbientField, Bends, BuiltIn, ColumnName, CrossAxis, Eddy, Effect, Gain, Lag, Nonlinearity, Offset, Past,
+    Product, Quantities, Shape,
 };
 use crate::model::{Model, Observation, Residual, Term};
-use crate::vector::{minus, norm, times, turned};
+use crate::vector::{minus, norm, plus, times, turned};
 use core::fmt;
 
 fn fitted(effect: BuiltIn<f64>, size: f64) -> FittedEffect<f64> {
@@ -33,6 +34,7 @@ fn the_study_and_the_correction_mean_the_same() {
         effect: &effects[i].effect,
         coefficients: effects[i].coefficients,
         inputs: [3.0, 0.0],
+        bends: effects[i].bends,
     });
     let reading = Observation { measured_ut: measured, turn_radps: Some(turn), down: None };
     let there = model.correct(&reading, &terms).unwrap();
@@ -207,8 +209,8 @@ fn a_periodic_interference_keeps_its_phase_for_three_days() {
     let mut live = Live::new(&calibration.cast::<f32>()).unwrap();
     // Behind a reference, as an effect from outside stands in a calibration.
     let mut behind = ExtendedCalibration::<f64, &dyn Effect<f64>>::plain(calibration.base);
-    for FittedEffect { effect, coefficients, std_errors, ranges } in calibration.effects.iter() {
-        let one = FittedEffect::new(effect as _, *coefficients, *std_errors).over(*ranges);
+    for FittedEffect { effect, coefficients, std_errors, ranges, bends } in calibration.effects.iter() {
+        let one = FittedEffect::new(effect as _, *coefficients, *std_errors).over(*ranges).bending(*bends);
         behind.effects.push(one).ok().unwrap();
     }
     let mut behind = Live::new(&behind).unwrap();
@@ -284,7 +286,8 @@ fn the_dip_s_derivatives_are_those_of_the_turned_vector() {
     let row_of = |model: &Model<f64>, delay_s: f64| {
         let mut coefficients = [0.0; 9];
         coefficients[0] = delay_s;
-        let term = Term { effect: &Lag as &dyn Effect<f64>, coefficients, inputs: [0.0; 2] };
+        let term =
+            Term { effect: &Lag as &dyn Effect<f64>, coefficients, inputs: [0.0; 2], bends: Bends::Reading };
         let mut out = ([0.0; 5], 0.0);
         model.rows::<1, 5>(Residual::Dip, &reading, &[term], |row, r| out = (*row, r)).unwrap();
         out
@@ -301,9 +304,100 @@ fn the_dip_s_derivatives_are_those_of_the_turned_vector() {
             assert!((row[axis] - (after - residual) / step).abs() < 1e-5, "{axis} at {delay_s}: {row:?}");
         }
         // The same angle as of the corrected vector.
-        let term = Term { effect: &Lag as &dyn Effect<f64>, coefficients: [delay_s; 9], inputs: [0.0; 2] };
+        let term = Term {
+            effect: &Lag as &dyn Effect<f64>,
+            coefficients: [delay_s; 9],
+            inputs: [0.0; 2],
+            bends: Bends::Reading,
+        };
         let corrected = model.correct(&reading, &[term]).unwrap();
         let sine = crate::vector::dot(corrected, down) / norm(corrected);
         assert!((sine.asin() - 0.5_f64.asin() - residual).abs() < 1e-9);
+    }
+}
+
+/// A strong effect of each kind that reads the field, with its inputs.
+fn strong() -> [(BuiltIn<f64>, [f64; 9], [f64; 2]); 3] {
+    let column = ColumnName::new("temp_c").unwrap();
+    [
+        (BuiltIn::CrossAxis(CrossAxis), [4e-3, -3e-3, 2e-3, 3e-3, -2e-3, 3e-3, 2e-3, 0.0, 0.0], [0.0; 2]),
+        (
+            BuiltIn::Nonlinearity(Nonlinearity),
+            [2e-3, -3e-3, 2e-3, -4e-5, 3e-5, -3e-5, 0.0, 0.0, 0.0],
+            [0.0; 2],
+        ),
+        (
+            BuiltIn::Gain(Gain { column, reference: 20.0 }),
+            [0.02, -0.03, 0.01, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            [30.0, 0.0],
+        ),
+    ]
+}
+
+#[test]
+fn what_bends_the_field_is_taken_off_the_reading() {
+    let base = Calibration {
+        offset_ut: [12.0, -7.0, 9.0],
+        matrix: [[1.05, 0.03, -0.02], [0.0, 0.97, 0.04], [0.0, 0.0, 1.01]],
+        field_ut: 50.0,
+    };
+    let inverse = crate::vector::inverse_3x3(&base.matrix).unwrap();
+    for (effect, theta, inputs) in strong() {
+        for field in [[50.0, 0.0, 0.0], [0.0, -50.0, 0.0], [-28.0, 30.0, 28.6], [30.0, -24.0, -32.0]] {
+            let undisturbed = plus(times(&inverse, field), base.offset_ut);
+            let at = Quantities { inputs, ..Quantities::of_vector(undisturbed) };
+            let measured = plus(undisturbed, effect.disturbance(&at, &theta));
+            assert!(norm(minus(measured, undisturbed)) > 1.0, "it is strong");
+            let mut calibration = ExtendedCalibration::plain(base);
+            let fitted = FittedEffect::new(effect, theta, [0.0; 9]).bending(Bends::Field);
+            calibration.effects.push(fitted).unwrap();
+            let conditions = Conditions { turn_radps: None, inputs: [inputs; MAX_EFFECTS] };
+            let corrected = calibration.apply(measured, &conditions).unwrap();
+            assert!(norm(minus(corrected, field)) < 2e-3, "{fitted:?}: {corrected:?} for {field:?}");
+        }
+    }
+}
+
+#[test]
+fn the_magnitude_s_derivatives_are_those_of_what_bends_the_field() {
+    let matrix = [[1.05, 0.03, -0.02], [0.0, 0.97, 0.04], [0.0, 0.0, 1.01]];
+    let turned = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let model = Model::new([12.0, -7.0, 9.0], matrix, 50.0, turned, 0.0).unwrap();
+    let (h, k) = (1e-4, 6);
+    let inverse = crate::vector::inverse_3x3(&matrix).unwrap();
+    let undisturbed = plus(times(&inverse, [32.0, -24.0, 30.0]), model.offset_ut);
+    for (effect, coefficients, inputs) in strong() {
+        let at = Quantities { inputs, ..Quantities::of_vector(undisturbed) };
+        // With some noise.
+        let measured_ut = plus(plus(undisturbed, effect.disturbance(&at, &coefficients)), [0.2, 0.1, -0.1]);
+        let rows = |model: &Model<f64>, coefficients: [f64; 9]| {
+            let term =
+                Term { effect: &effect as &dyn Effect<f64>, coefficients, inputs, bends: Bends::Field };
+            let reading = Observation { measured_ut, turn_radps: None, down: None };
+            let mut out = ([0.0; 16], 0.0);
+            model.rows::<1, 16>(Residual::Magnitude, &reading, &[term], |row, r| out = (*row, r)).unwrap();
+            out
+        };
+        let (row, _) = rows(&model, coefficients);
+        for column in 0..9 + k.min(effect.coefficients()) {
+            let moved = |sign: f64| {
+                let (mut delta, mut theta) = ([0.0; 9], coefficients);
+                // A coefficient's unit is as large as its disturbance is.
+                let step = if column < 9 { h } else { h * theta[column - 9].abs() };
+                match column.checked_sub(9) {
+                    None => delta[column] = sign * step,
+                    Some(place) => theta[place] += sign * step,
+                }
+                (rows(&model.stepped(&delta).unwrap(), theta).1, step)
+            };
+            let ((up, step), (down, _)) = (moved(1.0), moved(-1.0));
+            let slope = (up - down) / (2.0 * step);
+            // The columns are those of the closest point, which is off by the noise over the field.
+            assert!(
+                (row[column] - slope).abs() < 0.02 * slope.abs().max(0.1),
+                "{effect:?} {column}: {} {slope}",
+                row[column]
+            );
+        }
     }
 }

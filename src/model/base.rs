@@ -107,8 +107,7 @@ impl<T: Real> Model<T> {
         let mut sum = [T::zero(); 3];
         let all = terms.zip(shapes.iter_mut()).enumerate();
         for (index, (term, shape)) in all.filter(|(_, (term, _))| wanted(term)) {
-            let at = Quantities { inputs: term.inputs, ..*at };
-            term.effect.shape(&at, shape);
+            term.effect.shape(&term.sees(at, self.offset_ut), shape);
             // A delay turns, and adds nothing.
             let adds = term.is_active() && term.effect.delay_s(&term.coefficients).is_none();
             for (vector, coefficient) in shape.iter().zip(term.coefficients).take(term.effect.coefficients())

@@ -3,9 +3,9 @@
 use super::base::{Linearised, Model};
 use super::sample::{NotFinite, Observation, Term};
 use super::secant::Secant;
-use crate::effect::{Quantities, Shape};
+use crate::effect::{Bends, Quantities, Shape};
 use crate::math::Real;
-use crate::vector::{cross, dot, minus, norm, scaled};
+use crate::vector::{cross, dot, minus, norm, plus, scaled};
 
 /// Looks at a disturbance that depends on the field it disturbs.
 const MOST_ITERATIONS: usize = 24;
@@ -29,15 +29,35 @@ pub(super) struct Reaction<T> {
     follows: [[T; 3]; 2],
     /// ... for a step of the measured vector that moves the residual by one, ...
     outward: [T; 3],
+    /// ... for a step of the centred vector by as much, ...
+    inward: [T; 3],
     /// ... and for a step of the turning vector along each axis. `None` where nothing turns.
     turning: Option<[[T; 3]; 3]>,
+    /// What that part of it that bends the field does for a step of the offset along each axis, which moves the undisturbed reading.
+    /// `None` where nothing bends the field.
+    by_offset: Option<[[T; 3]; 3]>,
 }
 
 impl<T: Real> Reaction<T> {
     /// Of a disturbance that looks at nothing.
     fn none() -> Self {
         let zero = [T::zero(); 3];
-        Reaction { along: [zero; 2], follows: [zero; 2], outward: zero, turning: None }
+        Reaction {
+            along: [zero; 2],
+            follows: [zero; 2],
+            outward: zero,
+            inward: zero,
+            turning: None,
+            by_offset: None,
+        }
+    }
+
+    /// What a pull takes off the residual for a step of the offset: `(I + ∂Φ_f θ)ᵀ pull`.
+    pub(super) fn of_offset(&self, pull: [T; 3]) -> [T; 3] {
+        match self.by_offset {
+            Some(slopes) => plus(pull, slopes.map(|slope| dot(pull, slope))),
+            None => pull,
+        }
     }
 
     /// What `pull` becomes for a change of offset or coefficients: `zᵀ(I + Σ fᵢ aᵢᵀ) = pullᵀ`.
@@ -52,6 +72,11 @@ impl<T: Real> Reaction<T> {
         let (u, v) = ((p * d - q * b) / determinant, (q * a - p * c) / determinant);
         let [first, second] = self.along;
         minus(minus(pull, scaled(first, u)), scaled(second, v))
+    }
+
+    /// By how much a change of the magnitude's residual grows that moves the ellipsoid, and with it the closest point: that of the matrix.
+    pub(super) fn with_the_ellipsoid(&self, answered: [T; 3]) -> T {
+        T::one() + dot(answered, self.inward)
     }
 
     /// By how much a change of the magnitude's residual grows because the noise-free measured vector moves with it.
@@ -148,13 +173,13 @@ impl<T: Real> Model<T> {
         terms: &[Term<'_, T>],
     ) -> Result<Reaction<T>, NotFinite> {
         let (zero, one) = (T::zero(), T::one());
-        let reads_centre = |term: &Term<'_, T>| term.effect.reads_centre();
-        // Of all terms, or of those that see the centred vector move.
-        let sum_at = |at: Quantities<T>, all: bool| {
+        let reads_centre = |term: &Term<'_, T>| term.reads_centre();
+        let bends_field = |term: &Term<'_, T>| term.bends == Bends::Field;
+        let all = |_: &Term<'_, T>| true;
+        let sum_at = |at: Quantities<T>, some: &dyn Fn(&Term<'_, T>) -> bool| {
             let mut sum = [zero; 3];
-            let moving = |term: &Term<'_, T>| term.is_active() && (all || reads_centre(term));
-            for (index, term) in terms.iter().enumerate().filter(|(_, term)| moving(term)) {
-                let at = Quantities { inputs: term.inputs, ..at };
+            for (index, term) in terms.iter().enumerate().filter(|(_, term)| term.is_active() && some(term)) {
+                let at = term.sees(&at, self.offset_ut);
                 let own = term.effect.disturbance(&at, &term.coefficients);
                 if own.iter().any(|value| !value.is_finite()) {
                     return Err(NotFinite::Effect(index));
@@ -183,14 +208,17 @@ impl<T: Real> Model<T> {
         let along = [first, cross(normal, first)];
         let step = self.field_ut * T::of(1e-3);
         let mut follows = [[zero; 3]; 2];
+        let mut inward = [zero; 3];
         let mut turning = None;
         if terms.iter().any(|term| reads_centre(term) && term.is_active()) {
-            let still = sum_at(here, false)?;
+            let still = sum_at(here, &reads_centre)?;
             for (follow, direction) in follows.iter_mut().zip(along) {
                 let moved =
                     ClosestPoint { centred: minus(closest.centred, scaled(direction, -step)), ..*closest };
-                *follow = scaled(minus(sum_at(quantities(&moved), false)?, still), one / step);
+                *follow = scaled(minus(sum_at(quantities(&moved), &reads_centre)?, still), one / step);
             }
+            let moved = ClosestPoint { centred: minus(closest.centred, scaled(normal, -step)), ..*closest };
+            inward = scaled(minus(sum_at(quantities(&moved), &reads_centre)?, still), one / (step * size));
             if reading.turn_radps.is_some() {
                 let mut answers = [[zero; 3]; 3];
                 for (axis, answer) in answers.iter_mut().enumerate() {
@@ -198,15 +226,28 @@ impl<T: Real> Model<T> {
                     if let Some(entry) = moved.turning_ut_per_s.get_mut(axis) {
                         *entry += step;
                     }
-                    *answer = scaled(minus(sum_at(moved, false)?, still), one / step);
+                    *answer = scaled(minus(sum_at(moved, &reads_centre)?, still), one / step);
                 }
                 turning = Some(answers);
             }
         }
         let moved = ClosestPoint { measured: minus(closest.measured, scaled(normal, -step)), ..*closest };
-        let outward = minus(sum_at(quantities(&moved), true)?, sum_at(here, true)?);
+        let outward = minus(sum_at(quantities(&moved), &all)?, sum_at(here, &all)?);
         let outward = scaled(outward, one / (step * size));
-        Ok(Reaction { along, follows, outward, turning })
+        let mut by_offset = None;
+        if terms.iter().any(|term| bends_field(term) && term.is_active()) {
+            let still = sum_at(here, &bends_field)?;
+            let mut slopes = [[zero; 3]; 3];
+            for (axis, slope) in slopes.iter_mut().enumerate() {
+                let mut moved = here;
+                if let Some(entry) = moved.centred_ut.get_mut(axis) {
+                    *entry += step;
+                }
+                *slope = scaled(minus(sum_at(moved, &bends_field)?, still), one / step);
+            }
+            by_offset = Some(slopes);
+        }
+        Ok(Reaction { along, follows, outward, inward, turning, by_offset })
     }
 }
 
@@ -240,7 +281,12 @@ mod tests {
         let mut coefficients = [0.0; crate::effect::MAX_COEFFICIENTS];
         // At 40 µT the slope of the cubes is -1.4: a look that is off by one sends the next off by 1.4.
         coefficients[3..6].copy_from_slice(&[-3e-4, -2.9e-4, -3e-4]);
-        let term = Term { effect: &crate::effect::Nonlinearity, coefficients, inputs: [0.0; 2] };
+        let term = Term {
+            effect: &crate::effect::Nonlinearity,
+            coefficients,
+            inputs: [0.0; 2],
+            bends: Bends::Reading,
+        };
         for measured_ut in [[39.0, -38.0, 36.0], [-40.0, 37.0, 41.0], [38.0, 40.0, -39.0]] {
             // In a field that the reading is 0.6 µT beyond.
             let model = of_field(50.0);

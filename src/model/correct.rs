@@ -15,7 +15,7 @@ impl<T: Real> Model<T> {
         let measured = reading.measured_ut;
         let centred = minus(measured, self.offset_ut);
         let mut shape = [no_shape::<T>(); 1];
-        let again = terms.iter().any(|term| term.effect.reads_centre());
+        let again = terms.iter().any(Term::reads_centre);
         let left = settle(centred, again, |point| {
             let at = self.quantities(measured, point, reading.turn_radps);
             let mut left = centred;

@@ -14,5 +14,6 @@ mod secant;
 
 pub use base::Model;
 pub(crate) use fixed_point::settle;
+pub(crate) use sample::of_bent;
 pub use sample::{NoRow, NotFinite, Observation, Residual, Term};
 pub use secant::Secant;

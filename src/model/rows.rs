@@ -89,12 +89,14 @@ impl<T: Real> Model<T> {
         let pull = reaction.answer(transposed_times(&self.matrix, u));
         let grown = reaction.grown(pull);
         let [ax, ay, az, by, bz, cz] = self.through_turning(&reaction, pull, closest, reading.turn_radps);
+        let moved = reaction.with_the_ellipsoid(pull);
         let pull = scaled(pull, grown);
-        let [p, q, r] = pull;
+        let [p, q, r] = reaction.of_offset(pull);
         let [a, b, c] = u;
         let [x, y, z] = closest;
-        let triangle = [a * x + ax, a * y + ay, a * z + az, b * y + by, b * z + bz, c * z + cz];
-        let [ax, ay, az, by, bz, cz] = triangle.map(|column| column * grown);
+        let still = [a * x, a * y, a * z, b * y, b * z, c * z].map(|column| column * moved);
+        let turning = [ax, ay, az, by, bz, cz];
+        let [ax, ay, az, by, bz, cz] = core::array::from_fn(|slot| (still[slot] + turning[slot]) * grown);
         fill(&mut row, width, &[-p, -q, -r, ax, ay, az, by, bz, cz], pull, terms, &shapes)?;
         push(&row, at.residual);
         Ok(())

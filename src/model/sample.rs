@@ -1,7 +1,8 @@
 //! What a model is asked about: a sample, the effects in it, and which residual.
 
-use crate::effect::{Effect, MAX_COEFFICIENTS, MAX_INPUTS};
+use crate::effect::{Bends, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities};
 use crate::math::Real;
+use crate::vector::plus;
 use core::fmt;
 
 /// Which residual a row belongs to.
@@ -57,12 +58,33 @@ pub struct Term<'a, T> {
     pub coefficients: [T; MAX_COEFFICIENTS],
     /// The values of its columns in this sample.
     pub inputs: [T; MAX_INPUTS],
+    /// What it bends.
+    pub bends: Bends,
 }
 
 impl<T: Real> Term<'_, T> {
     /// Whether it disturbs anything: a candidate does not.
     pub(super) fn is_active(&self) -> bool {
         self.coefficients.iter().any(|value| *value != T::zero())
+    }
+
+    /// Whether its shape moves with the field that it disturbs.
+    pub(super) fn reads_centre(&self) -> bool {
+        self.bends == Bends::Field || self.effect.reads_centre()
+    }
+
+    /// What it sees of a sample, about a centre at this offset.
+    pub(super) fn sees(&self, at: &Quantities<T>, offset_ut: [T; 3]) -> Quantities<T> {
+        Quantities { inputs: self.inputs, ..of_bent(self.bends, at, offset_ut) }
+    }
+}
+
+/// What an effect sees that bends this: the undisturbed reading in place of the reading itself.
+#[inline]
+pub(crate) fn of_bent<T: Real>(bends: Bends, at: &Quantities<T>, offset_ut: [T; 3]) -> Quantities<T> {
+    match bends {
+        Bends::Reading => *at,
+        Bends::Field => Quantities { measured_ut: plus(at.centred_ut, offset_ut), ..*at },
     }
 }
 

@@ -4,13 +4,17 @@
 //! ([`crate::effect::Form`]).
 
 use super::layout::{EffectLayout, Reader, Writer};
-use crate::effect::{BuiltIn, ColumnName, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Parts};
+use crate::effect::{Bends, BuiltIn, ColumnName, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Parts};
 use crate::extended::FittedEffect;
+
+/// The bit beside a form's number of an effect that bends the field.
+const BENDS_FIELD: u8 = 0x80;
 
 pub(super) fn write(writer: &mut Writer, fitted: &FittedEffect<f64>, layout: EffectLayout) {
     let parts = fitted.effect.parts();
     let name = parts.column.as_str().as_bytes();
-    writer.put(&[parts.form.tag, name.len() as u8]);
+    let bends = if fitted.bends == Bends::Field { BENDS_FIELD } else { 0 };
+    writer.put(&[parts.form.tag | bends, name.len() as u8]);
     writer.put(name);
     let numbers = [parts.reference(), parts.parameter().map(|(_, value)| value)];
     numbers.into_iter().flatten().for_each(|number| writer.float(number));
@@ -48,7 +52,8 @@ fn outward([least, most]: [f64; 2]) -> [f32; 2] {
 /// `None` where the bytes are no effect.
 pub(super) fn read(reader: &mut Reader<'_>, layout: EffectLayout) -> Option<FittedEffect<f64>> {
     let [tag, length] = reader.take().ok()?;
-    let form = BuiltIn::<f64>::form(tag)?;
+    let bends = if tag & BENDS_FIELD == 0 { Bends::Reading } else { Bends::Field };
+    let form = BuiltIn::<f64>::form(tag & !BENDS_FIELD)?;
     let name = core::str::from_utf8(reader.slice(usize::from(length)).ok()?).ok()?;
     let mut parts = Parts::<ColumnName>::of(form);
     if form.column {
@@ -84,5 +89,5 @@ pub(super) fn read(reader: &mut Reader<'_>, layout: EffectLayout) -> Option<Fitt
             }
         }
     }
-    Some(FittedEffect::new(effect, coefficients, std_errors).over(ranges))
+    Some(FittedEffect::new(effect, coefficients, std_errors).over(ranges).bending(bends))
 }

@@ -17,7 +17,7 @@
 //! | 32 bytes before the CRC | from version 11 on: the tilts that the calibration holds for ([`HoldsFor`]) |
 //! | last 4 | CRC-32 (ISO-HDLC) of everything before |
 //!
-//! An effect is: its kind (one byte), bytes of its column's name (one byte), that name, its reference where it has one, then
+//! An effect is: its kind (one byte, its highest bit set where the effect bends the field and not the reading), bytes of its column's name (one byte), that name, its reference where it has one, then
 //! its delay, time or frequency where it has one, its coefficients, and their standard errors: in single precision, or in version
 //! 3 the upper half of one (8 bits of mantissa: 0.4 %). Version 3 is written only where version 2 would be too long.
 //!

@@ -84,6 +84,7 @@ mod tests {
                     effect: &effects[0].effect,
                     coefficients: effects[0].coefficients,
                     inputs: [*current, 0.0],
+                    bends: effects[0].bends,
                 };
                 let reading = Observation { measured_ut: *measured_ut, turn_radps: None, down: None };
                 study.push(i / 200, &reading, &[term]).expect("all is finite");

@@ -24,7 +24,8 @@ fn fitted<const P: usize, const N: usize>(coefficients: usize) -> Result<[f64; 3
                 [math::cos(tilt) * math::cos(turn), math::cos(tilt) * math::sin(turn), math::sin(tilt)];
             let measured_ut = core::array::from_fn(|axis| 50.0 * field[axis] + TRUTH[axis] * current);
             let inputs = [current, 0.0];
-            let term = Term { effect: &effects[0].effect, coefficients: effects[0].coefficients, inputs };
+            let FittedEffect { effect, coefficients, bends, .. } = &effects[0];
+            let term = Term { effect, coefficients: *coefficients, inputs, bends: *bends };
             study.push(0, &Observation { measured_ut, turn_radps: None, down: None }, &[term])?;
         }
         model = refit(&study, None, &mut effects).expect("determined");

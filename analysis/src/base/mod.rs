@@ -16,7 +16,6 @@ pub mod heading;
 pub mod hemisphere;
 pub mod holdout;
 pub mod level;
-pub mod looked_at;
 pub mod model;
 pub mod mounting;
 pub mod order;

@@ -1,9 +1,8 @@
 //! An effect in a model: its shape, its coefficients, and the values of its columns.
 
-use crate::base::looked_at::Shared;
 use ironout::effect::{
-    Acts, BuiltIn, ColumnName, Follows, Form, MAX_COEFFICIENTS, MAX_INPUTS, Made, Named, Parts, Quantities,
-    Registry, Searched, Shape, no_shape,
+    Acts, Bends, BuiltIn, ColumnName, Effect, Follows, Form, MAX_COEFFICIENTS, MAX_INPUTS, Made, Named,
+    Parts, Quantities, Registry, Searched, Shape, no_shape,
 };
 use ironout::study::{Normal, Term as SampleTerm};
 use nalgebra::Vector3;
@@ -18,6 +17,9 @@ pub const BLOCKS: usize = 10;
 
 /// A normal matrix of this host.
 pub type Matrix = Normal<f64, COLUMNS>;
+
+/// Somebody's effect, shared.
+pub type Shared<'a> = Arc<dyn Effect<f64> + Send + Sync + 'a>;
 
 /// An effect with its coefficients and the values of its columns at every sample.
 #[derive(Clone)]
@@ -36,12 +38,9 @@ pub struct Term<'a> {
     pub trials: f64,
     /// Twice the log of the prior odds against this form.
     pub odds: f64,
-    /// The same effect at each sample, looked at a vector that is known there; `None` where it is looked at the measured one.
-    pub known_at: Option<KnownAt<'a>>,
+    /// What it bends, where its shape is made of the measured vector.
+    pub bends: Bends,
 }
-
-/// An effect at each of the samples.
-pub type KnownAt<'a> = Arc<Vec<Shared<'a>>>;
 
 impl<'a> Term<'a> {
     /// An effect without coefficients yet.
@@ -49,7 +48,8 @@ impl<'a> Term<'a> {
         let id = ironout::effect::Id(&made).to_string();
         let effect = ready(made);
         let coefficients = [0.0; MAX_COEFFICIENTS];
-        Term { id, made: Some(made), effect, coefficients, inputs, trials: 1.0, odds: 0.0, known_at: None }
+        let bends = Bends::Reading;
+        Term { id, made: Some(made), effect, coefficients, inputs, trials: 1.0, odds: 0.0, bends }
     }
 
     /// The parts of the effect.
@@ -155,11 +155,11 @@ impl<'a> Term<'a> {
 
     /// The term of one sample.
     pub fn at_sample(&self, sample: usize) -> SampleTerm<'_, f64> {
-        let known = self.known_at.as_ref().and_then(|list| list.get(sample));
         SampleTerm {
-            effect: known.unwrap_or(&self.effect).as_ref(),
+            effect: self.effect.as_ref(),
             coefficients: self.coefficients,
             inputs: self.inputs.get(sample).copied().unwrap_or_default(),
+            bends: self.bends,
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::evidence::closest::{Surface, quantities};
 use crate::evidence::log::Log;
 use crate::noise::model::Track;
 use core::ops::SubAssign;
-use ironout::effect::Quantities;
+use ironout::effect::{Bends, Quantities};
 use ironout::study::Observation;
 use nalgebra::{Matrix3, Vector3};
 
@@ -22,15 +22,6 @@ const LOOKS_OF_CLOSEST: usize = 8;
 pub const BASE: usize = 9;
 /// Entries of the triangle in the order of the columns.
 pub const TRIANGLE: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
-
-/// What a term bends that reads the field: two forms of one effect.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Bends {
-    /// The field at the sensor: the shape is that of the undisturbed reading.
-    Field,
-    /// The reading: the shape is that of what the sensor gives out, as behind a feedback.
-    Reading,
-}
 
 /// Offset, matrix and field, with the terms.
 #[derive(Clone)]

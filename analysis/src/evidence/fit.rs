@@ -6,10 +6,11 @@ use crate::base::term::Matrix as Information;
 use crate::bounds::{
     MATRIX_PRIOR, MAX_WANDER_FIELDS, MOST_ABOVE_LEAST, OFFSET_PRIOR_FIELDS, TERM_PRIOR_FIELDS,
 };
-use crate::evidence::design::{BASE, Bends, Blocks, Model, Point, TRIANGLE, rows};
+use crate::evidence::design::{BASE, Blocks, Model, Point, TRIANGLE, rows};
 use crate::evidence::log::Log;
 use crate::evidence::solve::{Factor, Sums};
 use crate::noise::model::{Noise, Track, Wander};
+use ironout::effect::Bends;
 use ironout::study::{Model as CoreModel, Residual};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 

@@ -6,7 +6,7 @@ use crate::bounds::{
     RIVAL_SHARE, RIVALS,
 };
 use crate::evidence::candidates::Catalogue;
-use crate::evidence::design::{Bends, Model};
+use crate::evidence::design::Model;
 use crate::evidence::fit::{Fit, Setting};
 use crate::evidence::held_out::p_values;
 use crate::evidence::hidden::hidden_cause_gain;
@@ -17,7 +17,7 @@ use crate::evidence::screen::Screen;
 const SHARE_TO_FIT: f64 = 0.5;
 /// Candidates that are fitted at each step under white noise.
 const WHITE_LEADERS: usize = 2;
-use ironout::effect::Named;
+use ironout::effect::{Bends, Named};
 
 /// The result of a search.
 pub struct Found<'a> {

@@ -293,23 +293,6 @@ pub fn p_values_of(samples: &Samples, table: &Table, registry: Registry, begin: 
     found.unwrap_or_else(|| vec![1.0; begin.stay.len()])
 }
 
-/// The undisturbed reading of each sample, µT: the closest points of the likeliest model whose terms bend the field. `None` where there is
-/// no such model.
-pub fn undisturbed_ut(
-    samples: &Samples,
-    table: &Table,
-    registry: Registry,
-    begin: &Begin,
-) -> Option<Vec<[f64; 3]>> {
-    of_base(samples, table, registry, begin, |fit, log| {
-        let points = match fit.points.len() == log.len() {
-            true => fit.points,
-            false => fit.model.rebound(log)?.points(log, true, &[])?,
-        };
-        Some(points.iter().map(|point| point.shaped_at.into()).collect())
-    })
-}
-
 /// Each sample of a board at rest three times, once for each axis.
 fn one_per_axis(samples: &Samples, table: &Table) -> Samples {
     let few = (samples.len() > MAX_BLOCKS).then(|| samples.thinned(table, MAX_BLOCKS));

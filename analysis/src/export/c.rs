@@ -7,14 +7,14 @@ use crate::export::measured;
 use crate::export::range::{Range, ranges};
 use crate::frame::Frame;
 use ironout::calibration::{Calibration, inverse_3x3};
-use ironout::effect::{ColumnName, Effect, Id, Made, Past, TIME};
+use ironout::effect::{Bends, ColumnName, Effect, Id, Made, Past, TIME};
 use ironout::extended::{FittedEffect, MAX_RATIO_TO_FIELD, MAX_WIDTHS_OUTSIDE};
 use std::fmt::Write as _;
 
 type Fitted = FittedEffect<f64, Made<ColumnName>>;
 
 /// The most looks at a disturbance that depends on the field it disturbs, as in the library.
-const LOOKS: usize = 12;
+const LOOKS: usize = 28;
 
 /// How the file ends.
 const END: &str = "#endif /* IRONOUT_CALIBRATION_H */\n";
@@ -139,7 +139,8 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
     let delay_s = delays.reduce(|sum, delay| sum + delay);
     let coupled = |fitted: &&Fitted| fitted.effect.delay_s(&fitted.coefficients).is_none();
     let couples = calibration.effects.iter().filter(coupled).any(|fitted| fitted.effect.needs_gyro());
-    let looks = if calibration.effects.iter().any(|fitted| fitted.effect.reads_centre()) { LOOKS } else { 1 };
+    let looks_again = |fitted: &Fitted| fitted.bends == Bends::Field || fitted.effect.reads_centre();
+    let looks = if calibration.effects.iter().any(looks_again) { LOOKS } else { 1 };
     let math = calibration.effects.iter().any(|fitted| fitted.effect.family().c_needs_math());
     let mut text = format!(
         "/* Written by `ironout export --as c`: {summary}.\n   corrected = matrix * (measured - offset - effects), \
@@ -365,6 +366,12 @@ const TURNED: &str = "        ironout_real axis[3], once[3], twice[3], square = 
         }
 ";
 
+/// What an effect reads in place of the measured vector if it bends the field.
+const UNDISTURBED: &str = "            const ironout_real undisturbed[3] = {left[0] + ironout_offset_ut[0], left[1] + ironout_offset_ut[1],
+                left[2] + ironout_offset_ut[2]};
+            const ironout_real *const measured_ut = undisturbed;
+";
+
 /// The statements that add one effect to `sum`.
 fn body(fitted: &Fitted, text: &mut String) -> std::fmt::Result {
     let made = &fitted.effect;
@@ -380,6 +387,9 @@ fn body(fitted: &Fitted, text: &mut String) -> std::fmt::Result {
         names.iter_mut().zip(fitted.ranges).filter(|(_, range)| range.is_some() && !made.repeats())
     {
         name.push_str(HELD);
+    }
+    if fitted.bends == Bends::Field {
+        text.push_str(UNDISTURBED);
     }
     let [first, second] = &names;
     made.family().c(&made.parts().borrowed(), [first, second], text)?;

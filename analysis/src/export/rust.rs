@@ -6,7 +6,7 @@ use crate::export::measured;
 use crate::export::range::{Range, ranges};
 use crate::frame::Frame;
 use ironout::calibration::Calibration;
-use ironout::effect::{ColumnName, Effect, Made, Past, RustCode, TIME};
+use ironout::effect::{Bends, ColumnName, Effect, Made, Past, RustCode, TIME};
 use ironout::extended::{FittedEffect, MAX_EFFECTS, Ranges};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -102,6 +102,9 @@ fn extended(calibration: &Calibrated, summary: &str) -> String {
     if !columns.is_empty() {
         library.insert("ColumnName");
     }
+    if calibration.effects.iter().any(|fitted| fitted.bends == Bends::Field) {
+        library.insert("Bends");
+    }
     if !of_library {
         library.insert("Effect");
     }
@@ -129,7 +132,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> String {
     for (name, scalar, what) in CONSTANTS {
         let base = base(&calibration.base, scalar, "    ");
         let mut places = String::new();
-        for FittedEffect { effect, coefficients, std_errors, ranges } in calibration.effects.iter() {
+        for FittedEffect { effect, coefficients, std_errors, ranges, bends } in calibration.effects.iter() {
             let column = constant(&effect.parts().column);
             let code = RustCode { single: scalar == "f32", column: &column };
             let mut shape = String::from(if of_library { "" } else { "&" });
@@ -137,10 +140,11 @@ fn extended(calibration: &Calibrated, summary: &str) -> String {
             let _ = effect.family().rust(&effect.parts().borrowed(), &code, &mut shape);
             let _ = write!(
                 places,
-                "        Some(FittedEffect::new(\n            {shape},\n            {},\n            {},\n        ){}),\n",
+                "        Some(FittedEffect::new(\n            {shape},\n            {},\n            {},\n        ){}{}),\n",
                 list(scalar, coefficients),
                 list(scalar, std_errors),
-                over(scalar, ranges)
+                over(scalar, ranges),
+                if *bends == Bends::Field { ".bending(Bends::Field)" } else { "" }
             );
         }
         places.push_str(&"        None,\n".repeat(MAX_EFFECTS - calibration.effects.len()));

@@ -16,7 +16,6 @@ use crate::outcome::view::{Judged, View};
 use crate::reason::Reason;
 use crate::residual::traces::Traces;
 use crate::search::state::held_out_rms;
-use crate::search::true_field::as_corrected;
 use ironout::calibration::Calibration;
 use ironout::study::Residual;
 
@@ -26,21 +25,21 @@ impl View<'_, '_> {
         let mut dip = if self.lower_order.is_some() { None } else { self.dip(force_lag)? };
         let standing = dip.as_ref().map(|dip| self.settle(dip));
         let fitted = &self.explanation.fitted;
-        let mut applied = Applied::of(&self.design, fitted)?;
-        let mut errors_ut = left_ut(fitted, &applied);
+        let applied = Applied::of(&self.design, fitted)?;
+        let (rms_ut, holdout_rms_ut) = left_ut(fitted, &applied);
         // Without effects the final model is the base model, and what `fit` says of that holds.
         let plain = self.base.filter(|_| fitted.terms.is_empty() && self.lower_order.is_none());
-        let mut left = match plain {
+        let left = match plain {
             Some(base) => base.residue.clone(),
             None => self.residue(fitted, &applied),
         };
         let gain = noise_gain(fitted, Residual::Magnitude);
-        let mut predicted = match plain {
+        let predicted = match plain {
             Some(base) => Some(base.predicted_share()),
             None => predicted_error(&self.design, fitted, self.known, &left),
         };
-        let mut time = left.time.max(memory_of_scores(&self.design, fitted));
-        let mut rows = covariance(fitted, time);
+        let time = left.time.max(memory_of_scores(&self.design, fitted));
+        let rows = covariance(fitted, time);
         if let (Some(dip), Some(rows)) = (&mut dip, &rows) {
             dip.delay_error_s =
                 dip.errors.as_ref().map_or(f64::NAN, |errors| errors.delay_variance(rows).sqrt());
@@ -72,23 +71,7 @@ impl View<'_, '_> {
             )));
         }
         let candidates = self.candidates(&dip, pure_lag, standing, verdict);
-        // What is given out looks at its shapes where a correction does. Where the search looked elsewhere, names and verdict are the
-        // search's; the errors are those of what is given out.
-        let given = as_corrected(&self.design, &self.explanation.fitted, self.known)?;
-        if let Some(given) = &given {
-            applied = Applied::of(&self.design, given)?;
-            left = self.residue(given, &applied);
-            predicted = predicted_error(&self.design, given, self.known, &left);
-            time = left.time.max(memory_of_scores(&self.design, given));
-            rows = covariance(given, time);
-            errors_ut = left_ut(given, &applied);
-        }
-        let (rms_ut, holdout_rms_ut) = errors_ut;
         let mut steps = self.steps(&dip)?;
-        if let (Some(given), Some(last)) = (given, steps.last_mut()) {
-            (last.rms_ut, last.holdout_rms_ut) = errors_ut;
-            self.explanation.fitted = given;
-        }
         if let Some((dip, lag)) = late {
             steps.push(StepRow {
                 added: Some(lag.id.clone()),

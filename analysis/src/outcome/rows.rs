@@ -294,5 +294,6 @@ pub(crate) fn describe(term: &Term, std_errors: Vec<f64>) -> FittedEffect {
         unit: term.effect.unit().to_string(),
         reference,
         parameters,
+        bends: term.bends,
     }
 }

@@ -5,7 +5,6 @@ use crate::base::term::{BadShape, Term};
 use crate::evidence::select::p_values_of;
 use crate::search::shown::Shown;
 use crate::search::state::{Explanation, Fitter, Withdrawn, held_out_rms};
-use crate::search::true_field::as_corrected;
 
 impl<'a> Fitter<'_, 'a> {
     /// Probability that chance does as well as each effect of a model, all others in it, its search counted; by its id.
@@ -52,10 +51,7 @@ impl<'a> Fitter<'_, 'a> {
     ) -> Result<Explanation<'a>, BadShape> {
         loop {
             explanation.chances = self.chances(&explanation.fitted);
-            // What a correction cannot follow predicts nothing for whoever corrects.
-            let given = as_corrected(&self.design, &explanation.fitted, self.known)?;
-            let given = given.filter(|given| given.converged);
-            let tested = self.shown(given.as_ref().unwrap_or(&explanation.fitted), &explanation.chances)?;
+            let tested = self.shown(&explanation.fitted, &explanation.chances)?;
             let fails = |one: &Shown| if asked.contains(&one.id) { !one.is_shown() } else { one.raises() };
             let failing = tested.into_iter().filter(fails);
             let Some(worst) = failing.max_by(|a, b| a.rise().total_cmp(&b.rise())) else {

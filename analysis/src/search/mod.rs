@@ -8,4 +8,3 @@ pub mod selected;
 pub mod several;
 pub mod shown;
 pub mod state;
-pub mod true_field;

@@ -5,7 +5,9 @@ use crate::base::engine::{Design, Fitted};
 use crate::base::prior::Prior;
 use crate::base::term::{BadShape, COLUMNS, Matrix, Term};
 use crate::search::candidates::Catalogue;
-use ironout::effect::{Column, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, Searched, Shape, TIME};
+use ironout::effect::{
+    Bends, Column, Effect, MAX_COEFFICIENTS, MAX_INPUTS, Quantities, Searched, Shape, TIME,
+};
 use ironout::extended::LowPass;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -116,7 +118,7 @@ fn slope<'a>(design: &Design, term: &Term<'a>) -> Option<Term<'a>> {
         inputs,
         trials: 1.0,
         odds: 0.0,
-        known_at: None,
+        bends: Bends::Reading,
     })
 }
 
@@ -134,7 +136,13 @@ pub fn with_slopes(design: &Design, fitted: &Fitted) -> Result<Option<Matrix>, B
 
 /// The same effect with another parameter, with the name and coefficients that it had.
 fn carried<'a>(term: &Term<'a>, next: Term<'a>) -> Term<'a> {
-    Term { coefficients: term.coefficients, id: term.id.clone(), trials: term.trials, ..next }
+    Term {
+        coefficients: term.coefficients,
+        id: term.id.clone(),
+        trials: term.trials,
+        bends: term.bends,
+        ..next
+    }
 }
 
 /// The term with its parameter moved.

@@ -1,11 +1,15 @@
 //! The terms that the likelihood selected, or that were asked for, fitted to all samples.
 
+use crate::base::applied::Applied;
 use crate::base::engine::Fitted;
 use crate::base::term::{BadShape, Term};
+use crate::bounds::MIN_ODDS;
 use crate::evidence::select::{Begin, Selected, Selection, select};
+use crate::samples::series::Autocorrelation;
 use crate::search::parameter;
 use crate::search::several::numbered;
 use crate::search::state::{Confounded, Explanation, Fitter};
+use ironout::effect::{Acts, Bends};
 use ironout::study::{Model, Residual};
 
 /// What was found, unless some shape was not finite on the way.
@@ -41,8 +45,39 @@ impl<'a> Fitter<'_, 'a> {
     ) -> Result<Option<Fitted<'a>>, BadShape> {
         let terms: Vec<Term> = fitted.terms.iter().cloned().chain(more).collect();
         let begin = near.unwrap_or(fitted.model);
-        let plain = self.refined(begin, terms.clone())?;
-        self.at_likelier_vectors(plain, begin, terms)
+        if self.design.residual != Residual::Magnitude || !terms.iter().any(|term| term.acts(Acts::Measured))
+        {
+            return Ok(self.refined(begin, terms)?.filter(|next| next.converged));
+        }
+        let mut forms = Vec::new();
+        for bends in [Bends::Reading, Bends::Field] {
+            let bent = |term: &Term<'a>| match term.acts(Acts::Measured) {
+                true => Term { bends, ..term.clone() },
+                false => term.clone(),
+            };
+            let Some(next) = self.refined(begin, terms.iter().map(bent).collect())? else { continue };
+            // What a correction cannot follow is no form of it.
+            if let Ok(applied) = Applied::of(&self.design, &next) {
+                forms.push((next, applied.residuals));
+            }
+        }
+        let squares = |residuals: &[f64]| residuals.iter().map(|r| r * r).sum::<f64>();
+        // Of a sensor so strong that two fields have one reading no fit ends, or no correction follows it, and yet the effect is there.
+        let holds = |form: &(Fitted, Vec<f64>)| form.0.converged && squares(&form.1) < fitted.squares;
+        if forms.iter().any(holds) {
+            forms.retain(holds);
+        }
+        // A sensor that bends the field and one that bends its reading are two forms of one effect, and the data tell which.
+        let is_clearly_better = match forms.as_slice() {
+            [(_, reading), (_, field)] => {
+                let variance = squares(field) / field.len().max(1) as f64 * Autocorrelation::of(field).time;
+                squares(reading) - squares(field) > MIN_ODDS * variance
+            }
+            _ => true,
+        };
+        let last = forms.pop();
+        let chosen = if is_clearly_better { last } else { forms.pop() };
+        Ok(chosen.map(|(form, _)| form))
     }
 
     /// A fit with what fixes the shapes moved to where the error is least.
@@ -50,8 +85,7 @@ impl<'a> Fitter<'_, 'a> {
         let Some(next) = finite(self.design.fit(begin, terms, self.known))?.flatten() else {
             return Ok(None);
         };
-        let next = finite(parameter::refine(&self.design, next, self.catalogue, self.known))?;
-        Ok(next.filter(|next| next.converged))
+        finite(parameter::refine(&self.design, next, self.catalogue, self.known))
     }
 
     /// The model with the terms of a selection: all at once, or, where those do not converge together, each that does beside the others.

@@ -141,6 +141,7 @@ fn fixed() -> Calibrated {
         reference: reference.map(|value| (column.to_string(), value)).into_iter().collect::<BTreeMap<_, _>>(),
         parameters: BTreeMap::new(),
         range: None,
+        bends: Default::default(),
     };
     let entries = [
         entry(ID, COLUMN, &[2.5, -1.25], None),

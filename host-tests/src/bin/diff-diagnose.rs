@@ -4,7 +4,7 @@
 //! changed. `--accept` writes the snapshot. A word runs only the sets whose name contains it. `--csv SET LOG` prints one log, `--rows` the rows themselves.
 
 use ironout_host_tests::frozen::compare::compare;
-use ironout_host_tests::frozen::entry::{Entry, Rows};
+use ironout_host_tests::frozen::entry::Entry;
 use ironout_host_tests::frozen::row::Row;
 use ironout_host_tests::frozen::{run, snapshot};
 use std::io::Write;
@@ -76,17 +76,5 @@ fn command(words: Vec<String>) -> Result<usize, Box<dyn std::error::Error>> {
 fn print_log(entries: &[Entry], set: &str, log: &str) -> Result<(), Box<dyn std::error::Error>> {
     let entry = entries.iter().find(|entry| entry.set == set && entry.log == log);
     let made = (entry.ok_or_else(|| format!("no log {log} in the set {set}"))?.make)()?;
-    let Rows::Columns(columns) = made.rows else {
-        return Err("this log is a file beside the project".into());
-    };
-    let mut writer = csv::Writer::from_writer(std::io::stdout().lock());
-    writer.write_record(columns.iter().map(|(name, _)| name))?;
-    for row in 0..columns.first().map_or(0, |(_, values)| values.len()) {
-        writer.write_record(columns.iter().map(|(_, values)| match values[row] {
-            value if value.is_nan() => String::new(),
-            value => value.to_string(),
-        }))?;
-    }
-    writer.flush()?;
-    Ok(())
+    made.rows.print()
 }

@@ -2,7 +2,8 @@
 //!
 //! Frozen logs stand beside their snapshot. `--unseen N` takes N logs of each kind of both generators and of each recording instead,
 //! from seeds that nothing was tuned on; `--seeds-from K` leaves out the first K seeds. `--from K` begins at the K-th log, `--every N`
-//! takes each N-th, `--only S` sets whose name contains S, `--log S` one log, `--rows` prints each log. `--count` counts lines and
+//! takes each N-th, `--only S` sets whose name contains S, `--log S` one log, `--rows` prints each log, `--csv` the
+//! columns of the first one. `--count` counts lines and
 //! constants. `--beyond N` tries N causes outside of the catalogue, after those that `--seeds-from` leaves out. `--false-alarms N` simulates N logs without effects in white noise and counts those in which somebody is named.
 
 use ironout_analysis::{Options, Table, diagnose};
@@ -217,7 +218,7 @@ impl Tally {
 }
 
 fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error::Error>> {
-    let (mut from, mut every, mut only, mut rows) = (0usize, 1usize, Vec::new(), false);
+    let (mut from, mut every, mut only, mut rows, mut print) = (0usize, 1usize, Vec::new(), false, false);
     let (mut log, mut unseen) = (None, None);
     let mut seeds = 0;
     let mut words = words;
@@ -231,6 +232,7 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
             "--unseen" => unseen = Some(value()?.parse::<u64>()?),
             "--seeds-from" => seeds = value()?.parse()?,
             "--rows" => rows = true,
+            "--csv" => print = true,
             "--count" => {
                 count();
                 return Ok(());
@@ -263,6 +265,9 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
     for entry in entries.iter().skip(from).step_by(every.max(1)) {
         let name = || format!("{} {}", entry.set, entry.log);
         let Ok(made) = (entry.make)() else { continue };
+        if print {
+            return made.rows.print();
+        }
         let begin = processor_s();
         let row = Row::of(&entry.set, &entry.log, &made);
         seconds.push((processor_s() - begin, name()));
@@ -281,7 +286,7 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
         let merits = [merit(before), merit(&row)];
         if rows || merits[1] < merits[0] {
             println!(
-                "{} {} {} hidden {} | {} {} | {} {} rms {} noise {} {:.1} s",
+                "{} {} {} hidden {} | {} {} | {} {} rms {} noise {} error {} predicted {} {:.1} s",
                 match merits[1].cmp(&merits[0]) {
                     std::cmp::Ordering::Less => "worse ",
                     std::cmp::Ordering::Equal => "same  ",
@@ -296,6 +301,8 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
                 row.cell("named"),
                 row.cell("rms_ut"),
                 row.cell("noise_floor_ut"),
+                row.cell("true_error_ut"),
+                row.cell("predicted_error_ut"),
                 seconds.last().map_or(0.0, |(s, _)| *s),
             );
         }

@@ -2,6 +2,7 @@
 
 use ironout_analysis::Table;
 use ironout_cli::input::Log;
+use std::error::Error;
 
 /// What was hidden in a log.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,6 +27,20 @@ pub enum Rows {
 }
 
 impl Rows {
+    /// Prints the columns as CSV.
+    pub fn print(&self) -> Result<(), Box<dyn Error>> {
+        let Rows::Columns(columns) = self else { return Err("this log is a file beside the project".into()) };
+        let mut writer = csv::Writer::from_writer(std::io::stdout().lock());
+        writer.write_record(columns.iter().map(|(name, _)| name))?;
+        for row in 0..columns.first().map_or(0, |(_, values)| values.len()) {
+            writer.write_record(columns.iter().map(|(_, values)| match values[row] {
+                value if value.is_nan() => String::new(),
+                value => value.to_string(),
+            }))?;
+        }
+        Ok(writer.flush()?)
+    }
+
     /// The rows as the analysis takes them; `None` without a magnetometer.
     pub fn table(&self) -> Option<Table<'_>> {
         match self {

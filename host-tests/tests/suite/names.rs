@@ -38,7 +38,12 @@ fn effects_and_study_are_imported_whole_beside_each_other() {
     let model = Model::new([0.0; 3], identity, 50.0, identity, 0.0).expect("regular");
     let mut study: Study<f64, 12, 1, 1> = Study::new(Residual::Magnitude, model, 3);
     let observation = Observation { measured_ut: [30.0, 40.0, 0.0], turn_radps: None, down: None };
-    let term = Term { effect: &gain, coefficients: [0.0; MAX_COEFFICIENTS], inputs: [21.0, 0.0] };
+    let term = Term {
+        effect: &gain,
+        coefficients: [0.0; MAX_COEFFICIENTS],
+        inputs: [21.0, 0.0],
+        bends: Bends::Reading,
+    };
     study.push(0, &observation, &[term]).expect("all is finite");
     let improvement: Option<Improvement<f64>> = None;
     assert!(improvement.is_none() && Normal::total(study.blocks(), None).rows() == 1);

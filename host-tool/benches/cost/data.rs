@@ -1,7 +1,7 @@
 //! What is measured: the same counts for everybody, and logs.
 
 use ironout::calibration::Calibration;
-use ironout::effect::{AmbientField, BuiltIn, ColumnName, Drift, Gain, Offset};
+use ironout::effect::{AmbientField, Bends, BuiltIn, ColumnName, Drift, Gain, Offset};
 use ironout::extended::{ExtendedCalibration, FittedEffect, Live, Slots};
 use ironout::fit::{FitOptions, Method, fit};
 use ironout::moments::Moments;
@@ -106,8 +106,12 @@ pub fn study(calibration: &Calibration<f32>, counts: &[[i16; 3]]) -> u32 {
     let model = Model::new(calibration.offset_ut, calibration.matrix, calibration.field_ut, NO_TURN, 0.0)
         .expect("the calibration is sound");
     let mut study = Study::<f32, 22, 4, 5>::new(Residual::Magnitude, model, 13);
-    let mut terms: [Term<f32>; 5] =
-        std::array::from_fn(|i| Term { effect: &effects[i], coefficients: [0.0; 9], inputs: [0.0; 2] });
+    let mut terms: [Term<f32>; 5] = std::array::from_fn(|i| Term {
+        effect: &effects[i],
+        coefficients: [0.0; 9],
+        inputs: [0.0; 2],
+        bends: Bends::Reading,
+    });
     for (row, c) in counts.iter().enumerate() {
         let t = row as f32 * 0.02;
         for (term, input) in terms.iter_mut().zip([25.0 + t, 25.0 + t, 0.5 + t, t, 0.5 + t]) {

@@ -1,4 +1,4 @@
-//! The Python program of docs/console.md, run as it stands there, against the simulated and the emulated board.
+//! The Python program that docs/console.md names, run as it stands, against the simulated and the emulated board.
 
 use crate::common::{folder, text, write};
 use ironout_rig::board::SimBoard;
@@ -8,13 +8,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The program, as the document has it.
+/// The program.
 fn program(here: &Path) -> PathBuf {
-    let document = include_str!("../../../docs/console.md");
-    let (_, rest) = document.split_once("```python\n").expect("the program begins");
-    let (program, _) = rest.split_once("\n```").expect("the program ends");
-    assert!((25..=36).contains(&program.lines().count()), "about thirty lines");
-    write(here, "calibrate.py", program)
+    write(here, "calibrate.py", include_str!("../../../examples/console/calibrate.py"))
 }
 
 /// Whether Python is there; where it is required, it has to be.

@@ -7,7 +7,7 @@ use core::fmt::Write;
 use core::hint::black_box;
 use cortex_m_rt::entry;
 use ironout::calibration::Calibration;
-use ironout::effect::{AmbientField, BuiltIn, ColumnName, Drift, Gain, Offset};
+use ironout::effect::{AmbientField, Bends, BuiltIn, ColumnName, Drift, Gain, Offset};
 use ironout::extended::{ExtendedCalibration, FittedEffect, Live, Slots};
 use ironout::fit::{FitOptions, FitReport, Method, fit};
 use ironout::learn::{Inquiry, Learner, Motion};
@@ -127,8 +127,12 @@ fn study(table: &[[i16; 3]; COUNT], moments: &Moments) -> Option<u32> {
     const NO_TURN: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let model = Model::new(calibration.offset_ut, calibration.matrix, calibration.field_ut, NO_TURN, 0.0)?;
     let mut study = Study22::new(Residual::Magnitude, model, 13);
-    let mut terms =
-        [0, 1, 2, 3, 4].map(|i| Term { effect: &effects[i] as _, coefficients: [0.0; 9], inputs: [0.0; 2] });
+    let mut terms = [0, 1, 2, 3, 4].map(|i| Term {
+        effect: &effects[i] as _,
+        coefficients: [0.0; 9],
+        inputs: [0.0; 2],
+        bends: Bends::Reading,
+    });
     let mut sample = 0u16;
     let pushed = each(table, |counts| {
         sample += 1;
