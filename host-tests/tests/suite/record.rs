@@ -2,8 +2,8 @@
 
 use crate::common::records::{all_effects, bytes, fitted, record, with, with_crc, with_ranges};
 use ironout::effect::{
-    AmbientField, BuiltIn, ColumnName, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity, Offset, Past,
-    Periodic, Power, Step,
+    AmbientField, Bends, BuiltIn, ColumnName, CrossAxis, Drift, Eddy, Effect, Gain, Lag, Nonlinearity,
+    Offset, Past, Periodic, Power, Step,
 };
 use ironout::extended::Effects;
 use ironout::fit::{Method, Order};
@@ -33,9 +33,12 @@ fn a_record_reads_back_to_the_same_bits() {
 #[test]
 fn effects_read_back_to_the_same_bits() {
     for effect in all_effects() {
-        let written = with(&[effect]);
-        assert_eq!(Record::decode(&bytes(&written)), Ok(written), "{effect:?}");
-        assert_eq!(bytes(&written)[4], VERSION_WITH_EFFECTS);
+        for bends in [Bends::Reading, Bends::Field] {
+            let mut written = with(&[]);
+            written.effects.push(fitted(effect).bending(bends)).expect("room for one");
+            assert_eq!(Record::decode(&bytes(&written)), Ok(written), "{effect:?}");
+            assert_eq!(bytes(&written)[4], VERSION_WITH_EFFECTS);
+        }
     }
     let usual = &all_effects()[..4];
     assert_eq!(Record::decode(&bytes(&with(usual))), Ok(with(usual)), "four of the usual kind fit");

@@ -1,6 +1,7 @@
 //! Effects in files and exports: what is compiled of them corrects as the tool does.
 
 use crate::common::{folder, ironout, simulate, text, write};
+use ironout::effect::Bends;
 use ironout_analysis::effects::of_library;
 use ironout_analysis::{Corrector, Table};
 use ironout_cli::cal_file::CalFile;
@@ -30,8 +31,14 @@ fn over(mut entry: serde_json::Value, column: &str, ends: [f64; 2]) -> serde_jso
     entry
 }
 
+/// The same entry, bending the field and not the reading.
+fn of_field(mut entry: serde_json::Value) -> serde_json::Value {
+    entry["bends"] = "field".into();
+    entry
+}
+
 /// Calibrations that carry every effect there is between them.
-fn every_effect() -> [Vec<serde_json::Value>; 4] {
+fn every_effect() -> [Vec<serde_json::Value>; 5] {
     let (temp, amps) = (Some(("temp_c", 24.0)), Some(("current_a", 1.5)));
     [
         vec![
@@ -62,6 +69,13 @@ fn every_effect() -> [Vec<serde_json::Value>; 4] {
             entry("nonlinearity", None, None, &[1e-4, -2e-4, 1e-4, 1e-6, 2e-6, -1e-6]),
             entry("cross-axis", None, None, &[1e-4, 2e-4, -1e-4, 3e-4, -2e-4, 1e-4, 2e-4]),
             entry("lag", None, None, &[0.015]),
+        ],
+        // Strong ones.
+        vec![
+            of_field(entry("nonlinearity", None, None, &[1e-3, -2e-3, 1e-3, -2e-5, 1e-5, -1e-5])),
+            of_field(entry("cross-axis", None, None, &[1e-3, -5e-4, 5e-4, 1e-3, -1e-3, 5e-4, 1e-3])),
+            of_field(entry("gain:current_a", amps, None, &[0.02, -0.03, 0.01])),
+            entry("offset:temp_c", temp, None, &[0.4, -0.3, 0.2]),
         ],
     ]
 }
@@ -160,6 +174,20 @@ fn the_c_header_and_the_tool_correct_alike() {
 /// What `export --as rust` wrote: compiled here against the crate.
 mod exported {
     include!("../fixtures/exported_effects.rs");
+}
+
+#[test]
+fn what_bends_the_field_does_so_in_rust_too() {
+    let here = folder("effects_rust_field");
+    let cal = write(&here, "cal.json", file_with(&every_effect()[4]));
+    let run = ironout(["export", text(&cal), "--as", "rust"]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    assert_eq!(run.stdout.matches(").bending(Bends::Field)),").count(), 2 * 3, "{}", run.stdout);
+    assert!(run.stdout.contains("Bends"), "imported");
+    // In a board's record too, and back.
+    let file = CalFile::read(&cal).expect("a calibration");
+    let sent = of_library(&file.extended().expect("effects")).expect("the library's");
+    assert_eq!(sent.effects.iter().filter(|one| one.bends == Bends::Field).count(), 3);
 }
 
 #[test]
