@@ -1,11 +1,11 @@
 //! The correction of one sample, and what it needs to know.
 
-use super::fitted::{Effects, FittedEffect, MAX_EFFECTS};
+use super::fitted::{Effects, MAX_EFFECTS};
 use crate::calibration::Calibration;
 use crate::effect::{Bends, Coefficients, Effect, MAX_INPUTS, Quantities};
 use crate::math::Real;
-use crate::model::{of_bent, settle};
-use crate::vector::{cross, inverse_3x3, minus, scaled, times, turned};
+use crate::model::settle;
+use crate::vector::{cross, inverse_3x3, minus, plus, scaled, times, turned};
 use core::fmt;
 
 /// What a sample was measured under, besides its vector.
@@ -67,6 +67,7 @@ pub(super) struct Prepared<T> {
     inverse: [[T; 3]; 3],
     pub(super) turning: bool,
     looks_again: bool,
+    bends_field: bool,
     /// The square of the length that effects may give a vector, µT².
     most_square: T,
 }
@@ -79,11 +80,12 @@ impl<T: Real> Prepared<T> {
     }
 
     pub(super) fn of<E: Effect<T>>(base: &Calibration<T>, effects: &Effects<T, E>) -> Option<Self> {
-        let looks_again = |one: &FittedEffect<T, E>| one.bends == Bends::Field || one.effect.reads_centre();
+        let bends_field = effects.iter().any(|one| one.bends == Bends::Field);
         Some(Self {
             inverse: inverse_3x3(&base.matrix)?,
             turning: effects.iter().any(|one| one.effect.needs_gyro()),
-            looks_again: effects.iter().any(looks_again),
+            looks_again: bends_field || effects.iter().any(|one| one.effect.reads_centre()),
+            bends_field,
             most_square: T::of(LIMIT) * base.field_ut * base.field_ut,
         })
     }
@@ -117,7 +119,13 @@ pub(super) fn correct<'e, T: Real, E: Effect<T> + 'e>(
         let mut left = centred;
         for (effect, coefficients, inputs, bends) in effects.clone() {
             at.inputs = inputs;
-            left = minus(left, effect.disturbance(&of_bent(bends, &at, base.offset_ut), coefficients));
+            if prepared.bends_field {
+                at.measured_ut = match bends {
+                    Bends::Reading => measured_ut,
+                    Bends::Field => plus(point, base.offset_ut),
+                };
+            }
+            left = minus(left, effect.disturbance(&at, coefficients));
         }
         Ok::<_, NotCorrected>(left)
     };

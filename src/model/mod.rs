@@ -14,6 +14,5 @@ mod secant;
 
 pub use base::Model;
 pub(crate) use fixed_point::settle;
-pub(crate) use sample::of_bent;
 pub use sample::{NoRow, NotFinite, Observation, Residual, Term};
 pub use secant::Secant;

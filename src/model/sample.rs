@@ -75,16 +75,11 @@ impl<T: Real> Term<'_, T> {
 
     /// What it sees of a sample, about a centre at this offset.
     pub(super) fn sees(&self, at: &Quantities<T>, offset_ut: [T; 3]) -> Quantities<T> {
-        Quantities { inputs: self.inputs, ..of_bent(self.bends, at, offset_ut) }
-    }
-}
-
-/// What an effect sees that bends this: the undisturbed reading in place of the reading itself.
-#[inline]
-pub(crate) fn of_bent<T: Real>(bends: Bends, at: &Quantities<T>, offset_ut: [T; 3]) -> Quantities<T> {
-    match bends {
-        Bends::Reading => *at,
-        Bends::Field => Quantities { measured_ut: plus(at.centred_ut, offset_ut), ..*at },
+        let measured_ut = match self.bends {
+            Bends::Reading => at.measured_ut,
+            Bends::Field => plus(at.centred_ut, offset_ut),
+        };
+        Quantities { inputs: self.inputs, measured_ut, ..*at }
     }
 }
 

@@ -167,8 +167,8 @@ impl<'a> Log<'a> {
     pub fn again(&self, term: &Term) -> Option<Term<'a>> {
         let parameter = term.searched().map_or(0.0, |(_, parameter)| parameter);
         let own = self.term(&term.named()?, parameter)?;
-        let Term { id, coefficients, trials, odds, .. } = term.clone();
-        Some(Term { id, coefficients, trials, odds, ..own })
+        let Term { id, coefficients, trials, odds, bends, .. } = term.clone();
+        Some(Term { id, coefficients, trials, odds, bends, ..own })
     }
 
     /// The two columns that a form names, with what their pair is called.

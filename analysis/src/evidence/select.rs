@@ -16,7 +16,7 @@ use crate::evidence::significance::{Test, of_tone, tests};
 use crate::evidence::wander::Moving;
 use crate::samples::samples::Samples;
 use crate::table::Table;
-use ironout::effect::{MAX_COEFFICIENTS, Named, Registry, Searched};
+use ironout::effect::{Acts, MAX_COEFFICIENTS, Named, Registry, Searched};
 use ironout::study::Model as CoreModel;
 use std::borrow::Cow;
 
@@ -329,6 +329,8 @@ fn base_of<'a>(log: &Log<'a>, begin: &Begin, registry: Registry) -> Option<(Fit<
     let mut bases = Vec::new();
     for (mut model, scale) in starts(begin.model, log) {
         model.terms.clone_from(&stay);
+        let reads = |term: &&Term| term.acts(Acts::Measured) && term.stands();
+        model.bends = stay.iter().find(reads).map_or(model.bends, |term| term.bends);
         let setting = Setting { blocks, scale, candidates, is_white: false };
         let fit = Fit::of(log, &setting, model, None);
         bases.extend(fit.map(|fit| (fit, setting)));

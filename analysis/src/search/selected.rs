@@ -63,20 +63,23 @@ impl<'a> Fitter<'_, 'a> {
         }
         let squares = |residuals: &[f64]| residuals.iter().map(|r| r * r).sum::<f64>();
         // Of a sensor so strong that two fields have one reading no fit ends, or no correction follows it, and yet the effect is there.
-        let holds = |form: &(Fitted, Vec<f64>)| form.0.converged && squares(&form.1) < fitted.squares;
-        if forms.iter().any(holds) {
-            forms.retain(holds);
+        let tells = |form: &(Fitted, Vec<f64>)| squares(&form.1) < fitted.squares;
+        match forms.iter().any(tells) {
+            true => forms.retain(tells),
+            false => forms.retain(|form| form.0.converged),
         }
         // A sensor that bends the field and one that bends its reading are two forms of one effect, and the data tell which.
-        let is_clearly_better = match forms.as_slice() {
-            [(_, reading), (_, field)] => {
-                let variance = squares(field) / field.len().max(1) as f64 * Autocorrelation::of(field).time;
-                squares(reading) - squares(field) > MIN_ODDS * variance
+        let is_field = match forms.as_slice() {
+            [(reading, left_by_reading), (field, left)] => {
+                let variance = squares(left) / left.len().max(1) as f64 * Autocorrelation::of(left).time;
+                let lead = squares(left_by_reading) - squares(left);
+                let only_field_ends = field.converged && !reading.converged;
+                lead > if only_field_ends { -MIN_ODDS } else { MIN_ODDS } * variance
             }
             _ => true,
         };
         let last = forms.pop();
-        let chosen = if is_clearly_better { last } else { forms.pop() };
+        let chosen = if is_field { last } else { forms.pop() };
         Ok(chosen.map(|(form, _)| form))
     }
 

@@ -203,7 +203,7 @@ pub fn measure() -> Result<Measured, M4Error> {
         ours("trace_solve", once("trace_solve")?, Some(150_000)),
         ours("adjusted_solve", once("adjusted_solve")?, Some(700_000)),
         ours("apply_base", mean("apply_base")?, None),
-        ours("apply", mean("apply")?, Some(400)),
+        ours("apply", mean("apply")?, Some(420)),
         ours("study_push", mean("study_push")?, Some(6_000)),
         ours("learn_push", mean("learn_push")?, Some(5_100)),
         ours("learn_push_worst", worst("learn_push_worst")?, None),
