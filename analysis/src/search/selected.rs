@@ -36,7 +36,8 @@ impl<'a> Fitter<'_, 'a> {
     }
 
     /// The model with these terms more, fully refitted, and what fixes their shapes moved to where the error is least. `near` is a model that
-    /// is near. `None` where the fit does not converge, or runs away.
+    /// is near. Of effects that are made of the measured vector, in the form whose correction leaves less. `None` where the fit does not
+    /// converge, or runs away; so strong an effect of that kind that no fit ends may stand all the same, where its correction leaves less.
     pub(crate) fn with(
         &self,
         fitted: &Fitted<'a>,

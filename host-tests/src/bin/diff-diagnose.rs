@@ -57,11 +57,11 @@ fn command(words: Vec<String>) -> Result<usize, Box<dyn std::error::Error>> {
         return Ok(0);
     }
     if accept {
-        // The rows of other sets stay as they are.
-        let before = std::fs::read_to_string(snapshot::path()).unwrap_or_default();
-        let mut all = snapshot::rows(&before)?;
-        let known = run::entries();
-        all.retain(|row| known.iter().any(|entry| (entry.set.as_str(), entry.log.as_str()) == row.key()));
+        // The rows of sets that are not run stay as they are.
+        let mut all = match chosen.is_empty() {
+            true => Vec::new(),
+            false => snapshot::rows(&std::fs::read_to_string(snapshot::path())?)?,
+        };
         for row in rows {
             match all.iter_mut().find(|own| own.key() == row.key()) {
                 Some(own) => *own = row,

@@ -251,7 +251,7 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
     let text = std::fs::read_to_string(snapshot::path())?;
     let stored = snapshot::rows(&text)?;
     let old: BTreeMap<(&str, &str), &Row> = stored.iter().map(|row| (row.key(), row)).collect();
-    if unseen.is_some() {
+    if unseen.is_some() && !print {
         println!("unseen logs: nothing was tuned on their seeds");
     }
     let entries: Vec<Entry> = unseen
