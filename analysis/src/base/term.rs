@@ -139,8 +139,13 @@ impl<'a> Term<'a> {
 
     /// Disturbance at a sample, µT.
     pub fn disturbance(&self, sample: usize, at: &Quantities<f64>) -> Vector3<f64> {
-        let shape = self.shape(sample, at);
-        (0..self.k()).map(|c| Vector3::from(shape[c]) * self.coefficients[c]).sum()
+        // The correction of a pure delay turns the vector instead of taking something off.
+        if self.effect.delay_s(&self.coefficients).is_some() {
+            let shape = self.shape(sample, at);
+            return (0..self.k()).map(|c| Vector3::from(shape[c]) * self.coefficients[c]).sum();
+        }
+        let inputs = self.inputs.get(sample).copied().unwrap_or_default();
+        self.effect.disturbance(&Quantities { inputs, ..*at }, &self.coefficients).into()
     }
 
     /// Whether it has a coefficient that is not zero.

@@ -12,6 +12,8 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 const MOST_STEPS: usize = 12;
 /// Shortenings of a step that leads away.
 const SHORTER: [f64; 4] = [1.0, 0.5, 0.2, 0.05];
+/// A step that is shorter than this share of the field is the last.
+const SHORT_STEP: f64 = 1e-3;
 /// Slope of the readings by the field that is as good as one: starts on another fold need not be tried.
 const WEAK_SLOPE: f64 = 0.3;
 
@@ -120,7 +122,7 @@ impl Surface<'_, '_> {
                 break;
             }
             // The slope hardly changes over a step as short as this.
-            if promised < 1e-9 * self.field * self.field {
+            if promised < SHORT_STEP * SHORT_STEP * self.field * self.field {
                 break;
             }
             slope = self.slope(&x, &disturbance);

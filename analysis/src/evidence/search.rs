@@ -142,14 +142,12 @@ impl<'a> Search<'_, 'a> {
                 })
                 .collect();
             order.sort_by(|a, b| b.0.total_cmp(&a.0));
-            let least = match own {
-                Some(own) => {
-                    let gain =
-                        order.iter().find(|(_, term)| term.id == own.id).map_or(0.0, |(gain, _)| *gain);
-                    (RIVAL_SHARE * gain).max(0.0)
-                }
-                None => 0.0,
+            // What is fitted gains about as much as the term whose place it may take, or as the best.
+            let to_beat = match own {
+                Some(own) => order.iter().find(|(_, term)| term.id == own.id),
+                None => order.first(),
             };
+            let least = to_beat.map_or(0.0, |(gain, _)| (RIVAL_SHARE * gain).max(0.0));
             order.retain(|(gain, term)| *gain > least && own.is_none_or(|own| own.id != term.id));
             let most = if own.is_some() { RIVALS } else { LEADERS };
             for (rank, (_, term)) in order.into_iter().take(most).enumerate() {

@@ -8,6 +8,9 @@
 use crate::bounds::MAX_AR_ORDER;
 use crate::noise::autoregression::burg;
 
+/// Passes of the search for the likeliest wander, at most.
+const MOST_PATTERNS: usize = 40;
+
 /// Sizes and time constants of the wander; sizes relative to the white noise of one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wander {
@@ -224,6 +227,29 @@ impl Wander {
         Wander { tau_s: [4.0 * step, (length / 10.0).max(8.0 * step)], size: [0.0; 2] }
     }
 
+    /// With one of its four parameters, time constants and then sizes, moved by a factor, in a log of this step and length; `None` where
+    /// there is nothing to move.
+    fn moved(&self, which: usize, factor: f64, [step, length]: [f64; 2]) -> Option<Wander> {
+        let mut wander = *self;
+        if which < 2 {
+            if wander.size[which] == 0.0 {
+                return None;
+            }
+            // A vector that stands still over the log is an offset, not a wander.
+            let most = if which == 0 { 0.1 * length } else { 0.3 * length };
+            wander.tau_s[which] = (wander.tau_s[which] * factor).clamp(0.7 * step, most);
+            return (wander.tau_s[0] <= wander.tau_s[1]).then_some(wander);
+        }
+        let size = &mut wander.size[which - 2];
+        *size = match *size {
+            0.0 if factor > 1.0 => 0.3,
+            0.0 => return None,
+            size if factor < 1.0 && size < 0.03 => 0.0,
+            size => (size * factor).min(100.0),
+        };
+        Some(wander)
+    }
+
     /// Price of its parameters, a size and a time constant of each part, in a series of `n` values.
     pub fn price(&self, n: usize) -> f64 {
         let parts = self.size.iter().filter(|size| **size > 0.0).count();
@@ -327,48 +353,38 @@ impl Noise {
             }
         }
         let mut best = best.unwrap_or_else(|| Noise::white(track, residual));
+        // A pattern search along each parameter, and where no neighbour is likelier the top of the parabola through them.
         let mut factor = if from.is_some() { 1.6 } else { 3.0 };
-        let finest = 1.2;
-        // A pattern search along each parameter: the likelihood is smooth, and a third of its unit is near enough.
-        for _ in 0..40 {
+        for _ in 0..MOST_PATTERNS {
             let before = best.cost;
+            let mut top = best.wander;
             for which in 0..4 {
-                for direction in [factor, 1.0 / factor] {
-                    let mut wander = best.wander;
-                    match which {
-                        0 | 1 => {
-                            if wander.size[which] == 0.0 {
-                                continue;
-                            }
-                            // A vector that stands still over the log is an offset, not a wander.
-                            let most = if which == 0 { 0.1 * length } else { 0.3 * length };
-                            wander.tau_s[which] = (wander.tau_s[which] * direction).clamp(0.7 * step, most);
-                            if wander.tau_s[0] > wander.tau_s[1] {
-                                continue;
-                            }
-                        }
-                        _ => {
-                            let size = &mut wander.size[which - 2];
-                            *size = match (*size, direction > 1.0) {
-                                (0.0, true) => 0.3,
-                                (0.0, false) => continue,
-                                (size, false) if size < 0.03 => 0.0,
-                                (size, _) => (size * direction).min(100.0),
-                            };
-                        }
-                    }
+                let mut beside = [None; 2];
+                for (direction, cost) in [factor, 1.0 / factor].into_iter().zip(&mut beside) {
+                    let Some(wander) = best.wander.moved(which, direction, [step, length]) else { continue };
                     let noise = Noise::with(track, wander, residual);
                     if noise.cost < best.cost - 0.05 && noise.wander_ut().0 < most_ut {
-                        best = noise;
+                        (best, top) = (noise, wander);
                         break;
                     }
+                    *cost = Some(noise.cost - best.cost);
+                }
+                if let [Some(up), Some(down)] = beside
+                    && up + down > 0.0
+                {
+                    let share = 0.5 * (down - up) / (up + down);
+                    top = top.moved(which, factor.powf(share), [step, length]).unwrap_or(top);
                 }
             }
             if before - best.cost < 0.3 {
-                if factor <= finest {
+                let noise = Noise::with(track, top, residual);
+                if noise.cost < best.cost && noise.wander_ut().0 < most_ut {
+                    best = noise;
+                }
+                if factor < 2.0 {
                     break;
                 }
-                factor = factor.sqrt().max(finest);
+                factor = factor.sqrt();
             }
         }
         best

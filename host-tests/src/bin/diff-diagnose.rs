@@ -1,7 +1,8 @@
 //! `cargo diff-diagnose`: what a change does to the diagnoses of some 600 logs, against a snapshot.
 //!
 //! It prints, per set of logs and log by log, what became better or worse by the truth where that is known, and fails when anything
-//! changed. `--accept` writes the snapshot, of the sets that are run. A word runs only the sets whose name contains it. `--csv SET LOG` prints one log, `--rows` the rows themselves.
+//! changed. A word runs only the sets whose name contains it, `--every N` one log of N. `--accept` writes the snapshot of what is run,
+//! `--rows` prints it, `--csv SET LOG` prints one log.
 
 use ironout_host_tests::frozen::compare::compare;
 use ironout_host_tests::frozen::entry::Entry;
@@ -26,6 +27,15 @@ fn main() -> ExitCode {
 }
 
 fn command(words: Vec<String>) -> Result<usize, Box<dyn std::error::Error>> {
+    let mut words = words;
+    let every = match words.iter().position(|word| word == "--every") {
+        None => 1,
+        Some(place) => {
+            let number = words.drain(place..words.len().min(place + 2)).nth(1);
+            let number = number.and_then(|word| word.parse().ok()).filter(|number| *number > 0);
+            number.ok_or("--every needs a number from 1 on")?
+        }
+    };
     let accept = words.iter().any(|word| word == "--accept");
     let chosen: Vec<&String> = words.iter().filter(|word| !word.starts_with("--")).collect();
     if let Some(unknown) = words
@@ -33,7 +43,7 @@ fn command(words: Vec<String>) -> Result<usize, Box<dyn std::error::Error>> {
         .find(|word| word.starts_with("--") && !["--accept", "--csv", "--rows"].contains(&word.as_str()))
     {
         return Err(format!(
-            "no option {unknown}: --accept, --rows, --csv SET LOG, or words that sets contain"
+            "no option {unknown}: --accept, --every N, --rows, --csv SET LOG, or words that sets contain"
         )
         .into());
     }
@@ -43,6 +53,7 @@ fn command(words: Vec<String>) -> Result<usize, Box<dyn std::error::Error>> {
         return print_log(&entries, set, log).map(|()| 0);
     }
     entries.retain(|entry| chosen.is_empty() || chosen.iter().any(|word| entry.set.contains(word.as_str())));
+    let entries: Vec<_> = entries.into_iter().step_by(every).collect();
     let (start, of) = (Instant::now(), entries.len());
     let rows = run::rows(&entries, |done| {
         if done % 20 == 0 || done == of {
@@ -57,8 +68,8 @@ fn command(words: Vec<String>) -> Result<usize, Box<dyn std::error::Error>> {
         return Ok(0);
     }
     if accept {
-        // The rows of sets that are not run stay as they are.
-        let mut all = match chosen.is_empty() {
+        // The rows of logs that are not run stay as they are.
+        let mut all = match chosen.is_empty() && every == 1 {
             true => Vec::new(),
             false => snapshot::rows(&std::fs::read_to_string(snapshot::path())?)?,
         };
@@ -74,7 +85,11 @@ fn command(words: Vec<String>) -> Result<usize, Box<dyn std::error::Error>> {
         Ok(text) => snapshot::rows(&text)?,
         Err(error) => return Err(format!("{}: {error}", snapshot::path().display()).into()),
     };
-    stored.retain(|row| entries.iter().any(|entry| entry.set == row.key().0));
+    let is_run = |row: &Row| {
+        let (set, log) = row.key();
+        entries.iter().any(|entry| entry.set == set && (every == 1 || entry.log == log))
+    };
+    stored.retain(is_run);
     let comparison = compare(&stored, &snapshot::rows(&text)?);
     print!("{}", comparison.text);
     Ok(comparison.changed)
