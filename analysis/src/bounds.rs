@@ -73,12 +73,6 @@ pub const MAX_TIME_CONSTANT_S: f64 = 600.0;
 /// Swaps of terms, at most: each lowers the score, so that more than one per term means a loop.
 pub const MOST_SWAPS: usize = 4;
 
-/// A gap is longer than this many usual distances of the cells of a column: shorter ones are its own rate with jitter.
-pub const USUAL_DISTANCES: usize = 2;
-
-/// What is left of a log must be this share of it: a log that is mostly gaps is read with its gaps filled.
-pub const LEAST_LEFT: f64 = 0.5;
-
 /// Squares of a fit under coloured noise over the least ones, at most: generalised least squares that doubles them has left the region
 /// where the linearisation holds.
 pub const MOST_ABOVE_LEAST: f64 = 2.0;

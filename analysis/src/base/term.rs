@@ -132,9 +132,14 @@ impl<'a> Term<'a> {
     /// Vectors per unit of each coefficient at a sample, µT.
     pub fn shape(&self, sample: usize, at: &Quantities<f64>) -> Shape<f64> {
         let mut shape = no_shape();
-        let inputs = self.inputs.get(sample).copied().unwrap_or_default();
-        self.effect.shape(&Quantities { inputs, ..*at }, &mut shape);
+        self.write_shape(sample, &mut { *at }, &mut shape);
         shape
+    }
+
+    /// Writes them into a shape that is there, with the columns' values put among what it reads: for many terms at one sample.
+    pub fn write_shape(&self, sample: usize, at: &mut Quantities<f64>, shape: &mut Shape<f64>) {
+        at.inputs = self.inputs.get(sample).copied().unwrap_or_default();
+        self.effect.shape(at, shape);
     }
 
     /// Disturbance at a sample, µT.

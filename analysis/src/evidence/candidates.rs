@@ -65,7 +65,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
                 _ => Some(if named.form.column { DERIVED_ODDS } else { 0.0 }),
             };
             let Some(odds) = odds else { continue };
-            list.extend(self.asked(&named, fit, screen).map(|term| Term { odds, ..term }));
+            list.extend(self.at_best(&named, fit, screen, true).map(|term| Term { odds, ..term }));
         }
         list.extend(self.products(fit));
         list
@@ -77,7 +77,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         let mut list = self.fixed.clone();
         let is_told = |named: &Named| !named.form.column || Self::acts_alone(fit, named.column);
         let searched = self.forms_searched().into_iter().filter(is_told);
-        list.extend(searched.filter_map(|named| self.asked(&named, fit, screen)));
+        list.extend(searched.filter_map(|named| self.at_best(&named, fit, screen, true)));
         list.retain(|term| term.is_repeated() || !fit.model.terms.iter().any(|own| own.id == term.id));
         list
     }
@@ -98,11 +98,27 @@ impl<'l, 'a> Catalogue<'l, 'a> {
 
     /// An effect at a fit, what is searched of it at its likeliest place.
     pub fn asked(&self, named: &Named, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
+        self.at_best(named, fit, screen, false)
+    }
+
+    /// The same. Among many candidates (`is_one_of_many`) the place of one that gains less than its own parameters cost stays coarse: nearer
+    /// to the best it would gain some percent more.
+    fn at_best(
+        &self,
+        named: &Named,
+        fit: &Fit<'a>,
+        screen: &Screen,
+        is_one_of_many: bool,
+    ) -> Option<Term<'a>> {
+        let least = match is_one_of_many {
+            true => named.form.coefficients as f64 * (fit.track.weight.len() as f64).ln(),
+            false => f64::NEG_INFINITY,
+        };
         match named.form.searched {
-            Some(Searched::At) => self.step(named, fit, screen),
-            Some(Searched::Frequency) => self.tone(named, fit, screen),
-            Some(Searched::Delay) => self.late(named, fit, screen),
-            Some(Searched::TimeConstant) => self.low_pass(named, fit, screen),
+            Some(Searched::At) => self.step(named, fit, screen, least),
+            Some(Searched::Frequency) => self.tone(named, fit, screen, least),
+            Some(Searched::Delay) => self.late(named, fit, screen, least),
+            Some(Searched::TimeConstant) => self.low_pass(named, fit, screen, least),
             None => self.log.term(named, 0.0),
         }
     }
@@ -166,14 +182,14 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         Some((terms[best].searched()?.1, gains[best]))
     }
 
-    fn step(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
+    fn step(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen, least: f64) -> Option<Term<'a>> {
         let (first, length) = (*self.log.time_s.first()?, self.log.length_s());
         let grid = (1..STEP_PLACES).map(|i| first + length * i as f64 / STEP_PLACES as f64);
-        let (mut at, _) = self.best(named, grid, fit, screen)?;
+        let (mut at, mut gain) = self.best(named, grid, fit, screen)?;
         let mut width = length / STEP_PLACES as f64;
-        while width > 0.5 * self.log.step_s() {
+        while gain > least && width > 0.5 * self.log.step_s() {
             let near = (-4..=4).map(|i| at + width * f64::from(i) / 4.0);
-            at = self.best(named, near, fit, screen)?.0;
+            (at, gain) = self.best(named, near, fit, screen)?;
             width /= 4.0;
         }
         let mut term = self.log.term(named, at)?;
@@ -181,7 +197,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         Some(term)
     }
 
-    fn late(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
+    fn late(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen, least: f64) -> Option<Term<'a>> {
         let step = self.log.step_s();
         let most = MAX_DELAY_S.min(0.2 * self.log.length_s());
         let mut grid = Vec::new();
@@ -194,16 +210,16 @@ impl<'l, 'a> Catalogue<'l, 'a> {
             }
             (a, b) = (b, a + b);
         }
-        self.past(named, (grid, [0.3, 0.08]), fit, screen)
+        self.past(named, (grid, [0.3, 0.08]), fit, screen, least)
     }
 
-    fn low_pass(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
+    fn low_pass(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen, least: f64) -> Option<Term<'a>> {
         let step = self.log.step_s();
         let most = MAX_TIME_CONSTANT_S.min(0.5 * self.log.length_s());
         // The shapes of two low-passes whose time constants are twice each other's are alike by 97 % at least.
         let grid: Vec<f64> =
             std::iter::successors(Some(2.0 * step), |s| Some(2.0 * s)).take_while(|s| *s <= most).collect();
-        self.past(named, (grid, [0.5, 0.15]), fit, screen)
+        self.past(named, (grid, [0.5, 0.15]), fit, screen, least)
     }
 
     /// The best past of a column: of a grid, then nearer by shares of it.
@@ -213,19 +229,23 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         (grid, nearer): (Vec<f64>, [f64; 2]),
         fit: &Fit<'a>,
         screen: &Screen,
+        least: f64,
     ) -> Option<Term<'a>> {
         let places = grid.len() as f64;
-        let (mut seconds, _) = self.best(named, grid, fit, screen)?;
+        let (mut seconds, mut gain) = self.best(named, grid, fit, screen)?;
         for width in nearer {
+            if gain < least {
+                break;
+            }
             let near = (-3..=3).map(|i| seconds * (1.0 + width * f64::from(i) / 3.0));
-            seconds = self.best(named, near, fit, screen)?.0;
+            (seconds, gain) = self.best(named, near, fit, screen)?;
         }
         let mut term = self.log.term(named, seconds)?;
         (term.trials, term.odds) = (places.max(1.0), DERIVED_ODDS);
         Some(term)
     }
 
-    fn tone(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
+    fn tone(&self, named: &Named<'_>, fit: &Fit<'a>, screen: &Screen, least: f64) -> Option<Term<'a>> {
         if named.family.follows() != Follows::Tone || !self.log.is_timed {
             return None;
         }
@@ -257,7 +277,11 @@ impl<'l, 'a> Catalogue<'l, 'a> {
             let near = (-3..=3)
                 .map(|i| frequency + width * f64::from(i) / 3.0)
                 .filter(|hertz| *hertz >= MIN_TONE_HZ && *hertz <= highest);
-            frequency = self.best(named, near, fit, screen)?.0;
+            let gain;
+            (frequency, gain) = self.best(named, near, fit, screen)?;
+            if gain < least {
+                break;
+            }
             width /= 3.0;
         }
         let mut term = self.log.term(named, frequency)?;

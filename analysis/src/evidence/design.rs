@@ -10,7 +10,7 @@ use crate::evidence::closest::{Surface, quantities};
 use crate::evidence::log::Log;
 use crate::noise::model::Track;
 use core::ops::SubAssign;
-use ironout::effect::{Bends, Quantities};
+use ironout::effect::{Bends, Quantities, no_shape};
 use ironout::study::Observation;
 use nalgebra::{Matrix3, Vector3};
 
@@ -97,13 +97,15 @@ impl Model<'_> {
         let mut points = Vec::with_capacity(log.len());
         let fixed: Vec<&Term> = self.terms.iter().filter(|term| !term.reads()).collect();
         let reading: Vec<&Term> = self.terms.iter().filter(|term| term.reads()).collect();
+        let read_turn = reading.iter().any(|term| term.effect.needs_gyro());
         let nowhere = Quantities::of_vector([0.0; 3]);
         let mut last = Vector3::zeros();
         log.look(log.len() * if reads && self.bends == Bends::Field { LOOKS_OF_CLOSEST } else { 1 });
         for (sample, observation) in log.samples.readings.iter().enumerate() {
             let added: Vector3<f64> = fixed.iter().map(|term| term.disturbance(sample, &nowhere)).sum();
             let measured = Vector3::from(observation.measured_ut) - added;
-            let rate = observation.turn_radps.map(Vector3::from);
+            let turn = observation.turn_radps.map(Vector3::from);
+            let rate = turn.filter(|_| read_turn);
             let field = self.field * log.share.get(sample).copied().unwrap_or(1.0);
             let disturbed = |x: &Vector3<f64>| -> Vector3<f64> {
                 let at = quantities(x, rate, &self.offset, &self.matrix, &inverse);
@@ -200,7 +202,7 @@ impl Model<'_> {
                     turning: Vector3::zeros(),
                 }
             };
-            let turning = match rate {
+            let turning = match turn {
                 Some(rate) => inverse * rate.cross(&(self.matrix * (point.shaped_at - self.offset))),
                 None => Vector3::zeros(),
             };
@@ -314,11 +316,24 @@ pub fn base_row(point: &Point, offset: &Vector3<f64>, row: &mut [f64]) {
     }
 }
 
-/// Derivatives of one sample's residual by the coefficients of a term.
-pub fn term_row(term: &Term, sample: usize, point: &Point, at: &Quantities<f64>, row: &mut [f64]) {
-    let shape = term.shape(sample, at);
-    for (entry, vector) in row.iter_mut().zip(&shape).take(term.k()) {
-        *entry = -point.lever.dot(&Vector3::from(*vector));
+/// Derivatives of one sample's residual by the coefficients of terms.
+fn term_rows<'t, 'a: 't>(
+    terms: impl Iterator<Item = &'t Term<'a>>,
+    sample: usize,
+    point: &Point,
+    offset: &Vector3<f64>,
+    row: &mut [f64],
+) {
+    let mut at = point.quantities(offset);
+    let mut shape = no_shape();
+    let mut rest = row;
+    for term in terms {
+        term.write_shape(sample, &mut at, &mut shape);
+        let (own, others) = rest.split_at_mut(term.k());
+        for (entry, [x, y, z]) in own.iter_mut().zip(&shape) {
+            *entry = -(point.lever.x * x + point.lever.y * y + point.lever.z * z);
+        }
+        rest = others;
     }
 }
 
@@ -328,13 +343,8 @@ pub fn rows(blocks: &Blocks, model: &Model, points: &[Point]) -> Vec<f64> {
     blocks.means(width, |sample, row| {
         let point = &points[sample];
         base_row(point, &model.offset, row);
-        let at = point.quantities(&model.offset);
-        let mut from = BASE;
-        for term in &model.terms {
-            term_row(term, sample, point, &at, &mut row[from..from + term.k()]);
-            from += term.k();
-        }
-        row[from] = point.residual;
+        term_rows(model.terms.iter(), sample, point, &model.offset, &mut row[BASE..width - 1]);
+        row[width - 1] = point.residual;
     })
 }
 
@@ -342,12 +352,6 @@ pub fn rows(blocks: &Blocks, model: &Model, points: &[Point]) -> Vec<f64> {
 pub fn candidate_rows(blocks: &Blocks, model: &Model, points: &[Point], terms: &[&Term]) -> Vec<f64> {
     let width: usize = terms.iter().map(|term| term.k()).sum();
     blocks.means(width, |sample, row| {
-        let point = &points[sample];
-        let at = point.quantities(&model.offset);
-        let mut from = 0;
-        for term in terms {
-            term_row(term, sample, point, &at, &mut row[from..from + term.k()]);
-            from += term.k();
-        }
+        term_rows(terms.iter().copied(), sample, &points[sample], &model.offset, row);
     })
 }

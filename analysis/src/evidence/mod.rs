@@ -8,7 +8,6 @@ pub mod closest;
 pub mod design;
 pub mod fast_tones;
 pub mod fit;
-pub mod gaps;
 pub mod held_out;
 pub mod hidden;
 pub mod log;

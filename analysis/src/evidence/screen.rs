@@ -81,27 +81,29 @@ impl<'l, 'a> Screen<'l, 'a> {
         let p = self.width - 1;
         // Products with the model's columns and the residual, and of each candidate with itself.
         let mut cross = vec![0.0; self.width * width];
+        let ks: Vec<usize> = terms.iter().map(|term| term.k()).collect();
+        let mut squares = vec![0.0; ks.iter().map(|k| k * k).sum()];
         for (row, z) in self.whitened.chunks_exact(self.width).zip(z.chunks_exact(width)) {
             for (i, &a) in row.iter().enumerate() {
                 let line = &mut cross[i * width..][..width];
                 line.iter_mut().zip(z).for_each(|(entry, z)| *entry += a * z);
             }
+            let (mut z, mut squares) = (z, squares.as_mut_slice());
+            for &k in &ks {
+                let (own, others) = z.split_at(k);
+                let (square, rest) = squares.split_at_mut(k * k);
+                for (line, a) in square.chunks_exact_mut(k).zip(own) {
+                    line.iter_mut().zip(own).for_each(|(entry, b)| *entry += a * b);
+                }
+                (z, squares) = (others, rest);
+            }
         }
         let n = self.sums.rows as f64;
-        let mut at = 0;
-        for term in terms {
-            let k = term.k();
+        let (mut at, mut from) = (0, 0);
+        for k in ks {
             let a = DMatrix::from_fn(p, k, |i, j| cross[i * width + at + j]);
-            let mut own = DMatrix::<f64>::zeros(k, k);
-            for z in z.chunks_exact(width) {
-                let z = &z[at..at + k];
-                for i in 0..k {
-                    for j in i..k {
-                        own[(i, j)] += z[i] * z[j];
-                    }
-                }
-            }
-            own.fill_lower_triangle_with_upper_triangle();
+            let own = DMatrix::from_row_slice(k, k, &squares[from..from + k * k]);
+            from += k * k;
             let right = DVector::from_fn(k, |j, _| cross[p * width + at + j]) + a.transpose() * &self.step;
             let schur = &own - a.transpose() * self.factor.solve_all(&a);
             let (taken, _) = taken_off(&schur, &right, &own.diagonal());

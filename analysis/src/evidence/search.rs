@@ -116,7 +116,9 @@ impl<'a> Search<'_, 'a> {
         let n = fit.track.weight.len() as f64;
         let Some(plain) = Screen::new(self.log, fit, self.setting.blocks, true) else { return Vec::new() };
         let least_plain = -n * (1.0 - SHARE_TO_FIT * MIN_SHARE).ln();
-        for white in noises.iter().copied() {
+        // White noise that was found to be so needs one look.
+        let is_white = fit.noise.wander.is_none() && fit.noise.ar.len() == 1 && noises.contains(&true);
+        for white in noises.iter().copied().filter(|white| *white || !is_white) {
             let coloured = if white { None } else { Screen::new(self.log, fit, self.setting.blocks, false) };
             let screen = match (white, &coloured) {
                 (true, _) => &plain,

@@ -7,7 +7,6 @@ use crate::evidence::candidates::Catalogue;
 use crate::evidence::design::{Blocks, Model};
 use crate::evidence::fast_tones::{fast_tone, without_tone};
 use crate::evidence::fit::{Fit, Setting, starts};
-use crate::evidence::gaps::without_gaps;
 use crate::evidence::held_out::p_values;
 use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
@@ -68,7 +67,7 @@ pub struct Selection {
 
 /// Selects the terms of these samples. `None` where no model can be fitted.
 pub fn select(samples: &Samples, table: &Table, registry: Registry, begin: &Begin) -> Option<Selection> {
-    let mut samples = without_gaps(samples, table).map_or(Cow::Borrowed(samples), Cow::Owned);
+    let mut samples = Cow::Borrowed(samples);
     let (mut tones, mut tests_of_tones): (Vec<Selected>, Vec<Test>) = Default::default();
     loop {
         match one_search(&samples, table, registry, begin, tones.len() < MOST_TONES)? {

@@ -2,6 +2,7 @@
 
 use crate::base::mounting;
 use crate::outcome::request::Refusal;
+use crate::samples::samples::lacks;
 use crate::similar;
 use crate::table::Table;
 use ironout::effect::{ColumnName, Need, Registry};
@@ -62,12 +63,8 @@ fn fits(table: &Table, id: &str, column: &str) -> Result<(), Refusal> {
     let values = || covariate.values.iter().copied().filter(|value| value.is_finite());
     let least = values().fold(f64::INFINITY, f64::min);
     let most = values().fold(f64::NEG_INFINITY, f64::max);
-    if covariate.not_finite > 0 {
-        return bad(format!("{} of its cells are NaN or infinite", covariate.not_finite));
-    }
-    let empty = covariate.values.iter().filter(|value| !value.is_finite()).count();
-    if 2 * empty > table.rows() {
-        return bad(format!("it is empty in {empty} of {} rows", table.rows()));
+    if let Some(why) = lacks(covariate.values, covariate.not_finite) {
+        return bad(why);
     }
     if most - least <= 1e-9 * most.abs().max(least.abs()) {
         return bad(format!("it is constant ({least}). Fix: record a log in which it changes"));

@@ -6,7 +6,8 @@
 
 use crate::plausible::field::{self, Evidence};
 use crate::table::Table;
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen, Vector3};
+use std::cell::OnceCell;
 
 /// Share of a copy's variance that the field explains on held-out parts of the log.
 const MIN_EXPLAINED: f64 = 0.99;
@@ -244,6 +245,8 @@ struct Foretold {
 struct Design {
     terms: DMatrix<f64>,
     scale: Vec<f64>,
+    /// The regressions without each part, and over the whole, for columns that are known everywhere.
+    complete: OnceCell<Option<Vec<Solver>>>,
 }
 
 impl Design {
@@ -260,7 +263,7 @@ impl Design {
             column.scale_mut(1.0 / size);
             scale.push(size);
         }
-        Design { terms, scale }
+        Design { terms, scale, complete: OnceCell::new() }
     }
 
     fn foretell(&self, values: &[f64]) -> Option<Foretold> {
@@ -268,23 +271,24 @@ impl Design {
         let known: Vec<bool> = values.iter().map(|value| value.is_finite()).collect();
         let parts: Vec<std::ops::Range<usize>> =
             (0..PARTS).map(|part| rows * part / PARTS..rows * (part + 1) / PARTS).collect();
-        let sums: Vec<(DMatrix<f64>, DVector<f64>)> =
-            parts.iter().map(|part| self.sums(values, &known, part.clone())).collect();
-        let width = self.terms.ncols();
-        let all = sums.iter().fold((DMatrix::zeros(width, width), DVector::zeros(width)), |all, part| {
-            (all.0 + &part.0, all.1 + &part.1)
-        });
+        let rights: Vec<DVector<f64>> = parts.iter().map(|part| self.right(values, part.clone())).collect();
+        let right = rights.iter().sum::<DVector<f64>>();
+        let own;
+        let solvers = if known.iter().all(|known| *known) {
+            self.complete.get_or_init(|| self.solvers(&known, &parts)).as_ref()?
+        } else {
+            own = self.solvers(&known, &parts)?;
+            &own
+        };
+        let (whole, without) = solvers.split_last()?;
         let (mut left, mut total, mut count, mut worst) = (0.0, 0.0, 0.0, 1.0_f64);
-        for (part, own) in parts.iter().zip(&sums) {
-            let slopes = solve(&all.0 - &own.0, &all.1 - &own.1)?;
-            let held: Vec<usize> = part.clone().filter(|row| known[*row]).collect();
-            let n = held.len().max(1) as f64;
-            let mean = held.iter().map(|row| values[*row]).sum::<f64>() / n;
-            let spread: f64 = held.iter().map(|row| (values[*row] - mean).powi(2)).sum();
-            let missed: f64 = held
-                .iter()
-                .map(|row| (values[*row] - self.terms.row(*row).transpose().dot(&slopes)).powi(2))
-                .sum();
+        for ((part, own), solver) in parts.iter().zip(&rights).zip(without) {
+            let told = self.terms.rows(part.start, part.len()) * solver.solve(&(&right - own));
+            let held = || part.clone().filter(|row| known[*row]);
+            let n = held().count().max(1) as f64;
+            let mean = held().map(|row| values[row]).sum::<f64>() / n;
+            let spread: f64 = held().map(|row| (values[row] - mean).powi(2)).sum();
+            let missed: f64 = held().map(|row| (values[row] - told[row - part.start]).powi(2)).sum();
             (left, total, count) = (left + missed, total + spread, count + n);
             // A part in which the column hardly moves tells nothing of it.
             if spread > 0.0 {
@@ -294,34 +298,51 @@ impl Design {
         let explained = 1.0 - left / total;
         // Explained on average, and nowhere missed: what follows time only in one part is not a copy.
         let explained = if worst >= 2.0 * MIN_EXPLAINED - 1.0 { explained } else { explained.min(worst) };
-        let slopes = solve(all.0, all.1)?;
+        let slopes = whole.solve(&right);
         let slopes = slopes.iter().zip(&self.scale).skip(1).map(|(slope, scale)| slope / scale).collect();
         explained.is_finite().then(|| Foretold { explained, left: (left / count).sqrt(), slopes })
     }
 
-    fn sums(
-        &self,
-        values: &[f64],
-        known: &[bool],
-        part: std::ops::Range<usize>,
-    ) -> (DMatrix<f64>, DVector<f64>) {
-        let rows: Vec<usize> = part.filter(|row| known[*row]).collect();
-        let terms = self.terms.select_rows(&rows);
-        let value = DVector::from_iterator(rows.len(), rows.iter().map(|row| values[*row]));
-        (terms.tr_mul(&terms), terms.tr_mul(&value))
+    /// Products of the regressors with a column over a part of the rows.
+    fn right(&self, values: &[f64], part: std::ops::Range<usize>) -> DVector<f64> {
+        let known = |value: &f64| if value.is_finite() { *value } else { 0.0 };
+        let column = DVector::from_iterator(part.len(), values[part.clone()].iter().map(known));
+        self.terms.rows(part.start, part.len()).tr_mul(&column)
+    }
+
+    /// The regressions without each part, and behind them that over all parts.
+    fn solvers(&self, known: &[bool], parts: &[std::ops::Range<usize>]) -> Option<Vec<Solver>> {
+        let normal = |part: &std::ops::Range<usize>| {
+            let rows: Vec<usize> = part.clone().filter(|row| known[*row]).collect();
+            let terms = self.terms.select_rows(&rows);
+            terms.tr_mul(&terms)
+        };
+        let normals: Vec<DMatrix<f64>> = parts.iter().map(normal).collect();
+        let whole = normals.iter().sum::<DMatrix<f64>>();
+        let mut solvers: Vec<Solver> =
+            normals.iter().map(|own| Solver::of(&whole - own)).collect::<Option<_>>()?;
+        solvers.push(Solver::of(whole)?);
+        Some(solvers)
     }
 }
 
 /// Least squares; directions without information are left at zero.
-fn solve(normal: DMatrix<f64>, right: DVector<f64>) -> Option<DVector<f64>> {
-    let eigen = normal.symmetric_eigen();
-    let most = eigen.eigenvalues.max();
-    if !(most.is_finite() && most > 0.0) {
-        return None;
+struct Solver(SymmetricEigen<f64, Dyn>);
+
+impl Solver {
+    fn of(normal: DMatrix<f64>) -> Option<Self> {
+        let eigen = normal.symmetric_eigen();
+        let most = eigen.eigenvalues.max();
+        (most.is_finite() && most > 0.0).then_some(Solver(eigen))
     }
-    let mut along = eigen.eigenvectors.tr_mul(&right);
-    along.iter_mut().zip(eigen.eigenvalues.iter()).for_each(|(value, own)| {
-        *value = if *own > RANK * most { *value / own } else { 0.0 };
-    });
-    Some(eigen.eigenvectors * along)
+
+    fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
+        let Solver(eigen) = self;
+        let most = eigen.eigenvalues.max();
+        let mut along = eigen.eigenvectors.tr_mul(right);
+        along.iter_mut().zip(eigen.eigenvalues.iter()).for_each(|(value, own)| {
+            *value = if *own > RANK * most { *value / own } else { 0.0 };
+        });
+        &eigen.eigenvectors * along
+    }
 }

@@ -4,7 +4,7 @@ use crate::calibration::STANDARD_GRAVITY_MPS2;
 use crate::samples::gravity;
 use crate::samples::pairs::pairs;
 use crate::samples::work::Work;
-use crate::table::{Follows, Table};
+use crate::table::{Follows, Named, Table};
 use crate::track::Place;
 use ironout::effect::Past;
 use ironout::extended::LowPass;
@@ -105,6 +105,9 @@ fn wandering(rows: &[usize], most: usize) -> (Vec<usize>, usize) {
     (rows.chunks(stride).enumerate().map(|(index, chunk)| place(index, chunk)).collect(), stride)
 }
 
+/// A column with fewer values is hardly more than a line.
+const LEAST_CELLS: usize = 10;
+
 /// Fills missing cells from their neighbours, linearly.
 fn fill_gaps(values: &mut [f64]) {
     let mut last: Option<usize> = None;
@@ -133,17 +136,23 @@ fn fill_gaps(values: &mut [f64]) {
     }
 }
 
-fn column(name: &str, mut values: Vec<f64>, not_finite: usize) -> Column {
-    let missing = values.iter().filter(|value| !value.is_finite()).count();
-    let problem = if not_finite > 0 {
-        Some(format!("{not_finite} cells of {name} are NaN or infinite"))
-    } else if 2 * missing > values.len() {
-        Some(format!("{name} is empty in {missing} of {} samples", values.len()))
-    } else {
-        None
-    };
+/// Why a column of the log cannot be tested, whatever its values; a slow one has values in few rows, and is known between them.
+pub fn lacks(values: &[f64], not_finite: usize) -> Option<String> {
+    let known = values.iter().filter(|value| value.is_finite()).count();
+    if not_finite > 0 {
+        return Some(format!("{not_finite} of its cells are NaN or infinite"));
+    }
+    (known < LEAST_CELLS.min(values.len()))
+        .then(|| format!("it is empty in {} of {} rows", values.len() - known, values.len()))
+}
+
+/// A column at some rows of the log.
+fn column(named: &Named, rows: &[usize]) -> Column {
+    let name = named.name;
+    let problem = lacks(named.values, named.not_finite).map(|why| format!("{name}: {why}"));
     let lacks = problem.is_some();
-    fill_gaps(&mut values);
+    let whole = filled(named.values).unwrap_or(Cow::Borrowed(named.values));
+    let values: Vec<f64> = rows.iter().map(|&row| whole[row]).collect();
     let n = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / n;
     let mean_square = values.iter().map(|value| value * value).sum::<f64>() / n;
@@ -237,11 +246,7 @@ impl Samples {
         let time = table.time_s.map(pick).filter(goes_on);
         let middle_s =
             time.as_ref().map_or(0.0, |t| 0.5 * (t.first().unwrap_or(&0.0) + t.last().unwrap_or(&0.0)));
-        let columns = table
-            .covariates
-            .iter()
-            .map(|named| column(named.name, pick(named.values), named.not_finite))
-            .collect();
+        let columns = table.covariates.iter().map(|named| column(named, &row)).collect();
         let pairs = pairs(&table.covariates.iter().map(|named| named.name).collect::<Vec<_>>());
         let quiet = gravity::quiet(table);
         let follows =

@@ -4,7 +4,7 @@
 use ironout_analysis::calibration::EffectEntry;
 use ironout_analysis::outcome::outcome::Verdict;
 use ironout_analysis::{Corrector, Diagnosis, Options, Table, diagnose, effects::calibrated};
-use ironout_simulation::{Log, World, WorldOptions};
+use ironout_simulation::{EffectSpec, Log, World, WorldOptions};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 
 /// A log of a sensor whose gain along one axis changes by so much per °C, about 25 °C; `colder` shifts the temperature, °C.
@@ -110,5 +110,23 @@ fn a_board_that_is_strapped_down_shows_what_its_current_does() {
             found.effects
         );
         assert_eq!(diagnosed(&strapped(seed, [0.0; 3])).verdict, Verdict::Complete, "seed {seed}");
+    }
+}
+
+#[test]
+fn a_column_with_a_value_in_every_fifteenth_row_is_named() {
+    for seed in 1..4 {
+        let effects = vec![EffectSpec::parse("offset:current_a=2").unwrap()];
+        let mut log = World::new(WorldOptions { seed, effects, ..WorldOptions::default() }).run();
+        let current = log.position("current_a").unwrap();
+        let slow = |(row, value): (usize, &mut f64)| *value = if row % 15 == 0 { *value } else { f64::NAN };
+        log.columns[current].iter_mut().enumerate().for_each(slow);
+        let found = diagnosed(&log);
+        assert_eq!(named(&found), ["offset:current_a"], "{seed}: {:?}", found.verdict);
+
+        // With fewer than ten values nobody can say what it did.
+        log.columns[current].iter_mut().skip(9 * 15).for_each(|value| *value = f64::NAN);
+        let found = diagnosed(&log);
+        assert!(!named(&found).iter().any(|id| id.contains("current_a")), "{seed}: {:?}", named(&found));
     }
 }

@@ -201,9 +201,9 @@ fn what_cannot_be_added_or_applied_is_named() {
             &log,
             "empty.csv",
             "temp_c",
-            |row, cell| if row % 3 == 0 { cell.into() } else { String::new() },
+            |row, cell| if row % 400 == 0 { cell.into() } else { String::new() },
         );
-    word(&add(&empty, &["gain:temp_c"]), "empty in 2000 of 3000 rows");
+    word(&add(&empty, &["gain:temp_c"]), "empty in 2992 of 3000 rows");
     let no_gyro = changed(&here, &log, "plain.csv", "gx_radps", |_, _| String::new());
     add(&no_gyro, &["lag"]);
     let run = ironout(["fit", text(&log), "--add", "drift", "--method", "constant", "--json"]);
