@@ -64,7 +64,7 @@ fn fits(table: &Table, id: &str, column: &str) -> Result<(), Refusal> {
     let least = values().fold(f64::INFINITY, f64::min);
     let most = values().fold(f64::NEG_INFINITY, f64::max);
     if let Some(why) = lacks(covariate.values, covariate.not_finite) {
-        return bad(why);
+        return bad(format!("it {why}"));
     }
     if most - least <= 1e-9 * most.abs().max(least.abs()) {
         return bad(format!("it is constant ({least}). Fix: record a log in which it changes"));

@@ -136,20 +136,21 @@ fn fill_gaps(values: &mut [f64]) {
     }
 }
 
-/// Why a column of the log cannot be tested, whatever its values; a slow one has values in few rows, and is known between them.
+/// Why a column of the log cannot be tested, whatever its values, as the end of a sentence that begins with it. A slow one has values in few
+/// rows, and is known between them.
 pub fn lacks(values: &[f64], not_finite: usize) -> Option<String> {
     let known = values.iter().filter(|value| value.is_finite()).count();
     if not_finite > 0 {
-        return Some(format!("{not_finite} of its cells are NaN or infinite"));
+        return Some(format!("has {not_finite} cells that are NaN or infinite"));
     }
     (known < LEAST_CELLS.min(values.len()))
-        .then(|| format!("it is empty in {} of {} rows", values.len() - known, values.len()))
+        .then(|| format!("is empty in {} of {} rows", values.len() - known, values.len()))
 }
 
 /// A column at some rows of the log.
 fn column(named: &Named, rows: &[usize]) -> Column {
     let name = named.name;
-    let problem = lacks(named.values, named.not_finite).map(|why| format!("{name}: {why}"));
+    let problem = lacks(named.values, named.not_finite).map(|why| format!("{name} {why}"));
     let lacks = problem.is_some();
     let whole = filled(named.values).unwrap_or(Cow::Borrowed(named.values));
     let values: Vec<f64> = rows.iter().map(|&row| whole[row]).collect();
