@@ -77,7 +77,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         let mut list = self.fixed.clone();
         let is_told = |named: &Named| !named.form.column || Self::acts_alone(fit, named.column);
         let searched = self.forms_searched().into_iter().filter(is_told);
-        list.extend(searched.filter_map(|named| self.at_best(&named, fit, screen, true)));
+        list.extend(searched.filter_map(|named| self.asked(&named, fit, screen)));
         list.retain(|term| term.is_repeated() || !fit.model.terms.iter().any(|own| own.id == term.id));
         list
     }

@@ -8,6 +8,8 @@
 use crate::bounds::MAX_AR_ORDER;
 use crate::noise::autoregression::burg;
 
+/// The search for the likeliest wander ends with factors below this: the parabola through three of them gives its top.
+const FINEST: f64 = 1.4;
 /// Passes of the search for the likeliest wander, at most.
 const MOST_PATTERNS: usize = 40;
 
@@ -381,7 +383,7 @@ impl Noise {
                 if noise.cost < best.cost && noise.wander_ut().0 < most_ut {
                     best = noise;
                 }
-                if factor < 2.0 {
+                if factor < FINEST {
                     break;
                 }
                 factor = factor.sqrt();

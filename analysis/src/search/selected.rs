@@ -8,7 +8,8 @@ use crate::evidence::select::{Begin, Selected, Selection, select};
 use crate::samples::series::Autocorrelation;
 use crate::search::parameter;
 use crate::search::several::numbered;
-use crate::search::state::{Confounded, Explanation, Fitter};
+use crate::search::shown::RAISES;
+use crate::search::state::{Confounded, Explanation, Fitter, Step};
 use ironout::effect::{Acts, Bends};
 use ironout::study::{Model, Residual};
 
@@ -134,18 +135,25 @@ impl<'a> Fitter<'_, 'a> {
             false => self.design.fit(start.model, Vec::new(), self.known)?.unwrap_or_else(|| start.clone()),
         };
         let begin = self.begin(&start);
-        let found = select(self.design.samples, self.catalogue.table(), self.catalogue.registry, &begin)
+        let mut found = select(self.design.samples, self.catalogue.table(), self.catalogue.registry, &begin)
             .unwrap_or_default();
-        let mut order: Vec<String> = start.terms.iter().map(|term| term.id.clone()).collect();
-        let (fitted, ids) = self.with_selected(start, &found)?;
-        let fitted = self.aligned(fitted)?;
+        let (fitted, ids, steps) = loop {
+            let (fitted, ids) = self.with_selected(start.clone(), &found)?;
+            let fitted = self.aligned(fitted)?;
+            let own = start.terms.iter().map(|term| &term.id);
+            let order: Vec<String> = own.chain(&ids).cloned().collect();
+            let steps = self.falling(&base, &fitted, &order)?;
+            // What predicts held-out time worse than no effect at all explains nothing.
+            if !raises(&steps) || found.found.pop().is_none() {
+                break (fitted, ids, steps);
+            }
+            found.model = None;
+        };
         let rivals = found.found.iter().filter(|one| !one.rivals.is_empty() && ids.contains(&one.id));
         let group = |one: &Selected| Confounded {
             ids: std::iter::once(one.id.clone()).chain(one.rivals.iter().cloned()).collect(),
         };
         let confounded = rivals.map(group).collect();
-        order.extend(ids);
-        let steps = self.falling(&base, &fitted, &order)?;
         Ok(Explanation {
             confounded,
             first: found.first,
@@ -156,4 +164,10 @@ impl<'a> Fitter<'_, 'a> {
             ..Explanation::plain(base, fitted, steps)
         })
     }
+}
+
+/// Whether all effects together raise the held-out error.
+fn raises(steps: &[Step]) -> bool {
+    let held_out = |step: Option<&Step>| step.and_then(|step| step.held_out);
+    held_out(steps.first()).zip(held_out(steps.last())).is_some_and(|(first, last)| last > RAISES * first)
 }

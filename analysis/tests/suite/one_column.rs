@@ -122,7 +122,9 @@ fn a_column_with_a_value_in_every_fifteenth_row_is_named() {
         let slow = |(row, value): (usize, &mut f64)| *value = if row % 15 == 0 { *value } else { f64::NAN };
         log.columns[current].iter_mut().enumerate().for_each(slow);
         let found = diagnosed(&log);
-        assert_eq!(named(&found), ["offset:current_a"], "{seed}: {:?}", found.verdict);
+        // Between its values it is a mean of two of them, so that it may be taken as late or early.
+        let names = named(&found);
+        assert!(names.len() == 1 && names[0].starts_with("offset:current_a"), "{seed}: {names:?}");
 
         // With fewer than ten values nobody can say what it did.
         log.columns[current].iter_mut().skip(9 * 15).for_each(|value| *value = f64::NAN);
