@@ -65,7 +65,9 @@ impl<'l, 'a> Catalogue<'l, 'a> {
                 _ => Some(if named.form.column { DERIVED_ODDS } else { 0.0 }),
             };
             let Some(odds) = odds else { continue };
-            list.extend(self.at_best(&named, fit, screen, true).map(|term| Term { odds, ..term }));
+            // Nearer to its best place a hopeless candidate would gain some percent more: of many it stays coarse.
+            let least = named.form.coefficients as f64 * (fit.track.weight.len() as f64).ln();
+            list.extend(self.at_best(&named, fit, screen, least).map(|term| Term { odds, ..term }));
         }
         list.extend(self.products(fit));
         list
@@ -98,22 +100,11 @@ impl<'l, 'a> Catalogue<'l, 'a> {
 
     /// An effect at a fit, what is searched of it at its likeliest place.
     pub fn asked(&self, named: &Named, fit: &Fit<'a>, screen: &Screen) -> Option<Term<'a>> {
-        self.at_best(named, fit, screen, false)
+        self.at_best(named, fit, screen, f64::NEG_INFINITY)
     }
 
-    /// The same. Among many candidates (`is_one_of_many`) the place of one that gains less than its own parameters cost stays coarse: nearer
-    /// to the best it would gain some percent more.
-    fn at_best(
-        &self,
-        named: &Named,
-        fit: &Fit<'a>,
-        screen: &Screen,
-        is_one_of_many: bool,
-    ) -> Option<Term<'a>> {
-        let least = match is_one_of_many {
-            true => named.form.coefficients as f64 * (fit.track.weight.len() as f64).ln(),
-            false => f64::NEG_INFINITY,
-        };
+    /// The same; only the place of what gains more than `least` is searched to the end.
+    fn at_best(&self, named: &Named, fit: &Fit<'a>, screen: &Screen, least: f64) -> Option<Term<'a>> {
         match named.form.searched {
             Some(Searched::At) => self.step(named, fit, screen, least),
             Some(Searched::Frequency) => self.tone(named, fit, screen, least),

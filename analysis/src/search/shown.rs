@@ -3,7 +3,7 @@
 use crate::search::screen::{ACCUSED, RELEVANCE};
 use serde::Serialize;
 
-/// What raises the held-out error by more than this is not recommended.
+/// What raises the held-out error by more than this factor is neither recommended nor named.
 pub(crate) const RAISES: f64 = 1.05;
 
 /// What the test of an effect in the model says.

@@ -26,8 +26,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn command(words: Vec<String>) -> Result<usize, Box<dyn std::error::Error>> {
-    let mut words = words;
+fn command(mut words: Vec<String>) -> Result<usize, Box<dyn std::error::Error>> {
     let every = match words.iter().position(|word| word == "--every") {
         None => 1,
         Some(place) => {
