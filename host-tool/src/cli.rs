@@ -1,21 +1,21 @@
 //! The command line: what can be asked, with help and examples.
 
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "program")]
 pub use crate::cli_batch::BatchArgs;
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "program")]
 pub use crate::cli_demo::{BoardArg, DemoArgs, HiddenArg};
 pub use crate::cli_export::{ExportArgs, ExportForm};
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "program")]
 use crate::cli_help::{CompletionsArgs, EffectsArgs, ManArgs};
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "program")]
 pub use crate::cli_page::{LiveArgs, ReportArgs, WebArgs};
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "program")]
 use crate::field_unit::FieldUnit;
 use crate::headings::known_heading;
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "program")]
 use crate::link_args::{FetchArgs, RecordArgs, SendArgs};
 use clap::Args;
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "program")]
 use clap::{Parser, Subcommand};
 use ironout_analysis::confined::guided::KnownHeading;
 use ironout_analysis::outcome::request::Purpose;
@@ -24,7 +24,7 @@ use std::path::PathBuf;
 pub use crate::log_args::{Expected, FieldArgs, LogArgs, MethodArg, scale};
 pub use crate::shell::{quoted, typed_option};
 
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "program")]
 const ABOUT: &str = "Calibrate a magnetometer and find out what causes the remaining error.
 
 A log is a recording of a board, phone or autopilot. ironout detects its format
@@ -33,7 +33,7 @@ units in the header: t_s,mx_ut,my_ut,mz_ut (microtesla), or mx_counts,… with
 --ut-per-count, and any other columns (ax_mps2,…, gx_radps,…, temp_c, motor_a).
 Body axes: x forward, y right, z down. docs/command-line.md has all of it.";
 
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "program")]
 const EXAMPLES: &str = "Examples:
   ironout simulate -o log.csv --seed 1         create a log to try
   ironout fit log.csv -o cal.json              calibrate, and keep the result
@@ -47,7 +47,7 @@ Exit status: 0 done, 1 the data do not support a calibration, 2 bad input or
 usage.";
 
 /// The command line.
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "program")]
 #[derive(Debug, Parser)]
 #[command(name = "ironout", version, about = ABOUT, after_help = EXAMPLES, max_term_width = 110)]
 pub struct Cli {
@@ -81,7 +81,7 @@ pub enum Form {
     Full,
 }
 
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "program")]
 impl Cli {
     /// The form that the options ask for.
     pub fn form(&self) -> Form {
@@ -95,7 +95,7 @@ impl Cli {
 }
 
 /// The commands.
-#[cfg(not(target_arch = "wasm32"))]
+#[cfg(feature = "program")]
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Calibrate: fit offset and matrix to a log of the sensor in many orientations
@@ -238,9 +238,10 @@ pub struct ApplyArgs {
   ironout check today.csv --cal cal.json && echo still good
 
 Results: good; field (another field strength, the calibration is still good);
-moved (another offset: a magnet, a new part, a shock); worse (the errors have
-grown for another reason); heading (wrong compared with heading_deg); unknown
-(too few directions). Exit status 0 if the calibration can be kept, else 1.")]
+moved (another offset: a magnet, a new part, a shock); other (another sensor,
+mounting or scale); heading (wrong compared with heading_deg); worse (the
+errors have grown for another reason); unknown (too few directions). Exit
+status 0 if the calibration can be kept, else 1.")]
 pub struct CheckArgs {
     #[command(flatten)]
     #[allow(missing_docs)]

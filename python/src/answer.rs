@@ -7,7 +7,7 @@ use ironout_analysis::outcome::json;
 use ironout_analysis::{Options, Table};
 use ironout_cli::cal_file::{CalFile, FitObject};
 use ironout_cli::cli::{DiagnoseArgs, ExportArgs, ExportForm, FitArgs, Free};
-use ironout_cli::commands::check::run::judge;
+use ironout_cli::checked::judge::judge;
 use ironout_cli::corrected::Corrected;
 use ironout_cli::diagnosis_words::{self, Told};
 use ironout_cli::failure::{Failure, Outcome};

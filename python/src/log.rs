@@ -3,7 +3,7 @@
 use crate::wait::{on_thread, raised};
 use crate::{columns, options};
 use ironout_cli::cli::{LogArgs, SimulateArgs};
-use ironout_cli::commands::simulate::{simulated, truth_json};
+use ironout_cli::simulated::{simulated, truth_json};
 use ironout_cli::failure::Failure;
 use ironout_cli::plausible::Known;
 use ironout_cli::{input, read_block, source};

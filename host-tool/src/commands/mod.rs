@@ -2,7 +2,7 @@
 
 mod apply;
 mod batch;
-pub mod check;
+mod check;
 mod demo;
 mod diagnose;
 mod effects;
@@ -19,7 +19,7 @@ mod record;
 #[cfg(feature = "page")]
 mod report;
 mod send;
-pub mod simulate;
+mod simulate;
 #[cfg(feature = "page")]
 mod web;
 
@@ -31,7 +31,7 @@ pub fn run(cli: &Cli) -> Outcome<u8> {
     match &cli.command {
         Command::Fit(arguments) => fit::run(arguments, cli.form()),
         Command::Apply(arguments) => apply::run(arguments, cli.json),
-        Command::Check(arguments) => check::run::run(arguments, cli.json),
+        Command::Check(arguments) => check::run(arguments, cli.json),
         Command::Export(arguments) => export::run::run(arguments, cli.json),
         Command::Simulate(arguments) => simulate::run(arguments, cli.json),
         Command::Demo(arguments) => demo::run(arguments, cli.json),

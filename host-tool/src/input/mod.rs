@@ -1,7 +1,7 @@
-//! Reading logs: told by their content, each into the same [`Log`].
+//! Reads logs: detects the format by the content, and reads each into the same [`Log`].
 //!
-//! The program's own CSV is firm (docs/command-line.md, "Log format"): what is not understood is an error with file, line, column and
-//! remedy, or a notice. Other text is read tolerantly, and what was decided is said ([`ReadAs`]); nothing is guessed silently.
+//! The program's own CSV is strict (docs/formats.md, "The own CSV"): what cannot be understood is an error with file, line, column and
+//! remedy, or a notice. Other text is read tolerantly, and [`ReadAs`] lists each decision.
 
 #[cfg(feature = "parquet")]
 mod columnar;

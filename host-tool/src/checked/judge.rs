@@ -1,16 +1,15 @@
 //! Compares the log's error with that of the calibration's own log.
 
 use crate::cal_file::CalFile;
-use crate::cli::CheckArgs;
-use crate::commands::check::heading::{Headings, headings};
-use crate::commands::check::shift::{Shift, shift};
-use crate::commands::check::word::Word;
+use crate::checked::heading::{Headings, headings};
+use crate::checked::shift::{Shift, shift};
+use crate::checked::word::Word;
 use crate::corrected::Corrected;
-use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
+use crate::failure::Outcome;
 use crate::input::Log;
 use crate::output::{json_number, line, text};
+use crate::read_block;
 use crate::wrap::{WIDTH, hang};
-use crate::{read_block, source};
 use ironout::coverage::CoverageMap;
 use ironout_analysis::fit::confined::beyond;
 use ironout_analysis::outcome::request::Purpose;
@@ -171,7 +170,8 @@ impl Checked<'_> {
         std::iter::once(self.word.name()).chain(others.map(|(_, code)| code)).collect()
     }
 
-    fn say(&self, file: &Path) {
+    /// Prints the verdict and its figures. `file` is the calibration's.
+    pub fn say(&self, file: &Path) {
         let percent = |ut: f64| ut / self.field_ut * 100.0;
         let verdict = format!("{}: {}", self.word.name().to_uppercase(), self.word.explanation());
         // Through the painter: the first word is coloured.
@@ -201,21 +201,4 @@ impl Checked<'_> {
         let notices = self.extrapolation.notices(self.field_ut);
         notices.iter().chain(&self.tilted).for_each(|notice| line(&format!("  outside the range: {notice}")));
     }
-}
-
-/// Judges the calibration, and says so.
-pub fn run(arguments: &CheckArgs, json: bool) -> Outcome<u8> {
-    let cal = CalFile::read(&arguments.cal)?;
-    cal.extended().map_err(|failure| failure.in_file(&arguments.cal))?;
-    let log = source::read_for(&arguments.log, &cal, &arguments.cal, json)?;
-    let mut notes = Vec::new();
-    let checked = judge(&cal, &log, arguments.declination, &mut notes);
-    notes.iter().for_each(|note| eprintln!("note: {}: {note}", log.path.display()));
-    let checked = checked?;
-    if json {
-        line(&checked.json().to_string());
-    } else {
-        checked.say(&arguments.cal);
-    }
-    Ok(if checked.is_good() { EXIT_OK } else { EXIT_REFUSED })
 }

@@ -1,0 +1,6 @@
+//! What a log says of a calibration: still good, moved, another field, worse.
+
+mod heading;
+pub mod judge;
+mod shift;
+mod word;

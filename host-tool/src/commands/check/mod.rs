@@ -1,6 +1,0 @@
-//! `ironout check`: is a calibration still good for a new log?
-
-mod heading;
-pub mod run;
-mod shift;
-mod word;
