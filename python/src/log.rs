@@ -3,9 +3,9 @@
 use crate::wait::{on_thread, raised};
 use crate::{columns, options};
 use ironout_cli::cli::{LogArgs, SimulateArgs};
-use ironout_cli::simulated::{simulated, truth_json};
 use ironout_cli::failure::Failure;
 use ironout_cli::plausible::Known;
+use ironout_cli::simulated::{simulated, truth_json};
 use ironout_cli::{input, read_block, source};
 use numpy::{PyArray1, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
