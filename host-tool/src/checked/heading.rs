@@ -34,7 +34,7 @@ pub struct Judged {
 
 /// Compares headings where the accelerometer measures little besides gravity. `declination_deg` is added to the magnetic
 /// heading.
-pub(super) fn headings(
+pub(crate) fn headings(
     table: &Table,
     corrector: &Corrected,
     predicted_deg: Option<f64>,
@@ -70,12 +70,12 @@ pub(super) fn headings(
 
 impl Judged {
     /// Whether the heading is wrong.
-    pub(super) fn is_wrong(&self) -> bool {
+    pub(crate) fn is_wrong(&self) -> bool {
         self.error.rms_deg > self.limit_deg
     }
 
     /// The line among the figures.
-    pub(super) fn line(&self) -> String {
+    pub(crate) fn line(&self) -> String {
         let HeadingError { rms_deg, mean_deg, spread_deg, .. } = self.error;
         format!(
             "heading off by        {rms_deg:9.2} ° rms   mean {mean_deg:+.2}°, standard deviation {spread_deg:.2}°; limit \
@@ -110,7 +110,7 @@ impl Judged {
 
 impl Headings {
     /// What to know about the heading, a line each.
-    pub(super) fn words(&self, declination_given: bool) -> Vec<String> {
+    pub(crate) fn words(&self, declination_given: bool) -> Vec<String> {
         match self {
             Headings::Absent => Vec::new(),
             Headings::Unlevelled(why) => vec![(*why).to_string()],
@@ -120,7 +120,7 @@ impl Headings {
     }
 
     /// The figures; null where there are none.
-    pub(super) fn json(&self) -> serde_json::Value {
+    pub(crate) fn json(&self) -> serde_json::Value {
         match self {
             Headings::Judged(Judged { error, limit_deg }) => serde_json::json!({
                 "samples": error.count, "rms_deg": json_number(Some(error.rms_deg)),

@@ -7,15 +7,13 @@ use crate::checked::word::Word;
 use crate::corrected::Corrected;
 use crate::failure::Outcome;
 use crate::input::Log;
-use crate::output::{json_number, line, text};
+use crate::output::json_number;
 use crate::read_block;
-use crate::wrap::{WIDTH, hang};
 use ironout::coverage::CoverageMap;
 use ironout_analysis::fit::confined::beyond;
 use ironout_analysis::outcome::request::Purpose;
 use ironout_analysis::samples::data::Data;
 use ironout_analysis::{Extrapolation, Options, Table};
-use std::path::Path;
 
 /// Fewer samples say nothing.
 const LEAST_SAMPLES: usize = 20;
@@ -34,21 +32,21 @@ fn explains_itself(table: &Table<'_>, limit_ut: f64) -> bool {
 
 /// What a log says of a calibration.
 pub struct Checked<'a> {
-    cal: &'a CalFile,
-    log: &'a Log,
-    word: Word,
-    field_ut: f64,
-    samples: usize,
-    rms_ut: f64,
-    own_ut: f64,
-    limit_ut: f64,
-    mean_ut: f64,
-    coverage: f64,
-    shift: Option<Shift>,
-    headings: Headings,
-    extrapolation: Extrapolation,
-    tilted: Option<String>,
-    declination_given: bool,
+    pub(crate) cal: &'a CalFile,
+    pub(crate) log: &'a Log,
+    pub(crate) word: Word,
+    pub(crate) field_ut: f64,
+    pub(crate) samples: usize,
+    pub(crate) rms_ut: f64,
+    pub(crate) own_ut: f64,
+    pub(crate) limit_ut: f64,
+    pub(crate) mean_ut: f64,
+    pub(crate) coverage: f64,
+    pub(crate) shift: Option<Shift>,
+    pub(crate) headings: Headings,
+    pub(crate) extrapolation: Extrapolation,
+    pub(crate) tilted: Option<String>,
+    pub(crate) declination_given: bool,
 }
 
 /// Compares the log's error with that of the calibration's own log. `notes` gets what is to be said of the columns of its effects.
@@ -133,7 +131,8 @@ impl Checked<'_> {
         matches!(self.word, Word::Good | Word::Field)
     }
 
-    fn known(&self) -> Option<&Shift> {
+    /// The change of offset and field, if this log determines it.
+    pub(crate) fn known(&self) -> Option<&Shift> {
         self.shift.as_ref().filter(|shift| shift.known)
     }
 
@@ -168,37 +167,5 @@ impl Checked<'_> {
             [(heading, "heading"), (outside, "outside-range"), (self.tilted.is_some(), "tilted-further")];
         let others = others.into_iter().filter(|(there, code)| *there && *code != self.word.name());
         std::iter::once(self.word.name()).chain(others.map(|(_, code)| code)).collect()
-    }
-
-    /// Prints the verdict and its figures. `file` is the calibration's.
-    pub fn say(&self, file: &Path) {
-        let percent = |ut: f64| ut / self.field_ut * 100.0;
-        let verdict = format!("{}: {}", self.word.name().to_uppercase(), self.word.explanation());
-        // Through the painter: the first word is coloured.
-        text(&(hang(&verdict, "", "  ", WIDTH).join("\n") + "\n"));
-        for words in self.headings.words(self.declination_given) {
-            line(&format!("  {words}"));
-        }
-        line("");
-        line(&format!("{}: {} samples against {}", self.log.path.display(), self.samples, file.display()));
-        line(&format!("error now             {:9.3} µT  {:6.2} %", self.rms_ut, percent(self.rms_ut)));
-        line(&format!("error at calibration  {:9.3} µT  {:6.2} %", self.own_ut, percent(self.own_ut)));
-        line(&format!("limit                 {:9.3} µT  {:6.2} %", self.limit_ut, percent(self.limit_ut)));
-        if let Some(shift) = self.known() {
-            let [x, y, z] = shift.offset_ut;
-            let [sx, sy, sz] = shift.offset_std_ut;
-            line(&format!("offset moved by       {x:+.2} ±{sx:.2}  {y:+.2} ±{sy:.2}  {z:+.2} ±{sz:.2} µT"));
-            line(&format!(
-                "field changed by      {:+9.3} µT  {:+6.2} %",
-                shift.field_ut,
-                percent(shift.field_ut)
-            ));
-        }
-        if let Headings::Judged(one) = &self.headings {
-            line(&one.line());
-        }
-        line(&format!("directions covered    {:9.0} %", self.coverage * 100.0));
-        let notices = self.extrapolation.notices(self.field_ut);
-        notices.iter().chain(&self.tilted).for_each(|notice| line(&format!("  outside the range: {notice}")));
     }
 }

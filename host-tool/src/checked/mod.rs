@@ -1,6 +1,6 @@
-//! What a log says of a calibration: still good, moved, another field, worse.
+//! Judges a calibration by a later log: still good, moved, another field, worse.
 
-mod heading;
+pub(crate) mod heading;
 pub mod judge;
 mod shift;
 mod word;

@@ -16,19 +16,19 @@ const MAX_STEPS: usize = 20;
 
 /// A change of the offset, and of the field's magnitude, that explains a residual.
 pub struct Shift {
-    pub(super) offset_ut: [f64; 3],
-    pub(super) offset_std_ut: [f64; 3],
-    pub(super) field_ut: f64,
+    pub(crate) offset_ut: [f64; 3],
+    pub(crate) offset_std_ut: [f64; 3],
+    pub(crate) field_ut: f64,
     /// The same change of the offset in the corrected vectors, µT.
-    pub(super) centre_ut: [f64; 3],
+    pub(crate) centre_ut: [f64; 3],
     /// Rms of what it leaves.
-    pub(super) rms_ut: f64,
-    pub(super) known: bool,
+    pub(crate) rms_ut: f64,
+    pub(crate) known: bool,
 }
 
 impl Shift {
     /// Whether the offset moved, beyond doubt and by enough to matter.
-    pub(super) fn moved(&self, field_ut: f64) -> bool {
+    pub(crate) fn moved(&self, field_ut: f64) -> bool {
         self.known
             && norm(self.offset_ut) >= MOVED * field_ut
             && self
@@ -42,7 +42,7 @@ impl Shift {
 /// The sphere that corrected vectors lie on: with the calibration's matrix, a change of the offset by `δb` moves its centre to `C δb`, however large
 /// it is, and another field changes its radius. `residual` is what the calibration leaves of each vector. `None` where the vectors
 /// determine no sphere.
-pub(super) fn shift(
+pub(crate) fn shift(
     corrected: &[[f64; 3]],
     residual: &[f64],
     calibration: &Calibration<f64>,

@@ -13,7 +13,7 @@ pub enum Word {
 }
 
 impl Word {
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Word::Good => "good",
             Word::Field => "field",
@@ -25,7 +25,7 @@ impl Word {
         }
     }
 
-    pub(super) fn explanation(self) -> &'static str {
+    pub(crate) fn explanation(self) -> &'static str {
         match self {
             Word::Good => "the calibration is still good, for the directions covered",
             Word::Field => {
