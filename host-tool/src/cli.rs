@@ -238,9 +238,10 @@ pub struct ApplyArgs {
   ironout check today.csv --cal cal.json && echo still good
 
 Results: good; field (another field strength, the calibration is still good);
-moved (another offset: a magnet, a new part, a shock); worse (the errors have
-grown for another reason); heading (wrong compared with heading_deg); unknown
-(too few directions). Exit status 0 if the calibration can be kept, else 1.")]
+moved (another offset: a magnet, a new part, a shock); other (another sensor,
+mounting or scale); worse (the errors have grown for another reason); heading
+(wrong compared with heading_deg); unknown (too few directions). Exit status 0
+if the calibration can be kept, else 1.")]
 pub struct CheckArgs {
     #[command(flatten)]
     #[allow(missing_docs)]

@@ -1,7 +1,7 @@
-//! Reading logs: told by their content, each into the same [`Log`].
+//! Readers of logs: each format is detected from the content, and becomes the same [`Log`].
 //!
-//! The program's own CSV is firm (docs/command-line.md, "Log format"): what is not understood is an error with file, line, column and
-//! remedy, or a notice. Other text is read tolerantly, and what was decided is said ([`ReadAs`]); nothing is guessed silently.
+//! The reader of the program's own CSV is strict (docs/formats.md, "The own CSV"): a cell that it cannot read is an error with file, line,
+//! column and remedy, or a notice. The reader of other text is tolerant, and [`ReadAs`] states each decision.
 
 #[cfg(feature = "parquet")]
 mod columnar;
