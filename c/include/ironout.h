@@ -110,7 +110,7 @@ enum ironout_error
     IRONOUT_RECORD_TORN = 41,
     // A record of a version that this library does not know.
     IRONOUT_RECORD_UNSUPPORTED = 42,
-    // The checksum is right, but the numbers are no calibration.
+    // The checksum is correct, but the numbers are not a valid calibration.
     IRONOUT_RECORD_UNSOUND = 43,
     // The record contains effects: correct with ironout_live_apply.
     IRONOUT_RECORD_HAS_EFFECTS = 44,

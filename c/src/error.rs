@@ -58,7 +58,7 @@ pub enum IronoutError {
     IRONOUT_RECORD_TORN = 41,
     /// A record of a version that this library does not know.
     IRONOUT_RECORD_UNSUPPORTED = 42,
-    /// The checksum is right, but the numbers are no calibration.
+    /// The checksum is correct, but the numbers are not a valid calibration.
     IRONOUT_RECORD_UNSOUND = 43,
     /// The record contains effects: correct with ironout_live_apply.
     IRONOUT_RECORD_HAS_EFFECTS = 44,
@@ -138,7 +138,7 @@ const TEXTS: [(IronoutError, &CStr); 31] = {
         (IRONOUT_RECORD_EMPTY, c"no record: the memory is erased"),
         (IRONOUT_RECORD_TORN, c"no record: it is damaged or only partly written"),
         (IRONOUT_RECORD_UNSUPPORTED, c"a record of an unknown version"),
-        (IRONOUT_RECORD_UNSOUND, c"the numbers of the record are no calibration"),
+        (IRONOUT_RECORD_UNSOUND, c"the numbers of this record are not plausible"),
         (IRONOUT_RECORD_HAS_EFFECTS, c"the record contains effects: correct with ironout_live_apply"),
         (IRONOUT_COLUMN_UNKNOWN, c"a column that an effect needs is not known"),
         (IRONOUT_COLUMN_NOT_READ, c"no effect of the record reads this column"),

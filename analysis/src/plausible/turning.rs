@@ -35,7 +35,7 @@ pub const UNITS: [(&str, f64); 4] = [
     ("deg/s", std::f64::consts::PI / 180.0),
     ("mdeg/s", std::f64::consts::PI / 180e3),
     ("rad/s, labelled as deg/s", 180.0 / std::f64::consts::PI),
-    ("mrad/s, or counts of 16.4 a deg/s", 1e-3),
+    ("mrad/s, or 16.4 counts per deg/s", 1e-3),
 ];
 
 /// Whose axes stand for others.
