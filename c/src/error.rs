@@ -10,13 +10,13 @@ use ironout::quality::Reason;
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IronoutError {
-    /// It worked.
+    /// Success.
     IRONOUT_OK = 0,
     /// A pointer is null or misaligned.
     IRONOUT_BAD_POINTER = 1,
     /// The state was not initialised: call its init function first.
     IRONOUT_NOT_INITIALISED = 2,
-    /// A number is not finite, or outside of what the function allows.
+    /// A number is not finite, or out of range for the function.
     IRONOUT_BAD_ARGUMENT = 3,
     /// The caller's buffer is too small.
     IRONOUT_TOO_LITTLE_ROOM = 4,
@@ -49,7 +49,7 @@ pub enum IronoutError {
     IRONOUT_RESIDUAL_TOO_LARGE = 30,
     /// Refused: more than 1 % of the samples are at the sensor's limits. Choose a wider range.
     IRONOUT_SATURATED = 31,
-    /// A note, no refusal: the measured magnitude differs from the expected field by more than 20 %.
+    /// A note, not a refusal: the measured magnitude differs from the expected field by more than 20 %.
     IRONOUT_FIELD_MISMATCH = 32,
 
     /// No record: the bytes are erased (all 0xff or all 0).
@@ -149,7 +149,7 @@ const TEXTS: [(IronoutError, &CStr); 31] = {
     ]
 };
 
-/// A sentence for a code, in English, at most 120 bytes. It is never null and stays valid. Of a number that is no code:
+/// A sentence for a code, in English, at most 120 bytes. It is never null and stays valid. For an unknown code:
 /// "unknown error".
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_error_text(error: i32) -> *const c_char {
