@@ -97,7 +97,7 @@ pub struct Turning {
     pub rate: Option<OddRate>,
 }
 
-/// Holds the three sensors against each other. Nothing is said where the log was hardly turned.
+/// Compares the three sensors with each other. A log with hardly any rotation gives no result.
 pub fn judge(table: &Table) -> Turning {
     let (Some(time_s), Some(rate)) = (table.time_s, table.gyro_radps) else { return Turning::default() };
     let field = by_field(table, time_s, rate);
