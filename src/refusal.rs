@@ -113,13 +113,13 @@ impl fmt::Display for FitError {
             ),
             Self::OffsetTooLarge { fields } => write!(
                 f,
-                "the offset is {:.0} times the field: which is implausible: look for a magnet, or rotate through more \
+                "the offset is {:.0} times the field, which is implausible: look for a magnet, or rotate through more \
                  directions",
                 Num(*fields)
             ),
             Self::AxisRatio { ratio } => write!(
                 f,
-                "the axes differ by a factor of {:.1}: which is implausible: check the scale of each axis, or rotate \
+                "the axes differ by a factor of {:.1}, which is implausible: check the scale of each axis, or rotate \
                  through more directions",
                 Num(*ratio)
             ),

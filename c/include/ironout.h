@@ -64,13 +64,13 @@ enum ironout_error
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // It worked.
+    // Success.
     IRONOUT_OK = 0,
     // A pointer is null or misaligned.
     IRONOUT_BAD_POINTER = 1,
     // The state was not initialised: call its init function first.
     IRONOUT_NOT_INITIALISED = 2,
-    // A number is not finite, or outside of what the function allows.
+    // A number is not finite, or out of range for the function.
     IRONOUT_BAD_ARGUMENT = 3,
     // The caller's buffer is too small.
     IRONOUT_TOO_LITTLE_ROOM = 4,
@@ -102,7 +102,7 @@ enum ironout_error
     IRONOUT_RESIDUAL_TOO_LARGE = 30,
     // Refused: more than 1 % of the samples are at the sensor's limits. Choose a wider range.
     IRONOUT_SATURATED = 31,
-    // A note, no refusal: the measured magnitude differs from the expected field by more than 20 %.
+    // A note, not a refusal: the measured magnitude differs from the expected field by more than 20 %.
     IRONOUT_FIELD_MISMATCH = 32,
     // No record: the bytes are erased (all 0xff or all 0).
     IRONOUT_RECORD_EMPTY = 40,
@@ -110,7 +110,7 @@ enum ironout_error
     IRONOUT_RECORD_TORN = 41,
     // A record of a version that this library does not know.
     IRONOUT_RECORD_UNSUPPORTED = 42,
-    // The checksum is right, but the numbers are no calibration.
+    // The checksum is correct, but the numbers are not a valid calibration.
     IRONOUT_RECORD_UNSOUND = 43,
     // The record contains effects: correct with ironout_live_apply.
     IRONOUT_RECORD_HAS_EFFECTS = 44,
@@ -187,7 +187,7 @@ enum ironout_condition
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // Nothing speaks against it.
+    // No disturbance was detected.
     IRONOUT_GOOD = 0,
     // Something magnetic is near: do not trust the field now.
     IRONOUT_DISTURBED = 1,
@@ -248,7 +248,7 @@ typedef struct ironout_sensor {
 
 // A snapshot of a session.
 typedef struct ironout_status {
-    // Where the session is.
+    // State of the session.
     ironout_state state;
     // What to do next; ironout_hint_text makes a sentence of it.
     ironout_hint hint;
@@ -503,7 +503,7 @@ ironout_error ironout_hint_text(const struct ironout_status *status,
                                 char *text,
                                 size_t room);
 
-// A sentence for a code, in English, at most 120 bytes. It is never null and stays valid. Of a number that is no code:
+// A sentence for a code, in English, at most 120 bytes. It is never null and stays valid. For an unknown code:
 // "unknown error".
 const char *ironout_error_text(int32_t error);
 
@@ -515,7 +515,7 @@ const char *ironout_error_text(int32_t error);
 
 #ifndef IRONOUT_H_LAYOUT
 #define IRONOUT_H_LAYOUT
-/* The sizes that the library was compiled for; a compiler that lays them out otherwise stops here. */
+/* The sizes that the library was compiled for; a compiler that lays them out differently stops here. */
 typedef char ironout_check_session[sizeof(ironout_session) == 8u * IRONOUT_SESSION_WORDS ? 1 : -1];
 typedef char ironout_check_live[sizeof(ironout_live) == 8u * IRONOUT_LIVE_WORDS ? 1 : -1];
 typedef char ironout_check_monitor[sizeof(ironout_monitor) == 8u * IRONOUT_MONITOR_WORDS ? 1 : -1];

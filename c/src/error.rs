@@ -10,13 +10,13 @@ use ironout::quality::Reason;
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IronoutError {
-    /// It worked.
+    /// Success.
     IRONOUT_OK = 0,
     /// A pointer is null or misaligned.
     IRONOUT_BAD_POINTER = 1,
     /// The state was not initialised: call its init function first.
     IRONOUT_NOT_INITIALISED = 2,
-    /// A number is not finite, or outside of what the function allows.
+    /// A number is not finite, or out of range for the function.
     IRONOUT_BAD_ARGUMENT = 3,
     /// The caller's buffer is too small.
     IRONOUT_TOO_LITTLE_ROOM = 4,
@@ -49,7 +49,7 @@ pub enum IronoutError {
     IRONOUT_RESIDUAL_TOO_LARGE = 30,
     /// Refused: more than 1 % of the samples are at the sensor's limits. Choose a wider range.
     IRONOUT_SATURATED = 31,
-    /// A note, no refusal: the measured magnitude differs from the expected field by more than 20 %.
+    /// A note, not a refusal: the measured magnitude differs from the expected field by more than 20 %.
     IRONOUT_FIELD_MISMATCH = 32,
 
     /// No record: the bytes are erased (all 0xff or all 0).
@@ -58,7 +58,7 @@ pub enum IronoutError {
     IRONOUT_RECORD_TORN = 41,
     /// A record of a version that this library does not know.
     IRONOUT_RECORD_UNSUPPORTED = 42,
-    /// The checksum is right, but the numbers are no calibration.
+    /// The checksum is correct, but the numbers are not a valid calibration.
     IRONOUT_RECORD_UNSOUND = 43,
     /// The record contains effects: correct with ironout_live_apply.
     IRONOUT_RECORD_HAS_EFFECTS = 44,
@@ -138,7 +138,7 @@ const TEXTS: [(IronoutError, &CStr); 31] = {
         (IRONOUT_RECORD_EMPTY, c"no record: the memory is erased"),
         (IRONOUT_RECORD_TORN, c"no record: it is damaged or only partly written"),
         (IRONOUT_RECORD_UNSUPPORTED, c"a record of an unknown version"),
-        (IRONOUT_RECORD_UNSOUND, c"the numbers of the record are no calibration"),
+        (IRONOUT_RECORD_UNSOUND, c"the numbers of this record are not plausible"),
         (IRONOUT_RECORD_HAS_EFFECTS, c"the record contains effects: correct with ironout_live_apply"),
         (IRONOUT_COLUMN_UNKNOWN, c"a column that an effect needs is not known"),
         (IRONOUT_COLUMN_NOT_READ, c"no effect of the record reads this column"),
@@ -149,7 +149,7 @@ const TEXTS: [(IronoutError, &CStr); 31] = {
     ]
 };
 
-/// A sentence for a code, in English, at most 120 bytes. It is never null and stays valid. Of a number that is no code:
+/// A sentence for a code, in English, at most 120 bytes. It is never null and stays valid. For an unknown code:
 /// "unknown error".
 #[unsafe(no_mangle)]
 pub extern "C" fn ironout_error_text(error: i32) -> *const c_char {

@@ -13,7 +13,7 @@ use ironout::monitor::{Condition, Monitor};
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IronoutCondition {
-    /// Nothing speaks against it.
+    /// No disturbance was detected.
     IRONOUT_GOOD = 0,
     /// Something magnetic is near: do not trust the field now.
     IRONOUT_DISTURBED = 1,

@@ -44,7 +44,7 @@ pub enum IronoutHint {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IronoutStatus {
-    /// Where the session is.
+    /// State of the session.
     pub state: IronoutState,
     /// What to do next; ironout_hint_text makes a sentence of it.
     pub hint: IronoutHint,
@@ -189,7 +189,7 @@ const _: () = {
     assert!(core::mem::offset_of!(IronoutStatus, now) == core::mem::offset_of!(Said, now));
 };
 
-/// The sentence of a hint; of a number that is no hint, none.
+/// Sentence of a hint; an error for an unknown hint.
 fn sentence(said: &Said, text: *mut c_char, room: usize) -> Result<(), IronoutError> {
     const MOVE: i32 = IronoutHint::IRONOUT_HINT_MOVE as i32;
     const TURN: i32 = IronoutHint::IRONOUT_HINT_TURN as i32;

@@ -113,7 +113,7 @@ pub fn reference(log: &mut Log, columns: &str) -> Outcome<()> {
             ))
         })?;
         let values = filled(&column.values).filter(|_| column.not_finite == 0);
-        let values = values.ok_or_else(|| fail(format!("{name} holds no numbers")))?;
+        let values = values.ok_or_else(|| fail(format!("{name} does not contain numbers")))?;
         squares.iter_mut().zip(values.iter()).for_each(|(sum, value)| *sum += value * value);
     }
     let field: Vec<f64> = squares.into_iter().map(f64::sqrt).collect();

@@ -272,7 +272,7 @@ pub struct SimulateArgs {
     /// Write the log here (-: to standard output)
     #[arg(short, long, value_name = "LOG")]
     pub output: PathBuf,
-    /// Seed of everything random
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Length of the log

@@ -15,7 +15,7 @@ use std::path::PathBuf;
   ironout batch logs/ -o fleet.csv --vehicle-from '{vehicle}_*.csv'
 
 Run the same command again after Ctrl-C or when there are new logs: only logs
-that are new or changed are studied. A log that cannot be read costs one row
+that are new or changed are studied. A log that cannot be read gets one row
 with its error. Exit status 1: interrupted, or no log could be studied.")]
 pub struct BatchArgs {
     #[command(flatten)]
@@ -31,7 +31,7 @@ pub struct BatchArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
     /// Vehicle and sensor from the path, if the log does not name them: a pattern of its last parts with {vehicle}, {sensor} and *
-    /// (without it: the folder below DIR)
+    /// (default: the folder below DIR)
     #[arg(long, value_name = "PATTERN")]
     pub vehicle_from: Option<String>,
     /// Write the summary as one page here, with the offset of each sensor over time

@@ -54,8 +54,8 @@ docs/exports.md has the formulas, units and how to load each.")]
 pub struct ExportArgs {
     /// The calibration
     pub cal: PathBuf,
-    /// The form
-    #[arg(long = "as", value_enum)]
+    /// Output format
+    #[arg(long = "as", value_enum, value_name = "FORMAT")]
     pub form: ExportForm,
     /// Output file (default: standard output)
     #[arg(short, long, value_name = "FILE")]

@@ -77,7 +77,7 @@ pub struct LiveArgs {
     /// The board's console behind a TCP port, as in localhost:4000
     #[arg(long, value_name = "ADDR", help_heading = "The board")]
     pub tcp: Option<String>,
-    /// The firmware in QEMU, turned all the time
+    /// The firmware in QEMU, with a simulated sensor that rotates all the time
     #[arg(long, help_heading = "The board")]
     pub qemu: bool,
     /// A simulated board in the field of this log, with its columns, at the log's own pace

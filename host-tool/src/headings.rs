@@ -58,8 +58,8 @@ pub fn guide(log: &mut Log, given: &[KnownHeading]) -> Outcome<()> {
         tell(
             log,
             &format!(
-                "the logged yaw differs from the GPS course by up to {amplitude_deg:.0}° ± {error_deg:.1}°, depending on the heading, as the error \
-             of a compass does"
+                "the logged yaw differs from the GPS course by up to {amplitude_deg:.0}° ± {error_deg:.1}°, depending on the heading, as a \
+             compass error does"
             ),
         );
         known
@@ -69,7 +69,7 @@ pub fn guide(log: &mut Log, given: &[KnownHeading]) -> Outcome<()> {
             return Ok(());
         }
         return Err(Failure::usage(
-            "--heading needs a time inside of the log, an accelerometer and a gyro. Fix: check the time, which is that of the log in s",
+            "--heading needs a time within the log, an accelerometer and a gyro. Fix: give the time in seconds of the log",
         )
         .in_file(&log.path));
     };

@@ -93,7 +93,7 @@ The log has the board's own time stamps, the field in microtesla and every
 column that the board knows. Lost samples are marked. If the board is
 disconnected, recording continues when it is back.")]
 pub struct RecordArgs {
-    /// Write the log here (whole, at the end)
+    /// Write the log here (complete, when the recording ends)
     #[arg(short, long, value_name = "LOG.csv")]
     pub output: PathBuf,
     /// Stop after this many seconds of the board's clock (default: at Ctrl-C)

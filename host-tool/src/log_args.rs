@@ -60,7 +60,7 @@ pub struct LogArgs {
     #[arg(long, value_name = "YYYY-MM-DD", help_heading = "Reading the log")]
     pub date: Option<String>,
     /// The true field at every row: a magnitude (a proton, fluxgate or base station magnetometer, a coil), or three columns of
-    /// a reference sensor in whatever axes; nT, µT or G by the name's end or by the size
+    /// a reference sensor in any axes; the unit comes from the end of the name (_nt, _ut, _g), otherwise from the size
     #[arg(long, value_name = "COLUMN[,COLUMN,COLUMN]", help_heading = "Reading the log")]
     pub reference: Option<String>,
 }

@@ -162,13 +162,13 @@ impl Reading {
         if let (Some(own), Some(given)) = (self.ut_per_count, log.ut_per_count)
             && own.iter().zip(given).any(|(own, given)| (own - given).abs() > SAME * own)
         {
-            lines.push(format!("--ut-per-count  kept {}, here {}", words(own), words(given)));
+            lines.push(format!("--ut-per-count  stored {}, here {}", words(own), words(given)));
         }
         // Said in so many words: this log stands in body axes already.
         let already = arguments.rotate == ["none"];
         if !already && turned(&self.rotate)? != turned(&arguments.rotate)? {
             lines.push(format!(
-                "--rotate    kept {}, here {}",
+                "--rotate    stored {}, here {}",
                 typed(&self.rotate),
                 typed(&arguments.rotate)
             ));
@@ -177,7 +177,7 @@ impl Reading {
         if let (Some(own), Some(here)) = (self.instance, here)
             && own != here
         {
-            lines.push(format!("--instance  kept {own}, here {here}"));
+            lines.push(format!("--instance  stored {own}, here {here}"));
         }
         if lines.is_empty() {
             return Ok(());
@@ -188,10 +188,10 @@ impl Reading {
 
     /// The failure of a log that cannot be read with the kept options: what they are, and what is there.
     pub fn cannot(&self, file: &Path, failure: &Failure) -> Failure {
-        let mut lines: Vec<String> = self.map.iter().map(|map| format!("kept  --map {map}")).collect();
-        lines.extend(self.derive.iter().map(|text| format!("kept  --derive {text}")));
+        let mut lines: Vec<String> = self.map.iter().map(|map| format!("stored  --map {map}")).collect();
+        lines.extend(self.derive.iter().map(|text| format!("stored  --derive {text}")));
         if !self.format.is_empty() {
-            lines.push(format!("kept  format {}", self.format));
+            lines.push(format!("stored  format {}", self.format));
         }
         lines.push(format!("here  {}", failure.message));
         let told = Failure::usage(format!(
@@ -206,14 +206,14 @@ impl Reading {
     fn of_the_files(&self, log: &Log) -> Vec<String> {
         let mut lines = Vec::new();
         if !self.format.is_empty() && self.format != log.read_as.format {
-            lines.push(format!("format      kept {}, here {}", self.format, log.read_as.format));
+            lines.push(format!("format      stored {}, here {}", self.format, log.read_as.format));
         }
         for own in &self.columns {
             let here = log.read_as.columns.iter().find(|column| column.name == own.name);
             if let Some(here) = here.filter(|here| here.source != own.source || here.unit != own.unit) {
                 let words = |source: &str, unit: &str| format!("{source} {unit}").trim().to_string();
                 lines.push(format!(
-                    "{:<11} kept {}, here {}",
+                    "{:<11} stored {}, here {}",
                     own.name,
                     words(&own.source, &own.unit),
                     words(&here.source, &here.unit)

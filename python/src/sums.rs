@@ -52,7 +52,7 @@ impl Moments {
         let all = parsed.and_then(|sums| sums.try_into().ok());
         match all.and_then(|sums| Core::from_sums(&sums)) {
             Some(inner) => Ok(Moments { inner }),
-            None => Err(refuse("these are no sums of samples: expected the 35 integers of Moments.sums()")),
+            None => Err(refuse("these are not sums of samples: expected the 35 integers of Moments.sums()")),
         }
     }
 

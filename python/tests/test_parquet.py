@@ -40,7 +40,7 @@ def test_parquet_of_polars_and_pandas(program, hidden, tmp_path):
     frame.loc[5, "temp_c"] = None
     path = tmp_path / "pandas.parquet"
     frame.to_parquet(path)
-    with pytest.warns(ironout.IronoutWarning, match="phase holds no numbers"):
+    with pytest.warns(ironout.IronoutWarning, match="phase does not contain numbers"):
         own = ironout.fit(path, add="offset:current_a")
     told = program("fit", path, "--add", "offset:current_a")
     assert without_names(told) == without_names(own.data)

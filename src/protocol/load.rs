@@ -5,7 +5,7 @@ pub const LOAD_LINE_BYTES: usize = 28;
 
 /// How the three lines are written.
 pub(super) const USAGE: &str =
-    "cal load begin BYTES CRC, then cal load data OFFSET HEX (at most 28 bytes a line), then cal load end";
+    "cal load begin BYTES CRC, then cal load data OFFSET HEX (up to 28 bytes per line), then cal load end";
 
 /// The bytes of one line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

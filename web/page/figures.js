@@ -208,7 +208,7 @@ export class Figures {
         effect.amount || fixedAt.length ? h("p", {}, effect.amount ? `Size: ${effect.amount}.` : "", fixedAt.length ? ` ${fixedAt.join(", ")}.` : "") : null,
         table(`Coefficients of ${effect.id} in ${effect.unit}`, ["", `value, ${effect.unit}`, `standard error, ${effect.unit}`], effect.coefficients.map((value, i) => [effect.names[i], significant(value), significant(effect.std_errors[i], 2)])));
       const partners = this.found?.candidates?.find((one) => one.id === effect.id)?.confounded_with ?? [];
-      if (partners.length) parts.push(h("p", { class: "note" }, `In this log ${effect.id} cannot be told from ${partners.join(", ")}: ${this.found.candidates.find((one) => one.id === effect.id).why}`));
+      if (partners.length) parts.push(h("p", { class: "note" }, `In this log ${effect.id} cannot be distinguished from ${partners.join(", ")}: ${this.found.candidates.find((one) => one.id === effect.id).why}`));
     }
     const share = (value) => (typeof value === "number" && fit.field_ut ? (100 * value) / fit.field_ut : null);
     const rows = [
@@ -231,8 +231,8 @@ export class Figures {
     by("open").hidden = !this.found;
     if (!this.found) return;
     fill(by("open-body"), untested.length
-      ? [h("p", {}, "This log cannot test these effects:"), table("Effects that this log cannot test, and why", ["effect", "why"], untested.map((one) => [`${one.name} (${one.id})`, one.why]))]
-      : h("p", {}, "This log tested every effect of the catalogue."));
+      ? [h("p", {}, "These effects cannot be tested with this log:"), table("Effects that cannot be tested with this log, and why", ["effect", "why"], untested.map((one) => [`${one.name} (${one.id})`, one.why]))]
+      : h("p", {}, "ironout could test every effect of the catalogue on this log."));
   }
 
   exports() {

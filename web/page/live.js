@@ -125,7 +125,7 @@ export class Live {
     const turn = (this.turn ?? 0) + 1;
     this.turn = turn;
     this.heard = performance.now();
-    this.say(`${this.wire.name} is open; who is there?`, "asking");
+    this.say(`${this.wire.name} is open; asking for the board …`, "asking");
     this.who = null;
     for (let attempt = 0; !this.who && turn === this.turn; attempt += 1) {
       try {
@@ -279,7 +279,7 @@ export class Live {
     const rows = reply.info.filter((text) => text.startsWith("effect ")).map(values);
     const says = reply.info.filter((text) => text.startsWith("says ")).map((text) => text.slice(5));
     const base = values(reply.info.find((text) => text.startsWith("base ")) ?? "");
-    // What the data do not ask for the board refuses.
+    // The board refuses an effect that is not significant.
     const offer = { missing: "add", confounded: "add", "in-use": "remove" };
     const choice = ({ id, status }) => (offer[status]
       ? h("button", { type: "button", "data-effect-id": id, "aria-label": `${offer[status]} ${id}`, onclick: () => this.act(() => this.change(offer[status], id)) }, offer[status]) : null);
@@ -300,7 +300,7 @@ export class Live {
     await this.ask();
     this.why.querySelector(`[data-effect-id="${CSS.escape(id)}"]`)?.focus();
     const { rms_before_ut: before, rms_ut: after } = reply.all;
-    fill(this.answer, `done: effect ${how} ${id}; what was learned has an error of ${before} µT before and ${after} µT after`);
+    fill(this.answer, `done: effect ${how} ${id}; error ${before} µT before, ${after} µT after`);
   }
 
   /** Samples as measured instead of corrected ones, for a log; or corrected ones again. */
@@ -313,7 +313,7 @@ export class Live {
     }
     this.recording = new Recording(this.scale);
     await this.stream("log");
-    fill(this.answer, "recording what the sensor measures");
+    fill(this.answer, "recording raw samples of the sensor");
   }
 
   save() {
@@ -323,7 +323,7 @@ export class Live {
 
   async lookAt() {
     await this.analyse({ name: this.who ? "recording.csv" : "recording.txt", text: this.recording.text() });
-    fill(this.answer, "below is what the recording shows");
+    fill(this.answer, "the recording is analysed below");
   }
 
   /** What the board says unasked. */

@@ -36,7 +36,7 @@ export class Recording {
     if (cells.length !== 3 + this.places.length || !Number.isFinite(ms) || !Number.isFinite(seq)) return;
     if (this.last && (ms < this.last.ms || seq <= this.last.seq)) {
       this.offset += this.last.ms + 1 - Math.min(ms, 0);
-      this.rows.push("# the board restarted: its clock began anew");
+      this.rows.push("# the board restarted: its clock restarted");
     } else if (this.last && seq > this.last.seq + 1) {
       this.lost += seq - this.last.seq - 1;
       this.rows.push(`# lost ${seq - this.last.seq - 1} samples`);

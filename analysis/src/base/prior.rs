@@ -32,7 +32,7 @@ pub fn parameters(model: &Model<f64>) -> [f64; 9] {
 pub struct Prior {
     /// How magnetometers are.
     pub physical: PhysicalPrior,
-    /// How many rows of the data say as much as one independent row, where a prior is meant to stand against structure.
+    /// Number of rows with the information of one independent row, if a prior is to be compared with structure.
     pub memory: f64,
     /// Standard deviation of the mean gain about 1, where the field is given.
     pub scale: Option<f64>,

@@ -154,7 +154,7 @@ impl Log {
         }
         if let Some(off_deg) = self.turns_otherwise(&turns) {
             return Some(Err(format!(
-                "it turns otherwise than the gyro ({off_deg:.0}° rms in {TURN_S:.0} s)"
+                "it rotates differently from the gyro ({off_deg:.0}° rms in {TURN_S:.0} s)"
             )));
         }
         let turns = if after_s == 0.0 { turns } else { self.after(&turns, after_s) };

@@ -35,7 +35,7 @@ pub struct Heard {
     pub rows: usize,
     /// Rms of its residual, µT.
     pub rms_ut: f64,
-    /// How many rows say as much as one independent row: what the blocks of time show.
+    /// Number of rows with the information of one independent row, from the blocks of time.
     pub memory: f64,
 }
 

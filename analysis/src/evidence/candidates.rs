@@ -222,7 +222,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
         screen: &Screen,
         least: f64,
     ) -> Option<Term<'a>> {
-        let places = grid.len() as f64;
+        let trials = grid.len() as f64;
         let (mut seconds, mut gain) = self.best(named, grid, fit, screen)?;
         for width in nearer {
             if gain < least {
@@ -232,7 +232,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
             (seconds, gain) = self.best(named, near, fit, screen)?;
         }
         let mut term = self.log.term(named, seconds)?;
-        (term.trials, term.odds) = (places.max(1.0), DERIVED_ODDS);
+        (term.trials, term.odds) = (trials.max(1.0), DERIVED_ODDS);
         Some(term)
     }
 

@@ -54,7 +54,7 @@ pub fn quantities(
 
 /// A point of the surface.
 #[derive(Debug, Clone, Copy)]
-pub struct Foot {
+pub struct ClosestPoint {
     /// Direction of the field.
     pub unit: Vector3<f64>,
     /// Undisturbed reading, µT.
@@ -87,7 +87,7 @@ impl Surface<'_, '_> {
     }
 
     /// The closest point to a reading from a direction on.
-    pub fn foot(&self, measured: &Vector3<f64>, from: Vector3<f64>) -> Option<Foot> {
+    pub fn closest_point(&self, measured: &Vector3<f64>, from: Vector3<f64>) -> Option<ClosestPoint> {
         let place = |unit: &Vector3<f64>| {
             let x = self.inverse * unit * self.field + self.offset;
             let disturbance = self.disturbed(&x);
@@ -132,7 +132,7 @@ impl Surface<'_, '_> {
         let bent = slope * self.inverse;
         let normal = (bent * first).cross(&(bent * second)).try_normalize(1e-12)?;
         let residual = normal.dot(&off);
-        residual.is_finite().then_some(Foot {
+        residual.is_finite().then_some(ClosestPoint {
             unit,
             x,
             slope,
@@ -148,17 +148,17 @@ impl Surface<'_, '_> {
         measured: &Vector3<f64>,
         from: Vector3<f64>,
         others: &[Vector3<f64>],
-    ) -> Option<Foot> {
-        let mut best = self.foot(measured, from);
-        let is_weak = |foot: &Foot| (foot.slope - Matrix3::identity()).norm() < WEAK_SLOPE;
+    ) -> Option<ClosestPoint> {
+        let mut best = self.closest_point(measured, from);
+        let is_weak = |point: &ClosestPoint| (point.slope - Matrix3::identity()).norm() < WEAK_SLOPE;
         if best.as_ref().is_some_and(is_weak) {
             return best;
         }
         for other in others {
-            if let Some(foot) = self.foot(measured, *other)
-                && best.as_ref().is_none_or(|best| foot.distance < best.distance)
+            if let Some(point) = self.closest_point(measured, *other)
+                && best.as_ref().is_none_or(|best| point.distance < best.distance)
             {
-                best = Some(foot);
+                best = Some(point);
             }
         }
         best

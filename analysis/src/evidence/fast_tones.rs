@@ -96,13 +96,13 @@ pub fn fast_tone<'a>(
         }
     }
     let gain = best.squares / (sum / count / k);
-    let places = ((highest - MIN_TONE_HZ) * length).max(1.0);
-    let price = k * (log.len() as f64).ln() + 2.0 * (places * setting.candidates).ln();
+    let trials = ((highest - MIN_TONE_HZ) * length).max(1.0);
+    let price = k * (log.len() as f64).ln() + 2.0 * (trials * setting.candidates).ln();
     if !(gain > price + MIN_ODDS && best.squares > MIN_SHARE * fit.squares) {
         return None;
     }
     best.term.coefficients.iter_mut().zip(best.theta.iter()).for_each(|(theta, value)| *theta = *value);
-    best.term.trials = places;
+    best.term.trials = trials;
     Some(best.term)
 }
 

@@ -312,7 +312,7 @@ fn effects(calibration: &Calibrated, rotation: &Matrix3<f64>, room: Room) -> (Ve
             id,
             why: format!(
                 "{} has one vector for the sum of all motors. For an average over the motors fit with --derive 'total_a={sum}' --add \
-                 offset:total_a. --as c and --as rust hold each motor",
+                 offset:total_a. --as c and --as rust store each motor",
                 room.name
             ),
         }));

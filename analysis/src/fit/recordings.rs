@@ -10,7 +10,7 @@ use crate::table::Table;
 use crate::unlogged::recordings::{Recordings, offsets};
 use ironout::calibration::Calibration;
 
-/// The probability that noise does as well as offsets that are said to differ, at most: one file of a thousand.
+/// Largest p-value at which offsets are reported to differ: one file of a thousand.
 const SIGNIFICANT: f64 = 1e-3;
 /// The error that offsets of their own must leave at most, as a share of that with one for all: a difference that is certain and
 /// hardly changes a correction is left alone.

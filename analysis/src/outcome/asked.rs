@@ -76,7 +76,7 @@ pub(crate) fn asked_for<'a>(
         }
     }
     if let Some(more) = ids.get(MOST_ADDED) {
-        return Err(Refusal::cannot_add(more, format!("a calibration holds at most {MOST_ADDED} effects")));
+        return Err(Refusal::cannot_add(more, format!("a calibration stores at most {MOST_ADDED} effects")));
     }
     // Which of the two a coupling is shows only beside the others.
     let (couplings, others): (Vec<&String>, Vec<&String>) =

@@ -32,7 +32,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             table,
             samples,
             options.registry,
-            Reason::new("at-rest", "the sensor did not move and nothing else changes"),
+            Reason::new("at-rest", "the sensor did not move, and no column changes"),
         )
     };
     if catalogue.usable_columns().next().is_none() {
@@ -43,7 +43,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
     };
     let fitter = Fitter::new(design, &catalogue, &known);
     if let Some(more) = options.add.get(MOST_ADDED) {
-        return Err(Refusal::cannot_add(more, format!("a calibration holds at most {MOST_ADDED} effects")));
+        return Err(Refusal::cannot_add(more, format!("a calibration stores at most {MOST_ADDED} effects")));
     }
     let asked: Vec<&String> = options.add.iter().collect();
     let start = match asked.is_empty() {

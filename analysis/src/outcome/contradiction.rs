@@ -2,7 +2,7 @@
 //!
 //! Nested models are compared by `T`, the rise of `−2 ln L` to second order: the earlier calibration as it is, with its offset free, with
 //! its field free (another place), with both, and not used at all. The variance is that of the loosest fit's residual, times how many
-//! samples say as much as one independent sample. `T / k`, of k freed parameters, is F-distributed where the calibration still holds.
+//! samples contain the information of one independent sample. `T / k`, of k freed parameters, is F-distributed where the calibration still holds.
 
 use crate::base::axes::ALIGNABLE;
 use crate::base::earlier::EarlierCalibration;
@@ -223,7 +223,7 @@ struct Log<'a> {
 }
 
 impl<'a> Log<'a> {
-    /// The fit, with the effects that are asked for; `None` where there is none. `memory` samples say as much as one.
+    /// Fit with the requested effects; `None` if it does not converge. `memory` samples contain the information of one.
     fn with(&self, earlier: Option<&Earlier>, memory: f64) -> Result<Option<Fitted<'a>>, Refusal> {
         let known = Prior { earlier: earlier.map(|earlier| earlier.times(memory)), ..Prior::default() };
         // From where it was, and from where the readings lie: an offset that has moved by as much as the field is far away.

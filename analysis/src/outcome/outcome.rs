@@ -71,7 +71,7 @@ pub struct StepRow {
 pub enum Status {
     /// It was missing, and is in the steps.
     Missing,
-    /// The data do not ask for it.
+    /// Not significant in this log.
     NotNeeded,
     /// Others explain the same.
     Confounded,

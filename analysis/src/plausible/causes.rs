@@ -37,9 +37,9 @@ pub fn no_causes(table: &Table) -> Vec<NoCause> {
             }
         } else if let Some(values) = rest.first() {
             if is_time(table, values) {
-                note(&mut found, covariate, || "another time or a number of the row".to_string());
+                note(&mut found, covariate, || "another time or a row number".to_string());
             } else if is_step(table, values) {
-                note(&mut found, covariate, || "the step of the time".to_string());
+                note(&mut found, covariate, || "a time step".to_string());
             } else if is_angle(values) && heading::is_computed(table, values, &smoothed) {
                 note(&mut found, covariate, || "a heading computed from this field".to_string());
             }

@@ -35,7 +35,7 @@ pub const UNITS: [(&str, f64); 4] = [
     ("deg/s", std::f64::consts::PI / 180.0),
     ("mdeg/s", std::f64::consts::PI / 180e3),
     ("rad/s, labelled as deg/s", 180.0 / std::f64::consts::PI),
-    ("mrad/s, or counts of 16.4 a deg/s", 1e-3),
+    ("mrad/s, or 16.4 counts per deg/s", 1e-3),
 ];
 
 /// Whose axes stand for others.
@@ -97,7 +97,7 @@ pub struct Turning {
     pub rate: Option<OddRate>,
 }
 
-/// Holds the three sensors against each other. Nothing is said where the log was hardly turned.
+/// Compares the three sensors with each other. A log with hardly any rotation gives no result.
 pub fn judge(table: &Table) -> Turning {
     let (Some(time_s), Some(rate)) = (table.time_s, table.gyro_radps) else { return Turning::default() };
     let field = by_field(table, time_s, rate);

@@ -43,7 +43,7 @@ pub struct Recordings {
     pub common_rms_ut: f64,
     /// … and with one for each.
     pub rms_ut: f64,
-    /// The probability that noise does as well where all have one offset.
+    /// p-value of the hypothesis that all recordings have one offset.
     pub p_value: f64,
 }
 

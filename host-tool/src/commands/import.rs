@@ -36,7 +36,7 @@ pub fn run(arguments: &ImportArgs, json: bool) -> Outcome<u8> {
     } else {
         line(&format!("wrote {}: {} rows", arguments.output.display(), log.rows));
         if counts {
-            line("the magnetometer is in counts: its scale is still to be given, with --ut-per-count");
+            line("the magnetometer is in counts. Give its scale with --ut-per-count when you fit the log");
         }
     }
     Ok(EXIT_OK)

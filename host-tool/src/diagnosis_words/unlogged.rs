@@ -1,4 +1,4 @@
-//! What no column shows: an offset for each recording, an offset that switches.
+//! Sections about causes without a column: an offset for each recording, an offset that switches.
 
 use crate::diagnosis_words::moment::at_moment;
 use crate::diagnosis_words::numbers::{field, probability, significant, wrap};
@@ -25,15 +25,15 @@ pub(crate) fn sections(told: &Told, out: &mut Vec<String>) {
         out.extend(recordings(found, WIDTH));
     }
     if let Some(found) = told.diagnosis.wander.as_ref().filter(|_| !is_told(told)) {
-        title(out, "The offset wanders, and no column says why");
+        title(out, "Wandering offset without a column");
         out.extend(wander(found));
     }
     if let Some(found) = &told.diagnosis.switching {
-        title(out, "An offset switches between two values, and no column says when");
+        title(out, "Switching offset without a column");
         out.extend(switching(found));
     }
     if let Some(found) = &told.diagnosis.levels {
-        title(out, "The offset jumps more often than a model has steps");
+        title(out, "Offset with more jumps than a model has steps");
         out.extend(jumps(told, found));
     }
 }
@@ -46,7 +46,7 @@ fn jumps(told: &Told, found: &Levels) -> Vec<String> {
         out.extend(at_moment(told.log, *at_s).into_iter().map(|text| format!("                   {text}")));
     }
     let text = format!(
-        "With an offset for each stretch between the jumps the error falls from {} to {}. Something near the sensor moves, is \
+        "An offset for each stretch between the jumps reduces the error from {} to {}. Something near the sensor moves, is \
          switched or is magnetised at these times. Look for what happens then, and log it as a column. Or cut the log there and \
          give the parts as several logs: one matrix, an offset for each.",
         field(found.before_rms_ut),
@@ -130,9 +130,9 @@ fn wander(found: &Wander) -> Vec<String> {
     let farthest = times.max_by(|a, b| size(a.1).total_cmp(&size(b.1)));
     let mut text = format!("It moves by {}.", wander_in_short(found));
     if let Some((at_s, offset_ut)) = farthest {
-        text += &format!(" It is farthest at {at_s:.1} s: {}.", vector(*offset_ut));
+        text += &format!(" Its largest value is at {at_s:.1} s: {}.", vector(*offset_ut));
     }
-    text += " A cause that was not logged moves like this. --json has its trace (wander) to plot it against what you know.";
+    text += " The cause was not logged. To compare its trace with what you know, plot wander of --json.";
     wrap(&text, "  ", WIDTH)
 }
 
@@ -162,7 +162,7 @@ pub(crate) fn recordings(found: &Recordings, width: usize) -> Vec<String> {
         None => vector(found.per_recording_ut),
     };
     let text = format!(
-        "With one matrix and an offset for each recording the error falls from {} to {} (p-value {}). From one recording to the next \
+        "One matrix and an offset for each recording reduce the error from {} to {} (p-value {}). From one recording to the next \
          the offset changes by {per}. The rest of this answer uses the offset of the last recording.",
         field(found.common_rms_ut),
         field(found.rms_ut),
@@ -191,7 +191,7 @@ fn switching(found: &Switching) -> Vec<String> {
     );
     out.extend(wrap(&times, "  ", WIDTH));
     let text = format!(
-        "With it the error falls from {} to {}. Something near the sensor is switched on and off: an LED, a charger, a relay, a \
+        "This offset reduces the error from {} to {}. Something near the sensor is switched on and off: an LED, a charger, a relay, a \
          transmitter. Log its state or its current as a column, or move it away.",
         field(found.before_rms_ut),
         field(found.rms_ut)

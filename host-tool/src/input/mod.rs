@@ -1,7 +1,7 @@
-//! Reads logs: detects the format by the content, and reads each into the same [`Log`].
+//! Readers of logs: each format is detected from the content, and becomes the same [`Log`].
 //!
-//! The program's own CSV is strict (docs/formats.md, "The own CSV"): what cannot be understood is an error with file, line, column and
-//! remedy, or a notice. Other text is read tolerantly, and [`ReadAs`] lists each decision.
+//! The reader of the program's own CSV is strict (docs/formats.md, "The own CSV"): a cell that it cannot read is an error with file, line,
+//! column and remedy, or a notice. The reader of other text is tolerant, and [`ReadAs`] states each decision.
 
 #[cfg(feature = "parquet")]
 mod columnar;

@@ -66,7 +66,7 @@ fn a_log_gives_what_its_csv_gives() {
         assert!(log.counts.is_some() && log.ut_per_count == Some([SCALE; 3]));
         assert_eq!(log.read_as.format, format!("blackbox, {firmware}"));
         assert_eq!(
-            log.notices.iter().any(|notice| notice.contains("its header says")),
+            log.notices.iter().any(|notice| notice.contains("as the header defines")),
             firmware.contains("2025")
         );
         let path = write(&truth.here, "log.bbl", &bytes);

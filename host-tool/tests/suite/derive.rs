@@ -95,7 +95,7 @@ fn a_hidden_effect_of_an_expression_is_found_named_first_and_corrected_without_b
     let error = ironout(["apply", text(&renamed), "--cal", text(&cal), "--json"]).error();
     let message = error["message"].as_str().expect("words");
     assert!(
-        message.contains(&format!("kept  --derive {DRIVE}")) && message.contains("there is no column vbat"),
+        message.contains(&format!("stored  --derive {DRIVE}")) && message.contains("there is no column vbat"),
         "{message}"
     );
     // Another meaning of the same name.

@@ -52,12 +52,12 @@ fn the_scale_and_the_mounting_of_a_calibration_are_kept() {
         }
         let other_scale = run_with(&["--ut-per-count", "0.06"]).error();
         let message = other_scale["message"].as_str().expect("a message").to_string();
-        assert!(message.contains("kept 0.05, here 0.06"), "{message}");
+        assert!(message.contains("stored 0.05, here 0.06"), "{message}");
         let both = run_with(&["--ut-per-count", "0.06", "--rotate", "yaw90"]).error();
         let message = both["message"].as_str().expect("a message").to_string();
-        assert!(message.contains("kept --rotate=roll180, here --rotate=yaw90"), "{message}");
+        assert!(message.contains("stored --rotate=roll180, here --rotate=yaw90"), "{message}");
         assert_eq!(
-            message.lines().filter(|line| line.contains("kept ")).count(),
+            message.lines().filter(|line| line.contains("stored ")).count(),
             2,
             "line by line: {message}"
         );
@@ -121,7 +121,7 @@ fn the_columns_of_a_calibration_are_kept() {
         assert!(own.said().contains("the file's own column names"), "{}", own.stderr);
         let other = run(&[command, "--json", "--cal"], &[&cal, &others]).error();
         let message = other["message"].as_str().expect("a message").to_string();
-        assert!(message.contains("kept  --map mx_ut=Foo X") && message.contains("here  "), "{message}");
+        assert!(message.contains("stored  --map mx_ut=Foo X") && message.contains("here  "), "{message}");
         let mapped =
             run(&[command, "--map", "mx_ut=Bar X,my_ut=Bar Y,mz_ut=Bar Z", "--cal"], &[&cal, &others]);
         assert_eq!(mapped.status, 0, "{command}: {}", mapped.stderr);

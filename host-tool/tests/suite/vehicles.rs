@@ -134,7 +134,7 @@ fn known_headings_make_a_level_log_more_exact_and_never_falsely_certain() {
     assert_eq!(offset_ut(&unused), offset_ut(&alone));
     assert!(unused["reason_codes"].to_string().contains("logged-attitude-unused"), "{unused}");
     let said = ironout(["fit", text(&log), "--heading", "9999=90"]);
-    assert!(said.status == 2 && said.stderr.contains("--heading needs a time inside"), "{}", said.stderr);
+    assert!(said.status == 2 && said.stderr.contains("--heading needs a time within"), "{}", said.stderr);
     let usage = ironout(["fit", text(&log), "--heading", "north"]);
     assert!(usage.status == 2 && usage.stderr.contains("expected T=DEG"), "{}", usage.stderr);
 }

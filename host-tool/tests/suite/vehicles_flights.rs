@@ -249,8 +249,12 @@ fn a_wrong_attitude_gives_no_false_certainty() {
             with_attitude(&plain, |row| product(attitude(&plain, row), [right, 0.0, right, 0.0])),
             Some("from the accelerometer's"),
         ),
-        ("inverse", with_attitude(&plain, |row| inverse(attitude(&plain, row))), Some("turns otherwise")),
-        ("backwards", with_attitude(&plain, |row| attitude(&plain, rows - 1 - row)), Some("turns otherwise")),
+        ("inverse", with_attitude(&plain, |row| inverse(attitude(&plain, row))), Some("rotates differently")),
+        (
+            "backwards",
+            with_attitude(&plain, |row| attitude(&plain, rows - 1 - row)),
+            Some("rotates differently"),
+        ),
     ];
     for (what, drawn, said) in changed {
         let log = write(&here, &format!("{what}.csv"), drawn.csv());

@@ -1,4 +1,4 @@
-"""A calibration: kept, applied, checked, exported."""
+"""Calibrations: saved, applied, checked, exported."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class Calibration:
     def from_px4(cls, path: Any, number: int = 0, *, field_ut: float, current: Optional[str] = None) -> "Calibration":
         """The calibration in PX4's parameters (a file of QGroundControl), for magnetometer ``number`` (0 to 3), in body axes.
 
-        Parameters do not hold the magnitude of the field: ``field_ut`` gives it. ``current`` is the column that a compensation of the
-        battery's current follows. Thermal compensation is not read.
+        Parameters do not contain the magnitude of the field, so ``field_ut`` gives it. ``current`` is the column of the current that
+        the autopilot compensates for. Thermal compensation is not read.
         """
         return cls(_parameters.px4(path, number, field_ut, current), os.fspath(path))
 
@@ -83,7 +83,7 @@ class Calibration:
         return self._applied(log, columns)[0]
 
     def residual(self, log: Any, **columns: Any) -> np.ndarray:
-        """Magnitude of the corrected vectors less the field, µT."""
+        """Magnitude of the corrected vectors minus the field, µT."""
         return self._applied(log, columns)[1]
 
     def _applied(self, log: Any, columns: dict) -> tuple[np.ndarray, np.ndarray]:
@@ -140,7 +140,7 @@ class Calibration:
 
 @dataclass(frozen=True)
 class Check:
-    """What a log says of a calibration."""
+    """Result of checking a calibration against a log."""
 
     #: ``good``, ``field``, ``moved``, ``other``, ``worse``, ``heading`` or ``unknown``.
     verdict: str
@@ -170,7 +170,7 @@ class Check:
 
     def _repr_html_(self) -> str:
         reasons = "".join(f"<li>{html.escape(reason)}</li>" for reason in self.reasons)
-        return f"<p><b>{self.verdict.upper()}</b>: rms {self.rms_ut:.3f} µT, good up to {self.limit_ut:.3f} µT</p><ul>{reasons}</ul>"
+        return f"<p><b>{self.verdict.upper()}</b>: rms {self.rms_ut:.3f} µT, limit {self.limit_ut:.3f} µT</p><ul>{reasons}</ul>"
 
 
 def check(log: Any, calibration: Any, declination: Optional[float] = None, **options: Any) -> Check:

@@ -179,7 +179,7 @@ def read(
         source, name = _arrow(path), name or path
     if not _tables.is_table(source):
         raise TypeError(
-            f"{type(source).__name__} is no log. Fix: give a path, a dict of arrays, or a table with named columns; an n × 3 array "
+            f"{type(source).__name__} is not a log. Fix: give a path, a dict of arrays, or a table with named columns; an n × 3 array "
             "goes to ironout.fit or ironout.diagnose as mag"
         )
     columns, others = _tables.columns(source)
@@ -196,7 +196,7 @@ def from_columns(
     native = _ironout.from_columns(list(columns), list(columns.values()), reading(name, **options), field_ut)
     log = Log(native)
     warn(log.name, log.notices)
-    warn(log.name, [f"column {other} holds no numbers and is left out" for other in others])
+    warn(log.name, [f"column {other} does not contain numbers, so ironout skips it" for other in others])
     return log
 
 

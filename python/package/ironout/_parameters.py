@@ -47,14 +47,14 @@ def px4(path: Any, number: int, field_ut: float, current: Optional[str]) -> str:
         rows = _ironout.rotation(rotation)
         if rows is None:
             raise IronoutError(
-                f"{os.fspath(path)}: column {name}ROT: {rotation} is no numbered mounting. Fix: calibrate from a log instead"
+                f"{os.fspath(path)}: column {name}ROT: {rotation} is not a numbered mounting. Fix: calibrate from a log instead"
             )
         turn = np.array(rows)
     # corrected = turn · matrix · (sensor + power · comp − offset), gauss, with the current in kA.
     coefficients = -comp * UT_PER_GAUSS / 1000
     if comp.any() and int(given.get("CAL_MAG_COMP_TYP", 0)) not in (2, 3):
         raise IronoutError(
-            f"{os.fspath(path)}: column CAL_MAG_COMP_TYP: the compensation does not follow a battery's current, and nothing else is read"
+            f"{os.fspath(path)}: column CAL_MAG_COMP_TYP: the compensation is not for the current of a battery, and ironout reads no other"
         )
     return _text(turn @ offset * UT_PER_GAUSS, turn @ matrix @ turn.T, turn @ coefficients, field_ut, current, path)
 
@@ -72,7 +72,7 @@ def ardupilot(path: Any, number: int, field_ut: float, current: Optional[str]) -
     motor = np.array([given.get(f"COMPASS_MOT{n}_{axis}", 0.0) for axis in "XYZ"])
     if motor.any() and int(given.get("COMPASS_MOTCT", 0)) != 2:
         raise IronoutError(
-            f"{os.fspath(path)}: column COMPASS_MOTCT: the compensation does not follow the current, and nothing else is read"
+            f"{os.fspath(path)}: column COMPASS_MOTCT: the compensation is not for the current, and ironout reads no other"
         )
     coefficients = -np.linalg.solve(matrix, motor) * UT_PER_MILLIGAUSS
     return _text(-offset * UT_PER_MILLIGAUSS, matrix, coefficients, field_ut, current, path)
@@ -82,7 +82,7 @@ def _three(path: Any, given: dict[str, float], names: list[str]) -> np.ndarray:
     missing = [name for name in names if name not in given]
     if missing:
         raise IronoutError(
-            f"{os.fspath(path)}: there is no {', '.join(missing)}. Fix: name the magnetometer with number=, and give a file of all parameters"
+            f"{os.fspath(path)}: it does not contain {', '.join(missing)}. Fix: name the magnetometer with number=, and give a file of all parameters"
         )
     return np.array([given[name] for name in names])
 
@@ -101,7 +101,7 @@ def _text(
     if coefficients.any():
         if current is None:
             raise IronoutError(
-                f"{os.fspath(path)}: the parameters compensate the current. Fix: name its column with current=, as in \"current_a\""
+                f"{os.fspath(path)}: the parameters compensate for a current. Fix: name its column with current=, as in \"current_a\""
             )
         effects.append(
             {

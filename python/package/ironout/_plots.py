@@ -1,4 +1,4 @@
-"""Plots on matplotlib, fit for a paper: labelled axes with units, colours that a grey print keeps apart."""
+"""Plots with matplotlib for publications: labelled axes with units, colours that differ in a grey print."""
 
 from __future__ import annotations
 

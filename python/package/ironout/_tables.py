@@ -40,7 +40,7 @@ def _names(table: Any) -> list[Any]:
 
 
 def _number(values: Any) -> np.ndarray | None:
-    """One column as double precision; None if it holds no numbers. Missing cells are NaN."""
+    """One column as double precision; None if it does not contain numbers. Missing cells are NaN."""
     if hasattr(values, "to_numpy"):
         array = values.to_numpy()
     else:

@@ -70,7 +70,7 @@ impl EffectSpec {
                 .parse::<f64>()
                 .ok()
                 .filter(|value| value.is_finite() && *value >= 0.0)
-                .ok_or_else(|| SpecError(format!("`{number}` is no strength for `{id}`")))?,
+                .ok_or_else(|| SpecError(format!("`{number}` is not a strength for `{id}`")))?,
         };
         Ok(EffectSpec { kind, strength, delay_s: in_ms.then_some(strength / 1e3) })
     }
@@ -95,7 +95,7 @@ fn kind(simulated: &'static dyn Simulated, id: &str, column: Option<&str>) -> Re
     let (name, delayed) = cut(&name, "@delay");
     let (name, slow) = cut(&name, "~tau");
     if slow && (delayed || squared) {
-        return Err(SpecError(format!("`{id}`: a low-pass stands alone, without `@delay` and `^2`")));
+        return Err(SpecError(format!("`{id}`: a low-pass cannot be combined with `@delay` or `^2`")));
     }
     if column.is_some() && name.is_empty() {
         return Err(SpecError(format!("effect `{id}` names no column")));

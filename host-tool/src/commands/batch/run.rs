@@ -126,7 +126,7 @@ fn writer(output: &Path) -> Outcome<Writer> {
         Some("parquet" | "pq") => Ok(write_parquet),
         #[cfg(not(feature = "parquet"))]
         Some("parquet" | "pq") => Err(Failure::usage(
-            "this build of ironout writes no Parquet. Fix: install it with cargo install --path host-tool --features \
+            "this build of ironout cannot write Parquet. Fix: install it with cargo install --path host-tool --features \
              parquet, or name a .csv or .jsonl file",
         )
         .in_file(output)),

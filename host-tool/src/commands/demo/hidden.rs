@@ -73,7 +73,7 @@ pub fn run(effect: HiddenArg, arguments: &DemoArgs, json: bool) -> Outcome<u8> {
     } else {
         line(&format!(
             "\nerror of the magnitude, rms:  calibrated {:.2} µT  →  with {} {:.2} µT  →  after the power cut {:.2} µT\n\
-             →  without it again {:.2} µT; the sensor's noise alone makes {:.2} µT",
+             →  without it again {:.2} µT; noise floor {:.2} µT",
             figures.before,
             effect.id(),
             figures.learnt,

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 /// How long a line is waited for before something is sent.
 const GLANCE: Duration = Duration::from_millis(10);
-/// Between two attempts to find a board that is gone.
+/// Pause between two attempts to find a disconnected board.
 const PAUSE: Duration = Duration::from_millis(500);
 /// A longer line is none of a console's.
 const MAX_LINE: usize = 4096;

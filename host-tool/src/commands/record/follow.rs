@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 /// How long a line is waited for before Ctrl-C is looked at again.
 const GLANCE: Duration = Duration::from_millis(200);
-/// The pause between two attempts to find a board that is gone.
+/// Pause between two attempts to find a disconnected board.
 const PAUSE: Duration = Duration::from_millis(300);
 
 /// Why it ended.
@@ -27,7 +27,7 @@ pub enum End {
 pub struct Plan {
     /// Seconds of the board's clock; without end where there are none.
     pub seconds: Option<f64>,
-    /// How long a board that is gone is waited for.
+    /// How long to wait for a disconnected board.
     pub patience: Duration,
     /// How long an answer, or the next sample, may take.
     pub wait: Duration,

@@ -20,7 +20,7 @@ pub fn run(arguments: &RecordArgs, json: bool) -> Outcome<u8> {
     let (console, identity) = Console::open(&address, wait)?;
     let Some(ut_per_count) = identity.ut_per_count else {
         return Err(Failure::usage(format!(
-            "{address}: the firmware {} does not say the scale of its counts: update it",
+            "{address}: the firmware {} does not state the scale of its counts. Fix: update it",
             identity.firmware
         )));
     };
@@ -41,7 +41,7 @@ pub fn run(arguments: &RecordArgs, json: bool) -> Outcome<u8> {
         // An error of the board says more than that nothing came.
         return Err(match end {
             Err(failure) | Ok(End::Gone(failure)) => failure,
-            Ok(End::Asked) => Failure::refused(format!("{address}: no sample came, so there is no log")),
+            Ok(End::Asked) => Failure::refused(format!("{address}: no samples arrived, so there is no log")),
         });
     }
     let [x, y, z] = ut_per_count;
@@ -66,10 +66,13 @@ pub fn run(arguments: &RecordArgs, json: bool) -> Outcome<u8> {
             let kept = arguments.output.display();
             if json {
                 // The object is the one answer on standard output.
-                eprintln!("error: {failure}; {kept} has what came before");
+                eprintln!("error: {failure}; {kept} contains the samples recorded before that");
                 return Ok(failure.exit);
             }
-            Err(Failure { message: format!("{}; {kept} has what came before", failure.message), ..failure })
+            Err(Failure {
+                message: format!("{}; {kept} contains the samples recorded before that", failure.message),
+                ..failure
+            })
         }
     }
 }

@@ -30,7 +30,7 @@ impl Inventory {
         if self.counts.is_empty() {
             message.push_str("It contains no data.");
         } else {
-            message.push_str("There is (messages in brackets):");
+            message.push_str("It contains (messages in brackets):");
             let mut width = WIDTH;
             for (name, count) in self.counts.iter().take(LISTED) {
                 let item = format!(" {name} ({count})");

@@ -152,7 +152,7 @@ fn rename(recording: &mut Recording, options: &ReadOptions) -> Outcome<Option<[f
         }
         let Some((index, unit)) = resolve(from, &sources).or_else(|| resolve(from, &names)) else {
             return Err(Failure::usage(format!(
-                "{entry}: there is no column {from}; there is\n {}",
+                "{entry}: there is no column {from}. Available columns:\n {}",
                 sources.join("\n ")
             )));
         };

@@ -213,7 +213,7 @@ pub fn choose(
         (Some(number), _) if there.iter().any(|(known, _)| *known == number) => Ok(number),
         (None, Some((number, _))) => Ok(*number),
         (Some(number), Some(_)) => Err(crate::failure::Failure::usage(format!(
-            "--instance {number}: there is no such {what} in the log; there is {}",
+            "--instance {number}: there is no such {what} in the log. It has {}",
             listing()
         ))),
         (_, None) => Err(crate::failure::Failure::usage(format!("there is no {what} in the log"))),

@@ -121,12 +121,12 @@ pub fn without_names(grid: &Grid, vectors: &mut Vec<Vector>, choice: &mut Choice
     };
     if left.len() + vectors.len() > 1 {
         choice.reasons.push(format!(
-            "there are no names. ironout uses {} as the magnetometer: its readings lie on a sphere or never come to rest",
+            "the table has no header. ironout uses {} as the magnetometer, because its readings lie on a sphere or never come to rest",
             asked::names(grid, taken)
         ));
     } else {
         choice.reasons.push(format!(
-            "there are no names. ironout uses {} as the magnetometer",
+            "the table has no header. ironout uses {} as the magnetometer",
             asked::names(grid, taken)
         ));
     }
@@ -220,7 +220,7 @@ fn parts(grid: &Grid, free: &[usize], choice: &mut Choice) -> Parts {
         let why = if is_known || Some(column) == time {
             None
         } else if values.get(place).is_some_and(|values| is_step(values)) {
-            Some("constant but for its first row: the step of an even time")
+            Some("constant except in its first row: a time step")
         } else if many && forward(column) {
             Some("increases with the rows")
         } else if is_norm() {

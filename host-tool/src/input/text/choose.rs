@@ -189,7 +189,7 @@ fn field_unit(
     let scale = options.ut_per_count.or(options.default_ut_per_count);
     let size = magnitude::size(grid, vector.columns, &choice.rows);
     let Some(size) = size else {
-        return Err(asked::field_unit(grid, vector.columns, &[], false, "there are no numbers in all three"));
+        return Err(asked::field_unit(grid, vector.columns, &[], false, "no row has a number in all three"));
     };
     if options.ut_per_count.is_some() {
         return Ok((None, true));

@@ -40,9 +40,7 @@ pub fn covariates(grid: &Grid, meanings: &[Meaning], vectors: &[Vector], choice:
                 Kind::Derived => Some("computed from the field itself"),
                 Kind::Field => Some("a part of a field"),
                 Kind::Attitude if header != "heading_deg" => Some("attitude, computed from the field"),
-                Kind::Counter | Kind::Instance => {
-                    counts_rows(column, &choice.rows).then_some("a number of the row")
-                }
+                Kind::Counter | Kind::Instance => counts_rows(column, &choice.rows).then_some("a row number"),
                 Kind::Other if header.starts_with("column ") => {
                     counts_rows(column, &choice.rows).then_some("increases with the rows")
                 }

@@ -54,15 +54,15 @@ pub fn read(mut source: impl Read, instance: Option<usize>) -> Outcome<Recording
         ..Recording::default()
     };
     if other.is_some() {
-        recording.notices.push(format!("{named}: read by what its header says of its frames"));
+        recording.notices.push(format!("{named}: ironout reads the frames as the header defines them"));
     }
     let file = blackbox_log::File::new(&data);
     let parsed = match file.parse(0) {
         Some(Ok(parsed)) => parsed,
         Some(Err(error)) => {
             return Err(Failure::usage(format!(
-                "the header of this blackbox log ({named}) cannot be read: {error}; if the file was cut or edited, take it \
-                 from the flight controller again"
+                "the header of this blackbox log ({named}) cannot be read: {error}. If the file was cut or edited, \
+                 download it from the flight controller again"
             )));
         }
         None => return Err(Failure::usage("this blackbox log has no session")),
