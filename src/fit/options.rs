@@ -51,7 +51,7 @@ pub struct FitOptions {
     /// The number of independent samples, where noise is correlated, from 1 to all of them; `None` takes every sample as
     /// independent.
     pub effective_samples: Option<f64>,
-    /// Whether lower orders may be chosen when the data do not carry nine parameters.
+    /// Whether lower orders may be chosen if the data do not determine nine parameters.
     pub lower_orders: bool,
 }
 

@@ -93,7 +93,7 @@ fn fit_quadric(scatter: &Scatter, options: &FitOptions, solve: Solve) -> Result<
     if !options.lower_orders || chosen.as_ref().is_ok_and(|r| r.predicted_error_ut <= r.limit_ut()) {
         return chosen;
     }
-    // The data do not carry nine parameters well: the model with the best evidence among those that solve. What the data
+    // The data do not determine nine parameters well: the model with the best evidence among those that solve. What the data
     // say about all nine is in the full model's factor.
     let full = root.factor;
     let samples = samples(scatter);

@@ -279,7 +279,7 @@ export class Live {
     const rows = reply.info.filter((text) => text.startsWith("effect ")).map(values);
     const says = reply.info.filter((text) => text.startsWith("says ")).map((text) => text.slice(5));
     const base = values(reply.info.find((text) => text.startsWith("base ")) ?? "");
-    // What the data do not ask for the board refuses.
+    // The board refuses an effect for which the data give no evidence.
     const offer = { missing: "add", confounded: "add", "in-use": "remove" };
     const choice = ({ id, status }) => (offer[status]
       ? h("button", { type: "button", "data-effect-id": id, "aria-label": `${offer[status]} ${id}`, onclick: () => this.act(() => this.change(offer[status], id)) }, offer[status]) : null);

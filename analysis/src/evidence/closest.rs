@@ -87,7 +87,7 @@ impl Surface<'_, '_> {
     }
 
     /// The closest point to a reading from a direction on.
-    pub fn foot(&self, measured: &Vector3<f64>, from: Vector3<f64>) -> Option<Foot> {
+    pub fn closest_point(&self, measured: &Vector3<f64>, from: Vector3<f64>) -> Option<Foot> {
         let place = |unit: &Vector3<f64>| {
             let x = self.inverse * unit * self.field + self.offset;
             let disturbance = self.disturbed(&x);
@@ -149,16 +149,16 @@ impl Surface<'_, '_> {
         from: Vector3<f64>,
         others: &[Vector3<f64>],
     ) -> Option<Foot> {
-        let mut best = self.foot(measured, from);
-        let is_weak = |foot: &Foot| (foot.slope - Matrix3::identity()).norm() < WEAK_SLOPE;
+        let mut best = self.closest_point(measured, from);
+        let is_weak = |closest_point: &Foot| (closest_point.slope - Matrix3::identity()).norm() < WEAK_SLOPE;
         if best.as_ref().is_some_and(is_weak) {
             return best;
         }
         for other in others {
-            if let Some(foot) = self.foot(measured, *other)
-                && best.as_ref().is_none_or(|best| foot.distance < best.distance)
+            if let Some(closest_point) = self.closest_point(measured, *other)
+                && best.as_ref().is_none_or(|best| closest_point.distance < best.distance)
             {
-                best = Some(foot);
+                best = Some(closest_point);
             }
         }
         best

@@ -121,7 +121,7 @@ impl Model<'_> {
                     rate,
                     field,
                 };
-                let foot = match before.get(sample) {
+                let closest_point = match before.get(sample) {
                     Some(point) => surface.closest(&measured, point.unit, &[])?,
                     None => {
                         let near = self.matrix * (measured - disturbed(&measured) - self.offset);
@@ -132,17 +132,17 @@ impl Model<'_> {
                         surface.closest(&measured, starts[0].or(starts[1])?, others)?
                     }
                 };
-                last = foot.unit;
-                let pull = foot.slope.transpose() * foot.normal;
+                last = closest_point.unit;
+                let pull = closest_point.slope.transpose() * closest_point.normal;
                 Point {
-                    closest: foot.x,
-                    direction: foot.normal,
+                    closest: closest_point.x,
+                    direction: closest_point.normal,
                     pull,
-                    stretch: foot.unit.dot(&(inverse.transpose() * pull)),
-                    unit: foot.unit,
-                    residual: foot.residual,
-                    shaped_at: if is_near { foot.x } else { measured },
-                    lever: foot.normal,
+                    stretch: closest_point.unit.dot(&(inverse.transpose() * pull)),
+                    unit: closest_point.unit,
+                    residual: closest_point.residual,
+                    shaped_at: if is_near { closest_point.x } else { measured },
+                    lever: closest_point.normal,
                     turning: Vector3::zeros(),
                 }
             } else {
@@ -166,10 +166,10 @@ impl Model<'_> {
                 }
                 // Towards the closest point: where the ellipsoid is stretched, the gradient at a noisy reading is another, and its error
                 // correlates with the noise.
-                let mut foot = x;
+                let mut closest_point = x;
                 let mut seen = None;
                 for _ in 0..if reads { 1 } else { FOOT_STEPS } {
-                    let h = self.matrix * (foot - self.offset);
+                    let h = self.matrix * (closest_point - self.offset);
                     let length = h.norm();
                     if !(length > 1e-3 * self.field) {
                         return None;
@@ -179,8 +179,8 @@ impl Model<'_> {
                     let gradient = answer.transpose() * pull;
                     let size = gradient.norm();
                     let direction = gradient / size;
-                    let residual = direction.dot(&(x - foot)) + (length - field) / size;
-                    foot = x - direction * residual;
+                    let residual = direction.dot(&(x - closest_point)) + (length - field) / size;
+                    closest_point = x - direction * residual;
                     seen = Some((unit, pull, size, direction, residual));
                 }
                 let (unit, pull, size, direction, residual) = seen?;

@@ -1,4 +1,4 @@
-//! Attitude that does not carry an offset and a matrix, in a log of a sensor that was calibrated before.
+//! Orientations that do not determine offset and matrix, in a log of a sensor that was calibrated before.
 //!
 //! Its own scale and offset then stand, as they were with everything at rest: motors off, no current. So the effects of
 //! the columns are zero where the columns rest, not at their means. The data may ask for more: an offset of the base,
