@@ -194,12 +194,12 @@ impl Reading {
             lines.push(format!("stored  format {}", self.format));
         }
         lines.push(format!("here  {}", failure.message));
-        let told = Failure::usage(format!(
+        let plain = Failure::usage(format!(
             "this log cannot be read like that of {}:\n{}\nFix: use --map or --instance, or fit again",
             file.display(),
             lines.join("\n")
         ));
-        Failure { file: failure.file.clone(), line: failure.line, column: failure.column.clone(), ..told }
+        Failure { file: failure.file.clone(), line: failure.line, column: failure.column.clone(), ..plain }
     }
 
     /// What the two files call things, where they differ: no reason to refuse, but worth a note.

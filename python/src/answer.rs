@@ -9,7 +9,7 @@ use ironout_cli::cal_file::{CalFile, FitObject};
 use ironout_cli::checked::judge::judge;
 use ironout_cli::cli::{DiagnoseArgs, ExportArgs, ExportForm, FitArgs, Free};
 use ironout_cli::corrected::Corrected;
-use ironout_cli::diagnosis_words::{self, Told};
+use ironout_cli::diagnosis_words::{self, DiagnosedLog};
 use ironout_cli::failure::{Failure, Outcome};
 use ironout_cli::input::formats;
 use ironout_cli::reading::Reading;
@@ -113,8 +113,8 @@ pub fn diagnose(
             add: asked.add.clone(),
             prior: asked.prior.clone().map(PathBuf::from),
         };
-        let told = Told { log: &held.log, arguments: &arguments, diagnosis: &diagnosis };
-        let words = diagnosis_words::text(&told);
+        let diagnosed_log = DiagnosedLog { log: &held.log, arguments: &arguments, diagnosis: &diagnosis };
+        let words = diagnosis_words::text(&diagnosed_log);
         Ok((object.to_string(), diagnosis_words::sentence(&diagnosis), words))
     })
 }

@@ -24,13 +24,13 @@ pub(crate) fn advice(one: &BuiltIn<f64>, other: &BuiltIn<f64>, mut use_it: impl 
     // In one order, whichever comes first.
     let swap = first.column > second.column;
     let (first, second) = if swap { (second, first) } else { (first, second) };
-    let told = |own: &Subject<'_>, other: &Subject<'_>, use_it: &mut dyn FnMut(&dyn fmt::Display)| {
+    let advises = |own: &Subject<'_>, other: &Subject<'_>, use_it: &mut dyn FnMut(&dyn fmt::Display)| {
         if own.follows != Follows::Column {
             return false;
         }
         apart(own, other).inspect(|advice| use_it(advice)).is_some()
     };
-    if !told(&first, &second, &mut use_it) && !told(&second, &first, &mut use_it) {
+    if !advises(&first, &second, &mut use_it) && !advises(&second, &first, &mut use_it) {
         use_it(&RECORD_AGAIN);
     }
 }

@@ -7,7 +7,7 @@ use super::candidate::{CANDIDATES, Candidate, Found};
 pub enum Status {
     /// It is missing.
     Missing,
-    /// The data do not ask for it.
+    /// The data give no evidence for it.
     NotNeeded,
     /// Others explain the same.
     Confounded,
@@ -39,7 +39,7 @@ pub struct Finding {
     pub before: f32,
     /// The same with it.
     pub after: f32,
-    /// Probability that chance does as well, its own search and the number of candidates counted.
+    /// p-value, corrected for its own search and the number of candidates.
     pub p_value: f32,
     /// Those that explain the same.
     pub partners: Found,

@@ -12,7 +12,7 @@ use crate::study::rule::{NEARLY, RELEVANCE, RIVAL_SHARE, STEP_PLACES, falls, is_
 
 /// Fewer samples say nothing.
 const LEAST_ROWS: u32 = 300;
-/// Standard error of a base parameter, relative to the field, beyond which the attitude does not carry a study.
+/// Standard error of a base parameter, relative to the field, beyond which the orientations do not suffice for a study.
 const MOST_BASE_ERROR: f32 = 0.03;
 /// A step that takes this share off the squared error is relevant whatever blocks of time say that it is hardly seen in.
 const STEP_SHARE: f32 = 0.1;

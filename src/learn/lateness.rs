@@ -29,7 +29,7 @@ pub(super) struct Lateness {
     /// ... of the dip on held-out blocks of time, and that with it; NaN where some block cannot be predicted.
     pub(super) before_deg: f32,
     pub(super) after_deg: f32,
-    /// Probability that chance does as well, all tests counted.
+    /// p-value, corrected for all tests.
     pub(super) p_value: f64,
     /// Whether the sensor is late.
     pub(super) is_shown: bool,

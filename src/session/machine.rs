@@ -337,8 +337,11 @@ mod tests {
             assert!(side.split('-').any(|word| word == missing), "{missing}: the hint says {side}");
             assert!(now.split('-').any(|word| word == passed), "{passed}: the field comes through {now}");
             let outcome = session.stop().expect("it collects");
-            let told = outcome.coverage.missing_side();
-            assert!(told.split('-').any(|word| word == missing), "{missing}: the outcome says {told}");
+            let missing_side = outcome.coverage.missing_side();
+            assert!(
+                missing_side.split('-').any(|word| word == missing),
+                "{missing}: the outcome says {missing_side}"
+            );
         }
     }
 

@@ -24,7 +24,7 @@ impl Default for PhysicalPrior {
 }
 
 impl PhysicalPrior {
-    /// No soft iron at all: the sphere, for attitude that does not carry nine parameters.
+    /// No soft iron at all: the sphere, for orientations that do not determine nine parameters.
     pub fn sphere() -> Self {
         PhysicalPrior { gain: 1e-5, skew: 1e-5, ..Self::default() }
     }

@@ -1,7 +1,7 @@
 //! The rotation that magnitudes leave open, from an accelerometer: the matrix becomes a full 3×3.
 
 use crate::base::dip_errors::{RotationErrors, TRIANGLE};
-use crate::base::mounting::Standing;
+use crate::base::mounting::OrderStatus;
 use crate::calibration::StdErrors;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use serde::Serialize;
@@ -28,14 +28,14 @@ pub enum Alignment {
         /// Spread of the dip after, degrees.
         after_deg: f64,
         /// How the axes stand in the log: in order, or as a mounting that the matrix contains.
-        standing: Standing,
+        order_status: OrderStatus,
     },
     /// The matrix is a full one, fitted with the accelerometer and the gyro at once.
     ByAll,
     /// The log's axes are those of a left hand: no rotation mends that, and the corrected vector would point elsewhere.
-    Mirrored(Standing),
+    Mirrored(OrderStatus),
     /// The log's axes are a mounting's or its mirror image's, and nothing that is known tells which.
-    Open(Standing),
+    Open(OrderStatus),
     /// The accelerometer shows no constant dip: the matrix stays triangular.
     NoDip {
         /// Spread of the dip after the best rotation, degrees.
@@ -53,7 +53,7 @@ pub struct Found<'f> {
     /// Angle of the rotation beside the symmetric matrix, degrees.
     pub angle_deg: f64,
     /// How the axes stand in the log.
-    pub standing: Standing,
+    pub order_status: OrderStatus,
     /// Errors of the rotation vector.
     pub rotation: Option<&'f RotationErrors>,
 }
@@ -104,12 +104,12 @@ fn alignment(found: &Found, covariance: &[[f64; 9]; 9]) -> Alignment {
         let turned = rotation.covariance(covariance);
         (0..3).map(|i| turned[(i, i)].max(0.0).sqrt().to_degrees()).fold(0.0, f64::max)
     });
-    let standing = found.standing;
-    if standing.is_open() {
-        return Alignment::Open(standing);
+    let order_status = found.order_status;
+    if order_status.is_open() {
+        return Alignment::Open(order_status);
     }
-    if standing.is_mirrored() {
-        return Alignment::Mirrored(standing);
+    if order_status.is_mirrored() {
+        return Alignment::Mirrored(order_status);
     }
     if found.after_deg > MOST_SPREAD_DEG {
         return Alignment::NoDip { after_deg: found.after_deg };
@@ -119,7 +119,7 @@ fn alignment(found: &Found, covariance: &[[f64; 9]; 9]) -> Alignment {
             angle_deg: found.angle_deg,
             before_deg: found.before_deg,
             after_deg: found.after_deg,
-            standing,
+            order_status,
         },
         _ => Alignment::None,
     }

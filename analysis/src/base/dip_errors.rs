@@ -150,11 +150,11 @@ impl DipErrors {
         let nine = SMatrix::<f64, 9, 9>::from_fn(|i, j| covariance[i][j]);
         let Some(nine) = nine.try_inverse() else { return errors };
         let beside = DMatrix::from_fn(effects, 9, |i, j| covariance[9 + i][j]);
-        let told = &beside * nine;
-        let left =
-            DMatrix::from_fn(effects, effects, |i, j| covariance[9 + i][9 + j]) - &told * beside.transpose();
+        let follows = &beside * nine;
+        let left = DMatrix::from_fn(effects, effects, |i, j| covariance[9 + i][9 + j])
+            - &follows * beside.transpose();
         let through = self.follows.view((0, 9), (3, effects));
-        let (more, own) = (through * told, through * left * through.transpose());
+        let (more, own) = (through * follows, through * left * through.transpose());
         for i in 0..3 {
             for j in 0..9 {
                 errors.follows[i][j] += more[(i, j)];

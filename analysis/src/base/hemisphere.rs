@@ -2,7 +2,7 @@
 
 use crate::base::alignment::Alignment;
 use crate::base::heading::heading_error;
-use crate::base::mounting::{DecidedBy, Doubt, Standing};
+use crate::base::mounting::{DecidedBy, Doubt, OrderStatus};
 use crate::base::term::Term;
 use crate::samples::samples::Samples;
 use ironout::study::Model;
@@ -38,7 +38,7 @@ pub(crate) fn settle(
     found: &Alignment,
     terms: &[Term],
     evidence: Evidence,
-) -> (Standing, Model<f64>) {
+) -> (OrderStatus, Model<f64>) {
     let (model, by_gyro) = (found.model, found.by_gyro);
     let dip_deg = model.sin_dip.clamp(-1.0, 1.0).asin().to_degrees();
     let twin = opposite(&model);
@@ -57,11 +57,11 @@ pub(crate) fn settle(
     match (is_opposite, twin) {
         (Ok((true, by)), Some(twin)) => {
             let order = found.order.opposite();
-            (Standing { order, dip_deg: -dip_deg, decided: Ok(by), by_gyro }, twin)
+            (OrderStatus { order, dip_deg: -dip_deg, decided: Ok(by), by_gyro }, twin)
         }
         (decided, _) => {
             let decided = decided.map(|(_, by)| by);
-            (Standing { order: found.order, dip_deg, decided, by_gyro }, model)
+            (OrderStatus { order: found.order, dip_deg, decided, by_gyro }, model)
         }
     }
 }

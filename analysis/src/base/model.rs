@@ -120,13 +120,13 @@ impl Base {
         // There are no effects here whose shape could fail.
         let found = align(samples, &self.model()?).ok()??;
         let evidence = Evidence { heading_deg: counted.table.heading_deg, dip_deg };
-        let (standing, model) = settle(samples, &found, &[], evidence);
+        let (order_status, model) = settle(samples, &found, &[], evidence);
         let rotation = DipErrors::of(samples, &model, &[], None).ok()?.map(|errors| errors.rotation(None));
         let dip = Found {
             before_deg: found.before_deg,
             after_deg: found.after_deg,
             angle_deg: found.angle_deg,
-            standing,
+            order_status,
             rotation: rotation.as_ref(),
         };
         let covariance = self.report.spread.covariance();

@@ -73,7 +73,7 @@ pub enum Doubt {
 
 /// How the axes of the log's magnetometer stand to those of its accelerometer.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Standing {
+pub struct OrderStatus {
     /// Which axis of the board each axis of the log stands for. Where nothing decides it: the mounting of the two that are
     /// possible, this and its [`opposite`](AxisOrder::opposite).
     pub order: AxisOrder,
@@ -85,7 +85,7 @@ pub struct Standing {
     pub by_gyro: bool,
 }
 
-impl Standing {
+impl OrderStatus {
     /// Whether the order is a mirror image, beyond doubt: the driver is at fault.
     pub fn is_mirrored(&self) -> bool {
         self.order.is_mirror()

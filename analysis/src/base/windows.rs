@@ -94,8 +94,8 @@ mod tests {
         let mut gyro = nalgebra::SVector::<f64, GYRO>::zeros();
         gyro.fixed_rows_mut::<3>(0).copy_from(&bias);
         (0..3).for_each(|by| (0..3).for_each(|from| gyro[3 + 3 * by + from] = gain[(from, by)]));
-        let told = -(one.turn * v).cross_matrix() * one.follows * gyro;
+        let expected = -(one.turn * v).cross_matrix() * one.follows * gyro;
         let seen = two.turn * v - one.turn * v;
-        assert!((told - seen).norm() < 2e-2 * seen.norm(), "{told} {seen}");
+        assert!((expected - seen).norm() < 2e-2 * seen.norm(), "{expected} {seen}");
     }
 }

@@ -252,9 +252,13 @@ mod tests {
         let (before, follows) = triangle_of(&matrix).expect("a triangle");
         let e = Matrix3::from_fn(|i, j| 1e-6 * (1.0 + i as f64 - 2.0 * j as f64));
         let (after, _) = triangle_of(&(matrix + e * matrix)).expect("a triangle");
-        let told = follows * SVector::<f64, 9>::from_fn(|at, _| e[(at / 3, at % 3)]);
-        for (i, told) in told.iter().enumerate() {
-            assert!((after[i] - before[i] - told).abs() < 1e-10, "{i}: {} {told}", after[i] - before[i]);
+        let expected = follows * SVector::<f64, 9>::from_fn(|at, _| e[(at / 3, at % 3)]);
+        for (i, expected) in expected.iter().enumerate() {
+            assert!(
+                (after[i] - before[i] - expected).abs() < 1e-10,
+                "{i}: {} {expected}",
+                after[i] - before[i]
+            );
         }
     }
 }

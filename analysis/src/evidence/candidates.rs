@@ -75,7 +75,7 @@ impl<'l, 'a> Catalogue<'l, 'a> {
 
     /// What is told of a log beside a fit: the fixed forms, steps and tones, and the past of columns that act in the model. The past of any
     /// other column shows through the column.
-    pub fn told(&self, fit: &Fit<'a>, screen: &Screen) -> Vec<Term<'a>> {
+    pub fn detected(&self, fit: &Fit<'a>, screen: &Screen) -> Vec<Term<'a>> {
         let mut list = self.fixed.clone();
         let is_told = |named: &Named| !named.form.column || Self::acts_alone(fit, named.column);
         let searched = self.forms_searched().into_iter().filter(is_told);

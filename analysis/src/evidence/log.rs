@@ -79,7 +79,7 @@ impl<'a> Log<'a> {
     }
 
     /// How often samples were looked at.
-    pub fn looks(&self) -> u64 {
+    pub fn evaluations(&self) -> u64 {
         self.work.get()
     }
 

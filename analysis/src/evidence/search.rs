@@ -53,7 +53,7 @@ pub struct Search<'l, 'a> {
 impl<'a> Search<'_, 'a> {
     /// Whether the search has looked at as much as it may.
     pub fn is_spent(&self) -> bool {
-        self.log.looks() > MOST_LOOKS
+        self.log.evaluations() > MOST_LOOKS
     }
 
     /// Whether a model with more terms is worth them.

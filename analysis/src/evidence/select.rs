@@ -258,7 +258,7 @@ fn one_search(
         let Some(screen) = Screen::new(searched, at, setting.blocks, false) else {
             return Default::default();
         };
-        let mut terms = catalogue.told(at, &screen);
+        let mut terms = catalogue.detected(at, &screen);
         terms.retain(|term| !more.iter().any(|own| own.id == term.id));
         terms.extend(more.iter().cloned());
         tests(&setting, at, &terms)

@@ -1,4 +1,4 @@
-//! Tests of candidates beside a fit: the share of the residual that each explains, how often chance does as well, and what it predicts.
+//! Tests of candidates against a fit: the share of the residual that each explains, its p-value, and what it predicts.
 
 use crate::base::term::Term;
 use crate::evidence::design::{Point, candidate_rows};
@@ -36,7 +36,7 @@ pub struct Test {
     pub parameter: f64,
     /// Share of the squared residual that it explains.
     pub share: f64,
-    /// Probability that chance does as well, its own search counted and the number of candidates not.
+    /// p-value, corrected for its own search but not for the number of candidates.
     pub p_value: f64,
     /// Rms of the held-out residual with it, µT.
     pub held_out_rms_ut: Option<f64>,
@@ -208,7 +208,7 @@ fn taken(sums: &Sums, p: usize) -> (f64, usize) {
     taken_off(&schur, &right, &whole.diagonal())
 }
 
-/// Probability that chance does as well as the `k` columns from `p` on: the larger of that under the noise (F), and that by the spread of
+/// p-value of the `k` columns from `p` on: the larger of that under the noise (F), and that by the spread of
 /// the coefficients over parts of the log, whatever the noise. The second is looked at where it can matter.
 fn chance(rows: &[f64], p: usize, k: usize, known: &Sums, places: f64, candidates: f64) -> f64 {
     let sums = with_known(Sums::of(rows, p + k), known);

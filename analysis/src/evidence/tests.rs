@@ -120,9 +120,9 @@ fn moving_in(log: &Log) -> Moving {
 
 #[test]
 fn a_field_that_is_stronger_in_one_place_is_told_from_an_offset_and_a_gain_that_move() {
-    let mut told = 0;
+    let mut detected = 0;
     for seed in 3..9 {
-        told += usize::from(
+        detected += usize::from(
             moving_in(&log(&["field:height_m=5"], &["height_m"], seed))
                 .field_share
                 .is_some_and(|share| share > 0.5),
@@ -138,7 +138,7 @@ fn a_field_that_is_stronger_in_one_place_is_told_from_an_offset_and_a_gain_that_
             assert!(moving_in(&log).field_share.is_none() || is_alike, "{hidden}, seed {seed}");
         }
     }
-    assert!(told >= 5, "{told} of 6");
+    assert!(detected >= 5, "{detected} of 6");
 }
 
 #[test]

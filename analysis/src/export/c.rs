@@ -140,7 +140,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
     let coupled = |fitted: &&Fitted| fitted.effect.delay_s(&fitted.coefficients).is_none();
     let couples = calibration.effects.iter().filter(coupled).any(|fitted| fitted.effect.needs_gyro());
     let looks_again = |fitted: &Fitted| fitted.bends == Bends::Field || fitted.effect.reads_centre();
-    let looks = if calibration.effects.iter().any(looks_again) { LOOKS } else { 1 };
+    let evaluations = if calibration.effects.iter().any(looks_again) { LOOKS } else { 1 };
     let math = calibration.effects.iter().any(|fitted| fitted.effect.family().c_needs_math());
     let mut text = format!(
         "/* Written by `ironout export --as c`: {summary}.\n   corrected = matrix * (measured - offset - effects), \
@@ -209,7 +209,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
         text.push_str(", const ironout_real turn_radps[3]");
     }
     text.push_str(", ironout_real corrected_ut[3])\n{\n    ironout_real centred[3], left[3], sum[3], with = 0, without = 0;\n");
-    if looks > 1 {
+    if evaluations > 1 {
         text.push_str("    ironout_real moved, size;\n");
     }
     for Parameter { name, column, past } in &list {
@@ -230,7 +230,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
          {\n        centred[i] = measured_ut[i] - ironout_offset_ut[i];\n        \
          left[i] = centred[i];\n    }\n",
     );
-    let _ = writeln!(text, "    for (look = 0; look < {looks}; look++) {{");
+    let _ = writeln!(text, "    for (look = 0; look < {evaluations}; look++) {{");
     if couples {
         text.push_str(TURNING);
     }
@@ -240,7 +240,7 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
         let _ = body(fitted, &mut text);
     }
     // The disturbance stands where a look moves it no further, as in the library.
-    text.push_str(match looks {
+    text.push_str(match evaluations {
         1 => "        for (i = 0; i < 3; i++) {\n            left[i] = centred[i] - sum[i];\n        }\n    }\n",
         _ => STANDS,
     });
@@ -267,14 +267,14 @@ fn outside(list: &[Parameter], ranges: &[Range]) -> String {
     if list.iter().all(|parameter| of(parameter).is_none()) {
         return String::new();
     }
-    let (mut told, mut body, mut arguments) = (String::new(), String::new(), Vec::new());
+    let (mut ranges, mut body, mut arguments) = (String::new(), String::new(), Vec::new());
     for (bit, parameter) in list.iter().enumerate() {
         let Parameter { name, column, .. } = parameter;
         let scalar = if column == TIME { "double" } else { "ironout_real" };
         arguments.push(format!("{scalar} {name}"));
         match of(parameter) {
             Some(Range { ends: [least, most], .. }) => {
-                told += &format!("   bit {bit}, {name}: {least:?} to {most:?}\n");
+                ranges += &format!("   bit {bit}, {name}: {least:?} to {most:?}\n");
                 body += &format!(
                     "    if (!({name} >= ({scalar}){least:?} && {name} <= ({scalar}){most:?})) \
                      {{\n        outside |= {}u;\n    }}\n",
@@ -282,7 +282,7 @@ fn outside(list: &[Parameter], ranges: &[Range]) -> String {
                 );
             }
             None => {
-                told += &format!("   bit {bit}, {name}: unknown, never set\n");
+                ranges += &format!("   bit {bit}, {name}: unknown, never set\n");
                 body += &format!("    (void){name};\n");
             }
         }
@@ -290,7 +290,7 @@ fn outside(list: &[Parameter], ranges: &[Range]) -> String {
     format!(
         "/* Which columns lie outside the range that their effects were fitted over, one bit per column; 0 if none does. \
          Outside, the\n   \
-         effects are extrapolated by at most the width of the range, and the error grows with the distance.\n{told}*/\nstatic inline unsigned \
+         effects are extrapolated by at most the width of the range, and the error grows with the distance.\n{ranges}*/\nstatic inline unsigned \
          ironout_outside({})\n{{\n    unsigned outside = 0u;\n\n{body}    return outside;\n}}\n\n",
         arguments.join(", ")
     )

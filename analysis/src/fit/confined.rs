@@ -179,7 +179,7 @@ fn solved(ground: &Ground, options: &Options, log: &Log) -> Option<Solved> {
 /// How far a solution carries, and the verdict.
 fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, log: &Log) -> Fitted {
     let found = entries(&ground.counted.samples, options, solved, log);
-    let Some((effects, doubts)) = found else { return refused };
+    let Some((effects, not_significant)) = found else { return refused };
     let Some(solution) = solution(ground, options, solved, log, effects) else { return refused };
     let own_tilt_deg = (solved.tilt_share.sqrt() * log.tilt_deg(MOST)).max(LEAST_TILT_DEG);
     let tilt_deg = match options.purpose {
@@ -244,12 +244,12 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
         refused.reasons.insert(0, Reason::new("too-few-orientations", words));
         return refused;
     }
-    if !doubts.is_empty() && !options.force_effect {
+    if !not_significant.is_empty() && !options.force_effect {
         let mut refused = refused;
         let remedy = "Drop it, or use --force-effect if you know it from another test";
         refused.reasons.splice(
             0..0,
-            doubts
+            not_significant
                 .into_iter()
                 .map(|doubt| Reason::new("effect-not-significant", format!("{doubt}. {remedy}"))),
         );
@@ -278,7 +278,7 @@ fn judged(ground: &Ground, options: &Options, refused: Fitted, solved: &Solved, 
             ),
         ));
     }
-    fitted.reasons.extend(doubts.into_iter().map(|doubt| {
+    fitted.reasons.extend(not_significant.into_iter().map(|doubt| {
         Reason::new("effect-not-significant", format!("note: {doubt}. It is kept because of --force-effect"))
     }));
     fitted.reasons.extend(refused.reasons.iter().filter(|reason| reason.starts_with("note: ")).cloned());

@@ -32,14 +32,14 @@ pub(crate) fn entries(
     solved: &Solved,
     log: &Log,
 ) -> Option<(Vec<FittedEffect>, Vec<String>)> {
-    let (mut effects, mut doubts) = (Vec::new(), Vec::new());
+    let (mut effects, mut not_significant) = (Vec::new(), Vec::new());
     for (at, (id, column)) in options.add.iter().zip(offsets(samples, options)?).enumerate() {
         let (vector, place) = (solved.state.effects.get(at)?.0, effect_at(at));
         let covariance = solved.covariance.fixed_view::<3, 3>(place, place).into_owned();
         let square = vector.dot(&(covariance.try_inverse()? * vector));
         if square < CHI_SQUARE {
             let error_ut = (covariance.trace() * log.effects.get(at)?).sqrt();
-            doubts.push(format!(
+            not_significant.push(format!(
                 "no evidence for {id}: its vector is zero within the error ({error_ut:.2} µT at the \
                  rms of {})",
                 column.name
@@ -55,5 +55,5 @@ pub(crate) fn entries(
         term.coefficients[..3].copy_from_slice(vector.as_slice());
         effects.push(describe(&term, (0..3).map(|axis| covariance[(axis, axis)].max(0.0).sqrt()).collect()));
     }
-    Some((effects, doubts))
+    Some((effects, not_significant))
 }

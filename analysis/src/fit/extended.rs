@@ -47,7 +47,7 @@ pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fit
         };
         fitted.reasons.insert(0, Reason::new("no-convergence", why));
     }
-    let doubts = not_shown(&diagnosis.shown);
+    let not_significant = not_shown(&diagnosis.shown);
     if options.force_effect {
         let kept = |doubt: &String| {
             Reason::new(
@@ -55,12 +55,14 @@ pub fn run(ground: &Ground, options: &Options, mut fitted: Fitted) -> Result<Fit
                 format!("note: {doubt}. It is kept because of --force-effect"),
             )
         };
-        fitted.reasons.extend(doubts.iter().map(kept));
-    } else if !doubts.is_empty() {
+        fitted.reasons.extend(not_significant.iter().map(kept));
+    } else if !not_significant.is_empty() {
         (fitted.accepted, fitted.only_saturated) = (false, false);
         fitted.reasons.splice(
             0..0,
-            doubts.iter().map(|doubt| Reason::new("effect-not-significant", format!("{doubt}. {REMEDY}"))),
+            not_significant
+                .iter()
+                .map(|doubt| Reason::new("effect-not-significant", format!("{doubt}. {REMEDY}"))),
         );
     }
     Ok(fitted)

@@ -233,9 +233,9 @@ impl Fitted {
             let words = of_another_field(beside, solution.rms_ut / calibration.field_ut);
             self.reasons.push(Reason::new("field-not-uniform", words));
         }
-        if let Alignment::Mirrored(standing) | Alignment::Open(standing) = &solution.alignment {
+        if let Alignment::Mirrored(order_status) | Alignment::Open(order_status) = &solution.alignment {
             (self.accepted, self.only_saturated) = (false, false);
-            let words = standing.words().into_iter().map(|words| Reason::new("axis-order", words));
+            let words = order_status.words().into_iter().map(|words| Reason::new("axis-order", words));
             self.reasons.splice(0..0, words);
         }
         self.solution = Some(solution);

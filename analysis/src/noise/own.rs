@@ -505,7 +505,7 @@ mod tests {
     }
 
     /// What is told of the residual that a turning board makes of its axes' noise, with an error beside it.
-    fn told(colour: Colour, seed: u64, error: impl Fn(usize, &[f64; 3]) -> f64) -> OwnNoise {
+    fn detected(colour: Colour, seed: u64, error: impl Fn(usize, &[f64; 3]) -> f64) -> OwnNoise {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let axes = [noise(colour, &mut rng), noise(colour, &mut rng), noise(colour, &mut rng)];
         let directions = directions();
@@ -526,7 +526,7 @@ mod tests {
                 Colour::RollingMean { of: 8, white: 0.1 },
                 flicker,
             ] {
-                let found = told(colour, seed, |_, _| 0.0);
+                let found = detected(colour, seed, |_, _| 0.0);
                 let near = match (colour, found.colour) {
                     (Colour::White, Colour::White) => true,
                     (Colour::Ar1(a), Colour::Ar1(b)) => (a - b).abs() < 0.05,
@@ -546,12 +546,12 @@ mod tests {
         for seed in 0..4 {
             for period in [3.3, 8.0, 60.0, 400.0] {
                 let wave = |k: usize, _: &[f64; 3]| 1.5 * (std::f64::consts::TAU * k as f64 / period).sin();
-                let found = told(Colour::White, seed, wave);
+                let found = detected(Colour::White, seed, wave);
                 assert!(!found.is_noise(), "seed {seed}, period {period}: {found:?}");
             }
             let switched =
                 |k: usize, q: &[f64; 3]| if (k / 300).is_multiple_of(2) { 1.5 * q[0] } else { -1.5 * q[0] };
-            let found = told(Colour::Ar1(0.5), seed, switched);
+            let found = detected(Colour::Ar1(0.5), seed, switched);
             assert!(!found.is_noise(), "seed {seed}: {found:?}");
         }
     }
@@ -559,9 +559,9 @@ mod tests {
     #[test]
     fn a_memory_of_seconds_is_none_of_a_sensor() {
         for seed in 0..4 {
-            let found = told(Colour::Ar1(0.99), seed, |_, _| 0.0);
+            let found = detected(Colour::Ar1(0.99), seed, |_, _| 0.0);
             assert!(!found.is_noise(), "seed {seed}: {found:?}");
-            let found = told(Colour::RollingMean { of: 60, white: 0.02 }, seed, |_, _| 0.0);
+            let found = detected(Colour::RollingMean { of: 60, white: 0.02 }, seed, |_, _| 0.0);
             assert!(!found.is_noise(), "seed {seed}: {found:?}");
         }
     }
@@ -573,7 +573,7 @@ mod tests {
             let history = noise(Colour::Flicker { exponent: 1.0, white: 0.0 }, &mut rng);
             let v = [0.8, 0.5, -0.33];
             let along = |k: usize, q: &[f64; 3]| 3.0 * history[k] * (0..3).map(|i| v[i] * q[i]).sum::<f64>();
-            let found = told(Colour::White, seed, along);
+            let found = detected(Colour::White, seed, along);
             assert!(!found.is_noise(), "seed {seed}: {found:?}");
         }
     }

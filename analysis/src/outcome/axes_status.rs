@@ -20,11 +20,11 @@ pub(crate) fn take_axes(
     let nine = std::array::from_fn(|i| std::array::from_fn(|j| covariance[i][j]));
     let rotation =
         dip.as_ref().and_then(|dip| dip.errors.as_ref()).map(|errors| errors.rotation(Some(covariance)));
-    let found = dip.as_ref().zip(diagnosis.standing).map(|(dip, standing)| Found {
+    let found = dip.as_ref().zip(diagnosis.order_status).map(|(dip, order_status)| Found {
         before_deg: diagnosis.dip.map_or(dip.alignment.before_deg, |dip| dip.rms_deg_before),
         after_deg: dip.after_deg,
         angle_deg: dip.alignment.angle_deg,
-        standing,
+        order_status,
         rotation: rotation.as_ref(),
     });
     let predicted_share =

@@ -23,7 +23,7 @@ impl View<'_, '_> {
     pub(crate) fn finish(mut self, force_lag: bool) -> Result<Diagnosis, Refusal> {
         // Without an offset and a matrix of its own the log says nothing about a rotation either.
         let mut dip = if self.lower_order.is_some() { None } else { self.dip(force_lag)? };
-        let standing = dip.as_ref().map(|dip| self.settle(dip));
+        let order_status = dip.as_ref().map(|dip| self.settle(dip));
         let fitted = &self.explanation.fitted;
         let applied = Applied::of(&self.design, fitted)?;
         let (rms_ut, holdout_rms_ut) = left_ut(fitted, &applied);
@@ -47,7 +47,7 @@ impl View<'_, '_> {
         let is_coupled = fitted.terms.iter().any(|term| !term.hidden_delay().is_empty());
         let late = dip.as_ref().and_then(|dip| Some((dip, dip.lag.as_ref()?))).filter(|_| !is_coupled);
         let pure_lag = late.is_some();
-        let swapped = standing.and_then(|standing| standing.swapped());
+        let swapped = order_status.and_then(|order_status| order_status.swapped());
         let Judged { mut verdict, mut reasons, only_unsure, has_attitude } =
             self.verdict(&left, &applied, predicted, fitted.model.field_ut);
         if verdict == Verdict::Complete && (pure_lag || swapped.is_some()) {
@@ -70,7 +70,7 @@ impl View<'_, '_> {
                 100.0 * share
             )));
         }
-        let candidates = self.candidates(&dip, pure_lag, standing, verdict);
+        let candidates = self.candidates(&dip, pure_lag, order_status, verdict);
         let mut steps = self.steps(&dip)?;
         if let Some((dip, lag)) = late {
             steps.push(StepRow {
@@ -122,7 +122,7 @@ impl View<'_, '_> {
             }),
             std_errors: None,
             alignment: Default::default(),
-            standing,
+            order_status,
             information: (information(&self.design, fitted, self.known, time))
                 .and_then(|matrix| Information::of(&matrix)),
             converged: fitted.converged,

@@ -87,18 +87,18 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
             if let (Some(angle), Some(map)) = (row.angle_deg, object.as_object_mut()) {
                 map.insert("angle_deg".into(), number(Some(angle)));
             }
-            if let (Some(standing), true, Some(map)) =
-                (diagnosis.standing, row.id == AXIS_ORDER.id, object.as_object_mut())
+            if let (Some(order_status), true, Some(map)) =
+                (diagnosis.order_status, row.id == AXIS_ORDER.id, object.as_object_mut())
             {
-                let by = standing.decided.ok().map(DecidedBy::name);
+                let by = order_status.decided.ok().map(DecidedBy::name);
                 map.insert("decided_by".into(), json!(by));
-                if let Some(order) = standing.swapped() {
+                if let Some(order) = order_status.swapped() {
                     map.insert("order".into(), order.to_string().into());
                     map.insert("rotate".into(), order.rotate().into());
                     map.insert("mirrored".into(), order.is_mirror().into());
                 }
-                if standing.is_open() {
-                    let other = standing.order.opposite();
+                if order_status.is_open() {
+                    let other = order_status.order.opposite();
                     map.insert("or_order".into(), other.to_string().into());
                     map.insert("or_rotate".into(), other.rotate().into());
                 }

@@ -2,7 +2,7 @@
 
 use crate::base::axes::Alignment;
 use crate::base::model::Base;
-use crate::base::mounting::Standing;
+use crate::base::mounting::OrderStatus;
 use crate::base::order::AxisOrder;
 use crate::base::quality::NoiseEstimate;
 use crate::calibration::{FittedEffect, Information, StdErrors};
@@ -104,7 +104,7 @@ pub struct CandidateRow {
     pub residual: &'static str,
     /// Held-out rms with it, µT (degrees where the residual is the dip).
     pub holdout_rms_ut: Option<f64>,
-    /// Probability that chance does as well, all searches counted.
+    /// p-value, corrected for all searches.
     pub p_value: Option<f64>,
     /// Those that explain the same.
     pub confounded_with: Vec<String>,
@@ -141,7 +141,7 @@ pub struct Where {
     pub against: String,
     /// Share of the residual's variance.
     pub explained: f64,
-    /// Probability that chance does as well.
+    /// p-value.
     pub p_value: f64,
     /// Mean residual in bins of what it is against, µT: the shape for a plot.
     pub shape: Vec<f64>,
@@ -227,7 +227,7 @@ pub struct Diagnosis {
     /// Whether the matrix stands in the accelerometer's axes.
     pub alignment: Alignment,
     /// How the magnetometer's axes stand to the accelerometer's, where the log shows it.
-    pub standing: Option<Standing>,
+    pub order_status: Option<OrderStatus>,
     /// Information about offset and triangle, effects projected out.
     pub information: Option<Information>,
     /// Whether the fit of the final model converged.
@@ -258,7 +258,7 @@ pub struct Diagnosis {
     /// Whether the attitude, and not only the noise, lets the base model be determined.
     #[serde(skip)]
     pub has_attitude: bool,
-    /// The probability that chance does as well as each effect of the model beside all others, by id, its search counted but not how
+    /// p-value of each effect of the model beside all others, by id, its search counted but not how
     /// many candidates were tried.
     #[serde(skip)]
     pub chances: Vec<(String, f64)>,
@@ -308,7 +308,7 @@ impl Diagnosis {
     /// How the axes stand in the log, where they do not stand for themselves. Where nothing tells a mounting from its mirror
     /// image, the mounting.
     pub fn axis_order(&self) -> Option<AxisOrder> {
-        self.standing.and_then(|standing| standing.swapped())
+        self.order_status.and_then(|order_status| order_status.swapped())
     }
 
     /// Whether an effect was tested and is not needed.

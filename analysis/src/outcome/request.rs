@@ -43,7 +43,7 @@ pub struct Options {
     pub search: bool,
     /// An earlier calibration to build on.
     pub prior: Option<EarlierCalibration>,
-    /// The probability that chance does as well as each effect of `add`, by id, where a diagnosis of the same log has worked it out
+    /// p-value of each effect of `add`, by id, where a diagnosis of the same log has worked it out
     /// ([`crate::outcome::outcome::Diagnosis::chances`]); worked out anew where any is absent.
     #[serde(skip)]
     pub chances: Vec<(String, f64)>,

@@ -1,7 +1,7 @@
 //! The candidates and effects of a diagnosis as rows, in words and numbers.
 
 use crate::base::alignment::SWAPPED_DEG;
-use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT, Mounting, Standing};
+use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT, Mounting, OrderStatus};
 use crate::base::quality::{covariance, covariance_of};
 use crate::base::term::{BadShape, Term};
 use crate::bounds::MIN_SHARE;
@@ -23,7 +23,7 @@ impl View<'_, '_> {
         &self,
         dip: &Option<DipStudy>,
         pure_lag: bool,
-        standing: Option<Standing>,
+        order_status: Option<OrderStatus>,
         verdict: Verdict,
     ) -> Vec<CandidateRow> {
         let mut list: Vec<CandidateRow> = Vec::new();
@@ -154,12 +154,12 @@ impl View<'_, '_> {
                 "the axes of magnetometer and {beside} differ by {angle:.1}° in addition to the triangular matrix"
             );
             of_mounting(MISALIGNMENT, status, Some(angle), why);
-            let status = match standing.and_then(|standing| standing.swapped()) {
+            let status = match order_status.and_then(|order_status| order_status.swapped()) {
                 Some(_) => Status::Missing,
                 None if angle > SWAPPED_DEG => Status::Untestable,
                 None => Status::NotNeeded,
             };
-            let why = match standing.map(|standing| standing.words()) {
+            let why = match order_status.map(|order_status| order_status.words()) {
                 Some(_) if angle > SWAPPED_DEG => format!(
                     "{} with the axes rotated by {angle:.0}°, but it varies by {:.1}° rms there too, which is too much \
                      to determine their order. Fix: rotate the sensor slowly and without shaking it",

@@ -330,7 +330,7 @@ fn with_bursts(
 fn accuse_nobody(diagnosis: &mut Diagnosis, base: Option<&Base>) {
     diagnosis.steps.truncate(1);
     diagnosis.effects.clear();
-    diagnosis.standing = None;
+    diagnosis.order_status = None;
     if let Some(base) = base {
         axes_status::first_row(diagnosis, base, true);
     }

@@ -7,7 +7,7 @@ use crate::base::engine::Design;
 use crate::base::heading::heading_error;
 use crate::base::hemisphere::{Evidence, settle};
 use crate::base::model::Base;
-use crate::base::mounting::Standing;
+use crate::base::mounting::OrderStatus;
 use crate::base::prior::Prior;
 use crate::base::quality::{NoiseEstimate, attitude_error, covariance, error_beyond};
 use crate::base::start;
@@ -173,12 +173,12 @@ impl<'a> View<'_, 'a> {
     }
 
     /// Takes the alignment's model, or its opposite where heading or place say so: how the axes stand.
-    pub(crate) fn settle(&mut self, dip: &DipStudy) -> Standing {
+    pub(crate) fn settle(&mut self, dip: &DipStudy) -> OrderStatus {
         let evidence = Evidence { heading_deg: self.table.heading_deg, dip_deg: self.dip_deg };
-        let (standing, model) =
+        let (order_status, model) =
             settle(self.samples, &dip.alignment, &self.explanation.fitted.terms, evidence);
         self.explanation.fitted.model = model;
-        standing
+        order_status
     }
 
     /// The tests of the effects that were asked for. A `pure_lag` that the dip says nothing about is not shown.

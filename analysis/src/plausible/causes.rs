@@ -23,7 +23,7 @@ pub struct NoCause {
 /// The covariates that cause nothing.
 pub fn no_causes(table: &Table) -> Vec<NoCause> {
     let copies = field_copies(table);
-    let mut found: Vec<NoCause> = copies.iter().map(told).collect();
+    let mut found: Vec<NoCause> = copies.iter().map(no_cause).collect();
     let smoothed = copies_of_axes(table, &copies);
     let columns: Vec<&[f64]> = table.covariates.iter().map(|named| named.values).collect();
     let mut covariate = 0;
@@ -69,7 +69,7 @@ fn note(found: &mut Vec<NoCause>, covariate: usize, what: impl Fn() -> String) {
     }
 }
 
-fn told(copy: &FieldCopy) -> NoCause {
+fn no_cause(copy: &FieldCopy) -> NoCause {
     let percent = (1000.0 * copy.explained).floor() / 10.0;
     let what = match (copy.of, copy.filtered) {
         (CopyOf::Field, false) => format!("a copy of the field, which explains {percent} % of it"),

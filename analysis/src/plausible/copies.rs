@@ -112,10 +112,10 @@ pub fn field_copies(table: &Table) -> Vec<FieldCopy> {
             continue;
         }
         let copy = designs.iter().find_map(|(of, filtered, design)| {
-            let told = design.foretell(&values)?;
+            let predicted = design.foretell(&values)?;
             let repeats = *of == CopyOf::Field
-                || told.left <= MAX_NOISE_LEFT * own_noise * noise_gain(pasts, &told.slopes);
-            (told.explained >= MIN_EXPLAINED && repeats).then_some((*of, *filtered, told.explained))
+                || predicted.left <= MAX_NOISE_LEFT * own_noise * noise_gain(pasts, &predicted.slopes);
+            (predicted.explained >= MIN_EXPLAINED && repeats).then_some((*of, *filtered, predicted.explained))
         });
         let Some((of, filtered, explained)) = copy else { continue };
         if of == CopyOf::Field && explains_all_axes(field, &chosen, &values) {
@@ -283,12 +283,12 @@ impl Design {
         let (whole, without) = solvers.split_last()?;
         let (mut left, mut total, mut count, mut worst) = (0.0, 0.0, 0.0, 1.0_f64);
         for ((part, own), solver) in parts.iter().zip(&rights).zip(without) {
-            let told = self.terms.rows(part.start, part.len()) * solver.solve(&(&right - own));
+            let predicted = self.terms.rows(part.start, part.len()) * solver.solve(&(&right - own));
             let held = || part.clone().filter(|row| known[*row]);
             let n = held().count().max(1) as f64;
             let mean = held().map(|row| values[row]).sum::<f64>() / n;
             let spread: f64 = held().map(|row| (values[row] - mean).powi(2)).sum();
-            let missed: f64 = held().map(|row| (values[row] - told[row - part.start]).powi(2)).sum();
+            let missed: f64 = held().map(|row| (values[row] - predicted[row - part.start]).powi(2)).sum();
             (left, total, count) = (left + missed, total + spread, count + n);
             // A part in which the column hardly moves tells nothing of it.
             if spread > 0.0 {

@@ -138,7 +138,7 @@ fn judge(
     let readings = unit.len();
     let step = (0..3).map(|axis| least_step(&unit, axis)).fold(0.0, f64::max);
     let jump = median(&mut jumps.map(|jump| jump / scale).collect::<Vec<_>>());
-    let told = |size: f64, bounds: [f64; 2], evidence: Evidence| FieldSize {
+    let field_size = |size: f64, bounds: [f64; 2], evidence: Evidence| FieldSize {
         field_ut: size * scale,
         bounds_ut: bounds.map(|bound| bound * scale),
         evidence,
@@ -162,24 +162,24 @@ fn judge(
         };
         let bounds = [found.radius - found.error, found.radius + found.error];
         if is_turned {
-            return Some(told(found.radius, bounds, Evidence::Sphere));
+            return Some(field_size(found.radius, bounds, Evidence::Sphere));
         }
         let is_shell = found.thickness <= if follows { THIN } else { SHELL };
         if tilted.is_none() && is_shell {
-            return Some(told(found.radius, bounds, Evidence::PartOfSphere));
+            return Some(field_size(found.radius, bounds, Evidence::PartOfSphere));
         }
     }
     let circle = circle(&unit).filter(|[radius, _]| *radius >= STEPS * step && jump <= JUMP * radius);
     if let Some([radius, error]) = circle {
         let least = radius - error;
-        return Some(told(
+        return Some(field_size(
             least,
             [least, *EARTH_UT.start() / LEAST_CIRCLE_UT * (radius + error)],
             Evidence::Circle,
         ));
     }
     // Half the diameter of what the readings fill, about; soft iron widens that.
-    Some(told(spread, [spread / MOST_GAIN, f64::INFINITY], Evidence::Spread))
+    Some(field_size(spread, [spread / MOST_GAIN, f64::INFINITY], Evidence::Spread))
 }
 
 /// Median of each axis.

@@ -14,7 +14,7 @@ const MOST_A_STEP: f64 = 0.6;
 /// Stretches of at most this many readings.
 const LONGEST: usize = 512;
 /// Below this share of its own, even the sign of the scale is a guess.
-const SIGN_TOLD: f64 = 0.2;
+const SIGN_DETERMINED: f64 = 0.2;
 /// Fewer stretches say nothing.
 pub const LEAST: usize = 40;
 /// More are not looked at.
@@ -25,13 +25,13 @@ const MOST: usize = 2000;
 pub struct Fit {
     /// The order.
     pub order: Order,
-    /// What the gyro's numbers must be multiplied by; negative only where little of it is told.
+    /// What the gyro's numbers must be multiplied by; negative only where little of it is determined.
     pub factor: f64,
     /// Share of the vector's changes that it explains.
     pub explained: f64,
     /// How much of what the scale does an offset cannot do as well: 1 without one, near 0 where the vector moved over too
     /// small a part of its sphere to tell them apart.
-    pub told: f64,
+    pub determined: f64,
 }
 
 /// How a gyro follows a vector.
@@ -82,7 +82,7 @@ impl Pair<'_> {
             return None;
         }
         let fits: Vec<Fit> = Order::all().filter_map(|order| fit(&stretches, order, self.offset)).collect();
-        let own = Fit { factor: f64::NAN, explained: 0.0, told: 0.0, order: Order::all().next()? };
+        let own = Fit { factor: f64::NAN, explained: 0.0, determined: 0.0, order: Order::all().next()? };
         let own = fits.iter().copied().find(|fit| fit.order.is_own()).unwrap_or(own);
         let most = fits.iter().copied().max_by(|a, b| a.explained.total_cmp(&b.explained))?;
         let best = if own.explained > most.explained - 0.05 { own } else { most };
@@ -209,8 +209,8 @@ fn fit(stretches: &[Stretch], order: Order, offset: bool) -> Option<Fit> {
     let explained = solution.dot(&right.component_mul(&scale)) / squares;
     let factor = solution[0] * scale[0];
     // What is left of the scale's column next to the offset's, of a diagonal of 1.
-    let told = unit.try_inverse().map_or(0.0, |inverse| inverse[(0, 0)].recip());
+    let determined = unit.try_inverse().map_or(0.0, |inverse| inverse[(0, 0)].recip());
     // Where the offset does nearly as well, the sign of the scale says nothing.
-    let signed = factor > 0.0 || (offset && told < SIGN_TOLD);
-    (signed && explained.is_finite()).then_some(Fit { order, factor, explained, told })
+    let signed = factor > 0.0 || (offset && determined < SIGN_DETERMINED);
+    (signed && explained.is_finite()).then_some(Fit { order, factor, explained, determined })
 }

@@ -14,10 +14,10 @@ const FITS: f64 = 0.7;
 const FAILS: f64 = 0.5;
 /// … and others this much.
 const OTHERS_FIT: f64 = 0.8;
-/// Scale and offset of the magnetometer are told apart where this much of the scale is its own …
-const TOLD: f64 = 0.2;
+/// Scale and offset of the magnetometer are determined apart where this much of the scale is its own …
+const DETERMINED: f64 = 0.2;
 /// … and nearly where it is this much: then the scale is within a factor of three or so, …
-const HARDLY_TOLD: f64 = 0.05;
+const HARDLY_DETERMINED: f64 = 0.05;
 /// … which is enough where it is wrong by more than this.
 const FAR: f64 = 10.0;
 /// The dip spreads by at most this share in the magnetometer's other order where it is the magnetometer that stands otherwise ...
@@ -176,7 +176,7 @@ fn by_gravity(table: &Table, time_s: &[f64], rate: [&[f64]; 3]) -> Option<Follow
 fn axes(field: Option<&Follow>, gravity: Option<&Follow>) -> Option<OddAxes> {
     let wrong = |follow: &Follow| {
         let Follow { own, best, .. } = follow;
-        own.explained < FAILS && best.explained >= OTHERS_FIT && best.told >= HARDLY_TOLD
+        own.explained < FAILS && best.explained >= OTHERS_FIT && best.determined >= HARDLY_DETERMINED
     };
     let right = |follow: &Follow| follow.own.explained >= FITS;
     let odd = |whose: Whose, follow: &Follow, turned_back: bool| {
@@ -210,10 +210,11 @@ fn scale(field: Option<&Follow>, gravity: Option<&Follow>) -> Option<OddRate> {
     // Gravity where it explains enough: there is no offset and no soft iron in it.
     let gravity = gravity.filter(|follow| follow.best.explained >= OTHERS_FIT);
     let (follow, by_field) = gravity.map(|follow| (follow, false)).or(field.map(|follow| (follow, true)))?;
-    let Fit { factor, explained, told, .. } = follow.best;
+    let Fit { factor, explained, determined, .. } = follow.best;
     let far = !(FAR.recip()..=FAR).contains(&factor);
-    let told = told >= TOLD || (told >= HARDLY_TOLD && far);
-    let odd = told && factor > 0.0 && explained >= OTHERS_FIT && !(SCALE.recip()..=SCALE).contains(&factor);
+    let determined = determined >= DETERMINED || (determined >= HARDLY_DETERMINED && far);
+    let odd =
+        determined && factor > 0.0 && explained >= OTHERS_FIT && !(SCALE.recip()..=SCALE).contains(&factor);
     let unit = UNITS.into_iter().find(|(_, size)| (factor / size).ln().abs() < UNIT.ln());
     odd.then_some(OddRate { factor, unit, explained, stretches: follow.stretches, by_field })
 }

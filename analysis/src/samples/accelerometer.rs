@@ -5,7 +5,7 @@
 //! error of the sensor, and no calibration lowers it).
 
 use crate::calibration::{Accelerometer, STANDARD_GRAVITY_MPS2};
-use crate::samples::detected::Told;
+use crate::samples::detected::Estimate;
 use crate::table::Table;
 use ironout::fit::{FitOptions, MAX_PREDICTED_ERROR, fit};
 use ironout::scatter::ScatterBuilder;
@@ -95,11 +95,11 @@ pub fn zero_error_square(axes: [&[f64]; 3]) -> Matrix3<f64> {
         normal += column * column.transpose();
         right += column * (length - STANDARD_GRAVITY_MPS2);
     }
-    let mut told = Told::new(normal, right, prior, rows);
+    let mut estimate = Estimate::new(normal, right, prior, rows);
     for (at, (column, length)) in (0..rows).filter_map(|at| Some((at, row(at)?))) {
-        told.add(at, column, length - STANDARD_GRAVITY_MPS2);
+        estimate.add(at, column, length - STANDARD_GRAVITY_MPS2);
     }
-    let (mean, covariance) = told.posterior();
+    let (mean, covariance) = estimate.posterior();
     (covariance + mean * mean.transpose()).fixed_view::<3, 3>(0, 0).into_owned()
 }
 
@@ -150,9 +150,9 @@ mod tests {
     #[test]
     fn lengths_tell_a_zero_error_as_far_as_the_attitudes_go() {
         let zero = [0.1, -0.05, 0.02];
-        let told = moment(zero, 0.0, false);
+        let moments = moment(zero, 0.0, false);
         for (axis, value) in zero.into_iter().enumerate() {
-            assert!((told[(axis, axis)].sqrt() - value.abs()).abs() < 0.02, "{told}");
+            assert!((moments[(axis, axis)].sqrt() - value.abs()).abs() < 0.02, "{moments}");
         }
         let none = moment([0.0; 3], 0.0, false);
         assert!((0..3).all(|axis| none[(axis, axis)].sqrt() < 0.01), "{none}");

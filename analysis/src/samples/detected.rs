@@ -7,7 +7,7 @@ use crate::samples::scores::Scores;
 use nalgebra::{SMatrix, SVector};
 
 /// Sums of a second pass over the data, at the estimate of the first.
-pub struct Told<const P: usize> {
+pub struct Estimate<const P: usize> {
     normal: SMatrix<f64, P, P>,
     estimate: SVector<f64, P>,
     prior: SVector<f64, P>,
@@ -16,7 +16,7 @@ pub struct Told<const P: usize> {
     rows: f64,
 }
 
-impl<const P: usize> Told<P> {
+impl<const P: usize> Estimate<P> {
     /// With `N = JᵀJ` and `Jᵀr`, the prior's information on each parameter, and the number of samples in order of time.
     pub fn new(
         normal: SMatrix<f64, P, P>,
@@ -26,7 +26,7 @@ impl<const P: usize> Told<P> {
     ) -> Self {
         let damped = normal + SMatrix::from_diagonal(&(prior * DAMPING));
         let estimate = damped.cholesky().map_or_else(SVector::zeros, |factor| factor.solve(&right));
-        Told { normal, estimate, prior, scores: Scores::new(P, samples), squares: 0.0, rows: 0.0 }
+        Estimate { normal, estimate, prior, scores: Scores::new(P, samples), squares: 0.0, rows: 0.0 }
     }
 
     /// Adds a row `column·θ = value` of a sample.
@@ -48,11 +48,11 @@ impl<const P: usize> Told<P> {
         let Some(weighed) = spread.cholesky().map(|factor| factor.solve(&self.normal)) else {
             return (SVector::zeros(), unknown);
         };
-        let told = self.normal * weighed;
-        let Some(covariance) = (told + SMatrix::from_diagonal(&self.prior)).cholesky() else {
+        let weighed_normal = self.normal * weighed;
+        let Some(covariance) = (weighed_normal + SMatrix::from_diagonal(&self.prior)).cholesky() else {
             return (SVector::zeros(), unknown);
         };
-        let (mean, covariance) = (covariance.solve(&(told * self.estimate)), covariance.inverse());
+        let (mean, covariance) = (covariance.solve(&(weighed_normal * self.estimate)), covariance.inverse());
         let finite = mean.iter().chain(covariance.iter()).all(|value| value.is_finite());
         if finite { (mean, covariance) } else { (SVector::zeros(), unknown) }
     }

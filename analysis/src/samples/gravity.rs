@@ -9,7 +9,7 @@
 
 use crate::calibration::{Accelerometer, STANDARD_GRAVITY_MPS2};
 use crate::samples::accelerometer;
-use crate::samples::detected::Told;
+use crate::samples::detected::Estimate;
 use crate::samples::series::median;
 use crate::table::{Follows, QuietForce, Table};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -188,14 +188,14 @@ impl<'a> Log<'a> {
             right += column.transpose() * off;
         }
         let prior = Vector3::from_element(1.0 / (GYRO_ZERO_RADPS * GYRO_ZERO_RADPS));
-        let mut told = Told::new(normal, right, prior, marks.len());
+        let mut estimate = Estimate::new(normal, right, prior, marks.len());
         for (mark, (column, off)) in marks.iter().enumerate().filter_map(|(mark, one)| Some((mark, (*one)?)))
         {
             for axis in 0..3 {
-                told.add(mark, column.row(axis).transpose(), off[axis]);
+                estimate.add(mark, column.row(axis).transpose(), off[axis]);
             }
         }
-        told.posterior()
+        estimate.posterior()
     }
 }
 

@@ -7,7 +7,7 @@ use crate::search::shown::Shown;
 use crate::search::state::{Explanation, Fitter, Withdrawn, held_out_rms};
 
 impl<'a> Fitter<'_, 'a> {
-    /// Probability that chance does as well as each effect of a model, all others in it, its search counted; by its id.
+    /// p-value of each effect of a model given all others, corrected for its search, by id.
     pub(crate) fn chances(&self, fitted: &Fitted<'a>) -> Vec<(String, f64)> {
         if fitted.terms.is_empty() {
             return Vec::new();

@@ -11,7 +11,7 @@ use ironout::study::{f_tail, held_out};
 pub struct Tested {
     /// What it takes off the squared error.
     pub decrease: f64,
-    /// Probability that chance does as well, with the search but not the number of candidates.
+    /// p-value, corrected for the search but not for the number of candidates.
     pub p_value: f64,
     /// Squared held-out error with it.
     pub held_out: Option<f64>,

@@ -11,7 +11,7 @@ pub(crate) const RAISES: f64 = 1.05;
 pub struct Shown {
     /// Its id.
     pub id: String,
-    /// Probability that chance does as well, its search counted.
+    /// p-value, corrected for its search.
     pub p_value: f64,
     /// Error on held-out time without it, all others in the model: µT, or degrees where only the dip sees it. `None` where
     /// some block of time cannot be predicted.

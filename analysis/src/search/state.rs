@@ -60,7 +60,7 @@ pub struct Explanation<'a> {
     pub ended_early: bool,
     /// How many candidates a round has.
     pub count: usize,
-    /// Probability that chance does as well as an effect of the model, by its id: all others in the model, its search counted.
+    /// p-value of an effect of the model given all others, corrected for its search, by id.
     pub chances: Vec<(String, f64)>,
     /// The tests of the effects that were asked for; empty after a search, which adds only what is shown.
     pub shown: Vec<Shown>,

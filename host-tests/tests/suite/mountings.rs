@@ -3,7 +3,7 @@
 
 use ironout_analysis::base::axes::Alignment;
 use ironout_analysis::base::heading::{HeadingError, difference_deg, heading_deg};
-use ironout_analysis::base::mounting::{DecidedBy, Standing};
+use ironout_analysis::base::mounting::{DecidedBy, OrderStatus};
 use ironout_analysis::base::order::AxisOrder;
 use ironout_analysis::{Diagnosis, Fitted, Options, Table, diagnose, fit};
 use ironout_host_tests::accuracy::simulated::table_of;
@@ -83,11 +83,11 @@ fn diagnosed(table: &Table, at_deg: Option<f64>) -> Diagnosis {
 }
 
 /// How `fit` says that the axes stand.
-fn standing(fitted: &Fitted) -> Standing {
+fn order_status(fitted: &Fitted) -> OrderStatus {
     match fitted.solution.as_ref().expect("a solution").alignment {
-        Alignment::Done { standing, .. } | Alignment::Mirrored(standing) | Alignment::Open(standing) => {
-            standing
-        }
+        Alignment::Done { order_status, .. }
+        | Alignment::Mirrored(order_status)
+        | Alignment::Open(order_status) => order_status,
         ref other => panic!("{other:?}"),
     }
 }
@@ -113,9 +113,9 @@ fn with_a_heading_or_a_place_the_mounting_is_named_and_the_advice_is_right() {
             {
                 let what = format!("{order} at {dip_deg}°, {by:?}");
                 let (fit, diagnosis) = (fitted(&table_of(log), at_deg), diagnosed(&table_of(log), at_deg));
-                let found = standing(&fit);
+                let found = order_status(&fit);
                 assert_eq!((found.order, found.decided), (order, Ok(by)), "{what}");
-                let of_diagnosis = diagnosis.standing.expect("an accelerometer");
+                let of_diagnosis = diagnosis.order_status.expect("an accelerometer");
                 assert_eq!((of_diagnosis.order, of_diagnosis.decided), (order, Ok(by)), "{what}");
                 assert_eq!(found.words(), of_diagnosis.words(), "{what}");
                 // A mirror image is a driver's fault: nothing is accepted. A mounting stands in the matrix.
@@ -132,7 +132,7 @@ fn with_a_heading_or_a_place_the_mounting_is_named_and_the_advice_is_right() {
                     let read = turned(log, rotation(&option));
                     let again = fitted(&table_of(&read), at_deg);
                     assert!(
-                        again.accepted && standing(&again).order.is_in_order(),
+                        again.accepted && order_status(&again).order.is_in_order(),
                         "{what}: {:?}",
                         again.reasons
                     );
@@ -150,9 +150,9 @@ fn without_either_it_is_said_that_the_log_cannot_tell_and_one_of_the_readings_li
     for order in sample() {
         let log = without_heading(&mounted(&board, order));
         let (fit, diagnosis) = (fitted(&table_of(&log), None), diagnosed(&table_of(&log), None));
-        let found = standing(&fit);
+        let found = order_status(&fit);
         assert!(found.decided.is_err(), "{order}: {found:?}");
-        let of_diagnosis = diagnosis.standing.expect("an accelerometer");
+        let of_diagnosis = diagnosis.order_status.expect("an accelerometer");
         assert_eq!(found.words(), of_diagnosis.words(), "{order}");
         assert!(found.words()[0].contains("--at"), "{order}: {:?}", found.words());
         let mounting = if order.is_mirror() { order.opposite() } else { order };
@@ -189,7 +189,7 @@ fn what_is_known_and_does_not_fit_is_said() {
     let board = board(DIP_DEG, 8);
     let order = AxisOrder::mountings().find(|order| order.to_string() == "x,-y,-z").expect("a half turn");
     let log = mounted(&board, order);
-    let words = |log: &Log, at_deg| standing(&fitted(&table_of(log), at_deg)).words().join(" ");
+    let words = |log: &Log, at_deg| order_status(&fitted(&table_of(log), at_deg)).words().join(" ");
     assert!(words(&without_heading(&log), Some(10.0)).contains("neither this nor its opposite"));
     assert!(words(&without_heading(&log), Some(2.0)).contains("the place is not sufficient"));
     assert!(words(&log, Some(-DIP_DEG)).contains("heading_deg and --at contradict each other"));

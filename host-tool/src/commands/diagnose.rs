@@ -1,7 +1,7 @@
 //! `ironout diagnose`: find the missing effect.
 
 use crate::cli::{DiagnoseArgs, Form};
-use crate::diagnosis_words::{self, Told};
+use crate::diagnosis_words::{self, DiagnosedLog};
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
 use crate::output;
 use crate::plausible::Known;
@@ -35,19 +35,19 @@ pub fn run(arguments: &DiagnoseArgs, form: Form) -> Outcome<u8> {
     let diagnosis =
         diagnose(&Table::from(&log), &options).map_err(|refusal| refusal::failure(refusal, &log.path))?;
     drop(working);
-    let told = Told { log: &log, arguments, diagnosis: &diagnosis };
+    let diagnosed_log = DiagnosedLog { log: &log, arguments, diagnosis: &diagnosis };
     match form {
         Form::Json => {
             let mut object = json::object(&diagnosis);
             if let Some(fields) = object.as_object_mut() {
                 fields.extend(read_block::context(&log));
-                fields.insert("report".into(), serde_json::json!(diagnosis_words::report(&told)));
+                fields.insert("report".into(), serde_json::json!(diagnosis_words::report(&diagnosed_log)));
             }
             output::line(&object.to_string());
         }
         Form::Line => output::text(&(diagnosis_words::sentence(&diagnosis) + "\n")),
-        Form::Brief => output::text(&diagnosis_words::brief(&told)),
-        Form::Full => output::text(&diagnosis_words::text(&told)),
+        Form::Brief => output::text(&diagnosis_words::brief(&diagnosed_log)),
+        Form::Full => output::text(&diagnosis_words::text(&diagnosed_log)),
     }
     Ok(status(&diagnosis))
 }

@@ -1,10 +1,10 @@
 //! The answer of a diagnosis: verdict, the figures that matter, and what to do next.
 
 use crate::diagnosis_words::conclusion::{verdict, what_next};
+use crate::diagnosis_words::diagnosed_log::{DiagnosedLog, WIDTH, at_rest, counted};
 use crate::diagnosis_words::found::{amount, axis_order};
 use crate::diagnosis_words::numbers::{degrees, microtesla, percent, probability};
 use crate::diagnosis_words::place;
-use crate::diagnosis_words::told::{Told, WIDTH, at_rest, counted};
 use crate::diagnosis_words::unlogged;
 use crate::field_unit::symbol;
 use crate::report_text::{Layout, lines};
@@ -18,29 +18,29 @@ const EFFECTS: usize = 4;
 const COLUMNS: usize = 3;
 
 /// The answer.
-pub fn report(told: &Told) -> Report {
-    let mut report = Report { verdict: verdict(told), ..Report::default() };
-    figures(told, &mut report);
-    what_next(told, &mut report);
+pub fn report(diagnosed_log: &DiagnosedLog) -> Report {
+    let mut report = Report { verdict: verdict(diagnosed_log), ..Report::default() };
+    figures(diagnosed_log, &mut report);
+    what_next(diagnosed_log, &mut report);
     report
 }
 
 /// The answer, line by line.
-pub fn answer(told: &Told) -> Vec<String> {
-    lines(&report(told), Layout { width: WIDTH, label: 14 })
+pub fn answer(diagnosed_log: &DiagnosedLog) -> Vec<String> {
+    lines(&report(diagnosed_log), Layout { width: WIDTH, label: 14 })
 }
 
-fn figures(told: &Told, report: &mut Report) {
-    let diagnosis = told.diagnosis;
-    let seconds = told.log.time_s.as_ref().and_then(|t| Some(t.last()? - t.first()?));
+fn figures(diagnosed_log: &DiagnosedLog, report: &mut Report) {
+    let diagnosis = diagnosed_log.diagnosis;
+    let seconds = diagnosed_log.log.time_s.as_ref().and_then(|t| Some(t.last()? - t.first()?));
     let over = seconds.map_or(" (no time column)".to_string(), |s| format!(" over {s:.1} s"));
     let mut row = |label: &str, text: String| report.figure(label, text);
     row(
         "log",
         format!(
             "{}: {}{over}, {} used",
-            told.log.path.display(),
-            counted(told.log.rows, "row"),
+            diagnosed_log.log.path.display(),
+            counted(diagnosed_log.log.rows, "row"),
             counted(diagnosis.samples_used, "sample")
         ),
     );
@@ -99,7 +99,7 @@ fn figures(told: &Told, report: &mut Report) {
             if count > EFFECTS {
                 continue;
             }
-            let size = amount(told.log, diagnosis.registry, effect)
+            let size = amount(diagnosed_log.log, diagnosis.registry, effect)
                 .map_or(String::new(), |text| format!(": {text}"));
             row("effect", format!("{}{size}", effect.id));
         }

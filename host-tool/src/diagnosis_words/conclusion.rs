@@ -1,8 +1,8 @@
 //! The end of the explanation: the verdict in a sentence, and what to do about it.
 
 use crate::cli::{DiagnoseArgs, typed_option};
+use crate::diagnosis_words::diagnosed_log::{DiagnosedLog, at_rest, groups, listed, name_of};
 use crate::diagnosis_words::numbers::{degrees, field, microtesla};
-use crate::diagnosis_words::told::{Told, at_rest, groups, listed, name_of};
 use crate::diagnosis_words::{advice, found, next};
 use crate::log_args::SAVED;
 use ironout_analysis::Report;
@@ -62,7 +62,7 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
             let with =
                 if fall.is_empty() { String::new() } else { format!(" Modelling {it} reduces {fall}.") };
             let axes = match found::axis_order(diagnosis) {
-                Some(standing) if standing.by_gyro => {
+                Some(order_status) if order_status.by_gyro => {
                     " The field rotates as the gyro measures only after the axis order is corrected."
                 }
                 Some(_) => " Field and gravity agree only after the axis order is corrected.",
@@ -157,12 +157,12 @@ fn goes_with(diagnosis: &Diagnosis, add: &[String], report: &mut Report) -> bool
 }
 
 /// The verdict, and why an effect that was asked for is not needed.
-pub fn verdict(told: &Told) -> Vec<String> {
-    let asked = told.arguments.add.iter().filter_map(|id| {
-        let row = told.diagnosis.candidates.iter().find(|row| row.id == *id);
+pub fn verdict(diagnosed_log: &DiagnosedLog) -> Vec<String> {
+    let asked = diagnosed_log.arguments.add.iter().filter_map(|id| {
+        let row = diagnosed_log.diagnosis.candidates.iter().find(|row| row.id == *id);
         row.filter(|row| row.status == Status::NotNeeded).map(|row| format!("{id} was {}.", row.why))
     });
-    std::iter::once(sentence(told.diagnosis)).chain(asked).collect()
+    std::iter::once(sentence(diagnosed_log.diagnosis)).chain(asked).collect()
 }
 
 /// The effects that `fit --add` takes: those in the steps, in their order.
@@ -179,23 +179,23 @@ pub fn to_add(diagnosis: &Diagnosis, arguments: &DiagnoseArgs) -> Vec<String> {
 }
 
 /// The commands, or the recording, that come next.
-pub fn what_next(told: &Told, report: &mut Report) {
-    let Told { log, arguments, diagnosis } = told;
+pub fn what_next(diagnosed_log: &DiagnosedLog, report: &mut Report) {
+    let DiagnosedLog { log, arguments, diagnosis } = diagnosed_log;
     let piped = log.path == Path::new("-");
     let path = if piped { SAVED.to_string() } else { log.path.display().to_string() };
     let add = to_add(diagnosis, arguments);
     if piped {
         report.say(format!("The log came from standard input. Save it as {SAVED} first."));
     }
-    if let Some(standing) = found::axis_order(diagnosis) {
-        if standing.is_open() {
+    if let Some(order_status) = found::axis_order(diagnosis) {
+        if order_status.is_open() {
             report.say("This log cannot show whether the axes are rotated or mirrored. Give the place of the recording, or log heading_deg. If you know which it is, use:",
             );
             report.command(next::diagnose(arguments, &path, "--at LAT,LON,YYYY-MM-DD"));
         } else {
             report.say("Correct the axis order (in the driver, or with this option) and diagnose again:");
         }
-        for (rotate, _) in standing.readings() {
+        for (rotate, _) in order_status.readings() {
             report.command(next::diagnose(arguments, &path, typed_option("--rotate", &rotate).trim()));
         }
         return;

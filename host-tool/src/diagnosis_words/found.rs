@@ -1,16 +1,16 @@
 //! The effects that were found: cause, coefficients, and the error falling.
 
 use crate::diagnosis_words::curve::{bar, limits, sparkline};
+use crate::diagnosis_words::diagnosed_log::{DiagnosedLog, WIDTH, at_rest, name_of, title};
 use crate::diagnosis_words::moment::at_moment;
 use crate::diagnosis_words::numbers::{
     degrees, field, hang, microtesla, probability, readable_unit, significant, unit_of, with_error, wrap,
 };
 use crate::diagnosis_words::place::{self, axis_label};
-use crate::diagnosis_words::told::{Told, WIDTH, at_rest, name_of, title};
 use crate::input::Log;
 use ironout::effect::{Amount, Follows, Group, Named, Need, Registry, TIME};
 use ironout_analysis::base::axes::Alignment;
-use ironout_analysis::base::mounting::{AXIS_ORDER, Standing};
+use ironout_analysis::base::mounting::{AXIS_ORDER, OrderStatus};
 use ironout_analysis::calibration::FittedEffect;
 use ironout_analysis::outcome::outcome::{Diagnosis, StepRow, Verdict};
 
@@ -20,8 +20,8 @@ const BAR: usize = 40;
 const INDENT: &str = "     ";
 
 /// The effects in the steps, with cause, coefficients and what they did to the error.
-pub fn effects(told: &Told, out: &mut Vec<String>) {
-    let diagnosis = told.diagnosis;
+pub fn effects(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
+    let diagnosis = diagnosed_log.diagnosis;
     // Where the log does not determine the model, it does not determine what explains it either.
     let nothing = diagnosis.effects.is_empty() && axis_order(diagnosis).is_none();
     if nothing || diagnosis.verdict == Verdict::Undetermined {
@@ -36,7 +36,7 @@ pub fn effects(told: &Told, out: &mut Vec<String>) {
             if number > 1 {
                 out.push(String::new());
             }
-            entry(told, number, id, before, step, out);
+            entry(diagnosed_log, number, id, before, step, out);
         }
         before = Some(step);
     }
@@ -55,25 +55,25 @@ pub fn effects(told: &Told, out: &mut Vec<String>) {
             effect.id
         ));
         out.extend(wrap(&effect.explanation, INDENT, WIDTH));
-        body(told, effect, out);
+        body(diagnosed_log, effect, out);
     }
 }
 
 fn entry(
-    told: &Told,
+    diagnosed_log: &DiagnosedLog,
     number: usize,
     id: &str,
     before: Option<&StepRow>,
     step: &StepRow,
     out: &mut Vec<String>,
 ) {
-    let diagnosis = told.diagnosis;
+    let diagnosis = diagnosed_log.diagnosis;
     out.push(format!("  {number}. {}   {id}", name_of(diagnosis, id)));
     let row = diagnosis.candidates.iter().find(|row| row.id == id);
     match diagnosis.effects.iter().find(|effect| effect.id == id) {
         Some(effect) => {
             out.extend(wrap(&effect.explanation, INDENT, WIDTH));
-            body(told, effect, out);
+            body(diagnosed_log, effect, out);
         }
         // An effect without coefficients, as swapped axes.
         None => out.extend(row.map_or(Vec::new(), |row| wrap(&row.why, INDENT, WIDTH))),
@@ -94,8 +94,8 @@ fn entry(
     }
 }
 
-fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
-    out.extend(coefficients(told.diagnosis, effect));
+fn body(diagnosed_log: &DiagnosedLog, effect: &FittedEffect, out: &mut Vec<String>) {
+    out.extend(coefficients(diagnosed_log.diagnosis, effect));
     let mut at: Vec<String> = effect
         .parameters
         .iter()
@@ -110,7 +110,7 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
             other => format!("{other} = {}", significant(*value, 4)),
         })
         .collect();
-    let named = named(told.diagnosis, effect);
+    let named = named(diagnosed_log.diagnosis, effect);
     if let Some(named) = named.filter(|named| named.form.column) {
         at.extend(effect.reference.iter().map(|(column, value)| {
             // The reference is a value of the column, whatever becomes of it.
@@ -124,27 +124,27 @@ fn body(told: &Told, effect: &FittedEffect, out: &mut Vec<String>) {
     }
     if let Some((_, at_s)) = effect.parameters.iter().find(|(name, _)| *name == "at_s") {
         let [first, rest] = ["then", ""].map(|label| format!("{INDENT}{label:<15}"));
-        let told = at_moment(told.log, *at_s);
-        out.extend(told.iter().flat_map(|text| hang(text, &first, &rest, WIDTH)));
+        let words = at_moment(diagnosed_log.log, *at_s);
+        out.extend(words.iter().flat_map(|text| hang(text, &first, &rest, WIDTH)));
     }
-    if let Some(text) = amount(told.log, told.diagnosis.registry, effect) {
+    if let Some(text) = amount(diagnosed_log.log, diagnosed_log.diagnosis.registry, effect) {
         out.push(format!("{INDENT}{:<15}{text}", "size"));
     }
-    if let Some(text) = with_its_past(told, effect) {
+    if let Some(text) = with_its_past(diagnosed_log, effect) {
         out.push(format!("{INDENT}{:<15}{text}", "together"));
     }
     let column = effect.columns.first();
-    let earlier = told.diagnosis.effects.iter().take_while(|other| other.id != effect.id);
+    let earlier = diagnosed_log.diagnosis.effects.iter().take_while(|other| other.id != effect.id);
     // Drawn once for each column: the curves are of all effects together.
     if earlier.into_iter().all(|other| other.columns.first() != column) {
-        out.extend(before_and_after(told, effect));
+        out.extend(before_and_after(diagnosed_log, effect));
     }
 }
 
 /// What an effect and the same of its column's past come to where the column stands still: the two may undo each other. Said at the
 /// second of them.
-fn with_its_past(told: &Told, effect: &FittedEffect) -> Option<String> {
-    let diagnosis = told.diagnosis;
+fn with_its_past(diagnosed_log: &DiagnosedLog, effect: &FittedEffect) -> Option<String> {
+    let diagnosis = diagnosed_log.diagnosis;
     let own = named(diagnosis, effect)?;
     let is_other_half = |other: &&FittedEffect| {
         named(diagnosis, other).is_some_and(|other| {
@@ -158,7 +158,7 @@ fn with_its_past(told: &Told, effect: &FittedEffect) -> Option<String> {
     let other = earlier.into_iter().find(is_other_half)?;
     let both: Vec<f64> = effect.coefficients.iter().zip(&other.coefficients).map(|(a, b)| a + b).collect();
     let sum = FittedEffect { coefficients: both, ..effect.clone() };
-    let text = amount(told.log, diagnosis.registry, &sum)?;
+    let text = amount(diagnosed_log.log, diagnosis.registry, &sum)?;
     let size = text.split(" over this log").next()?;
     Some(format!("{size} after {} has settled", own.column))
 }
@@ -280,13 +280,13 @@ pub fn amount(log: &Log, registry: Registry, effect: &FittedEffect) -> Option<St
 }
 
 /// The residual against what the effect reads, before and after.
-fn before_and_after(told: &Told, effect: &FittedEffect) -> Vec<String> {
+fn before_and_after(diagnosed_log: &DiagnosedLog, effect: &FittedEffect) -> Vec<String> {
     let Some(column) = effect.columns.first() else { return Vec::new() };
-    if named(told.diagnosis, effect).is_some_and(|named| named.family.follows() == Follows::Tone) {
+    if named(diagnosed_log.diagnosis, effect).is_some_and(|named| named.family.follows() == Follows::Tone) {
         return Vec::new();
     }
-    let Some((before, after)) = place::against_column(told, column) else { return Vec::new() };
-    let (bottom, top) = limits([&before, &after].into_iter(), place::least_span(told.diagnosis));
+    let Some((before, after)) = place::against_column(diagnosed_log, column) else { return Vec::new() };
+    let (bottom, top) = limits([&before, &after].into_iter(), place::least_span(diagnosed_log.diagnosis));
     let (low, high) = axis_label(column, &before);
     let what = place::what(&before);
     let first =
@@ -303,8 +303,8 @@ fn before_and_after(told: &Told, effect: &FittedEffect) -> Vec<String> {
 }
 
 /// The falling error as bars: of the magnitude, and of the dip where that is what falls.
-pub fn falling(told: &Told, out: &mut Vec<String>) {
-    let diagnosis = told.diagnosis;
+pub fn falling(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
+    let diagnosis = diagnosed_log.diagnosis;
     let steps: Vec<&StepRow> =
         diagnosis.steps.iter().filter(|step| step.added.as_deref() != Some(AXIS_ORDER.id)).collect();
     let (Some(first), Some(last)) = (steps.first(), steps.last()) else { return };
@@ -342,10 +342,10 @@ pub fn falling(told: &Told, out: &mut Vec<String>) {
 }
 
 /// Where the axes do not stand for themselves: how they stand.
-pub fn axis_order(diagnosis: &Diagnosis) -> Option<Standing> {
+pub fn axis_order(diagnosis: &Diagnosis) -> Option<OrderStatus> {
     diagnosis
-        .standing
-        .filter(|standing| diagnosis.verdict != Verdict::Undetermined && standing.swapped().is_some())
+        .order_status
+        .filter(|order_status| diagnosis.verdict != Verdict::Undetermined && order_status.swapped().is_some())
 }
 
 /// Columns that the found effects read, and the gyro where one needs it.
@@ -366,8 +366,8 @@ pub fn columns(diagnosis: &Diagnosis) -> Vec<String> {
 }
 
 /// The dip and the heading, before and after.
-pub fn alignment(told: &Told, out: &mut Vec<String>) {
-    let diagnosis = told.diagnosis;
+pub fn alignment(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
+    let diagnosis = diagnosed_log.diagnosis;
     let nothing = diagnosis.dip.is_none() && diagnosis.heading.is_none();
     if nothing || diagnosis.verdict == Verdict::Undetermined {
         return;
@@ -396,8 +396,8 @@ pub fn alignment(told: &Told, out: &mut Vec<String>) {
         ));
     }
     // Of axes that are out of order the entry above speaks.
-    if let (None, Some(standing)) = (axis_order(diagnosis), diagnosis.standing) {
-        for words in standing.words() {
+    if let (None, Some(order_status)) = (axis_order(diagnosis), diagnosis.order_status) {
+        for words in order_status.words() {
             out.extend(wrap(&format!("({words})"), "  ", WIDTH));
         }
     }

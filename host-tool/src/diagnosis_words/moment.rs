@@ -18,7 +18,7 @@ pub(crate) fn at_moment(log: &Log, at_s: f64) -> Vec<String> {
     if at < 2 * width || at + 2 * width > log.rows {
         return Vec::new();
     }
-    let told = |column: &crate::input::Covariate| {
+    let change = |column: &crate::input::Covariate| {
         let values = &column.values;
         if values.iter().any(|value| !value.is_finite()) {
             return None;
@@ -37,7 +37,7 @@ pub(crate) fn at_moment(log: &Log, at_s: f64) -> Vec<String> {
                 Some(format!("{} has its peak of the log, {}", column.name, significant(peak, 3)))
             })
     };
-    log.covariates.iter().filter_map(told).collect()
+    log.covariates.iter().filter_map(change).collect()
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -1,8 +1,8 @@
 //! Where the base model fails: against each column, time, attitude and in the spectrum.
 
 use crate::diagnosis_words::curve::{Curve, Residuals, limits, sparkline, spectrum};
+use crate::diagnosis_words::diagnosed_log::{DiagnosedLog, WIDTH, at_rest, title};
 use crate::diagnosis_words::numbers::{field, microtesla, percent, probability, significant, unit_of, wrap};
-use crate::diagnosis_words::told::{Told, WIDTH, at_rest, title};
 use crate::field_unit::chosen;
 use crate::input::Log;
 use ironout_analysis::outcome::outcome::{Diagnosis, Verdict, Where};
@@ -27,10 +27,10 @@ fn residuals<'a>(diagnosis: &'a Diagnosis, last: bool) -> Residuals<'a> {
 }
 
 /// The residual against a column, of the base model and of the final one, in the same terms.
-pub fn against_column(told: &Told, column: &str) -> Option<(Curve, Curve)> {
-    let x = values(told.log, &told.diagnosis.traces.rows, column)?;
-    let before = residuals(told.diagnosis, false).against(&x)?;
-    let after = residuals(told.diagnosis, true).like(&x, &before)?;
+pub fn against_column(diagnosed_log: &DiagnosedLog, column: &str) -> Option<(Curve, Curve)> {
+    let x = values(diagnosed_log.log, &diagnosed_log.diagnosis.traces.rows, column)?;
+    let before = residuals(diagnosed_log.diagnosis, false).against(&x)?;
+    let after = residuals(diagnosed_log.diagnosis, true).like(&x, &before)?;
     Some((before, after))
 }
 
@@ -116,8 +116,8 @@ fn attitude(base: &Residuals, directions: &[[f64; 3]]) -> (Option<Curve>, String
     (curve, note)
 }
 
-fn rows<'a>(told: &Told<'a>) -> Vec<Row<'a>> {
-    let diagnosis = told.diagnosis;
+fn rows<'a>(diagnosed_log: &DiagnosedLog<'a>) -> Vec<Row<'a>> {
+    let diagnosis = diagnosed_log.diagnosis;
     let traces = &diagnosis.traces;
     let base = residuals(diagnosis, false);
     let row = |shown: &'a Where| {
@@ -127,7 +127,7 @@ fn rows<'a>(told: &Told<'a>) -> Vec<Row<'a>> {
                 (curve, Scale::Symmetric, note)
             }
             "spectrum" => {
-                let time = values(told.log, &traces.rows, "time");
+                let time = values(diagnosed_log.log, &traces.rows, "time");
                 match time.zip(traces.base_ut.first()).and_then(|(time, r)| spectrum(&time, r)) {
                     Some((curve, hz, amplitude)) => {
                         (Some(curve), Scale::Own, format!("{}, {hz:.1} Hz", field(amplitude)))
@@ -136,19 +136,19 @@ fn rows<'a>(told: &Told<'a>) -> Vec<Row<'a>> {
                 }
             }
             "rate of turn" => {
-                let curve = turning(told.log, &traces.rows).and_then(|x| base.spread(&x));
+                let curve = turning(diagnosed_log.log, &traces.rows).and_then(|x| base.spread(&x));
                 let top = curve.as_ref().map_or(0.0, |curve| limits(std::iter::once(curve), 1e-9).1);
                 (curve, Scale::Own, format!("rms, █ is {}", field(top)))
             }
             name => {
-                let curve = values(told.log, &traces.rows, name).and_then(|x| base.against(&x));
+                let curve = values(diagnosed_log.log, &traces.rows, name).and_then(|x| base.against(&x));
                 let note = curve.as_ref().map_or(String::new(), |curve| what(curve).to_string());
                 (curve, Scale::Common, note)
             }
         };
         Row { shown, curve, scale, note }
     };
-    let possible = |shown: &&Where| shown.against != "rate of turn" || told.log.gyro_radps.is_some();
+    let possible = |shown: &&Where| shown.against != "rate of turn" || diagnosed_log.log.gyro_radps.is_some();
     diagnosis.shows.iter().filter(possible).map(row).collect()
 }
 
@@ -169,12 +169,12 @@ fn turning(log: &Log, rows: &[usize]) -> Option<Vec<f64>> {
 const MAX_P_VALUE: f64 = 0.02;
 
 /// The table.
-pub fn failures(told: &Told, out: &mut Vec<String>) {
-    let diagnosis = told.diagnosis;
+pub fn failures(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
+    let diagnosis = diagnosed_log.diagnosis;
     if diagnosis.shows.is_empty() {
         return;
     }
-    let all = rows(told);
+    let all = rows(diagnosed_log);
     let common = |row: &&Row| row.scale == Scale::Common;
     let (bottom, top) =
         limits(all.iter().filter(common).filter_map(|row| row.curve.as_ref()), least_span(diagnosis));

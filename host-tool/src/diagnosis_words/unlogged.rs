@@ -1,8 +1,8 @@
 //! Sections about causes without a column: an offset for each recording, an offset that switches.
 
+use crate::diagnosis_words::diagnosed_log::{DiagnosedLog, WIDTH, title};
 use crate::diagnosis_words::moment::at_moment;
 use crate::diagnosis_words::numbers::{field, probability, significant, wrap};
-use crate::diagnosis_words::told::{Told, WIDTH, title};
 use crate::field_unit::{fixed, symbol};
 use ironout_analysis::evidence::wander::Wander;
 use ironout_analysis::unlogged::levels::Levels;
@@ -14,36 +14,38 @@ use ironout_analysis::unlogged::switching::Switching;
 const MOST: usize = 12;
 
 /// Whether the cause without a column is told by its times, so that it needs no words of how it wanders.
-fn is_told(told: &Told) -> bool {
-    told.diagnosis.switching.is_some() || told.diagnosis.levels.is_some()
+fn has_words(diagnosed_log: &DiagnosedLog) -> bool {
+    diagnosed_log.diagnosis.switching.is_some() || diagnosed_log.diagnosis.levels.is_some()
 }
 
 /// Both, where there are any.
-pub(crate) fn sections(told: &Told, out: &mut Vec<String>) {
-    if let Some(found) = &told.diagnosis.recordings {
+pub(crate) fn sections(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
+    if let Some(found) = &diagnosed_log.diagnosis.recordings {
         title(out, "The offset differs between the recordings");
         out.extend(recordings(found, WIDTH));
     }
-    if let Some(found) = told.diagnosis.wander.as_ref().filter(|_| !is_told(told)) {
+    if let Some(found) = diagnosed_log.diagnosis.wander.as_ref().filter(|_| !has_words(diagnosed_log)) {
         title(out, "Wandering offset without a column");
         out.extend(wander(found));
     }
-    if let Some(found) = &told.diagnosis.switching {
+    if let Some(found) = &diagnosed_log.diagnosis.switching {
         title(out, "Switching offset without a column");
         out.extend(switching(found));
     }
-    if let Some(found) = &told.diagnosis.levels {
+    if let Some(found) = &diagnosed_log.diagnosis.levels {
         title(out, "Offset with more jumps than a model has steps");
-        out.extend(jumps(told, found));
+        out.extend(jumps(diagnosed_log, found));
     }
 }
 
 /// The jumps as a table.
-fn jumps(told: &Told, found: &Levels) -> Vec<String> {
+fn jumps(diagnosed_log: &DiagnosedLog, found: &Levels) -> Vec<String> {
     let mut out = Vec::new();
     for ((at_s, change), errors) in found.at_s.iter().zip(&found.change_ut).zip(&found.std_errors_ut) {
         out.push(format!("  at {at_s:>8.2} s   change {}", vector_with_errors(*change, *errors)));
-        out.extend(at_moment(told.log, *at_s).into_iter().map(|text| format!("                   {text}")));
+        out.extend(
+            at_moment(diagnosed_log.log, *at_s).into_iter().map(|text| format!("                   {text}")),
+        );
     }
     let text = format!(
         "An offset for each stretch between the jumps reduces the error from {} to {}. Something near the sensor moves, is \

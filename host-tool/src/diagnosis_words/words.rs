@@ -1,7 +1,7 @@
 //! What `diagnose` says to people: the answer first, then the details from the noise floor to the tested effects.
 
+use crate::diagnosis_words::diagnosed_log::{DiagnosedLog, WIDTH, at_rest, counted, groups, name_of, title};
 use crate::diagnosis_words::numbers::{field, hang, microtesla, probability, wrap};
-use crate::diagnosis_words::told::{Told, WIDTH, at_rest, counted, groups, name_of, title};
 use crate::diagnosis_words::{advice, answer, found, place, unlogged};
 use crate::field_unit::symbol;
 use ironout::effect::{Named, Registry, Searched};
@@ -11,28 +11,28 @@ use ironout_analysis::outcome::outcome::{CandidateRow, Status, Verdict};
 use ironout_analysis::samples::faults::{DataFault, FaultKind};
 
 /// The answer alone: verdict, figures and next steps, at most a screen.
-pub fn brief(told: &Told) -> String {
-    let mut out = answer::answer(told);
+pub fn brief(diagnosed_log: &DiagnosedLog) -> String {
+    let mut out = answer::answer(diagnosed_log);
     out.push(String::new());
     out.push("Residual by column, coefficients and all tested effects: repeat the command with -v.".into());
     joined(&out)
 }
 
 /// The answer, then every detail.
-pub fn text(told: &Told) -> String {
-    let mut out = answer::answer(told);
+pub fn text(diagnosed_log: &DiagnosedLog) -> String {
+    let mut out = answer::answer(diagnosed_log);
     out.push(String::new());
-    heading(told, &mut out);
-    faults(told, &mut out);
-    base(told, &mut out);
-    unlogged::sections(told, &mut out);
-    place::failures(told, &mut out);
-    found::effects(told, &mut out);
-    found::falling(told, &mut out);
-    found::alignment(told, &mut out);
-    tested(told, &mut out);
-    untestable(told, &mut out);
-    confounded(told, &mut out);
+    heading(diagnosed_log, &mut out);
+    faults(diagnosed_log, &mut out);
+    base(diagnosed_log, &mut out);
+    unlogged::sections(diagnosed_log, &mut out);
+    place::failures(diagnosed_log, &mut out);
+    found::effects(diagnosed_log, &mut out);
+    found::falling(diagnosed_log, &mut out);
+    found::alignment(diagnosed_log, &mut out);
+    tested(diagnosed_log, &mut out);
+    untestable(diagnosed_log, &mut out);
+    confounded(diagnosed_log, &mut out);
     joined(&out)
 }
 
@@ -40,8 +40,8 @@ fn joined(lines: &[String]) -> String {
     lines.iter().map(|line| format!("{line}\n")).collect()
 }
 
-fn heading(told: &Told, out: &mut Vec<String>) {
-    let Told { log, diagnosis, .. } = told;
+fn heading(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
+    let DiagnosedLog { log, diagnosis, .. } = diagnosed_log;
     let seconds = log.time_s.as_ref().and_then(|t| Some(t.last()? - t.first()?));
     let over = seconds.map_or(" without a time column".to_string(), |s| format!(" over {s:.1} s"));
     out.push(format!("{}: {}{over}", log.path.display(), counted(log.rows, "row")));
@@ -80,8 +80,8 @@ fn fault_line(fault: &DataFault) -> String {
     format!("  {:<12} {when:<18} {count:<26} {columns}", fault.kind.name()).trim_end().to_string()
 }
 
-fn faults(told: &Told, out: &mut Vec<String>) {
-    let mut list: Vec<&DataFault> = told.diagnosis.data_faults.iter().collect();
+fn faults(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
+    let mut list: Vec<&DataFault> = diagnosed_log.diagnosis.data_faults.iter().collect();
     if list.is_empty() {
         return;
     }
@@ -104,8 +104,8 @@ fn faults(told: &Told, out: &mut Vec<String>) {
     }
 }
 
-fn base(told: &Told, out: &mut Vec<String>) {
-    let diagnosis = told.diagnosis;
+fn base(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
+    let diagnosis = diagnosed_log.diagnosis;
     if diagnosis.steps.is_empty() {
         return;
     }
@@ -178,8 +178,8 @@ fn base(told: &Told, out: &mut Vec<String>) {
     }
 }
 
-fn tested(told: &Told, out: &mut Vec<String>) {
-    let diagnosis = told.diagnosis;
+fn tested(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
+    let diagnosis = diagnosed_log.diagnosis;
     let (small, rest): (Vec<&CandidateRow>, Vec<&CandidateRow>) = diagnosis
         .candidates
         .iter()
@@ -255,8 +255,8 @@ fn families<'a>(registry: Registry, ids: &[&'a str]) -> Vec<(&'static str, Vec<&
     list
 }
 
-fn untestable(told: &Told, out: &mut Vec<String>) {
-    let diagnosis = told.diagnosis;
+fn untestable(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
+    let diagnosis = diagnosed_log.diagnosis;
     let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
     for row in diagnosis.candidates.iter().filter(|row| row.status == Status::Untestable) {
         if row.why.starts_with("not tested") {
@@ -278,15 +278,15 @@ fn untestable(told: &Told, out: &mut Vec<String>) {
     }
 }
 
-fn confounded(told: &Told, out: &mut Vec<String>) {
-    for group in groups(told.diagnosis) {
+fn confounded(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
+    for group in groups(diagnosed_log.diagnosis) {
         title(out, "Confounded in this log");
         for id in &group {
-            let row = told.diagnosis.candidates.iter().find(|row| row.id == *id);
+            let row = diagnosed_log.diagnosis.candidates.iter().find(|row| row.id == *id);
             let held = row
                 .and_then(|row| row.holdout_rms_ut)
                 .map_or(String::new(), |ut| format!(": held-out error {} with it alone", field(ut)));
-            let text = format!("{} ({id}){held}", name_of(told.diagnosis, id));
+            let text = format!("{} ({id}){held}", name_of(diagnosed_log.diagnosis, id));
             out.extend(hang(&text, "  - ", "    ", WIDTH));
         }
         let first = &group[0];
@@ -297,8 +297,10 @@ fn confounded(told: &Told, out: &mut Vec<String>) {
         ));
         out.push("  To separate them:".into());
         for other in &group[1..] {
-            let text =
-                format!("{first} or {other}: {}", advice::separating(told.diagnosis.registry, first, other));
+            let text = format!(
+                "{first} or {other}: {}",
+                advice::separating(diagnosed_log.diagnosis.registry, first, other)
+            );
             out.extend(hang(&text, "  - ", "    ", WIDTH));
         }
     }

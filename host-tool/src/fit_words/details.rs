@@ -141,13 +141,13 @@ fn alignment(alignment: &Alignment, out: &mut Lines) {
         Alignment::ByAll => out.line(
             "alignment    full 3×3 matrix, in the axes in which the accelerometer measures gravity while level",
         ),
-        Alignment::Done { angle_deg, before_deg, after_deg, standing } => {
+        Alignment::Done { angle_deg, before_deg, after_deg, order_status } => {
             out.line(&format!(
                 "alignment    full 3×3 matrix, in the accelerometer's axes (rotation {angle_deg:.2}°; dip spread {before_deg:.2}° → \
                  {after_deg:.2}° rms)"
             ));
             for (row, words) in
-                standing.words().iter().flat_map(|words| wrap(words, "", WIDTH - 13)).enumerate()
+                order_status.words().iter().flat_map(|words| wrap(words, "", WIDTH - 13)).enumerate()
             {
                 out.line(&format!("{:<13}{words}", if row == 0 { "axes" } else { "" }));
             }

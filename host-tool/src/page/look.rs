@@ -2,7 +2,7 @@
 
 use crate::cal_file::{CalFile, FitObject};
 use crate::cli::{DiagnoseArgs, FitArgs};
-use crate::diagnosis_words::{self, Told, amount};
+use crate::diagnosis_words::{self, DiagnosedLog, amount};
 use crate::failure::{Failure, Outcome};
 use crate::fit_words;
 use crate::input::Log;
@@ -277,11 +277,11 @@ fn diagnosed(held: &Held, asked: &LookAsked, diagnosis: &Diagnosis) -> Value {
         add: asked.add.clone(),
         prior: None,
     };
-    let told = Told { log: &held.log, arguments: &arguments, diagnosis };
+    let diagnosed_log = DiagnosedLog { log: &held.log, arguments: &arguments, diagnosis };
     let mut object = json::object(diagnosis);
     if let Some(map) = object.as_object_mut() {
         map.insert("sentence".into(), diagnosis_words::sentence(diagnosis).into());
-        map.insert("words".into(), diagnosis_words::text(&told).into());
+        map.insert("words".into(), diagnosis_words::text(&diagnosed_log).into());
         let effects = diagnosis.effects.iter().map(|effect| explained(held, effect));
         map.insert("explained".into(), effects.collect());
     }

@@ -1,7 +1,7 @@
 //! The story of a hidden effect: the board calibrates itself, is still wrong, says why, learns it and keeps it.
 //!
 //! The clock of the story is the board's own: the field moves on when the board has sampled it, and a question that the
-//! samples do not carry yet is asked again after more of them. A slow machine takes longer and tells the same.
+//! samples do not suffice for yet is asked again after more of them. A slow machine takes longer and tells the same.
 
 use crate::cli::{DemoArgs, HiddenArg};
 use crate::commands::demo::talk::{Talk, numbers};
@@ -142,7 +142,7 @@ impl Story {
         Ok(Figures { floor: NOISE_UT, before, learnt, restarted, removed, rounds, first })
     }
 
-    /// Asks what is missing and adds it; where the samples do not carry that yet, turns the board further and asks again.
+    /// Asks what is missing and adds it; if the samples do not suffice yet, turns the board further and asks again.
     fn named_and_added(&mut self, id: &str) -> Outcome<(String, usize)> {
         let mut asked = 0;
         loop {

@@ -11,7 +11,7 @@ pub const WIDTH: usize = 100;
 
 /// What the explanation is made from.
 #[derive(Clone, Copy)]
-pub struct Told<'a> {
+pub struct DiagnosedLog<'a> {
     /// The log.
     pub log: &'a Log,
     /// What the user asked for.
