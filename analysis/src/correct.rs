@@ -157,7 +157,7 @@ impl<'a> Corrector<'a> {
         let names = timed(&self.calibration);
         (!names.is_empty()).then(|| {
             format!(
-                "{} uses this log's clock: it is correct only if that is the clock of the log it was fitted to",
+                "effects of time ({}) are correct only if this log has the clock of the log they were fitted to",
                 if names.len() == 1 {
                     format!("{} goes", names[0])
                 } else {

@@ -82,6 +82,9 @@ pub struct Frame {
     /// Calibrations that the source had applied, in order of time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub removed: Vec<Removed>,
+    /// Repairs of the source's numbers before all else, as `--repair` takes them (`unsigned`).
+    #[serde(skip)]
+    pub repairs: Vec<String>,
 }
 
 impl Default for Frame {
@@ -93,6 +96,7 @@ impl Default for Frame {
             from_sensor: None,
             mounting: None,
             removed: Vec::new(),
+            repairs: Vec::new(),
         }
     }
 }
@@ -112,7 +116,10 @@ impl Frame {
 
     /// Whether numbers are microtesla in body axes already.
     pub fn is_plain(&self) -> bool {
-        self.ut_per_number == [1.0; 3] && self.from_source == IDENTITY && self.removed.is_empty()
+        self.ut_per_number == [1.0; 3]
+            && self.from_source == IDENTITY
+            && self.removed.is_empty()
+            && self.repairs.is_empty()
     }
 
     /// Rotation from the source's axes to the body's.

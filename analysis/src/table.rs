@@ -129,6 +129,11 @@ pub struct Named<'a> {
     pub not_finite: usize,
 }
 
+/// Whether all three columns of a sensor are always zero: the logger has the columns and no such sensor.
+pub fn is_silent<A: AsRef<[f64]>>(axes: &[A; 3]) -> bool {
+    axes.iter().all(|axis| axis.as_ref().iter().all(|value| *value == 0.0 || value.is_nan()))
+}
+
 impl<'a> Table<'a> {
     /// From columns named as in the log format: `mx_ut,my_ut,mz_ut` are needed, `t_s`, `ax_mps2 …`, `gx_radps …`,
     /// `mx_other_ut …`, `q_w …` and `heading_deg` are known, every other is a covariate. A missing cell is NaN.
@@ -178,8 +183,8 @@ impl<'a> Table<'a> {
             field_ut,
             other_ut,
             counts: None,
-            accel_mps2: triple(ACCEL)?,
-            gyro_radps: triple(GYRO)?,
+            accel_mps2: triple(ACCEL)?.filter(|axes| !is_silent(axes)),
+            gyro_radps: triple(GYRO)?.filter(|axes| !is_silent(axes)),
             heading_deg: find("heading_deg"),
             attitude,
             earth: None,

@@ -265,7 +265,9 @@ fn declination(text: &str) -> Result<f64, String> {
   ironout simulate -o log.csv --seed 1 --seconds 60 --rate 50
   ironout simulate -o hot.csv --seconds 120 --effect offset:temp_c=3
 
-The log contains its truth as # comments. The same seed gives the same log. The
+The log contains its truth as # comments. The same seed gives the same log.
+A column of any name can drive an effect: temp_c warms up, current_a comes in
+bursts, servo has levels, load is rough, every other one wanders slowly. The
 strength of an effect is the rms of its disturbance in multiples of the noise
 (3 if not given).")]
 pub struct SimulateArgs {

@@ -55,7 +55,7 @@ pub struct ExportArgs {
     /// The calibration
     pub cal: PathBuf,
     /// Output format
-    #[arg(long = "as", value_enum, value_name = "FORMAT")]
+    #[arg(long = "as", value_enum, ignore_case = true, value_name = "FORMAT")]
     pub form: ExportForm,
     /// Output file (default: standard output)
     #[arg(short, long, value_name = "FILE")]

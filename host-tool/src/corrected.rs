@@ -78,4 +78,29 @@ impl<'a> Corrected<'a> {
             Failure::usage(format!("row {} cannot be corrected: {error}", row + 1)).in_file(&self.log.path)
         })
     }
+
+    /// The corrected field of rows.
+    ///
+    /// # Errors
+    /// The row, and the columns that are outside the range that their effect was fitted for.
+    pub fn fields(
+        &self,
+        rows: impl IntoIterator<Item = usize>,
+        entries: &[EffectEntry],
+    ) -> Outcome<Vec<[f64; 3]>> {
+        rows.into_iter()
+            .map(|row| {
+                self.field(row).map_err(|mut failure| {
+                    let notices = self.extrapolation(entries).notices(self.calibration().base.field_ut);
+                    if !notices.is_empty() {
+                        failure.message += &format!(
+                            ". {}. Fix: calibrate with a log that contains these values",
+                            notices.join(". ")
+                        );
+                    }
+                    failure
+                })
+            })
+            .collect()
+    }
 }

@@ -6,12 +6,16 @@ use std::sync::atomic::{AtomicU8, Ordering};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum FieldUnit {
     /// Nanotesla
+    #[value(alias = "nanotesla")]
     Nt,
     /// Microtesla
+    #[value(alias = "microtesla")]
     Ut,
     /// Milligauss
+    #[value(alias = "milligauss")]
     Mg,
     /// Gauss
+    #[value(alias = "gauss")]
     G,
 }
 
@@ -69,6 +73,19 @@ pub fn fixed(value_ut: Option<f64>, decimals: usize) -> String {
         Some(value) => chosen().fixed(value, decimals),
         None => "-".to_string(),
     }
+}
+
+/// The same with its sign.
+pub fn signed(value_ut: f64, decimals: usize) -> String {
+    let number = fixed(Some(value_ut), decimals);
+    if number.starts_with('-') { number } else { format!("+{number}") }
+}
+
+/// A vector with its standard errors and its unit.
+pub fn vector_with_errors(values_ut: [f64; 3], errors_ut: [f64; 3]) -> String {
+    let [x, y, z] =
+        [0, 1, 2].map(|axis| format!("{} ±{}", signed(values_ut[axis], 2), fixed(Some(errors_ut[axis]), 2)));
+    format!("x {x}, y {y}, z {z} {}", symbol())
 }
 
 /// A unit that contains µT, in the unit in use, and the factor to it: `µT/A` as `nT/A`.

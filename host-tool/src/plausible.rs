@@ -15,6 +15,7 @@ use ironout_analysis::plausible::directions::equal_magnitudes;
 use ironout_analysis::plausible::field::{self, Evidence, FieldSize};
 use ironout_analysis::plausible::gravity::{self, OddGravity};
 use ironout_analysis::plausible::turning::{self, OddAxes, OddRate, Whose};
+use ironout_analysis::table::is_silent;
 
 /// A field may be this many times another that is known, or this part of it: gains, and another place.
 const ALIKE: f64 = 4.0;
@@ -54,6 +55,11 @@ impl Known {
 /// # Errors
 /// A magnetometer or a clock that cannot be in the unit it is read in.
 pub fn hold(log: &mut Log, arguments: &LogArgs, known: &Known) -> Outcome<()> {
+    for (what, sensor) in [("accelerometer", &mut log.accel_mps2), ("gyro", &mut log.gyro_radps)] {
+        if sensor.take_if(|axes| is_silent(axes)).is_some() {
+            log.notices.push(format!("ironout ignores the {what}: its columns are always zero"));
+        }
+    }
     let (clock, size, turning, gravity, computed, coarse) = {
         let table = Table::from(&*log);
         if let Some(magnitude) = equal_magnitudes(&table) {

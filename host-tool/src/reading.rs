@@ -112,10 +112,12 @@ impl Reading {
     /// # Errors
     /// A rotation that is none.
     pub fn frame(&self) -> Outcome<Frame> {
+        let repairs = self.repair.clone();
         if let Some(frame) = &self.frame {
-            return Ok(frame.clone());
+            return Ok(Frame { repairs, ..frame.clone() });
         }
-        let plain = Frame { ut_per_number: self.ut_per_count.unwrap_or([1.0; 3]), ..Frame::default() };
+        let plain =
+            Frame { ut_per_number: self.ut_per_count.unwrap_or([1.0; 3]), repairs, ..Frame::default() };
         Ok(match Mounting::parse(&self.rotate)?.magnetometer {
             Some(rotation) => plain.turned(&rotation),
             None => plain,

@@ -118,7 +118,7 @@ impl<C: AsRef<str>, T: Real> Effect<T> for SoftIron<C, T> {
     }
 
     fn explanation(&self) -> &'static str {
-        "Steel or ferrite near the sensor comes and goes with this column, or is magnetised more or less. \
+        "The amount of steel or ferrite near the sensor changes with this column, or its magnetisation does. \
          It bends and stretches the field by a matrix of its own."
     }
 

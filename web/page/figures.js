@@ -215,7 +215,7 @@ export class Figures {
       ["error as measured", figures.before_ut, figures.before_percent], ["error with offset and matrix", figures.without_effects_ut, share(figures.without_effects_ut)],
       ["error after correction", fit.rms_ut, figures.after_percent], ["held-out error (10-fold)", fit.holdout_rms_ut, share(fit.holdout_rms_ut)],
       ["noise floor", figures.floor_ut, figures.floor_percent], ["sensor noise per axis", fit.noise_floor_ut, share(fit.noise_floor_ut)],
-      ["expected error of a corrected vector", figures.predicted_ut, share(figures.predicted_ut)], ["field strength", fit.field_ut, null],
+      ["predicted error of a corrected vector", figures.predicted_ut, share(figures.predicted_ut)], ["field strength", fit.field_ut, null],
     ].filter(([, value]) => typeof value === "number");
     const counts = [[fit.samples_used, "samples used"], [fit.samples_set_aside, "set aside"], [figures.repeated, "repeated"], [figures.at_rest, "at rest"]];
     parts.push(table("Figures of the fit", ["", "µT", "% of the field"], rows.map(([name, value, part]) => [name, fixed(value, 3), part === null ? "" : fixed(part, 2)])),

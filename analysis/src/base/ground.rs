@@ -12,6 +12,7 @@
 
 use crate::base::counted::Counted;
 use crate::base::model::Base;
+use crate::plausible::field::EARTH_UT;
 use crate::reason::Reason;
 use crate::table::Table;
 use ironout::fit::{FitError, Method};
@@ -42,11 +43,11 @@ impl<'a> Ground<'a> {
         };
         let ground = lay(1.0);
         let own_ut = ground.base.as_ref().ok().map(|base| base.solution.measured_field_ut);
-        match own_ut.filter(|field| !IN_SCALE_UT.contains(field)) {
-            None => ground,
-            // No field of the Earth: the scale of the counts is not the true one, or --map took another unit.
-            Some(odd) => Ground { odd_field_ut: Some(odd), ..lay(TYPICAL_UT / odd) },
-        }
+        let beyond_scale = own_ut.filter(|field| !IN_SCALE_UT.contains(field));
+        // No field of the Earth: the scale of the counts is not the true one, or --map took another unit.
+        let odd_field_ut =
+            own_ut.filter(|field| field_ut.is_none() && !EARTH_UT.contains(field)).or(beyond_scale);
+        Ground { odd_field_ut, ..beyond_scale.map_or(ground, |odd| lay(TYPICAL_UT / odd)) }
     }
 
     /// What to know about the unit of the columns.

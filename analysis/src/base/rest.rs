@@ -32,17 +32,18 @@ pub fn at_rest(samples: &Samples) -> bool {
         .collect();
     let downs: Vec<[f64; 3]> = samples.readings.iter().filter_map(|reading| reading.down).collect();
     let enough = |n: usize| 2 * n > samples.len();
+    let is_line = || !goes_round(samples) || told_by_columns(samples);
     if enough(downs.len()) {
         let is_still = |turns| slow(turns) && turned_rad(samples) < RESTING_TURN_RAD;
-        return tilt(&downs) < RESTING_TILT
-            && if enough(turns.len()) {
-                is_still(turns)
-            } else {
-                !goes_round(samples) || told_by_columns(samples)
-            };
+        return tilt(&downs) < RESTING_TILT && if enough(turns.len()) { is_still(turns) } else { is_line() };
     }
     if enough(turns.len()) {
-        return slow(turns) && turned_rad(samples) < RESTING_TURN_RAD;
+        // Without a time nothing checks the unit of the gyro against the field.
+        let is_still = || match samples.time {
+            Some(_) => turned_rad(samples) < RESTING_TURN_RAD,
+            None => is_line(),
+        };
+        return slow(turns) && is_still();
     }
     told_by_columns(samples)
 }

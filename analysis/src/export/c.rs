@@ -185,7 +185,10 @@ fn extended(calibration: &Calibrated, summary: &str) -> Result<String, CannotExp
             _ => match past {
                 Past::Now => format!("the column {column}"),
                 Past::Delayed(s) if *s < 0.0 => {
-                    format!("the column {column} as it will be in {:.4} s: correct samples that late", -s)
+                    format!(
+                        "{column} as logged {:.4} s after the sample: delay the correction by that time",
+                        -s
+                    )
                 }
                 Past::Delayed(delay_s) => format!("the column {column} as it was {delay_s:.4} s ago"),
                 Past::LowPass(s) => format!(

@@ -10,8 +10,15 @@ fn words(frame: &Frame) -> Vec<String> {
         [x, y, z] if x == y && y == z => format!("units of {x:?} uT"),
         all => format!("units of {} uT", all.map(|value| format!("{value:?}")).join(", ")),
     };
-    let axes = if frame.from_source == IDENTITY { "" } else { ", in axes of their own" };
+    let axes = if frame.from_source == IDENTITY { "" } else { ", in the axes of the sensor" };
     let mut sentences = vec![format!("The numbers of the log are {scale}{axes}.")];
+    if !frame.repairs.is_empty() {
+        sentences.push(format!(
+            "ironout has repaired them (--repair {}). Repair the numbers in the same way before this conversion. For unsigned: \
+             read the registers as signed numbers.",
+            frame.repairs.join(",")
+        ));
+    }
     if let Some(last) = frame.removed.last() {
         sentences.push("Their program had applied a calibration, which ironout has removed.".into());
         if frame.removed.len() > 1 {
@@ -48,8 +55,8 @@ pub(crate) fn c(frame: &Frame, scalar: &str) -> String {
         ),
     };
     format!(
-        "/* {words}\n   Converts these numbers to the input of ironout_apply(), microtesla in the calibration's axes; not \
-         the same array. */\n\
+        "/* {words}\n   Converts these numbers to the input of ironout_apply(), microtesla in the calibration's axes. The two \
+         arrays must differ. */\n\
          static const {scalar} ironout_reading[3][3] = {{\n    {a},\n    {b},\n    {c}\n}};\n{constant}\n\
          static inline void ironout_measured_ut(const {scalar} raw[3], {scalar} measured_ut[3])\n{{\n    int i;\n\n    \
          for (i = 0; i < 3; i++) {{\n        measured_ut[i] = ironout_reading[i][0] * raw[0] + ironout_reading[i][1] * \

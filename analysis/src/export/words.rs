@@ -56,7 +56,10 @@ pub fn costs(held: &Held, cost: Option<&Cost>) -> Vec<String> {
         return match lost.is_empty() {
             true => Vec::new(),
             false => {
-                vec!["To see the cost, and to refit for this target, add --log LOG".into()]
+                vec![
+                    "To print the error of these parameters, and to refit them on the log, add --log LOG"
+                        .into(),
+                ]
             }
         };
     };
@@ -71,7 +74,10 @@ pub fn costs(held: &Held, cost: Option<&Cost>) -> Vec<String> {
         percent(cost.held_rms_ut)
     )];
     if let Some(heading) = cost.heading {
-        list.push(format!("difference of the two headings: {:.2} degrees rms", heading.between_deg));
+        list.push(format!(
+            "heading of these parameters minus that of the whole calibration: {:.2} degrees rms",
+            heading.between_deg
+        ));
         if let Some([whole, own]) = heading.errors_deg {
             list.push(format!(
                 "against heading_deg: {whole:.2} degrees rms with the whole calibration, {own:.2} degrees with these \

@@ -106,7 +106,7 @@ fn of_its_tilts(dip_spread_deg: f64, error_share: f64) -> String {
             100.0 * MAX_RESIDUAL
         )
     };
-    format!("ironout cannot calibrate for the tilts of this log either: {why}")
+    format!("the fit for limited tilts is refused too: {why}")
 }
 
 /// Why the attitude of a log that is taken in stretches is not used.
@@ -305,7 +305,7 @@ pub fn beyond(holds_for: &HoldsFor, table: &Table) -> Option<String> {
 fn too_little(shown: &str, holds_for: &HoldsFor, tilt_deg: f64, error_deg: f64, sectors: usize) -> String {
     let remedy = if sectors < ALL_ROUND {
         format!(
-            "only {sectors} of {SECTORS} sectors of heading were covered. Fix: turn a full circle to the left and one to \
+            "the log covers {sectors} of {SECTORS} heading sectors. Fix: turn a full circle to the left and one to \
              the right"
         )
     } else {
@@ -313,7 +313,7 @@ fn too_little(shown: &str, holds_for: &HoldsFor, tilt_deg: f64, error_deg: f64, 
     };
     let asked = if error_deg > 90.0 { "anything".to_string() } else { format!("{error_deg:.1}°") };
     format!(
-        "{shown}, and for tilts up to {tilt_deg:.0}° the heading error would be {asked} (1σ; {} at most): {}. Fix: \
+        "{shown}, and for tilts up to {tilt_deg:.0}° the heading error would be {asked} (1σ; limit {}): {}. Fix: \
          {remedy}, or use a calibration made on the bench with --prior bench.json --free offset",
         format_args!("{MAX_HEADING_ERROR_DEG}°"),
         holds_for.words()

@@ -1,7 +1,6 @@
 //! A diagnosis that the fit bears out: where it says that nothing is missing, or what is, `fit` with that accepts.
 
 use crate::base::ground::Ground;
-use crate::base::mounting;
 use crate::fit::fitted::Fitted;
 use crate::fit::run::of_ground;
 use crate::fit::{ids, pair, recordings};
@@ -144,15 +143,7 @@ struct Why {
 fn refused(ground: &Ground, options: &Options, diagnosis: &Diagnosis) -> Option<Why> {
     // Of a resting board, of a sensor that is taken as calibrated, and before the axes are in order there is none.
     let leads = diagnosis.calibration.is_some() && !ground.counted.rests && diagnosis.axis_order().is_none();
-    let found = diagnosis.steps.iter().filter_map(|step| step.added.clone());
-    // What was asked for and is not shown is not led to.
-    let mut add = options.add.clone();
-    add.retain(|id| !diagnosis.is_not_needed(id));
-    for id in found.filter(|id| !mounting::is_one(id)) {
-        if !add.contains(&id) {
-            add.push(id);
-        }
-    }
+    let (add, _) = diagnosis.to_add(&options.add);
     let claims = matches!(diagnosis.verdict, Verdict::Complete | Verdict::Missing);
     if !leads || !(claims || !add.is_empty() && diagnosis.verdict == Verdict::Unexplained) {
         return None;

@@ -31,6 +31,9 @@ use std::collections::BTreeMap;
 const ALL_ROUND: f32 = 0.9;
 const ALL_ROUND_GAP_DEG: f32 = 40.0;
 
+/// Up to this ratio to the floor of the noise, an error is the noise itself.
+const MAX_RATIO_OF_NOISE: f64 = 1.2;
+
 /// The outcome of a fit.
 #[derive(Debug, Clone, Serialize)]
 pub struct Fitted {
@@ -158,6 +161,11 @@ impl Fitted {
         self
     }
 
+    /// Whether the error of a solution is that of the sensor's noise.
+    fn is_noise(&self, solution: &Solution) -> bool {
+        self.residual_floor_ut.is_some_and(|floor| solution.rms_ut < MAX_RATIO_OF_NOISE * floor)
+    }
+
     fn refuse(&mut self, error: FitError) {
         self.reasons = Verdict::of_error(error).reasons.iter().map(of_core).collect();
     }
@@ -213,7 +221,7 @@ impl Fitted {
                 quality::Reason::ErrorTooLarge { .. } if !all_round => {
                     let start_down = counted.samples.readings.iter().find_map(|reading| reading.down);
                     let words = format!(
-                        "The predicted error of the corrected vector is {vector_percent:.1} % of the field (limit {:.0} %). \
+                        "The predicted error of the corrected vector is {vector_percent:.2} % of the field (limit {:.0} %). \
                          Fix: {}",
                         100.0 * MAX_PREDICTED_ERROR,
                         where_to_turn(coverage.gap_direction, start_down, self.dip_deg)
@@ -222,6 +230,9 @@ impl Fitted {
                 }
                 quality::Reason::ErrorTooLarge { .. } => {
                     Reason::new("log-too-short", of_a_short_log(vector_percent))
+                }
+                quality::Reason::ResidualTooLarge { percent } if self.is_noise(&solution) => {
+                    Reason::new("residual-too-large", of_noise(*percent))
                 }
                 other => of_core(other),
             })
@@ -304,6 +315,15 @@ fn of_core(reason: &quality::Reason) -> Reason {
     Reason::new(reason.code(), reason.to_string())
 }
 
+/// The reason where the residual is too large because of the noise of the sensor.
+fn of_noise(percent: f64) -> String {
+    format!(
+        "the residual is {percent:.1} % of the field (limit {:.0} %), and nearly all of it is sensor noise. Fix: average several \
+         readings, or choose a lower bandwidth of the sensor",
+        100.0 * quality::MAX_RESIDUAL
+    )
+}
+
 /// The reason where the gyro turns otherwise than the field; both figures are over the field.
 fn of_another_field(across: f64, along: f64) -> String {
     format!(
@@ -328,7 +348,7 @@ fn of_unseen_time(percent: f64, adds: bool) -> String {
 /// The reason where the board was turned all round: more directions are not a remedy.
 fn of_a_short_log(percent: f64) -> String {
     format!(
-        "The predicted error of the corrected vector is {percent:.1} % of the field (limit {:.0} %), although the \
+        "The predicted error of the corrected vector is {percent:.2} % of the field (limit {:.0} %), although the \
          log covers nearly all directions: the remaining error is too large for a log of this length. Fix: run ironout \
          diagnose to find the cause, or record longer",
         100.0 * MAX_PREDICTED_ERROR

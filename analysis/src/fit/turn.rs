@@ -28,7 +28,7 @@ pub(crate) fn where_to_turn(gap: [f32; 3], start_down: Option<[f64; 3]>, dip_deg
     let how = match (dip_deg, upright) {
         (None, _) => {
             format!(
-                "point {side} along the field: steeply down in the northern hemisphere, steeply up in the southern"
+                "point {side} along the field (steeply down in the northern hemisphere, steeply up in the southern)"
             )
         }
         (Some(dip_deg), _) if dip_deg.abs() < LEVEL_DEG => format!("point {side} north, then south"),

@@ -33,7 +33,7 @@ pub(crate) fn advised(ground: &Ground, options: &Options, mut fitted: Fitted) ->
             format!(
                 "this log does not contain all orientations (tilts up to {tilt_deg:.0}°). Fix: if the sensor is in a vehicle that \
                  cannot be turned over, keep a calibration made on the bench (--prior bench.json --free offset) or the autopilot's own \
-                 (--prior-from parameters). ironout diagnose says what disturbs the compass"
+                 (--prior-from parameters)"
             ),
         ),
     );

@@ -9,10 +9,8 @@ use crate::search::candidates::Catalogue;
 use crate::search::screen::test;
 use crate::search::state::Fitter;
 use crate::similar;
+use ironout::extended::MAX_EFFECTS;
 use ironout::study::Model;
-
-/// The most effects that `--add` may name, as many as a calibration carries.
-pub(crate) const MOST_ADDED: usize = 4;
 
 /// What the likelihood says of these effects beside a model: where what is searched of each lies, their coefficients, and offset and matrix
 /// beside them.
@@ -75,8 +73,8 @@ pub(crate) fn asked_for<'a>(
             ids.push(id);
         }
     }
-    if let Some(more) = ids.get(MOST_ADDED) {
-        return Err(Refusal::cannot_add(more, format!("a calibration stores at most {MOST_ADDED} effects")));
+    if let Some(more) = ids.get(MAX_EFFECTS) {
+        return Err(Refusal::cannot_add(more, format!("a calibration stores at most {MAX_EFFECTS} effects")));
     }
     // Which of the two a coupling is shows only beside the others.
     let (couplings, others): (Vec<&String>, Vec<&String>) =

@@ -4,7 +4,7 @@ use crate::base::engine::Design;
 use crate::base::prior::Prior;
 use crate::base::quality::{covariance, residue};
 use crate::base::start;
-use crate::outcome::asked::{MOST_ADDED, placed_at};
+use crate::outcome::asked::placed_at;
 use crate::outcome::blank::undetermined;
 use crate::outcome::outcome::{Diagnosis, NoiseRow, Status, Verdict};
 use crate::outcome::request::{Options, Refusal};
@@ -18,6 +18,7 @@ use crate::search::candidates::Catalogue;
 use crate::search::state::Fitter;
 use crate::table::Table;
 use ironout::effect::Follows;
+use ironout::extended::MAX_EFFECTS;
 use ironout::study::{Model, Residual};
 
 /// A board at rest: the vector itself is the residual.
@@ -32,7 +33,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             table,
             samples,
             options.registry,
-            Reason::new("at-rest", "the sensor did not move, and no column changes"),
+            Reason::new("at-rest", "the sensor was at rest for most of the log, and no column changes"),
         )
     };
     if catalogue.usable_columns().next().is_none() {
@@ -42,8 +43,8 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
         return Ok(nothing());
     };
     let fitter = Fitter::new(design, &catalogue, &known);
-    if let Some(more) = options.add.get(MOST_ADDED) {
-        return Err(Refusal::cannot_add(more, format!("a calibration stores at most {MOST_ADDED} effects")));
+    if let Some(more) = options.add.get(MAX_EFFECTS) {
+        return Err(Refusal::cannot_add(more, format!("a calibration stores at most {MAX_EFFECTS} effects")));
     }
     let asked: Vec<&String> = options.add.iter().collect();
     let start = match asked.is_empty() {
@@ -77,8 +78,10 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             describe(term, errors)
         })
         .collect();
-    let mut reasons =
-        vec![Reason::new("at-rest", "The sensor did not move, so this log alone cannot be calibrated")];
+    let mut reasons = vec![Reason::new(
+        "at-rest",
+        "The sensor was at rest for most of the log, so this log alone cannot be calibrated",
+    )];
     let verdict = if left.structure > 0.0 {
         reasons.push(Reason::new(
             "unexplained-variance",
@@ -121,7 +124,7 @@ pub(crate) fn at_rest(table: &Table, samples: &Samples, options: &Options) -> Re
             row.residual = Residual::Vector.name();
         }
         if row.status == Status::Untestable && turning(&row.id) {
-            row.why = "the board rests".into();
+            row.why = "the sensor did not turn".into();
         }
     }
     Ok(Diagnosis {

@@ -100,7 +100,10 @@ impl Contradiction {
                 "has ignored the earlier calibration and fitted this log alone",
             ),
         };
-        format!("this log contradicts the earlier calibration ({:.0} σ): {what}. ironout {done}", self.sigmas)
+        format!(
+            "This log contradicts the earlier calibration ({:.0} standard errors): {what}. ironout {done}",
+            self.sigmas
+        )
     }
 }
 

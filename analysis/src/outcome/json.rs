@@ -161,6 +161,9 @@ pub fn object(diagnosis: &Diagnosis) -> Value {
         if let Some(levels) = &diagnosis.levels {
             map.insert("levels".into(), json!(levels));
         }
+        if let Some(wander) = &diagnosis.wander {
+            map.insert("wander".into(), json!(wander));
+        }
         if let Some(pair) = &diagnosis.pair {
             map.insert("pair".into(), json!(pair));
         }

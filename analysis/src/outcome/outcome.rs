@@ -2,7 +2,7 @@
 
 use crate::base::axes::Alignment;
 use crate::base::model::Base;
-use crate::base::mounting::OrderStatus;
+use crate::base::mounting::{self, OrderStatus};
 use crate::base::order::AxisOrder;
 use crate::base::quality::NoiseEstimate;
 use crate::calibration::{FittedEffect, Information, StdErrors};
@@ -20,6 +20,7 @@ use crate::unlogged::recordings::Recordings;
 use crate::unlogged::switching::Switching;
 use ironout::calibration::Calibration;
 use ironout::effect::Registry;
+use ironout::extended::MAX_EFFECTS;
 use ironout::study::Residual;
 use serde::Serialize;
 
@@ -309,6 +310,20 @@ impl Diagnosis {
     /// image, the mounting.
     pub fn axis_order(&self) -> Option<AxisOrder> {
         self.order_status.and_then(|order_status| order_status.swapped())
+    }
+
+    /// The effects for a fit: those that were asked for and are significant, then those of the steps, and those that are one too many
+    /// for a calibration. A rotation or an order of the axes belongs to every fit, and is not among them.
+    pub fn to_add(&self, asked: &[String]) -> (Vec<String>, Vec<String>) {
+        let mut ids: Vec<String> = Vec::new();
+        let found = self.steps.iter().filter_map(|step| step.added.as_ref());
+        for id in asked.iter().filter(|id| !self.is_not_needed(id)).chain(found) {
+            if !ids.contains(id) && !mounting::is_one(id) {
+                ids.push(id.clone());
+            }
+        }
+        let left_out = ids.split_off(ids.len().min(MAX_EFFECTS));
+        (ids, left_out)
     }
 
     /// Whether an effect was tested and is not needed.

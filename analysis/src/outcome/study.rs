@@ -181,7 +181,7 @@ fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagn
                  driver rarely reads it",
                 table.rows()
             ),
-            0 => format!("fewer than {FEWEST} different samples"),
+            0 => format!("the log has {few} different samples; at least {FEWEST} are necessary"),
             rest => format!(
                 "The sensor hardly moved ({few} samples of motion, {rest} at rest). Record again while rotating \
                  it"
@@ -288,7 +288,7 @@ fn level(
         "tilted-too-little",
         format!(
             "The sensor was tilted by only {tilt_deg:.0}° (rms), so offset and matrix cannot be found. Record again with large \
-         tilts, or use --prior CAL.json. For a vehicle, ironout fit can calibrate for the tilts in the log"
+         tilts, or use --prior CAL.json. For a vehicle, ironout fit tries to calibrate for the tilts in the log"
         ),
     );
     if let Some(mut lower) = as_logged(table, samples, options)?.filter(|lower| is_told(lower, options)) {

@@ -256,7 +256,7 @@ impl<'a> View<'_, 'a> {
             Some(error) => reasons.push(Reason::new("too-few-orientations", format!(
                 "The log does not determine offset and matrix: the predicted error is {:.*} % of the field in the worst \
                  direction (1σ; limit {:.0} %). Record longer and in more orientations. For a vehicle, ironout fit \
-                 can calibrate for the tilts in the log",
+                 tries to calibrate for the tilts in the log",
                 usize::from(error < 1.05 * MAX_PREDICTED_ERROR) + 1,
                 100.0 * error,
                 100.0 * MAX_PREDICTED_ERROR

@@ -74,11 +74,11 @@ fn no_cause(copy: &FieldCopy) -> NoCause {
     let what = match (copy.of, copy.filtered) {
         (CopyOf::Field, false) => format!("a copy of the field, which explains {percent} % of it"),
         (CopyOf::Field, true) => {
-            format!("a filtered or late copy of the field, whose past explains {percent} % of it")
+            format!("a filtered or delayed copy of the field (R² {percent} %)")
         }
         (CopyOf::Magnitude, false) => format!("the magnitude of the field, which explains {percent} % of it"),
         (CopyOf::Magnitude, true) => {
-            format!("a filtered or late magnitude of the field, whose past explains {percent} % of it")
+            format!("a filtered or delayed copy of the field's magnitude (R² {percent} %)")
         }
     };
     NoCause { covariate: copy.covariate, what }

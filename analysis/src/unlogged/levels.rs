@@ -5,8 +5,8 @@
 
 use crate::bounds::MIN_ODDS;
 use crate::unlogged::linear::{BASE, Normal, Row};
-use crate::unlogged::recordings::{Recordings, eliminated, offsets};
-use crate::unlogged::switching::{autoregressive, thinned, wandered};
+use crate::unlogged::recordings::{eliminated, offsets};
+use crate::unlogged::switching::{thinned, wandered, with_offsets};
 use serde::Serialize;
 
 /// Jumps at most.
@@ -195,8 +195,9 @@ pub fn levels(
     let largest = list.windows(2).map(|pair| minus(pair[1].offset_change_ut, pair[0].offset_change_ut));
     let largest = largest.max_by(|a, b| dot(*a, *a).total_cmp(&dot(*b, *b)))?;
     let along = matrix.each_ref().map(|row| dot(*row, largest));
-    let own = autoregressive(&residuals(&parts, &found, matrix, field_ut)) + price * cuts.len() as f64;
-    if wandered(&rows, &time_s, along)? - own < MIN_ODDS {
+    let stretch = |sample: usize| [(bounds.partition_point(|bound| *bound <= sample), 1.0), (0, 0.0)];
+    let own = with_offsets(&corrected_ut, field_ut, bounds.len(), stretch)? + price * cuts.len() as f64;
+    if wandered(&corrected_ut, field_ut, &time_s, along)? - own < MIN_ODDS {
         return None;
     }
     let pairs = || list.windows(2).map(|pair| (&pair[0], &pair[1]));
@@ -241,20 +242,6 @@ fn prune(
         }
         (*cuts, left) = (fewer, squares);
     }
-}
-
-/// What is left of the magnitude with the offset of each stretch, in the size that the fit of all leaves, µT.
-fn residuals(parts: &[Vec<[f64; 3]>], found: &Recordings, matrix: &[[f64; 3]; 3], field_ut: f64) -> Vec<f64> {
-    let mut list = Vec::new();
-    for (part, own) in parts.iter().zip(&found.recordings) {
-        let offset = matrix.each_ref().map(|row| dot(*row, own.offset_change_ut));
-        list.extend(part.iter().map(|h| {
-            let h = minus(*h, offset);
-            dot(h, h).sqrt() - field_ut
-        }));
-    }
-    let rms_ut = (list.iter().map(|value| value * value).sum::<f64>() / list.len().max(1) as f64).sqrt();
-    list.iter().map(|value| value * found.rms_ut / rms_ut.max(f64::MIN_POSITIVE)).collect()
 }
 
 fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

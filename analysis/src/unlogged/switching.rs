@@ -7,7 +7,7 @@
 
 use crate::bounds::MIN_ODDS;
 use crate::unlogged::linear::{BASE, Normal, Row, base_columns, memory, one_and};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use serde::Serialize;
 
 /// Base, and the vector.
@@ -22,6 +22,10 @@ const MOST_BLOCKS: usize = 3000;
 const SIZES: [f64; 3] = [1.0, 2.0, 4.0];
 /// Fewer changes are steps, which have a name of their own.
 const FEWEST_CHANGES: usize = 2;
+/// Gauss–Newton steps to offsets that are linear in the samples' shares.
+const STEPS: usize = 3;
+/// Knots of an offset that changes steadily: up to twice as many as there can be jumps.
+const KNOTS: [usize; 4] = [2, 4, 8, 16];
 /// A state that lasts for fewer samples than this in the mean is a spike.
 const FEWEST_SAMPLES: f64 = 3.0;
 
@@ -110,7 +114,7 @@ pub fn switching(
         (corrected_ut.iter().zip(&fit.states)).map(|(h, on)| fit.point.left(*h, *on, field_ut)).collect();
     // Noise with a memory of one sample, as the rival's has a state.
     let own = autoregressive(&left) + (3.0 + 2.0 * changes as f64) * n.ln();
-    let odds = wandered(&rows, time_s, fit.point.vector)? - own;
+    let odds = wandered(corrected_ut, field_ut, time_s, fit.point.vector)? - own;
     if odds < MIN_ODDS {
         return None;
     }
@@ -137,11 +141,70 @@ pub fn switching(
     })
 }
 
-/// −2 ln L of an offset that wanders, in all axes or along a vector.
-pub(super) fn wandered(rows: &[Row], time_s: &[f64], vector: [f64; 3]) -> Option<f64> {
-    let (base, _) = plain(rows)?;
+/// −2 ln L of an offset that wanders, in all axes or along a vector, or that changes steadily.
+pub(super) fn wandered(
+    corrected_ut: &[[f64; 3]],
+    field_ut: f64,
+    time_s: &[f64],
+    vector: [f64; 3],
+) -> Option<f64> {
+    let rows: Vec<Row> = corrected_ut.iter().filter_map(|h| Row::of(*h, field_ut)).collect();
+    let (base, _) = plain(&rows)?;
     let free: Vec<f64> = rows.iter().map(|row| after_base(row, &base)).collect();
-    Some(wandering(rows, time_s, &free, Some(vector)).min(wandering(rows, time_s, &free, None)))
+    let rough = wandering(&rows, time_s, &free, Some(vector)).min(wandering(&rows, time_s, &free, None));
+    let steady = KNOTS.into_iter().filter_map(|knots| steady(corrected_ut, field_ut, time_s, knots));
+    Some(steady.fold(rough, f64::min))
+}
+
+/// −2 ln L, its parameters paid for, of an offset that is linear in time between knots, as that of a part that warms.
+fn steady(corrected_ut: &[[f64; 3]], field_ut: f64, time_s: &[f64], knots: usize) -> Option<f64> {
+    let (first, last) = (*time_s.first()?, *time_s.last()?);
+    let left = with_offsets(corrected_ut, field_ut, knots, |sample| {
+        let place = (time_s[sample] - first) / (last - first) * knots as f64;
+        let knot = (place.floor() as usize).min(knots - 1);
+        let share = place - knot as f64;
+        [(knot, 1.0 - share), (knot + 1, share)]
+    })?;
+    Some(left + 3.0 * knots as f64 * (corrected_ut.len() as f64).ln())
+}
+
+/// −2 ln L of the log with one matrix and `offsets` further offsets, of which each sample has these two shares. Number 0 is the offset
+/// of the base.
+pub(super) fn with_offsets(
+    corrected_ut: &[[f64; 3]],
+    field_ut: f64,
+    offsets: usize,
+    shares: impl Fn(usize) -> [(usize, f64); 2],
+) -> Option<f64> {
+    let width = BASE + 3 * offsets;
+    let mut moved = corrected_ut.to_vec();
+    for _ in 0..STEPS {
+        let (mut normal, mut right) = (DMatrix::<f64>::zeros(width, width), DVector::<f64>::zeros(width));
+        for (sample, h) in moved.iter().enumerate() {
+            let row = Row::of(*h, field_ut)?;
+            let mut columns: Vec<(usize, f64)> = row.base.iter().copied().enumerate().collect();
+            for (number, share) in shares(sample).into_iter().filter(|(number, _)| *number > 0) {
+                let own = |axis: usize| (BASE + 3 * (number - 1) + axis, -row.direction[axis] * share);
+                columns.extend([0, 1, 2].map(own));
+            }
+            for (j, a) in &columns {
+                columns.iter().for_each(|(k, b)| normal[(*j, *k)] += a * b);
+                right[*j] -= a * row.residual_ut;
+            }
+        }
+        let step = normal.cholesky()?.solve(&right);
+        let change = one_and(std::array::from_fn(|entry| step[3 + entry]));
+        for (sample, h) in moved.iter_mut().enumerate() {
+            let turned = change * SVector::from(*h);
+            *h = std::array::from_fn(|axis| {
+                let own = shares(sample).into_iter().filter(|(number, _)| *number > 0);
+                let own: f64 = own.map(|(number, share)| share * step[BASE + 3 * (number - 1) + axis]).sum();
+                turned[axis] - step[axis] - own
+            });
+        }
+    }
+    let left: Vec<f64> = moved.iter().map(|h| dot(*h, *h).sqrt() - field_ut).collect();
+    Some(autoregressive(&left)).filter(|score| score.is_finite())
 }
 
 /// Every so many of a series, so that there are few enough.

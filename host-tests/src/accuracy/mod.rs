@@ -2,6 +2,7 @@
 //! lets through or turns away, side by side with the crate `magcal` on the same counts.
 
 pub mod attitude;
+pub mod beyond;
 pub mod bound;
 pub mod correlated;
 pub mod dip_table;

@@ -80,7 +80,7 @@ fn linear_error(
 }
 
 /// The rotation that turns the first vectors best onto the second (Kabsch 1976).
-fn best_rotation(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> Option<Matrix3<f64>> {
+pub fn best_rotation(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> Option<Matrix3<f64>> {
     let products: Matrix3<f64> = pairs.iter().map(|(own, truth)| truth * own.transpose()).sum();
     let svd = products.svd(true, true);
     let (u, v_t) = (svd.u?, svd.v_t?);

@@ -4,9 +4,10 @@
 //! from seeds that nothing was tuned on; `--seeds-from K` leaves out the first K seeds. `--from K` begins at the K-th log, `--every N`
 //! takes each N-th, `--only S` sets whose name contains S, `--log S` one log, `--rows` prints each log, `--csv` the
 //! columns of the first one. `--count` counts lines and
-//! constants. `--beyond N` tries N causes outside of the catalogue, after those that `--seeds-from` leaves out. `--false-alarms N` simulates N logs without effects in white noise and counts those in which somebody is named.
+//! constants. `--beyond N` tries N causes beyond plain columns of each generator, after those that `--seeds-from` leaves out (put `--only own` or `--only second` before it for one of them). `--false-alarms N` simulates N logs without effects in white noise and counts those in which somebody is named.
 
-use ironout_analysis::{Options, Table, diagnose};
+use ironout_analysis::{Options, diagnose};
+use ironout_host_tests::accuracy::beyond;
 use ironout_host_tests::accuracy::simulated::table_of;
 use ironout_host_tests::frozen::compare::merit;
 use ironout_host_tests::frozen::entry::Entry;
@@ -81,6 +82,10 @@ fn false_alarms(logs: u64) {
                 ("mode".into(), Decoy::Mode),
                 ("switch".into(), Decoy::Switch),
                 ("battery_v".into(), Decoy::Battery),
+                ("humidity".into(), Decoy::Walk),
+                ("satellites".into(), Decoy::Mode),
+                ("charger".into(), Decoy::Switch),
+                ("board_c".into(), Decoy::Alike { column: "temp_c".into(), correlation: 0.98 }),
             ],
             ..WorldOptions::default()
         })
@@ -91,49 +96,6 @@ fn false_alarms(logs: u64) {
     });
     let count = made.filter(|named| *named).count() as u64;
     println!("somebody named in white noise without effects: {}", Rate { count, of: logs });
-}
-
-/// Words by which the second generator tells its causes outside of the catalogue.
-const BEYOND: [&str; 9] =
-    ["low-pass", "product", "power", "saturation", "gain", "unlogged", "steps", "motor", "logged"];
-
-/// What a diagnosis makes of `logs` causes outside of the catalogue behind the first `seeds`, kind by kind.
-fn beyond(seeds: u64, logs: u64) {
-    /// The first number, which no other table has.
-    const FROM: u64 = 9000;
-    let mut rows: BTreeMap<&str, [u64; 4]> = BTreeMap::new();
-    for number in FROM + seeds..FROM + seeds + logs {
-        let drawn = second_generator::draw(second_generator::Kind::Beyond, number);
-        let Some(hidden) = drawn.truth.hidden.first() else { continue };
-        let columns = drawn.columns.iter().map(|(name, values)| (name.as_str(), values.as_slice()));
-        let Ok(table) = Table::from_columns(columns) else { continue };
-        let options = Options { search: true, ..Options::default() };
-        let Ok(found) = diagnose(&table, &options) else { continue };
-        let kind = BEYOND.iter().find(|word| hidden.words.contains(**word)).copied().unwrap_or("other");
-        let is_own = |id: &str| match options.registry.parse(id).filter(|named| named.form.column) {
-            Some(named) => named.columns().all(|name| hidden.columns.iter().any(|own| own == name)),
-            None => hidden.columns.is_empty(),
-        };
-        let named: Vec<&str> = found.steps.iter().filter_map(|step| step.added.as_deref()).collect();
-        let beyond_noise = |rms_ut: f64| (rms_ut.powi(2) - drawn.truth.noise_ut.powi(2)).max(0.0);
-        let levels = found.levels.as_ref().map(|levels| levels.rms_ut);
-        let levels = levels.or(found.switching.as_ref().map(|switching| switching.rms_ut));
-        let last = levels.or(found.steps.last().map(|step| step.rms_ut)).unwrap_or(f64::NAN);
-        let first = found.steps.first().map_or(f64::NAN, |step| step.rms_ut);
-        let row = rows.entry(kind).or_default();
-        row[0] += 1;
-        row[1] += u64::from(named.first().is_some_and(|id| is_own(id)));
-        row[2] += u64::from(beyond_noise(last) < 0.1 * beyond_noise(first));
-        row[3] += u64::from(named.iter().any(|id| !is_own(id)));
-    }
-    println!(
-        "{:<12}{:>4}  {:<30}{:<38}another named",
-        "cause", "n", "its own column named first", "a tenth of its squares left, or less"
-    );
-    for (kind, [n, first, left, other]) in rows {
-        let rate = |count| Rate { count, of: n }.to_string();
-        println!("{kind:<12}{n:>4}  {:<30}{:<38}{}", rate(first), rate(left), rate(other));
-    }
 }
 
 /// Root mean square, and how many.
@@ -238,7 +200,7 @@ fn command(words: impl Iterator<Item = String>) -> Result<(), Box<dyn std::error
                 return Ok(());
             }
             "--beyond" => {
-                beyond(seeds, value()?.parse()?);
+                beyond::print(seeds, value()?.parse()?, &only);
                 return Ok(());
             }
             "--false-alarms" => {

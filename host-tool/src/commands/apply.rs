@@ -4,6 +4,7 @@ use crate::cal_file::CalFile;
 use crate::cli::ApplyArgs;
 use crate::corrected::Corrected;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Failure, Outcome};
+use crate::field_unit::{fixed, symbol};
 use crate::input::{Lines, Log};
 use crate::output::{json_number, line};
 use crate::{atomic, output, progress::Progress, read_block, source, written};
@@ -59,20 +60,21 @@ fn one(
 ) -> Outcome<serde_json::Value> {
     let table = Table::from(log);
     let corrector = Corrected::new(calibration, cal.fitted_to.as_deref(), log, &table)?;
+    let entries = &cal.fit.effects;
     if let Some(output) = &arguments.output {
+        let fields = corrector.fields(0..log.rows, entries)?;
         // The program's own file keeps its lines and comments; another program's is written again.
         if log.read_as.own_csv && log.path != Path::new("-") {
-            write(log, &corrector, output)?;
+            write(log, &corrector, &fields, output)?;
         } else {
-            write_anew(arguments, log, &corrector, output)?;
+            write_anew(arguments, log, &corrector, &fields, output)?;
         }
     }
     let samples = log.samples();
     let (mean, before) = spread_of_magnitude(samples.iter().map(|&row| norm(log.field(row))));
-    let residuals = samples
-        .iter()
-        .map(|&row| corrector.field(row).map(|field| corrector.residual_ut(row, field)))
-        .collect::<Outcome<Vec<f64>>>()?;
+    let fields = corrector.fields(samples.iter().copied(), entries)?;
+    let residuals: Vec<f64> =
+        samples.iter().zip(fields).map(|(&row, field)| corrector.residual_ut(row, field)).collect();
     let after = (residuals.iter().map(|r| r * r).sum::<f64>() / samples.len() as f64).sqrt();
     let worst = residuals.iter().map(|r| r.abs()).fold(0.0, f64::max);
     let field = calibration.base.field_ut;
@@ -95,18 +97,25 @@ fn one(
     if json {
         return Ok(object);
     }
-    line(&format!("{}: {} samples, corrected to {field:.3} µT", log.path.display(), samples.len()));
+    let unit = symbol();
+    let ut = |value: f64, decimals: usize| fixed(Some(value), decimals);
+    line(&format!("{}: {} samples, corrected to {} {unit}", log.path.display(), samples.len(), ut(field, 3)));
     if !cal.fit.effects.is_empty() {
         let names: Vec<&str> = cal.fit.effects.iter().map(|effect| effect.id.as_str()).collect();
         line(&format!("with the effects {}", names.join(", ")));
     }
     line(&format!(
-        "error before  {before:9.3} µT  {:6.2} %   measured magnitude, about its mean of {mean:.1} µT",
-        before_share * 100.0
+        "error before  {:>9} {unit}  {:6.2} %   measured magnitude, about its mean of {} {unit}",
+        ut(before, 3),
+        before_share * 100.0,
+        ut(mean, 1)
     ));
     line(&format!(
-        "error after   {after:9.3} µT  {:6.2} %   of the corrected magnitude about {field:.1} µT; worst {worst:.2} µT",
-        after_share * 100.0
+        "error after   {:>9} {unit}  {:6.2} %   of the corrected magnitude about {} {unit}; worst {} {unit}",
+        ut(after, 3),
+        after_share * 100.0,
+        ut(field, 1),
+        ut(worst, 2)
     ));
     if worse {
         line(&format!(
@@ -128,7 +137,13 @@ fn one(
 }
 
 /// Writes the log as the program's own CSV with the corrected columns.
-fn write_anew(arguments: &ApplyArgs, log: &Log, corrector: &Corrected, output: &Path) -> Outcome<()> {
+fn write_anew(
+    arguments: &ApplyArgs,
+    log: &Log,
+    corrector: &Corrected,
+    fields: &[[f64; 3]],
+    output: &Path,
+) -> Outcome<()> {
     atomic::not_over(&log.path, output)?;
     let columns = written::columns(log, false);
     if let Some(name) = NEW_COLUMNS.iter().find(|name| columns.iter().any(|(known, _)| known == *name)) {
@@ -144,9 +159,8 @@ fn write_anew(arguments: &ApplyArgs, log: &Log, corrector: &Corrected, output: &
         }
         let names: Vec<String> = columns.iter().map(|(name, _)| written::cell(name)).collect();
         writeln!(out, "{},{}", names.join(","), NEW_COLUMNS.join(","))?;
-        for row in 0..log.rows {
+        for (row, &corrected) in fields.iter().enumerate() {
             written::line(out, &columns, row)?;
-            let corrected = corrector.field(row).map_err(std::io::Error::other)?;
             let [x, y, z] = corrected;
             let residual = corrector.residual_ut(row, corrected);
             writeln!(out, ",{x:.5},{y:.5},{z:.5},{:.5},{residual:.5}", norm(corrected))?;
@@ -156,7 +170,7 @@ fn write_anew(arguments: &ApplyArgs, log: &Log, corrector: &Corrected, output: &
 }
 
 /// Copies the log line by line, comments too, and adds the corrected columns to each.
-fn write(log: &Log, corrector: &Corrected, output: &Path) -> Outcome<()> {
+fn write(log: &Log, corrector: &Corrected, fields: &[[f64; 3]], output: &Path) -> Outcome<()> {
     atomic::not_over(&log.path, output)?;
     let file = std::fs::File::open(&log.path).map_err(|error| Failure::io("open", &log.path, &error))?;
     let mut lines = Lines::new(file);
@@ -183,12 +197,11 @@ fn write(log: &Log, corrector: &Corrected, output: &Path) -> Outcome<()> {
                     row = Some(0);
                 }
                 Some(at) => {
-                    if at >= log.rows {
+                    let Some(&corrected) = fields.get(at) else {
                         return Err(std::io::Error::other(
                             "the log grew during reading. Stop the recording first",
                         ));
-                    }
-                    let corrected = corrector.field(at).map_err(std::io::Error::other)?;
+                    };
                     let [x, y, z] = corrected;
                     writeln!(
                         out,

@@ -5,6 +5,7 @@ use crate::checked::heading::Headings;
 use crate::checked::judge::{Checked, judge};
 use crate::cli::CheckArgs;
 use crate::failure::{EXIT_OK, EXIT_REFUSED, Outcome};
+use crate::field_unit::{fixed, signed, symbol, vector_with_errors};
 use crate::output::{line, text};
 use crate::source;
 use crate::wrap::{WIDTH, hang};
@@ -38,16 +39,17 @@ fn say(checked: &Checked<'_>, file: &Path) {
     }
     line("");
     line(&format!("{}: {} samples against {}", checked.log.path.display(), checked.samples, file.display()));
-    line(&format!("error now             {:9.3} µT  {:6.2} %", checked.rms_ut, percent(checked.rms_ut)));
-    line(&format!("error at calibration  {:9.3} µT  {:6.2} %", checked.own_ut, percent(checked.own_ut)));
-    line(&format!("limit                 {:9.3} µT  {:6.2} %", checked.limit_ut, percent(checked.limit_ut)));
+    let unit = symbol();
+    for (label, ut) in
+        [("error now", checked.rms_ut), ("error at calibration", checked.own_ut), ("limit", checked.limit_ut)]
+    {
+        line(&format!("{label:<20}  {:>9} {unit}  {:6.2} %", fixed(Some(ut), 3), percent(ut)));
+    }
     if let Some(shift) = checked.known() {
-        let [x, y, z] = shift.offset_ut;
-        let [sx, sy, sz] = shift.offset_std_ut;
-        line(&format!("offset moved by       {x:+.2} ±{sx:.2}  {y:+.2} ±{sy:.2}  {z:+.2} ±{sz:.2} µT"));
+        line(&format!("offset moved by       {}", vector_with_errors(shift.offset_ut, shift.offset_std_ut)));
         line(&format!(
-            "field changed by      {:+9.3} µT  {:+6.2} %",
-            shift.field_ut,
+            "field changed by      {:>9} {unit}  {:+6.2} %",
+            signed(shift.field_ut, 3),
             percent(shift.field_ut)
         ));
     }

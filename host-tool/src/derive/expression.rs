@@ -1,20 +1,40 @@
-//! An expression over the columns of a log. Arithmetic and functions of one value are the library's (`exmex`); here are the
-//! names of columns, missing cells, and functions that need several values or rows.
+//! An expression over the columns of a log: arithmetic and functions, computed column by column, with missing cells.
 
 use crate::derive::rows;
 use crate::derive::tokens::{Token, tokens};
-use exmex::{Express, FlatEx};
 use ironout_analysis::similar;
 
 /// Functions of one value.
-const UNARY: [&str; 24] = [
-    "abs", "signum", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh",
-    "atanh", "floor", "round", "ceil", "trunc", "exp", "sqrt", "cbrt", "ln", "log2", "log10",
+const UNARY: [(&str, fn(f64) -> f64); 24] = [
+    ("abs", f64::abs),
+    ("signum", f64::signum),
+    ("sin", f64::sin),
+    ("cos", f64::cos),
+    ("tan", f64::tan),
+    ("asin", f64::asin),
+    ("acos", f64::acos),
+    ("atan", f64::atan),
+    ("sinh", f64::sinh),
+    ("cosh", f64::cosh),
+    ("tanh", f64::tanh),
+    ("asinh", f64::asinh),
+    ("acosh", f64::acosh),
+    ("atanh", f64::atanh),
+    ("floor", f64::floor),
+    ("round", f64::round),
+    ("ceil", f64::ceil),
+    ("trunc", f64::trunc),
+    ("exp", f64::exp),
+    ("sqrt", f64::sqrt),
+    ("cbrt", f64::cbrt),
+    ("ln", f64::ln),
+    ("log2", f64::log2),
+    ("log10", f64::log10),
 ];
-/// Functions that are evaluated here.
+/// Functions of several values or rows.
 const OTHERS: [&str; 8] = ["min", "max", "atan2", "prev", "next", "diff", "peak", "lowpass"];
-/// Parentheses deeper than this are a slip of the pen.
-const DEEPEST: usize = 40;
+/// Parentheses nested more deeply than this are a typing error.
+const MAX_DEPTH: usize = 40;
 
 /// What an expression can read.
 pub struct Columns<'a> {
@@ -41,211 +61,245 @@ pub struct Computed {
 /// What is wrong with it, and what to write instead.
 pub fn compute(text: &str, columns: &Columns) -> Result<Computed, String> {
     let list = tokens(text)?;
-    let mut work = Work { columns, without_value: 0, read: false };
-    let values = work.part(&list, 0)?;
-    if !work.read {
+    let mut parser = Parser {
+        columns,
+        list: &list,
+        at: 0,
+        depth: 0,
+        has_column: false,
+        without_value: vec![false; columns.rows],
+    };
+    if list.is_empty() {
+        return Err(EMPTY.into());
+    }
+    let values = parser.sum()?;
+    match parser.peek() {
+        None => {}
+        Some(Token::Mark(')')) => return Err("a parenthesis ) has no opening".into()),
+        Some(Token::Mark(',')) => return Err("a comma is outside a function".into()),
+        Some(_) => return Err("it cannot be read: an operator is missing between two values".into()),
+    }
+    if !parser.has_column {
         return Err("it reads no column of the log".into());
     }
-    Ok(Computed { values, without_value: work.without_value })
+    Ok(Computed { values, without_value: parser.without_value.iter().filter(|without| **without).count() })
 }
 
-struct Work<'a> {
+const EMPTY: &str = "something is missing: an expression, or an argument of a function, is empty";
+
+/// Recursive descent: each method reads one level of precedence and computes one value per row.
+struct Parser<'a> {
     columns: &'a Columns<'a>,
-    without_value: usize,
+    list: &'a [Token],
+    at: usize,
+    depth: usize,
     /// Whether any column was read.
-    read: bool,
+    has_column: bool,
+    /// Rows where a function or an operator has no finite value although its arguments have.
+    without_value: Vec<bool>,
 }
 
-impl Work<'_> {
-    /// One value a row.
-    fn part(&mut self, list: &[Token], depth: usize) -> Result<Vec<f64>, String> {
-        if depth > DEEPEST {
-            return Err(format!("it nests more than {DEEPEST} functions"));
-        }
-        if list.is_empty() {
-            return Err("something is missing: an expression, or an argument of a function, is empty".into());
-        }
-        // What the library sees: {v000}, numbers, marks and functions of one value.
-        let mut text = String::new();
-        let mut variables: Vec<Vec<f64>> = Vec::new();
-        // For each open parenthesis: whether it closes a function, and whether a power stands in the current product.
-        let mut open: Vec<(bool, bool)> = vec![(false, false)];
-        let mut before: Option<&Token> = None;
-        let mut at = 0;
-        while let Some(token) = list.get(at) {
-            let called = list.get(at + 1) == Some(&Token::Mark('('));
-            match token {
-                Token::Number(number) => {
-                    let value = number.parse().ok().filter(|value: &f64| value.is_finite());
-                    let value = value.ok_or_else(|| format!("\"{number}\" is not a number"))?;
-                    text.push_str(&format!("({value})"));
-                }
-                Token::Name(name) if called && UNARY.contains(&name.as_str()) => {
-                    // In parentheses of its own, so that a power applies to the whole.
-                    text.push_str(&format!("({name}("));
-                    open.push((true, false));
-                    at += 1;
-                }
-                Token::Name(name) if called => {
-                    let (arguments, end) = arguments(list, at + 2)?;
-                    let values = self.call(name, &arguments, depth)?;
-                    text.push_str(&variable(&mut variables, values)?);
-                    at = end;
-                }
-                Token::Name(name) => match self.column(name) {
-                    Some(values) => {
-                        self.read = true;
-                        text.push_str(&variable(&mut variables, values)?);
-                    }
-                    None => match constant(name) {
-                        Some(value) => text.push_str(&format!("({value})")),
-                        None => return Err(self.unknown(name)),
-                    },
-                },
-                Token::Mark('(') => {
-                    text.push('(');
-                    open.push((false, false));
-                }
-                Token::Mark(')') => {
-                    let Some((function, _)) = (open.len() > 1).then(|| open.pop()).flatten() else {
-                        return Err("a parenthesis ) has no opening".into());
-                    };
-                    text.push_str(if function { "))" } else { ")" });
-                }
-                Token::Mark(',') => return Err("a comma is outside a function".into()),
-                Token::Mark(mark) => {
-                    let inner = open.last_mut().ok_or("a parenthesis has no opening")?;
-                    let begins = matches!(before, None | Some(Token::Mark('(')));
-                    let after = match before {
-                        Some(Token::Mark(mark)) if "+-*/^".contains(*mark) => Some(*mark),
-                        _ => None,
-                    };
-                    match (*mark, begins, after) {
-                        ('^', ..) if inner.1 => {
-                            return Err("a^b^c is read in two ways: write a^(b^c) or (a^b)^c".into());
-                        }
-                        // A sign binds less than a power: −x² is −(x²).
-                        ('-', true, _) => text.push_str("0-"),
-                        ('+', true, _) => {}
-                        ('-', _, Some('/')) => text.push_str("(0-1)/"),
-                        ('-', _, Some('*' | '+' | '-')) => text.push_str("(0-1)*"),
-                        ('-', _, Some(_)) => text.push('-'),
-                        ('+', _, Some(_)) => {}
-                        (_, true, _) | (_, _, Some(_)) => {
-                            return Err(format!("there is no value before \"{mark}\""));
-                        }
-                        _ => text.push(*mark),
-                    }
-                    inner.1 = *mark == '^' || (inner.1 && after == Some('^'));
-                }
-            }
-            before = list.get(at);
-            at += 1;
-        }
-        if open.len() > 1 {
-            return Err("a parenthesis ( is not closed".into());
-        }
-        self.rows(&text, &variables)
+impl<'a> Parser<'a> {
+    fn peek(&self) -> Option<&'a Token> {
+        self.list.get(self.at)
     }
 
-    /// The library's part, row by row.
-    fn rows(&mut self, text: &str, variables: &[Vec<f64>]) -> Result<Vec<f64>, String> {
-        let cannot = |_: exmex::ExError| "it cannot be read: an operator or a value is missing".to_string();
-        let expression = FlatEx::<f64>::parse(text).map_err(cannot)?;
-        if expression.var_names().len() != variables.len() {
-            return Err("it cannot be read: an operator or a value is missing".into());
-        }
-        let mut cells = vec![0.0; variables.len()];
-        let mut values = Vec::with_capacity(self.columns.rows);
-        for row in 0..self.columns.rows {
-            let mut missing = false;
-            for (cell, column) in cells.iter_mut().zip(variables) {
-                *cell = column.get(row).copied().unwrap_or(f64::NAN);
-                missing |= !cell.is_finite();
+    /// Reads one of these marks, if it is next.
+    fn mark(&mut self, marks: &str) -> Option<char> {
+        match self.peek() {
+            Some(Token::Mark(mark)) if marks.contains(*mark) => {
+                self.at += 1;
+                Some(*mark)
             }
-            let value = if missing { f64::NAN } else { expression.eval(&cells).map_err(cannot)? };
-            if !missing && !value.is_finite() {
-                self.without_value += 1;
-            }
-            values.push(if value.is_finite() { value } else { f64::NAN });
+            _ => None,
         }
-        Ok(values)
     }
 
-    fn call(&mut self, name: &str, arguments: &[&[Token]], depth: usize) -> Result<Vec<f64>, String> {
-        let expect = |count: usize, form: &str| {
-            if arguments.len() == count {
-                Ok(())
-            } else {
-                Err(format!("{name} has {} arguments here: write {form}", arguments.len()))
+    fn sum(&mut self) -> Result<Vec<f64>, String> {
+        let mut total = self.product()?;
+        while let Some(mark) = self.mark("+-") {
+            let other = self.product()?;
+            self.combine(&mut total, &other, |a, b| if mark == '+' { a + b } else { a - b });
+        }
+        Ok(total)
+    }
+
+    fn product(&mut self) -> Result<Vec<f64>, String> {
+        let mut total = self.signed()?;
+        while let Some(mark) = self.mark("*/") {
+            let other = self.signed()?;
+            self.combine(&mut total, &other, |a, b| if mark == '*' { a * b } else { a / b });
+        }
+        Ok(total)
+    }
+
+    /// A sign binds less than a power: −x² is −(x²).
+    fn signed(&mut self) -> Result<Vec<f64>, String> {
+        let is_negative = self.signs();
+        let mut total = self.value()?;
+        if self.mark("^").is_some() {
+            let is_inverse = self.signs();
+            let exponent = self.value()?;
+            let sign = if is_inverse { -1.0 } else { 1.0 };
+            self.combine(&mut total, &exponent, |a, b| a.powf(sign * b));
+            if self.mark("^").is_some() {
+                return Err("a^b^c is read in two ways: write a^(b^c) or (a^b)^c".into());
             }
+        }
+        if is_negative {
+            total.iter_mut().for_each(|value| *value = -*value);
+        }
+        Ok(total)
+    }
+
+    /// Whether the signs before a value are negative together.
+    fn signs(&mut self) -> bool {
+        let mut is_negative = false;
+        while let Some(mark) = self.mark("+-") {
+            is_negative ^= mark == '-';
+        }
+        is_negative
+    }
+
+    fn value(&mut self) -> Result<Vec<f64>, String> {
+        let token = self.peek();
+        self.at += 1;
+        match token {
+            Some(Token::Number(number)) => {
+                let value = number.parse().ok().filter(|value: &f64| value.is_finite());
+                let value = value.ok_or_else(|| format!("\"{number}\" is not a number"))?;
+                Ok(vec![value; self.columns.rows])
+            }
+            Some(Token::Name(name)) if self.mark("(").is_some() => self.call(name),
+            Some(Token::Name(name)) => match (self.column(name), constant(name)) {
+                (Some(values), _) => {
+                    self.has_column = true;
+                    Ok(values)
+                }
+                (None, Some(value)) => Ok(vec![value; self.columns.rows]),
+                (None, None) => Err(self.unknown(name)),
+            },
+            Some(Token::Mark('(')) => self.inside(Self::sum),
+            Some(Token::Mark(',' | ')')) | None => Err(match self.list.get(self.at.wrapping_sub(2)) {
+                Some(Token::Mark(mark)) if "+-*/^".contains(*mark) => {
+                    format!("it cannot be read: the value after \"{mark}\" is missing")
+                }
+                _ => EMPTY.into(),
+            }),
+            Some(Token::Mark(mark)) => Err(format!("there is no value before \"{mark}\"")),
+        }
+    }
+
+    /// What stands in parentheses, of which the first is read.
+    fn inside<T>(&mut self, read: impl FnOnce(&mut Self) -> Result<T, String>) -> Result<T, String> {
+        self.depth += 1;
+        if self.depth > MAX_DEPTH {
+            return Err(format!("it nests more than {MAX_DEPTH} parentheses"));
+        }
+        let found = read(self)?;
+        self.depth -= 1;
+        match self.peek() {
+            Some(Token::Mark(')')) => {
+                self.at += 1;
+                Ok(found)
+            }
+            Some(Token::Mark(',')) => Err("a comma is outside a function".into()),
+            Some(_) => Err("it cannot be read: an operator is missing between two values".into()),
+            None => Err("a parenthesis ( is not closed".into()),
+        }
+    }
+
+    /// Applies an operator row by row. What is missing stays missing.
+    fn combine(&mut self, total: &mut [f64], other: &[f64], apply: impl Fn(f64, f64) -> f64) {
+        for ((total, other), without) in total.iter_mut().zip(other).zip(&mut self.without_value) {
+            let is_missing = total.is_nan() || other.is_nan();
+            let value = if is_missing { f64::NAN } else { apply(*total, *other) };
+            *without |= !is_missing && !value.is_finite();
+            *total = if value.is_finite() { value } else { f64::NAN };
+        }
+    }
+
+    /// A function whose opening parenthesis is read.
+    fn call(&mut self, name: &str) -> Result<Vec<f64>, String> {
+        let unary = UNARY.iter().find(|(known, _)| *known == name).map(|(_, apply)| *apply);
+        if unary.is_none() && !OTHERS.contains(&name) {
+            let all: Vec<&str> = UNARY.iter().map(|(known, _)| *known).chain(OTHERS).collect();
+            return Err(format!("there is no function {name}; {}", similar::or_all(name, &all, "functions")));
+        }
+        let begin = self.at;
+        let mut arguments = self.inside(|parser| {
+            let mut arguments = vec![parser.sum()?];
+            while parser.mark(",").is_some() {
+                arguments.push(parser.sum()?);
+            }
+            Ok(arguments)
+        })?;
+        let form = match name {
+            "min" | "max" if arguments.len() > 1 => None,
+            "min" | "max" | "atan2" => Some((2, "(a, b)")),
+            "lowpass" => Some((2, "(x, seconds)")),
+            _ => Some((1, "(x)")),
         };
-        match name {
-            "min" | "max" | "atan2" => {
-                if name == "atan2" || arguments.len() < 2 {
-                    expect(2, &format!("{name}(a, b)"))?;
-                }
+        if let Some((_, form)) = form.filter(|(count, _)| *count != arguments.len()) {
+            return Err(format!("{name} has {} arguments here: write {name}{form}", arguments.len()));
+        }
+        let others = arguments.split_off(1);
+        let mut values = arguments.pop().unwrap_or_default();
+        if let Some(apply) = unary {
+            let unused = vec![0.0; values.len()];
+            self.combine(&mut values, &unused, |value, _| apply(value));
+            return Ok(values);
+        }
+        Ok(match name {
+            "prev" => rows::prev(&values),
+            "next" => rows::next(&values),
+            "diff" => rows::diff(&values),
+            "peak" => rows::peak(&values),
+            "lowpass" => {
+                // The second argument is one number: what stands between the comma and the parenthesis.
+                let constant_s = match self.list.get(begin..self.at) {
+                    Some([.., Token::Mark(','), Token::Number(number), Token::Mark(')')]) => {
+                        number.parse().ok()
+                    }
+                    _ => None,
+                };
+                let constant_s = constant_s
+                    .filter(|s: &f64| *s > 0.0)
+                    .ok_or("the time of lowpass(x, seconds) is a number above 0, as in lowpass(x, 0.5)")?;
+                let time =
+                    self.columns.time_s.ok_or("lowpass needs the time, and the log has no time column")?;
+                rows::lowpass(&values, time, constant_s)
+            }
+            _ => {
                 let apply: fn(f64, f64) -> f64 = match name {
                     "min" => f64::min,
                     "max" => f64::max,
                     _ => f64::atan2,
                 };
-                let mut columns = arguments.iter().map(|argument| self.part(argument, depth + 1));
-                let mut total = columns.next().ok_or("a function has no arguments")??;
-                for column in columns {
-                    for (total, value) in total.iter_mut().zip(column?) {
-                        // min and max of the library pass over what is missing.
-                        let missing = total.is_nan() || value.is_nan();
-                        *total = if missing { f64::NAN } else { apply(*total, value) };
-                    }
+                for other in &others {
+                    self.combine(&mut values, other, apply);
                 }
-                Ok(total)
+                values
             }
-            "prev" | "next" | "diff" | "peak" => {
-                expect(1, &format!("{name}(x)"))?;
-                let values = self.part(arguments.first().copied().unwrap_or_default(), depth + 1)?;
-                Ok(match name {
-                    "prev" => rows::prev(&values),
-                    "next" => rows::next(&values),
-                    "diff" => rows::diff(&values),
-                    _ => rows::peak(&values),
-                })
-            }
-            "lowpass" => {
-                expect(2, "lowpass(x, seconds)")?;
-                let constant_s = match arguments.get(1) {
-                    Some([Token::Number(number)]) => {
-                        number.parse().ok().filter(|s: &f64| *s > 0.0 && s.is_finite())
-                    }
-                    _ => None,
-                };
-                let constant_s = constant_s
-                    .ok_or("the time of lowpass(x, seconds) is a number above 0, as in lowpass(x, 0.5)")?;
-                let time =
-                    self.columns.time_s.ok_or("lowpass needs the time, and the log has no time column")?;
-                let values = self.part(arguments.first().copied().unwrap_or_default(), depth + 1)?;
-                Ok(rows::lowpass(&values, time, constant_s))
-            }
-            _ => {
-                let all: Vec<&str> = UNARY.iter().chain(&OTHERS).copied().collect();
-                Err(format!("there is no function {name}; {}", similar::or_all(name, &all, "functions")))
-            }
-        }
+        })
     }
 
+    /// One value per row; NaN where the column has no finite value.
     fn column(&self, name: &str) -> Option<Vec<f64>> {
-        if name == "t_s" {
-            return self.columns.time_s.map(<[f64]>::to_vec);
-        }
-        let found = self.columns.named.iter().find(|(own, _)| *own == name);
-        found.map(|(_, values)| values.to_vec())
+        let cells = match name {
+            "t_s" => self.columns.time_s?,
+            _ => self.columns.named.iter().find(|(own, _)| *own == name)?.1,
+        };
+        let mut values: Vec<f64> = cells.iter().map(|v| if v.is_finite() { *v } else { f64::NAN }).collect();
+        values.resize(self.columns.rows, f64::NAN);
+        Some(values)
     }
 
     fn unknown(&self, name: &str) -> String {
         if name == "t_s" {
             return "the log has no time column".into();
         }
-        if UNARY.contains(&name) || OTHERS.contains(&name) {
+        if UNARY.iter().any(|(known, _)| *known == name) || OTHERS.contains(&name) {
             return format!("{name} is a function: write {name}(…)");
         }
         let mut names: Vec<&str> = self.columns.time_s.map(|_| "t_s").into_iter().collect();
@@ -254,43 +308,12 @@ impl Work<'_> {
     }
 }
 
-/// A name for the library; its variables are in the order of their names.
-fn variable(variables: &mut Vec<Vec<f64>>, values: Vec<f64>) -> Result<String, String> {
-    if variables.len() >= 1000 {
-        return Err("it reads more than 1000 values".into());
-    }
-    variables.push(values);
-    Ok(format!("{{v{:03}}}", variables.len() - 1))
-}
-
 fn constant(name: &str) -> Option<f64> {
     match name {
         "pi" | "PI" | "π" => Some(std::f64::consts::PI),
         "e" => Some(std::f64::consts::E),
         _ => None,
     }
-}
-
-/// The arguments of a function whose first token is at `from`, and where its parenthesis closes.
-fn arguments(list: &[Token], from: usize) -> Result<(Vec<&[Token]>, usize), String> {
-    let mut found = Vec::new();
-    let (mut depth, mut begin) = (0_usize, from);
-    for (at, token) in list.iter().enumerate().skip(from) {
-        match token {
-            Token::Mark('(') => depth += 1,
-            Token::Mark(')') if depth == 0 => {
-                found.push(list.get(begin..at).unwrap_or_default());
-                return Ok((found, at));
-            }
-            Token::Mark(')') => depth -= 1,
-            Token::Mark(',') if depth == 0 => {
-                found.push(list.get(begin..at).unwrap_or_default());
-                begin = at + 1;
-            }
-            _ => {}
-        }
-    }
-    Err("a parenthesis ( is not closed".into())
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! The end of the explanation: the verdict in a sentence, and what to do about it.
 
-use crate::cli::{DiagnoseArgs, typed_option};
+use crate::cli::typed_option;
 use crate::diagnosis_words::diagnosed_log::{DiagnosedLog, at_rest, groups, listed, name_of};
 use crate::diagnosis_words::numbers::{degrees, field, microtesla};
 use crate::diagnosis_words::{advice, found, next};
 use crate::log_args::SAVED;
+use ironout::extended::MAX_EFFECTS;
 use ironout_analysis::Report;
-use ironout_analysis::base::mounting;
 use ironout_analysis::blocks::{Block, blocks};
 use ironout_analysis::outcome::outcome::{Diagnosis, Status, Verdict};
 use ironout_analysis::samples::faults::FaultKind;
@@ -47,7 +47,7 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
     let found: Vec<&str> = diagnosis.steps.iter().filter_map(|step| step.added.as_deref()).collect();
     let blocks = blocks(&found, diagnosis.registry);
     let names: Vec<String> = found.iter().filter_map(|id| with_block(diagnosis, &blocks, id)).collect();
-    let (it, they) = if found.len() == 1 { ("it", "The effect") } else { ("them", "The effects") };
+    let it = if found.len() == 1 { "it" } else { "them" };
     let fall = fall(diagnosis);
     let reasons = diagnosis.reasons.join(". ");
     match diagnosis.verdict {
@@ -87,13 +87,13 @@ pub fn sentence(diagnosis: &Diagnosis) -> String {
                 (true, _) => String::new(),
                 (false, true) => format!(" Found, but not sufficient: {}.", listed(&names)),
                 (false, false) if is_only_unsure(diagnosis) => format!(
-                    " Found: {}. Modelling {it} reduces {fall}. This log has no further candidate. A longer log can show whether \
-                     that is all.",
+                    " Found: {}. Modelling {it} reduces {fall}. No other effect is significant in this log. Record a longer log to \
+                     confirm.",
                     listed(&names)
                 ),
                 (false, false) => format!(
-                    " Found: {}. Modelling {it} reduces {fall}, but error remains. {they} may be a proxy for a cause that was \
-                     not logged.",
+                    " Found: {}. Modelling {it} reduces {fall}, but error remains. Another quantity, not logged, that changes \
+                     together with {it} may be the cause.",
                     listed(&names)
                 ),
             };
@@ -112,9 +112,8 @@ fn with_block(diagnosis: &Diagnosis, blocks: &[Block], id: &str) -> Option<Strin
     };
     let effect = diagnosis.effects.iter().find(|effect| effect.id == id);
     let name = effect.map_or("effect of a column", |effect| effect.name.as_str());
-    let like =
-        block.ids.first().filter(|first| *first == id)?.replacen(block.columns.first()?, &block.like, 1);
-    Some(format!("{name}, with its own coefficients for each of {} ({like})", listed(&block.columns)))
+    let ids = block.ids.first().filter(|first| *first == id).map(|_| block.ids.join(", "))?;
+    Some(format!("{name}, with its own coefficients for each of {} ({ids})", listed(&block.columns)))
 }
 
 /// Name and id, as in `offset drift (drift)`.
@@ -165,17 +164,14 @@ pub fn verdict(diagnosed_log: &DiagnosedLog) -> Vec<String> {
     std::iter::once(sentence(diagnosed_log.diagnosis)).chain(asked).collect()
 }
 
-/// The effects that `fit --add` takes: those in the steps, in their order.
-pub fn to_add(diagnosis: &Diagnosis, arguments: &DiagnoseArgs) -> Vec<String> {
-    let mut ids: Vec<String> = Vec::new();
-    let found = diagnosis.steps.iter().filter_map(|step| step.added.clone());
-    for id in arguments.add.iter().filter(|id| !diagnosis.is_not_needed(id)).cloned().chain(found) {
-        // These two belong to the alignment, which every fit has.
-        if !ids.contains(&id) && !mounting::is_one(&id) {
-            ids.push(id);
-        }
+/// Effects that a calibration has no place for.
+fn say_left_out(left_out: &[String], report: &mut Report) {
+    if !left_out.is_empty() {
+        report.say(format!(
+            "A calibration stores at most {MAX_EFFECTS} effects, so this command leaves out {}.",
+            listed(left_out)
+        ));
     }
-    ids
 }
 
 /// The commands, or the recording, that come next.
@@ -183,7 +179,7 @@ pub fn what_next(diagnosed_log: &DiagnosedLog, report: &mut Report) {
     let DiagnosedLog { log, arguments, diagnosis } = diagnosed_log;
     let piped = log.path == Path::new("-");
     let path = if piped { SAVED.to_string() } else { log.path.display().to_string() };
-    let add = to_add(diagnosis, arguments);
+    let (add, left_out) = diagnosis.to_add(&arguments.add);
     if piped {
         report.say(format!("The log came from standard input. Save it as {SAVED} first."));
     }
@@ -236,6 +232,7 @@ pub fn what_next(diagnosed_log: &DiagnosedLog, report: &mut Report) {
                 ),
             }
             report.command(next::fit(arguments, &add));
+            say_left_out(&left_out, report);
             if bound.is_empty() {
                 report.command(next::check(arguments));
             }
@@ -275,16 +272,16 @@ pub fn what_next(diagnosed_log: &DiagnosedLog, report: &mut Report) {
             }
         }
         Verdict::Unexplained => {
-            if !add.is_empty() {
-                report.say(match diagnosis.fit_refuses {
-                    Some(_) => "The fit with these effects is refused. It prints the reason:",
-                    None => "These effects reduce the error anyway:",
-                });
-                let fit = match diagnosis.fit_refuses {
-                    Some(_) => next::try_fit,
-                    None => next::fit,
-                };
-                report.command(fit(arguments, &add));
+            match &diagnosis.fit_refuses {
+                _ if add.is_empty() => {}
+                Some(why) => {
+                    report.say(format!("ironout fit refuses a calibration with these effects: {why}."))
+                }
+                None => {
+                    report.say("These effects reduce the error anyway:");
+                    report.command(next::fit(arguments, &add));
+                    say_left_out(&left_out, report);
+                }
             }
             goes_with(diagnosis, &add, report);
             if diagnosis.field_varies.is_some() {

@@ -3,7 +3,7 @@
 use crate::diagnosis_words::diagnosed_log::{DiagnosedLog, WIDTH, title};
 use crate::diagnosis_words::moment::at_moment;
 use crate::diagnosis_words::numbers::{field, probability, significant, wrap};
-use crate::field_unit::{fixed, symbol};
+use crate::field_unit::{fixed, signed, symbol, vector_with_errors};
 use ironout_analysis::evidence::wander::Wander;
 use ironout_analysis::unlogged::levels::Levels;
 use ironout_analysis::unlogged::pair::{Disturbed, Pair, Part};
@@ -61,7 +61,7 @@ fn jumps(diagnosed_log: &DiagnosedLog, found: &Levels) -> Vec<String> {
 /// The jumps in one line.
 pub(crate) fn jumps_in_short(found: &Levels) -> String {
     let times: Vec<String> = found.at_s.iter().map(|at| format!("{at:.1}")).collect();
-    format!("offset changes {} times: at {} s", times.len(), times.join(", "))
+    format!("offset changes {} times, at {} s", times.len(), times.join(", "))
 }
 
 /// What two magnetometers show together, in one line.
@@ -83,22 +83,9 @@ pub(crate) fn pair_in_short(found: &Pair) -> String {
     }
 }
 
-/// A field with its sign, in the unit in use.
-fn signed(value_ut: f64) -> String {
-    let number = fixed(Some(value_ut), 2);
-    if number.starts_with('-') { number } else { format!("+{number}") }
-}
-
 /// A vector with its unit.
 fn vector(values_ut: [f64; 3]) -> String {
-    let [x, y, z] = values_ut.map(signed);
-    format!("x {x}, y {y}, z {z} {}", symbol())
-}
-
-/// A vector with its standard errors and its unit.
-fn vector_with_errors(values_ut: [f64; 3], errors_ut: [f64; 3]) -> String {
-    let [x, y, z] =
-        [0, 1, 2].map(|axis| format!("{} ±{}", signed(values_ut[axis]), fixed(Some(errors_ut[axis]), 2)));
+    let [x, y, z] = values_ut.map(|axis_ut| signed(axis_ut, 2));
     format!("x {x}, y {y}, z {z} {}", symbol())
 }
 
@@ -114,11 +101,11 @@ pub(crate) fn recordings_in_short(found: &Recordings) -> String {
 /// A wandering offset in one line.
 pub(crate) fn wander_in_short(found: &Wander) -> String {
     let direction = match found.direction {
-        Some([x, y, z]) => format!("along x {x:+.2}, y {y:+.2}, z {z:+.2}"),
+        Some([x, y, z]) => format!("in the direction ({x:+.2}, {y:+.2}, {z:+.2})"),
         None => "in no fixed direction".into(),
     };
     format!(
-        "{} {} rms {direction}, over about {} s",
+        "{} {} rms {direction}, correlation time {} s",
         fixed(Some(found.rms_ut), 2),
         symbol(),
         significant(found.time_constant_s, 2)
@@ -134,18 +121,13 @@ fn wander(found: &Wander) -> Vec<String> {
     if let Some((at_s, offset_ut)) = farthest {
         text += &format!(" Its largest value is at {at_s:.1} s: {}.", vector(*offset_ut));
     }
-    text += " The cause was not logged. To compare its trace with what you know, plot wander of --json.";
+    text += " The cause was not logged. To see this offset over time, plot the key wander of --json.";
     wrap(&text, "  ", WIDTH)
 }
 
 /// A switching offset in one line.
 pub(crate) fn switching_in_short(found: &Switching) -> String {
-    format!(
-        "offset {}, on {} times ({:.0} % of samples), not logged",
-        vector(found.offset_ut),
-        found.on_s.len(),
-        100.0 * found.duty
-    )
+    format!("two values, difference {}, {} intervals", vector(found.offset_ut), found.on_s.len())
 }
 
 /// The offsets of recordings as a table.
@@ -177,7 +159,7 @@ pub(crate) fn recordings(found: &Recordings, width: usize) -> Vec<String> {
 fn switching(found: &Switching) -> Vec<String> {
     let size = found.offset_ut.iter().map(|value| value * value).sum::<f64>().sqrt();
     let mut out = vec![format!(
-        "  change when on   {}   ({})",
+        "  B less A   {}   ({})",
         vector_with_errors(found.offset_ut, found.std_errors_ut),
         field(size)
     )];
@@ -186,15 +168,17 @@ fn switching(found: &Switching) -> Vec<String> {
     let more = found.on_s.len().saturating_sub(MOST);
     let rest = if more > 0 { format!(" and {more} times more") } else { String::new() };
     let times = format!(
-        "on {} times, {:.0} % of the samples: {}{rest} s",
+        "The offset has two values, A and B. The log does not show which of them is the undisturbed one. B applies in {} \
+         intervals ({:.0} % of the samples): {}{rest} s.",
         found.on_s.len(),
         100.0 * found.duty,
         spans.join(", ")
     );
     out.extend(wrap(&times, "  ", WIDTH));
     let text = format!(
-        "This offset reduces the error from {} to {}. Something near the sensor is switched on and off: an LED, a charger, a relay, a \
-         transmitter. Log its state or its current as a column, or move it away.",
+        "A second offset reduces the error from {} to {}. Something near the sensor is switched on and off: an LED, a charger, a \
+         relay, a transmitter. Log its state or its current as a column, or move it away. To calibrate with this log, cut it at these \
+         times and give all parts to ironout fit: one matrix, an offset for each part.",
         field(found.before_rms_ut),
         field(found.rms_ut)
     );

@@ -127,7 +127,7 @@ fn base(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
         row("noise floor", diagnosis.residual_floor_ut, note);
     }
     let what = if at_rest(diagnosis) {
-        "measured vector about its mean (the sensor did not move)".to_string()
+        "measured vector about its mean (the sensor was at rest)".to_string()
     } else {
         format!(
             "{}error of the base model",
@@ -169,7 +169,7 @@ fn base(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
     }
     if let Some(noise) = diagnosis.noise.filter(|noise| noise.is_noise && noise.colour != Colour::White) {
         let text = format!(
-            "The noise is correlated ({}), so standard errors are scaled by {2:.1}: {1:.1} samples contain as much information as one sample of white noise.",
+            "The noise is {}. {1:.1} samples determine as much as one sample of white noise, so standard errors are multiplied by {2:.1}.",
             noise.colour.words(),
             noise.memory_samples,
             noise.memory_samples.sqrt()

@@ -9,6 +9,7 @@ use crate::output::number;
 use crate::report_text::{Layout, lines};
 use crate::wrap::WIDTH;
 use ironout_analysis::base::axes::Alignment;
+use ironout_analysis::base::counted::{Aside, Why};
 use ironout_analysis::base::solution::Solution;
 use ironout_analysis::{Fitted, Report};
 use std::path::Path;
@@ -44,7 +45,11 @@ pub fn one_line(fitted: &Fitted) -> String {
         return format!("{}: {why}", verdict(fitted));
     };
     let before = fitted.before.map_or(String::new(), |(_, rms)| format!("{} → ", fixed(Some(rms), 2)));
-    format!("{}: error {before}{} {}", verdict(fitted), fixed(Some(solution.rms_ut), 2), symbol())
+    let why = match fitted.reasons.first() {
+        Some(reason) if !fitted.accepted => format!(": {}", reason.words),
+        _ => String::new(),
+    };
+    format!("{}: error {before}{} {}{why}", verdict(fitted), fixed(Some(solution.rms_ut), 2), symbol())
 }
 
 fn verdict(fitted: &Fitted) -> String {
@@ -64,7 +69,9 @@ pub fn length(log: &Log, rows: usize) -> String {
 
 fn figures(log: &Log, fitted: &Fitted, expected: &Expected, report: &mut Report) {
     let mut row = |label: &str, text: String| report.figure(label, text);
-    row("log", format!("{}: {}, {} samples used", log.path.display(), length(log, fitted.rows), fitted.used));
+    let samples: Vec<String> =
+        std::iter::once(format!("{} samples used", fitted.used)).chain(set_aside(fitted)).collect();
+    row("log", format!("{}: {}, {}", log.path.display(), length(log, fitted.rows), samples.join(", ")));
     if let Some(found) = &fitted.recordings {
         row("recordings", unlogged::recordings_in_short(found));
         row("", "the calibration has the offset of the last recording".into());
@@ -108,6 +115,13 @@ fn figures(log: &Log, fitted: &Fitted, expected: &Expected, report: &mut Report)
             _ => "mean of the log; use --field or --at for the true value",
         };
         row("field strength", format!("{} {unit} ({source})", fixed(Some(field), 2)));
+        if fitted.accepted {
+            let [x, y, z] = solution.calibration.offset_ut.map(|axis| fixed(Some(axis), 2));
+            row("offset", format!("x {x}, y {y}, z {z} {unit}"));
+            for (place, [x, y, z]) in solution.calibration.matrix.iter().enumerate() {
+                row(if place == 0 { "matrix" } else { "" }, format!("{x:9.5} {y:9.5} {z:9.5}"));
+            }
+        }
         for effect in &solution.effects {
             row("effect", format!("{} ({})", effect.name, effect.id));
         }
@@ -116,6 +130,17 @@ fn figures(log: &Log, fitted: &Fitted, expected: &Expected, report: &mut Report)
         let gap = number(fitted.gap_deg, 0);
         row("coverage", format!("{:.0} % of directions (largest gap {gap}°)", coverage * 100.0));
     }
+}
+
+/// What was set aside, and why.
+pub fn set_aside(fitted: &Fitted) -> Vec<String> {
+    let what = |aside: &Aside| match aside.why {
+        Why::Clipping { axis } => format!("{} clipped on {}", aside.samples, ["x", "y", "z"][axis]),
+        Why::Burst => format!("{} set aside as bursts", aside.samples),
+        Why::Stuck => format!("{} stuck", aside.samples),
+        Why::Copy => format!("{} copies of earlier readings", aside.samples),
+    };
+    fitted.aside.iter().filter(|aside| aside.samples > 0).map(what).collect()
 }
 
 /// The orientations that a heading error is for.
@@ -145,7 +170,7 @@ fn remarks(fitted: &Fitted) -> Vec<String> {
         ));
     } else if most > MIN_ERROR_RATIO_TO_DIAGNOSE {
         list.push(format!(
-            "The remaining error is {most:.1} × the change from sample to sample. Either the sensor noise is correlated, or the \
+            "The remaining error is {most:.1} × the noise estimated from the differences of consecutive samples. Either the sensor noise is correlated, or the \
              model lacks a cause of error."
         ));
     }
@@ -185,7 +210,7 @@ fn next_steps(arguments: &FitArgs, log: &Log, fitted: &Fitted, report: &mut Repo
         }
     }
     if !fitted.accepted {
-        step("See what the log shows, and what is missing", next::diagnose(arguments));
+        step("Find the cause", next::diagnose(arguments));
     } else if unexplained {
         step("Find the cause of the remaining error", next::diagnose(arguments));
     }

@@ -3,14 +3,13 @@
 use crate::cli::Expected;
 use crate::diagnosis_words::unlogged;
 use crate::field_unit::{derived, fixed, symbol};
-use crate::fit_words::brief::{MIN_ERROR_RATIO_TO_DIAGNOSE, length, posture};
+use crate::fit_words::brief::{MIN_ERROR_RATIO_TO_DIAGNOSE, length, posture, set_aside};
 use crate::input::Log;
 use crate::output::number;
 use crate::wrap::{WIDTH, wrap};
 use ironout::fit::Order;
 use ironout_analysis::Fitted;
 use ironout_analysis::base::axes::Alignment;
-use ironout_analysis::base::counted::Why;
 use ironout_analysis::base::solution::Solution;
 use ironout_analysis::calibration::FittedEffect;
 use nalgebra::Matrix3;
@@ -82,17 +81,9 @@ fn samples(log: &Log, fitted: &Fitted, out: &mut Lines) {
             parts.push(format!("{count} {what}"));
         }
     };
-    part(fitted.repeated, "repeated rows");
+    part(fitted.repeated, if fitted.repeated == 1 { "repeated row" } else { "repeated rows" });
     part(fitted.at_rest, "at rest");
-    for aside in &fitted.aside {
-        let what = match aside.why {
-            Why::Clipping { axis } => format!("clipped on {}", ["x", "y", "z"][axis]),
-            Why::Burst => "set aside as bursts".to_string(),
-            Why::Stuck => "stuck".to_string(),
-            Why::Copy => "copies of earlier readings".to_string(),
-        };
-        part(aside.samples, &what);
-    }
+    parts.extend(set_aside(fitted));
     out.line(&parts.join(", "));
 }
 

@@ -9,7 +9,7 @@ use ironout_analysis::Fitted;
 pub fn brief(arguments: &FitArgs, log: &Log, fitted: &Fitted, expected: &Expected) -> String {
     let mut lines = head::answer(arguments, log, fitted, expected);
     lines.push(String::new());
-    lines.push("Matrix, standard errors and all figures: repeat the command with -v.".into());
+    lines.push("Standard errors and all figures: repeat the command with -v.".into());
     joined(&lines)
 }
 

@@ -120,7 +120,7 @@ fn verdict(look: &Look, asked: &LookAsked) -> Value {
         (Some(solution), true) => {
             let error = solution.vector_error_ut();
             format!(
-                "A calibration{with} is ready to export. The expected error of a corrected vector is {error:.3} µT ({:.2} % of the field).",
+                "A calibration{with} is ready to export. The predicted error of a corrected vector is {error:.3} µT ({:.2} % of the field).",
                 100.0 * error / solution.calibration.field_ut
             )
         }

@@ -204,6 +204,28 @@ fn a_repair_of_numbers_that_were_right_is_undone() {
     }
 }
 
+#[test]
+fn code_for_repaired_numbers_names_the_repair() {
+    let Some(log) = case("05_uint16.csv") else { return };
+    let cal = folder("cases_numbers_code").join("cal.json");
+    let run =
+        ironout(["fit", text(&log), "--ut-per-count", "0.092", "--repair", "unsigned", "-o", text(&cal)]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    for form in ["c", "rust"] {
+        let code = ironout(["export", text(&cal), "--as", form]).stdout;
+        assert!(code.contains("--repair unsigned") && code.contains("as signed numbers"), "{code}");
+    }
+}
+
+#[test]
+fn a_field_that_the_earth_nowhere_has_is_noted() {
+    let Some(log) = recording("hand-rotated-counts.csv") else { return };
+    for (scale, odd) in [("0.1", true), ("0.25", false)] {
+        let run = ironout(["fit", text(&log), "--ut-per-count", scale]);
+        assert_eq!(run.stdout.contains("the Earth's field is 22 to 67 µT"), odd, "{}", run.stdout);
+    }
+}
+
 /// Real recordings hold no broken numbers: none is refused, and no row is set aside as an error code.
 #[test]
 fn recordings_are_left_alone() {

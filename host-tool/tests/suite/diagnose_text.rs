@@ -181,7 +181,7 @@ fn what_only_a_longer_log_can_tell_is_said_so() {
     let said = joined(&text);
     for part in [
         "UNEXPLAINED: The predicted error of",
-        "the noise floor. This log has no further candidate",
+        "the noise floor. No other effect is significant in this log",
         "Record longer, in more orientations, and diagnose that log: ironout diagnose longer.csv",
     ] {
         assert!(said.contains(part), "{part}: {text}");

@@ -36,7 +36,9 @@ fn what_is_lost_is_said_and_with_the_log_what_it_costs() {
     let blind = with("ardupilot", &[]);
     assert!(blind["cost"].is_null() && blind["fitted_anew"] == false, "{blind}");
     assert!(blind["not_held"].to_string().contains("offset:temp_c"), "{blind}");
-    assert!(blind["text"].as_str().is_some_and(|text| text.contains("To see the cost")));
+    assert!(
+        blind["text"].as_str().is_some_and(|text| text.contains("To print the error of these parameters"))
+    );
     let seen = with("ardupilot", &["--log", text(&log)]);
     let cost = &seen["cost"];
     let (whole, held) = (cost["rms_ut"].as_f64().expect("rms"), cost["held_rms_ut"].as_f64().expect("rms"));

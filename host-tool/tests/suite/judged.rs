@@ -114,6 +114,9 @@ fn a_correction_far_outside_the_range_of_a_column_is_held() {
     let error = run.error();
     let words = error["message"].as_str().expect("words");
     assert!(run.status == 2 && words.contains("twice the field"), "{error}");
+    assert!(words.contains("have temp_c outside") && words.contains("Fix: "), "{error}");
+    let written = ironout(["apply", text(&log), "--cal", text(&cal), "-o", text(&here.join("out.csv"))]);
+    assert!(written.status == 2 && !written.stderr.contains("cannot write"), "{}", written.stderr);
 
     // Further out than the range is wide nothing changes any more.
     let log = simulate(&here, "log.csv", &["--seconds", "60", "--seed", "21", "--effect", "offset:temp_c=6"]);

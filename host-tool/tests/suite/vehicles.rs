@@ -147,7 +147,7 @@ fn the_refusal_of_a_flight_says_first_what_to_do_with_it() {
         assert_eq!(object["reason_codes"][0], "vehicle", "{object}");
         let first = object["reasons"][0].as_str().expect("a reason");
         assert!(
-            first.contains("--prior bench.json --free offset") && first.contains("ironout diagnose"),
+            first.contains("--prior bench.json --free offset") && first.contains("--prior-from parameters"),
             "{first}"
         );
         let brief = ironout(["fit", text(&flight)].into_iter().chain(options.iter().copied())).stdout;

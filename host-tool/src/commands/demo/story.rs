@@ -46,7 +46,7 @@ pub fn run(arguments: &DemoArgs, json: bool) -> Outcome<u8> {
         );
     } else {
         line(&format!(
-            "\nerror of the field's magnitude, rms of F:  before {:.1} %  →  after {:.3} %  →  after the power cut {:.3} %",
+            "\nrms error of the magnitude, in % of the field:  before {:.1} %  →  after {:.3} %  →  after the power cut {:.3} %",
             figures.before, figures.after, figures.restarted
         ));
         if !emulated {

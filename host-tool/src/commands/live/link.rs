@@ -96,6 +96,8 @@ impl Link {
         open: &impl Fn() -> Outcome<Box<dyn Wire>>,
         from_pages: &Receiver<Vec<u8>>,
     ) {
+        // Said on the terminal once, whenever it changes.
+        let mut said = String::new();
         while !self.is_ended() {
             match open() {
                 Ok(mut wire) => {
@@ -104,7 +106,16 @@ impl Link {
                     let why = self.pass(wire.as_mut(), wait, from_pages);
                     self.state(name, false, &why);
                 }
-                Err(failure) => self.state(name, false, &failure.message),
+                Err(failure) => {
+                    if said != failure.message {
+                        eprintln!(
+                            "note: {name}: {}. ironout tries again until it can be opened",
+                            failure.message
+                        );
+                    }
+                    self.state(name, false, &failure.message);
+                    said = failure.message;
+                }
             }
             std::thread::sleep(PAUSE);
         }

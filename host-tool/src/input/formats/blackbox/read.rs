@@ -249,7 +249,7 @@ fn finish(
     recording.taken_out.push("rotated from x forward, y left, z up to x forward, y right, z down".into());
     recording.notices.push(
         "magADC is already aligned to the vehicle and corrected by the firmware (mag_calibration; INAV: maggain too). The \
-         log does not contain these parameters, so a calibration of this log applies in addition to them"
+         log does not contain these parameters, so add the exported numbers to the present ones"
             .into(),
     );
     // Rows of the magnetometer and of the rest are the same frames: nothing has to be joined.

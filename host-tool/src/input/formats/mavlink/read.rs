@@ -393,7 +393,7 @@ fn finish(mut all: Collected, instance: Option<usize>, notices: Vec<String>) -> 
     } else {
         recording.notices.push(format!(
             "{} is already corrected by the autopilot, and the log does not contain its calibration parameters, so a \
-             calibration of this log applies in addition to them. Fix: use the vehicle's own log (.bin, .ulg)",
+             calibration of this log applies on top of them. Fix: use the vehicle's own log (.bin, .ulg)",
             recording.magnetometer.name
         ));
     }
