@@ -75,6 +75,7 @@ impl Judged {
     }
 
     /// The line among the figures.
+    #[cfg_attr(not(feature = "program"), expect(dead_code, reason = "the command prints it"))]
     pub(crate) fn line(&self) -> String {
         let HeadingError { rms_deg, mean_deg, spread_deg, .. } = self.error;
         format!(

@@ -38,6 +38,7 @@ pub struct Checked<'a> {
     pub(crate) field_ut: f64,
     pub(crate) samples: usize,
     pub(crate) rms_ut: f64,
+    #[cfg_attr(not(feature = "program"), expect(dead_code, reason = "the command prints it"))]
     pub(crate) own_ut: f64,
     pub(crate) limit_ut: f64,
     pub(crate) mean_ut: f64,
