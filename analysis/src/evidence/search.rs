@@ -12,12 +12,12 @@ use crate::evidence::held_out::p_values;
 use crate::evidence::hidden::hidden_cause_gain;
 use crate::evidence::log::Log;
 use crate::evidence::screen::Screen;
+use ironout::effect::{Bends, Named};
 
 /// Share of the least share that a term must have under white noise to be fitted: strong terms explain more than their columns tell.
 const SHARE_TO_FIT: f64 = 0.5;
 /// Candidates that are fitted at each step under white noise.
 const WHITE_LEADERS: usize = 2;
-use ironout::effect::{Bends, Named};
 
 /// The result of a search.
 pub struct Found<'a> {

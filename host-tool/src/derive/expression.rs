@@ -4,8 +4,11 @@ use crate::derive::rows;
 use crate::derive::tokens::{Token, tokens};
 use ironout_analysis::similar;
 
+/// Name and function of one value.
+type Unary = (&'static str, fn(f64) -> f64);
+
 /// Functions of one value.
-const UNARY: [(&str, fn(f64) -> f64); 24] = [
+const UNARY: [Unary; 24] = [
     ("abs", f64::abs),
     ("signum", f64::signum),
     ("sin", f64::sin),

@@ -138,7 +138,9 @@ impl Story {
         again.talk.say("Check: without this effect the error must return:");
         again.talk.ok(&format!("effect remove {id}"))?;
         let removed = again.error(STRIDE)?;
-        again.talk.say(&format!("  error without it: {removed:.2} µT (offset and matrix were fitted again together with it)"));
+        again.talk.say(&format!(
+            "  error without it: {removed:.2} µT (offset and matrix were fitted again together with it)"
+        ));
         Ok(Figures { floor: NOISE_UT, before, learnt, restarted, removed, rounds, first })
     }
 
