@@ -129,7 +129,7 @@ pub struct Named<'a> {
     pub not_finite: usize,
 }
 
-/// Whether all three columns of a sensor are always zero: the logger has the columns and no such sensor.
+/// Whether all three columns of a sensor are always zero: the logger has the columns, but no such sensor.
 pub fn is_silent<A: AsRef<[f64]>>(axes: &[A; 3]) -> bool {
     axes.iter().all(|axis| axis.as_ref().iter().all(|value| *value == 0.0 || value.is_nan()))
 }

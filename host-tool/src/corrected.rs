@@ -79,16 +79,12 @@ impl<'a> Corrected<'a> {
         })
     }
 
-    /// The corrected field of rows.
+    /// The corrected field of every row.
     ///
     /// # Errors
     /// The row, and the columns that are outside the range that their effect was fitted for.
-    pub fn fields(
-        &self,
-        rows: impl IntoIterator<Item = usize>,
-        entries: &[EffectEntry],
-    ) -> Outcome<Vec<[f64; 3]>> {
-        rows.into_iter()
+    pub fn fields(&self, entries: &[EffectEntry]) -> Outcome<Vec<[f64; 3]>> {
+        (0..self.log.rows)
             .map(|row| {
                 self.field(row).map_err(|mut failure| {
                     let notices = self.extrapolation(entries).notices(self.calibration().base.field_ut);

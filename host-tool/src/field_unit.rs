@@ -75,13 +75,13 @@ pub fn fixed(value_ut: Option<f64>, decimals: usize) -> String {
     }
 }
 
-/// The same with its sign.
+/// A number with its sign, in the unit in use.
 pub fn signed(value_ut: f64, decimals: usize) -> String {
     let number = fixed(Some(value_ut), decimals);
     if number.starts_with('-') { number } else { format!("+{number}") }
 }
 
-/// A vector with its standard errors and its unit.
+/// Vector ± standard errors, in the unit in use.
 pub fn vector_with_errors(values_ut: [f64; 3], errors_ut: [f64; 3]) -> String {
     let [x, y, z] =
         [0, 1, 2].map(|axis| format!("{} ±{}", signed(values_ut[axis], 2), fixed(Some(errors_ut[axis]), 2)));

@@ -38,7 +38,7 @@ pub fn at_rest(samples: &Samples) -> bool {
         return tilt(&downs) < RESTING_TILT && if enough(turns.len()) { is_still(turns) } else { is_line() };
     }
     if enough(turns.len()) {
-        // Without a time nothing checks the unit of the gyro against the field.
+        // Without a time column the unit of the gyro cannot be checked against the field.
         let is_still = || match samples.time {
             Some(_) => turned_rad(samples) < RESTING_TURN_RAD,
             None => is_line(),

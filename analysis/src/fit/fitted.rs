@@ -31,8 +31,8 @@ use std::collections::BTreeMap;
 const ALL_ROUND: f32 = 0.9;
 const ALL_ROUND_GAP_DEG: f32 = 40.0;
 
-/// Up to this ratio to the floor of the noise, an error is the noise itself.
-const MAX_RATIO_OF_NOISE: f64 = 1.2;
+/// An error of this many times the noise floor is worth a diagnosis; a smaller one is the noise itself.
+pub const MIN_ERROR_RATIO_TO_DIAGNOSE: f64 = 1.2;
 
 /// The outcome of a fit.
 #[derive(Debug, Clone, Serialize)]
@@ -163,7 +163,7 @@ impl Fitted {
 
     /// Whether the error of a solution is that of the sensor's noise.
     fn is_noise(&self, solution: &Solution) -> bool {
-        self.residual_floor_ut.is_some_and(|floor| solution.rms_ut < MAX_RATIO_OF_NOISE * floor)
+        self.residual_floor_ut.is_some_and(|floor| solution.rms_ut < MIN_ERROR_RATIO_TO_DIAGNOSE * floor)
     }
 
     fn refuse(&mut self, error: FitError) {

@@ -312,8 +312,8 @@ impl Diagnosis {
         self.order_status.and_then(|order_status| order_status.swapped())
     }
 
-    /// The effects for a fit: those that were asked for and are significant, then those of the steps, and those that are one too many
-    /// for a calibration. A rotation or an order of the axes belongs to every fit, and is not among them.
+    /// Effects for a fit (those of `asked` that are significant, then those of the steps), and the rest, for which a calibration has
+    /// no place. Neither list contains a rotation or an order of the axes, which belong to every fit.
     pub fn to_add(&self, asked: &[String]) -> (Vec<String>, Vec<String>) {
         let mut ids: Vec<String> = Vec::new();
         let found = self.steps.iter().filter_map(|step| step.added.as_ref());

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// Kinds of the second generator, by a word that its truth says.
 const SECOND: [&str; 9] =
     ["low-pass", "product", "power", "saturation", "gain", "unlogged", "steps", "motor", "logged"];
-/// Its first log here, which no other table has.
+/// Its first log here. Numbers to 9062, of low-passes and products to 9205, were looked at while the search was made.
 const SECOND_FROM: u64 = 9000;
 /// Kinds of the own simulator.
 const OWN: [&str; 5] = [
@@ -49,8 +49,8 @@ struct Recording {
     from: usize,
 }
 
-/// Log `number` of the second generator: the first half, and the second half as the second recording. The columns go on as they
-/// please there, and what a filter remembers is known.
+/// Log `number` of the second generator: its first half, and its second half as the second recording, in which the columns have
+/// another history and the state of a filter is known.
 fn of_second(number: u64) -> Option<Case> {
     let drawn = second_generator::draw(second_generator::Kind::Beyond, SECOND_FROM + number);
     let hidden = drawn.truth.hidden.first()?;

@@ -28,8 +28,8 @@ pub enum Headings {
 
 /// Errors of the heading, and how large they may be.
 pub struct Judged {
-    error: HeadingError,
-    limit_deg: f64,
+    pub(crate) error: HeadingError,
+    pub(crate) limit_deg: f64,
 }
 
 /// Compares headings where the accelerometer measures little besides gravity. `declination_deg` is added to the magnetic
@@ -72,17 +72,6 @@ impl Judged {
     /// Whether the heading is wrong.
     pub(crate) fn is_wrong(&self) -> bool {
         self.error.rms_deg > self.limit_deg
-    }
-
-    /// The line among the figures.
-    #[cfg_attr(not(feature = "program"), expect(dead_code, reason = "the command prints it"))]
-    pub(crate) fn line(&self) -> String {
-        let HeadingError { rms_deg, mean_deg, spread_deg, .. } = self.error;
-        format!(
-            "heading off by        {rms_deg:9.2} ° rms   mean {mean_deg:+.2}°, standard deviation {spread_deg:.2}°; limit \
-             {:.1}°",
-            self.limit_deg
-        )
     }
 
     /// What a wrong heading is, and what to do.

@@ -38,8 +38,6 @@ pub struct Checked<'a> {
     pub(crate) field_ut: f64,
     pub(crate) samples: usize,
     pub(crate) rms_ut: f64,
-    #[cfg_attr(not(feature = "program"), expect(dead_code, reason = "the command prints it"))]
-    pub(crate) own_ut: f64,
     pub(crate) limit_ut: f64,
     pub(crate) mean_ut: f64,
     pub(crate) coverage: f64,
@@ -114,7 +112,6 @@ pub fn judge<'a>(
         field_ut: calibration.field_ut,
         samples: samples.len(),
         rms_ut,
-        own_ut,
         limit_ut,
         mean_ut,
         coverage,
@@ -147,6 +144,7 @@ impl Checked<'_> {
             "mean_residual_ut": json_number(Some(self.mean_ut)), "coverage": self.coverage,
             "offset_shift_ut": known.map(|shift| shift.offset_ut),
             "offset_shift_std_ut": known.map(|shift| shift.offset_std_ut),
+            "field_shift_ut": known.map(|shift| shift.field_ut),
             "heading": self.headings.json(),
             "outside": self.extrapolation.outside, "range_unknown": self.extrapolation.unknown,
             "reasons": std::iter::once(self.word.explanation().to_string())

@@ -18,7 +18,6 @@ const MAX_STEPS: usize = 20;
 pub struct Shift {
     pub(crate) offset_ut: [f64; 3],
     pub(crate) offset_std_ut: [f64; 3],
-    #[cfg_attr(not(feature = "program"), expect(dead_code, reason = "the command prints it"))]
     pub(crate) field_ut: f64,
     /// The same change of the offset in the corrected vectors, µT.
     pub(crate) centre_ut: [f64; 3],

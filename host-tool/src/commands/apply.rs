@@ -60,9 +60,8 @@ fn one(
 ) -> Outcome<serde_json::Value> {
     let table = Table::from(log);
     let corrector = Corrected::new(calibration, cal.fitted_to.as_deref(), log, &table)?;
-    let entries = &cal.fit.effects;
+    let fields = corrector.fields(&cal.fit.effects)?;
     if let Some(output) = &arguments.output {
-        let fields = corrector.fields(0..log.rows, entries)?;
         // The program's own file keeps its lines and comments; another program's is written again.
         if log.read_as.own_csv && log.path != Path::new("-") {
             write(log, &corrector, &fields, output)?;
@@ -72,9 +71,7 @@ fn one(
     }
     let samples = log.samples();
     let (mean, before) = spread_of_magnitude(samples.iter().map(|&row| norm(log.field(row))));
-    let fields = corrector.fields(samples.iter().copied(), entries)?;
-    let residuals: Vec<f64> =
-        samples.iter().zip(fields).map(|(&row, field)| corrector.residual_ut(row, field)).collect();
+    let residuals: Vec<f64> = samples.iter().map(|&row| corrector.residual_ut(row, fields[row])).collect();
     let after = (residuals.iter().map(|r| r * r).sum::<f64>() / samples.len() as f64).sqrt();
     let worst = residuals.iter().map(|r| r.abs()).fold(0.0, f64::max);
     let field = calibration.base.field_ut;

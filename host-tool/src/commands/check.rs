@@ -9,6 +9,7 @@ use crate::field_unit::{fixed, signed, symbol, vector_with_errors};
 use crate::output::{line, text};
 use crate::source;
 use crate::wrap::{WIDTH, hang};
+use ironout_analysis::base::heading::HeadingError;
 use std::path::Path;
 
 /// Judges the calibration, and prints the result.
@@ -40,9 +41,11 @@ fn say(checked: &Checked<'_>, file: &Path) {
     line("");
     line(&format!("{}: {} samples against {}", checked.log.path.display(), checked.samples, file.display()));
     let unit = symbol();
-    for (label, ut) in
-        [("error now", checked.rms_ut), ("error at calibration", checked.own_ut), ("limit", checked.limit_ut)]
-    {
+    for (label, ut) in [
+        ("error now", checked.rms_ut),
+        ("error at calibration", checked.cal.fit.rms_ut.unwrap_or(0.0)),
+        ("limit", checked.limit_ut),
+    ] {
         line(&format!("{label:<20}  {:>9} {unit}  {:6.2} %", fixed(Some(ut), 3), percent(ut)));
     }
     if let Some(shift) = checked.known() {
@@ -54,7 +57,12 @@ fn say(checked: &Checked<'_>, file: &Path) {
         ));
     }
     if let Headings::Judged(one) = &checked.headings {
-        line(&one.line());
+        let HeadingError { rms_deg, mean_deg, spread_deg, .. } = one.error;
+        line(&format!(
+            "heading off by        {rms_deg:9.2} ° rms   mean {mean_deg:+.2}°, standard deviation {spread_deg:.2}°; limit \
+             {:.1}°",
+            one.limit_deg
+        ));
     }
     line(&format!("directions covered    {:9.0} %", checked.coverage * 100.0));
     let notices = checked.extrapolation.notices(checked.field_ut);

@@ -38,6 +38,8 @@ const UNARY: [Unary; 24] = [
 const OTHERS: [&str; 8] = ["min", "max", "atan2", "prev", "next", "diff", "peak", "lowpass"];
 /// Parentheses nested more deeply than this are a typing error.
 const MAX_DEPTH: usize = 40;
+/// Error of an expression or argument without a value.
+const EMPTY: &str = "something is missing: an expression, or an argument of a function, is empty";
 
 /// What an expression can read.
 pub struct Columns<'a> {
@@ -87,8 +89,6 @@ pub fn compute(text: &str, columns: &Columns) -> Result<Computed, String> {
     }
     Ok(Computed { values, without_value: parser.without_value.iter().filter(|without| **without).count() })
 }
-
-const EMPTY: &str = "something is missing: an expression, or an argument of a function, is empty";
 
 /// Recursive descent: each method reads one level of precedence and computes one value per row.
 struct Parser<'a> {
@@ -155,7 +155,7 @@ impl<'a> Parser<'a> {
         Ok(total)
     }
 
-    /// Whether the signs before a value are negative together.
+    /// Reads the signs before a value. True if their product is negative.
     fn signs(&mut self) -> bool {
         let mut is_negative = false;
         while let Some(mark) = self.mark("+-") {
@@ -193,7 +193,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// What stands in parentheses, of which the first is read.
+    /// Reads the content of parentheses and the closing one; the opening one is already read.
     fn inside<T>(&mut self, read: impl FnOnce(&mut Self) -> Result<T, String>) -> Result<T, String> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
@@ -222,7 +222,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// A function whose opening parenthesis is read.
+    /// Reads the arguments of a function and computes it; its name and opening parenthesis are already read.
     fn call(&mut self, name: &str) -> Result<Vec<f64>, String> {
         let unary = UNARY.iter().find(|(known, _)| *known == name).map(|(_, apply)| *apply);
         if unary.is_none() && !OTHERS.contains(&name) {

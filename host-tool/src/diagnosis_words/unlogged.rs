@@ -13,8 +13,8 @@ use ironout_analysis::unlogged::switching::Switching;
 /// Lines of a table before the rest is counted.
 const MOST: usize = 12;
 
-/// Whether the cause without a column is told by its times, so that it needs no words of how it wanders.
-fn has_words(diagnosed_log: &DiagnosedLog) -> bool {
+/// Whether the section on switching or on jumps describes the cause, so that the one on the wander is left out.
+fn has_times(diagnosed_log: &DiagnosedLog) -> bool {
     diagnosed_log.diagnosis.switching.is_some() || diagnosed_log.diagnosis.levels.is_some()
 }
 
@@ -24,7 +24,7 @@ pub(crate) fn sections(diagnosed_log: &DiagnosedLog, out: &mut Vec<String>) {
         title(out, "The offset differs between the recordings");
         out.extend(recordings(found, WIDTH));
     }
-    if let Some(found) = diagnosed_log.diagnosis.wander.as_ref().filter(|_| !has_words(diagnosed_log)) {
+    if let Some(found) = diagnosed_log.diagnosis.wander.as_ref().filter(|_| !has_times(diagnosed_log)) {
         title(out, "Wandering offset without a column");
         out.extend(wander(found));
     }

@@ -11,14 +11,13 @@ use crate::wrap::WIDTH;
 use ironout_analysis::base::axes::Alignment;
 use ironout_analysis::base::counted::{Aside, Why};
 use ironout_analysis::base::solution::Solution;
+use ironout_analysis::fit::fitted::MIN_ERROR_RATIO_TO_DIAGNOSE;
 use ironout_analysis::{Fitted, Report};
 use std::path::Path;
 
 /// A dip whose spread is larger than this, degrees, and than [`MIN_DIP_SPREAD_RATIO`] times the predicted heading error, is mentioned.
 const MIN_DIP_SPREAD_DEG: f64 = 1.0;
 const MIN_DIP_SPREAD_RATIO: f64 = 3.0;
-/// An error this many times the noise floor is worth a diagnosis.
-pub const MIN_ERROR_RATIO_TO_DIAGNOSE: f64 = 1.2;
 
 /// Codes of a refusal of a vehicle that was not turned over.
 const VEHICLE: [&str; 2] = ["vehicle", "too-few-orientations"];

@@ -3,7 +3,7 @@
 use crate::cli::Expected;
 use crate::diagnosis_words::unlogged;
 use crate::field_unit::{derived, fixed, symbol};
-use crate::fit_words::brief::{MIN_ERROR_RATIO_TO_DIAGNOSE, length, posture, set_aside};
+use crate::fit_words::brief::{length, posture, set_aside};
 use crate::input::Log;
 use crate::output::number;
 use crate::wrap::{WIDTH, wrap};
@@ -12,6 +12,7 @@ use ironout_analysis::Fitted;
 use ironout_analysis::base::axes::Alignment;
 use ironout_analysis::base::solution::Solution;
 use ironout_analysis::calibration::FittedEffect;
+use ironout_analysis::fit::fitted::MIN_ERROR_RATIO_TO_DIAGNOSE;
 use nalgebra::Matrix3;
 
 /// The details, line by line.

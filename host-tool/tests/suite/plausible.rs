@@ -1,7 +1,7 @@
 //! Units, axes and clock of a log are held against each other: what cannot be is refused or left out with the option that
 //! mends it, and a log that is right is left alone.
 
-use crate::common::{folder, ironout, recording, simulate, text, write};
+use crate::common::{changed, folder, ironout, recording, simulate, text, write};
 use ironout_analysis::Table;
 use ironout_analysis::plausible::{clock, field, gravity, turning};
 use ironout_simulation::{EffectSpec, Log, Motion, World, WorldOptions};
@@ -86,6 +86,26 @@ fn scaled(log: &Log, names: [&str; 3], factor: f64) -> Log {
 const FIELD: [&str; 3] = ["mx_ut", "my_ut", "mz_ut"];
 const GYRO: [&str; 3] = ["gx_radps", "gy_radps", "gz_radps"];
 const ACCEL: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
+
+#[test]
+fn sensors_whose_columns_are_always_zero_are_ignored() {
+    let here = folder("plausible_silent");
+    let log = simulate(&here, "log.csv", &["--seed", "3"]);
+    let silent = changed(&here, &log, "silent.csv", |place, cells| {
+        for name in ["ax_mps2", "ay_mps2", "az_mps2", "gx_radps", "gy_radps", "gz_radps"] {
+            cells[place(name)] = 0.0;
+        }
+    });
+    let run = ironout(["diagnose", text(&silent), "--json"]);
+    assert_eq!(run.json()["verdict"], "complete", "{}", run.stdout);
+    for sensor in ["accelerometer", "gyro"] {
+        assert!(
+            run.said().contains(&format!("ironout ignores the {sensor}: its columns are always zero")),
+            "{}",
+            run.stderr
+        );
+    }
+}
 
 #[test]
 fn logs_that_are_right_are_left_alone_and_faults_are_found() {

@@ -96,25 +96,26 @@ impl Link {
         open: &impl Fn() -> Outcome<Box<dyn Wire>>,
         from_pages: &Receiver<Vec<u8>>,
     ) {
-        // Said on the terminal once, whenever it changes.
-        let mut said = String::new();
+        // The last failure on the terminal: one that lasts is printed once.
+        let mut printed = String::new();
         while !self.is_ended() {
             match open() {
                 Ok(mut wire) => {
+                    printed.clear();
                     while from_pages.try_recv().is_ok() {}
                     self.state(name, true, "");
                     let why = self.pass(wire.as_mut(), wait, from_pages);
                     self.state(name, false, &why);
                 }
                 Err(failure) => {
-                    if said != failure.message {
+                    if printed != failure.message {
                         eprintln!(
                             "note: {name}: {}. ironout tries again until it can be opened",
                             failure.message
                         );
                     }
                     self.state(name, false, &failure.message);
-                    said = failure.message;
+                    printed = failure.message;
                 }
             }
             std::thread::sleep(PAUSE);
