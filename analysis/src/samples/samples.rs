@@ -139,10 +139,10 @@ fn fill_gaps(values: &mut [f64]) {
 /// Why a column of the log cannot be tested, whatever its values, as the end of a sentence that begins with it. A slow one has values in few
 /// rows, and is known between them.
 pub fn lacks(values: &[f64], not_finite: usize) -> Option<String> {
-    let known = values.iter().filter(|value| value.is_finite()).count();
     if not_finite > 0 {
         return Some(format!("has {not_finite} cells that are NaN or infinite"));
     }
+    let known = values.iter().filter(|value| value.is_finite()).take(LEAST_CELLS).count();
     (known < LEAST_CELLS.min(values.len()))
         .then(|| format!("is empty in {} of {} rows", values.len() - known, values.len()))
 }
@@ -152,8 +152,13 @@ fn column(named: &Named, rows: &[usize]) -> Column {
     let name = named.name;
     let problem = lacks(named.values, named.not_finite).map(|why| format!("{name} {why}"));
     let lacks = problem.is_some();
-    let whole = filled(named.values).unwrap_or(Cow::Borrowed(named.values));
-    let values: Vec<f64> = rows.iter().map(|&row| whole[row]).collect();
+    let mut values: Vec<f64> = rows.iter().map(|&row| named.values[row]).collect();
+    // Most columns lack no cell, and those of a long log are not read whole to know it.
+    if values.iter().any(|value| !value.is_finite())
+        && let Some(whole) = filled(named.values)
+    {
+        values = rows.iter().map(|&row| whole[row]).collect();
+    }
     let n = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / n;
     let mean_square = values.iter().map(|value| value * value).sum::<f64>() / n;
@@ -425,7 +430,17 @@ pub fn past_of(
 ) -> Vec<f64> {
     match past {
         Past::Now => rows.map(|row| values[row]).collect(),
-        Past::Delayed(delay_s) => rows.map(|row| delayed(values, time_s, row, delay_s)).collect(),
+        Past::Delayed(delay_s) => {
+            // Of an even clock the place of a row is as far from that of the row before as the rows are apart.
+            let mut before: Option<(usize, usize)> = None;
+            rows.map(|row| {
+                let near = before.map_or(row, |(row_before, at)| at + row.saturating_sub(row_before));
+                let at = last_before(time_s, near.min(time_s.len() - 1), time_s[row] - delay_s);
+                before = Some((row, at));
+                between(values, time_s, at, time_s[row] - delay_s)
+            })
+            .collect()
+        }
         Past::LowPass(time_constant_s) => {
             let mut filter = LowPass::<f64>::new(time_constant_s);
             let filtered: Vec<f64> = values
@@ -456,7 +471,11 @@ fn last_before(time_s: &[f64], row: usize, wanted: f64) -> usize {
 /// row.
 pub fn delayed(values: &[f64], time_s: &[f64], row: usize, delay_s: f64) -> f64 {
     let wanted = time_s[row] - delay_s;
-    let at = last_before(time_s, row, wanted);
+    between(values, time_s, last_before(time_s, row, wanted), wanted)
+}
+
+/// A column at a time, `at` the last row at or before it.
+fn between(values: &[f64], time_s: &[f64], at: usize, wanted: f64) -> f64 {
     let next = (at + 1).min(time_s.len() - 1);
     let (from, span) = (time_s[at], time_s[next] - time_s[at]);
     if wanted <= from || span <= 0.0 {
