@@ -5,23 +5,11 @@ use crate::base::engine::Design;
 use crate::base::order::AxisOrder;
 use crate::base::start::NO_ROTATION;
 use crate::base::term::{BadShape, COLUMNS, Matrix, Term};
+use crate::bounds::{AS_WELL, BETTER_PART, MAX_DIP_SPREAD_DEG, MIN_DIP_DEG, SWAPPED_DEG};
 use crate::samples::samples::Samples;
 use crate::track::Place;
 use ironout::study::{Model, Residual};
 use nalgebra::{Matrix3, SMatrix, SVector, SymmetricEigen, Vector3};
-
-/// A rotation beyond this is no mounting error: the sensor is turned by right angles, or a driver mirrors it.
-pub const SWAPPED_DEG: f64 = 45.0;
-
-/// ... if undoing it leaves at most this share of the spread that the best small rotation leaves. A hand that shakes the
-/// accelerometer makes the dip spread by several degrees either way: what counts is how much less the one spreads.
-const SWAPPED_LEAVES: f64 = 0.5;
-/// ... and no more than this, degrees: a dip that spreads further tells nothing, and a gyro is asked instead.
-const SWAPPED_MOST_DEG: f64 = 15.0;
-/// ... of at least this, degrees: where the dip spreads by little whatever the rotation, the attitude does not show it.
-const SWAPPED_FROM_DEG: f64 = 8.0;
-/// By the gyro axes are out of order where the dip spreads no further for it than this times as much.
-const NO_WORSE: f64 = 1.1;
 
 /// What the dip says about a model.
 #[derive(Debug, Clone)]
@@ -183,12 +171,12 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
     let Some((mut model, mut after_deg)) = best else { return Ok(None) };
     // Named only where it leaves little of the dip's spread: other errors turn an estimate too.
     let by_dip = angle_deg(&matrix(&model.rotation)) > SWAPPED_DEG
-        && in_order_deg > SWAPPED_FROM_DEG
-        && after_deg < SWAPPED_LEAVES * in_order_deg
-        && after_deg < SWAPPED_MOST_DEG;
+        && in_order_deg > MIN_DIP_DEG
+        && after_deg < BETTER_PART * in_order_deg
+        && after_deg < MAX_DIP_SPREAD_DEG;
     let undecided = angle_deg(&matrix(&model.rotation)) > SWAPPED_DEG && !by_dip;
     let mut by_gyro = false;
-    if (after_deg > SWAPPED_MOST_DEG || undecided)
+    if (after_deg > MAX_DIP_SPREAD_DEG || undecided)
         && let Some(rotation) = by_gyro::rotation(samples, &|at| direction(samples, &model, at))
         && let Some((spread, sine)) = spread(samples, &(rotation * matrix(&model.matrix)), &offset)
         && let Some(turned) = Model::new(model.offset_ut, model.matrix, model.field_ut, rows(&rotation), sine)
@@ -198,7 +186,7 @@ pub fn align(samples: &Samples, model: &Model<f64>) -> Result<Option<Alignment>,
     let rotation = matrix(&model.rotation);
     // By a gyro, unless gravity says that it is the gyro that stands otherwise.
     let swapped =
-        by_dip || by_gyro && angle_deg(&rotation) > SWAPPED_DEG && after_deg < NO_WORSE * in_order_deg;
+        by_dip || by_gyro && angle_deg(&rotation) > SWAPPED_DEG && after_deg < AS_WELL * in_order_deg;
     let (order, angle_deg) =
         if swapped { AxisOrder::nearest(&rotation) } else { (AxisOrder::IN_ORDER, beside_symmetric(&model)) };
     Ok(Some(Alignment { model, before_deg, after_deg, angle_deg, order, by_gyro }))

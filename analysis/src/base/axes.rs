@@ -2,16 +2,10 @@
 
 use crate::base::dip_errors::{RotationErrors, TRIANGLE};
 use crate::base::mounting::OrderStatus;
+use crate::bounds::{ALIGNABLE, KNOWN_DEG, MAX_DIP_SPREAD_DEG};
 use crate::calibration::StdErrors;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use serde::Serialize;
-
-/// A calibration whose predicted error is beyond this share of the field says nothing about directions.
-pub const ALIGNABLE: f64 = 0.05;
-/// A rotation is used where its standard error is below this, degrees.
-const KNOWN_DEG: f64 = 3.0;
-/// An accelerometer whose dip spreads by more than this, at best, shows no gravity (or is another board's), degrees.
-const MOST_SPREAD_DEG: f64 = 15.0;
 
 /// Whether the matrix stands in the accelerometer's axes.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -111,7 +105,7 @@ fn alignment(found: &Found, covariance: &[[f64; 9]; 9]) -> Alignment {
     if order_status.is_mirrored() {
         return Alignment::Mirrored(order_status);
     }
-    if found.after_deg > MOST_SPREAD_DEG {
+    if found.after_deg > MAX_DIP_SPREAD_DEG {
         return Alignment::NoDip { after_deg: found.after_deg };
     }
     match error_deg {

@@ -7,25 +7,19 @@
 
 use crate::base::by_gyro;
 use crate::base::windows::{Stop, windows};
+use crate::bounds::{ACROSS, FEWEST_SAMPLES, GYRO_RAD};
 use crate::samples::samples::Samples;
 use nalgebra::{DVector, SMatrix, SVector, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Length of a window, s: long enough to carry the board to another place, short beside the wandering of a gyro's bias.
 const WINDOW_S: f64 = 2.0;
-/// Fewer windows tell nothing.
-const LEAST_WINDOWS: usize = 30;
 /// What is regressed out: bias, gains and axes, delay.
 const COLUMNS: usize = 13;
 /// So many of the windows are asked; the others may hold what passed by ...
 const MOST: f64 = 0.7;
 /// ... and are left out of what is regressed from so many times theirs.
 const BEYOND: f64 = 3.0;
-/// Noise and effects make about as large an error across the field as along it (0.8 to 1.4 times in 8 recordings with optical truth);
-/// so much more is another field ...
-const ACROSS: f64 = 3.0;
-/// ... beside what a gyro, a room and the times of a log make in a window, rad.
-const GYRO_RAD: f64 = 0.05;
 
 /// What is left beside the gyro, rms of one axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -74,7 +68,7 @@ fn regressed<'l>(list: impl Iterator<Item = &'l Left>) -> Option<SVector<f64, CO
 
 /// Rms of one axis across the field, of one end of a window, as most windows have it: a magnet that passes by is none of the place's.
 fn of_most(list: &[Left]) -> Option<f64> {
-    if list.len() < LEAST_WINDOWS {
+    if list.len() < FEWEST_SAMPLES {
         return None;
     }
     // A length across two axes stays below this many times the rms of one in `MOST` of all windows (Rayleigh).

@@ -4,6 +4,7 @@
 //! `Δu = ū × (Rᵀ φ')` exactly, with `ū` the mean of the direction before and after and `φ'` the turn's axis times
 //! `2 tan(|φ|/2)` (Cayley). That is linear in the nine entries of `Rᵀ`. No acceleration of the board's own disturbs it.
 
+use crate::bounds::{GYRO_GAINS, GYRO_RAD};
 use crate::samples::samples::Samples;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -17,10 +18,6 @@ const LEAST_RAD: f64 = 0.03;
 const MOST_RAD: f64 = 0.7;
 /// Fewer turns tell nothing.
 const LEAST_TURNS: usize = 100;
-/// No entry of the matrix is known worse than this (3°).
-const MOST_ERROR: f64 = 0.05;
-/// A gyro in another unit, or of another board, gives no rotation at all: singular values within these.
-const ROTATES: std::ops::RangeInclusive<f64> = 0.6..=1.5;
 
 /// One turn: the direction before and after, and what the gyro has summed up between them, rad.
 struct Turn {
@@ -86,7 +83,7 @@ pub fn rotation(samples: &Samples, direction: &dyn Fn(usize) -> Vector3<f64>) ->
     let left = (squares - found.dot(&right)).max(0.0) / (3 * turns.len() - 9) as f64;
     let worst = (0..9).map(|i| (inverse[(i, i)] * left).sqrt()).fold(0.0, f64::max);
     let svd = Matrix3::from_fn(|i, j| found[3 * i + j]).try_svd(true, true, 1e-12, 200)?;
-    let sound = worst < MOST_ERROR && svd.singular_values.iter().all(|value| ROTATES.contains(value));
+    let sound = worst < GYRO_RAD && svd.singular_values.iter().all(|value| GYRO_GAINS.contains(value));
     let turned = svd.u? * svd.v_t?;
     (sound && turned.determinant() > 0.0).then(|| turned.transpose())
 }

@@ -2,14 +2,12 @@
 
 use crate::base::prior::Earlier;
 use crate::base::start::NO_ROTATION;
+use crate::bounds::OTHER_DAY;
 use crate::samples::samples::Condition;
 use ironout::study::Model;
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// An earlier calibration is another by so much of the field, and of a gain, besides its noise.
-const OTHER_DAY: f64 = 0.003;
 
 /// What an earlier calibration says, with the offset as it is where the columns of its effects have their means in this log.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -12,15 +12,11 @@
 
 use crate::base::counted::Counted;
 use crate::base::model::Base;
+use crate::bounds::{IN_SCALE_UT, TYPICAL_UT};
 use crate::plausible::field::EARTH_UT;
 use crate::reason::Reason;
 use crate::table::Table;
 use ironout::fit::{FitError, Method};
-
-/// Magnitudes for which the fit's constants in µT hold, µT.
-const IN_SCALE_UT: std::ops::RangeInclusive<f64> = 12.0..=120.0;
-/// A magnitude in the middle of those that the field has on Earth, µT.
-const TYPICAL_UT: f64 = 50.0;
 
 /// The samples of a log and their base model.
 pub struct Ground<'a> {

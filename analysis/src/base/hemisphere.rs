@@ -4,17 +4,9 @@ use crate::base::alignment::Alignment;
 use crate::base::heading::heading_error;
 use crate::base::mounting::{DecidedBy, Doubt, OrderStatus};
 use crate::base::term::Term;
+use crate::bounds::{FORWARDS_DEG, MIN_DIP_DEG, NEAR_DEG};
 use crate::samples::samples::Samples;
 use ironout::study::Model;
-
-/// Headings that are off by more than this, rms degrees, are backwards if their opposites ...
-const BACKWARDS_DEG: f64 = 120.0;
-/// ... are off by less than this.
-const FORWARDS_DEG: f64 = 60.0;
-/// A dip nearer to the horizon than this says nothing about its sign, degrees.
-const LEVEL_DEG: f64 = 8.0;
-/// Iron nearby turns the field by less than this, degrees.
-const NEAR_DEG: f64 = 25.0;
 
 /// What is known besides the field.
 #[derive(Debug, Clone, Copy, Default)]
@@ -68,7 +60,7 @@ pub(crate) fn settle(
 
 /// Whether headings that are off by `own_deg` rms are those of the opposite field, which is off by `opposite_deg`.
 fn of_headings(own_deg: f64, opposite_deg: f64) -> Result<bool, Doubt> {
-    let backwards = |wrong: f64, right: f64| wrong > BACKWARDS_DEG && right < FORWARDS_DEG;
+    let backwards = |wrong: f64, right: f64| wrong > 180.0 - FORWARDS_DEG && right < FORWARDS_DEG;
     match (backwards(own_deg, opposite_deg), backwards(opposite_deg, own_deg)) {
         (true, _) => Ok(true),
         (_, true) => Ok(false),
@@ -78,7 +70,7 @@ fn of_headings(own_deg: f64, opposite_deg: f64) -> Result<bool, Doubt> {
 
 /// Whether a field with this dip is the opposite of that of the place.
 fn of_dips(dip_deg: f64, expected_deg: f64) -> Result<bool, Doubt> {
-    if expected_deg.abs() < LEVEL_DEG || dip_deg.abs() < LEVEL_DEG {
+    if expected_deg.abs() < MIN_DIP_DEG || dip_deg.abs() < MIN_DIP_DEG {
         return Err(Doubt::LevelField { expected_deg });
     }
     if (dip_deg - expected_deg).abs() <= NEAR_DEG && dip_deg * expected_deg > 0.0 {

@@ -1,12 +1,11 @@
 //! How far a board was tilted, as its accelerometer and its gyro tell it. The residual of the magnetometer cannot: an effect
 //! that is not in the model spreads the readings as attitudes do.
 
+use crate::bounds::{FALLING, FLIES};
 use crate::samples::samples::Samples;
 use crate::samples::series::median;
 use crate::table::Table;
 
-/// Below this tilt, degrees rms, a log carries no offset and matrix of its own.
-pub const LEVEL_DEG: f64 = 12.0;
 /// Turns are summed over so many seconds: in a banked turn the accelerometer believes itself level.
 const SUMMED_S: f64 = 5.0;
 
@@ -14,10 +13,6 @@ const SUMMED_S: f64 = 5.0;
 const AVERAGED_S: f64 = 0.5;
 /// ... from so many rows at least.
 const AVERAGED_ROWS: usize = 3;
-/// A board falls where that is less than this share of the usual.
-const FALLING: f64 = 0.5;
-/// What falls for this share of a log flies freely.
-const FLIES: f64 = 0.02;
 
 /// Whether the board fell now and then: what flies so is held by nothing but its thrust, which keeps to the board's own axis
 /// however it turns, so that its accelerometer tells no attitude. Level flight falls at no time.

@@ -3,6 +3,7 @@
 use crate::base::engine::{Design, Fitted};
 use crate::base::prior::Prior;
 use crate::base::term::{COLUMNS, Matrix, Term};
+use crate::bounds::MIN_SHARE;
 use crate::noise::own::{Colour, OwnNoise};
 use crate::samples::scores::Scores;
 use crate::samples::series::{Autocorrelation, rms, second_difference_sigma};
@@ -15,8 +16,6 @@ use serde::Serialize;
 
 /// The error of an effect is averaged over its columns' values at so many samples of the log.
 const CONDITIONS: usize = 8;
-/// Structure makes at least this share of the residual's variance.
-const STRUCTURE_SHARE: f64 = 0.04;
 
 /// The integrated autocorrelation time is that of so many samples.
 const TIME_BY: usize = 1 << 15;
@@ -117,7 +116,7 @@ pub fn residue_of(residuals: &[f64], noise: OwnNoise, parameters: usize) -> Nois
     // What is new from sample to sample is noise; of what is faster than that, what no neighbour predicts.
     let smooth = if sizes.quick < whole { sizes.quick } else { whole * noise.fresh.sqrt() };
     let share = 1.0 - (smooth / whole.max(1e-300)).powi(2);
-    let structured = !noise.is_noise() && share > STRUCTURE_SHARE;
+    let structured = !noise.is_noise() && share > MIN_SHARE;
     let floor = if structured { smooth } else { whole };
     NoiseEstimate {
         rms: sizes.rms,

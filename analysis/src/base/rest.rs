@@ -1,26 +1,15 @@
 //! Whether a log is of a board at rest.
 
 use crate::base::start::sphere;
+use crate::bounds::{
+    EXPLAINED_AT_REST, NOISE_AT_REST, RESTING_RADPS, RESTING_TILT, RESTING_TURN_RAD, ROUND, ROUND_NOISES,
+};
 use crate::samples::samples::Samples;
 use crate::samples::series::{median, rms, second_difference_sigma};
 use nalgebra::{DMatrix, DVector};
 
-/// A turning board turns faster than this for half of the time, rad/s.
-const RESTING_RADPS: f64 = 0.05;
-/// A board that turns now and then, as a car does, turns by more than this within [`TURN_TIME_S`], rad rms over the log.
-const RESTING_TURN_RAD: f64 = 0.15;
 /// A turn is summed over so long, s: less than the drift of a gyro's zero makes anything of.
 const TURN_TIME_S: f64 = 10.0;
-/// A resting board's direction down stays within this angle's sine.
-const RESTING_TILT: f64 = 0.06;
-/// Readings that spread across their widest direction by more than this share of it go round ...
-const ROUND: f64 = 0.3;
-/// ... where that is so many times what neighbours differ by.
-const ROUND_NOISES: f64 = 5.0;
-/// Without gyro and accelerometer: the share of the vector's variance that the columns must explain.
-const EXPLAINED: f64 = 0.6;
-/// ... and what they leave is no more than this many times what neighbours differ by, or less than a sphere leaves.
-const NOISE: f64 = 2.0;
 
 /// Whether the board rests: then the vector itself is the residual.
 pub fn at_rest(samples: &Samples) -> bool {
@@ -142,7 +131,7 @@ fn told_by_columns(samples: &Samples) -> bool {
     }
     let Some(factor) = normal.cholesky() else { return false };
     let found = factor.solve(&right);
-    if right.component_mul(&found).sum() <= EXPLAINED * total {
+    if right.component_mul(&found).sum() <= EXPLAINED_AT_REST * total {
         return false;
     }
     let left: Vec<[f64; 3]> = (0..n)
@@ -155,7 +144,7 @@ fn told_by_columns(samples: &Samples) -> bool {
     let axes = [0, 1, 2].map(per_axis);
     let rms_of = |of: fn(&[f64]) -> f64| axes.iter().map(|axis| of(axis).powi(2)).sum::<f64>().sqrt();
     let (left, noise) = (rms_of(rms), rms_of(second_difference_sigma));
-    left < NOISE * noise || left / 3.0_f64.sqrt() < beside_a_sphere(samples)
+    left < NOISE_AT_REST * noise || left / 3.0_f64.sqrt() < beside_a_sphere(samples)
 }
 
 /// Rms of the readings' distance from the sphere that fits them best, µT.

@@ -3,16 +3,12 @@
 use crate::base::applied::Applied;
 use crate::base::quality::NoiseEstimate;
 use crate::base::term::{BadShape, Term};
-use crate::bounds::MIN_SHARE;
+use crate::bounds::{MIN_SHARE, UNSEEN_LEAST, UNSEEN_SLACK};
 use crate::evidence::significance::Test;
 use crate::outcome::view::View;
 use crate::samples::faults;
 use crate::search::state::held_out_rms;
 
-/// The squared held-out error exceeds what is expected of noise by chance by so many times that excess ...
-const UNSEEN_SLACK: f64 = 2.0;
-/// ... and by this share of the noise's square.
-const UNSEEN_LEAST: f64 = 0.1;
 /// So many effects that explain the most are looked at with what stands out beside them.
 const LEADERS: usize = 3;
 impl View<'_, '_> {

@@ -4,7 +4,6 @@
 //! its field free (another place), with both, and not used at all. The variance is that of the loosest fit's residual, times how many
 //! samples contain the information of one independent sample. `T / k`, of k freed parameters, is F-distributed where the calibration still holds.
 
-use crate::base::axes::ALIGNABLE;
 use crate::base::earlier::EarlierCalibration;
 use crate::base::engine::{Design, Fitted};
 use crate::base::ground::Ground;
@@ -12,6 +11,7 @@ use crate::base::prior::{Earlier, Prior, parameters};
 use crate::base::quality::Sizes;
 use crate::base::start::sphere;
 use crate::base::term::{Matrix, Term};
+use crate::bounds::{ALIGNABLE, MAX_P_CONTRADICTED};
 use crate::outcome::asked::asked_for;
 use crate::outcome::request::{Options, Refusal};
 use crate::search::candidates::Catalogue;
@@ -20,9 +20,6 @@ use ironout::study::{Model, Residual, f_tail};
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-/// Significance level of a contradiction. Every log with an earlier calibration is tested, and a false alarm costs the user that
-/// calibration, so that one in a million is accepted.
-const MAX_P_VALUE: f64 = 1e-6;
 /// Parameters of offset and triangle.
 const PARAMETERS: f64 = 9.0;
 /// Fewer independent samples say nothing about them.
@@ -144,7 +141,7 @@ pub(crate) fn freed(ground: &Ground, options: &Options) -> Result<Option<(Option
         looser.iter().filter(|(freed, _)| freed.freedom() > parameters).all(|(freed, looser)| {
             let more = freed.freedom() - parameters;
             let rise = own.and_then(|own| looser.rises_under(own));
-            rise.is_none_or(|rise| f_tail(rise / more, more, looser.independent) >= MAX_P_VALUE)
+            rise.is_none_or(|rise| f_tail(rise / more, more, looser.independent) >= MAX_P_CONTRADICTED)
         })
     };
     if stands(Some(&earlier), 0.0) {

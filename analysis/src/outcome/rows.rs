@@ -1,10 +1,9 @@
 //! The candidates and effects of a diagnosis as rows, in words and numbers.
 
-use crate::base::alignment::SWAPPED_DEG;
 use crate::base::mounting::{self, AXIS_ORDER, MISALIGNMENT, Mounting, OrderStatus};
 use crate::base::quality::{covariance, covariance_of};
 use crate::base::term::{BadShape, Term};
-use crate::bounds::MIN_SHARE;
+use crate::bounds::{MIN_SHARE, MISALIGNED_DEG, SWAPPED_DEG};
 use crate::calibration::FittedEffect;
 use crate::evidence::significance::Test;
 use crate::outcome::blank::untestable;
@@ -14,9 +13,6 @@ use crate::search::parameter::in_words;
 use crate::search::screen::SIGNIFICANCE;
 use ironout::effect::{Follows, Named};
 use ironout::study::Residual;
-
-/// A rotation between the sensors beyond this is worth a word, degrees: soft iron itself may turn the field by less.
-const MISALIGNED_DEG: f64 = 4.0;
 
 impl View<'_, '_> {
     pub(crate) fn candidates(

@@ -3,10 +3,11 @@
 use crate::base::counted::Counted;
 use crate::base::engine::Design;
 use crate::base::ground::Ground;
-use crate::base::level::{LEVEL_DEG, tilt_deg};
+use crate::base::level::tilt_deg;
 use crate::base::model::Base;
 use crate::base::prior::Prior;
 use crate::base::start;
+use crate::bounds::{AS_WELL, BETTER_PART, FEWEST_SAMPLES, LEVEL_DEG};
 use crate::calibration::{EffectEntry, FittedEffect};
 use crate::correct::Corrector;
 use crate::effects::calibrated;
@@ -30,14 +31,6 @@ use ironout::effect::Follows;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::{Model, Residual};
 use std::borrow::Cow;
-
-/// Fewer samples are no study.
-const FEWEST: usize = 30;
-
-/// What stood out is explained where the held-out error is hardly larger with it.
-const AS_WELL: f64 = 1.1;
-/// An offset and a matrix of its own that take the error to this share of it say that the sensor was not calibrated before.
-const OF_ATTITUDE: f64 = 0.5;
 
 /// The diagnosis of a log whose samples are sorted out, with `with_room` to work in.
 pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
@@ -173,15 +166,15 @@ fn on(
 
 fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
     let table = ground.counted.table;
-    if samples.len() < FEWEST {
+    if samples.len() < FEWEST_SAMPLES {
         let few = samples.len();
         let why = match ground.counted.at_rest {
-            0 if table.rows() >= 2 * FEWEST && few < table.rows() / 10 => format!(
+            0 if table.rows() >= 2 * FEWEST_SAMPLES && few < table.rows() / 10 => format!(
                 "only {few} of {} rows contain a new magnetometer reading. The sensor is stuck, its bus hangs, or its \
                  driver rarely reads it",
                 table.rows()
             ),
-            0 => format!("the log has {few} different samples; at least {FEWEST} are necessary"),
+            0 => format!("the log has {few} different samples; at least {FEWEST_SAMPLES} are necessary"),
             rest => format!(
                 "The sensor hardly moved ({few} samples of motion, {rest} at rest). Record again while rotating \
                  it"
@@ -264,7 +257,7 @@ fn tells_more(calibrated: &Diagnosis, free: &Diagnosis) -> bool {
     let as_well = left(calibrated) < AS_WELL * left(free);
     as_well
         && base(free) > AS_WELL * left(calibrated)
-        && !(in_time && base(free) < OF_ATTITUDE * base(calibrated))
+        && !(in_time && base(free) < BETTER_PART * base(calibrated))
 }
 
 /// The model that a study begins with: an earlier calibration, or what these samples say.

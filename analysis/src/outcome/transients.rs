@@ -4,6 +4,7 @@
 //! A strong effect hides the flanks of a passing magnet, and a magnet that comes and goes looks like steps. Once the effect is
 //! in the model both show.
 
+use crate::bounds::{AS_WELL, MAX_PASSING, PASSED, PASSES_S};
 use crate::calibration::FittedEffect;
 use crate::outcome::outcome::{Diagnosis, Verdict};
 use crate::samples::faults::{self, DataFault, FaultKind};
@@ -13,16 +14,6 @@ use ironout::study::Residual;
 
 /// Studies without what stood out of the one before.
 pub(crate) const ROUNDS: usize = 3;
-/// Steps there and back within so many seconds are a magnet that passed ...
-const PASSES_S: f64 = 6.0;
-/// ... if together they leave less than this share of the largest one.
-const BACK: f64 = 0.35;
-/// What is set aside reaches further than the steps by this share of the time between them, on either side.
-const BEYOND: f64 = 0.35;
-/// More than this share of a log is no passing magnet.
-const MOST: f64 = 0.1;
-/// A study without what stood out says more where its held-out error is below this share of what it was.
-const LOWERS: f64 = 0.9;
 
 /// Samples that stand out of what a diagnosis found, as first and last place among its samples; empty where nothing does, or where so
 /// much does that it is no fault.
@@ -46,7 +37,7 @@ fn stand_out(samples: &Samples, diagnosis: &Diagnosis, asked: &[String]) -> Vec<
         }
     }
     let flagged: usize = merged.iter().map(|(from, to)| to - from + 1).sum();
-    let much = flagged as f64 > MOST * samples.len() as f64;
+    let much = flagged as f64 > MAX_PASSING * samples.len() as f64;
     if much || faults::have_company(samples, &merged) { Vec::new() } else { merged }
 }
 
@@ -66,8 +57,8 @@ fn steps_there_and_back<'e>(
             left = std::array::from_fn(|axis| left[axis] + next[axis]);
             largest = largest.max(length(*next));
             let apart = last_s - first_s;
-            if apart <= PASSES_S && length(left) <= BACK * largest {
-                let (from, to) = (first_s - BEYOND * apart, last_s + BEYOND * apart);
+            if apart <= PASSES_S && length(left) <= PASSED * largest {
+                let (from, to) = (first_s - PASSED * apart, last_s + PASSED * apart);
                 let (from, to) = (time.partition_point(|t| *t < from), time.partition_point(|t| *t <= to));
                 if from < to {
                     list.push((from, to - 1));
@@ -122,11 +113,11 @@ pub(crate) fn says_more(without: &Diagnosis, with: &Diagnosis) -> bool {
     let Some(now) = left(without) else { return false };
     // A step within a part of the log that is held out cannot be predicted.
     let before = left(with).unwrap_or(f64::INFINITY);
-    let fewer = without.effects.len() < with.effects.len() && now <= before / LOWERS;
+    let fewer = without.effects.len() < with.effects.len() && now <= AS_WELL * before;
     let better = match (explained(with), explained(without)) {
         (false, true) => now <= before || fewer,
         (true, false) => false,
-        _ => now < LOWERS * before || fewer,
+        _ => AS_WELL * now < before || fewer,
     };
     better && !without.effects.is_empty() && without.verdict != Verdict::Undetermined
 }

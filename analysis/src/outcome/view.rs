@@ -12,7 +12,7 @@ use crate::base::prior::Prior;
 use crate::base::quality::{NoiseEstimate, attitude_error, covariance, error_beyond};
 use crate::base::start;
 use crate::base::term::{BadShape, Term};
-use crate::bounds::MAX_P_HELD_OUT;
+use crate::bounds::{BETTER_PART, KNOWN_DEG, MAX_ERROR_TO_NAME, MAX_P_HELD_OUT};
 use crate::outcome::outcome::{Heading, StepRow, Verdict, Where};
 use crate::outcome::shows::shows;
 use crate::reason::Reason;
@@ -27,14 +27,6 @@ use crate::table::Table;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::quality::MAX_RESIDUAL;
 use ironout::study::{Model, Residual, f_tail};
-
-/// A dip that spreads by more than this after alignment, degrees, is worth a search for a sensor that is very late.
-const LOOSE_DEG: f64 = 3.0;
-
-/// What is certain ([`MAX_P_HELD_OUT`]) is named up to this error of the corrected vector, as a share of the field ...
-const MAX_ERROR_TO_NAME: f64 = 0.025;
-/// ... and each that is named leaves less than this of the squared error.
-const MOST: f64 = 0.5;
 
 /// A verdict and why.
 pub(crate) struct Judged {
@@ -108,7 +100,7 @@ impl<'a> View<'_, 'a> {
         let held_deg = tested.held_out.map(|squares| (squares / base.rows).sqrt().to_degrees());
         study.tested = Some((tested.p_value, held_deg));
         let has_eddy = is_coupled;
-        let far = if tested.accepted || force_lag || has_eddy || after_deg < LOOSE_DEG {
+        let far = if tested.accepted || force_lag || has_eddy || after_deg < KNOWN_DEG {
             None
         } else {
             scan(self.table, &clean, &base.model, after_deg)?
@@ -294,7 +286,7 @@ impl<'a> View<'_, 'a> {
         let chance =
             explanation.chances.iter().map(|(_, p)| p * explanation.count as f64).fold(0.0, f64::max);
         let falls = |before: Option<f64>, after: Option<f64>| {
-            before.zip(after).is_some_and(|(before, after)| after * after < MOST * before * before)
+            before.zip(after).is_some_and(|(before, after)| after * after < BETTER_PART * before * before)
         };
         let mut pairs = explanation.steps.windows(2);
         let each = pairs.all(|pair| {

@@ -5,6 +5,7 @@ use crate::base::engine::Design;
 use crate::base::prior::Prior;
 use crate::base::start::NO_ROTATION;
 use crate::base::term::{BadShape, Term};
+use crate::bounds::MAX_LAG_S;
 use crate::samples::samples::Samples;
 use crate::samples::series::median;
 use crate::table::Table;
@@ -12,8 +13,6 @@ use ironout::study::{Model, Residual};
 
 /// Delays that are tried where the dip spreads and no small one explains it, s.
 const SCANNED_S: [f64; 8] = [0.1, 0.2, 0.35, 0.5, 0.7, 0.9, 1.2, 1.6];
-/// A sensor later than this is not looked for, s.
-const LATEST_S: f64 = 2.0;
 
 /// A fit of the dip with a delay.
 pub struct Late<'a> {
@@ -77,7 +76,7 @@ impl<'a> Late<'a> {
         let (mut delay_s, mut model) = from.unwrap_or((term.coefficients[0], best.model));
         for _ in 0..12 {
             let beside = (delay_s / step_s).round() * step_s;
-            if !(delay_s.abs() < LATEST_S) || best.beside == Some(beside) || beside == 0.0 {
+            if !(delay_s.abs() < MAX_LAG_S) || best.beside == Some(beside) || beside == 0.0 {
                 break;
             }
             let Some(moved) = samples.beside_late(table, beside) else { break };

@@ -3,12 +3,11 @@
 use crate::base::applied::Applied;
 use crate::base::engine::Fitted;
 use crate::base::term::{BadShape, Term};
-use crate::bounds::MIN_ODDS;
+use crate::bounds::{MIN_ODDS, RAISES};
 use crate::evidence::select::{Begin, Selected, Selection, select};
 use crate::samples::series::Autocorrelation;
 use crate::search::parameter;
 use crate::search::several::numbered;
-use crate::search::shown::RAISES;
 use crate::search::state::{Confounded, Explanation, Fitter, Step};
 use ironout::effect::{Acts, Bends};
 use ironout::study::{Model, Residual};

@@ -1,10 +1,8 @@
 //! Whether a log shows the effects that were put into its model.
 
+use crate::bounds::RAISES;
 use crate::search::screen::{ACCUSED, RELEVANCE};
 use serde::Serialize;
-
-/// What raises the held-out error by more than this factor is neither recommended nor named.
-pub(crate) const RAISES: f64 = 1.05;
 
 /// What the test of an effect in the model says.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -5,6 +5,7 @@ use crate::base::applied::Applied;
 use crate::base::engine::{Design, Fitted, SETTLED};
 use crate::base::prior::Prior;
 use crate::base::term::BadShape;
+use crate::bounds::RAISES;
 use crate::evidence::significance::Test;
 use crate::search::candidates::Catalogue;
 use crate::search::shown::Shown;
@@ -12,8 +13,6 @@ use ironout::study::{Residual, held_out};
 
 /// The coupling's share along the identity has settled when it moves by less than this, s.
 const SETTLED_S: f64 = 2e-5;
-/// A delay of which the magnitude's squares become so many times what they were is none.
-const CONTRADICTED: f64 = 1.05;
 /// Rounds of fit and alignment at the end …
 const SETTLING: usize = 12;
 /// … until nothing moves by more than this share of the offset's and of the coefficients' size.
@@ -161,7 +160,7 @@ impl<'a> Fitter<'_, 'a> {
             if let (Some(_), true) = (index, alignment.by_gyro) {
                 *delays = false;
                 return Ok(match self.design.fit(alignment.model, fitted.terms.clone(), self.known)? {
-                    Some(next) if next.squares <= CONTRADICTED * fitted.squares => next,
+                    Some(next) if next.squares <= RAISES * fitted.squares => next,
                     _ => fitted,
                 });
             }
@@ -185,7 +184,7 @@ impl<'a> Fitter<'_, 'a> {
             }
             // Specific force of the board's own may look like a delay that the magnitude contradicts.
             match self.design.fit(fit.model, terms, self.known)? {
-                Some(next) if next.squares <= CONTRADICTED * fitted.squares => fitted = next,
+                Some(next) if next.squares <= RAISES * fitted.squares => fitted = next,
                 _ => {
                     *delays = false;
                     return Ok(fitted);

@@ -4,16 +4,11 @@
 //! sensor, and noise. The covariance of the deviations is the variance of `c`. What a variance has beyond that and beyond noise is the sensor's
 //! own. A magnitude knows no axes, so that the sensors may be mounted differently.
 
+use crate::bounds::{PAIR_RATIO, PAIR_SHARE, PAIR_SIGMAS};
 use serde::Serialize;
 
 /// Blocks of time whose differences show the errors.
 const BLOCKS: usize = 24;
-/// A part is significant beyond so many standard errors ...
-const MIN_SIGMAS: f64 = 4.0;
-/// ... and matters beyond this share of the field, rms.
-const MIN_SHARE: f64 = 0.002;
-/// A sensor is the disturbed one if its own part is so many times that of the other, rms.
-const MIN_RATIO: f64 = 2.0;
 
 /// Which of the two sensors is disturbed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -97,15 +92,15 @@ pub fn pair(first: &[f64], second: &[f64], field_ut: f64) -> Pair {
         let mean = without.iter().map(|parts| parts[place]).sum::<f64>() / n;
         ((n - 1.0) / n * without.iter().map(|parts| (parts[place] - mean).powi(2)).sum::<f64>()).sqrt()
     };
-    let least_ut2 = (MIN_SHARE * field_ut).powi(2);
+    let least_ut2 = (PAIR_SHARE * field_ut).powi(2);
     let part = |place: usize| Part {
         rms_ut: parts[place].max(0.0).sqrt(),
-        significant: parts[place] > MIN_SIGMAS * error(place) && parts[place] > least_ut2,
+        significant: parts[place] > PAIR_SIGMAS * error(place) && parts[place] > least_ut2,
     };
     let [common, this, that] = [part(0), part(1), part(2)];
-    let stands_out = parts[3].abs() > MIN_SIGMAS * error(3);
+    let stands_out = parts[3].abs() > PAIR_SIGMAS * error(3);
     let of_both_ut = if common.significant { common.rms_ut } else { 0.0 };
-    let outweighs = |own: Part, other: Part| own.rms_ut > of_both_ut.max(MIN_RATIO * other.rms_ut);
+    let outweighs = |own: Part, other: Part| own.rms_ut > of_both_ut.max(PAIR_RATIO * other.rms_ut);
     let disturbed = match () {
         () if stands_out && this.significant && outweighs(this, that) => Some(Disturbed::This),
         () if stands_out && that.significant && outweighs(that, this) => Some(Disturbed::Other),

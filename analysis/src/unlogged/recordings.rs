@@ -3,6 +3,7 @@
 //! Gauss–Newton on the magnitude with the six entries of a symmetric matrix that all recordings share and three of an offset for each: the
 //! offsets are eliminated block by block (Schur), so that the cost is linear in the recordings.
 
+use crate::bounds::FEWEST_SAMPLES;
 use crate::unlogged::linear::{BASE, Normal, Row, memory, one_and};
 use ironout::study::f_tail;
 use nalgebra::{SMatrix, SVector};
@@ -12,8 +13,6 @@ use serde::{Deserialize, Serialize};
 const MOST_STEPS: usize = 30;
 /// It has arrived when no offset moves by more, µT.
 const STANDS_UT: f64 = 1e-7;
-/// Fewer samples carry no offset of their own.
-pub const FEWEST: usize = 30;
 
 /// One recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -51,7 +50,8 @@ pub struct Recordings {
 /// where fewer than two carry an offset.
 pub fn offsets(corrected_ut: &[Vec<[f64; 3]>], matrix: &[[f64; 3]; 3], field_ut: f64) -> Option<Recordings> {
     let inverse = ironout::vector::inverse_3x3(matrix)?;
-    let used: Vec<usize> = (0..corrected_ut.len()).filter(|&i| corrected_ut[i].len() >= FEWEST).collect();
+    let used: Vec<usize> =
+        (0..corrected_ut.len()).filter(|&i| corrected_ut[i].len() >= FEWEST_SAMPLES).collect();
     if used.len() < 2 {
         return None;
     }

@@ -33,24 +33,32 @@ const MIN_CATCH_UP_STEPS: f64 = 6.0;
 const MIN_CATCH_UP_SHARE: f64 = 0.1;
 
 /// Readings without those that repeat the one before.
-struct Runs {
+struct Runs<'n> {
+    numbers: [&'n [f64]; 3],
+    /// Axes that are looked at; the others are zero.
+    axes: [bool; 3],
     /// Row at which each reading begins.
-    starts: Vec<usize>,
-    readings: Vec<[f64; 3]>,
+    starts: Vec<u32>,
 }
 
-impl Runs {
-    fn new(numbers: [&[f64]; 3], axes: [bool; 3]) -> Runs {
-        let mut runs = Runs { starts: Vec::new(), readings: Vec::new() };
-        for (row, ((x, y), z)) in numbers[0].iter().zip(numbers[1]).zip(numbers[2]).enumerate() {
-            let reading =
-                [(axes[0], *x), (axes[1], *y), (axes[2], *z)].map(|(is, v)| if is { v } else { 0.0 });
-            if runs.readings.last() != Some(&reading) {
-                runs.starts.push(row);
-                runs.readings.push(reading);
+impl<'n> Runs<'n> {
+    fn new(numbers: [&'n [f64]; 3], axes: [bool; 3]) -> Self {
+        let mut runs = Runs { numbers, axes, starts: Vec::new() };
+        for row in 0..numbers[0].len() {
+            if row == 0 || runs.at_row(row) != runs.at_row(row - 1) {
+                runs.starts.push(row as u32);
             }
         }
         runs
+    }
+
+    fn at_row(&self, row: usize) -> [f64; 3] {
+        [0, 1, 2].map(|axis| if self.axes[axis] { self.numbers[axis][row] } else { 0.0 })
+    }
+
+    /// The reading of a run; `None` before the first and after the last.
+    fn reading(&self, at: usize) -> Option<[f64; 3]> {
+        self.starts.get(at).map(|row| self.at_row(*row as usize))
     }
 }
 
@@ -69,17 +77,20 @@ struct Event {
     past: f64,
 }
 
-fn events(readings: &[[f64; 3]], range: f64) -> Vec<Event> {
+fn events(runs: &Runs, range: f64) -> Vec<Event> {
     let mut list = Vec::new();
-    for at in 1..readings.len().saturating_sub(1) {
-        let (last, this, next) = (&readings[at - 1], &readings[at], &readings[at + 1]);
-        let (through, past) = (way(last, this) + way(this, next), way(last, next));
+    for at in 1..runs.starts.len().saturating_sub(1) {
+        let [Some(last), Some(this), Some(next)] = [at - 1, at, at + 1].map(|at| runs.reading(at)) else {
+            break;
+        };
+        let (through, past) = (way(&last, &this) + way(&this, &next), way(&last, &next));
         let shortcut = through - past;
         if shortcut < MIN_SHORTCUT_SHARE * range {
             continue;
         }
-        let before = at.checked_sub(2).map_or(0.0, |other| way(&readings[other], last));
-        let behind = readings.get(at + 2).map_or(0.0, |other| way(next, other));
+        let before =
+            at.checked_sub(2).and_then(|at| runs.reading(at)).map_or(0.0, |other| way(&other, &last));
+        let behind = runs.reading(at + 2).map_or(0.0, |other| way(&next, &other));
         if shortcut >= MIN_SHORTCUT_STEPS * before.max(behind).max(past) {
             list.push(Event { at, through, past });
         }
@@ -105,7 +116,7 @@ pub fn best(numbers: [&[f64]; 3]) -> Option<(Breakage, f64)> {
     // The whole reading first: an axis of it shows the same, and only a part.
     for axes in subsets {
         let runs = Runs::new(numbers, axes);
-        let events = events(&runs.readings, widest);
+        let events = events(&runs, widest);
         let found = code(numbers, &runs, axes, &events).or_else(|| every(&runs, &events, numbers[0].len()));
         if found.is_some() {
             return found;
@@ -119,7 +130,8 @@ fn code(numbers: [&[f64]; 3], runs: &Runs, axes: [bool; 3], events: &[Event]) ->
     if events.len() < MIN_EVENTS {
         return None;
     }
-    let mut values: Vec<([f64; 3], Event)> = events.iter().map(|e| (runs.readings[e.at], *e)).collect();
+    let mut values: Vec<([f64; 3], Event)> =
+        events.iter().filter_map(|e| Some((runs.reading(e.at)?, *e))).collect();
     values.sort_by(|a, b| {
         a.0.iter().zip(&b.0).fold(std::cmp::Ordering::Equal, |o, (x, y)| o.then(x.total_cmp(y)))
     });
@@ -150,7 +162,7 @@ fn every(runs: &Runs, events: &[Event], rows: usize) -> Option<(Breakage, f64)> 
     if events.len() < MIN_EVENTS + 1 {
         return None;
     }
-    let places: Vec<usize> = events.iter().map(|event| runs.starts[event.at]).collect();
+    let places: Vec<usize> = events.iter().map(|event| runs.starts[event.at] as usize).collect();
     for every in 3..=MAX_PERIOD.min(rows / 4) {
         // The grid of the rows is that of most of them.
         let mut counts = vec![0_usize; every];
