@@ -147,13 +147,13 @@ pub const OTHER_DAY: f64 = 0.003;
 pub const CALIBRATED_SPREAD: f64 = 0.2;
 
 /// 1σ of its offset, in units of the field: what a calibration of another day leaves.
-pub const CALIBRATED_OFFSET: f64 = 0.3;
+pub const CALIBRATED_OFFSET: f64 = 0.1;
 
 /// 1σ of its gains and axes.
 pub const CALIBRATED_GAIN: f64 = 0.02;
 
 /// 1σ of the mean of its gains, where the field is given: the sensitivity tolerance of datasheets.
-pub const CALIBRATED_SCALE: f64 = 0.03;
+pub const CALIBRATED_SCALE: f64 = 0.3;
 
 // Directions.
 
