@@ -63,6 +63,7 @@ impl Default for CoverageMap {
 
 /// Which of the equal-area bins were seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Seen(u64);
 
 impl Seen {
@@ -86,6 +87,7 @@ impl Seen {
 
 /// What a [`CoverageMap`] says.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Coverage {
     /// Fraction of the equal-area bins that were seen, 0 … 1.
     pub fraction: f32,
@@ -185,7 +187,7 @@ impl CoverageMap {
     }
 
     /// The same in one row, or `best` if that is nearer. On either side it is the place next to the probe's own.
-    #[inline]
+    #[inline(never)]
     fn nearest_in_row(&self, row: usize, place: usize, probe: [f32; 3], best: f32) -> f32 {
         let Some(seen) = self.seen.get(row) else { return best };
         let around = seen.rotate_right(place as u32);

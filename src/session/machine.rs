@@ -28,6 +28,14 @@ pub struct Session {
     stage: Stage,
 }
 
+/// Where it stands: its sums are more than a line of a log.
+#[cfg(feature = "defmt")]
+impl defmt::Format for Session {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "Session {}", self.state());
+    }
+}
+
 const _: () = assert!(core::mem::size_of::<Session>() <= 1600, "the session's memory is a promise");
 
 impl Session {
@@ -67,6 +75,7 @@ impl Session {
     }
 
     /// Starts collecting, from nothing. Whatever was collected or solved before is forgotten.
+    #[inline(never)]
     pub fn start(&mut self) {
         self.stage = Stage::Collecting(Collector::new(&self.config));
     }
@@ -78,6 +87,7 @@ impl Session {
 
     /// Takes one sample, in any state: outside of `Collecting` it is left alone. A sample out of range, or at the
     /// ends of the 16-bit range, is counted but not used.
+    #[inline(never)]
     pub fn push(&mut self, sample: Sample) {
         if let Stage::Collecting(collector) = &mut self.stage {
             collector.push(sample);
@@ -143,6 +153,7 @@ impl Session {
     ///
     /// # Errors
     /// [`StateError`] unless collecting.
+    #[inline(never)]
     pub fn stop(&mut self) -> Result<&Outcome, StateError> {
         let error = StateError { state: self.state() };
         let Stage::Collecting(collector) = &mut self.stage else { return Err(error) };
@@ -167,6 +178,7 @@ impl Session {
     ///
     /// # Errors
     /// [`StateError`] unless solved.
+    #[inline(never)]
     pub fn accept(&mut self) -> Result<Record, StateError> {
         let mut record = self.solution().map(Record::of).ok_or(StateError { state: self.state() })?;
         record.axes = self.config.axes;
@@ -184,6 +196,7 @@ impl Session {
     }
 
     /// A snapshot; while collecting it solves the data so far to tell what they carry.
+    #[inline(never)]
     pub fn status(&self) -> Status {
         match &self.stage {
             Stage::Idle => Status::of(State::Idle, None),
