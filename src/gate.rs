@@ -135,7 +135,6 @@ pub struct RestGate {
 
 impl RestGate {
     /// A gate for a sensor of this scale; see [`block_samples`] for the length.
-    #[inline(never)]
     pub fn new(ut_per_count: [f64; 3], block_samples: u16) -> Self {
         Self {
             decided: Moments::new(),

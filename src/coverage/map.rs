@@ -187,7 +187,7 @@ impl CoverageMap {
     }
 
     /// The same in one row, or `best` if that is nearer. On either side it is the place next to the probe's own.
-    #[inline(never)]
+    #[inline]
     fn nearest_in_row(&self, row: usize, place: usize, probe: [f32; 3], best: f32) -> f32 {
         let Some(seen) = self.seen.get(row) else { return best };
         let around = seen.rotate_right(place as u32);

@@ -75,7 +75,6 @@ impl Session {
     }
 
     /// Starts collecting, from nothing. Whatever was collected or solved before is forgotten.
-    #[inline(never)]
     pub fn start(&mut self) {
         self.stage = Stage::Collecting(Collector::new(&self.config));
     }
@@ -87,7 +86,6 @@ impl Session {
 
     /// Takes one sample, in any state: outside of `Collecting` it is left alone. A sample out of range, or at the
     /// ends of the 16-bit range, is counted but not used.
-    #[inline(never)]
     pub fn push(&mut self, sample: Sample) {
         if let Stage::Collecting(collector) = &mut self.stage {
             collector.push(sample);

@@ -47,7 +47,6 @@ const _: () = assert!(core::mem::size_of::<Whiteness>() <= 450, "the memory is a
 
 impl Whiteness {
     /// Nothing seen yet. `samples_per_block` is that of the rest gate.
-    #[inline(never)]
     pub const fn new(samples_per_block: u16) -> Self {
         Self {
             near: Lagged::new(),
