@@ -30,7 +30,8 @@ pub const BLOCK_S: f64 = 0.32;
 /// The number of samples of a block at a sampling rate in hertz: 0.32 s worth, 4 … 256. Without a rate: 16.
 pub fn block_samples(rate_hz: f64) -> u16 {
     if rate_hz.is_finite() && rate_hz > 0.0 {
-        math::within(math::round(BLOCK_S * rate_hz), 4.0, 256.0) as u16
+        // Rounds to the nearest: the cast cuts off.
+        (math::within(BLOCK_S * rate_hz, 4.0, 256.0) + 0.5) as u16
     } else {
         16
     }

@@ -4,6 +4,7 @@
 //! code and give the same bits: glibc's functions differ from `libm`'s in the last place.
 
 pub use crate::real::Real;
+pub(crate) use crate::trig::power_of_two;
 
 /// Square root in double precision; NaN for a negative argument.
 #[inline]
@@ -68,7 +69,7 @@ pub fn ln(x: f64) -> f64 {
 /// Exponential function.
 #[inline]
 pub fn exp(x: f64) -> f64 {
-    libm::exp(x)
+    crate::trig::exp(x)
 }
 
 /// Nearest integer, ties away from zero.
@@ -91,7 +92,7 @@ pub fn abs(x: f64) -> f64 {
 
 /// The nearest number from `least` to `most`; a NaN stays one. Unlike the standard library's it has no panic for limits in the wrong
 /// order, which would bring the printing of numbers into every firmware.
-#[inline]
+#[inline(never)]
 pub const fn within(x: f64, least: f64, most: f64) -> f64 {
     if x < least {
         least

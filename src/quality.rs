@@ -16,6 +16,7 @@ const FIELD_TOLERANCE: f64 = 0.2;
 
 /// One reason of a verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reason {
     /// The fit itself gave no answer.
     Fit(FitError),
@@ -105,6 +106,7 @@ impl fmt::Display for Reason {
 
 /// Accepted or refused, and why.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Verdict {
     /// Whether the calibration may be used.
     pub accepted: bool,
@@ -124,6 +126,7 @@ impl Verdict {
 
 /// What a calibration is judged by.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Figures {
     /// The calibration.
     pub calibration: Calibration<f64>,

@@ -1,11 +1,12 @@
 //! Sine and cosine, in a quarter of the flash that `libm`'s take: that one reduces arguments of any size exactly, with two kilobytes
-//! of code for those beyond 10⁶ rad.
+//! of code for those beyond 10⁶ rad. And the exponential function in half of the flash: with `libm`'s bits, where it neither overflows
+//! nor loses bits.
 //!
-//! The kernels and the reduction are FreeBSD's (`k_sin.c`, `k_cos.c`, `e_rem_pio2.c`):
+//! The kernels and the reductions are FreeBSD's (`k_sin.c`, `k_cos.c`, `e_rem_pio2.c`, `e_exp.c`):
 //! Copyright (C) 1993 by Sun Microsystems, Inc. All rights reserved. Developed at SunPro, a Sun Microsystems, Inc. business.
 //! Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is preserved.
 
-use core::f64::consts::FRAC_2_PI;
+use core::f64::consts::{FRAC_2_PI, LOG2_E};
 
 /// A number to which adding rounds to the nearest integer.
 const TO_INTEGER: f64 = 1.5 / f64::EPSILON;
@@ -33,13 +34,24 @@ const COSINE: [f64; 6] = [
     4.166_666_666_666_66e-2,
 ];
 
+/// `x (eˣ + 1)/(eˣ − 1) = 2 + x²(…)`.
+const EXPONENTIAL: [f64; 5] = [
+    4.138_136_797_057_238_5e-8,
+    -1.653_390_220_546_525_2e-6,
+    6.613_756_321_437_934e-5,
+    -2.777_777_777_701_559_3e-3,
+    1.666_666_666_666_660_2e-1,
+];
+/// ln 2 as two numbers: products of the first with an exponent are exact.
+const LN_2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
+
 /// Exponent of a number as its bits have it.
 fn exponent(x: f64) -> i32 {
     (x.to_bits() >> 52) as i32 & 0x7ff
 }
 
 #[inline(never)]
-fn horner(z: f64, coefficients: &[f64; 6]) -> f64 {
+fn horner(z: f64, coefficients: &[f64]) -> f64 {
     coefficients.iter().fold(0.0, |sum, coefficient| sum * z + coefficient)
 }
 
@@ -91,9 +103,47 @@ pub fn sin_cos(angle: f64) -> (f64, f64) {
     }
 }
 
+/// 2 to the power of an exponent from −1022 to 1023: written as bits.
+#[inline]
+pub(crate) const fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+/// Exponential function: infinite where it overflows, 0 where it underflows, NaN of NaN.
+#[inline(never)]
+pub fn exp(x: f64) -> f64 {
+    // Beyond, it is what it is there.
+    let x = x.clamp(-746.0, 710.0);
+    let doublings = (x * LOG2_E + 0.5_f64.copysign(x)) as i32;
+    let whole = f64::from(doublings);
+    let (high, low) = (x - whole * LN_2[0], whole * LN_2[1]);
+    let rest = high - low;
+    let square = rest * rest;
+    let c = rest - square * horner(square, &EXPONENTIAL);
+    let y = 1.0 + (rest * c / (2.0 - c) - low + high);
+    // In two steps: the whole power may have no number, where the product has one.
+    let half = doublings >> 1;
+    y * power_of_two(half) * power_of_two(doublings - half)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::sin_cos;
+    use super::{exp, sin_cos};
+
+    #[test]
+    fn the_exponential_function_has_the_bits_of_libm() {
+        for i in -700_000..700_000 {
+            let x = f64::from(i) * 1e-3;
+            assert_eq!(exp(x).to_bits(), libm::exp(x).to_bits(), "{x}");
+            let x = x * 1.7e-7;
+            assert_eq!(exp(x).to_bits(), libm::exp(x).to_bits(), "{x}");
+        }
+        for (x, exact) in [(-800.0, 0.0), (f64::NEG_INFINITY, 0.0), (0.0, 1.0), (800.0, f64::INFINITY)] {
+            assert_eq!(exp(x), exact, "{x}");
+        }
+        assert!(exp(f64::NAN).is_nan());
+        assert!((exp(-744.0) / libm::exp(-744.0) - 1.0).abs() < 0.5, "few bits are left");
+    }
 
     #[test]
     fn agrees_with_libm_to_the_last_place() {

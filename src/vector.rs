@@ -120,21 +120,22 @@ by_call! {
 }
 
 /// The determinant.
-pub fn determinant<T: Real>(m: &[[T; 3]; 3]) -> T {
-    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+pub fn determinant<T: Real>(&[x, y, z]: &[[T; 3]; 3]) -> T {
+    dot(x, cross(y, z))
 }
 
 /// The inverse by cofactors; `None` if the determinant is zero or not finite.
 pub fn inverse_3x3<T: Real>(m: &[[T; 3]; 3]) -> Option<[[T; 3]; 3]> {
+    let &[x, y, z] = m;
     let det = determinant(m);
     if det == T::zero() || !det.is_finite() {
         return None;
     }
-    let cofactor = |r: usize, c: usize| {
-        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
-        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
-    };
-    let inverse = core::array::from_fn(|r| core::array::from_fn(|c| cofactor(c, r) / det));
+    let mut inverse = [[T::zero(); 3]; 3];
+    for (c, cofactors) in [cross(y, z), cross(z, x), cross(x, y)].into_iter().enumerate() {
+        for (row, cofactor) in inverse.iter_mut().zip(cofactors) {
+            row[c] = cofactor / det;
+        }
+    }
     inverse.iter().flatten().all(|v: &T| v.is_finite()).then_some(inverse)
 }

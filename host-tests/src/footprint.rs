@@ -3,8 +3,10 @@
 //! Linked programs have `opt-level = "s"` and fat LTO (`[profile.c]`) and are compared with one that uses nothing of the library; images are the firmware of `cargo fw-NAME`.
 
 use crate::m4::{M4Error, build_image, sections, size, snapshot::TOLERANCE};
+use crate::symbols::{Placed, groups, list};
 use ironout_rig::qemu::Firmware;
-use std::path::PathBuf;
+use object::{Object, ObjectSection, ObjectSymbol};
+use std::path::{Path, PathBuf};
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
@@ -85,11 +87,18 @@ pub struct Row {
     pub wanted: Option<u64>,
 }
 
-/// Flash of a program with no more of the library than it needs, bytes.
+/// What counts as flash of a linked program; its vector table is the same for all.
+const FLASH_SECTIONS: [&str; 3] = [".text", ".rodata", ".data"];
+
+/// A program with no more of the library than it needs.
+fn build(key: &str, features: &str) -> Result<PathBuf, M4Error> {
+    build_image(&format!("linked-{key}"), "c", features)
+}
+
+/// Flash of a program, bytes.
 fn flash(key: &str, features: &str) -> Result<u64, M4Error> {
-    let name = format!("linked-{key}");
-    let sections = sections(&build_image(&name, "c", features)?)?;
-    Ok([".text", ".rodata", ".data"].iter().map(|name| size(&sections, name)).sum())
+    let sections = sections(&build(key, features)?)?;
+    Ok(FLASH_SECTIONS.iter().map(|name| size(&sections, name)).sum())
 }
 
 /// Builds the programs and measures them.
@@ -106,6 +115,15 @@ pub fn programs() -> Result<Vec<Row>, M4Error> {
     rows.collect()
 }
 
+fn failed(error: impl std::fmt::Display) -> M4Error {
+    M4Error::Failed(error.to_string())
+}
+
+fn build_firmware(image: &Image) -> Result<Firmware, M4Error> {
+    let build = if image.is_lean { Firmware::build_lean } else { Firmware::build_for };
+    build(image.board).map_err(failed)
+}
+
 /// Builds the images of the boards and measures them; of those that an emulator runs only, or of all.
 ///
 /// # Errors
@@ -113,15 +131,57 @@ pub fn programs() -> Result<Vec<Row>, M4Error> {
 pub fn images(emulated_only: bool) -> Result<Vec<Row>, M4Error> {
     let is_emulated = |image: &&Image| matches!(image.board, "board-pico" | "board-mps2");
     let rows = IMAGES.iter().filter(|image| !emulated_only || is_emulated(image)).map(|image| {
-        let build = if image.is_lean { Firmware::build_lean } else { Firmware::build_for };
-        let size = build(image.board)
-            .and_then(|firmware| firmware.footprint())
-            .map_err(|error| M4Error::Failed(error.to_string()))?;
+        let size = build_firmware(image)?.footprint().map_err(failed)?;
         let Image { key, before, .. } = *image;
         let wanted = WANTED.get(usize::from(image.is_lean)).copied();
         Ok(Row { key, before, flash: size.flash(), statics: Some(size.data + size.bss), wanted })
     });
     rows.collect()
+}
+
+/// Symbols of these sections, and the bytes that the sections have.
+fn placed(image: &Path, sections: &[&str]) -> Result<(Vec<Placed>, u64), M4Error> {
+    let bytes = std::fs::read(image)?;
+    let file = object::File::parse(&*bytes).map_err(failed)?;
+    let counted: Vec<_> = file
+        .sections()
+        .filter(|section| section.name().is_ok_and(|name| sections.contains(&name)))
+        .map(|section| (section.index(), section.size()))
+        .collect();
+    let is_counted = |index| counted.iter().any(|(section, _)| Some(*section) == index);
+    let placed = file.symbols().filter(|symbol| is_counted(symbol.section_index())).map(|symbol| {
+        // The lowest bit of a function's address says that it is Thumb code.
+        let address = symbol.address() & !u64::from(symbol.kind() == object::SymbolKind::Text);
+        Placed { name: symbol.name().unwrap_or_default().to_owned(), address, size: symbol.size() }
+    });
+    Ok((placed.collect(), counted.iter().map(|(_, size)| size).sum()))
+}
+
+/// Builds a program or an image, or every program, and lists where its flash goes.
+///
+/// # Errors
+/// See [`M4Error`].
+pub fn symbols(key: Option<&str>) -> Result<String, M4Error> {
+    /// Smaller symbols are listed for a single program only, bytes.
+    const LEAST_IN_OVERVIEW: u64 = 400;
+    const LEAST_OF_ONE: u64 = 16;
+    if let Some(image) = IMAGES.iter().find(|image| key == Some(image.key)) {
+        let firmware = build_firmware(image)?;
+        let sections = [".vector_table", ".boot2", ".text", ".rodata", ".data"];
+        let groups = groups(placed(firmware.path(), &sections)?, (Vec::new(), 0));
+        return Ok(list(image.key, &groups, LEAST_OF_ONE));
+    }
+    let chosen: Vec<_> = PROGRAMS.iter().filter(|program| key.is_none_or(|key| key == program.key)).collect();
+    if chosen.is_empty() {
+        return Err(M4Error::Failed(format!("no program or image is called {}", key.unwrap_or_default())));
+    }
+    let least = if key.is_some() { LEAST_OF_ONE } else { LEAST_IN_OVERVIEW };
+    let nothing = placed(&build("nothing", "")?, &FLASH_SECTIONS)?;
+    let lists = chosen.iter().map(|program| {
+        let all = placed(&build(program.key, program.features)?, &FLASH_SECTIONS)?;
+        Ok(list(program.key, &groups(all, nothing.clone()), least))
+    });
+    Ok(lists.collect::<Result<Vec<_>, M4Error>>()?.join("\n"))
 }
 
 /// The readable table.

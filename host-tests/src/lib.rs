@@ -9,3 +9,4 @@ pub mod learning;
 pub mod m4;
 pub mod measured;
 pub mod rate;
+pub mod symbols;

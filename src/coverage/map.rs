@@ -63,6 +63,7 @@ impl Default for CoverageMap {
 
 /// Which of the equal-area bins were seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Seen(u64);
 
 impl Seen {
@@ -86,6 +87,7 @@ impl Seen {
 
 /// What a [`CoverageMap`] says.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Coverage {
     /// Fraction of the equal-area bins that were seen, 0 … 1.
     pub fraction: f32,

@@ -279,17 +279,22 @@ impl Sketch {
     }
 
     /// The middle of the box of all samples, µT.
-    pub fn middle_ut(&self, ut_per_count: [f32; 3]) -> [f32; 3] {
+    fn middle_ut(&self, ut_per_count: [f32; 3]) -> [f32; 3] {
         let ([low_x, low_y, low_z], [high_x, high_y, high_z]) = (self.low, self.high);
         let middle = |low: i16, high: i16, scale: f32| (f32::from(low) + f32::from(high)) * 0.5 * scale;
         let [x, y, z] = ut_per_count;
         [middle(low_x, high_x, x), middle(low_y, high_y, y), middle(low_z, high_z, z)]
     }
 
-    /// The coverage before there is a calibration: about the middle of the box of all samples.
-    pub fn coverage_about_middle(&self, ut_per_count: [f32; 3]) -> Coverage {
+    /// What stands for a calibration before there is one: about the middle of the box of all samples.
+    pub fn calibration_about_middle(&self, ut_per_count: [f32; 3]) -> Calibration<f32> {
         let (offset_ut, radius_ut) = (self.middle_ut(ut_per_count), 0.5 * self.extent_ut(ut_per_count));
-        self.coverage(&Calibration { offset_ut, ..Calibration::identity(radius_ut) }, ut_per_count)
+        Calibration { offset_ut, ..Calibration::identity(radius_ut) }
+    }
+
+    /// The coverage before there is a calibration.
+    pub fn coverage_about_middle(&self, ut_per_count: [f32; 3]) -> Coverage {
+        self.coverage(&self.calibration_about_middle(ut_per_count), ut_per_count)
     }
 }
 

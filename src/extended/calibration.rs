@@ -70,6 +70,7 @@ impl<T: Real, E: Effect<T>> ExtendedCalibration<T, E> {
 
 impl<T: Real> ExtendedCalibration<T> {
     /// The same calibration in another precision.
+    #[inline(never)]
     pub fn cast<U: Real>(&self) -> ExtendedCalibration<U> {
         // Number by number into their places: arrays that are mapped are written out, each time anew.
         #[inline(never)]
@@ -102,13 +103,14 @@ impl<T: Real, E: Effect<T> + InParts + Clone> ExtendedCalibration<T, E> {
     /// The same calibration on a clock of its own, and what the old one shows when that is zero, s. To be done in double
     /// precision before [`ExtendedCalibration::cast`]: a single has lost the phase of an interference, or the second itself,
     /// where times count from long ago.
+    #[inline(never)]
     pub fn on_own_clock(&self) -> (Self, f64) {
         let reference = |fitted: &FittedEffect<T, E>| fitted.effect.parts().time_reference_s();
         let origin_s = self.effects.iter().find_map(reference).unwrap_or(0.0);
         // In place: an array of effects that is mapped stands on the stack several times over.
         let mut moved = self.clone();
         for fitted in moved.effects.0.iter_mut().flatten() {
-            fitted.ranges = fitted.ranges_on_clock_from(origin_s);
+            fitted.move_clock(origin_s);
             fitted.effect = fitted.effect.with_numbers(&fitted.effect.parts().on_clock_from(origin_s));
         }
         (moved, origin_s)

@@ -118,15 +118,17 @@ impl<T: Real, E: Effect<T>> FittedEffect<T, E> {
         Some(square.root()).filter(|error| error.is_finite())
     }
 
-    /// The ranges on a clock that shows zero when the other one shows `origin_s`.
-    pub(super) fn ranges_on_clock_from(&self, origin_s: f64) -> Ranges<T> {
-        let mut ranges = self.ranges;
-        for (range, column) in ranges.iter_mut().zip(self.effect.columns()) {
-            if column.is_some_and(|column| column.name == TIME) {
-                *range = range.map(|ends| ends.map(|end| T::of(end.as_f64() - origin_s)));
+    /// Moves the ranges of the time to a clock that shows zero when the other one shows `origin_s`.
+    pub(super) fn move_clock(&mut self, origin_s: f64) {
+        for (range, column) in self.ranges.iter_mut().zip(self.effect.columns()) {
+            if let (Some(ends), Some(column)) = (range, column)
+                && column.name == TIME
+            {
+                for end in ends {
+                    *end = T::of(end.as_f64() - origin_s);
+                }
             }
         }
-        ranges
     }
 
     /// Whether every range that is known has two ends in their order.
@@ -138,6 +140,14 @@ impl<T: Real, E: Effect<T>> FittedEffect<T, E> {
 /// Up to [`MAX_EFFECTS`] effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effects<T, E = BuiltIn<T>>(pub(super) [Option<FittedEffect<T, E>>; MAX_EFFECTS]);
+
+/// How many: their numbers are more than a line of a log.
+#[cfg(feature = "defmt")]
+impl<T, E> defmt::Format for Effects<T, E> {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "{} effects", self.len());
+    }
+}
 
 impl<T, E> Effects<T, E> {
     /// No effects.

@@ -151,6 +151,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
     ///
     /// # Errors
     /// [`LiveError`].
+    #[inline(never)]
     pub fn new(calibration: &ExtendedCalibration<T, E>) -> Result<Self, LiveError> {
         let mut live = Self {
             base: calibration.base,
@@ -228,6 +229,7 @@ impl<T: Real, E: Effect<T> + Clone> Live<T, E> {
 
     /// Moves the time on, s, in double precision also where the correction is in single: what effects of time and of the past of columns go by. Not needed where there are none
     /// ([`Live::needs_time`]).
+    #[inline(never)]
     pub fn advance(&mut self, now_s: f64) {
         self.now_s = now_s;
         for (index, place) in self.places.iter().enumerate() {

@@ -11,6 +11,7 @@ use crate::sensor::AxisMap;
 
 /// A calibration with where it comes from, as it is stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Record {
     /// Number of the record; each one written is one above the newest found (wrapping).
     pub sequence: u32,

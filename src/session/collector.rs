@@ -3,7 +3,7 @@
 use super::config::SessionConfig;
 use super::status::{Counts, Hint, Outcome, State, Status};
 use crate::calibration::Calibration;
-use crate::coverage::{Coverage, Sketch, side_name};
+use crate::coverage::{Sketch, side_name};
 use crate::fit::{FitError, FitOptions, FitReport, MAX_PREDICTED_ERROR, fit};
 use crate::gate::{Gated, RestGate};
 #[cfg(feature = "device")]
@@ -137,10 +137,12 @@ impl Collector {
         fit_level(&scatter, &self.whiteness, config.ut_per_count, prior, forces)
     }
 
-    fn coverage(&self, config: &SessionConfig, report: Option<&FitReport>) -> Coverage {
+    /// The calibration of a fit; without one, about the middle of what was seen.
+    #[inline(never)]
+    fn calibration(&self, scale: [f32; 3], report: Option<&FitReport>) -> Calibration<f32> {
         match report {
-            Some(report) => self.sketch.coverage(&report.calibration.cast(), config.scale()),
-            None => self.sketch.coverage_about_middle(config.scale()),
+            Some(report) => report.calibration.cast(),
+            None => self.sketch.calibration_about_middle(scale),
         }
     }
 
@@ -152,16 +154,10 @@ impl Collector {
         }
     }
 
-    /// Where the field comes from as the board lies now, in its axes; not of unit length. Before there is a calibration:
-    /// about the middle of what was seen.
-    fn field_now(&self, config: &SessionConfig, report: Option<&FitReport>) -> [f32; 3] {
-        let (counts, scale) = (self.last.unwrap_or_default(), config.scale());
-        let measured_ut = core::array::from_fn(|a| f32::from(counts[a]) * scale[a]);
-        let calibration = match report {
-            Some(report) => report.calibration.cast(),
-            None => Calibration { offset_ut: self.sketch.middle_ut(scale), ..Calibration::identity(1.0) },
-        };
-        calibration.apply(measured_ut)
+    /// Where the field comes from as the board lies now, in its axes; not of unit length.
+    fn field_now(&self, scale: [f32; 3], calibration: &Calibration<f32>) -> [f32; 3] {
+        let counts = self.last.unwrap_or_default();
+        calibration.apply(core::array::from_fn(|a| f32::from(counts[a]) * scale[a]))
     }
 
     /// Solves for the calibration and judges it.
@@ -169,7 +165,8 @@ impl Collector {
         let gated = self.gate.flush();
         self.take_note(gated);
         let fitted = self.fit(config);
-        let coverage = self.coverage(config, fitted.as_ref().ok());
+        let scale = config.scale();
+        let coverage = self.sketch.coverage(&self.calibration(scale, fitted.as_ref().ok()), scale);
         let (verdict, report) = match fitted {
             Ok(report) => {
                 (judge(&report, Some(&coverage), self.saturated.into(), config.field_ut), Some(report))
@@ -183,9 +180,11 @@ impl Collector {
     /// time and only say that there is not enough yet: samples go on coming meanwhile.
     pub(super) fn status(&self, config: &SessionConfig) -> Status {
         let report = self.fit_with(config, false).ok();
-        let coverage = self.coverage(config, report.as_ref());
+        let scale = config.scale();
+        let calibration = self.calibration(scale, report.as_ref());
+        let coverage = self.sketch.coverage(&calibration, scale);
         let figures = Status::of(State::Collecting, report.as_ref());
-        let hint = if self.sketch.extent_ut(config.scale()) < MOVED_UT {
+        let hint = if self.sketch.extent_ut(scale) < MOVED_UT {
             Hint::Move
         // Half the limit: a little more than enough, so that the verdict at the stop is not a surprise.
         } else if figures.predicted_error.is_some_and(|e| e <= 0.5 * MAX_PREDICTED_ERROR) {
@@ -193,7 +192,7 @@ impl Collector {
         } else {
             Hint::Turn {
                 missing: coverage.missing_side(),
-                now: side_name(self.field_now(config, report.as_ref())),
+                now: side_name(self.field_now(scale, &calibration)),
             }
         };
         Status {

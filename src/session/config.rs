@@ -7,6 +7,7 @@ use crate::sensor::{AxisMap, Sample, Sensor};
 
 /// What a session needs to know of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SessionConfig {
     /// Scale of each axis, µT per count.
     pub ut_per_count: [f64; 3],

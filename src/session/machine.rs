@@ -28,6 +28,14 @@ pub struct Session {
     stage: Stage,
 }
 
+/// Where it stands: its sums are more than a line of a log.
+#[cfg(feature = "defmt")]
+impl defmt::Format for Session {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        defmt::write!(f, "Session {}", self.state());
+    }
+}
+
 const _: () = assert!(core::mem::size_of::<Session>() <= 1600, "the session's memory is a promise");
 
 impl Session {
@@ -143,6 +151,7 @@ impl Session {
     ///
     /// # Errors
     /// [`StateError`] unless collecting.
+    #[inline(never)]
     pub fn stop(&mut self) -> Result<&Outcome, StateError> {
         let error = StateError { state: self.state() };
         let Stage::Collecting(collector) = &mut self.stage else { return Err(error) };
@@ -167,6 +176,7 @@ impl Session {
     ///
     /// # Errors
     /// [`StateError`] unless solved.
+    #[inline(never)]
     pub fn accept(&mut self) -> Result<Record, StateError> {
         let mut record = self.solution().map(Record::of).ok_or(StateError { state: self.state() })?;
         record.axes = self.config.axes;
@@ -184,6 +194,7 @@ impl Session {
     }
 
     /// A snapshot; while collecting it solves the data so far to tell what they carry.
+    #[inline(never)]
     pub fn status(&self) -> Status {
         match &self.stage {
             Stage::Idle => Status::of(State::Idle, None),

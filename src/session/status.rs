@@ -7,6 +7,7 @@ use core::fmt;
 
 /// Where a session stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
     /// Nothing is collected.
     Idle,
@@ -32,6 +33,7 @@ impl State {
 
 /// A request that does not fit the state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StateError {
     /// The state it came in.
     pub state: State,
@@ -52,6 +54,7 @@ impl core::error::Error for StateError {}
 
 /// What to do next, in words.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Hint {
     /// Start a calibration.
     Start,
@@ -90,6 +93,7 @@ impl fmt::Display for Hint {
 
 /// What a session has taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {
     /// Samples in motion, in the sums.
     pub n: u64,
@@ -101,6 +105,7 @@ pub struct Counts {
 
 /// A snapshot of a session.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Status {
     /// Where it stands.
     pub state: State,
@@ -124,6 +129,7 @@ pub struct Status {
 
 /// The outcome of a stop.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Outcome {
     /// Accepted or refused, with reasons.
     pub verdict: Verdict,

@@ -9,7 +9,8 @@
 //! without bias. Noise of 0.05 % of the field shows through motion of a field between the two samples.
 
 use crate::calibration::Calibration;
-use crate::{dense, math};
+use crate::dense;
+use crate::math::{self, power_of_two};
 
 /// Products of nine with nine.
 const SUMS: usize = 45;
@@ -174,9 +175,10 @@ impl Lagged {
         if self.pairs == 0 {
             return None;
         }
-        let unit = power_of_two(self.unit);
-        let scale =
-            power_of_two(34 - self.resolution) / power_of_two(self.resolution) / f64::from(self.pairs);
+        let unit = power_of_two(self.unit.into());
+        let scale = power_of_two(34 - i32::from(self.resolution))
+            / power_of_two(self.resolution.into())
+            / f64::from(self.pairs);
         let mut weights = ellipsoid.difference;
         weights.iter_mut().take(6).for_each(|weight| *weight *= unit);
         let (mut mean_square, mut gradient2) = (0.0, 0.0);
@@ -206,10 +208,6 @@ impl Lagged {
         let rounding = scale * f64::from(math::sqrtf(rounding2));
         Some(Differences { mean_square, rounding, gradient2, pairs: self.pairs })
     }
-}
-
-fn power_of_two(exponent: u8) -> f64 {
-    (1u64 << exponent.min(63)) as f64
 }
 
 /// `MᵀM`.
@@ -244,21 +242,17 @@ impl Weights {
         }
         let off_ut: [f64; 3] =
             core::array::from_fn(|i| calibration.offset_ut[i] - f64::from(centre[i]) * ut_per_count[i]);
-        let quadratic = |i: usize, j: usize| q[i][j] * ut_per_count[i] * ut_per_count[j];
-        let linear = |i: usize| {
-            -2.0 * ut_per_count[i] * (q[i][0] * off_ut[0] + q[i][1] * off_ut[1] + q[i][2] * off_ut[2])
-        };
-        let difference = [
-            quadratic(0, 0),
-            quadratic(1, 1),
-            quadratic(2, 2),
-            quadratic(0, 1),
-            quadratic(0, 2),
-            quadratic(1, 2),
-            linear(0),
-            linear(1),
-            linear(2),
-        ];
+        let mut of_counts = q;
+        for (row, own) in of_counts.iter_mut().zip(ut_per_count) {
+            for (entry, other) in row.iter_mut().zip(ut_per_count) {
+                *entry = *entry * own * other;
+            }
+        }
+        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = of_counts;
+        let mut difference = [xx, yy, zz, xy, xz, yz, 0.0, 0.0, 0.0];
+        for ((linear, row), own) in difference.iter_mut().skip(6).zip(&q).zip(ut_per_count) {
+            *linear = -2.0 * own * dense::dot(row, &off_ut);
+        }
         // The gradient is 2Q(x−b).
         let mut gradient = squared(&q);
         for (row, own) in gradient.iter_mut().zip(ut_per_count) {

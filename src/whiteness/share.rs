@@ -93,6 +93,7 @@ fn sum_over_lags(variance: f64, covariance: f64, rho: f64) -> f64 {
     variance + 2.0 * covariance / (1.0 - rho)
 }
 
+#[inline(never)]
 fn power(base: f64, exponent: i32) -> f64 {
     (0..exponent).fold(1.0, |product, _| product * base)
 }

@@ -1,17 +1,30 @@
 //! `cargo footprint [linked | emulated | BOARD] [--accept]`: flash and RAM of the library and the firmware.
+//! `cargo footprint --symbols [ROW]`: where the flash of that row, or of each linked program, goes.
 //!
 //! Without an argument it builds the linked programs and all images, prints the table and compares it with the snapshot; `--accept`
 //! writes the snapshot and the table in `host-tests/measured.md`. `linked` leaves out the images, `emulated` those that no emulator runs. A
-//! board's name measures that image alone.
+//! board's name measures that image alone. `--symbols` lists functions and constants in groups, by the room of the library or the crate, that
+//! sum to the row of the table: the large ones of each program, or all of one row.
 
 use std::process::ExitCode;
 
 #[cfg(unix)]
 fn main() -> ExitCode {
     let (flags, words): (Vec<String>, Vec<String>) =
-        std::env::args().skip(1).partition(|word| word == "--accept");
-    let accept = !flags.is_empty();
+        std::env::args().skip(1).partition(|word| word.starts_with("--"));
+    let (accept, symbols) = match flags.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
+        [] => (false, false),
+        ["--accept"] => (true, false),
+        ["--symbols"] => (false, true),
+        _ => {
+            eprintln!(
+                "usage: cargo footprint [linked | emulated | BOARD] [--accept]\n       cargo footprint --symbols [ROW]"
+            );
+            return ExitCode::from(2);
+        }
+    };
     let measured = match words.first().map(String::as_str) {
+        row if symbols => listed(row),
         None => table_of(Images::All, accept),
         Some("emulated") => table_of(Images::Emulated, accept),
         Some("linked") => table_of(Images::None, accept),
@@ -38,6 +51,12 @@ type Faults = Result<Vec<String>, Box<dyn std::error::Error>>;
 #[cfg(unix)]
 fn stored() -> String {
     std::fs::read_to_string(ironout_host_tests::footprint::snapshot_path()).unwrap_or_default()
+}
+
+#[cfg(unix)]
+fn listed(row: Option<&str>) -> Faults {
+    print!("{}", ironout_host_tests::footprint::symbols(row)?);
+    Ok(Vec::new())
 }
 
 /// Which images are measured.
