@@ -154,7 +154,7 @@ impl Active {
         self.corrected_ut = self.at(t_ms).and_then(|live| live.apply(measured_ut, turn_radps).ok());
         if let Some(corrected_ut) = self.corrected_ut {
             self.monitor.push(t_ms, corrected_ut, motion.accel_mps2);
-            self.rezero.push(t_ms, corrected_ut);
+            self.rezero.push(t_ms, corrected_ut, motion.turn_radps);
         }
     }
 

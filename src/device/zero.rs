@@ -34,7 +34,7 @@ impl NotZeroed {
     const fn code(&self) -> &'static str {
         match self {
             NotZeroed::Looks(NoOffset::TooFewLooks(_)) => "too-few-samples",
-            NotZeroed::Looks(NoOffset::Planar) => "planar",
+            NotZeroed::Looks(NoOffset::Planar(_)) => "planar",
             NotZeroed::TooUncertain(_) => "error-too-large",
             NotZeroed::NotOneSphere(_) => "residual-too-large",
         }
@@ -48,7 +48,7 @@ impl fmt::Display for NotZeroed {
                 f,
                 "the sensor turned too little ({looks} of {MIN_LOOKS} turns by 6 deg): turn it to and fro by 30 deg about each axis"
             ),
-            NotZeroed::Looks(NoOffset::Planar) => {
+            NotZeroed::Looks(NoOffset::Planar(_)) => {
                 f.write_str("the turns were small, or in one plane: tilt the sensor further to both sides while you turn it")
             }
             NotZeroed::TooUncertain(share) => write!(

@@ -1,0 +1,97 @@
+//! Rotation vectors summed up from a gyro.
+
+use crate::vector::{cross, norm, plus, scaled};
+
+/// A longer time without a rate of turn is a gap, s.
+const MAX_STEP_S: f32 = 0.5;
+/// A longer way from one look to the next is not used, s: the zero error of the gyro has turned it too far.
+const MAX_WAY_S: f32 = 10.0;
+/// A larger rotation from one look to the next is not used, rad: the sum of rotation vectors is exact to 1 % of it.
+const MAX_TURN_RAD: f32 = 2.0;
+/// Counts per rad of a stored rotation: up to ±4 rad, and a rounding of 0.004°.
+const PER_RAD: f32 = 8192.0;
+/// Not known: it makes every sum with it unknown.
+const UNKNOWN: [f32; 3] = [f32::NAN; 3];
+
+/// The rotation vector of a turn by `first` and then by `second`, both in the axes of a board that turns (Baker, Campbell and
+/// Hausdorff to the third order).
+fn then(first: [f32; 3], second: [f32; 3]) -> [f32; 3] {
+    let both = cross(first, second);
+    let third = cross(plus(first, scaled(second, -1.0)), both);
+    plus(plus(first, second), plus(scaled(both, 0.5), scaled(third, 1.0 / 12.0)))
+}
+
+/// The turn from one look to the next as it is stored: 8 bytes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Link {
+    counts: [i16; 3],
+    /// Zero where the turn is not known.
+    way_ms: u16,
+}
+
+impl Link {
+    pub(super) const NONE: Self = Self { counts: [0; 3], way_ms: 0 };
+
+    fn of(turn_rad: [f32; 3], way_s: f32) -> Self {
+        if !(norm(turn_rad) < MAX_TURN_RAD && way_s < MAX_WAY_S) {
+            return Self::NONE;
+        }
+        Self { counts: turn_rad.map(|rad| (rad * PER_RAD) as i16), way_ms: (way_s * 1e3) as u16 }
+    }
+
+    /// Rotation vector, rad, and time, s; `None` where the turn is not known.
+    pub(super) fn turn(self) -> Option<([f32; 3], f32)> {
+        let turn_rad = self.counts.map(|count| f32::from(count) / PER_RAD);
+        (self.way_ms > 0).then_some((turn_rad, f32::from(self.way_ms) * 1e-3))
+    }
+}
+
+/// The way from the mean of the last look to now.
+#[derive(Clone, Debug)]
+pub(super) struct Way {
+    /// The last rate of turn, rad/s, and when.
+    rate: [f32; 3],
+    t_ms: u64,
+    /// From the mean of the last look to the beginning of the open one, rad and s.
+    before: [f32; 3],
+    before_s: f32,
+    /// From there to now, rad, and its sum over the readings of the open look.
+    since: [f32; 3],
+    sum: [f32; 3],
+}
+
+impl Way {
+    pub(super) const fn new() -> Self {
+        Self { rate: UNKNOWN, t_ms: 0, before: UNKNOWN, before_s: 0.0, since: UNKNOWN, sum: UNKNOWN }
+    }
+
+    /// Goes on to this time with this rate of turn, rad/s.
+    pub(super) fn step(&mut self, t_ms: u64, rate: Option<[f32; 3]>) {
+        let step_s = t_ms.saturating_sub(self.t_ms) as f32 * 1e-3;
+        let rate = rate.unwrap_or(UNKNOWN);
+        let turn = if step_s < MAX_STEP_S { scaled(plus(self.rate, rate), 0.5 * step_s) } else { UNKNOWN };
+        self.since = then(self.since, turn);
+        (self.rate, self.t_ms) = (rate, t_ms);
+    }
+
+    /// Counts the reading of now to the open look.
+    pub(super) fn count(&mut self) {
+        self.sum = plus(self.sum, self.since);
+    }
+
+    /// A look of so many readings, which took so long, ends now, and another one begins.
+    pub(super) fn close(&mut self, readings: u16, took_s: f32) -> Link {
+        let mean = scaled(self.sum, 1.0 / f32::from(readings));
+        let link = Link::of(then(self.before, mean), self.before_s + 0.5 * took_s);
+        (self.before, self.before_s) = (then(scaled(mean, -1.0), self.since), 0.5 * took_s);
+        (self.since, self.sum) = ([0.0; 3], [0.0; 3]);
+        link
+    }
+
+    /// What is open after so long a time is no look; another one begins.
+    pub(super) fn skip(&mut self, took_s: f32) {
+        self.before_s += took_s;
+        self.before = if self.before_s < MAX_WAY_S { then(self.before, self.since) } else { UNKNOWN };
+        (self.since, self.sum) = ([0.0; 3], [0.0; 3]);
+    }
+}
