@@ -6,9 +6,7 @@ use crate::vector::{cross, norm, plus, scaled};
 const MAX_STEP_S: f32 = 0.5;
 /// A longer way from one look to the next is not used, s: the zero error of the gyro has turned it too far.
 const MAX_WAY_S: f32 = 10.0;
-/// A larger rotation from one look to the next is not used, rad: the sum of rotation vectors is exact to 1 % of it.
-const MAX_TURN_RAD: f32 = 2.0;
-/// Counts per rad of a stored rotation: up to ±4 rad, and a rounding of 0.004°.
+/// Counts per rad of a stored rotation: a rounding of 0.004°, and up to ±4 rad, beyond which the unit is not rad/s.
 const PER_RAD: f32 = 8192.0;
 /// Not known: it makes every sum with it unknown.
 const UNKNOWN: [f32; 3] = [f32::NAN; 3];
@@ -33,7 +31,7 @@ impl Link {
     pub(super) const NONE: Self = Self { counts: [0; 3], way_ms: 0 };
 
     fn of(turn_rad: [f32; 3], way_s: f32) -> Self {
-        if !(norm(turn_rad) < MAX_TURN_RAD && way_s < MAX_WAY_S) {
+        if !(norm(turn_rad).is_finite() && way_s < MAX_WAY_S) {
             return Self::NONE;
         }
         Self { counts: turn_rad.map(|rad| (rad * PER_RAD) as i16), way_ms: (way_s * 1e3) as u16 }
