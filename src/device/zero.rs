@@ -73,9 +73,7 @@ impl fmt::Display for NotZeroed {
 /// What is to be checked of a gyro that could have helped.
 const fn check_of(gyro: GyroUse) -> &'static str {
     match gyro {
-        GyroUse::Disagrees => {
-            "; the gyro disagrees with the field: check its axes, its signs and its unit (rad/s)"
-        }
+        GyroUse::Disagrees => "; the gyro disagrees: check its axes, signs and unit (rad/s)",
         GyroUse::None | GyroUse::Used => "",
     }
 }

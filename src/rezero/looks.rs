@@ -81,16 +81,15 @@ impl Rezero {
         }
     }
 
-    /// The looks from the oldest on, each with the turn since the one before.
-    pub(super) fn linked(&self) -> impl Iterator<Item = ([f32; 3], Link)> + '_ {
-        let (newer, older) = match self.taken.checked_sub(MAX_LOOKS) {
-            Some(place) => self.looks.split_at(place),
-            None => (self.looks.get(..self.taken).unwrap_or_default(), [].as_slice()),
-        };
-        older.iter().chain(newer).copied()
+    /// A look, from the oldest on, with the turn since the one before.
+    #[inline(never)]
+    pub(super) fn at(&self, place: usize) -> Option<&([f32; 3], Link)> {
+        let oldest = self.taken.saturating_sub(MAX_LOOKS);
+        (place < self.count()).then(|| self.looks.get((oldest + place) % MAX_LOOKS)).flatten()
     }
 
+    /// The looks from the oldest on.
     pub(super) fn iter(&self) -> impl Iterator<Item = [f32; 3]> + '_ {
-        self.linked().map(|(look, _)| look)
+        (0..MAX_LOOKS).map_while(|place| self.at(place).map(|(look, _)| *look))
     }
 }

@@ -1,7 +1,5 @@
 //! Offsets from turns that do not go all round.
 
-extern crate std;
-
 use super::*;
 use crate::math::{cos, sin};
 use crate::vector::{minus, norm, plus, scaled, times, turned};
@@ -136,24 +134,17 @@ fn off(found: &OffsetChange) -> f32 {
 
 #[test]
 fn a_gyro_makes_small_turns_more_exact() {
-    for (most_deg, share) in [(10.0, 0.4), (15.0, 0.6), (20.0, 0.8), (30.0, 0.9)] {
+    // Errors of 10.4, 4.5, 2.5 and 1.2 µT without a gyro, and of 1.7, 1.5, 1.2 and 0.8 µT with it.
+    for (most_deg, share) in [(10.0, 0.2), (15.0, 0.35), (20.0, 0.5), (30.0, 0.7)] {
         let (mut off_with, mut off_without) = (0.0, 0.0);
         for seed in 1..9 {
             let of = |board: Board| board.turned(hand(most_deg), seed).solve(MATRIX_UT).expect("an offset");
             let (without, with) = (of(Board::WITHOUT_GYRO), of(Board::TYPICAL));
             assert_eq!((without.gyro, with.gyro), (GyroUse::None, GyroUse::Used));
-            std::println!(
-                "{most_deg} {} {} {} {}",
-                off(&without),
-                without.error_ut,
-                off(&with),
-                with.error_ut
-            );
             assert!(with.error_ut < share * without.error_ut, "{most_deg}: {with:?} {without:?}");
             assert!(off(&with) < 2.0 * with.error_ut, "{most_deg}: {with:?}");
             (off_with, off_without) = (off_with + off(&with), off_without + off(&without));
         }
-        std::println!("{off_with} {off_without}");
         assert!(off_with < off_without, "{most_deg}: {off_with} {off_without}");
     }
 }
@@ -167,7 +158,6 @@ fn level_turns_show_the_horizontal_offset_to_a_gyro() {
             let found = rezero.solve(MATRIX_UT).expect("an offset");
             assert_eq!(found.gyro, GyroUse::Used);
             let [x, y, _] = minus(found.change_ut, OFFSET_UT);
-            std::println!("{pace} {x} {y} {found:?}");
             assert!(x.abs().max(y.abs()) < 3.0 * found.least_error_ut, "{pace}: {found:?}");
             assert!(found.least_error_ut < 0.6 && found.error_ut > 20.0, "{pace}: {found:?}");
         }
@@ -183,7 +173,6 @@ fn a_gyro_that_disagrees_changes_nothing() {
         ("degrees", of(diagonal(57.3), zero, 0.0)),
         ("sign", of(diagonal(-1.0), zero, 0.0)),
         ("stuck", of(diagonal(0.0), zero, 0.0)),
-        ("half", of(diagonal(0.5), zero, 0.0)),
         ("one axis", of([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], zero, 0.0)),
         ("axes", of([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]], zero, 0.0)),
         ("zero", of(diagonal(1.0), [1.0, -1.0, 1.0], 0.0)),
@@ -193,7 +182,6 @@ fn a_gyro_that_disagrees_changes_nothing() {
             let rezero = board.turned(hand(most_deg), 5);
             let alone = Board { speaks: false, ..board }.turned(hand(most_deg), 5).solve(MATRIX_UT);
             let found = rezero.solve(MATRIX_UT);
-            std::println!("{what} {most_deg} {found:?}");
             let alone = alone.map(|alone| OffsetChange { gyro: GyroUse::Disagrees, ..alone });
             assert_eq!(found, alone, "{what} {most_deg}");
         }
@@ -202,10 +190,13 @@ fn a_gyro_that_disagrees_changes_nothing() {
 
 #[test]
 fn a_gyro_that_is_somewhat_wrong_gives_no_false_certainty() {
-    let mut used = 0;
+    // Small turns do not show the gyro's gain: the error is then too large to be accepted.
     for (what, gain, axes_deg, zero_radps, delay_s) in [
+        ("gain", 0.5, 0.0, 0.01, 0.0),
+        ("gain", 0.8, 0.0, 0.01, 0.0),
         ("gain", 0.9, 0.0, 0.01, 0.0),
         ("gain", 1.2, 0.0, 0.01, 0.0),
+        ("gain", 1.5, 0.0, 0.01, 0.0),
         ("axes", 1.0, 5.0, 0.01, 0.0),
         ("axes", 1.0, 10.0, 0.01, 0.0),
         ("axes", 1.0, 20.0, 0.01, 0.0),
@@ -222,18 +213,12 @@ fn a_gyro_that_is_somewhat_wrong_gives_no_false_certainty() {
         let gains = [axis(0), axis(1), axis(2)];
         let board =
             Board { gains, zero_radps: [zero_radps, -zero_radps, zero_radps], delay_s, ..Board::TYPICAL };
-        for most_deg in [10.0, 20.0, 40.0] {
+        for most_deg in [10.0, 15.0, 20.0, 30.0, 40.0, 60.0] {
             let found = board.turned(hand(most_deg), 7).solve(MATRIX_UT).expect("an offset");
-            std::println!(
-                "{what} {gain} {axes_deg} {zero_radps} {delay_s} {most_deg}: {} {found:?}",
-                off(&found)
-            );
-            used += u32::from(found.gyro == GyroUse::Used);
             let is_refused = found.error_ut > 0.01 * found.field_ut;
             assert!(is_refused || off(&found) < 2.0 * found.error_ut, "{what} {most_deg}: {found:?}");
         }
     }
-    std::println!("{used}");
 }
 
 #[test]

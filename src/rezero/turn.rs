@@ -1,6 +1,6 @@
 //! Rotation vectors summed up from a gyro.
 
-use crate::vector::{cross, norm, plus, scaled};
+use crate::vector::{cross, dot, plus, scaled};
 
 /// A longer time without a rate of turn is a gap, s.
 const MAX_STEP_S: f32 = 0.5;
@@ -13,6 +13,7 @@ const UNKNOWN: [f32; 3] = [f32::NAN; 3];
 
 /// The rotation vector of a turn by `first` and then by `second`, both in the axes of a board that turns (Baker, Campbell and
 /// Hausdorff to the third order).
+#[inline(never)]
 fn then(first: [f32; 3], second: [f32; 3]) -> [f32; 3] {
     let both = cross(first, second);
     let third = cross(plus(first, scaled(second, -1.0)), both);
@@ -31,13 +32,14 @@ impl Link {
     pub(super) const NONE: Self = Self { counts: [0; 3], way_ms: 0 };
 
     fn of(turn_rad: [f32; 3], way_s: f32) -> Self {
-        if !(norm(turn_rad).is_finite() && way_s < MAX_WAY_S) {
+        if !(dot(turn_rad, turn_rad) < f32::INFINITY && way_s < MAX_WAY_S) {
             return Self::NONE;
         }
         Self { counts: turn_rad.map(|rad| (rad * PER_RAD) as i16), way_ms: (way_s * 1e3) as u16 }
     }
 
     /// Rotation vector, rad, and time, s; `None` where the turn is not known.
+    #[inline(never)]
     pub(super) fn turn(self) -> Option<([f32; 3], f32)> {
         let turn_rad = self.counts.map(|count| f32::from(count) / PER_RAD);
         (self.way_ms > 0).then_some((turn_rad, f32::from(self.way_ms) * 1e-3))
@@ -59,11 +61,14 @@ pub(super) struct Way {
 }
 
 impl Way {
+    /// What comes before the first look is not used.
     pub(super) const fn new() -> Self {
-        Self { rate: UNKNOWN, t_ms: 0, before: UNKNOWN, before_s: 0.0, since: UNKNOWN, sum: UNKNOWN }
+        let zero = [0.0; 3];
+        Self { rate: zero, t_ms: 0, before: zero, before_s: 0.0, since: zero, sum: zero }
     }
 
     /// Goes on to this time with this rate of turn, rad/s.
+    #[inline(never)]
     pub(super) fn step(&mut self, t_ms: u64, rate: Option<[f32; 3]>) {
         let step_s = t_ms.saturating_sub(self.t_ms) as f32 * 1e-3;
         let rate = rate.unwrap_or(UNKNOWN);
@@ -78,6 +83,7 @@ impl Way {
     }
 
     /// A look of so many readings, which took so long, ends now, and another one begins.
+    #[inline(never)]
     pub(super) fn close(&mut self, readings: u16, took_s: f32) -> Link {
         let mean = scaled(self.sum, 1.0 / f32::from(readings));
         let link = Link::of(then(self.before, mean), self.before_s + 0.5 * took_s);
