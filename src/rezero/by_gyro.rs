@@ -6,7 +6,7 @@
 //! magnetometer, `v − d = h + τ ω × h`. So their uncertainty is part of that of `d`.
 
 use super::looks::Rezero;
-use super::magnitudes::{GyroUse, NoOffset, OffsetChange, Spread, extremes, memory};
+use super::magnitudes::{GyroUse, NoOffset, OffsetChange, Spread, extremes};
 use crate::math::{eigenvalues_3x3_f32, sqrtf};
 use crate::vector::{cross, dot, minus, plus, scaled, times, turned};
 
@@ -52,8 +52,6 @@ const PRIOR: [f32; GYRO] = {
 struct Scatter {
     /// Upper triangle of the squares and products of the columns.
     squares: [[f32; COLUMNS]; COLUMNS],
-    /// Sum of the squares of the steps of `u` from one look to the next.
-    steps: f32,
     links: f32,
 }
 
@@ -63,7 +61,6 @@ struct Chain {
     took_s: f32,
     /// The columns on average.
     means: [[f32; 3]; COLUMNS],
-    last: [f32; 3],
     /// From the board now to the board at the first look, rows first.
     to_first: [[f32; 3]; 3],
     /// What the errors of the gyro turn it by.
@@ -80,7 +77,6 @@ impl Chain {
             looks: 0.0,
             took_s: 0.0,
             means: [[0.0; 3]; COLUMNS],
-            last: [0.0; 3],
             to_first: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             turns: [[0.0; 3]; GYRO - 1],
         }
@@ -141,12 +137,6 @@ impl Chain {
                 *sum += dot(one, *other);
             }
         }
-        if self.looks > 1.0 {
-            let step = minus(u, self.last);
-            scatter.steps += dot(step, step);
-            scatter.links += 1.0;
-        }
-        self.last = u;
     }
 }
 
@@ -154,21 +144,22 @@ impl Rezero {
     /// The scatter with these errors.
     #[inline(never)]
     fn scatter(&self, errors: &[f32; UNKNOWNS]) -> Scatter {
-        let mut scatter = Scatter { squares: [[0.0; COLUMNS]; COLUMNS], steps: 0.0, links: 0.0 };
+        let mut scatter = Scatter { squares: [[0.0; COLUMNS]; COLUMNS], links: 0.0 };
         let mut chain = Chain::new();
         let mut place = 0;
         while let Some((look, link)) = self.at(place) {
             place += 1;
             let (mut said_rad, mut took_s) = ([0.0; 3], 0.0);
-            match link.turn() {
+            match link.known() {
                 Some(turn) if chain.took_s < MAX_CHAIN_S && chain.looks > 0.0 => {
                     (said_rad, took_s) = turn;
                     chain.turn(said_rad, took_s, errors);
+                    scatter.links += 1.0;
                 }
                 _ => chain.begin(),
             }
             // How the board turns at a look is known from the way to it and the way from it.
-            if let Some((after_rad, after_s)) = self.at(place).and_then(|(_, link)| link.turn()) {
+            if let Some((after_rad, after_s)) = self.at(place).and_then(|(_, link)| link.known()) {
                 (said_rad, took_s) = (plus(said_rad, after_rad), took_s + after_s);
             }
             if took_s > 0.0 {
@@ -238,15 +229,13 @@ impl Rezero {
         let [.., x, y, z] = *errors;
         let offset_ut = [x, y, z];
         let sphere = self.sphere(offset_ut);
-        let Scatter { mut squares, steps, links } = self.scatter(errors);
+        let Scatter { mut squares, links } = self.scatter(errors);
         if links < MIN_LINKS {
             return None;
         }
         let [.., [.., sum]] = squares;
         let variance = sum / (3.0 * links - UNKNOWNS as f32);
-        // Independent residuals step by twice their variance.
-        let correlation = 1.0 - 0.5 * steps / sum.max(f32::MIN_POSITIVE);
-        let alike = variance * memory(correlation) + spread.n * matrix_error_ut * matrix_error_ut;
+        let alike = variance * sphere.memory + spread.n * matrix_error_ut * matrix_error_ut;
         let own_variance = COMPONENTS * alike;
         // What is known beforehand: of the offset, that its change is hardly larger than the field.
         for place in 0..UNKNOWNS {

@@ -95,7 +95,7 @@ pub(super) struct Sphere {
     pub(super) variance: f32,
     pub(super) rms_ut: f32,
     /// Looks that stand for one, because successive residuals are alike.
-    memory: f32,
+    pub(super) memory: f32,
 }
 
 impl Sphere {
@@ -103,12 +103,6 @@ impl Sphere {
     pub(super) fn variance_of_mean(&self, n: f32, matrix_error_ut: f32) -> f32 {
         self.variance * self.memory / n + matrix_error_ut * matrix_error_ut
     }
-}
-
-/// How many residuals stand for one, at this correlation of successive ones.
-pub(super) fn memory(correlation: f32) -> f32 {
-    let correlation = correlation.clamp(0.0, MAX_CORRELATION);
-    (1.0 + correlation) / (1.0 - correlation)
 }
 
 /// The least and the largest eigenvalue.
@@ -146,7 +140,8 @@ impl Rezero {
             products += residual * last;
             last = residual;
         }
-        let memory = memory(products / sum.max(f32::MIN_POSITIVE));
+        let correlation = (products / sum.max(f32::MIN_POSITIVE)).clamp(0.0, MAX_CORRELATION);
+        let memory = (1.0 + correlation) / (1.0 - correlation);
         Sphere { radius, variance: sum / (n - 4.0), rms_ut: sqrtf(sum / n), memory }
     }
 

@@ -6,8 +6,6 @@ use crate::vector::{cross, dot, plus, scaled};
 const MAX_STEP_S: f32 = 0.5;
 /// A longer way from one look to the next is not used, s: the zero error of the gyro has turned it too far.
 const MAX_WAY_S: f32 = 10.0;
-/// Counts per rad of a stored rotation: a rounding of 0.004°, and up to ±4 rad, beyond which the unit is not rad/s.
-const PER_RAD: f32 = 8192.0;
 /// Not known: it makes every sum with it unknown.
 const UNKNOWN: [f32; 3] = [f32::NAN; 3];
 
@@ -20,29 +18,21 @@ fn then(first: [f32; 3], second: [f32; 3]) -> [f32; 3] {
     plus(plus(first, second), plus(scaled(both, 0.5), scaled(third, 1.0 / 12.0)))
 }
 
-/// The turn from one look to the next as it is stored: 8 bytes.
+/// The turn from one look to the next: a rotation vector, rad, not finite where it is not known, and the time, s.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Link {
-    counts: [i16; 3],
-    /// Zero where the turn is not known.
-    way_ms: u16,
+    turn_rad: [f32; 3],
+    way_s: f32,
 }
 
 impl Link {
-    pub(super) const NONE: Self = Self { counts: [0; 3], way_ms: 0 };
+    pub(super) const NONE: Self = Self { turn_rad: [0.0; 3], way_s: 0.0 };
 
-    fn of(turn_rad: [f32; 3], way_s: f32) -> Self {
-        if !(dot(turn_rad, turn_rad) < f32::INFINITY && way_s < MAX_WAY_S) {
-            return Self::NONE;
-        }
-        Self { counts: turn_rad.map(|rad| (rad * PER_RAD) as i16), way_ms: (way_s * 1e3) as u16 }
-    }
-
-    /// Rotation vector, rad, and time, s; `None` where the turn is not known.
+    /// `None` where the turn is not known.
     #[inline(never)]
-    pub(super) fn turn(self) -> Option<([f32; 3], f32)> {
-        let turn_rad = self.counts.map(|count| f32::from(count) / PER_RAD);
-        (self.way_ms > 0).then_some((turn_rad, f32::from(self.way_ms) * 1e-3))
+    pub(super) fn known(&self) -> Option<([f32; 3], f32)> {
+        let is_known = dot(self.turn_rad, self.turn_rad) < f32::INFINITY && self.way_s < MAX_WAY_S;
+        is_known.then_some((self.turn_rad, self.way_s))
     }
 }
 
@@ -86,7 +76,7 @@ impl Way {
     #[inline(never)]
     pub(super) fn close(&mut self, readings: u16, took_s: f32) -> Link {
         let mean = scaled(self.sum, 1.0 / f32::from(readings));
-        let link = Link::of(then(self.before, mean), self.before_s + 0.5 * took_s);
+        let link = Link { turn_rad: then(self.before, mean), way_s: self.before_s + 0.5 * took_s };
         (self.before, self.before_s) = (then(scaled(mean, -1.0), self.since), 0.5 * took_s);
         (self.since, self.sum) = ([0.0; 3], [0.0; 3]);
         link
