@@ -142,8 +142,14 @@ impl Active {
     }
 
     /// Takes a sample, `None` for one out of range: how the board turns at it (by the gyro, or by the field if an effect needs it and there is
-    /// no gyro), the corrected field, and whether the calibration is still right.
-    pub(super) fn take(&mut self, t_ms: u64, measured_ut: Option<[f32; 3]>, motion: &Motion) {
+    /// no gyro), the corrected field, and whether the calibration is still right. `fresh_radps` is the gyro's rate unless it has been silent.
+    pub(super) fn take(
+        &mut self,
+        t_ms: u64,
+        measured_ut: Option<[f32; 3]>,
+        motion: &Motion,
+        fresh_radps: Option<[f32; 3]>,
+    ) {
         self.corrected_ut = None;
         let Some(measured_ut) = measured_ut else { return };
         self.turn_radps = match (&self.live, motion.turn_radps) {
@@ -154,7 +160,7 @@ impl Active {
         self.corrected_ut = self.at(t_ms).and_then(|live| live.apply(measured_ut, turn_radps).ok());
         if let Some(corrected_ut) = self.corrected_ut {
             self.monitor.push(t_ms, corrected_ut, motion.accel_mps2);
-            self.rezero.push(t_ms, corrected_ut);
+            self.rezero.push(t_ms, corrected_ut, fresh_radps);
         }
     }
 

@@ -50,6 +50,7 @@ impl Device {
     pub fn on_motion(&mut self, accel_mps2: Option<[f32; 3]>, turn_radps: Option<[f32; 3]>) {
         self.learner_inputs.motion.accel_mps2 = accel_mps2;
         self.learner_inputs.motion.turn_radps = turn_radps;
+        self.learner_inputs.turn_at_ms = self.now_ms;
         for (names, values) in [(ACCEL, accel_mps2), (TURN, turn_radps)] {
             let Some(values) = values else { continue };
             for (name, value) in names.into_iter().zip(values) {
@@ -82,6 +83,7 @@ impl Device {
         if let Some(slot) = axis(TURN).and_then(|axis| learner_inputs.turn.get_mut(axis)) {
             *slot = single;
             learner_inputs.motion.turn_radps = whole(learner_inputs.turn);
+            learner_inputs.turn_at_ms = now_ms;
             return (used || self.turning_is_used(), value.is_some());
         }
         let tested = match single {

@@ -42,6 +42,8 @@ pub(super) struct LearnerInputs {
     /// The motion as it was fed by name.
     pub(super) accel: Axes,
     pub(super) turn: Axes,
+    /// When the rate of turn was fed last.
+    pub(super) turn_at_ms: u64,
     pub(super) question: Option<Question>,
     /// When the chip's temperature is asked for next; never, where it has none.
     pub(super) temperature_at_ms: u64,
@@ -81,6 +83,7 @@ impl LearnerInputs {
             motion: Motion::UNKNOWN,
             accel: [None; 3],
             turn: [None; 3],
+            turn_at_ms: 0,
             question: None,
             temperature_at_ms: 0,
             begin_at_ms: 0,
@@ -102,7 +105,7 @@ impl LearnerInputs {
         {
             self.changed = None;
         }
-        (self.temperature_at_ms, self.begin_at_ms) = (0, 0);
+        (self.temperature_at_ms, self.begin_at_ms, self.turn_at_ms) = (0, 0, 0);
         (self.own_clock, self.no_temperature) = (false, false);
         self.own = OwnColumns::new();
     }

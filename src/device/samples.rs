@@ -1,10 +1,14 @@
 //! Samples on their way in.
 
+use super::learner_inputs::LearnerInputs;
 use super::machine::Device;
 use super::sensor::SensorAnswer;
 use super::streamed;
 use crate::protocol::StreamMode;
 use crate::sensor::{Reading, Sample};
+
+/// A rate of turn that is older, ms, is not of now: `cal zero` does not go on with it.
+const GYRO_SILENT_MS: u64 = 500;
 
 impl Device {
     /// Takes a measurement (chip axes) that the owner made on its own: with [`Pace::Pushed`](crate::device::Pace::Pushed), all of them. It works without
@@ -24,7 +28,9 @@ impl Device {
             self.view.measured(t_ms, measured_ut);
         }
         if let Some(active) = &mut self.active {
-            active.take(t_ms, measured_ut, &self.learner_inputs.motion);
+            let LearnerInputs { motion, turn_at_ms, .. } = &self.learner_inputs;
+            let is_fresh = t_ms.saturating_sub(*turn_at_ms) <= GYRO_SILENT_MS;
+            active.take(t_ms, measured_ut, motion, motion.turn_radps.filter(|_| is_fresh));
         }
         if self.is_level()
             && let (Some(forces), Some(measured_ut)) = (&mut self.level, measured_ut)

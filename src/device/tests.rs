@@ -438,3 +438,66 @@ fn cal_zero_says_why_the_turns_do_not_suffice() {
     none.active = None;
     assert!(answer(&mut none, "cal zero", 1000).starts_with("err state there is no calibration in use"));
 }
+
+/// A gyro of 1 % of gain that is fed in this way, while the board turns to and fro by this much about all its axes with an offset.
+fn turned_with_gyro(most_deg: f64, feed: impl Fn(&mut Device, [f32; 3], u64)) -> Device {
+    let mut device = turned(0.0, [0; 3], 1);
+    let mut field = [20.0, 0.0, 45.8_f64];
+    for i in 50..3050_u64 {
+        let most = most_deg.to_radians();
+        let rate = [1.9, 1.3, 2.3].map(|pace| most * pace * crate::math::cos(pace * i as f64 * 0.02 + pace));
+        feed(&mut device, rate.map(|rate| (1.01 * rate + 0.01) as f32), 20 * i);
+        let counts = [0, 1, 2].map(|axis| (10.0 * field[axis]).round() as i16 + [40, -30, 60][axis]);
+        device.on_sample(&Reading { counts, overflow: [false; 3] }, 20 * i);
+        field = crate::vector::turned(field, rate.map(|rate| -0.02 * rate));
+    }
+    device
+}
+
+#[test]
+fn a_gyro_that_is_fed_makes_the_offset_more_exact() {
+    let zeroed = |mut device: Device| answer(&mut device, "cal zero", 61_000);
+    let without = zeroed(turned_with_gyro(15.0, |_, _, _| {}));
+    assert!(without.starts_with("ok state=solved") && without.ends_with("gyro=none"), "{without}");
+    let by_owner = zeroed(turned_with_gyro(15.0, |device, rate, _| device.on_motion(None, Some(rate))));
+    let by_console = zeroed(turned_with_gyro(15.0, |device, [x, y, z], now_ms| {
+        let line = std::format!("cov gx_radps={x} gy_radps={y} gz_radps={z}");
+        assert!(answer(device, &line, now_ms).starts_with("ok"));
+    }));
+    for said in [&by_owner, &by_console] {
+        assert!(said.starts_with("ok state=solved") && said.ends_with("gyro=used"), "{said}");
+        let (change_ut, error_ut) = (number(said, "change_ut="), number(said, "error_ut="));
+        assert!((change_ut - 7.81).abs() < 2.0 * error_ut, "{said}");
+        assert!(error_ut < number(&without, "error_ut="), "{said} {without}");
+    }
+    // It says nothing any more, or something else.
+    let silent = zeroed(turned_with_gyro(30.0, |device, rate, now_ms| {
+        if now_ms < 2000 {
+            device.on_motion(None, Some(rate));
+        }
+    }));
+    assert!(silent.ends_with("gyro=none"), "{silent}");
+    let degrees =
+        |device: &mut Device, rate: [f32; 3], _| device.on_motion(None, Some(rate.map(f32::to_degrees)));
+    let wrong = zeroed(turned_with_gyro(30.0, degrees));
+    assert!(wrong.ends_with("gyro=disagrees"), "{wrong}");
+    let wrong = zeroed(turned_with_gyro(10.0, degrees));
+    assert!(wrong.starts_with("err refused error-too-large") && wrong.contains("unit (rad/s)"), "{wrong}");
+}
+
+#[test]
+fn level_turns_are_refused_with_a_gyro_too() {
+    let mut device = turned(0.0, [0; 3], 1);
+    for i in 50..3050_u64 {
+        let heading = i as f64 * 0.02;
+        let (north, east) = (crate::math::cos(heading), -crate::math::sin(heading));
+        device.on_motion(None, Some([0.0, 0.0, 1.0]));
+        let counts = [(200.0 * north) as i16 + 40, (200.0 * east) as i16 - 30, 458 + (i % 2) as i16];
+        device.on_sample(&Reading { counts, overflow: [false; 3] }, 20 * i);
+    }
+    let said = answer(&mut device, "cal zero", 61_000);
+    assert!(
+        said.starts_with("err refused error-too-large") && said.contains("tilt the sensor further"),
+        "{said}"
+    );
+}

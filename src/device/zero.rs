@@ -1,4 +1,4 @@
-//! `cal zero`: the offset measured again with the matrix of the calibration in use, from a few turns.
+//! `cal zero`: the offset measured again with the matrix of the calibration in use, from a few turns, and a gyro if there is one.
 
 use core::fmt;
 
@@ -9,7 +9,7 @@ use crate::math::sqrt;
 use crate::number::Num;
 use crate::protocol::{Answered, Code, Reply};
 use crate::record::{PredictedError, Record};
-use crate::rezero::{MIN_LOOKS, NoOffset, OffsetChange};
+use crate::rezero::{GyroUse, MIN_LOOKS, NoOffset, OffsetChange};
 use crate::session::State;
 
 /// Residual of the looks, in multiples of what noise and calibration predict: beyond it they do not lie on one sphere.
@@ -24,8 +24,8 @@ const PROPOSED_SHARE: f64 = 0.005;
 /// Why there is no offset to accept.
 enum NotZeroed {
     Looks(NoOffset),
-    /// Error, as a share of the field.
-    TooUncertain(f64),
+    /// Error, as a share of the field, and what a gyro helped.
+    TooUncertain(f64, GyroUse),
     /// Residual, µT.
     NotOneSphere(f64),
 }
@@ -34,8 +34,8 @@ impl NotZeroed {
     const fn code(&self) -> &'static str {
         match self {
             NotZeroed::Looks(NoOffset::TooFewLooks(_)) => "too-few-samples",
-            NotZeroed::Looks(NoOffset::Planar) => "planar",
-            NotZeroed::TooUncertain(_) => "error-too-large",
+            NotZeroed::Looks(NoOffset::Planar(_)) => "planar",
+            NotZeroed::TooUncertain(..) => "error-too-large",
             NotZeroed::NotOneSphere(_) => "residual-too-large",
         }
     }
@@ -48,14 +48,17 @@ impl fmt::Display for NotZeroed {
                 f,
                 "the sensor turned too little ({looks} of {MIN_LOOKS} turns by 6 deg): turn it to and fro by 30 deg about each axis"
             ),
-            NotZeroed::Looks(NoOffset::Planar) => {
-                f.write_str("the turns were small, or in one plane: tilt the sensor further to both sides while you turn it")
-            }
-            NotZeroed::TooUncertain(share) => write!(
+            NotZeroed::Looks(NoOffset::Planar(gyro)) => write!(
                 f,
-                "the error of the offset would be {:.1} % of the field (limit {:.0} %): tilt the sensor further and turn it",
+                "the turns were small, or in one plane: tilt the sensor further to both sides while you turn it{}",
+                check_of(*gyro)
+            ),
+            NotZeroed::TooUncertain(share, gyro) => write!(
+                f,
+                "the error of the offset would be {:.1} % of the field (limit {:.0} %): tilt the sensor further and turn it{}",
                 Num(100.0 * share),
-                Num(100.0 * MAX_PREDICTED_ERROR)
+                Num(100.0 * MAX_PREDICTED_ERROR),
+                check_of(*gyro)
             ),
             NotZeroed::NotOneSphere(rms_ut) => write!(
                 f,
@@ -64,6 +67,14 @@ impl fmt::Display for NotZeroed {
                 Num(*rms_ut)
             ),
         }
+    }
+}
+
+/// What is to be checked of a gyro that could have helped.
+const fn check_of(gyro: GyroUse) -> &'static str {
+    match gyro {
+        GyroUse::Disagrees => "; the gyro disagrees: check its axes, signs and unit (rad/s)",
+        GyroUse::None | GyroUse::Used => "",
     }
 }
 
@@ -95,7 +106,7 @@ impl Active {
         let share = sqrt(error_ut * error_ut + matrix_ut * matrix_ut) / field_ut;
         let offset_ut = calibration.distort(change.change_ut.map(f64::from));
         let (true, Some(offset_ut)) = (share <= MAX_PREDICTED_ERROR, offset_ut) else {
-            return Err(NotZeroed::TooUncertain(share));
+            return Err(NotZeroed::TooUncertain(share, change.gyro));
         };
         let mut record = self.record;
         record.calibration.offset_ut = offset_ut;
@@ -162,12 +173,13 @@ struct Figures<'a>(&'a OffsetChange);
 
 impl fmt::Display for Figures<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let OffsetChange { error_ut, rms_ut, field_ut, looks, .. } = self.0;
+        let OffsetChange { error_ut, rms_ut, field_ut, looks, gyro, .. } = self.0;
         let (size_ut, error_ut) = (Num(f64::from(self.0.size_ut())), Num(f64::from(*error_ut)));
         let (rms_ut, field_ut) = (Num(f64::from(*rms_ut)), Num(f64::from(*field_ut)));
         write!(
             f,
-            "change_ut={size_ut:.2} error_ut={error_ut:.2} rms_ut={rms_ut:.3} field_ut={field_ut:.1} turns={looks}"
+            "change_ut={size_ut:.2} error_ut={error_ut:.2} rms_ut={rms_ut:.3} field_ut={field_ut:.1} turns={looks} gyro={}",
+            gyro.name()
         )
     }
 }

@@ -35,9 +35,12 @@ pub fn folder() -> Option<PathBuf> {
     path.is_dir().then(|| path.to_path_buf())
 }
 
-fn columns(path: &Path) -> Option<Vec<(String, Vec<f64>)>> {
+/// Columns by name.
+pub type Columns = Vec<(String, Vec<f64>)>;
+
+fn columns(path: &Path) -> Option<Columns> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).ok()?;
-    let mut columns: Vec<(String, Vec<f64>)> =
+    let mut columns: Columns =
         reader.headers().ok()?.iter().map(|name| (name.to_owned(), Vec::new())).collect();
     for record in reader.records() {
         for ((_, values), cell) in columns.iter_mut().zip(record.ok()?.iter()) {
@@ -47,15 +50,21 @@ fn columns(path: &Path) -> Option<Vec<(String, Vec<f64>)>> {
     Some(columns)
 }
 
-fn column<'c>(columns: &'c [(String, Vec<f64>)], name: &str) -> &'c [f64] {
+/// The columns of a recording and of its truth; `None` where one of them is missing.
+pub fn columns_of(log: &Path) -> Option<(Columns, Columns)> {
+    let name = log.file_stem()?.to_str()?;
+    Some((columns(log)?, columns(&log.with_file_name(format!("{name}.truth.csv")))?))
+}
+
+/// The values of a column; none where there is none of this name.
+pub fn column<'c>(columns: &'c [(String, Vec<f64>)], name: &str) -> &'c [f64] {
     columns.iter().find(|(own, _)| own == name).map_or(&[], |(_, values)| values)
 }
 
 /// Fits a recording and holds it against its truth; `None` where there is no fit or no truth.
 fn row(log: &Path) -> Option<Row> {
     let name = log.file_stem()?.to_str()?.to_owned();
-    let own = columns(log)?;
-    let truth = columns(&log.with_file_name(format!("{name}.truth.csv")))?;
+    let (own, truth) = columns_of(log)?;
     let table =
         Table::from_columns(own.iter().map(|(name, values)| (name.as_str(), values.as_slice()))).ok()?;
     let fitted = fit(&table, &Options::default()).ok()?;

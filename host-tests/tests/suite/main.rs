@@ -14,6 +14,7 @@ mod effect_table;
 mod effects_on_board;
 mod endurance;
 mod flash_store;
+mod gyro_offset;
 mod irrelevant_effects;
 mod late_store;
 mod learning_board;
