@@ -124,12 +124,6 @@ pub const RAISES: f64 = 1.05;
 /// Share of an error below which the better part of it is explained.
 pub const BETTER_PART: f64 = 0.5;
 
-/// The squared held-out error exceeds what is expected of noise by chance by so many times that excess (two more standard errors) ...
-pub const UNSEEN_SLACK: f64 = 2.0;
-
-/// ... and by this share of the noise's square: twice the relevance of a term.
-pub const UNSEEN_LEAST: f64 = 0.1;
-
 /// Fewer samples are no study: three for each of the nine base parameters, and a few.
 pub const FEWEST_SAMPLES: usize = 30;
 
@@ -147,13 +141,16 @@ pub const OTHER_DAY: f64 = 0.003;
 pub const CALIBRATED_SPREAD: f64 = 0.2;
 
 /// 1σ of its offset, in units of the field: what a calibration of another day leaves.
-pub const CALIBRATED_OFFSET: f64 = 0.1;
+pub const CALIBRATED_OFFSET: f64 = 0.05;
 
-/// 1σ of its gains and axes.
-pub const CALIBRATED_GAIN: f64 = 0.02;
+/// The same where the data ask for an offset: another battery, another board beside it.
+pub const MOVED_OFFSET: f64 = 0.3;
 
-/// 1σ of the mean of its gains, where the field is given: the sensitivity tolerance of datasheets.
-pub const CALIBRATED_SCALE: f64 = 0.3;
+/// 1σ of its gains where the data ask for gains ...
+pub const MOVED_GAIN: f64 = 0.05;
+
+/// ... and of their mean, where the field is given: the sensitivity tolerance of datasheets.
+pub const MOVED_SCALE: f64 = 0.03;
 
 // Directions.
 

@@ -135,11 +135,6 @@ impl<'a> Counted<'a> {
         self.aside.iter().map(|one| one.samples).sum()
     }
 
-    /// Samples set aside because the magnitude was far from all others.
-    pub fn set_aside_as_bursts(&self) -> usize {
-        self.aside.iter().filter(|one| one.why == Why::Burst).map(|one| one.samples).sum()
-    }
-
     /// Samples at the end of the sensor's range.
     pub fn clipped(&self) -> usize {
         let clipped = self.aside.iter().filter(|one| matches!(one.why, Why::Clipping { .. }));

@@ -55,8 +55,6 @@ impl View<'_, '_> {
         }
         let traces = Traces::of(&self.design, &self.explanation.base, &self.explanation.fitted)?;
         let wanted = verdict == Verdict::Unexplained && self.searches && self.lower_order.is_none();
-        let nobody = wanted && self.explanation.fitted.terms.is_empty();
-        let stands_out = if nobody { self.beside_leaders()? } else { Vec::new() };
         let fitted = &self.explanation.fitted;
         let begin = Begin { model: &fitted.model, known: self.known, stay: &fitted.terms, is_at_rest: false };
         let moving = match wanted {
@@ -129,8 +127,6 @@ impl View<'_, '_> {
             base: None,
             predicted_error_ut: predicted.map(|error| error * field),
             rotation_error_rad: 0.0,
-            bursts_explained: false,
-            stands_out,
             field_varies: moving.field_share,
             fit_refuses: None,
             only_unsure,

@@ -1,15 +1,16 @@
 //! Logs with too few orientations for offset and matrix, of a sensor that was calibrated before.
 //!
-//! Its own offset, gains and axes then stand, within what a calibration of another day leaves: a Gaussian prior, and the field is given by
-//! the magnitude with everything at rest: motors off, no current. So the effects of the columns are zero where the columns rest, not at their
-//! means.
+//! Its own scale and offset then stand, as they were with everything at rest: motors off, no current. So the effects of
+//! the columns are zero where the columns rest, not at their means. The data may ask for more: an offset of the base,
+//! then gains of its own for each axis, each with the field given by the magnitude that was found, because with little
+//! attitude an offset and a field that are both free run away together, to a point or to a plane.
 
 use crate::base::alignment::without_effects;
 use crate::base::engine::{Design, Fitted};
 use crate::base::prior::Prior;
 use crate::base::start;
 use crate::base::term::Term;
-use crate::bounds::{AS_WELL, CALIBRATED_GAIN, CALIBRATED_OFFSET, CALIBRATED_SCALE, CALIBRATED_SPREAD};
+use crate::bounds::{AS_WELL, CALIBRATED_OFFSET, CALIBRATED_SPREAD, MOVED_GAIN, MOVED_OFFSET, MOVED_SCALE};
 use crate::outcome::explain::explain;
 use crate::outcome::outcome::{Diagnosis, StepRow, Verdict};
 use crate::outcome::request::{Options, Refusal};
@@ -18,22 +19,54 @@ use crate::reason::Reason;
 use crate::samples::samples::Samples;
 use crate::samples::series::{Autocorrelation, rms};
 use crate::search::candidates::Catalogue;
-use crate::search::screen::test;
+use crate::search::screen::{RELEVANCE, SIGNIFICANCE, test};
+use crate::search::state::held_out_rms;
 use crate::table::Table;
 use ironout::fit::MIN_THICKNESS;
 use ironout::quality::MAX_RESIDUAL;
-use ironout::study::{Model, PhysicalPrior, Residual};
+use ironout::study::{Model, PhysicalPrior, Residual, f_tail};
 
-/// The prior in words.
-const WORDS: &str =
-    "assuming the sensor was already calibrated (offset within 30 % of the field, gains within 2 %)";
+/// What the base may move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Order {
+    /// The scale.
+    Scale,
+    /// The offset, with the field given.
+    Offset,
+    /// Offset and a gain for each axis, with the field given.
+    Gains,
+}
 
-/// What is known of a sensor that was calibrated before: the datasheet's few percent of gain and skew, and what a calibration leaves of the
-/// offset. `memory` is the number of rows with the information of one: the prior is worth as much against slow structure.
-fn calibrated_before(memory: f64) -> Prior {
-    let physical =
-        PhysicalPrior { gain: CALIBRATED_GAIN, skew: CALIBRATED_GAIN, offset_fields: CALIBRATED_OFFSET };
-    Prior { physical, scale: Some(CALIBRATED_SCALE), memory, earlier: None }
+impl Order {
+    fn known(self, memory: f64) -> Prior {
+        let held = PhysicalPrior::sphere();
+        let (physical, scale) = match self {
+            Order::Scale => (PhysicalPrior { offset_fields: CALIBRATED_OFFSET, ..held }, None),
+            Order::Offset => (PhysicalPrior { offset_fields: MOVED_OFFSET, ..held }, Some(MOVED_SCALE)),
+            Order::Gains => {
+                (PhysicalPrior { offset_fields: MOVED_OFFSET, gain: MOVED_GAIN, ..held }, Some(MOVED_SCALE))
+            }
+        };
+        Prior { physical, scale, memory, earlier: None }
+    }
+
+    fn words(self) -> String {
+        let what = match self {
+            Order::Scale => "only its scale is estimated (offset zero within 5 % of the field)",
+            Order::Offset => "only an offset is estimated",
+            Order::Gains => "only an offset and a gain per axis are estimated",
+        };
+        format!("assuming the sensor was already calibrated, {what}")
+    }
+
+    /// What this moves beyond the one before.
+    fn parameters(self) -> f64 {
+        match self {
+            Order::Scale => 1.0,
+            Order::Offset => 3.0,
+            Order::Gains => 2.0,
+        }
+    }
 }
 
 /// The diagnosis with a sensor taken as calibrated before. `None` where the log does not look like that, or where it
@@ -56,7 +89,9 @@ pub(crate) fn as_logged(
     let samples = &samples.from_rest();
     let catalogue = Catalogue::new(samples, table, options.registry);
     let design = Design::new(samples, Residual::Magnitude);
-    let known = calibrated_before(Autocorrelation::of(&off).time);
+    // What the sensor's scale is worth against slow structure, of which so many rows say the same.
+    let memory = Autocorrelation::of(&off).time;
+    let mut known = Order::Scale.known(memory);
     let field = options.scale_ut().unwrap_or(mean);
     let model = |scale: f64, field: f64| {
         let matrix = start::NO_ROTATION.map(|row| row.map(|value| value * scale));
@@ -68,14 +103,26 @@ pub(crate) fn as_logged(
         let Some(scaled) = model(1.0, mean / scale) else { return Ok(None) };
         start = scaled;
     }
-    let Ok((explanation, pure_lag)) = explain(design, &catalogue, start, &known, options, None)? else {
-        return Ok(None);
-    };
+    let Ok(mut found) = explain(design, &catalogue, start, &known, options, None)? else { return Ok(None) };
+    let mut order = Order::Scale;
+    for next in [Order::Offset, Order::Gains] {
+        let freer = next.known(memory);
+        let now = &found.0.fitted;
+        let Some(with) = design.fit(now.model, now.terms.clone(), &freer)? else { break };
+        let better = asked_for(&design, now, &with, next)?;
+        if !better {
+            continue;
+        }
+        let Ok(again) = explain(design, &catalogue, start, &freer, options, None)? else { break };
+        (order, known, found) = (next, freer, again);
+    }
+    let (explanation, pure_lag) = found;
     // Turns in one plane stay undetermined; an effect stretches the cloud of samples, so it is taken out first.
     let clean = without_effects(samples, &explanation.fitted.model, &explanation.fitted.terms);
     if start::thickness(&clean) < f64::from(MIN_THICKNESS) {
         return Ok(None);
     }
+    let prior = order.words();
     let view = View {
         table,
         samples,
@@ -83,7 +130,7 @@ pub(crate) fn as_logged(
         design,
         known: &known,
         explanation,
-        lower_order: Some(WORDS.into()),
+        lower_order: Some(prior),
         base: None,
         dip_deg: options.dip_deg,
         searches: options.search,
@@ -133,4 +180,20 @@ fn scale_at_rest<'a>(
     }
     let Some((_, best)) = best else { return Ok(scale(&base)) };
     Ok(design.fit(base.model, vec![best.clone()], known)?.as_ref().map_or(1.0, scale))
+}
+
+/// Whether the data ask for what the freer base moves: significantly, and on held-out time.
+fn asked_for(design: &Design, held: &Fitted, free: &Fitted, order: Order) -> Result<bool, Refusal> {
+    let residuals = design.residuals(&free.model, &free.terms.iter().collect::<Vec<_>>())?;
+    let effective = free.rows / Autocorrelation::of(&residuals).time;
+    let k = order.parameters();
+    let freedom = effective - free.columns() as f64 - k;
+    if freedom < 1.0 {
+        return Ok(false);
+    }
+    let f = (held.squares - free.squares).max(0.0) / k / (free.squares / freedom).max(f64::MIN_POSITIVE);
+    let falls = held_out_rms(held)
+        .zip(held_out_rms(free))
+        .is_some_and(|(before, after)| after * after < before * before * (1.0 - RELEVANCE));
+    Ok(f_tail(f, k, freedom) < SIGNIFICANCE && falls)
 }

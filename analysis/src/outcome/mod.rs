@@ -4,7 +4,6 @@ pub mod asked;
 pub mod at_rest;
 pub mod axes_status;
 pub mod blank;
-pub mod checks_before_complete;
 pub mod contradiction;
 pub mod explain;
 pub mod finish;

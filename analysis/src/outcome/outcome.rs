@@ -239,13 +239,6 @@ pub struct Diagnosis {
     pub predicted_error_ut: Option<f64>,
     /// 1σ that the rotation to the accelerometer turns a corrected vector by, rad; zero where there is none.
     pub rotation_error_rad: f64,
-    /// Whether effects explain what stood out of the base model, so that nothing was set aside for it.
-    #[serde(skip)]
-    pub bursts_explained: bool,
-    /// Where nobody was named: samples, as first and last of each run, that stand out of the base model with one of the effects that
-    /// explain the most.
-    #[serde(skip)]
-    pub stands_out: Vec<(usize, usize)>,
     /// The share of what is left that is the field itself, another one from place to place; `None` where something else may be
     /// the cause.
     #[serde(skip)]

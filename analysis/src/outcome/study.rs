@@ -7,7 +7,7 @@ use crate::base::level::tilt_deg;
 use crate::base::model::Base;
 use crate::base::prior::Prior;
 use crate::base::start;
-use crate::bounds::{AS_WELL, BETTER_PART, FEWEST_SAMPLES, LEVEL_DEG};
+use crate::bounds::{AS_WELL, FEWEST_SAMPLES, LEVEL_DEG};
 use crate::calibration::{EffectEntry, FittedEffect};
 use crate::correct::Corrector;
 use crate::effects::calibrated;
@@ -21,13 +21,12 @@ use crate::outcome::request::{Options, Refusal};
 use crate::outcome::transients;
 use crate::outcome::view::View;
 use crate::reason::Reason;
-use crate::samples::faults::{self, FaultKind};
+use crate::samples::faults;
 use crate::samples::samples::Samples;
 use crate::search::candidates::Catalogue;
 use crate::table::Table;
 use crate::unlogged::levels::{Levels, levels};
 use crate::unlogged::switching::{Switching, switching};
-use ironout::effect::Follows;
 use ironout::fit::MAX_PREDICTED_ERROR;
 use ironout::study::{Model, Residual};
 use std::borrow::Cow;
@@ -48,12 +47,6 @@ pub fn study(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
     diagnosis.data_faults.clone_from(&counted.faults);
     diagnosis.samples_used = counted.studied();
     diagnosis.samples_set_aside = counted.set_aside();
-    if diagnosis.bursts_explained {
-        let bursts = counted.set_aside_as_bursts();
-        diagnosis.data_faults.retain(|fault| fault.kind != FaultKind::Burst);
-        diagnosis.samples_used += bursts;
-        diagnosis.samples_set_aside -= bursts.min(diagnosis.samples_set_aside);
-    }
     let beside = transients::samples(&left_out);
     diagnosis.samples_used -= beside.min(diagnosis.samples_used);
     diagnosis.samples_set_aside += beside;
@@ -129,8 +122,7 @@ fn of_kind(ground: &Ground, options: &Options) -> Result<Diagnosis, Refusal> {
 fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagnosis, Refusal> {
     let table = ground.counted.table;
     let mut diagnosis = of_all(ground, samples, options)?;
-    let whole = ground.counted.with_bursts.as_ref().filter(|_| diagnosis.bursts_explained);
-    let mut now = Cow::Borrowed(whole.unwrap_or(samples));
+    let mut now = Cow::Borrowed(samples);
     for _ in 0..transients::ROUNDS {
         let Some((fewer, faults)) = transients::without(table, &now, &diagnosis, &options.add) else { break };
         let known = known(options);
@@ -138,7 +130,6 @@ fn of_samples(ground: &Ground, samples: &Samples, options: &Options) -> Result<D
         if !transients::says_more(&next, &diagnosis) {
             break;
         }
-        next.bursts_explained = diagnosis.bursts_explained;
         next.data_faults = diagnosis.data_faults.into_iter().chain(faults).collect();
         (diagnosis, now) = (next, Cow::Owned(fewer));
     }
@@ -215,11 +206,6 @@ fn of_all(ground: &Ground, samples: &Samples, options: &Options) -> Result<Diagn
     // On top of an earlier calibration the base is fitted with it, which sums alone cannot.
     let base = ground.base.as_ref().ok().filter(|_| options.prior.is_none());
     let Some(mut diagnosis) = on(table, samples, &known, options, base)? else { return Ok(none_fits()) };
-    if let Some(whole) = &ground.counted.with_bursts
-        && let Some(explained) = with_bursts(table, whole, &known, options, &diagnosis)?
-    {
-        return Ok(explained);
-    }
     if (diagnosis.verdict == Verdict::Undetermined || !diagnosis.has_attitude) && options.prior.is_none() {
         // Only where the attitude is at fault: full attitude with a large residual is something else.
         let field = diagnosis.calibration.map_or(f64::NAN, |calibration| calibration.field_ut);
@@ -241,23 +227,10 @@ fn is_told(lower: &Diagnosis, options: &Options) -> bool {
     !options.search || matches!(lower.verdict, Verdict::Missing | Verdict::Confounded)
 }
 
-/// Whether a sensor that is taken as calibrated before explains a log better than one that is not. One that was not has an error
-/// that goes with the attitude, which little of it does not tell from a cause; what has no column stands in for that first.
+/// Whether a sensor that is taken as calibrated before explains a log as well as one with an offset and a matrix of its own.
 fn tells_more(calibrated: &Diagnosis, free: &Diagnosis) -> bool {
-    let base = |one: &Diagnosis| one.steps.first().map_or(f64::INFINITY, |step| step.rms_ut);
     let left = |one: &Diagnosis| one.steps.last().map_or(f64::INFINITY, |step| step.rms_ut);
-    let is_in_time = |id: &String| {
-        calibrated
-            .registry
-            .parse(id)
-            .is_some_and(|named| matches!(named.family.follows(), Follows::Time | Follows::Tone))
-    };
-    let in_time = calibrated.steps.iter().filter_map(|step| step.added.as_ref()).any(is_in_time);
-    // Where the same cause leaves clearly less beside an offset and a matrix of its own, the sensor was not calibrated.
-    let as_well = left(calibrated) < AS_WELL * left(free);
-    as_well
-        && base(free) > AS_WELL * left(calibrated)
-        && !(in_time && base(free) < BETTER_PART * base(calibrated))
+    left(calibrated) < AS_WELL * left(free)
 }
 
 /// The model that a study begins with: an earlier calibration, or what these samples say.
@@ -296,27 +269,6 @@ fn level(
     diagnosis.reasons.insert(0, reason);
     accuse_nobody(&mut diagnosis, base);
     Ok(diagnosis)
-}
-
-/// The diagnosis with what stood out of the base model, where effects explain that as well as all else: a strong effect
-/// that comes and goes smoothly looks like bursts to a model that does not know it.
-fn with_bursts(
-    table: &Table,
-    whole: &Samples,
-    known: &Prior,
-    options: &Options,
-    without: &Diagnosis,
-) -> Result<Option<Diagnosis>, Refusal> {
-    let Some(mut found) = on(table, whole, known, options, None)? else { return Ok(None) };
-    let left = |one: &Diagnosis| one.steps.last().and_then(|step| step.holdout_rms_ut);
-    let explains =
-        !found.effects.is_empty() && matches!(found.verdict, Verdict::Missing | Verdict::Confounded);
-    let as_well = match (left(&found), left(without)) {
-        (Some(found), Some(without)) => found < AS_WELL * without,
-        (found, _) => found.is_some(),
-    };
-    found.bursts_explained = true;
-    Ok((explains && as_well).then_some(found))
 }
 
 /// Where the base is not determined nothing that stands on it may be claimed: what is left is the base as `fit` gives it.

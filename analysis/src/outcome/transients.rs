@@ -21,7 +21,6 @@ fn stand_out(samples: &Samples, diagnosis: &Diagnosis, asked: &[String]) -> Vec<
     // A step that was asked for is one.
     let found = diagnosis.effects.iter().filter(|effect| !asked.contains(&effect.id));
     let mut found = steps_there_and_back(samples, found);
-    found.extend(diagnosis.stands_out.iter().copied().filter(|(_, last)| *last < samples.len()));
     if let [residuals] = diagnosis.traces.final_ut.as_slice()
         && !diagnosis.effects.is_empty()
         && residuals.len() == samples.len()

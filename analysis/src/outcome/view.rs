@@ -305,19 +305,12 @@ impl<'a> View<'_, 'a> {
         has_attitude: bool,
     ) -> Judged {
         let refused = self.refused_by_fit(applied, predicted, field);
-        // Little attitude alone lets the error rise where the board turns to what the others do not hold.
-        let fails = self.fails_held_out(left, applied).filter(|_| has_attitude);
-        let (verdict, reasons, only_unsure) = self.reasoned(left, refused, fails);
+        let (verdict, reasons, only_unsure) = self.reasoned(left, refused);
         Judged { verdict, reasons, only_unsure, has_attitude }
     }
 
     /// Verdict and reasons, and whether all is explained and only the calibration not sure enough.
-    fn reasoned(
-        &self,
-        left: &NoiseEstimate,
-        refused: Option<f64>,
-        fails: Option<f64>,
-    ) -> (Verdict, Vec<Reason>, bool) {
+    fn reasoned(&self, left: &NoiseEstimate, refused: Option<f64>) -> (Verdict, Vec<Reason>, bool) {
         let mut reasons = Vec::new();
         if let Some(error) = refused {
             reasons.push(Reason::new("error-too-large", format!(
@@ -344,14 +337,6 @@ impl<'a> View<'_, 'a> {
             // First: it is the verdict, and the predicted error follows from it.
             reasons.insert(0, Reason::new("unexplained-variance", words));
             return (Verdict::Unexplained, reasons, false);
-        }
-        if let Some(times) = fails {
-            reasons.push(Reason::new("held-out-error", format!(
-                "The held-out error is {times:.1} × the noise floor: the model is incomplete, or the log is too short for it"
-            )));
-            let explained = self.explanation.fitted.converged && self.explanation.confounded.is_empty();
-            let alone = explained && reasons.len() == 1;
-            return (Verdict::Unexplained, reasons, alone);
         }
         if !self.explanation.fitted.converged {
             reasons.push(Reason::new("no-convergence", "The fit with all effects found did not converge"));
