@@ -62,28 +62,42 @@ impl Firmware {
         }
     }
 
-    /// Builds the firmware for the board of this feature, with all that firmware can have.
+    /// Builds the firmware for the board of this feature, with all that firmware can have: `cargo fw-NAME`.
     pub fn build_for(board: &str) -> Result<Self, Error> {
-        Self::build_with(board, &format!("{board},study,methods"))
+        Self::build_with(board, &[&format!("fw-{}", board.trim_start_matches("board-"))])
     }
 
     /// Builds the firmware for this board without the study and other methods than the adjusted one.
     pub fn build_lean(board: &str) -> Result<Self, Error> {
-        Self::build_with(board, board)
+        let target = target(board);
+        Self::build_with(
+            board,
+            &[
+                "build",
+                "--release",
+                "-p",
+                "ironout",
+                "--bin",
+                "firmware",
+                "--features",
+                board,
+                "--target",
+                target,
+            ],
+        )
     }
 
-    fn build_with(board: &str, features: &str) -> Result<Self, Error> {
+    fn build_with(board: &str, command: &[&str]) -> Result<Self, Error> {
         let workspace = Path::new(WORKSPACE);
         if !workspace.join("Cargo.toml").is_file() {
             return Err(Error::NoSource(workspace.to_owned()));
         }
-        let target = target(board);
-        ensure_target(workspace, target)?;
+        ensure_target(workspace, target(board))?;
         // The path of the ELF comes from cargo itself: CARGO_TARGET_DIR or a configuration may have moved it.
         let out = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
             .current_dir(workspace)
-            .args(["build", "--release", "-p", "ironout", "--bin", "firmware", "--features", features])
-            .args(["--target", target, "--message-format=json-render-diagnostics"])
+            .args(command)
+            .arg("--message-format=json-render-diagnostics")
             .stdin(Stdio::null())
             .output()
             .map_err(Error::io("run cargo"))?;
