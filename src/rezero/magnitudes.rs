@@ -145,8 +145,8 @@ impl Rezero {
         Sphere { radius, variance: sum / (n - 4.0), rms_ut: sqrtf(sum / n), memory }
     }
 
-    /// The change of the offset that the looks show, with the gyro if it was pushed and agrees. `matrix_error_ut` is the error of a corrected reading that the matrix makes: it is
-    /// the same in all looks of a direction, and no number of them averages it out.
+    /// The change of the offset that the looks show, with the gyro if it was pushed and agrees. `matrix_error_ut` is the error of a
+    /// corrected reading that the matrix makes: it is the same in all looks of a direction, and no number of them averages it out.
     ///
     /// # Errors
     /// [`NoOffset`].
